@@ -1,0 +1,122 @@
+//! Which voxels of a segment are solid, and nothing else: what the servo reads and swaps.
+//!
+//! Memory: see `brick_grid.rs` and `bit_brick.rs`. Empty bricks are not stored, full ones
+//! are one shared brick.
+
+use std::sync::Arc;
+
+use glam::{IVec3, UVec3};
+use rayon::prelude::*;
+
+use crate::bit_brick::BitBrick;
+use crate::brick_grid::{BrickGrid, BrickSwap};
+use crate::grid::{check_dimensions, is_inside};
+use crate::voxel_box::VoxelBox;
+
+/// One bit per voxel of a grid.
+#[derive(Clone, Debug)]
+pub struct Bits {
+    dimensions: UVec3,
+    bricks: BrickGrid<BitBrick>,
+}
+
+impl Bits {
+    /// Nothing is solid.
+    pub fn empty(dimensions: UVec3) -> Self {
+        let dimensions = checked(dimensions);
+        Self {
+            dimensions,
+            bricks: BrickGrid::empty(dimensions),
+        }
+    }
+
+    /// Makes every brick from its voxels, cut at the border, in parallel.
+    pub fn from_bricks(dimensions: UVec3, make: impl Fn(VoxelBox) -> BitBrick + Sync) -> Self {
+        let bounds = VoxelBox::of_dimensions(checked(dimensions));
+        Self {
+            dimensions,
+            bricks: BrickGrid::from_fn(dimensions, |voxels| {
+                make(voxels.intersect(&bounds)).shared()
+            }),
+        }
+    }
+
+    /// Voxels along x, y and z.
+    pub fn dimensions(&self) -> UVec3 {
+        self.dimensions
+    }
+
+    /// The bricks.
+    pub fn bricks(&self) -> &BrickGrid<BitBrick> {
+        &self.bricks
+    }
+
+    /// Whether a voxel is solid; outside the grid none is.
+    #[inline]
+    pub fn is_solid(&self, voxel: IVec3) -> bool {
+        // near a surface, half of the bricks do not exist: reading an empty one instead is
+        // quicker than a branch that the processor cannot guess
+        is_inside(self.dimensions, voxel)
+            && self
+                .bricks
+                .at(voxel)
+                .unwrap_or(&BitBrick::EMPTY)
+                .contains(voxel)
+    }
+
+    /// Exchanges one brick; see [`BrickGrid::swap`].
+    #[inline]
+    pub fn swap(&mut self, swap: &mut BrickSwap<BitBrick>) {
+        self.bricks.swap(swap);
+    }
+
+    /// The bytes that this object holds, shared bricks included, the one full brick not.
+    pub fn memory_bytes(&self) -> usize {
+        // a brick's two counters fill a cache line of their own
+        const BRICK_BYTES: usize = 2 * size_of::<BitBrick>();
+        let directory = size_of_val(self.bricks.entries());
+        let own = self
+            .bricks
+            .entries()
+            .par_iter()
+            .flatten()
+            .filter(|brick| !BitBrick::is_shared_full(brick))
+            .count();
+        directory + own * BRICK_BYTES
+    }
+
+    /// A box that holds all voxels that differ from `other`, cut at the border.
+    pub fn difference(&self, other: &Self) -> VoxelBox {
+        assert_eq!(self.dimensions, other.dimensions, "bits of two grids");
+        (0..self.bricks.len() as u32)
+            .into_par_iter()
+            .map(|index| {
+                let [ours, theirs] = [self, other].map(|bits| bits.bricks.get(index));
+                let same = match (ours, theirs) {
+                    (Some(ours), Some(theirs)) => Arc::ptr_eq(ours, theirs),
+                    (ours, theirs) => ours.is_none() && theirs.is_none(),
+                };
+                if same {
+                    return VoxelBox::EMPTY;
+                }
+                let [ours, theirs] =
+                    [ours, theirs].map(|brick| brick.map_or(BitBrick::EMPTY, |brick| **brick));
+                moved(ours.difference(&theirs), self.bricks.box_of(index).min)
+            })
+            .reduce(|| VoxelBox::EMPTY, |a, b| a.union(&b))
+    }
+}
+
+/// A box moved by `by`; an empty one stays where it is.
+pub(crate) fn moved(voxels: VoxelBox, by: IVec3) -> VoxelBox {
+    if voxels.is_empty() {
+        return VoxelBox::EMPTY;
+    }
+    VoxelBox::new(voxels.min + by, voxels.max + by)
+}
+
+/// Dimensions come from a `Grid`, which has refused all others.
+fn checked(dimensions: UVec3) -> UVec3 {
+    assert_eq!(check_dimensions(dimensions), Ok(()), "not those of a grid");
+    dimensions
+}

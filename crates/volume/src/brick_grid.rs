@@ -1,0 +1,155 @@
+//! The directory from voxels to bricks of 8×8×8: what bits and overlays are stored in.
+//!
+//! Memory: a flat array, x fastest, one pointer for each brick; no brick costs 8 bytes.
+//! A read is one directory entry and one brick, whatever the size. Clones share bricks.
+
+use std::sync::Arc;
+
+use glam::{IVec3, UVec3};
+use rayon::prelude::*;
+
+use crate::voxel_box::VoxelBox;
+
+/// Voxels along the edge of a brick.
+pub const BRICK: i32 = 8;
+
+/// A brick and its place in the directory. Swapped in, it holds the brick that was there,
+/// and so becomes its own inverse.
+#[derive(Debug)]
+pub struct BrickSwap<B> {
+    /// Place in the directory.
+    pub index: u32,
+    /// The brick to put there, or none.
+    pub brick: Option<Arc<B>>,
+}
+
+impl<B> Clone for BrickSwap<B> {
+    fn clone(&self) -> Self {
+        Self {
+            index: self.index,
+            brick: self.brick.clone(),
+        }
+    }
+}
+
+/// Bricks of a grid, some of which exist.
+#[derive(Debug)]
+pub struct BrickGrid<B> {
+    /// Bricks along each axis.
+    size: UVec3,
+    bricks: Vec<Option<Arc<B>>>,
+}
+
+impl<B> Clone for BrickGrid<B> {
+    fn clone(&self) -> Self {
+        Self {
+            size: self.size,
+            bricks: self.bricks.clone(),
+        }
+    }
+}
+
+impl<B> BrickGrid<B> {
+    /// No bricks, for a grid of so many voxels.
+    pub fn empty(dimensions: UVec3) -> Self {
+        let size = size_in_bricks(dimensions);
+        Self {
+            size,
+            bricks: vec![None; brick_count(size)],
+        }
+    }
+
+    /// Makes every brick from its box, in parallel; boxes reach beyond the grid's border.
+    pub fn from_fn(dimensions: UVec3, make: impl Fn(VoxelBox) -> Option<Arc<B>> + Sync) -> Self
+    where
+        B: Send + Sync,
+    {
+        let size = size_in_bricks(dimensions);
+        let bricks = (0..brick_count(size))
+            .into_par_iter()
+            .map(|index| make(box_of(size, index as u32)))
+            .collect();
+        Self { size, bricks }
+    }
+
+    /// Bricks along each axis.
+    pub fn size(&self) -> UVec3 {
+        self.size
+    }
+
+    /// Entries of the directory.
+    pub fn len(&self) -> usize {
+        self.bricks.len()
+    }
+
+    /// Whether no brick exists.
+    pub fn is_empty(&self) -> bool {
+        self.bricks.iter().all(Option::is_none)
+    }
+
+    /// The brick that holds a voxel of the grid, or none.
+    #[inline]
+    pub fn at(&self, voxel: IVec3) -> Option<&B> {
+        self.bricks.get(self.index_of(voxel))?.as_deref()
+    }
+
+    /// A brick by its place in the directory.
+    #[inline]
+    pub fn get(&self, index: u32) -> Option<&Arc<B>> {
+        self.bricks.get(index as usize)?.as_ref()
+    }
+
+    /// Exchanges two pointers: nothing is allocated or freed, so the servo may do it. An
+    /// index beyond the directory changes nothing.
+    #[inline]
+    pub fn swap(&mut self, swap: &mut BrickSwap<B>) {
+        if let Some(brick) = self.bricks.get_mut(swap.index as usize) {
+            std::mem::swap(brick, &mut swap.brick);
+        }
+    }
+
+    /// The directory, x fastest.
+    pub fn entries(&self) -> &[Option<Arc<B>>] {
+        &self.bricks
+    }
+
+    /// The voxels of a brick; they may reach beyond the grid's border.
+    pub fn box_of(&self, index: u32) -> VoxelBox {
+        box_of(self.size, index)
+    }
+
+    /// Directory places of all bricks that a box meets.
+    pub fn indices_in(&self, voxels: &VoxelBox) -> Vec<u32> {
+        let inside = voxels.intersect(&VoxelBox::of_dimensions(self.size * BRICK as u32));
+        if inside.is_empty() {
+            return Vec::new();
+        }
+        let bricks = VoxelBox::new(inside.min / BRICK, (inside.max + (BRICK - 1)) / BRICK);
+        bricks
+            .voxels()
+            .map(|brick| self.index_of(brick * BRICK) as u32)
+            .collect()
+    }
+
+    #[inline]
+    fn index_of(&self, voxel: IVec3) -> usize {
+        let brick = (voxel >> 3_i32).as_uvec3();
+        let [nx, ny] = [self.size.x as usize, self.size.y as usize];
+        (brick.z as usize * ny + brick.y as usize) * nx + brick.x as usize
+    }
+}
+
+fn size_in_bricks(dimensions: UVec3) -> UVec3 {
+    (dimensions + (BRICK as u32 - 1)) / BRICK as u32
+}
+
+fn brick_count(size: UVec3) -> usize {
+    size.x as usize * size.y as usize * size.z as usize
+}
+
+fn box_of(size: UVec3, index: u32) -> VoxelBox {
+    let [row, layer] = [size.x, size.x * size.y];
+    let brick = UVec3::new(index % row, index % layer / row, index / layer);
+    let min = brick.as_ivec3() * BRICK;
+    VoxelBox::new(min, min + BRICK)
+}

@@ -1,0 +1,28 @@
+//! Voxels: grids and frames, intensities, segments as sparse bricks of bits, edits and
+//! the exact traversal on which every contact model rests.
+//!
+//! Depends on no other crate of this project and knows nothing of devices, forces,
+//! threads or files. Lengths are mm; frames are those of `docs/conventions.md`: voxel
+//! (i, j, k) of the grid frame covers [i, i+1) on each axis; x is fastest in memory.
+
+pub mod bit_brick;
+pub mod bits;
+mod block;
+pub mod brick_grid;
+pub mod edit;
+mod edit_builder;
+pub mod first_solid;
+pub mod grid;
+pub mod intensities;
+pub mod intensity_brick;
+pub mod material;
+pub mod matter;
+pub mod occupancy;
+pub mod overlay;
+pub mod phantom;
+pub mod segment;
+pub mod statistics;
+pub mod threshold;
+pub mod voxel_box;
+pub mod voxels;
+pub mod walk;

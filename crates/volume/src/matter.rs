@@ -1,0 +1,51 @@
+//! What a voxel is made of, as matter edits see it: its intensity and its segments.
+
+use crate::edit::SegmentId;
+
+/// The state of one voxel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Matter {
+    /// Stored intensity, the overlay's where there is one.
+    pub stored: i16,
+    /// Segments in which the voxel is solid.
+    pub segments: SegmentSet,
+}
+
+/// A set of segments, one bit for each number.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SegmentSet([u64; 4]);
+
+impl SegmentSet {
+    /// No segment.
+    pub const EMPTY: Self = Self([0; 4]);
+
+    /// The set and this segment.
+    #[must_use]
+    pub fn with(mut self, id: SegmentId) -> Self {
+        self.0[usize::from(id.0 >> 6)] |= 1 << (id.0 & 63);
+        self
+    }
+
+    /// The set without this segment.
+    #[must_use]
+    pub fn without(mut self, id: SegmentId) -> Self {
+        self.0[usize::from(id.0 >> 6)] &= !(1 << (id.0 & 63));
+        self
+    }
+
+    /// Whether the segment belongs to the set.
+    pub fn contains(&self, id: SegmentId) -> bool {
+        self.0[usize::from(id.0 >> 6)] >> (id.0 & 63) & 1 != 0
+    }
+
+    /// Whether no segment belongs to it.
+    pub fn is_empty(&self) -> bool {
+        *self == Self::EMPTY
+    }
+}
+
+impl FromIterator<SegmentId> for SegmentSet {
+    fn from_iter<I: IntoIterator<Item = SegmentId>>(ids: I) -> Self {
+        ids.into_iter().fold(Self::EMPTY, Self::with)
+    }
+}

@@ -1,0 +1,142 @@
+//! Which voxels stand in the way of a probe: the one question touch asks of a scan.
+//!
+//! Frame: grid. Outside the grid nothing is solid. Several segments together are solid
+//! where any of them is.
+
+use std::sync::Arc;
+
+use glam::{IVec3, UVec3};
+
+use crate::bit_brick::BitBrick;
+use crate::bits::Bits;
+use crate::block::block_of_bits;
+use crate::segment::Segment;
+
+/// Which voxels are solid. Outside the grid nothing is. Answers must not change during a
+/// traversal; they neither allocate nor panic.
+pub trait Occupancy {
+    /// Whether this voxel is solid.
+    fn is_solid(&self, voxel: IVec3) -> bool;
+
+    /// The 8×8×8 voxels from `min` on, as bits counted from there.
+    #[inline]
+    fn block(&self, min: IVec3) -> BitBrick {
+        BitBrick::from_fn(UVec3::splat(8), |offset| self.is_solid(min + offset))
+    }
+}
+
+impl Occupancy for Bits {
+    #[inline]
+    fn is_solid(&self, voxel: IVec3) -> bool {
+        Bits::is_solid(self, voxel)
+    }
+
+    #[inline]
+    fn block(&self, min: IVec3) -> BitBrick {
+        block_of_bits(self, min)
+    }
+}
+
+impl Occupancy for Segment {
+    #[inline]
+    fn is_solid(&self, voxel: IVec3) -> bool {
+        self.contains(voxel)
+    }
+
+    #[inline]
+    fn block(&self, min: IVec3) -> BitBrick {
+        self.occupancy().block(min)
+    }
+}
+
+/// The union.
+impl<O: Occupancy> Occupancy for [O] {
+    #[inline]
+    fn is_solid(&self, voxel: IVec3) -> bool {
+        self.iter().any(|part| part.is_solid(voxel))
+    }
+
+    #[inline]
+    fn block(&self, min: IVec3) -> BitBrick {
+        let blocks = self.iter().map(|part| part.block(min));
+        blocks.fold(BitBrick::EMPTY, |union, part| {
+            BitBrick(std::array::from_fn(|z| union.0[z] | part.0[z]))
+        })
+    }
+}
+
+/// The union.
+impl<O: Occupancy, const N: usize> Occupancy for [O; N] {
+    #[inline]
+    fn is_solid(&self, voxel: IVec3) -> bool {
+        self.as_slice().is_solid(voxel)
+    }
+
+    #[inline]
+    fn block(&self, min: IVec3) -> BitBrick {
+        self.as_slice().block(min)
+    }
+}
+
+/// The union.
+impl<O: Occupancy> Occupancy for Vec<O> {
+    #[inline]
+    fn is_solid(&self, voxel: IVec3) -> bool {
+        self.as_slice().is_solid(voxel)
+    }
+
+    #[inline]
+    fn block(&self, min: IVec3) -> BitBrick {
+        self.as_slice().block(min)
+    }
+}
+
+/// A place that may be vacant: nothing is solid then.
+impl<O: Occupancy> Occupancy for Option<O> {
+    #[inline]
+    fn is_solid(&self, voxel: IVec3) -> bool {
+        self.as_ref().is_some_and(|part| part.is_solid(voxel))
+    }
+
+    #[inline]
+    fn block(&self, min: IVec3) -> BitBrick {
+        self.as_ref()
+            .map_or(BitBrick::EMPTY, |part| part.block(min))
+    }
+}
+
+impl<O: Occupancy + ?Sized> Occupancy for &O {
+    #[inline]
+    fn is_solid(&self, voxel: IVec3) -> bool {
+        (**self).is_solid(voxel)
+    }
+
+    #[inline]
+    fn block(&self, min: IVec3) -> BitBrick {
+        (**self).block(min)
+    }
+}
+
+impl<O: Occupancy + ?Sized> Occupancy for Box<O> {
+    #[inline]
+    fn is_solid(&self, voxel: IVec3) -> bool {
+        (**self).is_solid(voxel)
+    }
+
+    #[inline]
+    fn block(&self, min: IVec3) -> BitBrick {
+        (**self).block(min)
+    }
+}
+
+impl<O: Occupancy + ?Sized> Occupancy for Arc<O> {
+    #[inline]
+    fn is_solid(&self, voxel: IVec3) -> bool {
+        (**self).is_solid(voxel)
+    }
+
+    #[inline]
+    fn block(&self, min: IVec3) -> BitBrick {
+        (**self).block(min)
+    }
+}

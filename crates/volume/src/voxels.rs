@@ -1,0 +1,256 @@
+//! The true state of a scan: its values, what edits put over them, and its segments.
+//!
+//! Edits are built from a state (or a snapshot: a clone shares all bricks) and applied to
+//! it; every change raises the edit number, by which others know what they show.
+//! Frame: grid.
+
+use std::collections::BTreeMap;
+
+use glam::{IVec3, UVec3};
+use thiserror::Error;
+
+use crate::edit::{Edit, SegmentId};
+use crate::edit_builder;
+use crate::grid::Grid;
+use crate::intensities::Intensities;
+use crate::matter::Matter;
+use crate::overlay::Overlay;
+use crate::segment::Segment;
+use crate::threshold::threshold;
+use crate::voxel_box::VoxelBox;
+
+/// A change that does not fit the state.
+#[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
+pub enum VoxelsError {
+    /// Values or segments of another grid.
+    #[error("dimensions {given} given; allowed: those of the scan, {allowed}")]
+    Dimensions {
+        /// Voxels of what was given.
+        given: UVec3,
+        /// Voxels of the scan.
+        allowed: UVec3,
+    },
+    /// There is no such segment.
+    #[error("segment {0} given; allowed: a segment that exists")]
+    UnknownSegment(u8),
+    /// All numbers are taken.
+    #[error("a 256th segment given; allowed: 255")]
+    TooManySegments,
+    /// The edit was made for another grid.
+    #[error("brick {given} given; allowed: below {allowed}, the bricks of this scan")]
+    UnknownBrick {
+        /// Place in the directory.
+        given: u32,
+        /// Entries of the directory.
+        allowed: usize,
+    },
+}
+
+/// All voxels of a scan and their segments.
+#[derive(Clone, Debug)]
+pub struct Voxels {
+    grid: Grid,
+    intensities: Intensities,
+    overlay: Overlay,
+    segments: BTreeMap<SegmentId, Segment>,
+    edit_number: u64,
+}
+
+impl Voxels {
+    /// A scan without segments.
+    ///
+    /// # Errors
+    /// Where grid and intensities have different dimensions.
+    pub fn new(grid: Grid, intensities: Intensities) -> Result<Self, VoxelsError> {
+        check_dimensions(intensities.dimensions(), grid.dimensions())?;
+        Ok(Self {
+            grid,
+            overlay: Overlay::empty(grid.dimensions()),
+            intensities,
+            segments: BTreeMap::new(),
+            edit_number: 0,
+        })
+    }
+
+    /// Where the voxels stand.
+    pub fn grid(&self) -> &Grid {
+        &self.grid
+    }
+
+    /// The scan's own values.
+    pub fn intensities(&self) -> &Intensities {
+        &self.intensities
+    }
+
+    /// What matter edits put over them.
+    pub fn overlay(&self) -> &Overlay {
+        &self.overlay
+    }
+
+    /// Number of changes so far.
+    pub fn edit_number(&self) -> u64 {
+        self.edit_number
+    }
+
+    /// Stored value of a voxel, edits included; none outside the grid.
+    pub fn stored(&self, voxel: IVec3) -> Option<i16> {
+        self.overlay.stored(&self.intensities, voxel)
+    }
+
+    /// Physical value of a voxel, edits included; none outside the grid.
+    pub fn value(&self, voxel: IVec3) -> Option<f64> {
+        let stored = self.stored(voxel)?;
+        Some(self.intensities.physical(stored))
+    }
+
+    /// The voxels from `low` to `high` in physical units, edits included; see [`threshold`].
+    pub fn threshold(&self, low: f64, high: f64) -> Segment {
+        threshold(&self.intensities, Some(&self.overlay), low, high)
+    }
+
+    /// All segments, by rising number.
+    pub fn segments(&self) -> impl Iterator<Item = (SegmentId, &Segment)> {
+        self.segments.iter().map(|(&id, segment)| (id, segment))
+    }
+
+    /// One segment.
+    pub fn segment(&self, id: SegmentId) -> Option<&Segment> {
+        self.segments.get(&id)
+    }
+
+    /// Adds a segment under the lowest free number.
+    ///
+    /// # Errors
+    /// Where it belongs to another grid, or all numbers are taken.
+    pub fn add_segment(&mut self, segment: Segment) -> Result<SegmentId, VoxelsError> {
+        check_dimensions(segment.dimensions(), self.grid.dimensions())?;
+        let id = (1..=u8::MAX)
+            .map(SegmentId)
+            .find(|id| !self.segments.contains_key(id))
+            .ok_or(VoxelsError::TooManySegments)?;
+        self.segments.insert(id, segment);
+        self.edit_number += 1;
+        Ok(id)
+    }
+
+    /// Adds a segment under a given number, for undo, and returns the one that was there.
+    ///
+    /// # Errors
+    /// Where it belongs to another grid.
+    pub fn insert_segment(
+        &mut self,
+        id: SegmentId,
+        segment: Segment,
+    ) -> Result<Option<Segment>, VoxelsError> {
+        check_dimensions(segment.dimensions(), self.grid.dimensions())?;
+        self.edit_number += 1;
+        Ok(self.segments.insert(id, segment))
+    }
+
+    /// Puts a segment in the place of another and returns that, for undo.
+    ///
+    /// # Errors
+    /// Where there is no such segment, or the new one belongs to another grid.
+    pub fn replace_segment(
+        &mut self,
+        id: SegmentId,
+        segment: Segment,
+    ) -> Result<Segment, VoxelsError> {
+        check_dimensions(segment.dimensions(), self.grid.dimensions())?;
+        let place = self
+            .segments
+            .get_mut(&id)
+            .ok_or(VoxelsError::UnknownSegment(id.0))?;
+        self.edit_number += 1;
+        Ok(std::mem::replace(place, segment))
+    }
+
+    /// Takes a segment away and returns it.
+    ///
+    /// # Errors
+    /// Where there is no such segment.
+    pub fn remove_segment(&mut self, id: SegmentId) -> Result<Segment, VoxelsError> {
+        let removed = self
+            .segments
+            .remove(&id)
+            .ok_or(VoxelsError::UnknownSegment(id.0))?;
+        self.edit_number += 1;
+        Ok(removed)
+    }
+
+    /// Builds a change of one segment: `solid(voxel, was_solid)` is asked for each voxel of
+    /// the region inside the grid. Nothing changes before [`Self::apply`].
+    ///
+    /// # Errors
+    /// Where there is no such segment.
+    pub fn label_edit(
+        &self,
+        id: SegmentId,
+        region: &VoxelBox,
+        solid: impl Fn(IVec3, bool) -> bool + Sync,
+    ) -> Result<Edit, VoxelsError> {
+        let segment = self.segment(id).ok_or(VoxelsError::UnknownSegment(id.0))?;
+        let region = region.intersect(&self.grid.bounds());
+        Ok(edit_builder::label_edit((id, segment), &region, solid))
+    }
+
+    /// Builds a change of intensities and all segments: `change(voxel, was)` is asked for each
+    /// voxel of the region inside the grid. Segments that do not exist are passed over.
+    /// Nothing changes before [`Self::apply`].
+    pub fn matter_edit(
+        &self,
+        region: &VoxelBox,
+        change: impl Fn(IVec3, Matter) -> Matter + Sync,
+    ) -> Edit {
+        let region = region.intersect(&self.grid.bounds());
+        edit_builder::matter_edit(self, &region, change)
+    }
+
+    /// Applies an edit and returns its inverse, which is to be applied to the state that
+    /// this one leaves.
+    ///
+    /// # Errors
+    /// Where it does not fit; nothing is changed then.
+    pub fn apply(&mut self, mut edit: Edit) -> Result<Edit, VoxelsError> {
+        self.check(&edit)?;
+        for (id, swaps) in &mut edit.segments {
+            if let Some(segment) = self.segments.get_mut(id) {
+                segment.swap(swaps);
+            }
+        }
+        for swap in &mut edit.intensities {
+            self.overlay.swap(swap);
+        }
+        self.edit_number += 1;
+        Ok(edit)
+    }
+
+    /// Refuses an edit of other segments or of another grid.
+    fn check(&self, edit: &Edit) -> Result<(), VoxelsError> {
+        let unknown = |id: &SegmentId| !self.segments.contains_key(id);
+        if let Some(id) = edit
+            .segments
+            .iter()
+            .map(|(id, _)| id)
+            .find(|id| unknown(id))
+        {
+            return Err(VoxelsError::UnknownSegment(id.0));
+        }
+        let bits = edit.segments.iter().flat_map(|(_, swaps)| swaps);
+        let indices = bits.map(|swap| swap.index);
+        let indices = indices.chain(edit.intensities.iter().map(|swap| swap.index));
+        let allowed = self.overlay.bricks().len();
+        match indices.max() {
+            Some(given) if given as usize >= allowed => {
+                Err(VoxelsError::UnknownBrick { given, allowed })
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+fn check_dimensions(given: UVec3, allowed: UVec3) -> Result<(), VoxelsError> {
+    (given == allowed)
+        .then_some(())
+        .ok_or(VoxelsError::Dimensions { given, allowed })
+}

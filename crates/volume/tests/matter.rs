@@ -1,0 +1,15 @@
+//! Sets of segments.
+
+use palpate_volume::edit::SegmentId;
+use palpate_volume::matter::SegmentSet;
+
+#[test]
+fn a_set_holds_the_segments_put_into_it() {
+    let ids = [0, 1, 63, 64, 127, 128, 255].map(SegmentId);
+    let set: SegmentSet = ids.into_iter().collect();
+    for id in (0..=255).map(SegmentId) {
+        assert_eq!(set.contains(id), ids.contains(&id), "{id:?}");
+        assert!(set.with(id).contains(id) && !set.without(id).contains(id));
+    }
+    assert!(ids.into_iter().fold(set, SegmentSet::without).is_empty());
+}

@@ -1,0 +1,271 @@
+"""Messages between engine and page: the one schema that both sides check.
+
+Each message is one msgpack map with a ``type``. Points and vectors are (x, y, z) in the
+scene frame, LPS [mm]; forces [N]; stiffness [N/mm]; times [s]. The TypeScript side
+(``viewer/src/core/protocol.ts``) is generated from this module; a test fails where the
+two differ.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+import msgspec
+
+__all__ = [
+    "PROTOCOL_VERSION",
+    "FromPage",
+    "ToPage",
+    "decode_from_page",
+    "encode_to_page",
+]
+
+PROTOCOL_VERSION = 1
+
+Vector = tuple[float, float, float]
+"""x, y, z in the scene frame."""
+
+Share = Annotated[float, msgspec.Meta(ge=0.0, le=1.0)]
+Colour = tuple[Share, Share, Share]
+"""sRGB, each 0..1."""
+
+
+class Message(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag_field="type"):
+    """Base of all messages: a map with its type's name under ``type``."""
+
+
+# --- engine -> page -------------------------------------------------------------------
+
+
+class Histogram(msgspec.Struct, frozen=True):
+    """Counts of the scan's values in equal bins from ``low`` to ``high``."""
+
+    low: float
+    high: float
+    counts: list[int]
+
+
+class Scan(msgspec.Struct, frozen=True):
+    """The scan on display; its values come by HTTP from ``/api/volume``.
+
+    ``value = slope * stored + intercept``. ``patient_from_grid`` is row-major, shape
+    [4, 4]; grid coordinates are in voxels, voxel (i, j, k) covers [i, i+1) on each axis.
+    ``unit`` is "HU" only where it is known, else "".
+    """
+
+    name: str
+    modality: str
+    unit: str
+    dimensions: tuple[int, int, int]
+    spacing: Vector
+    patient_from_grid: list[float]
+    slope: float
+    intercept: float
+    range: tuple[float, float]
+    histogram: Histogram
+    soft_tissue: float
+    bone: float
+    orientation_known: bool
+    warnings: list[str]
+
+
+class Segment(msgspec.Struct, frozen=True):
+    """A segment of the scan.
+
+    ``range`` holds the threshold (low, high) while the segment is just that threshold;
+    null where its voxels come from elsewhere: then they stand in ``/api/labels`` under
+    the segment's ``id`` (1..255).
+    """
+
+    id: int
+    name: str
+    colour: Colour
+    visible: bool
+    touchable: bool
+    range: tuple[float, float] | None
+    voxels: int
+    volume_ml: float
+    pending: bool
+
+
+class Settings(msgspec.Struct, frozen=True):
+    """What a person can set about touch."""
+
+    stiffness: Annotated[float, msgspec.Meta(gt=0.0, le=10.0)]
+    damping: Annotated[float, msgspec.Meta(ge=0.0, le=0.1)]
+    force_limit: Annotated[float, msgspec.Meta(gt=0.0, le=40.0)]
+
+
+class Rate(msgspec.Struct, frozen=True):
+    """How a thread keeps its pace over the last second.
+
+    ``late`` counts ticks since the start that began more than 2 ms after their time.
+    """
+
+    asked_hz: float
+    hz: float
+    ticks: int
+    late: int
+    worst_late_ms: float
+
+
+class Rates(msgspec.Struct, frozen=True):
+    """One rate per thread; ``real_time`` says whether the priority was granted."""
+
+    device: Rate
+    servo: Rate
+    simulation: Rate
+    picture: Rate
+    real_time: bool
+
+
+class Safety(msgspec.Struct, frozen=True):
+    """Interventions of the safety stage and violations of the guarantees since start."""
+
+    clamped: int
+    slewed: int
+    not_finite: int
+    watchdog: int
+    violations: int
+
+
+class Hello(Message, tag="hello"):
+    """First message of the engine: everything the page needs to draw."""
+
+    protocol: int
+    version: str
+    scan: Scan
+    segments: list[Segment]
+    settings: Settings
+    device: str
+
+
+class State(Message, tag="state"):
+    """What is now, some 60 times a second, latest wins.
+
+    ``samples`` holds the ticks since the last state, thinned to at most 250 a second:
+    rows (time, force x, force y, force z).
+    """
+
+    tick: int
+    time: float
+    edit: int
+    device: Vector
+    hand: Vector
+    proxy: Vector
+    force: Vector
+    contact: bool
+    depth: float
+    touched: int
+    pending: int
+    can_undo: bool
+    can_redo: bool
+    rates: Rates
+    safety: Safety
+    samples: list[tuple[float, float, float, float]]
+
+
+class Segments(Message, tag="segments"):
+    """The segment list after a change; ``labels`` is the version of ``/api/labels``."""
+
+    segments: list[Segment]
+    labels: int
+
+
+class SettingsChanged(Message, tag="settings_changed"):
+    """The settings as the engine holds them."""
+
+    settings: Settings
+
+
+class Notice(Message, tag="notice"):
+    """A sentence for the person at the page."""
+
+    level: Literal["info", "warning", "error"]
+    text: str
+
+
+ToPage = Hello | State | Segments | SettingsChanged | Notice
+
+# --- page -> engine -------------------------------------------------------------------
+
+
+class Hand(Message, tag="hand"):
+    """Where the hand pulls the device to [scene]; latest wins."""
+
+    target: Vector
+
+
+class Place(Message, tag="place"):
+    """Puts probe, device and hand at a point, or at the free voxel next to it."""
+
+    point: Vector
+
+
+class View(Message, tag="view"):
+    """Axes of the view in the scene: the movement frame follows them (thesis 4.7)."""
+
+    right: Vector
+    up: Vector
+
+
+class Threshold(Message, tag="threshold"):
+    """Makes a segment of all voxels with low <= value <= high, or changes segment ``id``."""
+
+    id: int | None
+    name: str
+    low: float
+    high: float
+
+
+class SegmentProperties(Message, tag="segment_properties"):
+    """Changes how a segment looks and whether it can be touched."""
+
+    id: int
+    name: str
+    colour: Colour
+    visible: bool
+    touchable: bool
+
+
+class RemoveSegment(Message, tag="remove_segment"):
+    """Removes a segment; undo brings it back."""
+
+    id: int
+
+
+class ChangeSettings(Message, tag="change_settings"):
+    """Asks for new settings."""
+
+    settings: Settings
+
+
+class Undo(Message, tag="undo"):
+    """Takes the last edit back."""
+
+
+class Redo(Message, tag="redo"):
+    """Applies the last undone edit again."""
+
+
+FromPage = (
+    Hand | Place | View | Threshold | SegmentProperties | RemoveSegment | ChangeSettings | Undo | Redo
+)
+
+_encoder = msgspec.msgpack.Encoder()
+_decoder = msgspec.msgpack.Decoder(FromPage)
+
+
+def encode_to_page(message: ToPage) -> bytes:
+    """Packs a message for the page."""
+    return _encoder.encode(message)
+
+
+def decode_from_page(packed: bytes) -> FromPage:
+    """Unpacks a message of the page.
+
+    Raises:
+        msgspec.ValidationError: The message is not of the schema.
+        msgspec.DecodeError: The bytes are not msgpack.
+    """
+    return _decoder.decode(packed)
