@@ -1,0 +1,50 @@
+//! The proxy: the point that touches, which is always in a free voxel.
+//!
+//! Frame: grid; voxel (i, j, k) covers [i, i+1) on each axis. The proxy is kept as a voxel
+//! and a point strictly inside it, so that no rounding carries the point into a
+//! neighbour that may be solid.
+//! Source: Zilles & Salisbury, "A constraint-based god-object method for haptic display",
+//! IROS 1995.
+
+use crate::voxel_distance::nearest_point;
+use glam::{DVec3, IVec3};
+use palpate_volume::walk::COORDINATE_LIMIT;
+
+/// Where the proxy is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Proxy {
+    voxel: IVec3,
+    point: DVec3,
+}
+
+impl Proxy {
+    /// The proxy at a point of the grid frame, whose voxel the caller knows to be free.
+    /// None where the point is not finite or farther than traversals reach.
+    pub fn at(point_in_grid: DVec3) -> Option<Self> {
+        // written so that NaN is refused
+        let reach = DVec3::splat(COORDINATE_LIMIT);
+        let within = point_in_grid.abs().cmple(reach).all();
+        within.then(|| Self {
+            voxel: point_in_grid.floor().as_ivec3(),
+            point: point_in_grid,
+        })
+    }
+
+    /// The proxy in a free voxel, as near to `target` as it can be there.
+    pub fn nearest_in(voxel: IVec3, target: DVec3) -> Self {
+        Self {
+            voxel,
+            point: nearest_point(voxel, target),
+        }
+    }
+
+    /// The free voxel that it is in.
+    pub fn voxel(&self) -> IVec3 {
+        self.voxel
+    }
+
+    /// The point, grid frame.
+    pub fn point(&self) -> DVec3 {
+        self.point
+    }
+}

@@ -1,0 +1,113 @@
+//! The servo tick is closed: a counting allocator sees nothing, whatever is touched.
+
+mod support;
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+
+use glam::{DVec3, UVec3};
+use palpate_haptics::admission::{Admission, admit};
+use palpate_haptics::coupling::Coupling;
+use palpate_haptics::exact::Exact;
+use palpate_haptics::placement::nearest_free;
+use palpate_haptics::safety::{ForceLimits, Safety};
+use palpate_haptics::tick::{TickInput, TickState, TouchScene, tick};
+use support::{Random, SPACINGS, grid, noise};
+
+thread_local! {
+    /// Calls of the allocator by this thread.
+    static CALLS: Cell<u64> = const { Cell::new(0) };
+}
+
+/// The system's allocator, with every call of it counted.
+struct Counting;
+
+// SAFETY: all work is passed on to the system's allocator unchanged; the counter is a plain
+// number of the thread, needs no allocation and cannot unwind.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        CALLS.set(CALLS.get() + 1);
+        // SAFETY: the caller's promises are passed on
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        CALLS.set(CALLS.get() + 1);
+        // SAFETY: the caller's promises are passed on
+        unsafe { System.dealloc(pointer, layout) }
+    }
+
+    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        CALLS.set(CALLS.get() + 1);
+        // SAFETY: the caller's promises are passed on
+        unsafe { System.realloc(pointer, layout, size) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+/// Calls of the allocator while `work` runs.
+fn allocator_calls(work: impl FnOnce()) -> u64 {
+    let before = CALLS.get();
+    work();
+    CALLS.get() - before
+}
+
+#[test]
+fn the_counter_counts() {
+    let calls = allocator_calls(|| drop(std::hint::black_box(vec![1_u8; 100])));
+    assert_eq!(calls, 2);
+}
+
+/// 300 000 ticks of anything, with a change of the voxels admitted, pushed or held between
+/// every two, over one segment and over a union of two.
+#[test]
+fn ticks_admissions_and_safety_never_call_the_allocator() {
+    let scenes = [0.1, 0.4].map(|share| [noise(32, share, 1), noise(32, share, 2)]);
+    let mut outcomes = [0; 3];
+    for (spacing, parts) in SPACINGS.into_iter().zip(&scenes) {
+        let grid = grid(UVec3::splat(32), spacing);
+        let union = [parts[0].occupancy(), parts[1].occupancy()];
+        let proxy = nearest_free(&union, &grid, DVec3::splat(16.0), 9).expect("free");
+        let mut state = TickState { proxy };
+        let mut safety = Safety::new(ForceLimits::default());
+        let mut random = Random::new(5);
+        let mut both = true;
+
+        let calls = allocator_calls(|| {
+            for _ in 0..150_000 {
+                let mut device = random.point(-5.0, 37.0) * spacing;
+                if random.below(20) == 0 {
+                    device.x = [f64::NAN, 1e300, 1e7][random.below(3)];
+                }
+                let input = TickInput {
+                    device_in_scene: device,
+                    velocity_in_scene: random.direction() * 300.0,
+                    coupling: Coupling::default(),
+                };
+                let one = [union[0]];
+                let occupancy: &[_] = if both { &union } else { &one };
+                let scene = TouchScene {
+                    occupancy,
+                    grid: &grid,
+                };
+                let output = tick(&scene, &Exact::default(), &input, &mut state);
+                assert!(!output.violation);
+                safety.limit(output.force, 0.001);
+
+                // the second segment is switched off and, where the probe allows, on
+                let other: &[_] = if both { &one } else { &union };
+                let admission = admit(occupancy, other, &grid, &mut state.proxy);
+                both ^= admission != Admission::Held;
+                outcomes[match admission {
+                    Admission::Free => 0,
+                    Admission::Pushed { .. } => 1,
+                    Admission::Held => 2,
+                }] += 1;
+            }
+        });
+        assert_eq!(calls, 0);
+    }
+    assert!(outcomes[0] > 0 && outcomes[1] > 0, "{outcomes:?}");
+}

@@ -1,0 +1,59 @@
+//! The start of the proxy against a search of all voxels.
+
+mod support;
+
+use glam::{DVec3, IVec3, UVec3};
+use palpate_haptics::placement::nearest_free;
+use palpate_volume::occupancy::Occupancy;
+use palpate_volume::voxel_box::VoxelBox;
+use support::{Body, Random, SPACINGS, grid, noise};
+
+#[test]
+fn a_free_point_is_its_own_place() {
+    let solid = Body(|v: IVec3| v.z < 0);
+    let grid = grid(UVec3::splat(8), DVec3::ONE);
+    let point = DVec3::new(2.25, 3.5, 0.125);
+    let proxy = nearest_free(&solid, &grid, point, 4).expect("free");
+    assert_eq!(proxy.point(), point);
+}
+
+#[test]
+fn no_free_voxel_is_nearer_than_the_one_found() {
+    let mut random = Random::new(4);
+    for spacing in SPACINGS {
+        let grid = grid(UVec3::splat(24), spacing);
+        for share in [0.6, 0.95, 0.995] {
+            let solid = noise(24, share, 8);
+            for _ in 0..100 {
+                let point = random.point(0.0, 24.0);
+                let found = nearest_free(&solid, &grid, point, 30).expect("outside is free");
+                assert!(!solid.is_solid(found.voxel()));
+                assert_eq!(found.point().floor().as_ivec3(), found.voxel());
+
+                let distance = |at: DVec3| ((at - point) * spacing).length();
+                let nearest_point =
+                    |voxel: IVec3| point.clamp(voxel.as_dvec3(), voxel.as_dvec3() + 1.0);
+                let best = VoxelBox::of_dimensions(UVec3::splat(24))
+                    .dilate(1)
+                    .voxels()
+                    .filter(|&voxel| !solid.is_solid(voxel))
+                    .map(|voxel| distance(nearest_point(voxel)))
+                    .fold(f64::INFINITY, f64::min);
+                // the skin inside the voxel, along three axes of up to 2.5 mm
+                assert!(distance(found.point()) <= best + 1e-7);
+            }
+        }
+    }
+}
+
+#[test]
+fn nothing_is_found_where_all_is_solid_or_the_point_is_none() {
+    let solid = Body(|_: IVec3| true);
+    let grid = grid(UVec3::splat(8), DVec3::ONE);
+    assert_eq!(nearest_free(&solid, &grid, DVec3::ONE, 6), None);
+    assert_eq!(nearest_free(&solid, &grid, DVec3::ONE, -1), None);
+    for bad in [f64::NAN, f64::INFINITY, 1e300] {
+        let point = DVec3::new(0.5, bad, 0.5);
+        assert_eq!(nearest_free(&solid, &grid, point, 6), None);
+    }
+}

@@ -1,0 +1,170 @@
+//! Whatever is wanted, what is sent is finite, small enough, and grows slowly enough.
+
+mod support;
+
+use glam::DVec3;
+use palpate_haptics::safety::{ForceLimits, Safety, SafetyCounters};
+use proptest::prelude::*;
+use support::Random;
+
+const LIMITS: ForceLimits = ForceLimits {
+    max_force: 8.0,
+    max_growth: 1000.0,
+};
+const DT: f64 = 0.001;
+
+/// Sends the same force until it is reached.
+fn settled(safety: &mut Safety, wanted: DVec3) -> DVec3 {
+    (0..1000).fold(DVec3::ZERO, |_, _| safety.limit(wanted, DT))
+}
+
+#[test]
+fn a_force_grows_by_the_slew_limit_and_then_is_what_is_wanted() {
+    let mut safety = Safety::new(LIMITS);
+    let wanted = DVec3::new(3.0, 0.0, 4.0);
+    for tick in 1..=4 {
+        let sent = safety.limit(wanted, DT);
+        assert!((sent.length() - f64::from(tick)).abs() < 1e-12);
+    }
+    assert_eq!(safety.limit(wanted, DT), wanted);
+    assert_eq!(safety.counters().slewed, 4);
+}
+
+#[test]
+fn a_fall_is_never_limited() {
+    let mut safety = Safety::new(LIMITS);
+    let wanted = DVec3::new(0.0, 6.0, 0.0);
+    settled(&mut safety, wanted);
+    let slewed = safety.counters().slewed;
+    assert_eq!(safety.limit(wanted * 0.1, DT), wanted * 0.1);
+    assert_eq!(safety.limit(DVec3::ZERO, DT), DVec3::ZERO);
+    // also where time stands still
+    settled(&mut safety, wanted);
+    let slewed_again = safety.counters().slewed;
+    assert_eq!(safety.limit(DVec3::ZERO, 0.0), DVec3::ZERO);
+    assert_eq!(safety.counters().slewed, slewed_again);
+    assert!(slewed_again > slewed);
+}
+
+#[test]
+fn a_force_that_turns_around_drops_what_points_against_the_new_one() {
+    let mut safety = Safety::new(LIMITS);
+    settled(&mut safety, DVec3::X * 8.0);
+    let sent = safety.limit(-DVec3::X * 8.0, DT);
+    assert_eq!(sent, -DVec3::X);
+}
+
+#[test]
+fn a_large_force_is_cut_with_its_direction_kept() {
+    let mut safety = Safety::new(LIMITS);
+    let sent = settled(&mut safety, DVec3::new(3e200, -4e200, 0.0));
+    assert!((sent - DVec3::new(4.8, -6.4, 0.0)).length() < 1e-12);
+    assert_eq!(safety.counters().clamped, 1000);
+}
+
+#[test]
+fn a_force_that_is_not_finite_becomes_none_and_is_counted() {
+    let mut safety = Safety::new(LIMITS);
+    settled(&mut safety, DVec3::Z * 5.0);
+    let clean = safety.counters();
+    for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        assert_eq!(safety.limit(DVec3::new(1.0, bad, 0.0), DT), DVec3::ZERO);
+    }
+    let counters = SafetyCounters {
+        not_finite: 3,
+        ..clean
+    };
+    assert_eq!(safety.counters(), counters);
+    assert_eq!(safety.sent(), DVec3::ZERO);
+}
+
+#[test]
+fn a_release_forgets_the_force() {
+    let mut safety = Safety::new(LIMITS);
+    settled(&mut safety, DVec3::Z * 5.0);
+    assert_eq!(safety.release(), DVec3::ZERO);
+    // and what comes next grows from zero again
+    assert_eq!(safety.limit(DVec3::Z * 5.0, DT), DVec3::Z);
+}
+
+/// A wanted force: ordinary ones, tiny, huge, and none at all.
+fn any_force(random: &mut Random) -> DVec3 {
+    match random.below(8) {
+        0 => DVec3::ZERO,
+        1 => random.direction() * 1e300,
+        2 => random.direction() * 1e-300,
+        3 => DVec3::new(f64::NAN, 1.0, 2.0),
+        4 => DVec3::new(f64::INFINITY, -1.0, 0.0),
+        5 => random.direction() * 1e-160,
+        _ => random.direction() * random.between(0.0, 20.0),
+    }
+}
+
+/// Guarantees 5 and 6 over a million ticks of anything.
+#[test]
+fn whatever_is_wanted_what_is_sent_is_safe() {
+    let mut random = Random::new(9);
+    let mut safety = Safety::new(LIMITS);
+    let mut before = DVec3::ZERO;
+    for _ in 0..1_000_000 {
+        let wanted = any_force(&mut random);
+        let dt = [0.0, -1.0, f64::NAN, 0.00025, 0.001][random.below(5)];
+        let sent = safety.limit(wanted, dt);
+
+        assert!(sent.is_finite());
+        assert!(sent.length() <= LIMITS.max_force * (1.0 + 1e-15), "{sent}");
+        let step = (LIMITS.max_growth * dt).max(0.0);
+        // 1e-12 is rounding of lengths of up to 8 N
+        assert!(sent.length() - before.length() <= step + 1e-12);
+        if wanted.is_finite() {
+            // compared as directions, so that 1e300 does not overflow nor 1e-300 vanish
+            let direction = wanted / wanted.abs().max_element().max(f64::MIN_POSITIVE);
+            assert!(sent.dot(direction) >= -1e-12, "{sent} {wanted}");
+        } else {
+            assert_eq!(sent, DVec3::ZERO);
+        }
+        before = sent;
+    }
+    let counters = safety.counters();
+    assert!(counters.clamped > 0 && counters.slewed > 0 && counters.not_finite > 0);
+}
+
+proptest! {
+    /// A turn at equal magnitude goes no faster than a growth would.
+    #[test]
+    fn a_change_of_direction_is_slew_limited(angle in -3.1..3.1_f64, magnitude in 0.1..8.0) {
+        let mut safety = Safety::new(LIMITS);
+        let start = settled(&mut safety, DVec3::X * magnitude);
+        let wanted = DVec3::new(angle.cos(), angle.sin(), 0.0) * magnitude;
+        let sent = safety.limit(wanted, DT);
+        // what pointed against the new force is a fall; all else is a step of 1 N at most
+        let fallen = start - wanted.normalize() * start.dot(wanted.normalize()).min(0.0);
+        prop_assert!((sent - fallen).length() <= 1.0 + 1e-12);
+        prop_assert!(sent.dot(wanted) >= 0.0);
+    }
+}
+
+#[test]
+fn limits_that_are_no_numbers_let_nothing_through_and_are_refused_at_the_door() {
+    for bad in [f64::NAN, -1.0, 0.0] {
+        let limits = ForceLimits {
+            max_force: bad,
+            max_growth: 1000.0,
+        };
+        assert!(
+            limits
+                .check()
+                .expect_err("refused")
+                .to_string()
+                .contains('N')
+        );
+        assert_eq!(settled(&mut Safety::new(limits), DVec3::X), DVec3::ZERO);
+        let limits = ForceLimits {
+            max_force: 1.0,
+            max_growth: bad,
+        };
+        assert!(limits.check().is_err());
+        assert_eq!(settled(&mut Safety::new(limits), DVec3::X), DVec3::ZERO);
+    }
+    assert_eq!(ForceLimits::default().check(), Ok(()));
+}

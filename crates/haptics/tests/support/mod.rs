@@ -1,0 +1,127 @@
+//! Bodies to touch, random points, and an independent count of what is connected.
+
+#![allow(dead_code, reason = "each test binary uses its own part")]
+
+use glam::{DMat3, DVec3, IVec3, UVec3};
+use palpate_volume::grid::Grid;
+use palpate_volume::occupancy::Occupancy;
+use palpate_volume::segment::Segment;
+use palpate_volume::voxel_box::VoxelBox;
+
+/// Voxel sizes that tests run on: cubes, and slices thicker than their pixels [mm].
+pub const SPACINGS: [DVec3; 2] = [DVec3::ONE, DVec3::new(0.7, 0.7, 2.5)];
+
+/// A grid whose scene is its own millimetres.
+pub fn grid(dimensions: UVec3, spacing: DVec3) -> Grid {
+    let origin = spacing * 0.5;
+    Grid::new(dimensions, spacing, origin, DMat3::IDENTITY).expect("a valid grid")
+}
+
+/// A body of any size by a rule; `Occupancy` has no closures of its own.
+pub struct Body<F>(pub F);
+impl<F: Fn(IVec3) -> bool> Occupancy for Body<F> {
+    fn is_solid(&self, voxel: IVec3) -> bool {
+        (self.0)(voxel)
+    }
+}
+
+/// Random numbers with a seed.
+pub struct Random(oorandom::Rand64);
+
+impl Random {
+    pub fn new(seed: u128) -> Self {
+        Self(oorandom::Rand64::new(seed))
+    }
+
+    pub fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.0.rand_float()
+    }
+
+    pub fn below(&mut self, count: usize) -> usize {
+        self.0.rand_range(0..count as u64) as usize
+    }
+
+    /// A point of the cube from `low` to `high` along each axis.
+    pub fn point(&mut self, low: f64, high: f64) -> DVec3 {
+        DVec3::from_array(std::array::from_fn(|_| self.between(low, high)))
+    }
+
+    /// A direction, all equally likely.
+    pub fn direction(&mut self) -> DVec3 {
+        loop {
+            let point = self.point(-1.0, 1.0);
+            if (0.01..1.0).contains(&point.length_squared()) {
+                return point.normalize();
+            }
+        }
+    }
+}
+
+/// Voxels solid with a probability, independently.
+pub fn noise(size: u32, share: f64, seed: u128) -> Segment {
+    let mut random = Random::new(seed);
+    let count = (size as usize).pow(3);
+    let mask: Vec<u8> = (0..count)
+        .map(|_| u8::from(random.between(0.0, 1.0) < share))
+        .collect();
+    Segment::from_mask(UVec3::splat(size), &mask).expect("one byte per voxel")
+}
+
+/// Which free voxels are connected face to face, by flooding the whole grid and a margin
+/// around it: a second way to the answer, which shares nothing with the code tested.
+pub struct Components {
+    bounds: VoxelBox,
+    labels: Vec<u32>,
+}
+
+impl Components {
+    /// The label of everything outside.
+    pub const OUTSIDE: u32 = 1;
+
+    pub fn of(solid: &impl Occupancy, dimensions: UVec3) -> Self {
+        let bounds = VoxelBox::of_dimensions(dimensions).dilate(1);
+        let count = bounds.voxel_count() as usize;
+        let mut components = Self {
+            bounds,
+            labels: vec![0; count],
+        };
+        let mut next = Self::OUTSIDE;
+        for voxel in bounds.voxels() {
+            if components.label(voxel) == 0 && !solid.is_solid(voxel) {
+                components.flood(solid, voxel, next);
+                next += 1;
+            }
+        }
+        components
+    }
+
+    fn flood(&mut self, solid: &impl Occupancy, start: IVec3, label: u32) {
+        let mut stack = vec![start];
+        while let Some(voxel) = stack.pop() {
+            if !self.bounds.contains(voxel) || solid.is_solid(voxel) || self.label(voxel) != 0 {
+                continue;
+            }
+            let index = self.index(voxel);
+            self.labels[index] = label;
+            for axis in IVec3::AXES {
+                stack.push(voxel + axis);
+                stack.push(voxel - axis);
+            }
+        }
+    }
+
+    fn index(&self, voxel: IVec3) -> usize {
+        let offset = (voxel - self.bounds.min).as_uvec3();
+        let size = self.bounds.size();
+        ((offset.z * size.y + offset.y) * size.x + offset.x) as usize
+    }
+
+    /// 0 for a solid voxel.
+    pub fn label(&self, voxel: IVec3) -> u32 {
+        if self.bounds.contains(voxel) {
+            self.labels[self.index(voxel)]
+        } else {
+            Self::OUTSIDE
+        }
+    }
+}
