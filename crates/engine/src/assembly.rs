@@ -1,0 +1,206 @@
+//! The loops of a session and what connects them, made from its configuration.
+
+use std::sync::mpsc::{self, Sender};
+use std::sync::{Arc, Mutex};
+
+use glam::DVec3;
+use palpate_device::DeviceLimits;
+use palpate_volume::edit::SegmentId;
+use palpate_volume::grid::Grid;
+use palpate_volume::intensities::Intensities;
+use palpate_volume::segment::Segment;
+use palpate_volume::voxels::{Voxels, VoxelsError};
+use triple_buffer::{Input, triple_buffer};
+
+use crate::device_loop::DeviceLoop;
+use crate::error::SessionError;
+use crate::frame::Notice;
+use crate::handover::{Channels, HandTarget, SimulationChannels};
+use crate::live::{Loops, PICTURE_HZ, SIMULATION_HZ};
+use crate::mapping::{Mapping, view_from_the_front};
+use crate::picture::{Picture, PictureSources, RateReaders};
+use crate::placement::{REACH, free_point, in_front_of};
+use crate::rate::RateMeter;
+use crate::scene::{Properties, Scene, Step};
+use crate::servo::{ServoLoop, ServoStart};
+use crate::session_config::{Reference, SessionConfig};
+use crate::settings::Settings;
+use crate::shared::Shared;
+use crate::simulation::{Simulation, SimulationStatus};
+use crate::touch::union_of;
+
+/// A session before it runs.
+pub struct Assembly {
+    /// What the threads will run.
+    pub loops: Loops,
+    /// What is shown.
+    pub picture: Arc<Mutex<Picture>>,
+    /// Where the hand pulls to.
+    pub hand: Input<HandTarget>,
+    /// What all threads see.
+    pub shared: Arc<Shared>,
+    /// Takes notices from anybody.
+    pub notices: Sender<Notice>,
+}
+
+/// Makes all loops of a configuration that was checked.
+///
+/// # Errors
+/// Where segments do not fit the scan, or there is no free place for the probe.
+pub fn assemble(config: SessionConfig) -> Result<Assembly, SessionError> {
+    let SessionConfig {
+        grid,
+        device,
+        reference,
+        rate_hz,
+        ..
+    } = config;
+    let limits = device.limits();
+    let settings = config.settings.within(&limits);
+    let scene = scene_of(grid, config.intensities, config.segments)?;
+    let probe = first_point(&scene, config.start)?;
+
+    // what connects the loops
+    let shared = Arc::new(Shared::default());
+    let channels = Channels::new(probe);
+    let (notices, notice_inbox) = mpsc::channel();
+    let (status, status_out) = triple_buffer(&SimulationStatus::default());
+    let (meters, rates) = meters(rate_hz);
+
+    // the loops
+    let dt = 1.0 / f64::from(rate_hz);
+    let device = DeviceLoop::new(device, channels.device, Arc::clone(&shared), dt);
+    let start = servo_start(&scene, reference, probe, settings);
+    let servo = ServoLoop::new(start, channels.servo, Arc::clone(&shared));
+    let ends = (channels.simulation, status, notices.clone());
+    let simulation = first_simulation(scene, settings, limits, ends, (reference, probe))?;
+    let sources = PictureSources {
+        records: channels.records,
+        status: status_out,
+        notices: notice_inbox,
+        rates,
+        shared: Arc::clone(&shared),
+    };
+    let picture = Arc::new(Mutex::new(Picture::new(sources, rate_hz, probe)));
+
+    tell_of_start(&notices, config.start, probe);
+    tell_of_limits(&notices, &settings, &config.settings);
+    let [device_meter, servo_meter, simulation_meter, picture_meter] = meters;
+    Ok(Assembly {
+        loops: Loops {
+            device: (device, device_meter),
+            servo: (servo, servo_meter),
+            simulation: (simulation, simulation_meter),
+            picture: (Arc::clone(&picture), picture_meter),
+        },
+        picture,
+        hand: channels.hand,
+        shared,
+        notices,
+    })
+}
+
+fn servo_start(
+    scene: &Scene,
+    reference: Reference,
+    probe: DVec3,
+    settings: Settings,
+) -> ServoStart {
+    let grid = *scene.voxels().grid();
+    ServoStart {
+        grid,
+        bits: union_of(grid.dimensions(), &scene.touchable_bits()),
+        mapping: first_mapping(reference),
+        probe,
+        settings,
+    }
+}
+
+/// A simulation that brings the device to the probe, where the device is not in the scene.
+fn first_simulation(
+    scene: Scene,
+    settings: Settings,
+    limits: DeviceLimits,
+    (channels, status, notices): (SimulationChannels, Input<SimulationStatus>, Sender<Notice>),
+    (reference, probe): (Reference, DVec3),
+) -> Result<Simulation, SessionError> {
+    let mut simulation = Simulation::new(scene, settings, limits, channels, status, notices);
+    if reference == Reference::View {
+        simulation.place(probe, 0, true)?;
+    }
+    simulation.step();
+    Ok(simulation)
+}
+
+/// A free place for the probe: the start, or the free voxel nearest to it.
+fn first_point(scene: &Scene, start: Option<DVec3>) -> Result<DVec3, SessionError> {
+    let grid = scene.voxels().grid();
+    let point = start.unwrap_or_else(|| in_front_of(grid));
+    free_point(&scene.touchable_bits(), grid, point).ok_or(SessionError::NoFreeVoxel {
+        point,
+        reach: REACH,
+    })
+}
+
+fn tell_of_start(notices: &Sender<Notice>, start: Option<DVec3>, probe: DVec3) {
+    if let Some(wanted) = start
+        && wanted != probe
+    {
+        let moved = probe.distance(wanted);
+        // the picture lives as long as the session
+        let _ = notices.send(Notice::info(format!(
+            "The start is inside a touchable segment: the probe begins in the nearest free \
+             voxel, {moved:.1} mm away."
+        )));
+    }
+}
+
+fn tell_of_limits(notices: &Sender<Notice>, settings: &Settings, wanted: &Settings) {
+    if let Some(notice) = settings.notice_of_limits(wanted) {
+        // the picture lives as long as the session
+        let _ = notices.send(notice);
+    }
+}
+
+fn scene_of(
+    grid: Grid,
+    intensities: Intensities,
+    segments: Vec<(Segment, Properties)>,
+) -> Result<Scene, SessionError> {
+    if segments.len() > usize::from(u8::MAX) {
+        return Err(VoxelsError::TooManySegments.into());
+    }
+    let mut scene = Scene::new(Voxels::new(grid, intensities)?);
+    for (id, (segment, properties)) in (1..=u8::MAX).zip(segments) {
+        scene.perform(Step::Insert {
+            id: SegmentId(id),
+            segment,
+            properties,
+        })?;
+    }
+    Ok(scene)
+}
+
+fn first_mapping(reference: Reference) -> Mapping {
+    match reference {
+        Reference::Scene => Mapping::IDENTITY,
+        Reference::View => Mapping {
+            rotation: view_from_the_front(),
+            ..Mapping::IDENTITY
+        },
+    }
+}
+
+fn meters(rate_hz: u32) -> ([RateMeter; 4], RateReaders) {
+    let (device, device_reader) = RateMeter::new(rate_hz);
+    let (servo, servo_reader) = RateMeter::new(rate_hz);
+    let (simulation, simulation_reader) = RateMeter::new(SIMULATION_HZ);
+    let (picture, picture_reader) = RateMeter::new(PICTURE_HZ);
+    let readers = RateReaders {
+        device: device_reader,
+        servo: servo_reader,
+        simulation: simulation_reader,
+        picture: picture_reader,
+    };
+    ([device, servo, simulation, picture], readers)
+}

@@ -1,0 +1,163 @@
+//! Timing of touch on a real segment, for `palpate bench haptics`.
+//!
+//! Budgets (design, section 8): detection of rays 4 voxels long at least 15 M/s, the hard proxy
+//! pressing and sliding at least 2 M/s (1 M/s on CThead in the first version).
+
+mod random;
+mod rays;
+mod stroke;
+mod timing;
+
+pub use rays::free_rays;
+pub use stroke::{DEPTH, STEP, Stroke, stroke};
+pub use timing::Timing;
+
+use std::hint::black_box;
+
+use glam::DVec3;
+use palpate_haptics::contact::ContactModel;
+use palpate_haptics::exact::Exact;
+use palpate_haptics::proxy::Proxy;
+use palpate_haptics::safety::{ForceLimits, Safety};
+use palpate_haptics::tick::{TickInput, TickState, TouchScene, tick};
+use palpate_volume::bits::Bits;
+use palpate_volume::first_solid::first_solid;
+use palpate_volume::grid::Grid;
+
+use crate::settings::Settings;
+
+/// What is timed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Work {
+    /// One traversal of a ray 4 voxels long that meets nothing.
+    Detection,
+    /// The contact model alone, the device pressing and sliding.
+    Proxy,
+    /// A complete tick: frames, contact model, coupling and safety stage.
+    Tick,
+}
+
+/// What came out.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Report {
+    /// Time of single calls, and calls per second without a clock between them.
+    pub timing: Timing,
+    /// Share of the updates in contact; 0 for detection.
+    pub contact_share: f64,
+    /// Voxels read per call, on average.
+    pub mean_visits: f64,
+    /// Length of the device's moves in smallest spacings, on average; 4 voxels for detection.
+    pub mean_step: f64,
+}
+
+/// Times `count` calls on a solid; none where it has no surface to touch. The same seed gives
+/// the same calls.
+#[must_use]
+pub fn run(grid: &Grid, solid: &Bits, work: Work, count: usize, seed: u64) -> Option<Report> {
+    let stroke = stroke(grid, solid, count, seed)?;
+    let report = match work {
+        Work::Detection => time_detection(grid, solid, &stroke, seed),
+        Work::Proxy => time_proxy(grid, solid, &stroke),
+        Work::Tick => time_tick(grid, solid, &stroke),
+    };
+    Some(report)
+}
+
+fn time_detection(grid: &Grid, solid: &Bits, stroke: &Stroke, seed: u64) -> Report {
+    let rays = free_rays(grid, solid, stroke, seed);
+    let timing = Timing::of(rays.len(), || {
+        let rays = &rays;
+        move |call: usize| {
+            let (start, end) = rays[call];
+            black_box(first_solid(solid, start, end)).is_some()
+        }
+    });
+    let visits: u64 = rays.iter().map(|ray| rays::visits(*ray)).sum();
+    Report {
+        timing,
+        contact_share: 0.0,
+        mean_visits: visits as f64 / rays.len().max(1) as f64,
+        mean_step: rays::LENGTH,
+    }
+}
+
+fn time_proxy(grid: &Grid, solid: &Bits, stroke: &Stroke) -> Report {
+    let model = Exact::default();
+    let grid_from_scene = grid.grid_from_patient();
+    let path: Vec<DVec3> = stroke
+        .device
+        .iter()
+        .map(|point| grid_from_scene.transform_point3(*point))
+        .collect();
+    let timing = Timing::of(path.len(), || {
+        let mut proxy = first_proxy(grid, stroke);
+        let path = &path;
+        move |call: usize| model.advance(solid, grid, path[call], &mut proxy).touching
+    });
+
+    let mut proxy = first_proxy(grid, stroke);
+    let visits = path
+        .iter()
+        .map(|device| model.advance(solid, grid, *device, &mut proxy).visits);
+    Report {
+        timing,
+        mean_visits: mean(visits),
+        ..stroke_report(grid, stroke)
+    }
+}
+
+fn time_tick(grid: &Grid, solid: &Bits, stroke: &Stroke) -> Report {
+    let model = Exact::default();
+    let scene = TouchScene {
+        occupancy: solid,
+        grid,
+    };
+    let input = |device: DVec3| TickInput {
+        device_in_scene: device,
+        velocity_in_scene: DVec3::ZERO,
+        coupling: Settings::default().coupling(),
+    };
+    let first_state = || TickState {
+        proxy: first_proxy(grid, stroke),
+    };
+    let timing = Timing::of(stroke.device.len(), || {
+        let mut state = first_state();
+        let mut safety = Safety::new(ForceLimits::default());
+        let scene = &scene;
+        move |call: usize| {
+            let output = tick(scene, &model, &input(stroke.device[call]), &mut state);
+            black_box(safety.limit(output.force, 1e-3));
+            output.contact
+        }
+    });
+
+    let mut state = first_state();
+    let visits = stroke
+        .device
+        .iter()
+        .map(|device| tick(&scene, &model, &input(*device), &mut state).visits);
+    Report {
+        timing,
+        mean_visits: mean(visits),
+        ..stroke_report(grid, stroke)
+    }
+}
+
+fn first_proxy(grid: &Grid, stroke: &Stroke) -> Proxy {
+    let point_in_grid = grid.grid_from_patient().transform_point3(stroke.start);
+    Proxy::at(point_in_grid).expect("a stroke begins at a free point near its solid")
+}
+
+fn stroke_report(grid: &Grid, stroke: &Stroke) -> Report {
+    Report {
+        timing: Timing::default(),
+        contact_share: stroke.contact_share,
+        mean_visits: 0.0,
+        mean_step: stroke.mean_step() / grid.smallest_spacing(),
+    }
+}
+
+fn mean(values: impl ExactSizeIterator<Item = u32>) -> f64 {
+    let count = values.len().max(1) as f64;
+    values.map(u64::from).sum::<u64>() as f64 / count
+}

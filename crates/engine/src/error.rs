@@ -1,0 +1,81 @@
+//! What can go wrong in a session.
+
+use palpate_volume::voxels::VoxelsError;
+
+use crate::mapping::ViewError;
+use crate::settings::SettingsError;
+
+/// Why a session does not do what it is asked for.
+#[derive(Debug, thiserror::Error)]
+pub enum SessionError {
+    /// It was stopped.
+    #[error("the session is stopped; allowed: a session that runs")]
+    Stopped,
+    /// It ended by itself.
+    #[error("the session has ended: {0}")]
+    Failed(String),
+    /// The system refuses a thread.
+    #[error("cannot start the {thread} thread: {reason}")]
+    Thread {
+        /// Which thread.
+        thread: &'static str,
+        /// The system's reason.
+        reason: std::io::Error,
+    },
+    /// A rate that no thread can keep.
+    #[error("servo rate {0} Hz given; allowed: 500 to 10000 Hz")]
+    Rate(u32),
+    /// A point that is none.
+    #[error("{name} {given} given; allowed: finite, at most {limit} mm from zero")]
+    Point {
+        /// What the point is for.
+        name: &'static str,
+        /// The point given.
+        given: glam::DVec3,
+        /// Largest coordinate [mm].
+        limit: f64,
+    },
+    /// No free voxel for the probe.
+    #[error(
+        "no free voxel within {reach} voxels of {point}; allowed: a point nearer to the surface"
+    )]
+    NoFreeVoxel {
+        /// The point given, scene mm.
+        point: glam::DVec3,
+        /// How far was searched.
+        reach: i32,
+    },
+    /// A box without voxels of the scan.
+    #[error("box from {low} to {high} given; allowed: low below high, inside {dimensions}")]
+    Box {
+        /// First voxel.
+        low: glam::IVec3,
+        /// One beyond the last voxel.
+        high: glam::IVec3,
+        /// Voxels of the scan.
+        dimensions: glam::UVec3,
+    },
+    /// A threshold that is none.
+    #[error("threshold {low} to {high} given; allowed: finite, low not above high")]
+    Range {
+        /// Lower end.
+        low: f64,
+        /// Upper end.
+        high: f64,
+    },
+    /// A stretch of time that is none, or a real session asked to compute one.
+    #[error("{0} s given; allowed: 0 to 3600 s")]
+    Duration(f64),
+    /// Only an offline session is stepped by its owner.
+    #[error("this session runs in real time; allowed: run() of a session with real_time off")]
+    NotOffline,
+    /// Voxels that do not fit.
+    #[error(transparent)]
+    Voxels(#[from] VoxelsError),
+    /// Settings out of range.
+    #[error(transparent)]
+    Settings(#[from] SettingsError),
+    /// View axes that are none.
+    #[error(transparent)]
+    View(#[from] ViewError),
+}

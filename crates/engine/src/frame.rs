@@ -1,0 +1,136 @@
+//! What a session shows at one moment.
+//!
+//! Points in scene mm (LPS), forces in N in scene axes, times in s since the start.
+
+use glam::DVec3;
+
+use crate::rate::Rate;
+
+/// How much a notice matters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NoticeLevel {
+    /// Something happened as it was asked for.
+    Info,
+    /// Something is not as it was asked for.
+    Warning,
+    /// Something failed.
+    Error,
+}
+
+/// A sentence for the person.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Notice {
+    /// How much it matters.
+    pub level: NoticeLevel,
+    /// The sentence.
+    pub text: String,
+}
+
+impl Notice {
+    /// A notice of something that happened as it was asked for.
+    #[must_use]
+    pub fn info(text: impl Into<String>) -> Self {
+        Self {
+            level: NoticeLevel::Info,
+            text: text.into(),
+        }
+    }
+
+    /// A notice of something that is not as it was asked for.
+    #[must_use]
+    pub fn warning(text: impl Into<String>) -> Self {
+        Self {
+            level: NoticeLevel::Warning,
+            text: text.into(),
+        }
+    }
+
+    /// A notice of a failure.
+    #[must_use]
+    pub fn error(text: impl Into<String>) -> Self {
+        Self {
+            level: NoticeLevel::Error,
+            text: text.into(),
+        }
+    }
+}
+
+/// The pace of each thread.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Rates {
+    /// Reads the device and writes the forces.
+    pub device: Rate,
+    /// Computes the forces.
+    pub servo: Rate,
+    /// Owns the true voxels.
+    pub simulation: Rate,
+    /// Collects what is shown.
+    pub picture: Rate,
+    /// Whether device and servo have real-time priority.
+    pub real_time: bool,
+}
+
+/// Interventions of the safety stage and violations of the guarantees since the start.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Safety {
+    /// Forces cut to the limit.
+    pub clamped: u64,
+    /// Forces whose growth was slowed.
+    pub slewed: u64,
+    /// Forces that were not finite and became zero.
+    pub not_finite: u64,
+    /// Times that the watchdog took the force away.
+    pub watchdog: u64,
+    /// Ticks in which the probe was found in a solid voxel: never, unless the engine is wrong.
+    pub violations: u64,
+}
+
+/// One tick of the force plot.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// When [s].
+    pub time: f64,
+    /// The force sent to the device [N].
+    pub force: DVec3,
+}
+
+/// What is now.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Frame {
+    /// Number of the newest servo tick.
+    pub tick: u64,
+    /// Its time [s].
+    pub time: f64,
+    /// Number of the newest edit of the voxels.
+    pub edit: u64,
+    /// Where the device is.
+    pub device: DVec3,
+    /// Where the hand pulls it to.
+    pub hand: DVec3,
+    /// Where the probe is: never inside a touchable segment.
+    pub proxy: DVec3,
+    /// The force sent to the device.
+    pub force: DVec3,
+    /// Whether an obstacle holds the probe back.
+    pub contact: bool,
+    /// How far the device is behind the probe [mm]; 0 without contact.
+    pub depth: f64,
+    /// The segment that is touched; 0 where there is none.
+    pub touched: u8,
+    /// Changes of the voxels that touch does not follow yet.
+    pub pending: usize,
+    /// Whether there is an edit to take back.
+    pub can_undo: bool,
+    /// Whether there is an undone edit to apply again.
+    pub can_redo: bool,
+    /// Rises with each change of a segment's voxels or of the list of segments.
+    pub segments_version: u64,
+    /// The pace of each thread.
+    pub rates: Rates,
+    /// Interventions and violations.
+    pub safety: Safety,
+    /// Ticks since the frame before, thinned.
+    pub samples: Vec<Sample>,
+    /// Notices since the frame before.
+    pub notices: Vec<Notice>,
+}

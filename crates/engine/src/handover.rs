@@ -1,0 +1,258 @@
+//! What the threads hand to one another, and the wait-free channels for it.
+//!
+//! Latest values (a device's state, a force, a hand target) go through triple buffers; what must
+//! not be lost (changes of occupancy, ticks, old bricks) through rings of a fixed size. Neither
+//! side ever waits, and the servo neither allocates nor frees.
+//!
+//! Frames: `_in_device` is the device's own, all else is the scene; mm, N, s.
+
+use glam::{DMat3, DVec3};
+use palpate_device::DeviceState;
+use palpate_volume::bit_brick::BitBrick;
+use palpate_volume::bits::Bits;
+use palpate_volume::brick_grid::BrickSwap;
+use rtrb::{Consumer, Producer, RingBuffer};
+use triple_buffer::{Input, Output, triple_buffer};
+
+use crate::settings::Settings;
+
+/// Commands that may wait for the servo.
+const INBOX: usize = 4096;
+/// Old bricks and roots that may wait to be freed.
+const GARBAGE: usize = 8192;
+/// Ticks whose records may wait for the picture: 2 s at 4 kHz.
+const RECORDS: usize = 8192;
+
+/// Device → servo: where the device is.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct DeviceSample {
+    /// Number of the reading, from 1; 0 before the first.
+    pub number: u64,
+    /// When it was read [s].
+    pub time: f64,
+    /// What was read, in the device's frame.
+    pub state: DeviceState,
+    /// The force that was last sent, in the device's frame [N].
+    pub sent_in_device: DVec3,
+}
+
+/// Servo → device: what to send.
+#[derive(Clone, Copy, Debug)]
+pub struct ForceCommand {
+    /// When it was computed [s].
+    pub time: f64,
+    /// Number of the tick that computed it, from 1; 0 before the first.
+    pub tick: u64,
+    /// The contact's force, before the safety stage, in the device's frame [N].
+    pub force_in_device: DVec3,
+    /// Where a simulated hand pulls to, in the device's frame [mm].
+    pub hand_in_device: DVec3,
+    /// Largest force [N].
+    pub max_force: f64,
+}
+
+/// Person → servo: where the hand pulls the device to.
+#[derive(Clone, Copy, Debug)]
+pub struct HandTarget {
+    /// In the scene [mm].
+    pub point: DVec3,
+    /// Rises with each target, so that a placement can tell the ones before it.
+    pub number: u64,
+}
+
+/// Simulation → servo, obeyed in order.
+#[derive(Debug)]
+pub enum ServoCommand {
+    /// Replaces all that can be touched.
+    Root {
+        /// Number of the change.
+        sequence: u64,
+        /// The union of all touchable segments.
+        bits: Bits,
+    },
+    /// Replaces some bricks of it.
+    Bricks(BrickChange),
+    /// Brings probe, device and hand to a point [mm].
+    Place {
+        /// Where to.
+        point: DVec3,
+        /// Hand targets up to this number are forgotten.
+        hand: u64,
+        /// Whether the device is brought there too, by moving the mapping.
+        device_too: bool,
+    },
+    /// Turns the axes in which the device moves the probe.
+    Turn(DMat3),
+    /// New settings.
+    Settings(Settings),
+}
+
+/// The bricks of one edit.
+#[derive(Debug)]
+pub struct BrickChange {
+    /// Number of the change.
+    pub sequence: u64,
+    /// At most [`MAX_BRICKS`], by rising index, each once.
+    pub swaps: Vec<BrickSwap<BitBrick>>,
+}
+
+/// Servo → simulation: what is to be freed there. The fields are only ever dropped.
+#[derive(Debug)]
+pub enum Garbage {
+    /// An occupancy that is no longer touched.
+    Root(Bits),
+    /// Bricks that are no longer touched.
+    Bricks(BrickChange),
+    /// A brick that was never touched.
+    Brick(BrickSwap<BitBrick>),
+}
+
+/// Bricks of one edit, at most; larger edits go as a root.
+pub const MAX_BRICKS: usize = 256;
+/// Edits that are held back, at most; beyond, a root has to bring them all.
+pub const MAX_HELD: usize = 8;
+
+/// Servo → simulation: what touch has followed.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ServoStatus {
+    /// The last change that was taken from the inbox.
+    pub received: u64,
+    /// First and last change that is in a root held back; none where `first` is 0.
+    pub held_root: (u64, u64),
+    /// Edits held back, then zeros.
+    pub held_edits: [u64; MAX_HELD],
+    /// Edits that were not even held, since too many are.
+    pub skipped: u64,
+    /// Placements refused, since there was no free voxel near the point.
+    pub refused_places: u64,
+    /// Where the device is.
+    pub device: DVec3,
+    /// Where the probe is.
+    pub proxy: DVec3,
+    /// Whether an obstacle holds the probe back.
+    pub contact: bool,
+}
+
+/// Servo → picture: one tick.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct TickRecord {
+    /// Number of the tick, from 0.
+    pub tick: u64,
+    /// Time of the tick [s].
+    pub time: f64,
+    /// Where the device was.
+    pub device: DVec3,
+    /// Where the hand pulled it to.
+    pub hand: DVec3,
+    /// Where the probe was.
+    pub proxy: DVec3,
+    /// The force of the contact, before the safety stage.
+    pub force: DVec3,
+    /// The force that was last sent to the device when the tick began.
+    pub sent_force: DVec3,
+    /// Whether an obstacle held the probe back.
+    pub contact: bool,
+    /// How far the device was behind the probe [mm]; 0 without contact.
+    pub depth: f64,
+    /// Voxels asked for.
+    pub visits: u32,
+}
+
+/// The device thread's ends.
+#[derive(Debug)]
+pub struct DeviceChannels {
+    /// To the servo.
+    pub samples: Input<DeviceSample>,
+    /// From the servo.
+    pub forces: Output<ForceCommand>,
+}
+
+/// The servo's ends.
+#[derive(Debug)]
+pub struct ServoChannels {
+    /// From the device.
+    pub samples: Output<DeviceSample>,
+    /// To the device.
+    pub forces: Input<ForceCommand>,
+    /// From the person.
+    pub hand: Output<HandTarget>,
+    /// From the simulation.
+    pub inbox: Consumer<ServoCommand>,
+    /// To the simulation.
+    pub garbage: Producer<Garbage>,
+    /// To the simulation.
+    pub status: Input<ServoStatus>,
+    /// To the picture.
+    pub records: Producer<TickRecord>,
+}
+
+/// The simulation's ends.
+#[derive(Debug)]
+pub struct SimulationChannels {
+    /// To the servo.
+    pub inbox: Producer<ServoCommand>,
+    /// From the servo.
+    pub garbage: Consumer<Garbage>,
+    /// From the servo.
+    pub status: Output<ServoStatus>,
+}
+
+/// All channels of a session.
+#[derive(Debug)]
+pub struct Channels {
+    /// The device thread's ends.
+    pub device: DeviceChannels,
+    /// The servo's ends.
+    pub servo: ServoChannels,
+    /// The simulation's ends.
+    pub simulation: SimulationChannels,
+    /// The picture's end.
+    pub records: Consumer<TickRecord>,
+    /// The person's end.
+    pub hand: Input<HandTarget>,
+}
+
+impl Channels {
+    /// Empty channels; the hand is at `hand` [mm].
+    #[must_use]
+    pub fn new(hand: DVec3) -> Self {
+        let (samples_in, samples_out) = triple_buffer(&DeviceSample::default());
+        let (forces_in, forces_out) = triple_buffer(&ForceCommand {
+            time: 0.0,
+            tick: 0,
+            force_in_device: DVec3::ZERO,
+            hand_in_device: DVec3::ZERO,
+            max_force: 0.0,
+        });
+        let (hand_in, hand_out) = triple_buffer(&HandTarget {
+            point: hand,
+            number: 0,
+        });
+        let (status_in, status_out) = triple_buffer(&ServoStatus::default());
+        let (inbox_in, inbox_out) = RingBuffer::new(INBOX);
+        let (garbage_in, garbage_out) = RingBuffer::new(GARBAGE);
+        let (records_in, records_out) = RingBuffer::new(RECORDS);
+        Self {
+            device: DeviceChannels {
+                samples: samples_in,
+                forces: forces_out,
+            },
+            servo: ServoChannels {
+                samples: samples_out,
+                forces: forces_in,
+                hand: hand_out,
+                inbox: inbox_out,
+                garbage: garbage_in,
+                status: status_in,
+                records: records_in,
+            },
+            simulation: SimulationChannels {
+                inbox: inbox_in,
+                garbage: garbage_out,
+                status: status_out,
+            },
+            records: records_out,
+            hand: hand_in,
+        }
+    }
+}

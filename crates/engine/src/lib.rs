@@ -1,0 +1,37 @@
+//! The live session: a scan that is touched with a device, its threads and what they share.
+//!
+//! Four threads (device, servo, simulation, picture) hand over latest values and queues without
+//! ever waiting for one another; the same loops can be stepped offline, deterministically. This
+//! is the only crate that knows all others; it will not depend on Python or on the page.
+//!
+//! Frames: points in the scene, LPS mm, unless a name says otherwise; forces N, times s.
+
+pub mod assembly;
+pub mod bench;
+pub mod clock;
+pub mod device_loop;
+pub mod error;
+pub mod frame;
+pub mod handover;
+pub mod journal;
+pub mod live;
+pub mod mapping;
+pub mod offline;
+pub mod pacing;
+pub mod picture;
+pub mod placement;
+pub mod priority;
+pub mod probe;
+pub mod rate;
+pub mod recording;
+pub mod scene;
+pub mod servo;
+pub mod session;
+pub mod session_config;
+pub mod settings;
+pub mod shared;
+pub mod simulation;
+pub mod touch;
+pub mod touch_occupancy;
+pub mod touch_sender;
+pub mod touched;

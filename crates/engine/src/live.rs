@@ -1,0 +1,277 @@
+//! The four threads of a session that runs in real time.
+//!
+//! device and servo at the servo rate, half a tick apart, so that each finds what the other made
+//! half a tick ago; simulation at 100 Hz, picture at 60 Hz. A panic in any of them takes the
+//! force away and ends the session; the reason is kept.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::JoinHandle;
+use std::time::Duration;
+
+use crate::clock;
+use crate::device_loop::DeviceLoop;
+use crate::error::SessionError;
+use crate::pacing::Pacer;
+use crate::picture::Picture;
+use crate::priority::{self, Priority};
+use crate::rate::RateMeter;
+use crate::servo::ServoLoop;
+use crate::shared::Shared;
+use crate::simulation::Simulation;
+
+/// Rate of the simulation thread [Hz].
+pub const SIMULATION_HZ: u32 = 100;
+/// Rate of the picture thread [Hz].
+pub const PICTURE_HZ: u32 = 60;
+
+/// From the start of the threads to their first tick [ns].
+const HEAD_START_NS: u64 = 20_000_000;
+/// Longest wait for the threads to end; a driver that hangs is left behind.
+const STOP_PATIENCE: Duration = Duration::from_millis(800);
+/// Longest wait for the outcome of the priorities.
+const START_PATIENCE: Duration = Duration::from_millis(500);
+
+/// Something to do in the simulation thread.
+pub type Question = Box<dyn FnOnce(&mut Simulation) + Send>;
+
+/// What the threads run, with a meter for each.
+pub struct Loops {
+    /// The device and its meter.
+    pub device: (DeviceLoop, RateMeter),
+    /// The servo and its meter.
+    pub servo: (ServoLoop, RateMeter),
+    /// The simulation and its meter.
+    pub simulation: (Simulation, RateMeter),
+    /// The picture and its meter.
+    pub picture: (Arc<Mutex<Picture>>, RateMeter),
+}
+
+/// The running threads.
+#[derive(Debug)]
+pub struct Live {
+    questions: Mutex<Sender<Question>>,
+    threads: Mutex<Vec<(&'static str, JoinHandle<()>)>>,
+    shared: Arc<Shared>,
+    start_ns: u64,
+}
+
+/// What every thread needs.
+#[derive(Clone)]
+struct Context {
+    shared: Arc<Shared>,
+    start_ns: u64,
+    rate_hz: u32,
+    outcomes: Sender<Result<(), String>>,
+}
+
+impl Live {
+    /// Starts the threads; gives them and the system's reason where it refused the real-time
+    /// priority.
+    ///
+    /// # Errors
+    /// Where the system refuses a thread; none runs then.
+    pub fn start(
+        loops: Loops,
+        shared: Arc<Shared>,
+        rate_hz: u32,
+    ) -> Result<(Self, Result<(), String>), SessionError> {
+        let (questions, inbox) = mpsc::channel();
+        let (outcomes, results) = mpsc::channel();
+        let context = Context {
+            shared: Arc::clone(&shared),
+            start_ns: clock::now_ns() + HEAD_START_NS,
+            rate_hz,
+            outcomes,
+        };
+        let live = Self {
+            questions: Mutex::new(questions),
+            threads: Mutex::new(Vec::with_capacity(4)),
+            shared,
+            start_ns: context.start_ns,
+        };
+        let Loops {
+            device,
+            servo,
+            simulation,
+            picture,
+        } = loops;
+
+        let [for_device, for_servo, for_simulation, for_picture] =
+            std::array::from_fn(|_| context.clone());
+        drop(context);
+        live.spawn("device", move || run_device(device, &for_device))?;
+        live.spawn("servo", move || run_servo(servo, &for_servo))?;
+        live.spawn("simulation", move || {
+            run_simulation(simulation, &inbox, &for_simulation);
+        })?;
+        live.spawn("picture", move || run_picture(picture, &for_picture))?;
+
+        let granted = outcome_of_both(&results);
+        Ok((live, granted))
+    }
+
+    /// The session's time zero, on the monotonic clock [ns].
+    #[must_use]
+    pub fn start_ns(&self) -> u64 {
+        self.start_ns
+    }
+
+    /// Has the simulation thread do something; false where it runs no more.
+    pub fn ask(&self, question: Question) -> bool {
+        let questions = self
+            .questions
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
+        questions.send(question).is_ok()
+    }
+
+    /// Ends all threads; gives the names of those that did not end in time.
+    pub fn stop(&self) -> Vec<&'static str> {
+        self.shared.stop();
+        // a question wakes the simulation; one that runs no more needs no waking
+        self.ask(Box::new(|_| {}));
+
+        let deadline = clock::now_ns() + STOP_PATIENCE.as_nanos() as u64;
+        let mut threads = self.threads.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut hanging = Vec::new();
+        for (name, thread) in threads.drain(..) {
+            while !thread.is_finished() && clock::now_ns() < deadline {
+                std::thread::sleep(Duration::from_millis(1));
+            }
+            if thread.is_finished() {
+                // a panic was caught and reported where it happened
+                let _ = thread.join();
+            } else {
+                hanging.push(name);
+            }
+        }
+        hanging
+    }
+
+    fn spawn(
+        &self,
+        name: &'static str,
+        body: impl FnOnce() + Send + 'static,
+    ) -> Result<(), SessionError> {
+        let shared = Arc::clone(&self.shared);
+        let thread = std::thread::Builder::new()
+            .name(format!("palpate-{name}"))
+            .spawn(move || {
+                if let Err(panic) = catch_unwind(AssertUnwindSafe(body)) {
+                    shared.fail(format!("the {name} thread failed: {}", message_of(&*panic)));
+                }
+            })
+            .map_err(|reason| {
+                self.shared.stop();
+                SessionError::Thread {
+                    thread: name,
+                    reason,
+                }
+            })?;
+        self.threads
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .push((name, thread));
+        Ok(())
+    }
+}
+
+impl Drop for Live {
+    fn drop(&mut self) {
+        self.stop();
+    }
+}
+
+/// The text of a panic.
+#[must_use]
+pub fn message_of(panic: &(dyn std::any::Any + Send)) -> String {
+    panic
+        .downcast_ref::<&str>()
+        .map(ToString::to_string)
+        .or_else(|| panic.downcast_ref::<String>().cloned())
+        .unwrap_or_else(|| "no reason was given".into())
+}
+
+/// Both real-time threads tell their outcome; one that is silent was refused.
+fn outcome_of_both(results: &Receiver<Result<(), String>>) -> Result<(), String> {
+    for _ in 0..2 {
+        results
+            .recv_timeout(START_PATIENCE)
+            .unwrap_or_else(|_| Err("the thread does not answer".into()))?;
+    }
+    Ok(())
+}
+
+impl Context {
+    /// Asks for the priority and tells the outcome.
+    fn prepare(&self, priority: Priority) {
+        let outcome = priority::make_real_time(priority);
+        if outcome.is_err() {
+            priority::make_sleeps_exact();
+        }
+        // the starter may have lost patience
+        let _ = self.outcomes.send(outcome);
+    }
+
+    /// Runs ticks until the session stops; `tick` is given the time [s].
+    fn run(&self, mut pacer: Pacer, mut meter: RateMeter, mut tick: impl FnMut(f64)) {
+        while !self.shared.stopping() {
+            let start = pacer.wait();
+            meter.count(start);
+            tick(self.seconds(start.began_ns));
+        }
+    }
+
+    /// Time since the session's time zero [s].
+    fn seconds(&self, now_ns: u64) -> f64 {
+        now_ns.saturating_sub(self.start_ns) as f64 * 1e-9
+    }
+}
+
+fn run_device((mut device, meter): (DeviceLoop, RateMeter), context: &Context) {
+    context.prepare(priority::DEVICE);
+    let pacer = Pacer::new(context.rate_hz, context.start_ns);
+    // `device` sends zero force when it is dropped, also when a tick panics
+    context.run(pacer, meter, |now| device.step(now));
+}
+
+fn run_servo((mut servo, meter): (ServoLoop, RateMeter), context: &Context) {
+    context.prepare(priority::SERVO);
+    let half_a_tick = 500_000_000 / u64::from(context.rate_hz);
+    let pacer = Pacer::new(context.rate_hz, context.start_ns + half_a_tick);
+    context.run(pacer, meter, |now| servo.step(now));
+}
+
+fn run_simulation(
+    (mut simulation, mut meter): (Simulation, RateMeter),
+    inbox: &Receiver<Question>,
+    context: &Context,
+) {
+    let mut pacer = Pacer::new(SIMULATION_HZ, context.start_ns);
+    while !context.shared.stopping() {
+        let rest = pacer.due_ns().saturating_sub(clock::now_ns());
+        if rest == 0 {
+            meter.count(pacer.wait());
+            simulation.step();
+            continue;
+        }
+        // until the next tick is due, do what is asked for
+        match inbox.recv_timeout(Duration::from_nanos(rest)) {
+            Ok(question) => question(&mut simulation),
+            Err(RecvTimeoutError::Timeout) => {}
+            Err(RecvTimeoutError::Disconnected) => return,
+        }
+    }
+}
+
+fn run_picture((picture, meter): (Arc<Mutex<Picture>>, RateMeter), context: &Context) {
+    let pacer = Pacer::new(PICTURE_HZ, context.start_ns);
+    context.run(pacer, meter, |_| {
+        picture
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .collect();
+    });
+}

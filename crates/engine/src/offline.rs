@@ -1,0 +1,101 @@
+//! A session that its owner steps: the same loops, one after the other, at a fixed step.
+//!
+//! Two runs of the same session are equal to the bit: nothing here knows a clock.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use crate::live::{Loops, PICTURE_HZ, SIMULATION_HZ, message_of};
+use crate::pacing::Start;
+use crate::picture::Picture;
+use crate::shared::Shared;
+use crate::simulation::Simulation;
+
+/// The loops and how far they are.
+pub struct Offline {
+    loops: Loops,
+    shared: Arc<Shared>,
+    rate_hz: u64,
+    tick: u64,
+}
+
+impl Offline {
+    /// Loops at tick 0, with a servo at `rate_hz`.
+    #[must_use]
+    pub fn new(loops: Loops, shared: Arc<Shared>, rate_hz: u32) -> Self {
+        Self {
+            loops,
+            shared,
+            rate_hz: u64::from(rate_hz),
+            tick: 0,
+        }
+    }
+
+    /// The simulation.
+    pub fn simulation(&mut self) -> &mut Simulation {
+        &mut self.loops.simulation.0
+    }
+
+    /// The session's time [ns].
+    #[must_use]
+    pub fn now_ns(&self) -> u64 {
+        self.tick * 1_000_000_000 / self.rate_hz
+    }
+
+    /// Steps for `seconds`; a panic takes the force away and ends the session.
+    pub fn run(&mut self, seconds: f64) {
+        let ticks = (seconds * self.rate_hz as f64).round() as u64;
+        let steps = || (0..ticks).for_each(|_| self.step());
+        if let Err(panic) = catch_unwind(AssertUnwindSafe(steps)) {
+            self.loops.device.0.release();
+            self.shared
+                .fail(format!("a loop failed: {}", message_of(&*panic)));
+        }
+    }
+
+    /// Ends the session.
+    pub fn stop(&mut self) {
+        self.shared.stop();
+        self.loops.device.0.release();
+    }
+
+    /// One tick of all that is due.
+    fn step(&mut self) {
+        let now = self.tick as f64 / self.rate_hz as f64;
+        let start = Start {
+            began_ns: self.now_ns(),
+            late_ns: 0,
+            skipped: 0,
+        };
+        let Loops {
+            device,
+            servo,
+            simulation,
+            picture,
+        } = &mut self.loops;
+        device.1.count(start);
+        device.0.step(now);
+        servo.1.count(start);
+        servo.0.step(now);
+        self.tick += 1;
+        if self
+            .tick
+            .is_multiple_of(self.rate_hz / u64::from(SIMULATION_HZ))
+        {
+            simulation.1.count(start);
+            simulation.0.step();
+        }
+        if self
+            .tick
+            .is_multiple_of(self.rate_hz / u64::from(PICTURE_HZ))
+        {
+            picture.1.count(start);
+            lock(&picture.0).collect();
+        }
+    }
+}
+
+/// A picture is whole even where a thread failed while it held the lock.
+fn lock(picture: &Mutex<Picture>) -> std::sync::MutexGuard<'_, Picture> {
+    picture.lock().unwrap_or_else(PoisonError::into_inner)
+}

@@ -1,0 +1,87 @@
+//! What a session begins with, and what of it is allowed.
+
+use glam::DVec3;
+use palpate_device::HapticDevice;
+use palpate_volume::grid::Grid;
+use palpate_volume::intensities::Intensities;
+use palpate_volume::segment::Segment;
+
+use crate::error::SessionError;
+use crate::scene::Properties;
+use crate::settings::Settings;
+
+/// Farthest point that a session takes [mm].
+const POINT_LIMIT: f64 = 1e6;
+/// How the device moves the probe.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reference {
+    /// The device begins at the start point and moves along the axes of the view.
+    View,
+    /// The device's frame is the scene: for paths written in scene mm.
+    Scene,
+}
+
+/// What a session begins with.
+pub struct SessionConfig {
+    /// Where the scan stands.
+    pub grid: Grid,
+    /// Its values.
+    pub intensities: Intensities,
+    /// Segments that are there from the start.
+    pub segments: Vec<(Segment, Properties)>,
+    /// The device.
+    pub device: Box<dyn HapticDevice>,
+    /// How it moves the probe.
+    pub reference: Reference,
+    /// Where the probe begins; none is in front of the scan.
+    pub start: Option<DVec3>,
+    /// Stiffness, damping and largest force.
+    pub settings: Settings,
+    /// Rate of device and servo [Hz].
+    pub rate_hz: u32,
+    /// Whether threads run in real time; else the owner steps the session.
+    pub real_time: bool,
+}
+
+impl SessionConfig {
+    /// A session of a scan with a device, with everything else as it is by default.
+    #[must_use]
+    pub fn new(grid: Grid, intensities: Intensities, device: Box<dyn HapticDevice>) -> Self {
+        Self {
+            grid,
+            intensities,
+            segments: Vec::new(),
+            device,
+            reference: Reference::View,
+            start: None,
+            settings: Settings::default(),
+            rate_hz: 1000,
+            real_time: true,
+        }
+    }
+}
+
+/// Refuses a configuration that is not allowed.
+pub(crate) fn check(config: &SessionConfig) -> Result<(), SessionError> {
+    if !(500..=10_000).contains(&config.rate_hz) {
+        return Err(SessionError::Rate(config.rate_hz));
+    }
+    config.settings.check()?;
+    if let Some(start) = config.start {
+        check_point("start", start)?;
+    }
+    Ok(())
+}
+
+/// Refuses a point that is not finite or absurdly far away.
+pub(crate) fn check_point(name: &'static str, given: DVec3) -> Result<(), SessionError> {
+    // written so that NaN is refused
+    if given.abs().cmple(DVec3::splat(POINT_LIMIT)).all() {
+        return Ok(());
+    }
+    Err(SessionError::Point {
+        name,
+        given,
+        limit: POINT_LIMIT,
+    })
+}

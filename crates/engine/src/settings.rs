@@ -1,0 +1,158 @@
+//! What a person can set about touch.
+
+use palpate_device::DeviceLimits;
+use palpate_haptics::coupling::Coupling;
+use palpate_haptics::safety::ForceLimits;
+
+use crate::frame::Notice;
+
+/// Stiffness, damping and largest force of touch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// Of the spring between probe and device [N/mm], > 0, at most 10.
+    pub stiffness: f64,
+    /// Of the damper beside that spring [N·s/mm], 0..=0.1.
+    pub damping: f64,
+    /// Largest force [N], > 0, at most 40.
+    pub force_limit: f64,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        let coupling = Coupling::default();
+        Self {
+            stiffness: coupling.stiffness,
+            damping: coupling.damping,
+            force_limit: ForceLimits::default().max_force,
+        }
+    }
+}
+
+/// A setting outside its range.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error("{name} is {given}; allowed: {allowed}")]
+pub struct SettingsError {
+    /// Which setting, with its unit.
+    pub name: &'static str,
+    /// The value given.
+    pub given: f64,
+    /// What is allowed.
+    pub allowed: &'static str,
+}
+
+impl Settings {
+    /// The spring and damper that they describe.
+    #[must_use]
+    pub fn coupling(&self) -> Coupling {
+        Coupling {
+            stiffness: self.stiffness,
+            damping: self.damping,
+        }
+    }
+
+    /// Checks each value.
+    ///
+    /// # Errors
+    /// [`SettingsError`] names the first value that is not allowed.
+    pub fn check(&self) -> Result<(), SettingsError> {
+        let rows = [
+            (
+                "stiffness [N/mm]",
+                self.stiffness,
+                self.stiffness > 0.0 && self.stiffness <= 10.0,
+                "more than 0, at most 10",
+            ),
+            (
+                "damping [N·s/mm]",
+                self.damping,
+                (0.0..=0.1).contains(&self.damping),
+                "0 to 0.1",
+            ),
+            (
+                "force limit [N]",
+                self.force_limit,
+                self.force_limit > 0.0 && self.force_limit <= 40.0,
+                "more than 0, at most 40",
+            ),
+        ];
+        for (name, given, fits, allowed) in rows {
+            if !fits {
+                return Err(SettingsError {
+                    name,
+                    given,
+                    allowed,
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// What to tell the person where these settings are less than the wanted ones.
+    #[must_use]
+    pub fn notice_of_limits(&self, wanted: &Self) -> Option<Notice> {
+        let Self {
+            stiffness,
+            force_limit,
+            ..
+        } = self;
+        (self != wanted).then(|| {
+            Notice::warning(format!(
+                "The device bears less than was asked for: stiffness {stiffness} N/mm, force \
+                 {force_limit} N."
+            ))
+        })
+    }
+
+    /// The nearest settings that a device can bear.
+    #[must_use]
+    pub fn within(self, limits: &DeviceLimits) -> Self {
+        Self {
+            stiffness: self.stiffness.min(limits.max_stiffness),
+            force_limit: self.force_limit.min(limits.max_force),
+            ..self
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_out_of_range_are_refused_by_name() {
+        let good = Settings::default();
+        assert_eq!(good.check(), Ok(()));
+        for (bad, name) in [
+            (
+                Settings {
+                    stiffness: 0.0,
+                    ..good
+                },
+                "stiffness [N/mm]",
+            ),
+            (
+                Settings {
+                    stiffness: f64::NAN,
+                    ..good
+                },
+                "stiffness [N/mm]",
+            ),
+            (
+                Settings {
+                    damping: -0.001,
+                    ..good
+                },
+                "damping [N·s/mm]",
+            ),
+            (
+                Settings {
+                    force_limit: 41.0,
+                    ..good
+                },
+                "force limit [N]",
+            ),
+        ] {
+            assert_eq!(bad.check().unwrap_err().name, name);
+        }
+    }
+}

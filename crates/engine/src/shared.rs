@@ -1,0 +1,62 @@
+//! What all threads of a session see: that it stops, why it failed, and its counters.
+
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+/// Interventions of the safety stage and violations of the guarantees since the start.
+#[derive(Debug, Default)]
+pub struct Counters {
+    /// Forces cut to the limit.
+    pub clamped: AtomicU64,
+    /// Forces whose growth was slowed.
+    pub slewed: AtomicU64,
+    /// Forces that were not finite and became zero.
+    pub not_finite: AtomicU64,
+    /// Times that the watchdog took the force away.
+    pub watchdog: AtomicU64,
+    /// Ticks in which the probe was found in a solid voxel.
+    pub violations: AtomicU64,
+    /// Ticks whose record was lost, since nobody took the records in time.
+    pub lost_records: AtomicU64,
+}
+
+/// Seen by all threads of a session.
+#[derive(Debug, Default)]
+pub struct Shared {
+    stopping: AtomicBool,
+    failure: Mutex<Option<String>>,
+    /// The session's counters.
+    pub counters: Counters,
+}
+
+impl Shared {
+    /// Whether the threads are to end.
+    #[must_use]
+    pub fn stopping(&self) -> bool {
+        self.stopping.load(Ordering::Acquire)
+    }
+
+    /// Asks all threads to end.
+    pub fn stop(&self) {
+        self.stopping.store(true, Ordering::Release);
+    }
+
+    /// Asks all threads to end because one failed, which takes the force away; the first reason
+    /// stays.
+    pub fn fail(&self, reason: String) {
+        // the reason is there before anybody can see that there is one
+        self.lock_failure().get_or_insert(reason);
+        self.counters.watchdog.fetch_add(1, Ordering::Relaxed);
+        self.stop();
+    }
+
+    /// Why the session ended by itself, if it did.
+    #[must_use]
+    pub fn failure(&self) -> Option<String> {
+        self.lock_failure().clone()
+    }
+
+    fn lock_failure(&self) -> std::sync::MutexGuard<'_, Option<String>> {
+        self.failure.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}

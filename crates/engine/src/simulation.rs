@@ -1,0 +1,380 @@
+//! The owner of the true voxels: takes changes, keeps the journal, tells the servo.
+//!
+//! Points in scene mm (LPS), boxes in voxels of the grid.
+
+use std::sync::mpsc::Sender;
+
+use glam::{DMat3, DVec3, IVec3};
+use palpate_device::DeviceLimits;
+use palpate_volume::edit::{Edit, SegmentId};
+use palpate_volume::grid::Grid;
+use palpate_volume::segment::Segment;
+use palpate_volume::voxel_box::VoxelBox;
+use palpate_volume::voxels::{Voxels, VoxelsError};
+
+use crate::error::SessionError;
+use crate::frame::Notice;
+use crate::handover::{ServoCommand, SimulationChannels};
+use crate::journal::Journal;
+use crate::placement::{REACH, free_point};
+use crate::scene::{Properties, Scene, Step, ThresholdRange};
+use crate::settings::Settings;
+use crate::touch_sender::TouchSender;
+use crate::touched::touched_segment;
+
+/// What the picture shows of the simulation.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SimulationStatus {
+    /// Number of the newest edit.
+    pub edit: u64,
+    /// The segment that the probe touches; 0 where there is none.
+    pub touched: u8,
+    /// Changes that touch does not follow yet.
+    pub pending: usize,
+    /// Whether there is a change to take back.
+    pub can_undo: bool,
+    /// Whether there is an undone change to do again.
+    pub can_redo: bool,
+    /// Rises with each change of a segment's voxels or of the list of segments.
+    pub segments_version: u64,
+}
+
+/// A segment as the session holds it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SegmentState {
+    /// Its number, 1 to 255.
+    pub id: SegmentId,
+    /// Solid voxels.
+    pub voxels: u64,
+    /// Whether it is an obstacle.
+    pub touchable: bool,
+    /// Whether touch does not follow its newest voxels yet.
+    pub pending: bool,
+    /// The threshold that it is; none where its voxels come from elsewhere.
+    pub range: Option<ThresholdRange>,
+}
+
+/// The state of the simulation thread.
+#[derive(Debug)]
+pub struct Simulation {
+    scene: Scene,
+    journal: Journal<Step>,
+    touch: TouchSender,
+    status: triple_buffer::Input<SimulationStatus>,
+    notices: Sender<Notice>,
+    settings: Settings,
+    limits: DeviceLimits,
+    segments_version: u64,
+    refused_places: u64,
+    was_held: bool,
+}
+
+impl Simulation {
+    /// A simulation of this scene, whose device bears `limits`.
+    #[must_use]
+    pub fn new(
+        scene: Scene,
+        settings: Settings,
+        limits: DeviceLimits,
+        channels: SimulationChannels,
+        status: triple_buffer::Input<SimulationStatus>,
+        notices: Sender<Notice>,
+    ) -> Self {
+        Self {
+            scene,
+            journal: Journal::default(),
+            touch: TouchSender::new(channels),
+            status,
+            notices,
+            settings: settings.within(&limits),
+            limits,
+            segments_version: 0,
+            refused_places: 0,
+            was_held: false,
+        }
+    }
+
+    /// The true voxels.
+    #[must_use]
+    pub fn voxels(&self) -> &Voxels {
+        self.scene.voxels()
+    }
+
+    /// The settings that hold.
+    #[must_use]
+    pub fn settings(&self) -> Settings {
+        self.settings
+    }
+
+    /// All segments, by rising number.
+    #[must_use]
+    pub fn segments(&self) -> Vec<SegmentState> {
+        self.scene
+            .segments()
+            .map(|(id, segment, properties)| SegmentState {
+                id,
+                voxels: segment.count(),
+                touchable: properties.touchable,
+                pending: self.touch.is_pending(id),
+                range: properties.range,
+            })
+            .collect()
+    }
+
+    /// One pass: exchanges with the servo and publishes what is shown.
+    pub fn step(&mut self) {
+        self.touch.exchange(&self.scene);
+        self.tell_of_held_changes();
+        self.tell_of_refused_places();
+        self.publish();
+    }
+
+    /// Adds a segment; an undoable one is taken away again by undo.
+    ///
+    /// # Errors
+    /// Where it belongs to another grid, or there are 255.
+    pub fn add_segment(
+        &mut self,
+        segment: Segment,
+        properties: Properties,
+        undoable: bool,
+    ) -> Result<SegmentId, SessionError> {
+        let id = self.free_id()?;
+        let step = Step::Insert {
+            id,
+            segment,
+            properties,
+        };
+        let inverse = self.perform(step)?;
+        if undoable {
+            self.journal.done(inverse, 0);
+        }
+        self.publish();
+        Ok(id)
+    }
+
+    /// Gives a segment other voxels.
+    ///
+    /// # Errors
+    /// Where there is no such segment, or the voxels belong to another grid.
+    pub fn replace_segment(
+        &mut self,
+        id: SegmentId,
+        segment: Segment,
+        range: Option<ThresholdRange>,
+    ) -> Result<(), SessionError> {
+        self.change(Step::Replace { id, segment, range })
+    }
+
+    /// Removes a segment.
+    ///
+    /// # Errors
+    /// Where there is no such segment.
+    pub fn remove_segment(&mut self, id: SegmentId) -> Result<(), SessionError> {
+        self.change(Step::Remove { id })
+    }
+
+    /// Makes a segment an obstacle, or no obstacle. This changes no voxel and is not undone.
+    ///
+    /// # Errors
+    /// Where there is no such segment.
+    pub fn set_touchable(&mut self, id: SegmentId, touchable: bool) -> Result<(), SessionError> {
+        if self.scene.set_touchable(id, touchable)? {
+            let change = crate::scene::TouchChange::All(id);
+            self.touch.send_change(&self.scene, &change);
+            self.publish();
+        }
+        Ok(())
+    }
+
+    /// Makes all voxels of a box solid or free in one segment, and in that one only.
+    ///
+    /// # Errors
+    /// Where there is no such segment.
+    pub fn fill_box(
+        &mut self,
+        id: SegmentId,
+        region: &VoxelBox,
+        solid: bool,
+    ) -> Result<(), SessionError> {
+        let edit = self.voxels().label_edit(id, region, |_, _| solid)?;
+        self.apply(edit)
+    }
+
+    /// Applies a label edit that was built from the present voxels.
+    ///
+    /// # Errors
+    /// Where it does not fit.
+    pub fn apply(&mut self, edit: Edit) -> Result<(), SessionError> {
+        // what is as wanted already leaves nothing to take back
+        if edit.is_empty() {
+            return Ok(());
+        }
+        self.change(Step::of_edit(edit))
+    }
+
+    /// Takes the newest change back; false where there is none.
+    ///
+    /// # Errors
+    /// Never, unless the journal is wrong.
+    pub fn undo(&mut self) -> Result<bool, SessionError> {
+        let Some(step) = self.journal.pop_undo() else {
+            return Ok(false);
+        };
+        let inverse = self.perform(step)?;
+        self.journal.undone(inverse);
+        self.publish();
+        Ok(true)
+    }
+
+    /// Does the last undone change again; false where there is none.
+    ///
+    /// # Errors
+    /// Never, unless the journal is wrong.
+    pub fn redo(&mut self) -> Result<bool, SessionError> {
+        let Some(step) = self.journal.pop_redo() else {
+            return Ok(false);
+        };
+        let inverse = self.perform(step)?;
+        let bytes = inverse.bytes();
+        self.journal.redone(inverse, bytes);
+        self.publish();
+        Ok(true)
+    }
+
+    /// Brings the probe to a point, or to the free voxel nearest to it, and the device with it
+    /// where `device_too`; hand targets up to number `hand` are forgotten. Gives the point.
+    ///
+    /// # Errors
+    /// Where no voxel near the point is free.
+    pub fn place(
+        &mut self,
+        point: DVec3,
+        hand: u64,
+        device_too: bool,
+    ) -> Result<DVec3, SessionError> {
+        let grid = *self.voxels().grid();
+        let obstacles = self.scene.touchable_bits();
+        let free = free_point(&obstacles, &grid, point).ok_or(SessionError::NoFreeVoxel {
+            point,
+            reach: REACH,
+        })?;
+        let moved = free.distance(point);
+        // a voxel's length is what clicking on a surface misses by
+        if moved > grid.spacing().length() {
+            self.tell(Notice::info(format!(
+                "The point is inside a touchable segment: the probe was placed in the nearest \
+                 free voxel, {moved:.1} mm away."
+            )));
+        }
+        self.touch.send(ServoCommand::Place {
+            point: free,
+            hand,
+            device_too,
+        });
+        Ok(free)
+    }
+
+    /// Turns the axes in which the device moves the probe.
+    pub fn turn(&mut self, rotation: DMat3) {
+        self.touch.send(ServoCommand::Turn(rotation));
+    }
+
+    /// Takes new settings, as far as the device bears them; gives those that hold.
+    ///
+    /// # Errors
+    /// Where one of them is out of range.
+    pub fn set_settings(&mut self, settings: Settings) -> Result<Settings, SessionError> {
+        settings.check()?;
+        self.settings = settings.within(&self.limits);
+        if let Some(notice) = self.settings.notice_of_limits(&settings) {
+            self.tell(notice);
+        }
+        self.touch.send(ServoCommand::Settings(self.settings));
+        Ok(self.settings)
+    }
+
+    fn change(&mut self, step: Step) -> Result<(), SessionError> {
+        let inverse = self.perform(step)?;
+        let bytes = inverse.bytes();
+        self.journal.done(inverse, bytes);
+        self.publish();
+        Ok(())
+    }
+
+    fn perform(&mut self, step: Step) -> Result<Step, SessionError> {
+        let (inverse, change) = self.scene.perform(step)?;
+        self.touch.send_change(&self.scene, &change);
+        self.segments_version += 1;
+        Ok(inverse)
+    }
+
+    /// The lowest number that no segment has and no undo or redo would bring back.
+    fn free_id(&self) -> Result<SegmentId, VoxelsError> {
+        let returns = |id: SegmentId| {
+            self.journal
+                .steps()
+                .any(|step| step.inserted() == Some(id) || step.removed() == Some(id))
+        };
+        let is_new = |id: &SegmentId| self.voxels().segment(*id).is_none();
+        let ids = || (1..=u8::MAX).map(SegmentId).filter(is_new);
+        ids()
+            .find(|id| !returns(*id))
+            .ok_or(VoxelsError::TooManySegments)
+    }
+
+    fn tell_of_held_changes(&mut self) {
+        let held = self.touch.is_held();
+        if held && !self.was_held {
+            self.tell(Notice::warning(
+                "A change waits: what it makes solid surrounds the probe. Move the probe out, or \
+                 undo the change.",
+            ));
+        }
+        self.was_held = held;
+    }
+
+    fn tell_of_refused_places(&mut self) {
+        let refused = self.touch.status().refused_places;
+        if refused > self.refused_places {
+            self.tell(Notice::warning(
+                "The probe stays where it is: there is no free voxel near the point.",
+            ));
+        }
+        self.refused_places = refused;
+    }
+
+    fn publish(&mut self) {
+        let touched = touched_segment(&self.scene, self.touch.status());
+        let status = SimulationStatus {
+            edit: self.voxels().edit_number(),
+            touched: touched.map_or(0, |id| id.0),
+            pending: self.touch.pending(),
+            can_undo: self.journal.can_undo(),
+            can_redo: self.journal.can_redo(),
+            segments_version: self.segments_version,
+        };
+        self.status.write(status);
+    }
+
+    fn tell(&self, notice: Notice) {
+        // without a picture nobody reads notices any more
+        let _ = self.notices.send(notice);
+    }
+}
+
+/// The voxels of a grid from `low` up to, but without, `high`.
+///
+/// # Errors
+/// Where there are none.
+pub fn checked_box(low: IVec3, high: IVec3, grid: &Grid) -> Result<VoxelBox, SessionError> {
+    let region = VoxelBox::new(low, high).intersect(&grid.bounds());
+    if region.is_empty() {
+        return Err(SessionError::Box {
+            low,
+            high,
+            dimensions: grid.dimensions(),
+        });
+    }
+    Ok(region)
+}

@@ -1,0 +1,286 @@
+//! What the tests of the engine share: small scans, devices and a rig of bare loops.
+#![allow(
+    dead_code,
+    missing_docs,
+    reason = "each test file uses its part of this module"
+)]
+
+use std::sync::mpsc::{self, Receiver};
+use std::sync::{Arc, Mutex};
+
+use glam::{DMat3, DVec3, IVec3, UVec3};
+use palpate_device::scripted::{PathSample, ScriptedDevice};
+use palpate_device::simulated::{SimulatedDevice, SimulatedSettings};
+use palpate_device::{DeviceLimits, DeviceState, HapticDevice};
+use palpate_engine::frame::Notice;
+use palpate_engine::handover::{Channels, DeviceSample, HandTarget, TickRecord};
+use palpate_engine::mapping::Mapping;
+use palpate_engine::scene::{Properties, Scene};
+use palpate_engine::servo::{ServoLoop, ServoStart};
+use palpate_engine::session::Session;
+use palpate_engine::session_config::{Reference, SessionConfig};
+use palpate_engine::settings::Settings;
+use palpate_engine::shared::Shared;
+use palpate_engine::simulation::{Simulation, SimulationStatus};
+use palpate_volume::bits::Bits;
+use palpate_volume::grid::Grid;
+use palpate_volume::intensities::Intensities;
+use palpate_volume::segment::Segment;
+use palpate_volume::voxel_box::VoxelBox;
+use palpate_volume::voxels::Voxels;
+
+pub const OBSTACLE: Properties = Properties {
+    touchable: true,
+    range: None,
+};
+
+/// Voxels of 1 mm whose grid frame is the scene.
+pub fn grid(dimensions: UVec3) -> Grid {
+    let origin = DVec3::splat(0.5);
+    Grid::new(dimensions, DVec3::ONE, origin, DMat3::IDENTITY).unwrap()
+}
+
+pub fn intensities(dimensions: UVec3) -> Intensities {
+    let values = vec![0_i16; dimensions.as_usizevec3().element_product()];
+    Intensities::new(dimensions, values, 1.0, 0.0).unwrap()
+}
+
+pub fn voxels(dimensions: UVec3) -> Voxels {
+    Voxels::new(grid(dimensions), intensities(dimensions)).unwrap()
+}
+
+/// Solid in a box of voxels.
+pub fn box_segment(dimensions: UVec3, low: IVec3, high: IVec3) -> Segment {
+    let solid = VoxelBox::new(low, high);
+    Segment::from_fn(dimensions, move |voxel| solid.contains(voxel))
+}
+
+/// Every voxel of some is solid, by a hash of its place: a sponge.
+pub fn sponge(dimensions: UVec3, seed: u64, one_in: u64) -> Segment {
+    Segment::from_fn(dimensions, move |voxel| {
+        let [x, y, z] = voxel.to_array().map(i32::cast_unsigned).map(u64::from);
+        let mut hash = seed ^ (x << 42 | y << 21 | z).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        hash = (hash ^ hash >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        (hash ^ hash >> 27).wrapping_mul(0x94d0_49bb_1331_11eb) >> 33 & 0xffff < 0x1_0000 / one_in
+    })
+}
+
+pub fn limits() -> DeviceLimits {
+    SimulatedSettings::default().limits
+}
+
+pub fn simulated() -> Box<dyn HapticDevice> {
+    Box::new(SimulatedDevice::new(SimulatedSettings::default(), DVec3::ZERO).unwrap())
+}
+
+/// A device that goes from point to point, rows (time, x, y, z).
+pub fn scripted(rows: &[[f64; 4]]) -> Box<dyn HapticDevice> {
+    let samples = rows.iter().map(|&[time, x, y, z]| PathSample {
+        time,
+        position: DVec3::new(x, y, z),
+    });
+    Box::new(ScriptedDevice::new(samples.collect(), limits()).unwrap())
+}
+
+/// An offline session with one obstacle.
+pub fn offline(
+    dimensions: UVec3,
+    segment: Segment,
+    device: Box<dyn HapticDevice>,
+    reference: Reference,
+) -> SessionConfig {
+    SessionConfig {
+        segments: vec![(segment, OBSTACLE)],
+        reference,
+        real_time: false,
+        ..SessionConfig::new(grid(dimensions), intensities(dimensions), device)
+    }
+}
+
+pub fn started(config: SessionConfig) -> Session {
+    Session::start(config).unwrap()
+}
+
+/// What a device was made to do, seen from outside.
+#[derive(Clone, Default)]
+pub struct Seen(pub Arc<Mutex<Vec<DVec3>>>);
+
+impl Seen {
+    pub fn forces(&self) -> Vec<DVec3> {
+        self.0.lock().unwrap().clone()
+    }
+
+    pub fn last(&self) -> DVec3 {
+        self.forces().last().copied().unwrap_or(DVec3::ZERO)
+    }
+}
+
+/// A device at a fixed place that notes every force, and may misbehave.
+pub struct Probe {
+    pub position: DVec3,
+    pub seen: Seen,
+    /// At each reading, with its number.
+    pub on_read: Box<dyn FnMut(u64) + Send>,
+    /// At each writing, with its number.
+    pub on_write: Box<dyn FnMut(u64) + Send>,
+    pub reads: u64,
+    pub writes: u64,
+}
+
+impl Probe {
+    pub fn at(position: DVec3, seen: &Seen) -> Self {
+        Self {
+            position,
+            seen: seen.clone(),
+            on_read: Box::new(|_| {}),
+            on_write: Box::new(|_| {}),
+            reads: 0,
+            writes: 0,
+        }
+    }
+}
+
+impl HapticDevice for Probe {
+    fn name(&self) -> &'static str {
+        "probe"
+    }
+
+    fn limits(&self) -> DeviceLimits {
+        limits()
+    }
+
+    fn read(&mut self, _dt: f64) -> DeviceState {
+        self.reads += 1;
+        (self.on_read)(self.reads);
+        DeviceState {
+            position: self.position,
+            ..DeviceState::default()
+        }
+    }
+
+    fn write(&mut self, force: DVec3, _torque: DVec3) {
+        self.writes += 1;
+        (self.on_write)(self.writes);
+        self.seen.0.lock().unwrap().push(force);
+    }
+}
+
+/// Servo and simulation with bare ends instead of device and picture.
+pub struct Rig {
+    pub servo: ServoLoop,
+    pub simulation: Simulation,
+    pub device: triple_buffer::Input<DeviceSample>,
+    pub forces: triple_buffer::Output<palpate_engine::handover::ForceCommand>,
+    pub hand: triple_buffer::Input<HandTarget>,
+    pub records: rtrb::Consumer<TickRecord>,
+    pub status: triple_buffer::Output<SimulationStatus>,
+    pub notices: Receiver<Notice>,
+    pub shared: Arc<Shared>,
+    pub readings: u64,
+    pub now: f64,
+}
+
+impl Rig {
+    /// A rig without segments; the device's frame is the scene.
+    pub fn new(dimensions: UVec3, probe: DVec3) -> Self {
+        let channels = Channels::new(probe);
+        let shared = Arc::new(Shared::default());
+        let (notices, notice_inbox) = mpsc::channel();
+        let (status_in, status) = triple_buffer::triple_buffer(&SimulationStatus::default());
+        let start = ServoStart {
+            grid: grid(dimensions),
+            bits: Bits::empty(dimensions),
+            mapping: Mapping::IDENTITY,
+            probe,
+            settings: Settings::default(),
+        };
+        Self {
+            servo: ServoLoop::new(start, channels.servo, Arc::clone(&shared)),
+            simulation: Simulation::new(
+                Scene::new(voxels(dimensions)),
+                Settings::default(),
+                limits(),
+                channels.simulation,
+                status_in,
+                notices,
+            ),
+            device: channels.device.samples,
+            forces: channels.device.forces,
+            hand: channels.hand,
+            records: channels.records,
+            status,
+            notices: notice_inbox,
+            shared,
+            readings: 0,
+            now: 0.0,
+        }
+    }
+
+    /// The device is read at a point [mm].
+    pub fn read_at(&mut self, point: DVec3) {
+        self.readings += 1;
+        self.device.write(DeviceSample {
+            number: self.readings,
+            time: self.now,
+            state: DeviceState {
+                position: point,
+                ..DeviceState::default()
+            },
+            sent_in_device: DVec3::ZERO,
+        });
+    }
+
+    /// A tick of the servo with the device at a point; gives its record.
+    pub fn tick_at(&mut self, point: DVec3) -> TickRecord {
+        self.read_at(point);
+        self.servo.step(self.now);
+        self.now += 1e-3;
+        self.records.pop().expect("every tick is recorded")
+    }
+
+    pub fn violations(&self) -> u64 {
+        let counters = &self.shared.counters;
+        counters
+            .violations
+            .load(std::sync::atomic::Ordering::Relaxed)
+    }
+}
+
+/// Seeded numbers.
+pub struct Random(oorandom::Rand64);
+
+impl Random {
+    pub fn new(seed: u128) -> Self {
+        Self(oorandom::Rand64::new(seed))
+    }
+
+    /// At least 0, below 1.
+    pub fn share(&mut self) -> f64 {
+        self.0.rand_float()
+    }
+
+    pub fn below(&mut self, end: u64) -> u64 {
+        self.0.rand_range(0..end)
+    }
+
+    pub fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.share()
+    }
+
+    pub fn point(&mut self, low: f64, high: f64) -> DVec3 {
+        DVec3::new(
+            self.between(low, high),
+            self.between(low, high),
+            self.between(low, high),
+        )
+    }
+
+    /// A box of at most `edge` voxels along each axis that begins in the grid.
+    pub fn voxel_box(&mut self, dimensions: UVec3, edge: u64) -> VoxelBox {
+        let low = dimensions
+            .map(|n| self.below(u64::from(n)) as u32)
+            .as_ivec3();
+        let size = UVec3::ONE.map(|n| n + self.below(edge) as u32).as_ivec3();
+        VoxelBox::new(low, low + size)
+    }
+}

@@ -1,0 +1,134 @@
+//! Sessions with real threads: that they run and answer. How fast is for the benchmark.
+
+#![allow(
+    clippy::unwrap_used,
+    reason = "helpers of tests may fail a test, as the tests themselves"
+)]
+
+mod common;
+
+use std::time::{Duration, Instant};
+
+use common::*;
+use glam::{DVec3, IVec3, UVec3};
+use palpate_engine::frame::Frame;
+use palpate_engine::session::Session;
+use palpate_engine::session_config::{Reference, SessionConfig};
+use palpate_volume::edit::SegmentId;
+
+const DIMENSIONS: UVec3 = UVec3::splat(40);
+
+fn live(rate_hz: u32) -> Session {
+    let block = box_segment(DIMENSIONS, IVec3::new(5, 20, 5), IVec3::new(35, 35, 35));
+    started(SessionConfig {
+        real_time: true,
+        rate_hz,
+        ..offline(DIMENSIONS, block, simulated(), Reference::View)
+    })
+}
+
+/// Takes frames until one is as wanted; threads on a busy machine may take their time.
+fn frame_where(session: &Session, wanted: impl Fn(&Frame) -> bool) -> Frame {
+    let start = Instant::now();
+    loop {
+        let frame = session.frame();
+        if wanted(&frame) {
+            return frame;
+        }
+        assert!(start.elapsed() < Duration::from_secs(20), "{frame:?}");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
+#[test]
+fn all_four_threads_run_and_the_hand_feels_the_block() {
+    for rate_hz in [1000, 4000] {
+        let session = live(rate_hz);
+        session.place(DVec3::new(20.0, 10.0, 20.0)).unwrap();
+        session.hand(DVec3::new(20.0, 30.0, 20.0)).unwrap();
+        let pressed = |frame: &Frame| frame.contact && frame.depth > 2.0;
+        // which segment it is comes from another thread, a little later
+        let frame = frame_where(&session, |frame| pressed(frame) && frame.touched == 1);
+        assert!(frame.proxy.y < 20.0);
+        let frame = frame_where(&session, |frame| frame.rates.servo.hz > 0.0);
+        for rate in [
+            &frame.rates.device,
+            &frame.rates.servo,
+            &frame.rates.simulation,
+            &frame.rates.picture,
+        ] {
+            assert!(rate.ticks > 0, "{rate:?}");
+        }
+        assert_eq!(frame.rates.servo.asked_hz, f64::from(rate_hz));
+        assert_eq!(frame.safety.violations, 0);
+    }
+}
+
+/// With or without the priority it runs; what is reported is what is so.
+#[test]
+fn the_outcome_of_the_real_time_priority_is_told() {
+    let session = live(1000);
+    let frame = session.frame();
+    let warned = frame
+        .notices
+        .iter()
+        .any(|notice| notice.text.contains("real-time"));
+    assert_ne!(frame.rates.real_time, warned);
+}
+
+#[test]
+fn edits_reach_touch_while_the_probe_presses() {
+    let session = live(1000);
+    session.place(DVec3::new(20.0, 10.0, 20.0)).unwrap();
+    session.hand(DVec3::new(20.0, 30.0, 20.0)).unwrap();
+    frame_where(&session, |frame| frame.contact && frame.proxy.y < 20.0);
+
+    // a hole under the probe: it goes on to the hole's ground
+    let id = SegmentId(1);
+    let (low, high) = (IVec3::new(14, 20, 14), IVec3::new(26, 24, 26));
+    session.fill_box(id, low, high, false).unwrap();
+    let frame = frame_where(&session, |frame| frame.proxy.y > 23.0 && frame.contact);
+    assert!(frame.can_undo && !frame.can_redo);
+    assert_eq!(frame.edit, 2);
+
+    // filled again, it is pushed out; then dug again
+    assert!(session.undo().unwrap());
+    frame_where(&session, |frame| frame.proxy.y < 20.0 && frame.pending == 0);
+    assert!(session.redo().unwrap());
+    frame_where(&session, |frame| frame.proxy.y > 23.0);
+    assert_eq!(session.frame().safety.violations, 0);
+}
+
+/// Other threads may call at any time, all at once.
+#[test]
+fn commands_from_several_threads_are_all_answered() {
+    let session = live(1000);
+    std::thread::scope(|scope| {
+        for thread in 0..4 {
+            let session = &session;
+            scope.spawn(move || {
+                let mut random = Random::new(thread);
+                for _ in 0..30 {
+                    session.hand(random.point(0.0, 40.0)).unwrap();
+                    session.place(random.point(0.0, 15.0)).unwrap();
+                    assert_eq!(session.segments().unwrap().len(), 1);
+                    let _ = session.frame();
+                }
+            });
+        }
+    });
+    assert!(session.is_running());
+}
+
+#[test]
+fn a_recording_of_a_live_session_has_every_tick() {
+    let session = live(1000);
+    frame_where(&session, |frame| frame.tick > 50);
+    session.start_recording().unwrap();
+    frame_where(&session, |frame| frame.tick > 400);
+    let recording = session.stop_recording().unwrap();
+    let first = recording.tick[0];
+    let expected: Vec<u64> = (first..first + recording.len() as u64).collect();
+    assert_eq!(recording.tick, expected);
+    assert!(recording.time.is_sorted());
+}
