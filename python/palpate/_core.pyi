@@ -1,0 +1,241 @@
+"""The engine. Arrays are [z, y, x], x fastest; points (x, y, z), LPS [mm]; forces [N]."""
+
+from collections.abc import Sequence
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["Segment", "Session", "Volume", "bench_touch", "phantom"]
+
+_Triple = tuple[float, float, float]
+_Voxel = tuple[int, int, int]
+_Range = tuple[float, float]
+
+class Volume:
+    """Values on a grid that stands in the patient."""
+
+    def __init__(
+        self,
+        values: NDArray[np.int16],
+        spacing: _Triple,
+        origin: _Triple,
+        direction: tuple[float, ...],
+        slope: float,
+        intercept: float,
+    ) -> None:
+        """Copies ``values``, C-contiguous; ``direction`` as ITK gives it, nine numbers by rows.
+
+        Raises:
+            ValueError: The numbers describe no grid.
+        """
+
+    @property
+    def dimensions(self) -> _Voxel: ...
+    @property
+    def spacing(self) -> _Triple: ...
+    @property
+    def slope(self) -> float: ...
+    @property
+    def intercept(self) -> float: ...
+    @property
+    def patient_from_grid(self) -> NDArray[np.float64]:
+        """Homogeneous matrix, shape [4, 4] [mm]."""
+
+    def values(self) -> NDArray[np.int16]:
+        """A read-only view of what is stored."""
+
+    def stored_range(self) -> tuple[int, int]: ...
+    def histogram(self, bins: int) -> tuple[float, float, NDArray[np.uint64]]:
+        """Where the first bin begins, where the last ends, and the counts."""
+
+    def threshold(self, low: float, high: float) -> Segment:
+        """The voxels with low <= value <= high, in physical units."""
+
+class Segment:
+    """The solid voxels of one structure."""
+
+    @staticmethod
+    def from_mask(mask: NDArray[np.uint8]) -> Segment:
+        """Solid where the mask, C-contiguous, is not 0."""
+
+    @property
+    def dimensions(self) -> _Voxel: ...
+    @property
+    def voxel_count(self) -> int: ...
+    @property
+    def bounding_box(self) -> tuple[_Voxel, _Voxel] | None:
+        """Lowest voxel and one past the highest on each axis; None where nothing is solid."""
+
+    @property
+    def memory_bytes(self) -> int: ...
+    def mask(self) -> NDArray[np.uint8]:
+        """1 where solid, else 0."""
+
+    def contains(self, points_in_grid: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Whether each point, shape [count, 3] in the grid frame, lies in a solid voxel."""
+
+class Session:
+    """A running session.
+
+    A call on a session that has ended raises RuntimeError with the reason, except ``frame``,
+    ``lateness``, ``stop_recording`` and ``stop``.
+    """
+
+    def __init__(
+        self,
+        volume: Volume,
+        *,
+        device: Literal["simulated", "scripted"] = "simulated",
+        path: NDArray[np.float64] | None = None,
+        rate_hz: int = 1000,
+        real_time: bool = True,
+        start: _Triple | None = None,
+        stiffness: float | None = None,
+        damping: float | None = None,
+        force_limit: float | None = None,
+        segments: Sequence[tuple[Segment, bool, _Range | None]] = (),
+    ) -> None:
+        """Starts the session.
+
+        Args:
+            volume: The scan.
+            device: The simulated device with a hand, or one that follows ``path``.
+            path: Rows (time, x, y, z), shape [count, 4], times rising; scene [mm].
+            rate_hz: Ticks of device and servo a second, 500 to 10000.
+            real_time: Whether threads run by the clock, with real-time priority where the
+                system grants it; else the session stands still until ``run``.
+            start: Where probe, device and hand begin; None is in front of the scan, or where
+                ``path`` begins.
+            stiffness: Of the spring between probe and device [N/mm]; None is the default.
+            damping: Of the damper beside it [N·s/mm]; None is the default.
+            force_limit: Largest force [N]; None is the default.
+            segments: Voxels, touchable, and the threshold that they are, numbered from 1. They
+                are there before the first tick and cannot be undone.
+
+        Raises:
+            ValueError: Something given is not allowed.
+            RuntimeError: The system refuses a thread.
+        """
+
+    @property
+    def device(self) -> str: ...
+    @property
+    def is_running(self) -> bool: ...
+    def hand(self, x: float, y: float, z: float) -> None:
+        """Moves the target to which the hand pulls the device."""
+
+    def place(self, x: float, y: float, z: float) -> _Triple:
+        """Puts probe, device and hand at a point, or in the free voxel nearest to it.
+
+        Returns:
+            Where they are.
+        """
+
+    def view(self, right: _Triple, up: _Triple) -> None:
+        """Turns the device's axes to those of the view; ``up`` is straightened."""
+
+    def settings(
+        self,
+        stiffness: float | None = None,
+        damping: float | None = None,
+        force_limit: float | None = None,
+    ) -> dict[str, float]:
+        """Changes what is given, as far as the device bears it; returns what holds."""
+
+    def add_segment(
+        self,
+        segment: Segment,
+        touchable: bool,
+        threshold_range: _Range | None = None,
+        undoable: bool = True,
+    ) -> int:
+        """Adds a segment and returns its number, 1 to 255."""
+
+    def replace_segment(
+        self, segment_id: int, segment: Segment, threshold_range: _Range | None = None
+    ) -> None:
+        """Puts other voxels in the place of a segment's."""
+
+    def remove_segment(self, segment_id: int) -> None: ...
+    def set_touchable(self, segment_id: int, touchable: bool) -> None:
+        """Makes a segment an obstacle or none; this is not undone."""
+
+    def threshold(self, low: float, high: float, segment_id: int | None = None) -> int:
+        """Makes a touchable segment of the voxels with low <= value <= high, edits included.
+
+        With ``segment_id`` that segment gets these voxels. Returns the segment's number.
+        """
+
+    def fill_box(self, segment_id: int, low: _Voxel, high: _Voxel, solid: bool) -> None:
+        """Makes the voxels from ``low`` up to, but without, ``high`` solid or free."""
+
+    def undo(self) -> bool:
+        """Takes the newest change back; False where there is none."""
+
+    def redo(self) -> bool:
+        """Does the last undone change again; False where there is none."""
+
+    def segment(self, segment_id: int) -> Segment:
+        """The voxels of a segment as they are now."""
+
+    def segments_state(self) -> list[dict[str, Any]]:
+        """``id``, ``voxels``, ``touchable``, ``pending`` and ``range`` of each segment.
+
+        ``range`` follows edits, undo and redo: None once the voxels are not that threshold.
+        """
+
+    def frame(self) -> dict[str, Any]:
+        """The fields of ``protocol.State``, ``notices`` and ``segments_version``.
+
+        ``force`` and the samples are what was sent to the device; ``notices`` holds pairs
+        (level, text).
+        """
+
+    def lateness(self) -> dict[str, dict[str, Any]]:
+        """Pace of each thread since the start: counts, worst, and a histogram of lateness.
+
+        ``lateness`` counts begun ticks by ``lateness_bins_us`` (upper ends), the rest last.
+        """
+
+    def start_recording(self) -> None:
+        """Keeps every tick from now on; a recording that runs is thrown away."""
+
+    def stop_recording(self) -> dict[str, NDArray[Any]]:
+        """The recording by columns; empty where none ran.
+
+        Columns: ``tick``, ``time``, ``device``, ``hand``, ``proxy``, ``force``, ``sent_force``,
+        ``contact``; points and forces of shape [count, 3]. ``sent_force`` is what was last sent when the tick began, one or two ticks behind
+        ``force``.
+        """
+
+    def run(self, seconds: float) -> None:
+        """Computes so many seconds of a session without ``real_time``."""
+
+    def stop(self) -> None:
+        """Zero force, then no threads, in less than a second; again it does nothing."""
+
+def phantom(dimensions: _Voxel, seed: int) -> tuple[Volume, NDArray[np.uint8], dict[str, int]]:
+    """Makes the built-in trunk: the scan, its labels and the number of each part by name."""
+
+def bench_touch(
+    volume: Volume,
+    segment: Segment,
+    work: Literal["detection", "proxy", "tick"],
+    count: int,
+    seed: int,
+) -> dict[str, float]:
+    """Times ``count`` calls on a segment; the same seed gives the same calls.
+
+    ``detection`` traverses rays 4 voxels long near the surface that meet nothing (a few fewer
+    than ``count``), ``proxy`` is the contact model alone, ``tick`` the complete tick with
+    coupling and safety stage, both with the device pressing and sliding 0.2 h per update.
+
+    Returns:
+        ``count``, ``per_second`` (timed all together), ``median_ns``, ``p99_ns``, ``p999_ns``,
+        ``max_ns`` (single calls), ``contact_share``, ``mean_visits`` (voxels read per call),
+        ``mean_step`` (way per update in h; length of the rays in voxels).
+
+    Raises:
+        ValueError: The segment has no surface, or something given is not allowed.
+    """

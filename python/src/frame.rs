@@ -1,0 +1,150 @@
+//! Frames, segments and recordings as the dictionaries that the package reads.
+//!
+//! The keys of a frame are the fields of `protocol.State`, and two more: `notices` and
+//! `segments_version`.
+
+use glam::DVec3;
+use numpy::PyArray1;
+use palpate_engine::frame::{Frame, Notice, NoticeLevel, Rates, Safety};
+use palpate_engine::rate::Rate;
+use palpate_engine::recording::Recording;
+use palpate_engine::settings::Settings;
+use palpate_engine::simulation::SegmentState;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::arrays::{rows, triple};
+
+/// Makes a dictionary of `name: value` pairs.
+macro_rules! dictionary {
+    ($py:expr, $($name:literal: $value:expr),* $(,)?) => {{
+        let dictionary = PyDict::new($py);
+        $(dictionary.set_item(pyo3::intern!($py, $name), $value)?;)*
+        Ok(dictionary)
+    }};
+}
+
+/// All of a frame.
+pub fn frame_dict<'py>(py: Python<'py>, frame: &Frame) -> PyResult<Bound<'py, PyDict>> {
+    let samples = frame.samples.iter().map(|sample| {
+        let DVec3 { x, y, z } = sample.force;
+        (sample.time, x, y, z)
+    });
+    dictionary!(py,
+        "tick": frame.tick,
+        "time": frame.time,
+        "edit": frame.edit,
+        "device": triple(frame.device),
+        "hand": triple(frame.hand),
+        "proxy": triple(frame.proxy),
+        "force": triple(frame.force),
+        "contact": frame.contact,
+        "depth": frame.depth,
+        "touched": frame.touched,
+        "pending": frame.pending,
+        "can_undo": frame.can_undo,
+        "can_redo": frame.can_redo,
+        "rates": rates_dict(py, &frame.rates)?,
+        "safety": safety_dict(py, frame.safety)?,
+        "samples": samples.collect::<Vec<_>>(),
+        "segments_version": frame.segments_version,
+        "notices": frame.notices.iter().map(notice_pair).collect::<Vec<_>>(),
+    )
+}
+
+/// One segment.
+pub fn segment_dict<'py>(py: Python<'py>, segment: &SegmentState) -> PyResult<Bound<'py, PyDict>> {
+    dictionary!(py,
+        "id": segment.id.0,
+        "voxels": segment.voxels,
+        "touchable": segment.touchable,
+        "pending": segment.pending,
+        "range": segment.range,
+    )
+}
+
+/// The settings that hold.
+pub fn settings_dict(py: Python<'_>, settings: Settings) -> PyResult<Bound<'_, PyDict>> {
+    dictionary!(py,
+        "stiffness": settings.stiffness,
+        "damping": settings.damping,
+        "force_limit": settings.force_limit,
+    )
+}
+
+/// The columns of a recording.
+pub fn recording_dict<'py>(py: Python<'py>, recording: Recording) -> PyResult<Bound<'py, PyDict>> {
+    dictionary!(py,
+        "tick": PyArray1::from_vec(py, recording.tick),
+        "time": PyArray1::from_vec(py, recording.time),
+        "device": rows(py, &recording.device),
+        "hand": rows(py, &recording.hand),
+        "proxy": rows(py, &recording.proxy),
+        "force": rows(py, &recording.force),
+        "sent_force": rows(py, &recording.sent_force),
+        "contact": PyArray1::from_vec(py, recording.contact),
+    )
+}
+
+/// How late the ticks of each thread began.
+pub fn lateness_dict<'py>(py: Python<'py>, rates: &Rates) -> PyResult<Bound<'py, PyDict>> {
+    dictionary!(py,
+        "device": thread_dict(py, &rates.device)?,
+        "servo": thread_dict(py, &rates.servo)?,
+        "simulation": thread_dict(py, &rates.simulation)?,
+        "picture": thread_dict(py, &rates.picture)?,
+    )
+}
+
+fn thread_dict<'py>(py: Python<'py>, rate: &Rate) -> PyResult<Bound<'py, PyDict>> {
+    dictionary!(py,
+        "asked_hz": rate.asked_hz,
+        "hz": rate.hz,
+        "ticks": rate.ticks,
+        "late": rate.late,
+        "missed": rate.missed,
+        "worst_late_ms": rate.worst_late_ms,
+        "worst_ever_ms": rate.worst_ever_ms,
+        "lateness": rate.lateness.to_vec(),
+        "lateness_bins_us": palpate_engine::rate::LATENESS_BINS_US.to_vec(),
+    )
+}
+
+fn rates_dict<'py>(py: Python<'py>, rates: &Rates) -> PyResult<Bound<'py, PyDict>> {
+    dictionary!(py,
+        "device": rate_dict(py, &rates.device)?,
+        "servo": rate_dict(py, &rates.servo)?,
+        "simulation": rate_dict(py, &rates.simulation)?,
+        "picture": rate_dict(py, &rates.picture)?,
+        "real_time": rates.real_time,
+    )
+}
+
+fn rate_dict<'py>(py: Python<'py>, rate: &Rate) -> PyResult<Bound<'py, PyDict>> {
+    dictionary!(py,
+        "asked_hz": rate.asked_hz,
+        "hz": rate.hz,
+        "ticks": rate.ticks,
+        "late": rate.late,
+        "worst_late_ms": rate.worst_late_ms,
+    )
+}
+
+fn safety_dict(py: Python<'_>, safety: Safety) -> PyResult<Bound<'_, PyDict>> {
+    dictionary!(py,
+        "clamped": safety.clamped,
+        "slewed": safety.slewed,
+        "not_finite": safety.not_finite,
+        "watchdog": safety.watchdog,
+        "violations": safety.violations,
+    )
+}
+
+fn notice_pair(notice: &Notice) -> (&'static str, &str) {
+    let level = match notice.level {
+        NoticeLevel::Info => "info",
+        NoticeLevel::Warning => "warning",
+        NoticeLevel::Error => "error",
+    };
+    (level, &notice.text)
+}

@@ -1,0 +1,42 @@
+//! The Python module `palpate._core`: thin, one type per argument.
+//!
+//! Only the package `palpate` imports it, wraps its classes and takes the many types that users
+//! have. The GIL is released wherever the engine works. Arrays are [z, y, x], x fastest; points
+//! are (x, y, z), LPS mm.
+
+mod arrays;
+mod bench;
+mod errors;
+mod frame;
+mod phantom;
+mod segment;
+mod session;
+mod volume;
+
+use pyo3::prelude::*;
+
+/// The engine of Palpate.
+#[pymodule]
+mod _core {
+    use pyo3::prelude::*;
+
+    #[pymodule_export]
+    use super::bench::bench_touch;
+    #[pymodule_export]
+    use super::phantom::make_phantom;
+    #[pymodule_export]
+    use super::segment::PySegment;
+    #[pymodule_export]
+    use super::session::PySession;
+    #[pymodule_export]
+    use super::volume::PyVolume;
+
+    /// A program that ends without stopping its sessions must not leave a force behind.
+    #[pymodule_init]
+    fn stop_sessions_at_exit(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        let stop_all = wrap_pyfunction!(super::session::stop_all, module)?;
+        let atexit = module.py().import("atexit")?;
+        atexit.call_method1("register", (stop_all,))?;
+        Ok(())
+    }
+}

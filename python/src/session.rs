@@ -1,0 +1,326 @@
+//! `_core.Session`: a scan that is touched with a device.
+
+use std::sync::{Arc, Mutex, PoisonError, Weak};
+
+use glam::IVec3;
+use numpy::{PyReadonlyArray2, PyUntypedArrayMethods};
+use palpate_device::HapticDevice;
+use palpate_device::scripted::{PathSample, ScriptedDevice};
+use palpate_device::simulated::{SimulatedDevice, SimulatedSettings};
+use palpate_engine::scene::{Properties, ThresholdRange};
+use palpate_engine::session::Session;
+use palpate_engine::session_config::{Reference, SessionConfig};
+use palpate_engine::settings::Settings;
+use palpate_volume::edit::SegmentId;
+use palpate_volume::segment::Segment;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::arrays::{Triple, triple, vector};
+use crate::errors::CoreError;
+use crate::frame::{frame_dict, lateness_dict, recording_dict, segment_dict, settings_dict};
+use crate::segment::PySegment;
+use crate::volume::PyVolume;
+
+/// A segment to begin with: its voxels, whether it is an obstacle, the threshold that it is.
+type FirstSegment<'py> = (PyRef<'py, PySegment>, bool, Option<ThresholdRange>);
+
+/// A voxel, (x, y, z).
+type Voxel = (i32, i32, i32);
+
+/// A running session.
+#[pyclass(name = "Session", module = "palpate._core", frozen)]
+pub struct PySession {
+    session: Arc<Session>,
+}
+
+/// All sessions of the process, so that none pushes on when Python ends.
+static SESSIONS: Mutex<Vec<Weak<Session>>> = Mutex::new(Vec::new());
+
+/// Ends every session.
+#[pyfunction]
+pub fn stop_all(py: Python<'_>) {
+    py.detach(|| {
+        let mut sessions = SESSIONS.lock().unwrap_or_else(PoisonError::into_inner);
+        for session in sessions.drain(..) {
+            if let Some(session) = session.upgrade() {
+                session.stop();
+            }
+        }
+    });
+}
+
+/// Notes a session for [`stop_all`] and forgets those that are gone.
+fn note(session: &Arc<Session>) {
+    let mut sessions = SESSIONS.lock().unwrap_or_else(PoisonError::into_inner);
+    sessions.retain(|session| session.strong_count() > 0);
+    sessions.push(Arc::downgrade(session));
+}
+
+#[pymethods]
+impl PySession {
+    #[new]
+    #[pyo3(signature = (volume, *, device = "simulated", path = None, rate_hz = 1000,
+        real_time = true, start = None, stiffness = None, damping = None, force_limit = None,
+        segments = Vec::new()))]
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "they are keywords in Python and options of one struct in the engine"
+    )]
+    fn new(
+        py: Python<'_>,
+        volume: &PyVolume,
+        device: &str,
+        path: Option<PyReadonlyArray2<'_, f64>>,
+        rate_hz: u32,
+        real_time: bool,
+        start: Option<Triple>,
+        stiffness: Option<f64>,
+        damping: Option<f64>,
+        force_limit: Option<f64>,
+        segments: Vec<FirstSegment<'_>>,
+    ) -> Result<Self, CoreError> {
+        let path = path.as_ref().map(path_samples).transpose()?;
+        let first_point = path.as_ref().and_then(|samples| samples.first());
+        let first_point = first_point.map(|sample| sample.position);
+        let (device, reference) = device_named(device, path)?;
+
+        let defaults = Settings::default();
+        let mut config = SessionConfig::new(volume.grid, volume.intensities.clone(), device);
+        config.reference = reference;
+        config.start = start.map(vector).or(first_point);
+        config.settings = Settings {
+            stiffness: stiffness.unwrap_or(defaults.stiffness),
+            damping: damping.unwrap_or(defaults.damping),
+            force_limit: force_limit.unwrap_or(defaults.force_limit),
+        };
+        config.rate_hz = rate_hz;
+        config.real_time = real_time;
+        config.segments = segments
+            .into_iter()
+            .map(|(segment, touchable, range)| {
+                (segment.segment.clone(), Properties { touchable, range })
+            })
+            .collect();
+        let session = Arc::new(py.detach(|| Session::start(config))?);
+        note(&session);
+        Ok(Self { session })
+    }
+
+    #[getter]
+    fn device(&self) -> &str {
+        self.session.device_name()
+    }
+
+    #[getter]
+    fn is_running(&self) -> bool {
+        self.session.is_running()
+    }
+
+    fn hand(&self, x: f64, y: f64, z: f64) -> Result<(), CoreError> {
+        Ok(self.session.hand(vector((x, y, z)))?)
+    }
+
+    fn place(&self, py: Python<'_>, x: f64, y: f64, z: f64) -> Result<Triple, CoreError> {
+        let placed = py.detach(|| self.session.place(vector((x, y, z))))?;
+        Ok(triple(placed))
+    }
+
+    fn view(&self, py: Python<'_>, right: Triple, up: Triple) -> Result<(), CoreError> {
+        Ok(py.detach(|| self.session.view(vector(right), vector(up)))?)
+    }
+
+    /// Changes the settings that are given; returns those that hold.
+    #[pyo3(signature = (stiffness = None, damping = None, force_limit = None))]
+    fn settings<'py>(
+        &self,
+        py: Python<'py>,
+        stiffness: Option<f64>,
+        damping: Option<f64>,
+        force_limit: Option<f64>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let held = py
+            .detach(|| {
+                let now = self.session.settings()?;
+                if stiffness.or(damping).or(force_limit).is_none() {
+                    return Ok(now);
+                }
+                self.session.set_settings(Settings {
+                    stiffness: stiffness.unwrap_or(now.stiffness),
+                    damping: damping.unwrap_or(now.damping),
+                    force_limit: force_limit.unwrap_or(now.force_limit),
+                })
+            })
+            .map_err(CoreError::from)?;
+        settings_dict(py, held)
+    }
+
+    #[pyo3(signature = (segment, touchable, threshold_range = None, undoable = true))]
+    fn add_segment(
+        &self,
+        py: Python<'_>,
+        segment: &PySegment,
+        touchable: bool,
+        threshold_range: Option<ThresholdRange>,
+        undoable: bool,
+    ) -> Result<u8, CoreError> {
+        let voxels = segment.segment.clone();
+        let properties = Properties {
+            touchable,
+            range: threshold_range,
+        };
+        let id = py.detach(|| self.session.add_segment(voxels, properties, undoable))?;
+        Ok(id.0)
+    }
+
+    #[pyo3(signature = (segment_id, segment, threshold_range = None))]
+    fn replace_segment(
+        &self,
+        py: Python<'_>,
+        segment_id: u8,
+        segment: &PySegment,
+        threshold_range: Option<ThresholdRange>,
+    ) -> Result<(), CoreError> {
+        let voxels = segment.segment.clone();
+        Ok(py.detach(|| {
+            self.session
+                .replace_segment(SegmentId(segment_id), voxels, threshold_range)
+        })?)
+    }
+
+    fn remove_segment(&self, py: Python<'_>, segment_id: u8) -> Result<(), CoreError> {
+        Ok(py.detach(|| self.session.remove_segment(SegmentId(segment_id)))?)
+    }
+
+    fn set_touchable(
+        &self,
+        py: Python<'_>,
+        segment_id: u8,
+        touchable: bool,
+    ) -> Result<(), CoreError> {
+        Ok(py.detach(|| self.session.set_touchable(SegmentId(segment_id), touchable))?)
+    }
+
+    /// Makes a segment of a threshold of the scan as edited, or gives it to a segment.
+    #[pyo3(signature = (low, high, segment_id = None))]
+    fn threshold(
+        &self,
+        py: Python<'_>,
+        low: f64,
+        high: f64,
+        segment_id: Option<u8>,
+    ) -> Result<u8, CoreError> {
+        let id = segment_id.map(SegmentId);
+        Ok(py.detach(|| self.session.threshold(id, (low, high)))?.0)
+    }
+
+    /// Makes the voxels from `low` up to, but without, `high` solid or free in one segment.
+    fn fill_box(
+        &self,
+        py: Python<'_>,
+        segment_id: u8,
+        low: Voxel,
+        high: Voxel,
+        solid: bool,
+    ) -> Result<(), CoreError> {
+        let (low, high) = (IVec3::from(low), IVec3::from(high));
+        Ok(py.detach(|| {
+            self.session
+                .fill_box(SegmentId(segment_id), low, high, solid)
+        })?)
+    }
+
+    fn undo(&self, py: Python<'_>) -> Result<bool, CoreError> {
+        Ok(py.detach(|| self.session.undo())?)
+    }
+
+    fn redo(&self, py: Python<'_>) -> Result<bool, CoreError> {
+        Ok(py.detach(|| self.session.redo())?)
+    }
+
+    fn segment(&self, py: Python<'_>, segment_id: u8) -> Result<PySegment, CoreError> {
+        let segment: Segment = py.detach(|| self.session.segment(SegmentId(segment_id)))?;
+        Ok(PySegment { segment })
+    }
+
+    fn segments_state<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
+        let segments = py
+            .detach(|| self.session.segments())
+            .map_err(CoreError::from)?;
+        segments
+            .iter()
+            .map(|segment| segment_dict(py, segment))
+            .collect()
+    }
+
+    fn frame<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let frame = py.detach(|| self.session.frame());
+        frame_dict(py, &frame)
+    }
+
+    /// How late the ticks of each thread began since the start.
+    fn lateness<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let rates = py.detach(|| self.session.rates());
+        lateness_dict(py, &rates)
+    }
+
+    fn start_recording(&self, py: Python<'_>) -> Result<(), CoreError> {
+        Ok(py.detach(|| self.session.start_recording())?)
+    }
+
+    fn stop_recording<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let recording = py.detach(|| self.session.stop_recording());
+        recording_dict(py, recording.unwrap_or_default())
+    }
+
+    fn run(&self, py: Python<'_>, seconds: f64) -> Result<(), CoreError> {
+        Ok(py.detach(|| self.session.run(seconds))?)
+    }
+
+    fn stop(&self, py: Python<'_>) {
+        py.detach(|| self.session.stop());
+    }
+}
+
+/// The rows (time, x, y, z) of a path.
+fn path_samples(path: &PyReadonlyArray2<'_, f64>) -> Result<Vec<PathSample>, CoreError> {
+    let shape = path.shape();
+    if shape[1] != 4 {
+        return Err(CoreError::value(format!(
+            "path of shape {shape:?} given; allowed: [count, 4], rows (time, x, y, z)"
+        )));
+    }
+    let rows = path.as_array();
+    let samples = rows.rows().into_iter().map(|row| PathSample {
+        time: row[0],
+        position: vector((row[1], row[2], row[3])),
+    });
+    Ok(samples.collect())
+}
+
+/// The device of this name, and how it moves the probe.
+fn device_named(
+    name: &str,
+    path: Option<Vec<PathSample>>,
+) -> Result<(Box<dyn HapticDevice>, Reference), CoreError> {
+    let settings = SimulatedSettings::default();
+    match (name, path) {
+        ("simulated", None) => {
+            let device = SimulatedDevice::new(settings, glam::DVec3::ZERO)?;
+            Ok((Box::new(device), Reference::View))
+        }
+        ("scripted", Some(samples)) => {
+            let device = ScriptedDevice::new(samples, settings.limits)?;
+            Ok((Box::new(device), Reference::Scene))
+        }
+        ("simulated", Some(_)) => Err(CoreError::value(
+            "device 'simulated' given with a path; allowed: a path with 'scripted' only",
+        )),
+        ("scripted", None) => Err(CoreError::value(
+            "device 'scripted' given without a path; allowed: with an array [count, 4]",
+        )),
+        _ => Err(CoreError::value(format!(
+            "device {name:?} given; allowed: 'simulated', 'scripted'"
+        ))),
+    }
+}
