@@ -22,12 +22,26 @@ __all__ = [
 
 PROTOCOL_VERSION = 1
 
-Vector = tuple[float, float, float]
-"""x, y, z in the scene frame."""
+Coordinate = Annotated[float, msgspec.Meta(ge=-1e6, le=1e6)]
+"""A number of a vector; the bounds keep NaN, infinity and absurd distances out."""
+
+Vector = tuple[Coordinate, Coordinate, Coordinate]
+"""x, y, z in the scene frame, LPS [mm]; forces [N]."""
+
+Value = Annotated[float, msgspec.Meta(ge=-1e9, le=1e9)]
+"""A value of the scan, in its unit; the bounds keep NaN and infinity out."""
+
+Name = Annotated[str, msgspec.Meta(min_length=1, max_length=100)]
+"""What a person calls a segment."""
+
+SegmentId = Annotated[int, msgspec.Meta(ge=1, le=255)]
+"""A segment's number; also its value in ``/api/labels``."""
 
 Share = Annotated[float, msgspec.Meta(ge=0.0, le=1.0)]
+"""A part of a whole, 0..1."""
+
 Colour = tuple[Share, Share, Share]
-"""sRGB, each 0..1."""
+"""Red, green, blue, sRGB, each 0..1."""
 
 
 class Message(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag_field="type"):
@@ -40,8 +54,8 @@ class Message(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag_field
 class Histogram(msgspec.Struct, frozen=True):
     """Counts of the scan's values in equal bins from ``low`` to ``high``."""
 
-    low: float
-    high: float
+    low: Value
+    high: Value
     counts: list[int]
 
 
@@ -61,10 +75,10 @@ class Scan(msgspec.Struct, frozen=True):
     patient_from_grid: list[float]
     slope: float
     intercept: float
-    range: tuple[float, float]
+    range: tuple[Value, Value]
     histogram: Histogram
-    soft_tissue: float
-    bone: float
+    soft_tissue: Value
+    bone: Value
     orientation_known: bool
     warnings: list[str]
 
@@ -77,12 +91,12 @@ class Segment(msgspec.Struct, frozen=True):
     the segment's ``id`` (1..255).
     """
 
-    id: int
-    name: str
+    id: SegmentId
+    name: Name
     colour: Colour
     visible: bool
     touchable: bool
-    range: tuple[float, float] | None
+    range: tuple[Value, Value] | None
     voxels: int
     volume_ml: float
     pending: bool
@@ -129,7 +143,7 @@ class Safety(msgspec.Struct, frozen=True):
     violations: int
 
 
-class Hello(Message, tag="hello"):
+class Hello(Message, frozen=True, tag="hello"):
     """First message of the engine: everything the page needs to draw."""
 
     protocol: int
@@ -140,7 +154,7 @@ class Hello(Message, tag="hello"):
     device: str
 
 
-class State(Message, tag="state"):
+class State(Message, frozen=True, tag="state"):
     """What is now, some 60 times a second, latest wins.
 
     ``samples`` holds the ticks since the last state, thinned to at most 250 a second:
@@ -165,20 +179,20 @@ class State(Message, tag="state"):
     samples: list[tuple[float, float, float, float]]
 
 
-class Segments(Message, tag="segments"):
+class Segments(Message, frozen=True, tag="segments"):
     """The segment list after a change; ``labels`` is the version of ``/api/labels``."""
 
     segments: list[Segment]
     labels: int
 
 
-class SettingsChanged(Message, tag="settings_changed"):
+class SettingsChanged(Message, frozen=True, tag="settings_changed"):
     """The settings as the engine holds them."""
 
     settings: Settings
 
 
-class Notice(Message, tag="notice"):
+class Notice(Message, frozen=True, tag="notice"):
     """A sentence for the person at the page."""
 
     level: Literal["info", "warning", "error"]
@@ -190,70 +204,78 @@ ToPage = Hello | State | Segments | SettingsChanged | Notice
 # --- page -> engine -------------------------------------------------------------------
 
 
-class Hand(Message, tag="hand"):
+class Hand(Message, frozen=True, tag="hand"):
     """Where the hand pulls the device to [scene]; latest wins."""
 
     target: Vector
 
 
-class Place(Message, tag="place"):
+class Place(Message, frozen=True, tag="place"):
     """Puts probe, device and hand at a point, or at the free voxel next to it."""
 
     point: Vector
 
 
-class View(Message, tag="view"):
+class View(Message, frozen=True, tag="view"):
     """Axes of the view in the scene: the movement frame follows them (thesis 4.7)."""
 
     right: Vector
     up: Vector
 
 
-class Threshold(Message, tag="threshold"):
+class Threshold(Message, frozen=True, tag="threshold"):
     """Makes a segment of all voxels with low <= value <= high, or changes segment ``id``."""
 
-    id: int | None
-    name: str
-    low: float
-    high: float
+    id: SegmentId | None
+    name: Name
+    low: Value
+    high: Value
 
 
-class SegmentProperties(Message, tag="segment_properties"):
+class SegmentProperties(Message, frozen=True, tag="segment_properties"):
     """Changes how a segment looks and whether it can be touched."""
 
-    id: int
-    name: str
+    id: SegmentId
+    name: Name
     colour: Colour
     visible: bool
     touchable: bool
 
 
-class RemoveSegment(Message, tag="remove_segment"):
+class RemoveSegment(Message, frozen=True, tag="remove_segment"):
     """Removes a segment; undo brings it back."""
 
-    id: int
+    id: SegmentId
 
 
-class ChangeSettings(Message, tag="change_settings"):
+class ChangeSettings(Message, frozen=True, tag="change_settings"):
     """Asks for new settings."""
 
     settings: Settings
 
 
-class Undo(Message, tag="undo"):
+class Undo(Message, frozen=True, tag="undo"):
     """Takes the last edit back."""
 
 
-class Redo(Message, tag="redo"):
+class Redo(Message, frozen=True, tag="redo"):
     """Applies the last undone edit again."""
 
 
 FromPage = (
-    Hand | Place | View | Threshold | SegmentProperties | RemoveSegment | ChangeSettings | Undo | Redo
+    Hand
+    | Place
+    | View
+    | Threshold
+    | SegmentProperties
+    | RemoveSegment
+    | ChangeSettings
+    | Undo
+    | Redo
 )
 
 _encoder = msgspec.msgpack.Encoder()
-_decoder = msgspec.msgpack.Decoder(FromPage)
+_decoder: msgspec.msgpack.Decoder[FromPage] = msgspec.msgpack.Decoder(FromPage)
 
 
 def encode_to_page(message: ToPage) -> bytes:
@@ -265,7 +287,9 @@ def decode_from_page(packed: bytes) -> FromPage:
     """Unpacks a message of the page.
 
     Raises:
-        msgspec.ValidationError: The message is not of the schema.
-        msgspec.DecodeError: The bytes are not msgpack.
+        msgspec.DecodeError: The bytes are not msgpack, or the message is not of the schema.
     """
-    return _decoder.decode(packed)
+    try:
+        return _decoder.decode(packed)
+    except UnicodeDecodeError as error:
+        raise msgspec.DecodeError(str(error)) from None

@@ -1,0 +1,49 @@
+"""What all Python tests share: where the real scans are, and what happens without them.
+
+The folder is ``PALPATE_DATA``, by default the data folder beside the project. Tests marked
+``data`` fail at once where it is absent, unless ``PALPATE_NO_DATA=1``: then they are left
+out, and the summary says how many.
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+DEFAULT_FOLDER = Path(__file__).parent.parent / "shared" / "data"
+LEFT_OUT = pytest.StashKey[int]()
+
+
+def find_data_folder() -> Path:
+    """Returns the folder of the real scans, whether or not it is there."""
+    return Path(os.environ.get("PALPATE_DATA") or DEFAULT_FOLDER)
+
+
+@pytest.fixture(scope="session")
+def data_folder() -> Path:
+    """The folder of the real scans; only for tests marked ``data``."""
+    return find_data_folder()
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Leaves out the tests on real data where that was asked for."""
+    with_data = [item for item in items if item.get_closest_marker("data")]
+    if os.environ.get("PALPATE_NO_DATA") == "1":
+        config.stash[LEFT_OUT] = len(with_data)
+        config.hook.pytest_deselected(items=with_data)
+        items[:] = [item for item in items if not item.get_closest_marker("data")]
+    elif with_data and not find_data_folder().is_dir():
+        message = (
+            f"no real scans in {find_data_folder()}: set PALPATE_DATA to their folder, "
+            f"or PALPATE_NO_DATA=1 to leave out {len(with_data)} tests"
+        )
+        raise pytest.UsageError(message)
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    """Says how many tests were left out for want of data."""
+    left_out = terminalreporter.config.stash.get(LEFT_OUT, 0)
+    if left_out:
+        terminalreporter.write_line(f"PALPATE_NO_DATA=1: {left_out} tests on real scans left out")

@@ -1,0 +1,75 @@
+"""Palpate: examine medical scans by touch.
+
+Lengths mm, times s, forces N, stiffness N/mm; points (x, y, z) in LPS, arrays [z, y, x].
+
+    >>> import palpate
+    >>> volume = palpate.read("head.mha")
+    >>> scene = palpate.Scene(volume, [volume.threshold(1300)])
+    >>> with palpate.Session(scene) as session:
+    ...     session.place((120.0, 20.0, 110.0))
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from palpate.errors import (
+        EmptySegmentError,
+        OptionError,
+        PalpateError,
+        SeriesChoiceError,
+        VolumeFormatError,
+    )
+    from palpate.io import read
+    from palpate.phantom_scan import Phantom, phantom
+    from palpate.scene import Scene
+    from palpate.scripted_path import ScriptedPath
+    from palpate.segment import Segment
+    from palpate.session import Recording, Session, SessionOptions
+    from palpate.volume import Volume
+
+__all__ = [
+    "EmptySegmentError",
+    "OptionError",
+    "PalpateError",
+    "Phantom",
+    "Recording",
+    "Scene",
+    "ScriptedPath",
+    "Segment",
+    "SeriesChoiceError",
+    "Session",
+    "SessionOptions",
+    "Volume",
+    "VolumeFormatError",
+    "phantom",
+    "read",
+]
+
+_HOMES = {
+    "EmptySegmentError": "errors",
+    "OptionError": "errors",
+    "PalpateError": "errors",
+    "SeriesChoiceError": "errors",
+    "VolumeFormatError": "errors",
+    "read": "io",
+    "Phantom": "phantom_scan",
+    "phantom": "phantom_scan",
+    "Scene": "scene",
+    "ScriptedPath": "scripted_path",
+    "Segment": "segment",
+    "Recording": "session",
+    "Session": "session",
+    "SessionOptions": "session",
+    "Volume": "volume",
+}
+"""Module of each public name: imported when first asked for, so that the package starts fast."""
+
+
+def __getattr__(name: str) -> object:
+    home = _HOMES.get(name)
+    if home is None:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(f"{__name__}.{home}"), name)

@@ -1,0 +1,5 @@
+"""``python -m palpate``: the command line."""
+
+from palpate.cli import main
+
+main()

@@ -1,0 +1,59 @@
+"""Rows of figures: as a table for people, as JSON for programs."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from palpate.bench.goals import Goal
+
+__all__ = ["Row", "print_rows", "row_of", "write_rows"]
+
+
+@dataclass(frozen=True)
+class Row:
+    """One figure, and the goal it is held against."""
+
+    case: str
+    metric: str
+    value: float
+    unit: str
+    goal: float | None
+    better: str
+
+    @property
+    def met(self) -> bool | None:
+        """Whether the goal is met; None where there is none."""
+        if self.goal is None:
+            return None
+        return self.value >= self.goal if self.better == "higher" else self.value <= self.goal
+
+
+def row_of(goal: Goal, report: dict[str, float]) -> Row:
+    """Returns the figure that a goal asks for, from the engine's report."""
+    value = report[goal.key] * goal.scale
+    return Row(goal.case, goal.metric, value, goal.unit, goal.goal, goal.better)
+
+
+def write_rows(bench: str, rows: Iterable[Row], path: Path) -> None:
+    """Writes the figures of a benchmark as one JSON object."""
+    told = {"bench": bench, "rows": [asdict(row) for row in rows]}
+    path.write_text(json.dumps(told, indent=2) + "\n", encoding="utf-8")
+
+
+def print_rows(bench: str, rows: Iterable[Row]) -> None:
+    """Prints the figures of a benchmark as a table."""
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table(title=bench, title_justify="left")
+    for name in ("case", "metric", "value", "unit", "goal"):
+        table.add_column(name, justify="right" if name in ("value", "goal") else "left")
+    for row in rows:
+        sign = "≥" if row.better == "higher" else "≤"
+        goal = "" if row.goal is None else f"{sign} {row.goal:g}"
+        style = "red" if row.met is False else None
+        table.add_row(row.case, row.metric, f"{row.value:.4g}", row.unit, goal, style=style)
+    Console().print(table)

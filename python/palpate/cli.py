@@ -1,0 +1,254 @@
+"""The command line: ``palpate open``, ``demo``, ``info``, ``bench``.
+
+Whatever is wrong with what was given becomes one line on stderr and exit code 2. Heavy
+modules are imported inside the commands, so that ``palpate --help`` is quick.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from typer.exceptions import TyperException
+
+from palpate.console import WRONG_INPUT, Display, fail, quiet_libraries, warn
+from palpate.errors import PalpateError
+
+__all__ = ["app", "main"]
+
+app = typer.Typer(
+    name="palpate",
+    help="Examine medical scans by touch. For research and teaching, not for clinical use.",
+    add_completion=False,
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+STOPPED_BY_PERSON = 130
+"""Exit code after Ctrl-C, as shells expect it."""
+
+
+def main() -> None:
+    """Runs the command line and ends the process."""
+    sys.exit(run(sys.argv[1:]))
+
+
+def run(arguments: list[str]) -> int:
+    """Runs the command line with these arguments; returns the exit code."""
+    try:
+        result = app(args=arguments, prog_name="palpate", standalone_mode=False)
+    except TyperException as error:
+        # without a command the help was printed instead
+        return fail(_usage(error, arguments)) if error.format_message() else WRONG_INPUT
+    except (PalpateError, OSError) as error:
+        return fail(_system(error) if isinstance(error, OSError) else str(error))
+    except MemoryError:
+        return fail("not enough memory for this; allowed: a smaller scan, or a bigger machine")
+    except KeyboardInterrupt:
+        return STOPPED_BY_PERSON
+    return result if isinstance(result, int) else 0
+
+
+def _usage(error: TyperException, arguments: list[str]) -> str:
+    """Says what of a command line is wrong, and what is allowed."""
+    said = error.format_message().rstrip(".")
+    context = getattr(error, "ctx", None)
+    if context is None:
+        return said
+    help_at = f"see {context.command_path} --help"
+    given = _given(getattr(error, "param", None), arguments)
+    if given is not None:
+        return f"{said} (given: {given!r}; {help_at})"
+    options = [
+        name
+        for parameter in context.command.params
+        for name in (*parameter.opts, *parameter.secondary_opts)
+    ]
+    names = [
+        *getattr(context.command, "commands", {}),
+        *sorted(name for name in options if name.startswith("--")),
+    ]
+    return f"{said}; allowed: {', '.join(names)} ({help_at})"
+
+
+def _given(parameter: object, arguments: list[str]) -> str | None:
+    """Returns the value that was given for an option, if it was."""
+    for option in getattr(parameter, "opts", ()):
+        for argument, after in zip(arguments, [*arguments[1:], None], strict=True):
+            if argument == option:
+                return after
+            if argument.startswith(f"{option}="):
+                return argument.removeprefix(f"{option}=")
+    return None
+
+
+def _system(error: OSError) -> str:
+    """Says what the system refused, and for which file."""
+    if error.strerror is None:
+        return str(error)
+    return f"{error.filename or 'the system'}: {error.strerror}; allowed: files that can be read"
+
+
+def _print_version(*, asked: bool) -> None:
+    if asked:
+        from palpate.server_hello import package_version
+
+        typer.echo(f"palpate {package_version()}")
+        raise typer.Exit
+
+
+@app.callback()
+def root(
+    *,
+    version: Annotated[
+        bool,
+        typer.Option(
+            "--version", is_eager=True, help="Print the version.", callback=_print_version
+        ),
+    ] = False,
+) -> None:
+    """Takes the options that stand before a command."""
+
+
+# --- options of several commands --------------------------------------------------------
+
+Scan = Annotated[
+    Path, typer.Argument(help="NIfTI, MetaImage or NRRD file, or a DICOM folder.", metavar="PATH")
+]
+Series = Annotated[
+    str | None, typer.Option(help="DICOM series: its UID, description or number in the list.")
+]
+Orientation = Annotated[
+    str | None, typer.Option(help="Sides toward which x, y, z run, such as LPS or RAS.")
+]
+Unit = Annotated[str | None, typer.Option(help="HU, where the values are known to be.")]
+Fill = Annotated[float | None, typer.Option(help="Value in the place of NaN and infinity.")]
+MaxVoxels = Annotated[int, typer.Option(help="Largest scan that is read.")]
+Port = Annotated[int, typer.Option(help="Port of 127.0.0.1; 0 takes a free one.")]
+Browser = Annotated[bool, typer.Option(help="Open the page, where there is a display.")]
+Rate = Annotated[int, typer.Option(help="Servo ticks a second: 1000 or 4000.")]
+
+
+@app.command("open")
+def open_scan(  # noqa: PLR0913  # one per option of the command line
+    path: Scan,
+    *,
+    series: Series = None,
+    orientation: Orientation = None,
+    unit: Unit = None,
+    fill: Fill = None,
+    max_voxels: MaxVoxels = 1024**3,
+    threshold: Annotated[
+        str | None, typer.Option(help="Values of the segment to touch.", metavar="LOW[,HIGH]")
+    ] = None,
+    segments: Annotated[
+        Path | None, typer.Option(help="Label map: each label becomes a segment.")
+    ] = None,
+    port: Port = 0,
+    browser: Browser = True,
+    rate: Rate = 1000,
+) -> None:
+    """Show a scan and feel it."""
+    from palpate.cli_open import check_start, parse_threshold, scene_of, show
+    from palpate.io import read
+    from palpate.server import bind
+
+    check_start(rate)
+    bounds = parse_threshold(threshold)
+    with bind(port) as listener, quiet_libraries():
+        with Display() as display:
+            volume = read(
+                path,
+                series=series,
+                orientation=orientation,
+                unit=unit,
+                fill=fill,
+                max_voxels=max_voxels,
+                progress=display,
+            )
+            scene = scene_of(volume, bounds=bounds, label_map=segments, progress=display)
+        for warning in volume.warnings:
+            warn(warning)
+        show(scene, listener, rate=rate, browser=browser)
+
+
+@app.command()
+def demo(*, port: Port = 0, browser: Browser = True, rate: Rate = 1000) -> None:
+    """Show the built-in phantom and feel it."""
+    from palpate.cli_open import check_start, scene_of, show
+    from palpate.phantom_scan import phantom
+    from palpate.server import bind
+
+    check_start(rate)
+    with bind(port) as listener:
+        with Display() as display:
+            display("making the phantom", None)
+            volume = phantom().volume
+            scene = scene_of(volume, bounds=None, label_map=None, progress=display)
+        show(scene, listener, rate=rate, browser=browser)
+
+
+@app.command()
+def info(  # one per option of the command line
+    path: Scan,
+    *,
+    series: Series = None,
+    orientation: Orientation = None,
+    unit: Unit = None,
+    fill: Fill = None,
+    max_voxels: MaxVoxels = 1024**3,
+    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
+) -> None:
+    """Tell what a scan is."""
+    from palpate.info import describe, print_table
+    from palpate.io import read
+
+    with quiet_libraries(), Display() as display:
+        volume = read(
+            path,
+            series=series,
+            orientation=orientation,
+            unit=unit,
+            fill=fill,
+            max_voxels=max_voxels,
+            progress=display,
+        )
+    if as_json:
+        import json
+
+        typer.echo(json.dumps(describe(volume), indent=2))
+    else:
+        print_table(volume)
+
+
+bench = typer.Typer(help="Measure.", no_args_is_help=True)
+app.add_typer(bench, name="bench")
+
+
+@bench.command("haptics")
+def bench_haptics(
+    *,
+    data: Annotated[
+        Path | None, typer.Option(help="Scan to touch; by default the phantom.")
+    ] = None,
+    json_file: Annotated[
+        Path | None, typer.Option("--json", help="Write the figures to this file.")
+    ] = None,
+    count: Annotated[int, typer.Option(help="Calls of each case.")] = 1_000_000,
+) -> None:
+    """Measure touch: contact detection alone, and the full update."""
+    from palpate.bench.haptics import measure
+    from palpate.bench.report import print_rows, write_rows
+    from palpate.io import read
+    from palpate.phantom_scan import phantom
+
+    with quiet_libraries(), Display() as display:
+        display("loading the scan", None)
+        volume = phantom().volume if data is None else read(data, progress=display)
+        rows = measure(volume.offered_bone(), count=count, progress=display)
+    print_rows(f"haptics on the bone of {volume.name}", rows)
+    if json_file is not None:
+        write_rows("haptics", rows, json_file)

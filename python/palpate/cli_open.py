@@ -1,0 +1,136 @@
+"""What ``palpate open`` and ``palpate demo`` do once their options are understood."""
+
+from __future__ import annotations
+
+import os
+import socket
+import sys
+import webbrowser
+from pathlib import Path
+
+import numpy as np
+import typer
+
+from palpate.console import warn
+from palpate.errors import EmptySegmentError, OptionError
+from palpate.io import read
+from palpate.progress import Progress
+from palpate.scene import Scene
+from palpate.server import PAGE, serve
+from palpate.server_security import Access
+from palpate.session import Session, SessionOptions
+from palpate.volume import Volume
+
+__all__ = ["check_start", "parse_threshold", "scene_of", "show"]
+
+RATES = (1000, 4000)
+"""Servo rates that are offered [Hz]."""
+
+Bounds = tuple[float, float | None]
+
+
+def parse_threshold(given: str | None) -> Bounds | None:
+    """Returns the bounds that LOW or LOW,HIGH stands for; None where none is given.
+
+    Raises:
+        OptionError: It is neither.
+    """
+    if given is None:
+        return None
+    try:
+        numbers = [float(part) for part in given.split(",")]
+    except ValueError:
+        numbers = []
+    if len(numbers) not in (1, 2) or not np.isfinite(numbers).all():
+        raise OptionError(
+            f"threshold {given!r} given; allowed: LOW or LOW,HIGH, such as 250 or 250,1500"
+        )
+    return numbers[0], numbers[1] if len(numbers) == 2 else None
+
+
+def scene_of(
+    volume: Volume, *, bounds: Bounds | None, label_map: Path | None, progress: Progress
+) -> Scene:
+    """Returns a scene with the segments asked for, or with the one offered as bone.
+
+    Raises:
+        EmptySegmentError: The threshold asked for selects nothing.
+        VolumeFormatError: The label map cannot be read.
+        OptionError: The label map does not fit the scan.
+    """
+    scene = Scene(volume)
+    if bounds is not None:
+        scene.add(volume.threshold(*bounds, name="threshold"))
+    if label_map is not None:
+        add_labels(scene, label_map, progress)
+    if bounds is None and label_map is None:
+        try:
+            scene.add(volume.offered_bone())
+        except EmptySegmentError:
+            warn(f"no bone found in {volume.name}: choose a threshold on the page")
+    return scene
+
+
+def add_labels(scene: Scene, path: Path, progress: Progress) -> None:
+    """Adds each label of a label map as a segment."""
+    volume = scene.volume
+    labels = read(path, progress=progress)
+    if labels.dimensions != volume.dimensions or not np.allclose(
+        # a tenth of a voxel: headers of label maps are rounded
+        labels.patient_from_grid,
+        volume.patient_from_grid,
+        atol=0.1 * min(volume.spacing),
+    ):
+        raise OptionError(
+            f"label map {path} lies on another grid ({labels!r}); allowed: the grid of {volume!r}"
+        )
+    values = [value for value in map(labels.value_of, _stored_values(labels)) if value != 0.0]
+    for done, value in enumerate(values):
+        progress(f"making {len(values)} segments", done / len(values))
+        scene.add(labels.threshold(value, value).part_of(volume, name=f"label {value:g}"))
+
+
+def _stored_values(volume: Volume) -> list[int]:
+    """Lists the different stored values of a scan."""
+    lowest, highest = int(volume.array.min()), int(volume.array.max())
+    counts = np.zeros(highest - lowest + 1, np.int64)
+    for slab in volume.array:
+        counts += np.bincount(slab.ravel().astype(np.int64) - lowest, minlength=len(counts))
+    return [int(lowest + step) for step in np.flatnonzero(counts)]
+
+
+def check_start(rate: int) -> None:
+    """Refuses what would fail after the scan was read.
+
+    Raises:
+        OptionError: The rate is not offered, or the page is not built.
+    """
+    if rate not in RATES:
+        allowed = " or ".join(map(str, RATES))
+        raise OptionError(f"rate {rate} Hz given; allowed: {allowed} Hz")
+    if not (PAGE / "index.html").is_file():
+        raise OptionError(f"the page is not built in {PAGE}; allowed: after `make setup`")
+
+
+def show(scene: Scene, listener: socket.socket, *, rate: int, browser: bool) -> None:
+    """Serves a scene until Ctrl-C."""
+    access = Access(port=listener.getsockname()[1])
+
+    def ready() -> None:
+        typer.echo(f"Palpate shows {scene.volume.name} at\n{access.url}\nCtrl-C stops it.")
+        sys.stdout.flush()
+        if browser and has_display():
+            webbrowser.open(access.url)
+
+    with Session(scene, options=SessionOptions(rate_hz=rate)) as session:
+        try:
+            serve(session, listener, access=access, ready=ready)
+        except KeyboardInterrupt:
+            typer.echo("stopped")
+
+
+def has_display() -> bool:
+    """Says whether a browser could show itself here."""
+    return sys.platform != "linux" or bool(
+        os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
+    )

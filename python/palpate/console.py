@@ -1,0 +1,121 @@
+"""What the command line shows while it works, and how it fails: one line on stderr.
+
+Progress is shown for what takes longer than a second, and only where stderr is a terminal.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from threading import Lock, Timer
+from types import TracebackType
+from typing import TYPE_CHECKING, Self
+
+if TYPE_CHECKING:
+    from rich.progress import Progress as Bar
+
+__all__ = ["WRONG_INPUT", "Display", "fail", "quiet_libraries", "warn"]
+
+QUIET_SECONDS = 1.0
+"""Work shorter than this is not shown."""
+
+WRONG_INPUT = 2
+"""Exit code where something given cannot be used."""
+
+
+def fail(message: str) -> int:
+    """Prints why something cannot be done, in one line; returns the exit code."""
+    sys.stderr.write(f"palpate: {_one_line(message)}\n")
+    return WRONG_INPUT
+
+
+def warn(message: str) -> None:
+    """Prints what a person should know, in one line."""
+    sys.stderr.write(f"palpate: warning: {_one_line(message)}\n")
+
+
+def _one_line(message: str) -> str:
+    """Returns a message without line breaks and without characters that steer a terminal."""
+    words = " ".join(message.split())
+    return "".join(letter if letter.isprintable() else "?" for letter in words)
+
+
+@contextmanager
+def quiet_libraries() -> Iterator[None]:
+    """Keeps what image libraries print by themselves off stderr; ours goes on to be shown."""
+    shown = sys.stderr
+    shown.flush()
+    kept = os.dup(2)
+    try:
+        with (
+            Path(os.devnull).open("wb") as nothing,
+            os.fdopen(os.dup(2), "w", buffering=1) as ours,
+        ):
+            os.dup2(nothing.fileno(), 2)
+            sys.stderr = ours
+            yield
+    finally:
+        sys.stderr = shown
+        os.dup2(kept, 2)
+        os.close(kept)
+
+
+class Display:
+    """Shows progress as a line with a bar, once a second has passed."""
+
+    def __init__(self) -> None:
+        """Shows nothing yet."""
+        self._lock = Lock()
+        self._bar: Bar | None = None
+        self._now: tuple[str, float | None] = ("", None)
+        self._timer = Timer(QUIET_SECONDS, self._show)
+        self._timer.daemon = True
+
+    def __enter__(self) -> Self:
+        self._timer.start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._timer.cancel()
+        with self._lock:
+            if self._bar is not None:
+                self._bar.stop()
+
+    def __call__(self, what: str, share: float | None, /) -> None:
+        """Takes what is being done and which share of it is done."""
+        with self._lock:
+            self._now = (what, share)
+            self._update()
+
+    def _update(self) -> None:
+        what, share = self._now
+        if self._bar is not None:
+            total = None if share is None else 1.0
+            task = self._bar.task_ids[0]
+            self._bar.update(task, description=what, total=total, completed=share or 0.0)
+
+    def _show(self) -> None:
+        from rich.console import Console
+        from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn
+
+        console = Console(file=sys.stderr)
+        with self._lock:
+            self._bar = Progress(
+                SpinnerColumn(),
+                TextColumn("{task.description}", markup=False),
+                BarColumn(),
+                console=console,
+                transient=True,
+                disable=not console.is_terminal,
+            )
+            self._bar.add_task(self._now[0], total=None)
+            self._update()
+            self._bar.start()

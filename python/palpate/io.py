@@ -1,0 +1,123 @@
+"""Reading of medical volumes into patient space."""
+
+from __future__ import annotations
+
+from os import PathLike
+from pathlib import Path
+
+import numpy as np
+
+from palpate.errors import OptionError, PalpateError
+from palpate.io_dicom import is_dicom, read_dicom_file, read_dicom_folder
+from palpate.io_file import read_file
+from palpate.orientation import direction_of, letters_of
+from palpate.progress import Progress, silent
+from palpate.raw_scan import RawScan
+from palpate.stored import to_stored
+from palpate.volume import Volume, VolumeTraits
+
+__all__ = ["read"]
+
+UNITS = ("HU",)
+"""Units that a person can say a scan has."""
+
+
+def read(
+    path: str | PathLike[str],
+    *,
+    series: str | None = None,
+    orientation: str | None = None,
+    unit: str | None = None,
+    fill: float | None = None,
+    max_voxels: int = 1024**3,
+    progress: Progress = silent,
+) -> Volume:
+    """Reads one volume and places it in patient space, LPS [mm].
+
+    Args:
+        path: A NIfTI, NRRD or MetaImage file, a folder with a DICOM series, or a DICOM file
+            with all slices of one.
+        series: Series to take where the folder holds several: its UID, its description, or its
+            number in the list that the error shows.
+        orientation: Sides toward which the file's x, y and z run, such as "LPS", where the file
+            does not tell or is wrong.
+        unit: "HU" where the values are known to be.
+        fill: Value that takes the place of NaN and infinite ones.
+        max_voxels: Largest volume accepted, a guard against running out of memory.
+        progress: Told how far the reading is.
+
+    Raises:
+        FileNotFoundError: ``path`` does not exist.
+        VolumeFormatError: It is no complete, three-dimensional, single-valued scan.
+        SeriesChoiceError: The folder holds several series, or not the one asked for.
+        OptionError: An option has a value that is not allowed.
+    """
+    source = Path(path)
+    _check_options(source, series=series, unit=unit, max_voxels=max_voxels)
+    scan = _read(source, series=series, max_voxels=max_voxels, progress=progress)
+    _apply_orientation(scan, orientation)
+    if unit is not None:
+        scan.unit = unit
+
+    progress("storing values as 16 bits", None)
+    try:
+        stored = to_stored(scan.values, fill=fill, file_scale=scan.file_scale)
+    except PalpateError as error:
+        raise type(error)(f"{source}: {error}") from None
+    if stored.error > 0.0:
+        scan.warnings.append(
+            f"values are rounded to steps of {stored.scale.slope:.4g} {scan.unit}".rstrip()
+            + f", by at most {stored.error:.4g}, to fit 16 bits"
+        )
+    if stored.filled:
+        scan.warnings.append(f"{stored.filled} NaN or infinite values were set to {fill:g}")
+    return Volume(
+        stored.values,
+        spacing=scan.spacing,
+        origin=scan.origin,
+        direction=scan.direction,
+        slope=stored.scale.slope,
+        intercept=stored.scale.intercept,
+        traits=VolumeTraits(
+            name=scan.name,
+            modality=scan.modality,
+            unit=scan.unit,
+            series=scan.series,
+            orientation_known=scan.orientation_known,
+            warnings=tuple(scan.warnings),
+        ),
+    )
+
+
+def _check_options(source: Path, *, series: str | None, unit: str | None, max_voxels: int) -> None:
+    if not source.exists():
+        raise FileNotFoundError(f"{source} does not exist; allowed: an existing file or folder")
+    if unit is not None and unit not in UNITS:
+        raise OptionError(f"unit {unit!r} is not known; allowed: {', '.join(UNITS)}")
+    if max_voxels < 1:
+        raise OptionError(f"max_voxels is {max_voxels}; allowed: 1 or more")
+    if series is not None and not source.is_dir():
+        raise OptionError(f"series {series!r} was asked of {source}; allowed: with a DICOM folder")
+
+
+def _read(source: Path, *, series: str | None, max_voxels: int, progress: Progress) -> RawScan:
+    if source.is_dir():
+        return read_dicom_folder(source, series=series, max_voxels=max_voxels, progress=progress)
+    if is_dicom(source):
+        return read_dicom_file(source, max_voxels=max_voxels, progress=progress)
+    return read_file(source, max_voxels=max_voxels, progress=progress)
+
+
+def _apply_orientation(scan: RawScan, orientation: str | None) -> None:
+    """Lays the file's axes as told; warns where nobody tells, or where the file disagrees."""
+    if orientation is None:
+        if not scan.orientation_known:
+            scan.warnings.append(
+                "the file does not tell its orientation; give it with --orientation, such as LPS"
+            )
+        return
+    direction = direction_of(orientation)
+    told = letters_of(scan.direction)
+    if scan.orientation_known and not np.allclose(direction, scan.direction):
+        scan.warnings.append(f"orientation {orientation.upper()} replaces the file's own, {told}")
+    scan.direction, scan.orientation_known = direction, True

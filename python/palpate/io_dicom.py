@@ -1,0 +1,200 @@
+"""Reading of DICOM: a folder with the slices of a series, or one file with all of them.
+
+Pixels are decoded and rescaled by GDCM through SimpleITK, which knows JPEG, JPEG-LS,
+JPEG 2000 and RLE; geometry comes from the headers themselves.
+
+Frame: LPS [mm].
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.errors import SeriesChoiceError, VolumeFormatError
+from palpate.io_dicom_geometry import Stack, stack_of
+from palpate.io_dicom_header import Header, Series, find_series, read_header
+from palpate.progress import Progress
+from palpate.raw_scan import RawScan, check_shape, orthonormal
+from palpate.simpleitk import reason_of, simpleitk
+from palpate.stored import Scale
+
+MOST_LISTED = 12
+"""Series named in one message."""
+MOST_FILES = 50_000
+"""Files looked at in one folder: ten of the largest studies, and not a whole disc."""
+
+__all__ = ["is_dicom", "read_dicom_file", "read_dicom_folder"]
+
+
+def is_dicom(path: Path) -> bool:
+    """Says whether a file carries the mark of DICOM (PS3.10, 7.1)."""
+    with path.open("rb") as file:
+        return file.read(132)[128:] == b"DICM"
+
+
+def read_dicom_folder(
+    folder: Path, *, series: str | None, max_voxels: int, progress: Progress
+) -> RawScan:
+    """Reads the series in a folder and the folders below, or the one asked for of several.
+
+    Raises:
+        SeriesChoiceError: There are several series, or not the one asked for.
+        VolumeFormatError: There is none, or it is no even, upright stack.
+    """
+    files = _files_below(folder)
+    if not files:
+        raise VolumeFormatError(
+            f"{folder} is an empty folder; allowed: a folder with the files of a DICOM series"
+        )
+    found = find_series(files, progress)
+    if not found:
+        raise VolumeFormatError(
+            f"{folder} holds no DICOM images ({len(files)} files looked at); "
+            "allowed: a folder with the files of a DICOM series"
+        )
+    chosen, warnings = _choose(folder, found, series)
+    what = f"{folder} (series {chosen.uid})" if chosen.uid else str(folder)
+    scan = _read_series(what, chosen, max_voxels=max_voxels, progress=progress)
+    scan.name = chosen.description or folder.name
+    scan.warnings[:0] = warnings
+    return scan
+
+
+def _files_below(folder: Path) -> list[Path]:
+    """Lists the files of a folder and of those below it, as archives and discs nest them."""
+    files = (path for path in folder.rglob("*") if path.is_file())
+    listed = list(islice(files, MOST_FILES + 1))
+    if len(listed) > MOST_FILES:
+        raise VolumeFormatError(
+            f"{folder} holds more than {MOST_FILES} files; allowed: the folder of one study"
+        )
+    return listed
+
+
+def read_dicom_file(path: Path, *, max_voxels: int, progress: Progress) -> RawScan:
+    """Reads a file that holds all slices of a volume.
+
+    Raises:
+        VolumeFormatError: The file holds one slice, no image, or no even, upright stack.
+    """
+    header = read_header(path)
+    if header is None:
+        raise VolumeFormatError(
+            f"{path} is a DICOM file without an image of a scan; allowed: CT, MR and other scans"
+        )
+    one = Series(header.series, header.description, header.modality, (header,))
+    scan = _read_series(str(path), one, max_voxels=max_voxels, progress=progress)
+    scan.name = header.description or path.stem
+    return scan
+
+
+def _choose(folder: Path, found: list[Series], wanted: str | None) -> tuple[Series, list[str]]:
+    """Returns the series to read, and what to say about those left out."""
+    listed = _listed(found)
+    if wanted is not None:
+        chosen = [series for series in found if wanted in (series.uid, series.description)]
+        if wanted.isdecimal() and 1 <= int(wanted) <= len(found):
+            chosen = chosen or [found[int(wanted) - 1]]
+        if len(chosen) == 1:
+            return chosen[0], []
+        raise SeriesChoiceError(
+            f"{folder} holds {len(chosen) or 'no'} series {wanted!r}; "
+            f"allowed with --series: a number, UID or description of {listed}"
+        )
+
+    # a scout of one or two slices beside a scan leaves no doubt which one is meant
+    volumes = [series for series in found if series.slices > 2]
+    if len(found) > 1 and len(volumes) != 1:
+        raise SeriesChoiceError(
+            f"{folder} holds {len(found)} series; choose one with --series NUMBER or UID: {listed}"
+        )
+    chosen_one = volumes[0] if volumes else found[0]
+    left_out = [f"left out series {series}" for series in found if series is not chosen_one]
+    return chosen_one, left_out
+
+
+def _listed(found: list[Series]) -> str:
+    rows = [f"[{number}] {series}" for number, series in enumerate(found, 1)]
+    more = len(rows) - MOST_LISTED
+    return "; ".join(rows[:MOST_LISTED]) + (f"; and {more} more" if more > 0 else "")
+
+
+def _read_series(what: str, series: Series, *, max_voxels: int, progress: Progress) -> RawScan:
+    first = series.headers[0]
+    if first.samples != 1:
+        raise VolumeFormatError(
+            f"{what} has {first.samples} numbers per pixel, as colour images have; "
+            "allowed: one intensity per pixel"
+        )
+    check_shape(what, (first.columns, first.rows, series.slices), max_voxels)
+    short = [header.path.name for header in series.headers if header.truncated]
+    if short:
+        raise VolumeFormatError(
+            f"{what} is truncated: {len(short)} files are shorter than their image, such as "
+            f"{short[0]}; allowed: complete files"
+        )
+    stack = stack_of(what, [frame for header in series.headers for frame in header.frames])
+    values = _decode(what, _sorted(series, stack), progress)
+    if stack is not None and len(series.headers) == 1:
+        values = values[list(stack.order)]
+    return _scan(what, series, stack=stack, values=values)
+
+
+def _sorted(series: Series, stack: Stack | None) -> Series:
+    """Returns a series of single slices with its files in the order of the stack."""
+    if stack is None or len(series.headers) == 1:
+        return series
+    return replace(series, headers=tuple(series.headers[index] for index in stack.order))
+
+
+def _scan(what: str, series: Series, *, stack: Stack | None, values: NDArray[Any]) -> RawScan:
+    scales = {header.scale for header in series.headers}
+    scale = scales.pop() if len(scales) == 1 else None
+    scan = RawScan(
+        values=values,
+        spacing=(1.0, 1.0, 1.0),
+        origin=(0.0, 0.0, 0.0),
+        direction=np.eye(3),
+        name="",
+        modality=series.modality,
+        unit=series.headers[0].unit,
+        series=series.uid,
+        file_scale=Scale(*scale) if scale else None,
+    )
+    if stack is None:
+        scan.orientation_known = False
+        scan.warnings.append("the files tell no positions or spacing: 1 mm is assumed")
+        return scan
+    scan.spacing, scan.origin = stack.spacing, stack.origin
+    scan.direction = orthonormal(what, stack.direction)
+    return scan
+
+
+def _decode(what: str, series: Series, progress: Progress) -> NDArray[Any]:
+    """Decodes and rescales all slices, in the order of the files."""
+    parts = []
+    for done, header in enumerate(series.headers):
+        progress(f"reading {series.slices} slices", done / len(series.headers))
+        parts.append(_decode_file(what, header))
+    return np.concatenate(parts)
+
+
+def _decode_file(what: str, header: Header) -> NDArray[Any]:
+    sitk = simpleitk()
+    reader = sitk.ImageFileReader()
+    reader.SetFileName(str(header.path))
+    reader.SetImageIO("GDCMImageIO")
+    try:
+        values: NDArray[Any] = sitk.GetArrayFromImage(reader.Execute())
+    except RuntimeError as error:
+        raise VolumeFormatError(
+            f"{what} cannot be decoded at {header.path.name} ({reason_of(error)}); "
+            "allowed: complete, undamaged files, uncompressed or in JPEG, JPEG-LS, JPEG 2000 or RLE"
+        ) from None
+    return values.reshape(-1, header.rows, header.columns)

@@ -1,0 +1,188 @@
+"""What the headers of DICOM files say: frames, grouped into series.
+
+Read with pydicom, without pixels, since GDCM's own scan of a folder stops at the first file
+it dislikes.
+
+Frame: positions and orientations in LPS [mm], as DICOM gives them.
+Source: DICOM PS3.3, C.7.6.2 (image plane), C.7.6.16 (functional groups of multi-frame images).
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from palpate.progress import Progress
+
+if TYPE_CHECKING:
+    from pydicom.dataset import Dataset
+
+__all__ = ["Frame", "Header", "Series", "find_series", "read_header"]
+
+DERIVED_OBJECTS = ("SEG", "RTSTRUCT", "RTDOSE", "RTPLAN", "RTIMAGE", "SR", "PR", "REG", "KO")
+"""Modalities of objects that refer to a scan and are none."""
+
+
+@dataclass(frozen=True)
+class Frame:
+    """Where one slice lies; None where the file does not tell."""
+
+    position: tuple[float, ...] | None
+    orientation: tuple[float, ...] | None
+    pixel_spacing: tuple[float, ...] | None
+    """Between rows, between columns [mm], in DICOM's order."""
+
+
+@dataclass(frozen=True)
+class Header:
+    """What one file says about its slices."""
+
+    path: Path
+    series: str
+    description: str
+    modality: str
+    unit: str
+    rows: int
+    columns: int
+    samples: int
+    frames: tuple[Frame, ...]
+    truncated: bool
+    """Whether uncompressed pixels are fewer than announced; compressed ones are not counted."""
+    scale: tuple[float, float] | None
+    """Rescale slope and intercept, if the file has one pair for all frames."""
+
+
+@dataclass(frozen=True)
+class Series:
+    """Files of one SeriesInstanceUID with one size and orientation."""
+
+    uid: str
+    description: str
+    modality: str
+    headers: tuple[Header, ...]
+
+    @property
+    def slices(self) -> int:
+        """How many slices its files hold."""
+        return sum(len(header.frames) for header in self.headers)
+
+    def __str__(self) -> str:
+        name = self.uid or "(empty UID)"
+        said = f" {self.description!r}" if self.description else ""
+        first = self.headers[0]
+        return f"{name}{said} {self.modality}, {self.slices} of {first.columns} x {first.rows}"
+
+
+def find_series(paths: Iterable[Path], progress: Progress) -> list[Series]:
+    """Groups the images among these files into series, the longest first."""
+    files = sorted(paths)
+    groups: dict[tuple[Any, ...], list[Header]] = {}
+    for done, path in enumerate(files):
+        progress(f"looking at {len(files)} files", done / len(files))
+        header = read_header(path)
+        if header is not None:
+            groups.setdefault(_group(header), []).append(header)
+    found = [
+        Series(headers[0].series, headers[0].description, headers[0].modality, tuple(headers))
+        for headers in groups.values()
+    ]
+    return sorted(found, key=lambda series: (-series.slices, series.uid))
+
+
+def _group(header: Header) -> tuple[Any, ...]:
+    """Returns what the files of one volume have in common."""
+    orientation = header.frames[0].orientation
+    rounded = tuple(round(cosine, 3) + 0.0 for cosine in orientation) if orientation else None
+    own_volume = header.path if len(header.frames) > 1 else None
+    return (header.series, header.rows, header.columns, rounded, own_volume)
+
+
+def read_header(path: Path) -> Header | None:
+    """Reads a file's header; None where it is no DICOM image of a scan."""
+    import pydicom
+    from pydicom.errors import InvalidDicomError
+
+    with warnings.catch_warnings():
+        # sloppy values are common and judged below
+        warnings.simplefilter("ignore")
+        try:
+            with path.open("rb") as file:
+                dataset = pydicom.dcmread(file, stop_before_pixels=True, force=False)
+                left = path.stat().st_size - file.tell()
+            return _header(path, dataset, left)
+        except (InvalidDicomError, OSError, EOFError):
+            return None
+
+
+def _header(path: Path, dataset: Dataset, left: int) -> Header | None:
+    modality = str(dataset.get("Modality") or "")
+    rows, columns = dataset.get("Rows"), dataset.get("Columns")
+    if not rows or not columns or modality in DERIVED_OBJECTS:
+        return None
+    samples = int(dataset.get("SamplesPerPixel") or 1)
+    count = int(dataset.get("NumberOfFrames") or 1)
+    stored = int(dataset.get("BitsAllocated") or 16) * rows * columns * samples * count // 8
+    syntax = getattr(dataset.file_meta, "TransferSyntaxUID", None)
+    packed = bool(syntax is not None and (syntax.is_compressed or syntax.is_deflated))
+    return Header(
+        path=path,
+        series=str(dataset.get("SeriesInstanceUID") or ""),
+        description=str(dataset.get("SeriesDescription") or ""),
+        modality=modality,
+        unit=_unit(dataset, modality),
+        rows=int(rows),
+        columns=int(columns),
+        samples=samples,
+        frames=tuple(_frame(dataset, index) for index in range(count)),
+        truncated=not packed and left < stored,
+        scale=_scale(dataset),
+    )
+
+
+def _frame(dataset: Dataset, index: int) -> Frame:
+    plane = _holder(dataset, index, "PlanePositionSequence")
+    orientation = _holder(dataset, index, "PlaneOrientationSequence")
+    measures = _holder(dataset, index, "PixelMeasuresSequence")
+    return Frame(
+        position=_numbers(plane, "ImagePositionPatient", 3),
+        orientation=_numbers(orientation, "ImageOrientationPatient", 6),
+        pixel_spacing=_numbers(measures, "PixelSpacing", 2),
+    )
+
+
+def _numbers(holder: Dataset, name: str, count: int) -> tuple[float, ...] | None:
+    try:
+        numbers = tuple(float(number) for number in holder.get(name) or ())
+    except (TypeError, ValueError):
+        return None
+    return numbers if len(numbers) == count else None
+
+
+def _holder(dataset: Dataset, index: int, group: str) -> Dataset:
+    """Returns what holds a frame's values: its own functional group, the shared one, the file."""
+    per_frame = dataset.get("PerFrameFunctionalGroupsSequence") or []
+    shared = dataset.get("SharedFunctionalGroupsSequence") or []
+    for groups in (*per_frame[index : index + 1], *shared[:1]):
+        if groups.get(group):
+            held: Dataset = groups[group][0]
+            return held
+    return dataset
+
+
+def _scale(dataset: Dataset) -> tuple[float, float] | None:
+    holder = _holder(dataset, 0, "PixelValueTransformationSequence")
+    slope, intercept = holder.get("RescaleSlope"), holder.get("RescaleIntercept")
+    if slope is None or intercept is None:
+        return None
+    return float(slope), float(intercept)
+
+
+def _unit(dataset: Dataset, modality: str) -> str:
+    """Returns "HU" where a CT is rescaled and its rescale type does not say otherwise."""
+    holder = _holder(dataset, 0, "PixelValueTransformationSequence")
+    kind = str(holder.get("RescaleType") or "HU")
+    rescaled = holder.get("RescaleIntercept") is not None
+    return "HU" if modality == "CT" and rescaled and kind == "HU" else ""

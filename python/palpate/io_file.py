@@ -1,0 +1,131 @@
+"""Reading of single image files: NIfTI, MetaImage and NRRD.
+
+Frame: SimpleITK turns what each format says into LPS [mm]; nothing else here turns axes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from palpate.errors import VolumeFormatError
+from palpate.io_payload import check_payload, metaimage_header
+from palpate.progress import Progress
+from palpate.raw_scan import RawScan, check_shape, orthonormal
+from palpate.simpleitk import Image, Reader, reason_of, simpleitk
+from palpate.stored import Scale
+
+__all__ = ["FORMATS", "read_file"]
+
+FORMATS = {
+    "nifti": ("NiftiImageIO", (".nii", ".nii.gz", ".hdr", ".img", ".img.gz", ".hdr.gz")),
+    "metaimage": ("MetaImageIO", (".mha", ".mhd")),
+    "nrrd": ("NrrdImageIO", (".nrrd", ".nhdr")),
+}
+"""Each format's reader in ITK and the endings of its files."""
+
+ALLOWED = "NIfTI (.nii, .nii.gz), MetaImage (.mha, .mhd), NRRD (.nrrd, .nhdr) or a DICOM folder"
+
+
+def read_file(path: Path, *, max_voxels: int, progress: Progress) -> RawScan:
+    """Reads one file that holds one volume.
+
+    Raises:
+        VolumeFormatError: The file is no volume, is damaged, or has too many voxels.
+    """
+    reader, format_name = _open(path)
+    metadata = {key: reader.GetMetaData(key) for key in reader.GetMetaDataKeys()}
+
+    # all that the header tells, before voxels are loaded
+    _check_pixels(path, reader)
+    check_shape(str(path), reader.GetSize(), max_voxels)
+    progress(f"checking {path.name}", None)
+    check_payload(path, metadata, format_name)
+
+    progress(f"reading {path.name}", None)
+    image = _read(path, reader)
+    known = _orientation_known(path, metadata, format_name)
+    return RawScan(
+        values=simpleitk().GetArrayFromImage(image),
+        spacing=image.GetSpacing(),
+        origin=image.GetOrigin(),
+        direction=orthonormal(str(path), np.reshape(image.GetDirection(), (3, 3))),
+        name=_stem(path),
+        orientation_known=known,
+        file_scale=_file_scale(metadata),
+        warnings=[],
+    )
+
+
+def _open(path: Path) -> tuple[Reader, str]:
+    """Returns a reader that has read the header, and the name of the format."""
+    name = path.name.lower()
+    endings = ((key, io) for key, (io, ends) in FORMATS.items() if name.endswith(ends))
+    format_name, image_io = next(endings, ("", ""))
+    reader = simpleitk().ImageFileReader()
+    reader.SetFileName(str(path))
+    reader.SetImageIO(image_io)
+    try:
+        reader.ReadImageInformation()
+    except RuntimeError as error:
+        if "orthonormal" in str(error):
+            raise VolumeFormatError(
+                f"{path} has sheared axes; allowed: perpendicular axes, so resample it first"
+            ) from None
+        what = f"no readable {format_name} file ({reason_of(error)})" if format_name else "no image"
+        raise VolumeFormatError(f"{path} is {what}; allowed: {ALLOWED}") from None
+    if not format_name:
+        # something that ITK knows: say what, for it may be a picture of a scan
+        _check_pixels(path, reader)
+        check_shape(str(path), reader.GetSize(), max_voxels=1 << 62)
+        raise VolumeFormatError(f"{path} is an image of another format; allowed: {ALLOWED}")
+    return reader, format_name
+
+
+def _check_pixels(path: Path, reader: Reader) -> None:
+    components = reader.GetNumberOfComponents()
+    kind = simpleitk().GetPixelIDValueAsString(reader.GetPixelIDValue())
+    if components != 1 or "complex" in kind or "vector" in kind:
+        raise VolumeFormatError(
+            f"{path} has {components} numbers per voxel ({kind}), as colour images have; "
+            "allowed: one intensity per voxel"
+        )
+
+
+def _read(path: Path, reader: Reader) -> Image:
+    # axes beyond the third have one voxel: they are dropped
+    size = list(reader.GetSize())
+    reader.SetExtractSize(size[:3] + [0] * (len(size) - 3))
+    try:
+        return reader.Execute()
+    except RuntimeError as error:
+        raise VolumeFormatError(
+            f"{path} cannot be read: {reason_of(error)}; "
+            "allowed: complete, undamaged files without shear"
+        ) from None
+
+
+def _orientation_known(path: Path, metadata: Mapping[str, str], format_name: str) -> bool:
+    """Says whether a file tells how its axes lie in the patient."""
+    if format_name == "nifti":
+        return any(int(metadata.get(f"{form}_code", "0")) > 0 for form in ("qform", "sform"))
+    if format_name == "nrrd":
+        return metadata.get("NRRD_space", "") in (
+            "left-posterior-superior",
+            "right-anterior-superior",
+            "left-anterior-superior",
+        )
+    fields, _ = metaimage_header(path)
+    return bool({"TransformMatrix", "Orientation", "Rotation"} & fields.keys())
+
+
+def _file_scale(metadata: Mapping[str, str]) -> Scale | None:
+    slope = float(metadata.get("scl_slope", "0"))
+    intercept = float(metadata.get("scl_inter", "0"))
+    return Scale(slope, intercept) if np.isfinite(slope) and slope != 0.0 else None
+
+
+def _stem(path: Path) -> str:
+    return path.name.removesuffix(".gz").rpartition(".")[0] or path.name

@@ -1,0 +1,94 @@
+"""What is seen and felt: a scan and the segments in it, with how each looks."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+from palpate.errors import OptionError
+from palpate.segment import Segment
+from palpate.volume import Volume
+
+__all__ = ["PALETTE", "Scene", "SceneSegment"]
+
+Colour = tuple[float, float, float]
+
+PALETTE: tuple[Colour, ...] = (
+    (0.94, 0.89, 0.78),
+    (0.85, 0.45, 0.38),
+    (0.42, 0.68, 0.84),
+    (0.55, 0.76, 0.45),
+    (0.90, 0.70, 0.32),
+    (0.66, 0.52, 0.80),
+    (0.36, 0.70, 0.66),
+    (0.88, 0.56, 0.70),
+)
+"""Colours given to segments in turn, sRGB: the first one is that of bone."""
+
+MOST_SEGMENTS = 255
+"""A segment's number is one byte, and 0 stands for none."""
+
+
+@dataclass
+class SceneSegment:
+    """A segment and how it looks and feels."""
+
+    segment: Segment
+    name: str
+    colour: Colour
+    visible: bool
+    touchable: bool
+
+
+class Scene:
+    """A scan and the segments that are shown and touched in it."""
+
+    def __init__(self, volume: Volume, segments: Iterable[Segment] = ()) -> None:
+        """Takes a scan and segments of it, each visible and touchable.
+
+        Raises:
+            OptionError: A segment is of another scan's size.
+        """
+        self.volume = volume
+        self._segments: list[SceneSegment] = []
+        for segment in segments:
+            self.add(segment)
+
+    def __iter__(self) -> Iterator[SceneSegment]:
+        return iter(self._segments)
+
+    def __len__(self) -> int:
+        return len(self._segments)
+
+    def add(
+        self,
+        segment: Segment,
+        *,
+        colour: Colour | None = None,
+        visible: bool = True,
+        touchable: bool = True,
+    ) -> SceneSegment:
+        """Adds a segment.
+
+        Args:
+            segment: Voxels of this scan.
+            colour: sRGB, each 0..1; by default the next of the palette.
+            visible: Whether it is shown.
+            touchable: Whether the probe is stopped by it.
+
+        Raises:
+            OptionError: It is of another scan's size, or there are too many.
+        """
+        if segment.volume.dimensions != self.volume.dimensions:
+            raise OptionError(
+                f"segment {segment.name!r} is of a scan of {segment.volume.dimensions} voxels; "
+                f"allowed: {self.volume.dimensions}"
+            )
+        if len(self._segments) == MOST_SEGMENTS:
+            raise OptionError(
+                f"segment {segment.name!r} is one too many; allowed: {MOST_SEGMENTS} in a scene"
+            )
+        chosen = colour or PALETTE[len(self._segments) % len(PALETTE)]
+        added = SceneSegment(segment, segment.name, chosen, visible, touchable)
+        self._segments.append(added)
+        return added

@@ -1,0 +1,157 @@
+"""The server: the page, its data over HTTP, and the session over a WebSocket.
+
+Bound to 127.0.0.1; every route stands behind ``AccessMiddleware``. Messages are not deflated:
+that costs more time than it saves on one machine.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import socket
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager, suppress
+from pathlib import Path
+from typing import Any
+
+import uvicorn
+from starlette.applications import Starlette
+from starlette.concurrency import run_in_threadpool
+from starlette.middleware import Middleware
+from starlette.requests import Request
+from starlette.responses import FileResponse, PlainTextResponse, Response
+from starlette.routing import Mount, Route, WebSocketRoute
+from starlette.staticfiles import StaticFiles
+from starlette.websockets import WebSocket
+
+from palpate.errors import OptionError
+from palpate.server_data import parse_step, voxels_response
+from palpate.server_hello import hello_of
+from palpate.server_live import Live
+from palpate.server_security import Access, AccessMiddleware
+from palpate.session import Session
+
+__all__ = ["PAGE", "bind", "make_app", "serve"]
+
+PAGE = Path(__file__).parent / "viewer"
+"""The built page, as the wheel carries it."""
+
+MOST_MESSAGE_BYTES = 1 << 16
+"""Of one message of the page; all of them are far smaller."""
+
+
+def bind(port: int) -> socket.socket:
+    """Reserves a port of 127.0.0.1 without answering on it yet; 0 takes any free one.
+
+    Raises:
+        OptionError: The port is in use, or not allowed.
+    """
+    listener = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+    try:
+        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        listener.bind(("127.0.0.1", port))
+    except (OSError, OverflowError) as error:
+        listener.close()
+        reason = getattr(error, "strerror", None) or "not a port"
+        raise OptionError(
+            f"port {port} cannot be used ({reason}); allowed: a free port from 1 to 65535, "
+            "or 0 for any"
+        ) from None
+    return listener
+
+
+def make_app(session: Session, *, access: Access, page: Path = PAGE) -> Starlette:
+    """Makes the application that shows a session."""
+    live = Live(session, hello_of(session))
+
+    @asynccontextmanager
+    async def lifespan(_: Starlette) -> AsyncIterator[None]:
+        pump = asyncio.create_task(live.run())
+        try:
+            yield
+        finally:
+            # the force goes first
+            await run_in_threadpool(session.stop)
+            pump.cancel()
+            with suppress(asyncio.CancelledError):
+                await pump
+
+    async def index(_: Request) -> Response:
+        return FileResponse(page / "index.html")
+
+    async def volume(request: Request) -> Response:
+        try:
+            step = parse_step(request.query_params.get("step"))
+        except OptionError as error:
+            return PlainTextResponse(str(error), status_code=400)
+        return voxels_response(session.scene.volume.array, step=step)
+
+    async def labels(request: Request) -> Response:
+        try:
+            step = parse_step(request.query_params.get("step"))
+        except OptionError as error:
+            return PlainTextResponse(str(error), status_code=400)
+        return voxels_response(await run_in_threadpool(live.segments.labels), step=step)
+
+    async def messages(websocket: WebSocket) -> None:
+        await live.serve(websocket)
+
+    return Starlette(
+        routes=[
+            Route("/", index),
+            Route("/api/volume", volume),
+            Route("/api/labels", labels),
+            WebSocketRoute("/api/live", messages),
+            # scripts, styles and icons of the page
+            Mount("/", StaticFiles(directory=page, check_dir=False)),
+        ],
+        middleware=[Middleware(AccessMiddleware, access=access)],
+        lifespan=lifespan,
+    )
+
+
+class _Server(uvicorn.Server):
+    """Tells when it answers."""
+
+    def __init__(self, config: uvicorn.Config, ready: Callable[[], None]) -> None:
+        super().__init__(config)
+        self._ready = ready
+
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        await super().startup(sockets)
+        self._ready()
+
+
+def make_server(app: Starlette, *, ready: Callable[[], None] = lambda: None) -> uvicorn.Server:
+    """Makes a server of an app; ``ready`` is called once it answers."""
+    options: dict[str, Any] = {
+        "log_level": "warning",
+        "access_log": False,
+        "server_header": False,
+        "lifespan": "on",
+        "ws": "websockets-sansio",
+        "ws_per_message_deflate": False,
+        "ws_max_size": MOST_MESSAGE_BYTES,
+        "timeout_graceful_shutdown": 1,
+    }
+    return _Server(uvicorn.Config(app, **options), ready)
+
+
+def serve(
+    session: Session,
+    listener: socket.socket,
+    *,
+    access: Access,
+    ready: Callable[[], None],
+) -> None:
+    """Serves a session until the process is asked to end; then stops the session.
+
+    Raises:
+        OptionError: Another program took the port meanwhile.
+    """
+    try:
+        listener.listen()
+    except OSError as error:
+        raise OptionError(
+            f"port {access.port} cannot be used ({error.strerror}); allowed: a free port"
+        ) from None
+    make_server(make_app(session, access=access), ready=ready).run(sockets=[listener])

@@ -1,0 +1,55 @@
+"""The first message to a page: the scan and all it takes to draw it."""
+
+from __future__ import annotations
+
+from importlib.metadata import PackageNotFoundError, version
+
+from palpate import protocol
+from palpate.session import Session
+from palpate.volume import Volume
+
+__all__ = ["hello_of", "package_version"]
+
+
+def package_version() -> str:
+    """Returns the version of the installed package."""
+    try:
+        return version("palpate")
+    except PackageNotFoundError:
+        return "unknown"
+
+
+def hello_of(session: Session) -> protocol.Hello:
+    """Returns the first message, without the segments, which change."""
+    return protocol.Hello(
+        protocol=protocol.PROTOCOL_VERSION,
+        version=package_version(),
+        scan=_scan(session.scene.volume),
+        segments=[],
+        settings=protocol.Settings(**session.settings()),
+        device=session.device,
+    )
+
+
+def _scan(volume: Volume) -> protocol.Scan:
+    histogram = volume.histogram
+    return protocol.Scan(
+        name=volume.name,
+        modality=volume.modality,
+        unit=volume.unit,
+        dimensions=volume.dimensions,
+        spacing=volume.spacing,
+        patient_from_grid=[float(number) for number in volume.patient_from_grid.ravel()],
+        slope=volume.slope,
+        intercept=volume.intercept,
+        range=volume.range,
+        histogram=protocol.Histogram(
+            low=histogram.low,
+            high=histogram.high,
+            counts=[int(count) for count in histogram.counts],
+        ),
+        soft_tissue=volume.anchors.soft_tissue,
+        bone=volume.anchors.bone,
+        orientation_known=volume.traits.orientation_known,
+        warnings=list(volume.warnings),
+    )

@@ -1,0 +1,159 @@
+"""One session and all pages that show it.
+
+The engine's threads never wait for this: states are read while pages look, and what may take
+its time runs beside the event loop.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from contextlib import suppress
+from queue import SimpleQueue
+
+import msgspec
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+from palpate import protocol
+from palpate.errors import PalpateError
+from palpate.server_outbox import Outbox
+from palpate.server_segments import ShownSegments
+from palpate.server_thresholds import ThresholdJobs
+from palpate.session import Session
+
+__all__ = ["Live"]
+
+STATES_HZ = 60.0
+"""States a second while pages look."""
+IDLE_HZ = 5.0
+"""States a second while none does: enough for notices and counters."""
+
+
+class Live:
+    """Tells pages what is, and the session what they want."""
+
+    def __init__(self, session: Session, hello: protocol.Hello) -> None:
+        """Shows a session; ``hello`` is what each page is told first."""
+        self.session = session
+        self.segments = ShownSegments(session)
+        self._hello = hello
+        self._outboxes: set[Outbox] = set()
+        self._thresholds = ThresholdJobs(self._make_threshold)
+        self._from_threads: SimpleQueue[protocol.ToPage] = SimpleQueue()
+
+    async def run(self) -> None:
+        """Tells all pages what is, until it is cancelled or the session ends by itself."""
+        worker = asyncio.create_task(self._thresholds.run())
+        try:
+            while self._tell_state():
+                await asyncio.sleep(1.0 / (STATES_HZ if self._outboxes else IDLE_HZ))
+        finally:
+            worker.cancel()
+
+    async def serve(self, websocket: WebSocket) -> None:
+        """Serves one page until it leaves."""
+        await websocket.accept()
+        outbox = Outbox()
+        outbox.tell(msgspec.structs.replace(self._hello, segments=self.segments.message.segments))
+        outbox.tell(self.segments.message)
+        self._outboxes.add(outbox)
+        sender = asyncio.create_task(_send(websocket, outbox))
+        try:
+            while True:
+                await self._take(await _receive(websocket), outbox)
+        except WebSocketDisconnect:
+            pass
+        finally:
+            self._outboxes.discard(outbox)
+            sender.cancel()
+
+    # --- to pages -------------------------------------------------------------------------
+
+    def _tell(self, message: protocol.ToPage) -> None:
+        for outbox in self._outboxes:
+            outbox.tell(message)
+
+    def _tell_state(self) -> bool:
+        """Tells what is now and what changed; False where the session has ended."""
+        frame = self.session.frame()
+        for level, text in frame.pop("notices"):
+            self._tell(protocol.Notice(level=level, text=text))
+        while not self._from_threads.empty():
+            self._tell(self._from_threads.get())
+        if not self.session.is_running:
+            self._tell(protocol.Notice(level="error", text="the session has ended: start it again"))
+            return False
+        if self.segments.refresh(frame.pop("segments_version"), pending=frame["pending"]):
+            self._tell(self.segments.message)
+        try:
+            state = msgspec.convert(frame, protocol.State)
+        except msgspec.ValidationError as error:
+            self._tell(protocol.Notice(level="error", text=f"the engine is out of order: {error}"))
+            return False
+        self._tell(state)
+        return True
+
+    # --- from pages -----------------------------------------------------------------------
+
+    async def _take(self, packed: bytes, outbox: Outbox) -> None:
+        """Does what a page asks; tells that page where it cannot be done."""
+        try:
+            message = protocol.decode_from_page(packed)
+            match message:
+                case protocol.Hand(target):
+                    # the most frequent message, and wait-free
+                    self.session.hand(target)
+                case protocol.Threshold():
+                    self._thresholds.ask(message)
+                case _:
+                    await asyncio.to_thread(self._do, message)
+        except msgspec.DecodeError as error:
+            outbox.tell(protocol.Notice(level="error", text=f"message not understood: {error}"))
+        except PalpateError as error:
+            outbox.tell(protocol.Notice(level="error", text=str(error)))
+        except RuntimeError as error:
+            outbox.tell(protocol.Notice(level="error", text=str(error)))
+
+    def _do(self, message: protocol.FromPage) -> None:
+        match message:
+            case protocol.Place(point):
+                self.session.place(point)
+            case protocol.View(right, up):
+                self.session.view(right=right, up=up)
+            case protocol.SegmentProperties():
+                self.segments.change(message)
+            case protocol.RemoveSegment(segment_id):
+                self.session.remove_segment(segment_id)
+            case protocol.ChangeSettings(settings):
+                self._change_settings(settings)
+            case protocol.Undo():
+                self.session.undo()
+            case protocol.Redo():
+                self.session.redo()
+
+    def _change_settings(self, wanted: protocol.Settings) -> None:
+        held = self.session.settings(**msgspec.structs.asdict(wanted))
+        settings = protocol.Settings(**held)
+        self._hello = msgspec.structs.replace(self._hello, settings=settings)
+        self._from_threads.put(protocol.SettingsChanged(settings))
+
+    def _make_threshold(self, wanted: protocol.Threshold) -> None:
+        try:
+            self.segments.threshold(wanted)
+        except (PalpateError, RuntimeError) as error:
+            self._from_threads.put(protocol.Notice(level="error", text=str(error)))
+
+
+async def _receive(websocket: WebSocket) -> bytes:
+    """Returns the next message of a page; a text counts as one, which is never understood."""
+    message = await websocket.receive()
+    if message["type"] == "websocket.disconnect":
+        raise WebSocketDisconnect(message["code"])
+    return message.get("bytes") or (message.get("text") or "").encode()
+
+
+async def _send(websocket: WebSocket, outbox: Outbox) -> None:
+    """Sends what a page is to be told, as fast as it takes it."""
+    # a page that leaves is noticed where its messages are received
+    with suppress(WebSocketDisconnect, RuntimeError):
+        while True:
+            await websocket.send_bytes(await outbox.next())

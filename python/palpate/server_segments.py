@@ -1,0 +1,136 @@
+"""The list of segments as pages see it: the engine's voxels, and how each segment looks.
+
+Names and colours are kept when a segment is removed, since undo may bring it back.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from threading import Lock
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate import protocol
+from palpate.scene import PALETTE
+from palpate.server_data import labels_of
+from palpate.session import Session
+
+__all__ = ["ShownSegments"]
+
+
+@dataclass
+class Look:
+    """How a segment is shown."""
+
+    name: str
+    colour: tuple[float, float, float]
+    visible: bool
+
+
+class ShownSegments:
+    """Segments of a session and their looks; every method may be called from any thread."""
+
+    def __init__(self, session: Session) -> None:
+        """Takes the looks from the session's scene."""
+        self._session = session
+        self._looks = {
+            segment_id: Look(shown.name, shown.colour, shown.visible)
+            for segment_id, shown in zip(session.ids, session.scene, strict=True)
+        }
+        self._lock = Lock()
+        self._seen: tuple[int, ...] | None = None
+        self._looks_version = 0
+        self._labels_key: Any = None
+        self._labels = 0
+        self.message = self._make_message(0)
+
+    def refresh(self, segments_version: int, *, pending: int) -> bool:
+        """Makes the list again if something changed; says whether it did.
+
+        Args:
+            segments_version: Rises with each change of voxels or of the list.
+            pending: How many changes touch does not follow yet.
+        """
+        with self._lock:
+            seen = (segments_version, self._looks_version, pending)
+            if seen == self._seen:
+                return False
+            self._seen = seen
+        self.message = self._make_message(segments_version)
+        return True
+
+    def change(self, wanted: protocol.SegmentProperties) -> None:
+        """Changes how a segment looks and whether it can be touched."""
+        self._session.set_touchable(wanted.id, touchable=wanted.touchable)
+        self._set_look(wanted.id, Look(wanted.name, wanted.colour, wanted.visible))
+
+    def threshold(self, wanted: protocol.Threshold) -> None:
+        """Makes a segment of a range of values, or changes one.
+
+        Raises:
+            PalpateError: The range selects nothing.
+        """
+        segment = self._session.scene.volume.threshold(wanted.low, wanted.high, name=wanted.name)
+        if wanted.id is None:
+            segment_id = self._session.add_segment(segment)
+            self._set_look(segment_id, Look(wanted.name, _colour_of(segment_id), visible=True))
+        else:
+            self._session.replace_segment(wanted.id, segment)
+            old = self._look_of(wanted.id)
+            self._set_look(wanted.id, Look(wanted.name, old.colour, old.visible))
+
+    def labels(self) -> NDArray[np.uint8]:
+        """Returns the number of each voxel's segment, for visible segments without a range."""
+        masks = {
+            segment.id: self._session.segment(segment.id).mask()
+            for segment in self.message.segments
+            if segment.visible and segment.range is None
+        }
+        return labels_of(masks, self._session.scene.volume.shape)
+
+    def _set_look(self, segment_id: int, look: Look) -> None:
+        with self._lock:
+            self._looks[segment_id] = look
+            self._looks_version += 1
+
+    def _look_of(self, segment_id: int) -> Look:
+        # a program beside the page may have added it
+        other = Look(f"segment {segment_id}", _colour_of(segment_id), visible=True)
+        return self._looks.get(segment_id, other)
+
+    def _make_message(self, segments_version: int) -> protocol.Segments:
+        states = self._session.segments()
+        segments = [self._segment(state) for state in states]
+        labelled = [segment.id for segment in segments if segment.visible and not segment.range]
+        # labels change with their voxels, and with which segments have them
+        key = (labelled, segments_version if labelled else 0)
+        if key != self._labels_key:
+            self._labels_key = key
+            self._labels += 1
+        return protocol.Segments(segments=segments, labels=self._labels)
+
+    def _segment(self, state: dict[str, Any]) -> protocol.Segment:
+        segment_id = state["id"]
+        look = self._looks.get(segment_id)
+        if look is None:
+            look = Look(
+                f"segment {segment_id}", PALETTE[(segment_id - 1) % len(PALETTE)], visible=True
+            )
+        voxel_volume = self._session.scene.volume.voxel_volume
+        return protocol.Segment(
+            id=segment_id,
+            name=look.name,
+            colour=look.colour,
+            visible=look.visible,
+            touchable=state["touchable"],
+            range=state["range"],
+            voxels=state["voxels"],
+            volume_ml=state["voxels"] * voxel_volume / 1000.0,
+            pending=state["pending"],
+        )
+
+
+def _colour_of(segment_id: int) -> tuple[float, float, float]:
+    return PALETTE[(segment_id - 1) % len(PALETTE)]

@@ -1,0 +1,289 @@
+"""Touch: a scene, a device and the engine between them.
+
+Frame: scene, LPS [mm]; forces [N] in scene axes; times [s] since the session's start.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from types import TracebackType
+from typing import Any, Literal, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate import _core
+from palpate.errors import OptionError
+from palpate.scene import Scene
+from palpate.scripted_path import ScriptedPath
+from palpate.segment import Segment
+
+__all__ = ["Recording", "Session", "SessionOptions"]
+
+Point = Sequence[float] | NDArray[np.float64]
+"""x, y, z [scene]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SessionOptions:
+    """How a session runs; what is None is the engine's own choice."""
+
+    rate_hz: int = 1000
+    """Ticks of the servo a second."""
+    real_time: bool = True
+    """Whether time is that of the clock; else the session stands still until ``run``."""
+    start: tuple[float, float, float] | None = None
+    """Where the device starts [scene]; by default beside the scan."""
+    stiffness: float | None = None
+    """Of the spring between probe and device [N/mm]."""
+    damping: float | None = None
+    """Of the damper beside it [N·s/mm]."""
+    force_limit: float | None = None
+    """Largest force [N]."""
+
+
+@dataclass(frozen=True)
+class Recording:
+    """Every tick of a stretch of time, one row per tick."""
+
+    ticks: NDArray[np.uint64]
+    """Numbers of the ticks, shape [count]."""
+    times: NDArray[np.float64]
+    """Since the session's start [s], shape [count]."""
+    devices: NDArray[np.float64]
+    """Where the device was, shape [count, 3]."""
+    hands: NDArray[np.float64]
+    """Where the hand pulled it to, shape [count, 3]."""
+    positions: NDArray[np.float64]
+    """Where the probe was, shape [count, 3]."""
+    forces: NDArray[np.float64]
+    """Force of the contact, before the safety stage, shape [count, 3]."""
+    sent_forces: NDArray[np.float64]
+    """Force that the device was sent, shape [count, 3]."""
+    contacts: NDArray[np.bool_]
+    """Whether an obstacle held the probe back, shape [count]."""
+
+    def __len__(self) -> int:
+        return len(self.ticks)
+
+    @property
+    def depths(self) -> NDArray[np.float64]:
+        """How far the device was from the probe [mm], shape [count]."""
+        lengths: NDArray[np.float64] = np.linalg.norm(self.devices - self.positions, axis=1)
+        return lengths
+
+
+class Session:
+    """A running session; leaving its ``with`` block stops it and takes the force away."""
+
+    def __init__(
+        self,
+        scene: Scene,
+        *,
+        device: Literal["simulated"] | ScriptedPath = "simulated",
+        options: SessionOptions | None = None,
+    ) -> None:
+        """Starts the engine's threads.
+
+        Args:
+            scene: The scan and the segments to touch.
+            device: The simulated device with a hand, or a path that the device follows.
+            options: How the session runs.
+
+        Raises:
+            OptionError: An option is out of range.
+        """
+        self.scene = scene
+        self.options = options or SessionOptions()
+        self.device = device if isinstance(device, str) else "scripted"
+        path = np.ascontiguousarray(device.rows) if isinstance(device, ScriptedPath) else None
+        with _given():
+            self._internal = _core.Session(
+                scene.volume._internal,  # noqa: SLF001  # only this class and its kin unwrap it
+                device=self.device,
+                path=path,
+                rate_hz=self.options.rate_hz,
+                real_time=self.options.real_time,
+                start=self.options.start,
+                stiffness=self.options.stiffness,
+                damping=self.options.damping,
+                force_limit=self.options.force_limit,
+                segments=[
+                    (shown.segment._internal, shown.touchable, shown.segment.range)  # noqa: SLF001
+                    for shown in scene
+                ],
+            )
+        self.ids = list(range(1, len(scene) + 1))
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.stop()
+
+    def stop(self) -> None:
+        """Takes the force away and ends the threads; a second call does nothing."""
+        self._internal.stop()
+
+    @property
+    def is_running(self) -> bool:
+        """Whether it was neither stopped nor ended by itself."""
+        return self._internal.is_running
+
+    # --- the hand -------------------------------------------------------------------------
+
+    def hand(self, target: Point) -> None:
+        """Lets the hand of the simulated device pull to a point."""
+        with _given():
+            self._internal.hand(*_triple(target))
+
+    def place(self, point: Point) -> tuple[float, float, float]:
+        """Puts probe, device and hand at a point, or in the free voxel nearest to it.
+
+        Returns:
+            Where they are.
+
+        Raises:
+            OptionError: There is no free voxel near.
+        """
+        with _given():
+            return self._internal.place(*_triple(point))
+
+    def view(self, *, right: Point, up: Point) -> None:
+        """Turns the device's axes to those of the view (thesis 4.7).
+
+        Raises:
+            OptionError: The axes are not perpendicular.
+        """
+        with _given():
+            self._internal.view(_triple(right), _triple(up))
+
+    def settings(
+        self,
+        *,
+        stiffness: float | None = None,
+        damping: float | None = None,
+        force_limit: float | None = None,
+    ) -> dict[str, float]:
+        """Changes what is given, as far as the device bears it; returns what holds.
+
+        Args:
+            stiffness: Of the spring between probe and device [N/mm].
+            damping: Of the damper beside it [N·s/mm].
+            force_limit: Largest force [N].
+
+        Raises:
+            OptionError: A setting is out of range.
+        """
+        with _given():
+            return self._internal.settings(stiffness, damping, force_limit)
+
+    # --- segments -------------------------------------------------------------------------
+
+    def add_segment(self, segment: Segment, *, touchable: bool = True) -> int:
+        """Adds a segment and returns its number, 1..255."""
+        with _given():
+            voxels = segment._internal  # noqa: SLF001
+            return self._internal.add_segment(voxels, touchable, segment.range)
+
+    def replace_segment(self, segment_id: int, segment: Segment) -> None:
+        """Puts other voxels in the place of a segment's."""
+        with _given():
+            voxels = segment._internal  # noqa: SLF001
+            self._internal.replace_segment(segment_id, voxels, segment.range)
+
+    def remove_segment(self, segment_id: int) -> None:
+        """Removes a segment; ``undo`` brings it back."""
+        with _given():
+            self._internal.remove_segment(segment_id)
+
+    def set_touchable(self, segment_id: int, *, touchable: bool) -> None:
+        """Sets whether the probe is stopped by a segment."""
+        with _given():
+            self._internal.set_touchable(segment_id, touchable)
+
+    def segment(self, segment_id: int, *, name: str = "segment") -> Segment:
+        """Returns the voxels of a segment as they are now."""
+        with _given():
+            internal = self._internal.segment(segment_id)
+        return Segment(internal, name=name, volume=self.scene.volume, range=None)
+
+    def segments(self) -> list[dict[str, Any]]:
+        """Lists the segments as they are now: id, voxels, touchable, pending, range."""
+        return self._internal.segments_state()
+
+    def fill_box(
+        self,
+        segment_id: int,
+        *,
+        low: tuple[int, int, int],
+        high: tuple[int, int, int],
+        solid: bool,
+    ) -> None:
+        """Makes the voxels from ``low`` up to, but without, ``high`` part of a segment or not."""
+        with _given():
+            self._internal.fill_box(segment_id, low, high, solid)
+
+    def undo(self) -> bool:
+        """Takes the last edit back; says whether there was one."""
+        return self._internal.undo()
+
+    def redo(self) -> bool:
+        """Applies the last undone edit again; says whether there was one."""
+        return self._internal.redo()
+
+    # --- what happens ---------------------------------------------------------------------
+
+    def frame(self) -> dict[str, Any]:
+        """Returns what is now: the fields of ``protocol.State``, and notices."""
+        return self._internal.frame()
+
+    def lateness(self) -> dict[str, dict[str, Any]]:
+        """Returns the pace of each thread since the start, with a histogram of lateness."""
+        return self._internal.lateness()
+
+    def start_recording(self) -> None:
+        """Starts to keep every tick."""
+        self._internal.start_recording()
+
+    def stop_recording(self) -> Recording:
+        """Returns the ticks kept since ``start_recording``."""
+        columns = self._internal.stop_recording()
+        names = ("tick", "time", "device", "hand", "proxy", "force", "sent_force", "contact")
+        return Recording(*(columns[name] for name in names))
+
+    def run(self, seconds: float) -> Recording:
+        """Lets time pass and returns every tick of it.
+
+        Without ``real_time`` the ticks are computed at once, and the same session gives the
+        same numbers every time.
+        """
+        self.start_recording()
+        if self.options.real_time:
+            time.sleep(seconds)
+        else:
+            with _given():
+                self._internal.run(seconds)
+        return self.stop_recording()
+
+
+def _triple(numbers: Point) -> tuple[float, float, float]:
+    x, y, z = (float(number) for number in numbers)
+    return x, y, z
+
+
+@contextmanager
+def _given() -> Iterator[None]:
+    """Turns the engine's refusal of a value into the package's own."""
+    try:
+        yield
+    except ValueError as error:
+        raise OptionError(str(error)) from None

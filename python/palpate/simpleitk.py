@@ -1,0 +1,44 @@
+"""SimpleITK, imported late and without the warnings that ITK prints by itself."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from importlib import import_module
+from types import ModuleType
+from typing import Protocol
+
+__all__ = ["Image", "Reader", "reason_of", "simpleitk"]
+
+
+class Image(Protocol):
+    """What is used of ``SimpleITK.Image``; numbers in the order x, y, z."""
+
+    def GetSpacing(self) -> tuple[float, float, float]: ...  # noqa: N802, D102
+    def GetOrigin(self) -> tuple[float, float, float]: ...  # noqa: N802, D102
+    def GetDirection(self) -> tuple[float, ...]: ...  # noqa: N802, D102
+
+
+class Reader(Protocol):
+    """What is used of ``SimpleITK.ImageFileReader``."""
+
+    def GetSize(self) -> tuple[int, ...]: ...  # noqa: N802, D102
+    def GetNumberOfComponents(self) -> int: ...  # noqa: N802, D102
+    def GetPixelIDValue(self) -> int: ...  # noqa: N802, D102
+    def GetMetaDataKeys(self) -> Sequence[str]: ...  # noqa: N802, D102
+    def GetMetaData(self, key: str) -> str: ...  # noqa: N802, D102
+    def SetExtractSize(self, size: Sequence[int]) -> None: ...  # noqa: N802, D102
+    def Execute(self) -> Image: ...  # noqa: N802, D102
+
+
+def simpleitk() -> ModuleType:
+    """Returns the module SimpleITK; what its warnings tell stands in a volume's ``warnings``."""
+    module = import_module("SimpleITK")
+    module.ProcessObject.SetGlobalWarningDisplay(False)  # noqa: FBT003  # its only form
+    return module
+
+
+def reason_of(error: RuntimeError) -> str:
+    """Returns the last line of ITK's message, without addresses of its objects."""
+    last = str(error).strip().splitlines()[-1].strip()
+    return re.sub(r"ITK ERROR: |sitk::ERROR: |\(0x[0-9a-f]+\)", "", last).rstrip(".")

@@ -1,0 +1,217 @@
+"""Scans that tests write for themselves, and a server that runs."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from socket import create_connection
+from threading import Event, Thread
+from typing import Any
+
+import httpx
+import msgspec
+import numpy as np
+import pytest
+import SimpleITK
+from numpy.typing import NDArray
+from palpate.scene import Scene
+from palpate.server import bind, make_app, make_server
+from palpate.server_security import Access
+from palpate.session import Session
+from palpate.volume import Volume, VolumeTraits
+from pydicom.dataset import FileDataset, FileMetaDataset
+from pydicom.uid import CTImageStorage, ExplicitVRLittleEndian, generate_uid
+from websockets.sync.client import ClientConnection, connect
+
+SMALL = (5, 6, 7)
+"""Depth, height, width of small scans: all different, so that no axis stands for another."""
+
+
+@pytest.fixture
+def small_values() -> NDArray[np.int16]:
+    """Values of a small scan, all different."""
+    return (np.arange(np.prod(SMALL)).reshape(SMALL) * 3 - 100).astype(np.int16)
+
+
+WriteImage = Callable[..., Path]
+
+
+@pytest.fixture
+def write_image(tmp_path: Path) -> WriteImage:
+    """Writes an array [z, y, x] as an image file and returns its path."""
+
+    def write(
+        values: NDArray[Any],
+        name: str = "scan.nrrd",
+        *,
+        spacing: tuple[float, ...] | None = None,
+        compressed: bool = False,
+        vector: bool = False,
+    ) -> Path:
+        image = SimpleITK.GetImageFromArray(values, isVector=vector)
+        if spacing is not None:
+            image.SetSpacing(spacing)
+        path = tmp_path / name
+        SimpleITK.WriteImage(image, str(path), compressed)
+        return path
+
+    return write
+
+
+@pytest.fixture
+def write_series(tmp_path: Path) -> Callable[..., Path]:
+    """Writes a CT series of small slices into a folder and returns the folder."""
+
+    def write(
+        folder: str = "series",
+        *,
+        positions: list[tuple[float, float, float]] | None = None,
+        orientation: tuple[float, ...] = (1, 0, 0, 0, 1, 0),
+        uid: str | None = None,
+        description: str = "abdomen",
+        scale: tuple[float, float] = (1.0, -1024.0),
+        prefix: str = "",
+        **changes: Any,
+    ) -> Path:
+        target = tmp_path / folder
+        target.mkdir(exist_ok=True)
+        series = generate_uid() if uid is None else uid
+        places = positions or [(-10.0, -20.0, 30.0 + 2.5 * k) for k in range(4)]
+        for number, position in enumerate(places):
+            dataset = _slice(number, position, orientation, series)
+            dataset.SeriesDescription = description
+            dataset.RescaleSlope, dataset.RescaleIntercept = scale
+            for name, value in changes.items():
+                setattr(dataset, name, value)
+            # names in another order than places, and without an ending
+            dataset.save_as(target / f"{prefix}{97 * number % 101:03}", enforce_file_format=True)
+        return target
+
+    return write
+
+
+def _slice(
+    number: int, position: tuple[float, ...], orientation: tuple[float, ...], series: str
+) -> FileDataset:
+    """Returns a slice of 3 rows and 4 columns whose values are 100 times its number and up."""
+    meta = FileMetaDataset()
+    meta.MediaStorageSOPClassUID = CTImageStorage
+    meta.MediaStorageSOPInstanceUID = generate_uid()
+    meta.TransferSyntaxUID = ExplicitVRLittleEndian
+    dataset = FileDataset("", {}, file_meta=meta, preamble=b"\0" * 128)
+    dataset.SOPClassUID, dataset.SOPInstanceUID = CTImageStorage, meta.MediaStorageSOPInstanceUID
+    dataset.Modality, dataset.SeriesInstanceUID = "CT", series
+    dataset.Rows, dataset.Columns, dataset.SamplesPerPixel = 3, 4, 1
+    dataset.PhotometricInterpretation = "MONOCHROME2"
+    dataset.BitsAllocated, dataset.BitsStored, dataset.HighBit = 16, 16, 15
+    dataset.PixelRepresentation = 0
+    dataset.PixelSpacing = [0.5, 0.75]
+    dataset.ImagePositionPatient = list(position)
+    dataset.ImageOrientationPatient = list(orientation)
+    dataset.PixelData = (100 * number + np.arange(12, dtype="<u2")).tobytes()
+    return dataset
+
+
+def make_ball() -> Scene:
+    z, y, x = np.mgrid[0:41, 0:41, 0:41] - 20.0
+    values = np.where(x * x + y * y + z * z <= 64.0, 100, -1000).astype(np.int16)
+    traits = VolumeTraits(name="ball", modality="CT", unit="HU")
+    volume = Volume(values, spacing=(1.0, 1.0, 1.0), traits=traits)
+    return Scene(volume, [volume.threshold(0.0, name="ball")])
+
+
+@pytest.fixture
+def ball_scene() -> Scene:
+    """A ball of 100 HU with a radius of 8 mm in air, at (20, 20, 20), touchable; 41³ voxels."""
+    return make_ball()
+
+
+@dataclass(frozen=True)
+class RunningServer:
+    """A server that answers, in a thread of this process."""
+
+    access: Access
+    session: Session
+
+    @property
+    def base(self) -> str:
+        return f"http://127.0.0.1:{self.access.port}"
+
+    def get(self, path: str, **headers: str) -> httpx.Response:
+        """Asks with the token as a cookie, unless headers say otherwise."""
+        sent = {"Cookie": f"{self.access.cookie}={self.access.token}"}
+        sent |= {name.replace("_", "-"): value for name, value in headers.items()}
+        return httpx.get(f"{self.base}{path}", headers=sent, trust_env=False)
+
+    @contextmanager
+    def page(self, *, host_name: str = "127.0.0.1", **options: Any) -> Iterator[Page]:
+        """Connects as the page does."""
+        uri = f"ws://{host_name}:{self.access.port}/api/live?token={self.access.token}"
+        settings = {"origin": self.base, "max_size": None} | options
+        with (
+            create_connection(("127.0.0.1", self.access.port)) as plain,
+            connect(uri, sock=plain, **settings) as socket,
+        ):
+            yield Page(socket)
+
+
+class Page:
+    """The page's end of the connection."""
+
+    def __init__(self, socket: ClientConnection) -> None:
+        self.socket = socket
+
+    def send(self, message: dict[str, Any]) -> None:
+        self.socket.send(msgspec.msgpack.encode(message))
+
+    def receive(self, kind: str, *, until: Callable[[Any], bool] = lambda _: True) -> Any:
+        """Waits for a message of a kind that fits; others before it are left out."""
+        ends = time.monotonic() + 10.0
+        while time.monotonic() < ends:
+            message = msgspec.msgpack.decode(self.socket.recv(timeout=10.0, decode=False))
+            if message["type"] == kind and until(message):
+                return message
+        raise AssertionError(f"no {kind} message that fits within 10 s")
+
+
+def write_page(folder: Path) -> Path:
+    """Writes a stand-in for the built page: what it shows does not matter to the server."""
+    (folder / "assets").mkdir(parents=True)
+    (folder / "index.html").write_text("<!doctype html><title>Palpate</title>")
+    (folder / "assets" / "page.js").write_text("export {};")
+    (folder.parent / "beside.txt").write_text("not for the page")
+    return folder
+
+
+@contextmanager
+def running(scene: Scene, page: Path) -> Iterator[RunningServer]:
+    """Runs the real server with a real session on a free port."""
+    with bind(0) as listener, Session(scene) as session:
+        access = Access(port=listener.getsockname()[1])
+        ready = Event()
+        server = make_server(make_app(session, access=access, page=page), ready=ready.set)
+        listener.listen()
+        thread = Thread(target=server.run, kwargs={"sockets": [listener]})
+        thread.start()
+        assert ready.wait(10.0)
+        yield RunningServer(access, session)
+        server.should_exit = True
+        thread.join(10.0)
+        assert not thread.is_alive()
+
+
+@pytest.fixture
+def server(tmp_path: Path) -> Iterator[RunningServer]:
+    """A server with a ball, of this test alone."""
+    with running(make_ball(), write_page(tmp_path / "page")) as started:
+        yield started
+
+
+@pytest.fixture(scope="module")
+def shared_server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningServer]:
+    """A server with a ball, for tests that leave it as it is."""
+    with running(make_ball(), write_page(tmp_path_factory.mktemp("shared") / "page")) as started:
+        yield started

@@ -1,0 +1,274 @@
+"""The server as a page meets it: data over HTTP, and the session over the WebSocket."""
+
+from __future__ import annotations
+
+import socket
+import time
+from typing import Any
+
+import msgspec
+import numpy as np
+import pytest
+from palpate import protocol
+from palpate.errors import OptionError
+from palpate.server import bind
+
+
+def voxels(server: Any, route: str, kind: str) -> np.ndarray:
+    answer = server.get(route)
+    assert answer.status_code == 200
+    width, height, depth = map(int, answer.headers["x-palpate-dimensions"].split())
+    return np.frombuffer(answer.content, kind).reshape(depth, height, width)
+
+
+# --- http -------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("step", [1, 2, 3, 7, 41, 64])
+def test_the_volume_arrives_with_every_step_th_voxel(shared_server: Any, step: int) -> None:
+    array = shared_server.session.scene.volume.array
+    got = voxels(shared_server, f"/api/volume?step={step}", "<i2")
+    np.testing.assert_array_equal(got, array[::step, ::step, ::step])
+
+
+@pytest.mark.parametrize("step", ["0", "-1", "65", "1.5", "x", "", "1" * 5000, "٣"])
+@pytest.mark.parametrize("route", ["/api/volume", "/api/labels"])
+def test_another_step_is_refused_with_what_is_allowed(
+    shared_server: Any, route: str, step: str
+) -> None:
+    answer = shared_server.get(f"{route}?step={step}")
+    assert answer.status_code == 400
+    assert "allowed: a whole number 1 to 64" in answer.text
+
+
+def test_labels_hold_no_thresholds(shared_server: Any) -> None:
+    assert not voxels(shared_server, "/api/labels", "u1").any()
+
+
+def test_labels_hold_edited_segments_while_they_are_visible(server: Any) -> None:
+    with server.page() as page:
+        before = page.receive("segments")
+        server.session.fill_box(1, low=(18, 18, 18), high=(22, 22, 22), solid=False)
+        after = page.receive("segments", until=lambda m: m["segments"][0]["range"] is None)
+        assert after["labels"] > before["labels"]
+        expected = server.session.segment(1).mask()
+        assert expected[20, 20, 20] == 0
+        np.testing.assert_array_equal(voxels(server, "/api/labels", "u1"), expected)
+
+        hidden = {"type": "segment_properties", "id": 1, "name": "ball", "colour": [1, 0, 0]}
+        page.send(hidden | {"visible": False, "touchable": True})
+        page.receive("segments", until=lambda m: m["labels"] > after["labels"])
+        assert not voxels(server, "/api/labels", "u1").any()
+
+
+# --- messages ---------------------------------------------------------------------------
+
+
+def test_a_page_is_told_first_what_it_shows(shared_server: Any) -> None:
+    with shared_server.page() as page:
+        first = msgspec.msgpack.decode(
+            page.socket.recv(timeout=5.0, decode=False), type=protocol.Hello
+        )
+    assert first.protocol == protocol.PROTOCOL_VERSION
+    assert first.scan.name == "ball"
+    assert first.scan.unit == "HU"
+    assert first.scan.dimensions == (41, 41, 41)
+    assert first.scan.range == (-1000.0, 100.0)
+    assert sum(first.scan.histogram.counts) == 41**3
+    assert np.reshape(first.scan.patient_from_grid, (4, 4)) @ (0.5, 0.5, 0.5, 1.0) == pytest.approx(
+        (0.0, 0.0, 0.0, 1.0)
+    )
+    (ball,) = first.segments
+    assert ball.name == "ball"
+    assert ball.range == (0.0, 100.0)
+    assert ball.voxels == int((shared_server.session.scene.volume.array == 100).sum())
+    assert ball.volume_ml == pytest.approx(ball.voxels / 1000.0)
+
+
+def test_every_message_of_the_server_is_of_the_schema(shared_server: Any) -> None:
+    decoder = msgspec.msgpack.Decoder(protocol.ToPage)
+    with shared_server.page() as page:
+        kinds = [
+            type(decoder.decode(page.socket.recv(timeout=5.0, decode=False))) for _ in range(10)
+        ]
+    assert kinds[:2] == [protocol.Hello, protocol.Segments]
+    assert kinds[2:] == [protocol.State] * 8
+
+
+def test_the_hand_presses_the_probe_against_the_ball(server: Any) -> None:
+    with server.page() as page:
+        # above the ball: free, with the device there
+        page.send({"type": "place", "point": [20.0, 20.0, 34.0]})
+        page.receive("state", until=lambda m: abs(m["proxy"][2] - 34.0) < 0.5)
+        page.send({"type": "hand", "target": [20.0, 20.0, 24.0]})
+        state = page.receive("state", until=lambda m: m["touched"] == 1 and m["force"][2] > 0.5)
+
+        # on the ball's top step or the next, never in it; the spring pushes up
+        assert state["contact"]
+        assert state["depth"] > 0.5
+        assert state["proxy"][2] == pytest.approx(28.0, abs=0.51)
+        assert not server.session.segment(1).contains(state["proxy"])[0]
+
+        # away again: no force
+        page.send({"type": "hand", "target": [20.0, 20.0, 34.0]})
+        state = page.receive("state", until=lambda m: not m["contact"])
+        state = page.receive("state", until=lambda m: m["force"] == [0.0, 0.0, 0.0])
+        assert state["safety"]["violations"] == 0
+
+
+def test_samples_of_the_force_are_told_without_gaps(shared_server: Any) -> None:
+    with shared_server.page() as page:
+        page.receive("state")
+        times = [sample[0] for _ in range(20) for sample in page.receive("state")["samples"]]
+    steps = np.diff(times)
+    # thinned to 250 a second: 4 ms apart; one more tick where a thread was late
+    assert len(times) > 20
+    assert steps.min() > 0.0
+    assert np.median(steps) == pytest.approx(0.004, abs=1e-6)
+
+
+def test_a_threshold_makes_a_segment_and_changes_it(server: Any) -> None:
+    with server.page() as page:
+        new = {"type": "threshold", "id": None, "name": "air", "low": -1000.0, "high": -900.0}
+        page.send(new)
+        both = page.receive("segments", until=lambda m: len(m["segments"]) == 2)["segments"]
+        assert both[1]["name"] == "air"
+        assert both[1]["voxels"] == 41**3 - both[0]["voxels"]
+        assert both[0]["colour"] != both[1]["colour"]
+
+        page.send(new | {"id": 2, "name": "all", "high": 100.0})
+        both = page.receive("segments", until=lambda m: m["segments"][1]["name"] == "all")[
+            "segments"
+        ]
+        assert both[1]["voxels"] == 41**3
+        assert both[1]["range"] == [-1000.0, 100.0]
+
+
+def test_removing_a_segment_is_undone_with_its_name_and_colour(server: Any) -> None:
+    with server.page() as page:
+        (ball,) = page.receive("hello")["segments"]
+        page.send({"type": "remove_segment", "id": 1})
+        page.receive("segments", until=lambda m: m["segments"] == [])
+        page.send({"type": "undo"})
+        (back,) = page.receive("segments", until=lambda m: m["segments"] != [])["segments"]
+        assert (back["name"], back["colour"]) == (ball["name"], ball["colour"])
+        assert back["voxels"] == ball["voxels"]
+
+
+def test_a_drag_of_a_threshold_ends_at_its_last_position(server: Any) -> None:
+    with server.page() as page:
+        page.receive("hello")
+        started = time.monotonic()
+        for low in range(-1000, 0, 2):
+            message = {"type": "threshold", "id": 1, "name": "ball", "low": low, "high": 100.0}
+            page.send(message)
+        last = page.receive("segments", until=lambda m: m["segments"][0]["range"][0] == -2.0)
+        assert last["segments"][0]["voxels"] == int(
+            (server.session.scene.volume.array == 100).sum()
+        )
+        # 500 thresholds one after another would take longer; coalesced ones do not
+        assert time.monotonic() - started < 5.0
+
+
+def test_properties_are_told_to_all_pages(server: Any) -> None:
+    with server.page() as first, server.page() as second:
+        change = {"type": "segment_properties", "id": 1, "name": "stone", "colour": [0, 0.5, 1]}
+        first.send(change | {"visible": True, "touchable": False})
+        for page in (first, second):
+            told = page.receive("segments", until=lambda m: m["segments"][0]["name"] == "stone")
+            assert told["segments"][0]["colour"] == [0.0, 0.5, 1.0]
+            assert told["segments"][0]["touchable"] is False
+
+
+def test_settings_are_told_as_the_engine_holds_them(server: Any) -> None:
+    wanted = {"stiffness": 0.5, "damping": 0.0, "force_limit": 2.0}
+    with server.page() as page:
+        page.send({"type": "change_settings", "settings": wanted})
+        assert page.receive("settings_changed")["settings"] == wanted
+    with server.page() as page:
+        assert page.receive("hello")["settings"] == wanted
+
+
+@pytest.mark.parametrize(
+    ("message", "said"),
+    [
+        ({"type": "hand", "target": [0.0, 0.0, float("nan")]}, "not understood"),
+        ({"type": "nonsense"}, "not understood"),
+        ({"type": "remove_segment", "id": 77}, "77"),
+        ({"type": "view", "right": [1.0, 0.0, 0.0], "up": [1.0, 0.0, 0.0]}, "allowed"),
+        ({"type": "threshold", "id": None, "name": "none", "low": 5000, "high": 6000}, "no voxel"),
+        ({"type": "threshold", "id": None, "name": "none", "low": 50, "high": 40}, "no range"),
+    ],
+)
+def test_what_cannot_be_done_is_a_notice_and_nothing_else(
+    shared_server: Any, message: dict[str, Any], said: str
+) -> None:
+    with shared_server.page() as page:
+        page.send(message)
+        notice = page.receive("notice")
+        assert said in notice["text"]
+        assert notice["level"] == "error"
+        page.receive("state")
+
+
+@pytest.mark.parametrize("packed", [b"", b"\xc1", b"\xff" * 100, b"\x81\xa4type\xa1\xff"])
+def test_bytes_that_are_no_message_are_a_notice(shared_server: Any, packed: bytes) -> None:
+    with shared_server.page() as page:
+        page.socket.send(packed)
+        assert "not understood" in page.receive("notice")["text"]
+        page.receive("state")
+
+
+def test_a_text_is_no_message(shared_server: Any) -> None:
+    with shared_server.page() as page:
+        page.socket.send("hello")
+        assert "not understood" in page.receive("notice")["text"]
+        page.receive("state")
+
+
+def test_pages_are_told_that_the_session_has_ended(server: Any) -> None:
+    with server.page() as page:
+        page.receive("state")
+        server.session.stop()
+        assert "the session has ended" in page.receive("notice")["text"]
+    # data is still there
+    assert server.get("/api/volume?step=8").status_code == 200
+
+
+def test_a_page_that_does_not_read_slows_nobody(server: Any) -> None:
+    # a client that reads nothing cannot say goodbye either
+    with server.page(close_timeout=0.1) as lazy, server.page() as page:
+        lazy.receive("hello")
+        page.receive("state")
+        started = time.monotonic()
+        for _ in range(60):
+            page.receive("state")
+        # 60 states at 60 a second, on a machine that has other things to do
+        assert time.monotonic() - started < 4.0
+
+
+# --- ports ------------------------------------------------------------------------------
+
+
+def test_a_port_in_use_is_refused() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as other:
+        port = other.getsockname()[1]
+        with pytest.raises(
+            OptionError, match=f"port {port} cannot be used .* allowed: a free port"
+        ):
+            bind(port)
+
+
+@pytest.mark.parametrize("port", [-1, 70000])
+def test_what_is_no_port_is_refused(port: int) -> None:
+    with pytest.raises(OptionError, match="allowed: a free port from 1 to 65535"):
+        bind(port)
+
+
+def test_the_server_listens_on_this_machine_only(server: Any) -> None:
+    addresses = {str(info[4][0]) for info in socket.getaddrinfo(socket.gethostname(), None)}
+    for address in addresses - {"127.0.0.1", "::1"}:
+        family = socket.AF_INET6 if ":" in address else socket.AF_INET
+        with socket.socket(family) as other:
+            other.settimeout(1.0)
+            assert other.connect_ex((address, server.access.port)) != 0
