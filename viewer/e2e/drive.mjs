@@ -1,0 +1,103 @@
+/**
+ * A person at the page, in a real browser: does what it is told on standard input and
+ * answers on standard output, one JSON object a line each.
+ *
+ *   {"do": "open", "url": …, "width": 1280, "height": 800}   → {"firstPicture": ms | null}
+ *   {"do": "wait", "for": "<expression in the page>", "seconds": 30}
+ *   {"do": "read", "expression": "<expression in the page>"}  → {"value": …}
+ *   {"do": "text", "testid": "force"}                         → {"value": "1.25"}
+ *   {"do": "screenshot", "path": …, "testid": optional}
+ *   {"do": "doubleClick", "x": …, "y": …}                     in pixels of the picture
+ *   {"do": "touch", "x": …, "y": …, "depth": wheel pixels}    Shift held: move by x, y; wheel (< 0 is deeper)
+ *   {"do": "press", "key": "Escape"}, {"do": "resize", "width": …, "height": …}
+ *
+ * The browser is the one in CHROMIUM, with CHROMIUM_FLAGS beside the usual ones.
+ */
+import { createInterface } from "node:readline";
+import { launchChromium } from "./chromium.mjs";
+
+const moreFlags = (process.env.CHROMIUM_FLAGS ?? "").split(" ").filter((flag) => flag !== "");
+const browser = await launchChromium(moreFlags);
+const page = await browser.newPage();
+const complaints = [];
+page.on("pageerror", (error) => complaints.push(error.message));
+page.on("console", (message) => {
+  if (message.type() === "error") {
+    complaints.push(message.text());
+  }
+});
+
+const byTestId = (testid) => page.locator(`[data-testid="${testid}"]`).first();
+const picture = () => byTestId("canvas");
+
+const actions = {
+  async open({ url, width = 1280, height = 800, seconds = 60 }) {
+    await page.setViewportSize({ width, height });
+    await page.goto(url, { waitUntil: "domcontentloaded" });
+    await page
+      .waitForFunction(() => window.palpate?.ready === true || document.querySelector("[data-testid=message] h1") !== null, null, {
+        timeout: seconds * 1000,
+      })
+      .catch(() => undefined);
+    return { firstPicture: await page.evaluate(() => window.palpate?.firstPicture ?? null) };
+  },
+  async wait({ for: expression, seconds = 30 }) {
+    // asked from here: the page's security policy allows no evaluation inside it
+    const ends = Date.now() + seconds * 1000;
+    while (!(await page.evaluate(expression))) {
+      if (Date.now() > ends) {
+        throw new Error(`not true within ${seconds} s`);
+      }
+      await page.waitForTimeout(30);
+    }
+    return {};
+  },
+  async read({ expression }) {
+    return { value: await page.evaluate(expression) };
+  },
+  async text({ testid }) {
+    return { value: (await byTestId(testid).textContent({ timeout: 5000 }))?.trim() ?? "" };
+  },
+  async screenshot({ path, testid }) {
+    await (testid === undefined ? page : byTestId(testid)).screenshot({ path });
+    return {};
+  },
+  async doubleClick({ x, y }) {
+    await picture().dblclick({ position: { x, y } });
+    return {};
+  },
+  async touch({ x = 0, y = 0, depth = 0, steps = 10 }) {
+    const box = await picture().boundingBox();
+    const [startX, startY] = [box.x + box.width / 2, box.y + box.height / 2];
+    await page.mouse.move(startX, startY);
+    await page.keyboard.down("Shift");
+    for (let step = 1; step <= steps; ++step) {
+      await page.mouse.move(startX + (x * step) / steps, startY + (y * step) / steps);
+      if (depth !== 0) {
+        await page.mouse.wheel(0, depth / steps);
+      }
+    }
+    await page.keyboard.up("Shift");
+    return {};
+  },
+  async press({ key }) {
+    await page.keyboard.press(key);
+    return {};
+  },
+  async resize({ width, height }) {
+    await page.setViewportSize({ width, height });
+    return {};
+  },
+};
+
+for await (const line of createInterface({ input: process.stdin })) {
+  const { do: action, ...options } = JSON.parse(line);
+  let answer;
+  try {
+    answer = await actions[action](options);
+  } catch (error) {
+    answer = { error: String(error) };
+  }
+  process.stdout.write(`${JSON.stringify({ ...answer, complaints: complaints.splice(0) })}\n`);
+}
+await browser.close();

@@ -1,0 +1,49 @@
+/**
+ * Directions of the body in LPS: +x to the patient's left, +y to the back, +z to the head.
+ */
+import { dot, scale, type Vec3 } from "./vector";
+
+export type Letter = "L" | "R" | "P" | "A" | "S" | "I";
+
+export const directions: Readonly<Record<Letter, Vec3>> = {
+  L: [1, 0, 0],
+  R: [-1, 0, 0],
+  P: [0, 1, 0],
+  A: [0, -1, 0],
+  S: [0, 0, 1],
+  I: [0, 0, -1],
+};
+
+export const names: Readonly<Record<Letter, string>> = {
+  L: "left",
+  R: "right",
+  P: "posterior",
+  A: "anterior",
+  S: "superior",
+  I: "inferior",
+};
+
+export const letters: readonly Letter[] = ["A", "P", "L", "R", "S", "I"];
+
+/** Share of a direction below which its letter is left out, about 27 degrees. */
+const smallestShare = 0.45;
+
+/** Letters toward which a unit direction points, the strongest first: "LA" is left, some anterior. */
+export function lettersOf(direction: Vec3): string {
+  return letters
+    .map((letter) => ({ letter, share: dot(directions[letter], direction) }))
+    .filter(({ share }) => share > smallestShare)
+    .sort((a, b) => b.share - a.share)
+    .map(({ letter }) => letter)
+    .join("");
+}
+
+/** Letters at the right, left, top and bottom edge of the picture. */
+export function edgeLetters(right: Vec3, up: Vec3): Record<"right" | "left" | "top" | "bottom", string> {
+  return {
+    right: lettersOf(right),
+    left: lettersOf(scale(right, -1)),
+    top: lettersOf(up),
+    bottom: lettersOf(scale(up, -1)),
+  };
+}

@@ -1,0 +1,30 @@
+/**
+ * Numbers as the page writes them, always with the same width and a point as decimal sign.
+ */
+import type { Vec3 } from "./vector";
+
+/** "-12.3 4.0 806.0" */
+export function formatPoint(point: Vec3): string {
+  return point.map((c) => c.toFixed(1)).join(" ");
+}
+
+/** Thin spaces between groups of three digits. */
+export function formatCount(count: number): string {
+  return Math.round(count)
+    .toString()
+    .replace(/\B(?=(\d{3})+$)/g, "\u2009");
+}
+
+export function formatMillilitres(ml: number): string {
+  return ml >= 100 ? `${formatCount(ml)} ml` : `${ml.toPrecision(3)} ml`;
+}
+
+/** "0.90 × 0.90 × 2.50 mm" */
+export function formatSpacing(spacing: Vec3): string {
+  return `${spacing.map((s) => Number(s.toFixed(3)).toString()).join(" × ")} mm`;
+}
+
+export function formatBytes(bytes: number): string {
+  const mega = bytes / 2 ** 20;
+  return mega >= 1024 ? `${(mega / 1024).toFixed(1)} GiB` : `${mega.toFixed(0)} MiB`;
+}

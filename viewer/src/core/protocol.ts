@@ -1,0 +1,518 @@
+/**
+ * Messages between engine and page, and the check of what arrives.
+ *
+ * Generated from `python/palpate/protocol.py` by `python -m palpate.protocol_typescript`;
+ * change it there. Each message is one msgpack map with a `type`. Points and vectors are
+ * (x, y, z) in the scene frame, LPS [mm]; forces [N]; stiffness [N/mm]; times [s].
+ */
+import { decode, encode } from "@msgpack/msgpack";
+
+export const PROTOCOL_VERSION = 1;
+
+/** A number of a vector; the bounds keep NaN, infinity and absurd distances out. */
+export type Coordinate = number;
+
+/** x, y, z in the scene frame, LPS [mm]; forces [N]. */
+export type Vector = readonly [Coordinate, Coordinate, Coordinate];
+
+/** A value of the scan, in its unit; the bounds keep NaN and infinity out. */
+export type Value = number;
+
+/** What a person calls a segment. */
+export type Name = string;
+
+/** A segment's number; also its value in `/api/labels`. */
+export type SegmentId = number;
+
+/** A part of a whole, 0..1. */
+export type Share = number;
+
+/** Red, green, blue, sRGB, each 0..1. */
+export type Colour = readonly [Share, Share, Share];
+
+/** Counts of the scan's values in equal bins from `low` to `high`. */
+export interface Histogram {
+  readonly low: Value;
+  readonly high: Value;
+  readonly counts: readonly number[];
+}
+
+/**
+ * The scan on display; its values come by HTTP from `/api/volume`.
+ *
+ * `value = slope * stored + intercept`. `patient_from_grid` is row-major, shape
+ * [4, 4]; grid coordinates are in voxels, voxel (i, j, k) covers [i, i+1) on each axis.
+ * `unit` is "HU" only where it is known, else "".
+ */
+export interface Scan {
+  readonly name: string;
+  readonly modality: string;
+  readonly unit: string;
+  readonly dimensions: readonly [number, number, number];
+  readonly spacing: Vector;
+  readonly patient_from_grid: readonly number[];
+  readonly slope: number;
+  readonly intercept: number;
+  readonly range: readonly [Value, Value];
+  readonly histogram: Histogram;
+  readonly soft_tissue: Value;
+  readonly bone: Value;
+  readonly orientation_known: boolean;
+  readonly warnings: readonly string[];
+}
+
+/**
+ * A segment of the scan.
+ *
+ * `range` holds the threshold (low, high) while the segment is just that threshold;
+ * null where its voxels come from elsewhere: then they stand in `/api/labels` under
+ * the segment's `id` (1..255).
+ */
+export interface Segment {
+  readonly id: SegmentId;
+  readonly name: Name;
+  readonly colour: Colour;
+  readonly visible: boolean;
+  readonly touchable: boolean;
+  readonly range: readonly [Value, Value] | null;
+  readonly voxels: number;
+  readonly volume_ml: number;
+  readonly pending: boolean;
+}
+
+/** What a person can set about touch. */
+export interface Settings {
+  readonly stiffness: number;
+  readonly damping: number;
+  readonly force_limit: number;
+}
+
+/** First message of the engine: everything the page needs to draw. */
+export interface Hello {
+  readonly type: "hello";
+  readonly protocol: number;
+  readonly version: string;
+  readonly scan: Scan;
+  readonly segments: readonly Segment[];
+  readonly settings: Settings;
+  readonly device: string;
+}
+
+/**
+ * How a thread keeps its pace over the last second.
+ *
+ * `late` counts ticks since the start that began more than 2 ms after their time.
+ */
+export interface Rate {
+  readonly asked_hz: number;
+  readonly hz: number;
+  readonly ticks: number;
+  readonly late: number;
+  readonly worst_late_ms: number;
+}
+
+/** One rate per thread; `real_time` says whether the priority was granted. */
+export interface Rates {
+  readonly device: Rate;
+  readonly servo: Rate;
+  readonly simulation: Rate;
+  readonly picture: Rate;
+  readonly real_time: boolean;
+}
+
+/** Interventions of the safety stage and violations of the guarantees since start. */
+export interface Safety {
+  readonly clamped: number;
+  readonly slewed: number;
+  readonly not_finite: number;
+  readonly watchdog: number;
+  readonly violations: number;
+}
+
+/**
+ * What is now, some 60 times a second, latest wins.
+ *
+ * `samples` holds the ticks since the last state, thinned to at most 250 a second:
+ * rows (time, force x, force y, force z).
+ */
+export interface State {
+  readonly type: "state";
+  readonly tick: number;
+  readonly time: number;
+  readonly edit: number;
+  readonly device: Vector;
+  readonly hand: Vector;
+  readonly proxy: Vector;
+  readonly force: Vector;
+  readonly contact: boolean;
+  readonly depth: number;
+  readonly touched: number;
+  readonly pending: number;
+  readonly can_undo: boolean;
+  readonly can_redo: boolean;
+  readonly rates: Rates;
+  readonly safety: Safety;
+  readonly samples: readonly (readonly [number, number, number, number])[];
+}
+
+/** The segment list after a change; `labels` is the version of `/api/labels`. */
+export interface Segments {
+  readonly type: "segments";
+  readonly segments: readonly Segment[];
+  readonly labels: number;
+}
+
+/** The settings as the engine holds them. */
+export interface SettingsChanged {
+  readonly type: "settings_changed";
+  readonly settings: Settings;
+}
+
+/** A sentence for the person at the page. */
+export interface Notice {
+  readonly type: "notice";
+  readonly level: "info" | "warning" | "error";
+  readonly text: string;
+}
+
+/** Where the hand pulls the device to [scene]; latest wins. */
+export interface Hand {
+  readonly type: "hand";
+  readonly target: Vector;
+}
+
+/** Puts probe, device and hand at a point, or at the free voxel next to it. */
+export interface Place {
+  readonly type: "place";
+  readonly point: Vector;
+}
+
+/** Axes of the view in the scene: the movement frame follows them (thesis 4.7). */
+export interface View {
+  readonly type: "view";
+  readonly right: Vector;
+  readonly up: Vector;
+}
+
+/** Makes a segment of all voxels with low <= value <= high, or changes segment `id`. */
+export interface Threshold {
+  readonly type: "threshold";
+  readonly id: SegmentId | null;
+  readonly name: Name;
+  readonly low: Value;
+  readonly high: Value;
+}
+
+/** Changes how a segment looks and whether it can be touched. */
+export interface SegmentProperties {
+  readonly type: "segment_properties";
+  readonly id: SegmentId;
+  readonly name: Name;
+  readonly colour: Colour;
+  readonly visible: boolean;
+  readonly touchable: boolean;
+}
+
+/** Removes a segment; undo brings it back. */
+export interface RemoveSegment {
+  readonly type: "remove_segment";
+  readonly id: SegmentId;
+}
+
+/** Asks for new settings. */
+export interface ChangeSettings {
+  readonly type: "change_settings";
+  readonly settings: Settings;
+}
+
+/** Takes the last edit back. */
+export interface Undo {
+  readonly type: "undo";
+}
+
+/** Applies the last undone edit again. */
+export interface Redo {
+  readonly type: "redo";
+}
+
+/** A message of the engine. */
+export type ToPage =
+  | Hello
+  | State
+  | Segments
+  | SettingsChanged
+  | Notice;
+
+/** A message of the page. */
+export type FromPage =
+  | Hand
+  | Place
+  | View
+  | Threshold
+  | SegmentProperties
+  | RemoveSegment
+  | ChangeSettings
+  | Undo
+  | Redo;
+
+/** A message that is not of the schema; says where and what was expected. */
+export class ProtocolError extends Error {
+  override name = "ProtocolError";
+}
+
+/** Unpacks a message of the engine; throws ProtocolError where it is not of the schema. */
+export function decodeToPage(packed: ArrayBuffer | Uint8Array): ToPage {
+  return checkToPage(unpack(packed));
+}
+
+/** Returns an unpacked message as what it is; throws ProtocolError where it is none. */
+export function checkToPage(value: unknown): ToPage {
+  const type = (value as { type?: unknown } | null | undefined)?.type;
+  const check = typeof type === "string" ? TO_PAGE.get(type) : undefined;
+  if (check === undefined) {
+    throw new ProtocolError(`type: expected one of ${[...TO_PAGE.keys()].join(", ")}`);
+  }
+  check(value, String(type));
+  return value as ToPage;
+}
+
+/** Packs a message for the engine. */
+export function encodeFromPage(message: FromPage): Uint8Array<ArrayBuffer> {
+  return encode(message);
+}
+
+function unpack(packed: ArrayBuffer | Uint8Array): unknown {
+  try {
+    return decode(packed);
+  } catch (error) {
+    throw new ProtocolError(`not msgpack: ${String(error)}`);
+  }
+}
+
+/** Throws where a value is not as described; `path` names its place in the message. */
+type Check = (value: unknown, path: string) => void;
+
+interface Bounds {
+  readonly ge?: number;
+  readonly gt?: number;
+  readonly le?: number;
+  readonly lt?: number;
+}
+
+function expect(holds: boolean, path: string, expected: string): void {
+  if (!holds) {
+    throw new ProtocolError(`${path}: expected ${expected}`);
+  }
+}
+
+function within(value: number, bounds: Bounds): boolean {
+  const { ge = -Infinity, gt = -Infinity, le = Infinity, lt = Infinity } = bounds;
+  return value >= ge && value > gt && value <= le && value < lt;
+}
+
+function real(bounds: Bounds = {}): Check {
+  const expected = `a finite number ${JSON.stringify(bounds)}`;
+  return (value, path) => {
+    expect(Number.isFinite(value) && within(value as number, bounds), path, expected);
+  };
+}
+
+function whole(bounds: Bounds = {}): Check {
+  const expected = `a whole number ${JSON.stringify(bounds)}`;
+  return (value, path) => {
+    expect(Number.isInteger(value) && within(value as number, bounds), path, expected);
+  };
+}
+
+function text(bounds: Bounds = {}): Check {
+  const expected = `a text of length ${JSON.stringify(bounds)}`;
+  return (value, path) => {
+    expect(typeof value === "string" && within([...value].length, bounds), path, expected);
+  };
+}
+
+const flag: Check = (value, path) => {
+  expect(typeof value === "boolean", path, "true or false");
+};
+
+function oneOf(...allowed: readonly string[]): Check {
+  return (value, path) => {
+    expect(allowed.includes(value as string), path, `one of ${allowed.join(", ")}`);
+  };
+}
+
+function nullable(check: Check): Check {
+  return (value, path) => {
+    if (value !== null) {
+      check(value, path);
+    }
+  };
+}
+
+function list(check: Check): Check {
+  return (value, path) => {
+    expect(Array.isArray(value), path, "a list");
+    (value as unknown[]).forEach((item, i) => {
+      check(item, `${path}[${String(i)}]`);
+    });
+  };
+}
+
+function tuple(...checks: readonly Check[]): Check {
+  return (value, path) => {
+    expect(Array.isArray(value), path, "a list");
+    const items = value as unknown[];
+    expect(items.length === checks.length, path, `${String(checks.length)} items`);
+    checks.forEach((check, i) => {
+      check(items[i], `${path}[${String(i)}]`);
+    });
+  };
+}
+
+/** A map with exactly these fields. */
+function record(fields: Readonly<Record<string, Check>>): Check {
+  const names = Object.keys(fields);
+  return (value, path) => {
+    expect(typeof value === "object" && value !== null && !Array.isArray(value), path, "a map");
+    const given = value as Readonly<Record<string, unknown>>;
+    const extra = Object.keys(given).filter((name) => !Object.hasOwn(fields, name));
+    expect(extra.length === 0, path, `no field ${extra.join(", ")}`);
+    for (const name of names) {
+      fields[name]?.(given[name], `${path}.${name}`);
+    }
+  };
+}
+
+const isCoordinate = real({ ge: -1000000, le: 1000000 });
+
+const isVector = tuple(isCoordinate, isCoordinate, isCoordinate);
+
+const isValue = real({ ge: -1000000000, le: 1000000000 });
+
+const isName = text({ ge: 1, le: 100 });
+
+const isSegmentId = whole({ ge: 1, le: 255 });
+
+const isShare = real({ ge: 0, le: 1 });
+
+const isColour = tuple(isShare, isShare, isShare);
+
+const isHistogram = record({
+  low: isValue,
+  high: isValue,
+  counts: list(whole()),
+});
+
+const isScan = record({
+  name: text(),
+  modality: text(),
+  unit: text(),
+  dimensions: tuple(whole(), whole(), whole()),
+  spacing: isVector,
+  patient_from_grid: list(real()),
+  slope: real(),
+  intercept: real(),
+  range: tuple(isValue, isValue),
+  histogram: isHistogram,
+  soft_tissue: isValue,
+  bone: isValue,
+  orientation_known: flag,
+  warnings: list(text()),
+});
+
+const isSegment = record({
+  id: isSegmentId,
+  name: isName,
+  colour: isColour,
+  visible: flag,
+  touchable: flag,
+  range: nullable(tuple(isValue, isValue)),
+  voxels: whole(),
+  volume_ml: real(),
+  pending: flag,
+});
+
+const isSettings = record({
+  stiffness: real({ gt: 0, le: 10 }),
+  damping: real({ ge: 0, le: 0.1 }),
+  force_limit: real({ gt: 0, le: 40 }),
+});
+
+const isHello = record({
+  type: oneOf("hello"),
+  protocol: whole(),
+  version: text(),
+  scan: isScan,
+  segments: list(isSegment),
+  settings: isSettings,
+  device: text(),
+});
+
+const isRate = record({
+  asked_hz: real(),
+  hz: real(),
+  ticks: whole(),
+  late: whole(),
+  worst_late_ms: real(),
+});
+
+const isRates = record({
+  device: isRate,
+  servo: isRate,
+  simulation: isRate,
+  picture: isRate,
+  real_time: flag,
+});
+
+const isSafety = record({
+  clamped: whole(),
+  slewed: whole(),
+  not_finite: whole(),
+  watchdog: whole(),
+  violations: whole(),
+});
+
+const isState = record({
+  type: oneOf("state"),
+  tick: whole(),
+  time: real(),
+  edit: whole(),
+  device: isVector,
+  hand: isVector,
+  proxy: isVector,
+  force: isVector,
+  contact: flag,
+  depth: real(),
+  touched: whole(),
+  pending: whole(),
+  can_undo: flag,
+  can_redo: flag,
+  rates: isRates,
+  safety: isSafety,
+  samples: list(tuple(real(), real(), real(), real())),
+});
+
+const isSegments = record({
+  type: oneOf("segments"),
+  segments: list(isSegment),
+  labels: whole(),
+});
+
+const isSettingsChanged = record({
+  type: oneOf("settings_changed"),
+  settings: isSettings,
+});
+
+const isNotice = record({
+  type: oneOf("notice"),
+  level: oneOf("info", "warning", "error"),
+  text: text(),
+});
+
+const TO_PAGE: ReadonlyMap<string, Check> = new Map([
+  ["hello", isHello],
+  ["state", isState],
+  ["segments", isSegments],
+  ["settings_changed", isSettingsChanged],
+  ["notice", isNotice],
+]);

@@ -1,0 +1,38 @@
+/**
+ * Segments as the picture shows them.
+ *
+ * A segment made by a threshold is the set of points whose interpolated value lies in its
+ * range: a visible one is a solid surface in its colour, a hidden one is left out of the
+ * picture. Where both claim a value, the visible one wins.
+ */
+import { linearFromSrgb } from "./colour";
+import type { Segment } from "./protocol";
+import { biasedRange, type Rescale } from "./stored_values";
+import type { Vec3 } from "./vector";
+
+export interface ShownRange {
+  readonly id: number;
+  /** Biased values, both ends included. */
+  readonly low: number;
+  readonly high: number;
+  /** Linear RGB. */
+  readonly colour: Vec3;
+  readonly visible: boolean;
+}
+
+/** The segments that are just a threshold, in the order of the list. */
+export function shownRanges(segments: readonly Segment[], rescale: Rescale): ShownRange[] {
+  return segments.flatMap((segment) => {
+    if (segment.range === null) {
+      return [];
+    }
+    const [low, high] = biasedRange(segment.range[0], segment.range[1], rescale);
+    return [{ id: segment.id, low, high, colour: linearFromSrgb(segment.colour), visible: segment.visible }];
+  });
+}
+
+/** The segment that a value belongs to: a visible one if any, else a hidden one, else none. */
+export function rangeHolding(ranges: readonly ShownRange[], biased: number): ShownRange | undefined {
+  const holding = ranges.filter(({ low, high }) => low <= biased && biased <= high);
+  return holding.find(({ visible }) => visible) ?? holding[0];
+}

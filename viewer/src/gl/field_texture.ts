@@ -1,0 +1,90 @@
+/**
+ * The scan's values on the GPU, uploaded slab by slab so that no frame waits for all of it.
+ *
+ * R16 where the GPU has it; else RG8, the same bytes as two texels of 8 bits, which the
+ * shader joins; R32F (twice the memory) where it is asked for. Keep the formats in sync with
+ * `shaders/field.glsl`.
+ */
+import * as THREE from "three";
+import type { ScanVolume } from "../core/scan_volume";
+import type { GpuSupport } from "./gpu_support";
+
+export type FieldFormat = "r16" | "rg8" | "r32f";
+
+/** The format that is exact and small on this GPU. */
+export function fieldFormatFor(support: GpuSupport): FieldFormat {
+  return support.norm16 ? "r16" : "rg8";
+}
+
+/** Bytes sent to the GPU at once. */
+const slabBytes = 8 * 2 ** 20;
+
+export class FieldTexture {
+  readonly texture: THREE.Data3DTexture;
+  private readonly source: THREE.Data3DTexture;
+  private readonly slabPlanes: number;
+  private uploaded = 0;
+
+  constructor(
+    readonly volume: ScanVolume,
+    readonly format: FieldFormat,
+  ) {
+    this.source = textureOf(volume, format, texelsOf(volume.values, format));
+    this.texture = textureOf(volume, format, null);
+    // allocated without a copy on the CPU; filled by `uploadSlab`
+    this.texture.source.dataReady = false;
+    this.texture.needsUpdate = true;
+    const planeBytes = volume.dimensions[0] * volume.dimensions[1] * (format === "r32f" ? 4 : 2);
+    this.slabPlanes = Math.max(1, Math.floor(slabBytes / planeBytes));
+  }
+
+  /** Share of the scan that is on the GPU. */
+  get progress(): number {
+    return this.uploaded / this.volume.dimensions[2];
+  }
+
+  /** Sends the next planes; true once all are there. */
+  uploadSlab(renderer: THREE.WebGLRenderer): boolean {
+    const [width, height, depth] = this.volume.dimensions;
+    const from = this.uploaded;
+    const to = Math.min(depth, from + this.slabPlanes);
+    if (from < to) {
+      const slab = new THREE.Box3(new THREE.Vector3(0, 0, from), new THREE.Vector3(width, height, to));
+      renderer.copyTextureToTexture(this.source, this.texture, slab, new THREE.Vector3(0, 0, from));
+      this.uploaded = to;
+    }
+    return this.uploaded === depth;
+  }
+
+  dispose(): void {
+    this.texture.dispose();
+    this.source.dispose();
+  }
+}
+
+function texelsOf(values: Uint16Array, format: FieldFormat): Uint16Array | Uint8Array | Float32Array {
+  switch (format) {
+    case "r16":
+      return values;
+    case "rg8":
+      return new Uint8Array(values.buffer, values.byteOffset, values.byteLength);
+    case "r32f":
+      return Float32Array.from(values);
+  }
+}
+
+function textureOf(
+  volume: ScanVolume,
+  format: FieldFormat,
+  texels: Uint16Array | Uint8Array | Float32Array | null,
+): THREE.Data3DTexture {
+  // the types of three know no unsigned 16-bit texels, its code does
+  const texture = new THREE.Data3DTexture(texels as Uint8Array<ArrayBuffer> | null, ...volume.dimensions);
+  texture.format = format === "rg8" ? THREE.RGFormat : THREE.RedFormat;
+  texture.type = { r16: THREE.UnsignedShortType, rg8: THREE.UnsignedByteType, r32f: THREE.FloatType }[format];
+  texture.normalized = format === "r16";
+  texture.minFilter = THREE.LinearFilter;
+  texture.magFilter = THREE.LinearFilter;
+  texture.unpackAlignment = 1;
+  return texture;
+}

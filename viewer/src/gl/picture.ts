@@ -1,0 +1,216 @@
+/**
+ * The 3-D picture: scan and markers on one canvas. Nothing is drawn unless something has
+ * changed; the engine's rates never depend on it.
+ */
+import * as THREE from "three";
+import type { BrickRanges } from "../core/bricks";
+import { project, type Camera, type Extent, type Viewport } from "../core/camera";
+import type { Look } from "../core/look";
+import type { Segment } from "../core/protocol";
+import type { ScanVolume } from "../core/scan_volume";
+import type { Vec3 } from "../core/vector";
+import { Compositor } from "./compositor";
+import { FieldTexture, fieldFormatFor, type FieldFormat } from "./field_texture";
+import { GpuClock } from "./gpu_clock";
+import type { GpuSupport } from "./gpu_support";
+import { byteTexture, labelColours } from "./lookup_textures";
+import { markerMargin, Markers, type MarkerState } from "./markers";
+import { RayMarcher } from "./ray_marcher";
+import { Refiner } from "./refiner";
+import { ThreeCamera } from "./three_camera";
+
+export interface PictureOptions {
+  readonly support: GpuSupport;
+  /** Device pixels per CSS pixel, at most. */
+  readonly mostPixelRatio: number;
+  /** Another format for the scan's values than the GPU's best. */
+  readonly format?: FieldFormat;
+}
+
+export class Picture {
+  private readonly renderer: THREE.WebGLRenderer;
+  private readonly marcher = new RayMarcher();
+  private readonly compositor = new Compositor();
+  private readonly markers = new Markers();
+  private readonly camera = new ThreeCamera();
+  private readonly refiner: Refiner;
+  private readonly options: PictureOptions;
+  private field: FieldTexture | null = null;
+  private ready = false;
+  private view: { readonly camera: Camera; readonly extent: Extent } | null = null;
+  private shownCamera: Camera | null = null;
+  private viewport: Viewport = { width: 1, height: 1 };
+  private markersShown = false;
+  private markersStale = true;
+  private screenStale = true;
+  /** Where markers were drawn last [CSS pixels]. */
+  private marked: THREE.Box2 | null = null;
+  private labels: THREE.Data3DTexture | null = null;
+  private colours: THREE.DataTexture | null = null;
+
+  constructor(canvas: HTMLCanvasElement, options: PictureOptions) {
+    const { support } = options;
+    this.options = options;
+    this.renderer = new THREE.WebGLRenderer({
+      canvas,
+      // smooth edges of the markers; the scan's own are smoothed by averaging
+      antialias: !support.software,
+      alpha: false,
+      stencil: false,
+      powerPreference: "high-performance",
+      // where the CPU draws, only what has changed around the markers is drawn again
+      preserveDrawingBuffer: support.software,
+    });
+    this.renderer.autoClear = false;
+    this.renderer.outputColorSpace = THREE.SRGBColorSpace;
+    this.refiner = new Refiner(this.renderer, new GpuClock(this.gl), this.marcher, {
+      software: support.software,
+      halfFloat: support.halfFloatTarget,
+    });
+  }
+
+  /** Share of the scan that is on the GPU. */
+  get uploaded(): number {
+    return this.field?.progress ?? 0;
+  }
+
+  /** A picture of the scan is on the screen. */
+  get hasPicture(): boolean {
+    return this.ready && this.refiner.drawnPieces > 0;
+  }
+
+  /** Divisor of the resolution on display, and whether it is final. */
+  get quality(): { readonly divisor: number; readonly finished: boolean } {
+    return { divisor: this.refiner.shownDivisor, finished: this.refiner.finished };
+  }
+
+  set jitter(on: boolean) {
+    this.refiner.jitter = on;
+    this.refiner.restart();
+  }
+
+  setScan(volume: ScanVolume, bricks: BrickRanges): void {
+    this.field?.dispose();
+    this.field = new FieldTexture(volume, this.options.format ?? fieldFormatFor(this.options.support));
+    this.ready = false;
+    this.marcher.setField(this.field, bricks);
+    this.refiner.restart();
+  }
+
+  setLook(look: Look): void {
+    this.marcher.setLook(look);
+    this.refiner.restart();
+  }
+
+  /** Segments that are no threshold: the id of each voxel, and 1 for each brick that holds any. */
+  setLabels(labels: { readonly ids: Uint8Array; readonly dimensions: Vec3; readonly bricks: Uint8Array } | null): void {
+    this.labels?.dispose();
+    this.labels = labels === null ? null : byteTexture(labels.ids, labels.dimensions);
+    this.marcher.setLabels(labels === null || this.labels === null ? null : { texture: this.labels, bricks: labels.bricks });
+    this.refiner.restart();
+  }
+
+  setLabelColours(segments: readonly Segment[]): void {
+    this.colours?.dispose();
+    this.colours = labelColours(segments);
+    this.marcher.setLabelColours(this.colours);
+    this.refiner.restart();
+  }
+
+  setCamera(camera: Camera, extent: Extent): void {
+    this.view = { camera, extent };
+    this.refiner.restart();
+  }
+
+  setMarkers(state: MarkerState): void {
+    this.markersStale = this.markers.update(state) || this.markersStale;
+    this.markersShown = true;
+  }
+
+  /** Follows the size of the canvas on the page [CSS pixels]. */
+  resize(width: number, height: number): void {
+    const ratio = Math.min(window.devicePixelRatio, this.options.mostPixelRatio);
+    this.renderer.setPixelRatio(ratio);
+    this.renderer.setSize(width, height, false);
+    const size = this.renderer.getDrawingBufferSize(new THREE.Vector2());
+    this.refiner.resize(size.x, size.y);
+    this.viewport = { width, height };
+    this.screenStale = true;
+  }
+
+  /** Does the work of one frame; `now` [ms]. */
+  advance(now: number): void {
+    if (this.field !== null && !this.ready) {
+      this.ready = this.field.uploadSlab(this.renderer);
+      return;
+    }
+    if (!this.ready || this.view === null) {
+      return;
+    }
+    if (this.refiner.wantsView) {
+      // picture and markers change their view in the same frame
+      const aspect = this.viewport.width / this.viewport.height;
+      this.shownCamera = this.view.camera;
+      this.marcher.setCamera(this.view.camera, this.view.extent, aspect);
+      this.camera.update(this.view.camera, this.view.extent, aspect);
+    }
+    if (this.refiner.advance(now) || this.screenStale) {
+      this.drawScreen(null);
+    } else if (this.markersStale) {
+      this.drawMarkers();
+    }
+  }
+
+  dispose(): void {
+    this.refiner.dispose();
+    this.marcher.dispose();
+    this.compositor.dispose();
+    this.markers.dispose();
+    this.field?.dispose();
+    this.labels?.dispose();
+    this.colours?.dispose();
+    this.renderer.dispose();
+  }
+
+  private get gl(): WebGL2RenderingContext {
+    return this.renderer.getContext() as WebGL2RenderingContext;
+  }
+
+  /** Draws again where markers were and are. */
+  private drawMarkers(): void {
+    const before = this.marked;
+    const now = this.markedBox();
+    this.drawScreen(this.options.support.software && before !== null && now !== null ? now.clone().union(before) : null);
+  }
+
+  /** Draws the screen, or the part of it inside a box [CSS pixels from the upper left]. */
+  private drawScreen(part: THREE.Box2 | null): void {
+    const { renderer } = this;
+    renderer.setScissorTest(part !== null);
+    if (part !== null) {
+      const { x, y } = part.getSize(new THREE.Vector2());
+      renderer.setScissor(part.min.x, this.viewport.height - part.max.y, x, y);
+    }
+    this.compositor.draw(renderer, this.refiner.picture);
+    if (this.markersShown) {
+      renderer.render(this.markers.scene, this.camera.camera);
+    }
+    renderer.setScissorTest(false);
+    this.marked = this.markedBox();
+    this.markersStale = false;
+    this.screenStale = false;
+  }
+
+  /** Box around all markers; null where it cannot be told. */
+  private markedBox(): THREE.Box2 | null {
+    const box = new THREE.Box2();
+    for (const point of this.markers.outline) {
+      const place = this.shownCamera === null ? null : project(this.shownCamera, point, this.viewport);
+      if (place === null) {
+        return null;
+      }
+      box.expandByPoint(new THREE.Vector2(...place));
+    }
+    return box.isEmpty() ? null : box.expandByScalar(markerMargin);
+  }
+}

@@ -1,0 +1,44 @@
+/**
+ * The cached picture of the scan: colour (premultiplied, linear) and depth. Coarser levels
+ * use its lower left part, so that no level needs memory of its own.
+ */
+import * as THREE from "three";
+
+export class PictureTarget {
+  readonly target: THREE.WebGLRenderTarget;
+  /** Part in use [texels]. */
+  width = 1;
+  height = 1;
+
+  constructor(halfFloat: boolean) {
+    this.target = new THREE.WebGLRenderTarget(1, 1, {
+      type: halfFloat ? THREE.HalfFloatType : THREE.UnsignedByteType,
+      minFilter: THREE.LinearFilter,
+      magFilter: THREE.LinearFilter,
+      generateMipmaps: false,
+      depthTexture: new THREE.DepthTexture(1, 1, THREE.UnsignedIntType),
+    });
+  }
+
+  resize(width: number, height: number): void {
+    this.target.setSize(width, height);
+  }
+
+  /** Uses the part that a divided resolution needs. */
+  useLevel(divisor: number): void {
+    this.width = Math.ceil(this.target.width / divisor);
+    this.height = Math.ceil(this.target.height / divisor);
+    this.target.viewport.set(0, 0, this.width, this.height);
+  }
+
+  /** Restricts drawing to rows of the part in use. */
+  useRows(from: number, to: number): void {
+    this.target.scissor.set(0, from, this.width, to - from);
+    this.target.scissorTest = true;
+  }
+
+  dispose(): void {
+    this.target.depthTexture?.dispose();
+    this.target.dispose();
+  }
+}

@@ -1,0 +1,193 @@
+/**
+ * Draws the cached picture in pieces that fit into the time there is: at once and coarse
+ * while the view moves; then, at rest, level by level in strips of rows; last, where the
+ * GPU is quick, several shifted pictures averaged for smooth edges.
+ */
+import type * as THREE from "three";
+import { levelsAfter, Pace } from "../core/pace";
+import type { GpuClock } from "./gpu_clock";
+import { PictureTarget } from "./picture_target";
+import type { RayMarcher, Shift } from "./ray_marcher";
+
+export interface RefinerOptions {
+  readonly software: boolean;
+  readonly halfFloat: boolean;
+}
+
+/** Rest before refining starts [ms]: a drag that pauses should not wait for a strip. */
+const settleMilliseconds = 90;
+
+/** Time of a whole picture up to which several are averaged at rest [ms]. */
+const quickPicture = 60;
+const averaged = 8;
+
+/** Steps per voxel edge while the view moves and at rest; fewer where the CPU draws. */
+const steps = { gpu: { moving: 1, resting: 1.5 }, software: { moving: 0.75, resting: 1 } } as const;
+
+export class Refiner {
+  private shown: PictureTarget;
+  private working: PictureTarget;
+  private readonly pace: Pace;
+  private stale = true;
+  private drawnAt = 0;
+  private levels: number[] = [];
+  private row = 0;
+  private pass = 0;
+  /** Whether rays start at random shares of a step. */
+  jitter = true;
+  /** Divisor of the resolution on display; 0 before the first picture. */
+  shownDivisor = 0;
+  /** Pieces that the GPU has drawn to the end. */
+  drawnPieces = 0;
+
+  constructor(
+    private readonly renderer: THREE.WebGLRenderer,
+    private readonly clock: GpuClock,
+    private readonly marcher: RayMarcher,
+    private readonly options: RefinerOptions,
+  ) {
+    this.shown = new PictureTarget(options.halfFloat);
+    this.working = new PictureTarget(options.halfFloat);
+    this.pace = new Pace({
+      frameBudget: options.software ? 70 : 24,
+      stripBudget: options.software ? 40 : 24,
+      pixelCost: options.software ? 2.5e-3 : 1e-5,
+    });
+  }
+
+  get picture(): PictureTarget {
+    return this.shown;
+  }
+
+  /** The picture is as fine as it gets. */
+  get finished(): boolean {
+    return !this.stale && this.levels.length === 0 && !this.averaging && !this.clock.busy;
+  }
+
+  resize(width: number, height: number): void {
+    this.shown.resize(width, height);
+    this.working.resize(width, height);
+    this.restart();
+  }
+
+  /** Camera, look or scan have changed. */
+  restart(): void {
+    this.stale = true;
+    this.levels = [];
+  }
+
+  /** Something would be drawn by the next `advance`, and the view it shows is not yet on display. */
+  get wantsView(): boolean {
+    return this.stale && !this.clock.busy;
+  }
+
+  /** Draws the next piece; true where what is on display has changed. */
+  advance(now: number): boolean {
+    if (this.clock.busy) {
+      return false;
+    }
+    if (this.stale) {
+      this.drawMoving(now);
+      return true;
+    }
+    if (now - this.drawnAt < settleMilliseconds) {
+      return false;
+    }
+    if (this.levels.length > 0) {
+      return this.drawStrip();
+    }
+    return this.averaging && this.drawAverage();
+  }
+
+  dispose(): void {
+    this.clock.forget();
+    this.shown.dispose();
+    this.working.dispose();
+  }
+
+  private get steps(): { readonly moving: number; readonly resting: number } {
+    return this.options.software ? steps.software : steps.gpu;
+  }
+
+  private get averaging(): boolean {
+    return (
+      this.jitter &&
+      this.pass < averaged &&
+      this.options.halfFloat &&
+      this.pace.expected(this.pixels(1)) < quickPicture
+    );
+  }
+
+  private pixels(divisor: number): number {
+    const { width, height } = this.shown.target;
+    return (width * height) / divisor ** 2;
+  }
+
+  private drawMoving(now: number): void {
+    const divisor = this.pace.movingDivisor(this.pixels(1));
+    this.working.useLevel(divisor);
+    this.drawRows(0, this.working.height, this.steps.moving, [0, 0, 0]);
+    this.swap(divisor);
+    this.stale = false;
+    this.drawnAt = now;
+    this.levels = levelsAfter(divisor);
+    this.row = 0;
+    this.pass = 0;
+  }
+
+  private drawStrip(): boolean {
+    const level = this.levels[0] ?? 1;
+    this.working.useLevel(level);
+    const to = Math.min(this.working.height, this.row + this.pace.stripRows(this.working.width, this.working.height));
+    this.drawRows(this.row, to, this.steps.resting, [0, 0, 0]);
+    this.row = to;
+    if (to < this.working.height) {
+      return false;
+    }
+    this.swap(level);
+    this.levels.shift();
+    this.row = 0;
+    this.pass = 1;
+    return true;
+  }
+
+  /** Blends one more picture, shifted within the pixel, into the one on display. */
+  private drawAverage(): boolean {
+    const count = this.pass + 1;
+    // a Halton sequence covers the pixel evenly (Halton 1960)
+    const shift: Shift = [halton(count, 2) - 0.5, halton(count, 3) - 0.5, count];
+    const { shown, working } = this;
+    this.working = shown;
+    this.marcher.blend = 1 / count;
+    this.drawRows(0, shown.height, this.steps.resting, shift);
+    this.marcher.blend = null;
+    this.working = working;
+    this.pass = count;
+    return true;
+  }
+
+  private drawRows(from: number, to: number, stepsPerVoxel: number, shift: Shift): void {
+    const pixels = this.working.width * (to - from);
+    this.working.useRows(from, to);
+    this.marcher.draw(this.renderer, this.working, { stepsPerVoxel, jitter: this.jitter }, shift);
+    this.clock.start((milliseconds) => {
+      this.pace.learn(pixels, milliseconds);
+      this.drawnPieces += 1;
+    });
+  }
+
+  private swap(divisor: number): void {
+    [this.shown, this.working] = [this.working, this.shown];
+    this.shownDivisor = divisor;
+  }
+}
+
+function halton(index: number, base: number): number {
+  let result = 0;
+  let share = 1;
+  for (let i = index; i > 0; i = Math.floor(i / base)) {
+    share /= base;
+    result += share * (i % base);
+  }
+  return result;
+}

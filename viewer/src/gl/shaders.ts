@@ -1,0 +1,27 @@
+/**
+ * The shaders, joined from their files. WebGL2 (GLSL ES 3.00).
+ */
+import compositeFrag from "./shaders/composite.frag?raw";
+import field from "./shaders/field.glsl?raw";
+import fullscreenVert from "./shaders/fullscreen.vert?raw";
+import gaugeFrag from "./shaders/gauge.frag?raw";
+import gaugeVert from "./shaders/gauge.vert?raw";
+import light from "./shaders/light.glsl?raw";
+import marchFrag from "./shaders/march.frag?raw";
+import markerFrag from "./shaders/marker.frag?raw";
+import markerVert from "./shaders/marker.vert?raw";
+import segments from "./shaders/segments.glsl?raw";
+
+const precision = "precision highp float;\nprecision highp int;\nprecision highp sampler2D;\nprecision highp sampler3D;\n";
+
+function joined(...parts: readonly string[]): string {
+  return [precision, ...parts].join("\n");
+}
+
+export const shaders = {
+  fullscreen: joined(fullscreenVert),
+  march: joined(field, segments, light, marchFrag),
+  composite: joined(compositeFrag),
+  gauge: { vertex: joined(gaugeVert), fragment: joined(gaugeFrag) },
+  marker: { vertex: joined(markerVert), fragment: joined(markerFrag) },
+};

@@ -1,0 +1,52 @@
+// The scan as a continuous field. Values are biased stored values, 0..65535
+// (core/stored_values.ts); positions are grid coordinates of the whole scan.
+// The same on the CPU: core/field.ts.
+
+uniform sampler3D fieldTexture;
+// voxels of the whole scan
+uniform vec3 dimensions;
+// texture = grid * scale + offset; holds the subsampling
+uniform vec3 textureScale;
+uniform vec3 textureOffset;
+// one sample along each axis [grid], and the same in mm
+uniform vec3 sampleStep;
+uniform vec3 spacing;
+// physical value = slope * biased + constant; only the slope matters to gradients
+uniform float slope;
+
+float biasedAt(vec3 grid) {
+  vec3 place = grid * textureScale + textureOffset;
+#if defined(FIELD_RG8)
+  // red holds the low byte, green the high one: linear in both, so filtering stays exact
+  return dot(texture(fieldTexture, place).rg, vec2(255.0, 65280.0));
+#elif defined(FIELD_R16)
+  return texture(fieldTexture, place).r * 65535.0;
+#else
+  return texture(fieldTexture, place).r;
+#endif
+}
+
+// Gradient of the physical value [per mm] along the grid's axes, by central differences.
+vec3 gradientAt(vec3 grid) {
+  vec3 dx = vec3(sampleStep.x, 0.0, 0.0);
+  vec3 dy = vec3(0.0, sampleStep.y, 0.0);
+  vec3 dz = vec3(0.0, 0.0, sampleStep.z);
+  vec3 difference = vec3(
+    biasedAt(grid + dx) - biasedAt(grid - dx),
+    biasedAt(grid + dy) - biasedAt(grid - dy),
+    biasedAt(grid + dz) - biasedAt(grid - dz));
+  return slope * difference / (2.0 * sampleStep * spacing);
+}
+
+// The same from the four corners of a tetrahedron: two thirds of the cost, for soft tissue,
+// whose boundaries are many and weak.
+vec3 coarseGradientAt(vec3 grid) {
+  const vec3 a = vec3(1.0, 1.0, 1.0);
+  const vec3 b = vec3(1.0, -1.0, -1.0);
+  const vec3 c = vec3(-1.0, 1.0, -1.0);
+  const vec3 d = vec3(-1.0, -1.0, 1.0);
+  vec3 reach = 0.75 * sampleStep;
+  vec3 sum = a * biasedAt(grid + a * reach) + b * biasedAt(grid + b * reach)
+    + c * biasedAt(grid + c * reach) + d * biasedAt(grid + d * reach);
+  return slope * sum / (4.0 * reach * spacing);
+}

@@ -1,0 +1,40 @@
+// Light of the picture: a key light over the viewer's left shoulder, a soft sky and ground.
+// All vectors are unit vectors along the grid's axes in mm. Colours are linear.
+// Source: Blinn, "Models of light reflection", SIGGRAPH (1977); the cone sampling of
+// occlusion follows Hernell et al., "Local ambient occlusion", IEEE TVCG 16 (2010).
+
+uniform vec3 keyDirection;
+uniform vec3 upDirection;
+
+const vec3 keyColour = vec3(1.06, 1.0, 0.92);
+const vec3 skyColour = vec3(0.36, 0.38, 0.42);
+const vec3 groundColour = vec3(0.14, 0.11, 0.10);
+
+vec3 skyAt(vec3 normal) {
+  return mix(groundColour, skyColour, 0.5 + 0.5 * dot(normal, upDirection));
+}
+
+// Solid surface; `open` is the share of the sky that reaches it.
+vec3 litSurface(vec3 colour, vec3 normal, vec3 toEye, float open) {
+  float key = max(dot(normal, keyDirection), 0.0);
+  float facing = max(dot(normal, toEye), 0.0);
+  vec3 halfway = normalize(keyDirection + toEye);
+  float shine = 0.16 * pow(max(dot(normal, halfway), 0.0), 28.0);
+
+  vec3 sky = skyAt(normal) * open;
+  vec3 direct = keyColour * (0.82 * key) * mix(0.45, 1.0, open);
+  // light scattered below the surface warms what is turned away and what is covered
+  vec3 scattered = vec3(0.10, 0.055, 0.04) * (1.0 - open) + 0.04 * (1.0 - facing);
+  return colour * (sky + direct + scattered) + shine * open;
+}
+
+// Translucent tissue; `edge` tells how much of a surface it is here, 0..1.
+vec3 litTissue(vec3 colour, vec3 normal, vec3 toEye, float edge) {
+  float wrapped = max((dot(normal, keyDirection) + 0.35) / 1.35, 0.0);
+  float rim = pow(1.0 - max(dot(normal, toEye), 0.0), 3.0);
+  vec3 halfway = normalize(keyDirection + toEye);
+  float shine = 0.22 * pow(max(dot(normal, halfway), 0.0), 36.0);
+
+  vec3 surface = colour * (skyAt(normal) + keyColour * (0.85 * wrapped) + 0.18 * rim) + shine;
+  return mix(colour * 0.55, surface, edge);
+}

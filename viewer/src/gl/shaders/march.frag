@@ -1,0 +1,221 @@
+// Front-to-back ray casting of the scan into the cached picture (premultiplied linear
+// colour) and its depth: where the ray became more opaque than clear.
+//
+// Positions run in grid coordinates, lengths along the ray in mm. Tissue is post-classified
+// and post-shaded; its opacity is corrected for the step. Visible segments are surfaces,
+// found to 1/32 of a step; where tissue becomes opaque, steps are quartered. Bricks that hold
+// nothing drawn are leapt over in whole steps, so that skipping changes no pixel.
+// Source: Engel et al., "Real-Time Volume Graphics" (2006), ch. 4, 8; Levoy, "Display of
+// surfaces from volume data", IEEE CG&A 8 (1988) for the weight of boundaries.
+
+layout(location = 0) out vec4 picture;
+
+uniform vec2 pictureSize;
+// shift within the pixel and of the noise, for averaging several pictures
+uniform vec3 shift;
+uniform vec3 eye;
+// axes of the view along the grid's axes, per mm; `across` and `upward` reach half the picture
+uniform vec3 forward;
+uniform vec3 across;
+uniform vec3 upward;
+uniform vec2 clip;
+// length of a step [mm]; 1 where the start is jittered
+uniform float stepLength;
+uniform float jitter;
+
+uniform sampler2D transferTexture;
+// biased value -> texture coordinate
+uniform vec2 transferScale;
+// gradient of a full boundary [value per mm], share that flat tissue keeps
+uniform vec2 edge;
+
+uniform sampler3D brickTexture;
+uniform vec3 brickScale;
+uniform vec3 brickOffset;
+
+const float clearEnough = 0.012;
+const int refinements = 5;
+// opacity of a whole step from which on it is quartered, and for how many quarters
+const float opaqueStep = 0.12;
+const int quarters = 4;
+
+// Where the ray is inside the scan; `axis` gets the face through which it enters.
+vec2 throughScan(vec3 direction, out vec3 face) {
+  vec3 inverse = 1.0 / (mix(vec3(1.0), sign(direction), step(1e-12, abs(direction))) * max(abs(direction), 1e-12));
+  vec3 a = -eye * inverse;
+  vec3 b = (dimensions - eye) * inverse;
+  vec3 near = min(a, b);
+  vec3 far = max(a, b);
+  float enter = max(max(near.x, near.y), near.z);
+  face = -sign(direction) * step(vec3(enter), near);
+  return vec2(max(enter, 0.0), min(min(far.x, far.y), far.z));
+}
+
+// Length that can be leapt over from here [mm]; 0 in a filled brick.
+float emptyAhead(vec3 grid, vec3 direction) {
+  vec3 place = grid * brickScale + brickOffset;
+  vec3 brick = floor(place);
+  float reach = floor(texelFetch(brickTexture, ivec3(brick), 0).r * 255.0 + 0.5);
+  if (reach == 0.0) {
+    return 0.0;
+  }
+  vec3 speed = direction * brickScale;
+  vec3 ahead = mix(place - brick + (reach - 1.0), brick + reach - place, step(0.0, speed));
+  vec3 lengths = ahead / max(abs(speed), 1e-9);
+  return min(min(lengths.x, lengths.y), lengths.z);
+}
+
+// Where between two samples the ray enters the segment of the second one.
+float refinedEntry(vec3 direction, float before, float inside, int segment) {
+  for (int i = 0; i < refinements; ++i) {
+    float middle = 0.5 * (before + inside);
+    vec3 grid = eye + direction * middle;
+    if (segmentAt(grid, biasedAt(grid)) == segment) {
+      inside = middle;
+    } else {
+      before = middle;
+    }
+  }
+  return inside;
+}
+
+#ifdef LABELS
+// Outward normal of a label, from the share of its voxels around the point.
+vec3 labelNormal(vec3 grid, int segment) {
+  vec3 sum = vec3(0.0);
+  for (int i = 0; i < 27; ++i) {
+    vec3 offset = vec3(i % 3, (i / 3) % 3, i / 9) - 1.0;
+    vec3 place = grid + 1.5 * offset * sampleStep;
+    sum -= float(labelAt(place) == segment - RANGES) * offset / spacing;
+  }
+  return sum;
+}
+#endif
+
+vec3 surfaceNormal(vec3 grid, int segment) {
+#ifdef LABELS
+  if (segment > RANGES) {
+    return labelNormal(grid, segment);
+  }
+#endif
+  return gradientAt(grid);
+}
+
+// Share of the sky seen from a surface: four cones about the normal and one along it.
+float openness(vec3 grid, vec3 normal, int segment) {
+  vec3 side = normalize(abs(normal.z) < 0.9 ? cross(normal, vec3(0, 0, 1)) : cross(normal, vec3(1, 0, 0)));
+  vec3 other = cross(normal, side);
+  float covered = 0.0;
+  for (int cone = 0; cone < 5; ++cone) {
+    vec2 tilt = cone == 0 ? vec2(0.0) : vec2(cone == 1 ? 1.0 : cone == 2 ? -1.0 : 0.0, cone == 3 ? 1.0 : cone == 4 ? -1.0 : 0.0);
+    vec3 direction = normalize(normal + 1.1 * (tilt.x * side + tilt.y * other)) / spacing;
+    float hit = 0.0;
+    float away = 2.2;
+    for (int i = 0; i < 4; ++i) {
+      vec3 place = grid + direction * away;
+      bool inside = all(greaterThan(place, vec3(0.0))) && all(lessThan(place, dimensions));
+      if (inside && segmentAt(place, biasedAt(place)) == segment) {
+        // what is far away covers less
+        hit = max(hit, 1.0 - float(i) * 0.2);
+      }
+      away *= 1.9;
+    }
+    covered += hit;
+  }
+  return 1.0 - 0.17 * covered;
+}
+
+// Unit vector, turned to the viewer; `instead` where there is no direction.
+vec3 facing(vec3 vector, vec3 toEye, vec3 instead) {
+  float size = length(vector);
+  vec3 unit = size > 1e-9 ? vector / size : instead;
+  return dot(unit, toEye) < 0.0 ? -unit : unit;
+}
+
+float noise(vec2 pixel) {
+  // interleaved gradient noise: neighbours differ much, so the eye averages it away
+  // (Jimenez, "Next generation post processing in Call of Duty", SIGGRAPH 2014)
+  return fract(52.9829189 * fract(dot(pixel, vec2(0.06711056, 0.00583715))));
+}
+
+float windowDepth(float viewDepth) {
+  float near = clip.x;
+  float far = clip.y;
+  return clamp(far * (viewDepth - near) / (viewDepth * (far - near)), 0.0, 1.0);
+}
+
+void main() {
+  // the ray, per mm: along the grid's axes in mm and in voxels
+  vec2 place = (gl_FragCoord.xy + shift.xy) / pictureSize * 2.0 - 1.0;
+  vec3 toPixel = forward + across * place.x + upward * place.y;
+  float stretch = length(toPixel);
+  vec3 direction = toPixel / stretch;
+  vec3 toEye = -direction;
+  vec3 inGrid = direction / spacing;
+
+  vec3 face;
+  vec2 span = throughScan(inGrid, face);
+  float start = jitter > 0.5 ? noise(gl_FragCoord.xy + 5.588238 * shift.z) : 0.5;
+  float t = span.x + start * stepLength;
+  vec3 light = vec3(0.0);
+  float clarity = 1.0;
+  float depth = -1.0;
+
+  int fine = 0;
+  for (int i = 0; i < 8192; ++i) {
+    if (t >= span.y || clarity <= clearEnough) {
+      break;
+    }
+    vec3 grid = eye + inGrid * t;
+    float leap = emptyAhead(grid, inGrid);
+    if (leap > 0.0) {
+      t += max(1.0, ceil(leap / stepLength)) * stepLength;
+      fine = 0;
+      continue;
+    }
+
+    float value = biasedAt(grid);
+    int segment = segmentAt(grid, value);
+    if (segment > 0) {
+      bool cut = t - stepLength <= span.x;
+      t = cut ? span.x : refinedEntry(inGrid, t - stepLength, t, segment);
+      grid = eye + inGrid * t;
+      vec3 normal = cut ? face : facing(surfaceNormal(grid, segment), toEye, toEye);
+      light += clarity * litSurface(segmentColour(segment), normal, toEye, openness(grid, normal, segment));
+      clarity = 0.0;
+      depth = depth < 0.0 ? t : depth;
+      break;
+    }
+
+    vec4 tissue = texture(transferTexture, vec2(value * transferScale.x + transferScale.y, 0.5));
+    if (segment < 0 || tissue.a <= 0.0) {
+      t += stepLength;
+      fine = 0;
+      continue;
+    }
+
+    vec3 gradient = coarseGradientAt(grid);
+    float boundary = smoothstep(0.0, edge.x, length(gradient));
+    float extinction = tissue.a * mix(edge.y, 1.0, boundary);
+    bool opaque = extinction * stepLength > opaqueStep;
+    if (opaque && fine == 0) {
+      // back to the first quarter of the step that led here
+      t = max(span.x, t - 0.75 * stepLength);
+      fine = quarters;
+      continue;
+    }
+    fine = opaque ? quarters : max(0, fine - 1);
+    float h = fine > 0 ? 0.25 * stepLength : stepLength;
+    float opacity = 1.0 - exp(-extinction * h);
+    vec3 normal = facing(gradient, toEye, toEye);
+    light += clarity * opacity * litTissue(tissue.rgb, normal, toEye, boundary);
+    clarity *= 1.0 - opacity;
+    depth = depth < 0.0 && clarity < 0.5 ? t : depth;
+    t += h;
+  }
+
+  // what early termination left out would have looked like the rest
+  float opacity = clarity <= clearEnough ? 1.0 : 1.0 - clarity;
+  picture = vec4(light * (opacity / max(1.0 - clarity, 1e-6)), opacity);
+  gl_FragDepth = depth < 0.0 ? 1.0 : windowDepth(depth / stretch);
+}

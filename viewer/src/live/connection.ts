@@ -1,0 +1,107 @@
+/**
+ * The page's end of the connection to the engine; opens it again by itself when it is lost.
+ */
+import type { FromPage, ToPage } from "../core/protocol";
+import type { FromConnection, ToConnection } from "./connection_messages";
+
+export type ConnectionState =
+  | { readonly kind: "connecting" }
+  | { readonly kind: "open" }
+  /** Lost; the next attempt follows by itself. */
+  | { readonly kind: "lost"; readonly reason: string }
+  /** The engine does not let this page in: another token is needed. */
+  | { readonly kind: "refused" };
+
+export interface ConnectionEvents {
+  readonly message: (message: ToPage) => void;
+  readonly state: (state: ConnectionState) => void;
+  readonly malformed: (text: string) => void;
+}
+
+const firstRetry = 400;
+const slowestRetry = 4000;
+
+export class Connection {
+  private readonly worker = new Worker(new URL("./connection.worker.ts", import.meta.url), { type: "module" });
+  private retry = firstRetry;
+
+  constructor(
+    private readonly token: string,
+    private readonly events: ConnectionEvents,
+  ) {
+    this.worker.onmessage = (event: MessageEvent<FromConnection>) => {
+      this.receive(event.data);
+    };
+    this.open();
+  }
+
+  send(message: FromPage): void {
+    this.tell({ kind: "send", message });
+  }
+
+  close(): void {
+    this.worker.terminate();
+  }
+
+  private receive(message: FromConnection): void {
+    switch (message.kind) {
+      case "opened":
+        this.retry = firstRetry;
+        this.events.state({ kind: "open" });
+        break;
+      case "batch":
+        for (const item of message.messages) {
+          this.events.message(item);
+        }
+        // a page in the background takes nothing; the worker keeps the latest state for it
+        requestAnimationFrame(() => {
+          this.tell({ kind: "taken" });
+        });
+        break;
+      case "malformed":
+        this.events.malformed(message.text);
+        break;
+      case "closed":
+        void this.reopen(message.reason);
+        break;
+    }
+  }
+
+  private open(): void {
+    this.events.state({ kind: "connecting" });
+    this.tell({ kind: "open", url: liveAddress(this.token) });
+  }
+
+  private async reopen(reason: string): Promise<void> {
+    // a refused WebSocket tells no reason, a refused page does
+    const answer = await fetch(apiAddress("/", this.token), { cache: "no-store" }).catch(() => null);
+    if (answer?.status === 403) {
+      this.events.state({ kind: "refused" });
+      return;
+    }
+    this.events.state({ kind: "lost", reason });
+    setTimeout(() => {
+      this.open();
+    }, this.retry);
+    this.retry = Math.min(slowestRetry, this.retry * 1.6);
+  }
+
+  private tell(message: ToConnection): void {
+    this.worker.postMessage(message);
+  }
+}
+
+/** Address of a route of the engine; the cookie serves where there is no token. */
+export function apiAddress(route: string, token: string): string {
+  const address = new URL(route, window.location.origin);
+  if (token !== "") {
+    address.searchParams.set("token", token);
+  }
+  return address.href;
+}
+
+function liveAddress(token: string): string {
+  const address = new URL(apiAddress("/api/live", token));
+  address.protocol = address.protocol === "https:" ? "wss:" : "ws:";
+  return address.href;
+}

@@ -1,0 +1,67 @@
+/**
+ * The WebSocket to the engine, in a worker: arrival does not wait for the picture, and
+ * states that the page is too busy to take are merged into the latest one.
+ */
+import { decodeToPage, encodeFromPage } from "../core/protocol";
+import type { FromConnection, ToConnection } from "./connection_messages";
+import { Mailbox } from "./mailbox";
+
+const mailbox = new Mailbox();
+let socket: WebSocket | null = null;
+let pageReady = true;
+
+function tell(message: FromConnection): void {
+  postMessage(message);
+}
+
+function deliver(): void {
+  const messages = pageReady ? mailbox.take() : [];
+  if (messages.length > 0) {
+    pageReady = false;
+    tell({ kind: "batch", messages });
+  }
+}
+
+function receive(packed: ArrayBuffer): void {
+  try {
+    mailbox.put(decodeToPage(packed));
+  } catch (error) {
+    tell({ kind: "malformed", text: error instanceof Error ? error.message : String(error) });
+    return;
+  }
+  deliver();
+}
+
+function open(url: string): void {
+  const opening = new WebSocket(url);
+  opening.binaryType = "arraybuffer";
+  opening.onopen = () => {
+    tell({ kind: "opened" });
+  };
+  opening.onmessage = (event: MessageEvent<ArrayBuffer>) => {
+    receive(event.data);
+  };
+  opening.onclose = (event) => {
+    socket = null;
+    tell({ kind: "closed", code: event.code, reason: event.reason });
+  };
+  socket = opening;
+}
+
+onmessage = (event: MessageEvent<ToConnection>) => {
+  const message = event.data;
+  switch (message.kind) {
+    case "open":
+      open(message.url);
+      break;
+    case "send":
+      if (socket?.readyState === WebSocket.OPEN) {
+        socket.send(encodeFromPage(message.message));
+      }
+      break;
+    case "taken":
+      pageReady = true;
+      deliver();
+      break;
+  }
+};

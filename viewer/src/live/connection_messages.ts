@@ -1,0 +1,18 @@
+/**
+ * What page and connection worker say to each other.
+ */
+import type { FromPage, ToPage } from "../core/protocol";
+
+export type ToConnection =
+  | { readonly kind: "open"; readonly url: string }
+  | { readonly kind: "send"; readonly message: FromPage }
+  /** The page has taken the last batch and is ready for the next. */
+  | { readonly kind: "taken" };
+
+export type FromConnection =
+  | { readonly kind: "opened" }
+  | { readonly kind: "batch"; readonly messages: readonly ToPage[] }
+  /** The socket has closed. */
+  | { readonly kind: "closed"; readonly code: number; readonly reason: string }
+  /** Something arrived that is not of the protocol. */
+  | { readonly kind: "malformed"; readonly text: string };

@@ -1,0 +1,13 @@
+/**
+ * Starts the page.
+ */
+import { mount } from "svelte";
+import App from "./ui/App.svelte";
+import "./ui/theme.css";
+
+const host = document.getElementById("app");
+if (host === null) {
+  throw new Error("the page has lost its frame: no #app in index.html");
+}
+host.replaceChildren();
+mount(App, { target: host });

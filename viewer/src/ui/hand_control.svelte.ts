@@ -1,0 +1,64 @@
+/**
+ * The hand of a person with a mouse and keys: collects its moves and tells the engine where
+ * the hand is, at most once a frame.
+ */
+import { moveInDepth, moveInView } from "../core/hand";
+import type { Vec3 } from "../core/vector";
+import type { Session } from "./session.svelte";
+import type { Stage } from "./stage.svelte";
+
+/** After a pause this long the hand is where the engine says it is [ms]. */
+const resumeAfter = 400;
+
+export class HandControl {
+  /** Every move of the mouse moves the hand, no button needed. */
+  touchMode = $state(false);
+  /** The person has moved the hand at least once. */
+  used = $state(false);
+
+  private hand: Vec3 | null = null;
+  private movedAt = -Infinity;
+  private sending = false;
+
+  constructor(
+    private readonly session: Session,
+    private readonly stage: Stage,
+  ) {}
+
+  /** Moves the hand by pixels to the right, downward, and away from the viewer. */
+  move(right: number, down: number, away: number): void {
+    const { camera, viewport } = this.stage;
+    const state = this.session.latest;
+    if (camera === null || state === null) {
+      return;
+    }
+    const now = performance.now();
+    const rested = now - this.movedAt > resumeAfter;
+    const from = this.hand === null || rested ? state.hand : this.hand;
+    const sideways = moveInView(from, state.proxy, right, down, camera, viewport);
+    this.goTo(moveInDepth(sideways, state.proxy, away, camera, viewport));
+  }
+
+  /** Puts the hand at a point of the scene [mm]. */
+  goTo(hand: Vec3): void {
+    this.hand = hand;
+    this.movedAt = performance.now();
+    this.used = true;
+    if (!this.sending) {
+      this.sending = true;
+      requestAnimationFrame(() => {
+        this.sending = false;
+        if (this.hand !== null) {
+          this.session.send({ type: "hand", target: this.hand });
+        }
+      });
+    }
+  }
+
+  /** Brings probe, device and hand to a point, or next to it. */
+  place(point: Vec3): void {
+    this.hand = null;
+    this.used = true;
+    this.session.send({ type: "place", point });
+  }
+}

@@ -1,0 +1,148 @@
+/**
+ * Keys of the page. Arrow and page keys move the hand while they are held; letters act once.
+ */
+import type { Letter } from "../core/anatomy";
+import type { HandControl } from "./hand_control.svelte";
+import type { Session } from "./session.svelte";
+import type { Stage } from "./stage.svelte";
+
+/** Direction of the hand for a key: right, down, away. */
+const moves: Readonly<Record<string, readonly [number, number, number]>> = {
+  ArrowRight: [1, 0, 0],
+  ArrowLeft: [-1, 0, 0],
+  ArrowDown: [0, 1, 0],
+  ArrowUp: [0, -1, 0],
+  PageUp: [0, 0, 1],
+  PageDown: [0, 0, -1],
+};
+
+const views: Readonly<Record<string, Letter>> = { "1": "A", "2": "P", "3": "L", "4": "R", "5": "S", "6": "I" };
+
+/** Speed of the hand while a key is held, and with Alt [pixels per second]. */
+const speed = 60;
+const fineSpeed = 12;
+/** A key that is only touched moves the hand as if held this long [s]. */
+const shortest = 1 / 30;
+
+export class KeyboardInput {
+  private readonly held = new Set<string>();
+  private fine = false;
+  private movedAt = 0;
+
+  constructor(
+    private readonly session: Session,
+    private readonly stage: Stage,
+    private readonly hand: HandControl,
+    private readonly actions: { readonly help: () => void; readonly escape: () => void },
+  ) {}
+
+  /** Listens until the returned function is called. */
+  listen(): () => void {
+    const aborter = new AbortController();
+    const { signal } = aborter;
+    window.addEventListener("keydown", this.press.bind(this), { signal });
+    window.addEventListener("keyup", (event) => this.held.delete(event.key), { signal });
+    window.addEventListener("blur", this.held.clear.bind(this.held), { signal });
+    return () => {
+      aborter.abort();
+      this.held.clear();
+    };
+  }
+
+  private press(event: KeyboardEvent): void {
+    if (typing(event.target)) {
+      return;
+    }
+    if (event.key in moves) {
+      event.preventDefault();
+      this.hold(event);
+    } else if (this.act(event)) {
+      event.preventDefault();
+    }
+  }
+
+  /** Returns whether the key means something. */
+  private act(event: KeyboardEvent): boolean {
+    const key = event.key.toLowerCase();
+    if (event.ctrlKey || event.metaKey) {
+      return this.actWithControl(key, event.shiftKey);
+    }
+    const view = views[key];
+    if (view !== undefined) {
+      this.stage.lookFrom(view);
+      return true;
+    }
+    switch (key) {
+      case "f":
+        this.stage.frameAll();
+        return true;
+      case "r":
+        this.stage.resetView();
+        return true;
+      case "t":
+        this.hand.touchMode = !this.hand.touchMode;
+        return true;
+      case "?":
+        this.actions.help();
+        return true;
+      case "escape":
+        this.hand.touchMode = false;
+        this.actions.escape();
+        return true;
+      default:
+        return false;
+    }
+  }
+
+  private actWithControl(key: string, shift: boolean): boolean {
+    if (key === "z") {
+      this.session.send({ type: shift ? "redo" : "undo" });
+      return true;
+    }
+    if (key === "y") {
+      this.session.send({ type: "redo" });
+      return true;
+    }
+    return false;
+  }
+
+  private hold(event: KeyboardEvent): void {
+    this.fine = event.altKey;
+    if (event.repeat || this.held.has(event.key)) {
+      return;
+    }
+    const running = this.held.size > 0;
+    this.held.add(event.key);
+    this.step(shortest);
+    if (!running) {
+      this.movedAt = performance.now();
+      requestAnimationFrame(this.run.bind(this));
+    }
+  }
+
+  private run(now: number): void {
+    if (this.held.size === 0) {
+      return;
+    }
+    this.step(Math.min(0.1, Math.max(0, now - this.movedAt) / 1000));
+    this.movedAt = now;
+    requestAnimationFrame(this.run.bind(this));
+  }
+
+  private step(seconds: number): void {
+    const pixels = (this.fine ? fineSpeed : speed) * seconds;
+    let [right, down, away] = [0, 0, 0];
+    for (const key of this.held) {
+      const [x, y, z] = moves[key] ?? [0, 0, 0];
+      right += x;
+      down += y;
+      away += z;
+    }
+    this.hand.move(right * pixels, down * pixels, away * pixels);
+  }
+}
+
+/** Keys belong to a control that has the focus. */
+function typing(target: EventTarget | null): boolean {
+  return target instanceof HTMLElement && target.matches("input, textarea, select, [role=slider]");
+}

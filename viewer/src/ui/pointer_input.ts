@@ -1,0 +1,124 @@
+/**
+ * The mouse over the picture: turn, move, zoom, and the hand.
+ *
+ * Left drag turns, middle or Ctrl + left drag moves the picture, the wheel zooms. Right drag,
+ * Shift + move, or any move in touch mode moves the hand in the view plane; meanwhile the
+ * wheel moves it in depth. A double click brings the probe to what is seen there.
+ */
+import { orbit, pan, zoom } from "../core/camera";
+import { addScaled } from "../core/vector";
+import type { HandControl } from "./hand_control.svelte";
+import type { Session } from "./session.svelte";
+import type { Stage } from "./stage.svelte";
+
+type Drag = "orbit" | "pan" | "hand";
+
+/** Turn per pixel [rad]. */
+const turnSpeed = 0.0075;
+/** Zoom per pixel of the wheel, as an exponent. */
+const zoomSpeed = 0.0014;
+/** Move in depth per pixel of the wheel [pixels of the picture]. */
+const depthSpeed = 0.05;
+/** Where a double click puts the probe: this far before what was seen [mm]. */
+const standOff = 3;
+
+export class PointerInput {
+  private drag: Drag | null = null;
+  private last: readonly [number, number] | null = null;
+
+  constructor(
+    private readonly canvas: HTMLElement,
+    private readonly session: Session,
+    private readonly stage: Stage,
+    private readonly hand: HandControl,
+  ) {}
+
+  /** Listens until the returned function is called. */
+  listen(): () => void {
+    const aborter = new AbortController();
+    const on = <K extends keyof HTMLElementEventMap>(type: K, act: (event: HTMLElementEventMap[K]) => void): void => {
+      this.canvas.addEventListener(type, act, { signal: aborter.signal, passive: false });
+    };
+    on("pointerdown", this.press.bind(this));
+    on("pointermove", this.move.bind(this));
+    on("pointerup", this.release.bind(this));
+    on("pointercancel", this.release.bind(this));
+    on("pointerleave", () => (this.last = null));
+    on("dblclick", this.bringProbe.bind(this));
+    on("wheel", this.wheel.bind(this));
+    on("contextmenu", (event) => {
+      event.preventDefault();
+    });
+    return () => {
+      aborter.abort();
+    };
+  }
+
+  private press(event: PointerEvent): void {
+    this.canvas.focus({ preventScroll: true });
+    this.canvas.setPointerCapture(event.pointerId);
+    if (event.button === 2) {
+      this.drag = "hand";
+    } else if (event.button === 1 || event.ctrlKey) {
+      this.drag = "pan";
+      event.preventDefault();
+    } else if (event.button === 0) {
+      this.drag = "orbit";
+    }
+    this.last = [event.clientX, event.clientY];
+  }
+
+  private move(event: PointerEvent): void {
+    const [lastX, lastY] = this.last ?? [event.clientX, event.clientY];
+    const x = event.clientX - lastX;
+    const y = event.clientY - lastY;
+    this.last = [event.clientX, event.clientY];
+    const { camera, viewport } = this.stage;
+    if (camera === null || (x === 0 && y === 0)) {
+      return;
+    }
+    const doing = this.drag === "orbit" && event.shiftKey ? "hand" : this.drag;
+    if (doing === "orbit") {
+      this.stage.camera = orbit(camera, x * turnSpeed, y * turnSpeed);
+    } else if (doing === "pan") {
+      this.stage.camera = pan(camera, x, y, viewport);
+    } else if (doing === "hand" || event.shiftKey || this.hand.touchMode) {
+      this.hand.move(x, y, 0);
+    }
+  }
+
+  private release(event: PointerEvent): void {
+    this.drag = null;
+    if (this.canvas.hasPointerCapture(event.pointerId)) {
+      this.canvas.releasePointerCapture(event.pointerId);
+    }
+  }
+
+  private wheel(event: WheelEvent): void {
+    event.preventDefault();
+    // with Shift held some browsers turn the wheel into a sideways one
+    const turned = pixelsOf(event, event.deltaY === 0 ? event.deltaX : event.deltaY);
+    const { camera, content } = this.stage;
+    if (this.drag === "hand" || event.shiftKey || (this.hand.touchMode && this.drag === null && !event.ctrlKey)) {
+      this.hand.move(0, 0, -turned * depthSpeed);
+    } else if (camera !== null && content !== null) {
+      this.stage.camera = zoom(camera, Math.exp(turned * zoomSpeed), content);
+    }
+  }
+
+  private bringProbe(event: MouseEvent): void {
+    const picked = this.stage.pick(event.offsetX, event.offsetY);
+    const { camera } = this.stage;
+    if (picked === null || camera === null) {
+      this.session.notify("info", "Nothing is drawn there: double-click on the scan to bring the probe to it.");
+      return;
+    }
+    this.hand.place(addScaled(picked.point, camera.back, standOff));
+  }
+}
+
+/** Pixels of a wheel event, which may count lines or pages. */
+function pixelsOf(event: WheelEvent, delta: number): number {
+  const unit = event.deltaMode === WheelEvent.DOM_DELTA_LINE ? 33 : event.deltaMode === WheelEvent.DOM_DELTA_PAGE ? 400 : 1;
+  return Math.max(-400, Math.min(400, delta * unit));
+}

@@ -1,0 +1,144 @@
+/**
+ * What the page knows of the engine: scan, segments, settings, and what is now.
+ */
+import { ForceHistory } from "../core/force_history";
+import {
+  PROTOCOL_VERSION,
+  type FromPage,
+  type Hello,
+  type Notice,
+  type Scan,
+  type Segment,
+  type Settings,
+  type State,
+  type ToPage,
+} from "../core/protocol";
+import { Connection, type ConnectionState } from "../live/connection";
+
+export interface ShownNotice {
+  readonly id: number;
+  readonly level: Notice["level"];
+  readonly text: string;
+}
+
+/** Seconds of force that are plotted, and samples kept for them. */
+const plottedSeconds = 5;
+const plottedSamples = 1500;
+/** How often numbers on the page change [ms]: faster ones cannot be read. */
+const readingPace = { usual: 80, calm: 200 } as const;
+const noticeTime = { info: 5000, warning: 12000, error: 30000 } as const;
+
+export class Session {
+  connection = $state.raw<ConnectionState>({ kind: "connecting" });
+  scan = $state.raw<Scan | null>(null);
+  segments = $state.raw<readonly Segment[]>([]);
+  /** Version of the segments' voxels that are no threshold. */
+  labels = $state.raw(0);
+  settings = $state.raw<Settings | null>(null);
+  device = $state.raw("");
+  version = $state.raw("");
+  /** What is now, at a pace that can be read. */
+  live = $state.raw<State | null>(null);
+  notices = $state.raw<readonly ShownNotice[]>([]);
+  /** Why page and engine do not understand each other. */
+  mismatch = $state.raw<string | null>(null);
+
+  /** What is now, as it arrived; for the picture. */
+  latest: State | null = null;
+  /** How often an engine has greeted this page: each time it must be told the view again. */
+  greetings = 0;
+  readonly history = new ForceHistory(plottedSeconds, plottedSamples);
+
+  private readonly link: Connection;
+  private readAt = 0;
+  private noticeCount = 0;
+
+  /** @param calm changes the page less often, where every change of it is dear. */
+  constructor(
+    token: string,
+    readonly calm: boolean,
+  ) {
+    this.link = new Connection(token, {
+      message: (message) => {
+        this.receive(message);
+      },
+      state: (state) => {
+        this.connection = state;
+      },
+      malformed: (text) => {
+        this.mismatch ??= `The engine sent something this page does not know (${text}).`;
+      },
+    });
+  }
+
+  send(message: FromPage): void {
+    this.link.send(message);
+  }
+
+  /** Shows a sentence for a while. */
+  notify(level: Notice["level"], text: string): void {
+    const id = ++this.noticeCount;
+    this.notices = [...this.notices.filter((notice) => notice.text !== text), { id, level, text }].slice(-4);
+    setTimeout(() => {
+      this.dismiss(id);
+    }, noticeTime[level]);
+  }
+
+  dismiss(id: number): void {
+    this.notices = this.notices.filter((notice) => notice.id !== id);
+  }
+
+  close(): void {
+    this.link.close();
+  }
+
+  private receive(message: ToPage): void {
+    switch (message.type) {
+      case "hello":
+        this.greet(message);
+        break;
+      case "state":
+        this.takeState(message);
+        break;
+      case "segments":
+        this.segments = message.segments;
+        this.labels = message.labels;
+        break;
+      case "settings_changed":
+        this.settings = message.settings;
+        break;
+      case "notice":
+        this.notify(message.level, message.text);
+        break;
+    }
+  }
+
+  private greet(hello: Hello): void {
+    if (hello.protocol !== PROTOCOL_VERSION) {
+      const theirs = String(hello.protocol);
+      this.mismatch = `The engine speaks version ${theirs} of the protocol, this page version ${String(PROTOCOL_VERSION)}.`;
+      return;
+    }
+    // the same scan after a lost connection needs no second download
+    if (JSON.stringify(this.scan) !== JSON.stringify(hello.scan)) {
+      this.scan = hello.scan;
+    }
+    this.segments = hello.segments;
+    this.settings = hello.settings;
+    this.device = hello.device;
+    this.version = hello.version;
+    this.history.clear();
+    this.greetings += 1;
+  }
+
+  private takeState(state: State): void {
+    this.latest = state;
+    this.history.add(state.samples);
+    const now = performance.now();
+    const pace = this.calm ? readingPace.calm : readingPace.usual;
+    if (now - this.readAt >= pace || state.contact !== this.live?.contact) {
+      this.live = state;
+      this.readAt = now;
+    }
+  }
+}

@@ -1,0 +1,338 @@
+/**
+ * What stands on the stage: the scan, the camera and the picture, and the loop that draws.
+ * Joins the engine's state (`Session`) with the GPU (`Picture`).
+ */
+import { transformPoint } from "../core/affine";
+import type { Letter } from "../core/anatomy";
+import { defaultAppearance, transferFunctionOf, type Appearance } from "../core/appearance";
+import type { BrickRanges } from "../core/bricks";
+import {
+  extentOf,
+  firstView,
+  frame,
+  lookFrom,
+  pixelSizeAt,
+  rayThrough,
+  sameView,
+  type Camera,
+  type Extent,
+  type Viewport,
+} from "../core/camera";
+import { contentHull } from "../core/content_hull";
+import type { Look } from "../core/look";
+import { pickSurface, type Picked } from "../core/pick_surface";
+import type { Scan, Segment } from "../core/protocol";
+import { frameOf, type ScanVolume } from "../core/scan_volume";
+import { shownRanges } from "../core/shown_segments";
+import { biasedRange } from "../core/stored_values";
+import { subsamplingStep } from "../core/subsampling";
+import type { GpuSupport } from "../gl/gpu_support";
+import { Picture } from "../gl/picture";
+import { downloadLabels, downloadVolume } from "../live/volume_download";
+import { recall, remember } from "./remembered";
+import type { Session } from "./session.svelte";
+
+/** Most values of a scan that are taken to the GPU: 1 GiB in 16 bit. */
+const mostValues = 2 ** 29;
+
+/** A boundary at full strength changes by this share of the soft-tissue-to-bone span per mm. */
+const edgeShare = 0.2;
+
+export class Stage {
+  camera = $state.raw<Camera | null>(null);
+  viewport = $state.raw<Viewport>({ width: 1, height: 1 });
+  appearance = $state.raw<Appearance | null>(null);
+  /** Range of a segment while its slider is dragged, before the engine is asked. */
+  preview = $state.raw<{ readonly id: number; readonly range: readonly [number, number] } | null>(null);
+  /** Share of the scan on its way to the picture, 0..1; null once it is shown. */
+  progress = $state.raw<number | null>(0);
+  /** Every how many voxels are shown, and why the scan cannot be shown. */
+  step = $state.raw(1);
+  failure = $state.raw<string | null>(null);
+  framesPerSecond = $state.raw(0);
+  /** When the first picture stood on the screen [ms since the page was opened]. */
+  firstPicture = $state.raw<number | null>(null);
+
+  private picture: Picture | null = null;
+  private canvas: HTMLCanvasElement | null = null;
+  private volume: ScanVolume | null = null;
+  private bricks: BrickRanges | null = null;
+  private extent: Extent | null = null;
+  private drawnCamera: Camera | null = null;
+  private sentCamera: Camera | null = null;
+  private sentTo = 0;
+  private drawnState: object | null = null;
+  private frames = 0;
+  private countedAt = 0;
+  private request = 0;
+  /** Version of the labels on display. */
+  private shownLabels = "none";
+
+  constructor(
+    private readonly session: Session,
+    private readonly support: GpuSupport,
+    private readonly token: string,
+  ) {}
+
+  /** Takes a canvas and draws on it until the returned function is called. */
+  attach(canvas: HTMLCanvasElement): () => void {
+    this.canvas = canvas;
+    this.startPicture();
+    const observer = new ResizeObserver(() => {
+      this.fit();
+    });
+    observer.observe(canvas);
+    const lost = (event: Event): void => {
+      event.preventDefault();
+    };
+    const restored = (): void => {
+      this.startPicture();
+    };
+    canvas.addEventListener("webglcontextlost", lost);
+    canvas.addEventListener("webglcontextrestored", restored);
+
+    let running = true;
+    const loop = (now: number): void => {
+      if (running) {
+        this.drawFrame(now);
+        requestAnimationFrame(loop);
+      }
+    };
+    requestAnimationFrame(loop);
+    return () => {
+      running = false;
+      observer.disconnect();
+      canvas.removeEventListener("webglcontextlost", lost);
+      canvas.removeEventListener("webglcontextrestored", restored);
+      this.picture?.dispose();
+      this.picture = null;
+    };
+  }
+
+  /** Downloads a scan and shows it. */
+  async open(scan: Scan): Promise<void> {
+    const request = ++this.request;
+    const scanFrame = frameOf(scan);
+    this.progress = 0;
+    this.failure = null;
+    this.step = subsamplingStep(scanFrame.dimensions, { edge: this.support.largestEdge, values: mostValues });
+    const fallback = defaultAppearance({ softTissue: scan.soft_tissue, bone: scan.bone });
+    this.appearance = recall(`appearance.${scan.name}`, fallback);
+    try {
+      const { volume, bricks } = await downloadVolume(scanFrame, this.step, this.token, (share) => {
+        this.progress = request === this.request ? 0.9 * share : this.progress;
+      });
+      if (request === this.request) {
+        this.show(volume, bricks, scan);
+      }
+    } catch (error) {
+      if (request === this.request) {
+        this.failure = messageOf(error);
+      }
+    }
+  }
+
+  /** Shows the segments that are no threshold; `version` tells when their voxels have changed. */
+  async showLabels(segments: readonly Segment[], version: number): Promise<void> {
+    const { volume, picture } = this;
+    if (volume === null || picture === null) {
+      return;
+    }
+    const labelled = segments.some((segment) => segment.range === null);
+    if (labelled) {
+      picture.setLabelColours(segments);
+    }
+    const key = labelled ? String(version) : "none";
+    if (key === this.shownLabels) {
+      return;
+    }
+    this.shownLabels = key;
+    try {
+      picture.setLabels(labelled ? await downloadLabels(volume, this.token) : null);
+    } catch (error) {
+      this.shownLabels = "none";
+      this.session.notify("error", `The segments' voxels did not arrive: ${messageOf(error)}`);
+    }
+  }
+
+  /** The look that the page's controls ask for; null before there is a scan. */
+  readonly look = $derived.by((): Look | null => {
+    const { scan, segments } = this.session;
+    if (scan === null || this.appearance === null) {
+      return null;
+    }
+    const { preview } = this;
+    const previewed = segments.map((segment) =>
+      segment.id === preview?.id ? { ...segment, range: preview.range } : segment,
+    );
+    return {
+      transferFunction: transferFunctionOf(this.appearance),
+      ranges: shownRanges(previewed, scan),
+      edgeGradient: edgeShare * Math.abs(this.appearance.window),
+    };
+  });
+
+  /** Hands the look to the picture. */
+  applyLook(look: Look | null): void {
+    if (look !== null && this.volume !== null) {
+      this.picture?.setLook(look);
+    }
+  }
+
+  setAppearance(appearance: Appearance): void {
+    this.appearance = appearance;
+    remember(`appearance.${this.session.scan?.name ?? ""}`, appearance);
+  }
+
+  resetAppearance(): void {
+    const { scan } = this.session;
+    if (scan !== null) {
+      this.setAppearance(defaultAppearance({ softTissue: scan.soft_tissue, bone: scan.bone }));
+    }
+  }
+
+  /** Size of what is shown; null before there is a scan. */
+  get content(): Extent | null {
+    return this.extent;
+  }
+
+  lookFrom(letter: Letter): void {
+    this.camera = this.extent && lookFrom(letter, this.extent, this.viewport);
+  }
+
+  resetView(): void {
+    this.camera = this.extent && firstView(this.extent, this.viewport);
+  }
+
+  frameAll(): void {
+    this.camera = this.extent && this.camera && frame(this.camera, this.extent, this.viewport);
+  }
+
+  /** What stands at a place of the picture [CSS pixels]. */
+  pick(x: number, y: number): Picked | null {
+    if (this.volume === null || this.look === null || this.camera === null) {
+      return null;
+    }
+    return pickSurface(this.volume, this.look, rayThrough(this.camera, x, y, this.viewport));
+  }
+
+  /** How fine the picture on display is. */
+  get quality(): Picture["quality"] | null {
+    return this.picture?.quality ?? null;
+  }
+
+  private show(volume: ScanVolume, bricks: BrickRanges, scan: Scan): void {
+    this.volume = volume;
+    this.bricks = bricks;
+    const air = scan.soft_tissue - 1.5 * (scan.bone - scan.soft_tissue);
+    const [low, high] = biasedRange(air, Math.max(scan.range[1], air), volume.frame.rescale);
+    const { frame: scanFrame, step } = volume;
+    const hull = contentHull(bricks, step, scanFrame.spacing, (from, to) => from <= high && low <= to);
+    this.extent = extentOf(hull.map((point) => transformPoint(scanFrame.sceneFromGrid, point)));
+    this.resetView();
+    this.picture?.setScan(volume, bricks);
+    this.applyLook(this.look);
+    void this.showLabels(this.session.segments, this.session.labels);
+  }
+
+  /** Makes the picture, also anew after the graphics were reset. */
+  private startPicture(): void {
+    if (this.canvas === null) {
+      return;
+    }
+    this.picture?.dispose();
+    this.picture = null;
+    try {
+      this.picture = new Picture(this.canvas, { support: this.support, mostPixelRatio: this.support.software ? 1 : 2 });
+    } catch (error) {
+      this.failure = `the graphics did not start: ${messageOf(error)}`;
+      return;
+    }
+    this.drawnCamera = null;
+    this.drawnState = null;
+    this.shownLabels = "none";
+    this.fit();
+    if (this.volume !== null && this.bricks !== null) {
+      this.picture.setScan(this.volume, this.bricks);
+      this.applyLook(this.look);
+      void this.showLabels(this.session.segments, this.session.labels);
+    }
+  }
+
+  private fit(): void {
+    const { clientWidth: width, clientHeight: height } = this.canvas ?? { clientWidth: 0, clientHeight: 0 };
+    if (width > 0 && height > 0) {
+      this.viewport = { width, height };
+      this.picture?.resize(width, height);
+    }
+  }
+
+  private drawFrame(now: number): void {
+    this.count(now);
+    const { camera, extent, picture } = this;
+    if (picture === null) {
+      return;
+    }
+    if (camera !== null && extent !== null) {
+      if (camera !== this.drawnCamera) {
+        picture.setCamera(camera, extent);
+        this.drawnCamera = camera;
+        this.drawnState = null;
+      }
+      this.sendView(camera);
+      this.moveMarkers(camera, picture);
+    }
+    picture.advance(now);
+    this.followUpload(picture);
+  }
+
+  private moveMarkers(camera: Camera, picture: Picture): void {
+    const state = this.session.latest;
+    if (state === null || state === this.drawnState) {
+      return;
+    }
+    this.drawnState = state;
+    picture.setMarkers({
+      probe: state.proxy,
+      device: state.device,
+      force: state.force,
+      contact: state.contact,
+      pixel: pixelSizeAt(camera, state.proxy, this.viewport),
+      fullForce: this.session.settings?.force_limit ?? 4,
+    });
+  }
+
+  /** Device moves follow the view's axes, so the engine must know them. */
+  private sendView(camera: Camera): void {
+    const { greetings } = this.session;
+    if (this.sentCamera === null || this.sentTo !== greetings || !sameView(camera, this.sentCamera)) {
+      this.sentCamera = camera;
+      this.sentTo = greetings;
+      this.session.send({ type: "view", right: camera.right, up: camera.up });
+    }
+  }
+
+  private followUpload(picture: Picture): void {
+    if (this.progress === null || this.volume === null) {
+      return;
+    }
+    this.progress = 0.9 + 0.1 * picture.uploaded;
+    if (picture.hasPicture) {
+      this.progress = null;
+      this.firstPicture ??= performance.now();
+    }
+  }
+
+  private count(now: number): void {
+    this.frames += 1;
+    if (now - this.countedAt >= 1000) {
+      this.framesPerSecond = Math.round((1000 * this.frames) / (now - this.countedAt));
+      this.frames = 0;
+      this.countedAt = now;
+    }
+  }
+}
+
+function messageOf(error: unknown): string {
+  return error instanceof Error ? error.message : String(error);
+}

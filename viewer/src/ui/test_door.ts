@@ -1,0 +1,64 @@
+/**
+ * `window.palpate`: what tests and curious people can read and do from the console.
+ */
+import type { Letter } from "../core/anatomy";
+import type { Camera } from "../core/camera";
+import type { Picked } from "../core/pick_surface";
+import type { State } from "../core/protocol";
+import type { Vec3 } from "../core/vector";
+import type { HandControl } from "./hand_control.svelte";
+import type { Session } from "./session.svelte";
+import type { Stage } from "./stage.svelte";
+
+export interface TestDoor {
+  /** When the first picture stood on the screen [ms since the page was opened], or null. */
+  readonly firstPicture: number | null;
+  /** The picture is there and the engine is connected. */
+  readonly ready: boolean;
+  /** The picture is as fine as it gets. */
+  readonly finished: boolean;
+  /** What is now; null before the engine has told. */
+  readonly state: State | null;
+  readonly camera: Camera | null;
+  readonly place: (point: Vec3) => void;
+  readonly hand: (point: Vec3) => void;
+  readonly setView: (direction: Letter) => void;
+  /** What stands at a place of the picture [CSS pixels]. */
+  readonly pick: (x: number, y: number) => Picked | null;
+}
+
+declare global {
+  interface Window {
+    palpate?: TestDoor;
+  }
+}
+
+export function openTestDoor(session: Session, stage: Stage, hand: HandControl): void {
+  window.palpate = {
+    get firstPicture() {
+      return stage.firstPicture;
+    },
+    get ready() {
+      return stage.firstPicture !== null && session.connection.kind === "open" && session.latest !== null;
+    },
+    get finished() {
+      return stage.quality?.finished ?? false;
+    },
+    get state() {
+      return session.latest;
+    },
+    get camera() {
+      return stage.camera;
+    },
+    place: (point) => {
+      hand.place(point);
+    },
+    hand: (point) => {
+      hand.goTo(point);
+    },
+    setView: (direction) => {
+      stage.lookFrom(direction);
+    },
+    pick: (x, y) => stage.pick(x, y),
+  };
+}

@@ -1,0 +1,140 @@
+import { expect, test } from "vitest";
+import {
+  alongView,
+  clipPlanes,
+  depthOf,
+  extentOf,
+  eyeOf,
+  firstView,
+  frame,
+  lookFrom,
+  orbit,
+  pan,
+  project,
+  rayThrough,
+  zoom,
+  type Camera,
+} from "../../src/core/camera";
+import { add, addScaled, cross, distance, dot, length, subtract, type Vec3 } from "../../src/core/vector";
+import { Random } from "../random";
+
+const viewport = { width: 900, height: 700 };
+const box: Vec3[] = [0, 1, 2, 3, 4, 5, 6, 7].map((i) => [i & 1 ? 200 : 0, i & 2 ? 150 : 30, i & 4 ? 260 : 10]);
+const extent = extentOf(box);
+
+function randomView(random: Random): Camera {
+  const turned = orbit(firstView(extent, viewport), random.between(-4, 4), random.between(-4, 4));
+  return zoom(turned, random.between(0.3, 2), extent);
+}
+
+test("from before, the patient's left is at the right and the head is up", () => {
+  const camera = lookFrom("A", extent, viewport);
+  expect(distance(camera.right, [1, 0, 0]) + distance(camera.up, [0, 0, 1])).toBe(0);
+  expect(eyeOf(camera)[1]).toBeLessThan(extent.centre[1]);
+});
+
+test("from the feet, as radiologists look, anterior is up and the patient's left at the right", () => {
+  const camera = lookFrom("I", extent, viewport);
+  expect(camera.right[0]).toBeCloseTo(1);
+  expect(camera.up[1]).toBeCloseTo(-1);
+});
+
+test("axes stay a right-handed orthonormal frame through any turning", () => {
+  let camera = firstView(extent, viewport);
+  const random = new Random(2);
+  for (let i = 0; i < 2000; ++i) {
+    camera = orbit(camera, random.between(-0.3, 0.3), random.between(-0.3, 0.3));
+  }
+  const { right, up, back } = camera;
+  // 4000 turns of rounding 1e-16 each
+  expect(distance(cross(right, up), back)).toBeLessThan(1e-10);
+  expect(Math.abs(dot(right, up)) + Math.abs(length(up) - 1)).toBeLessThan(1e-10);
+});
+
+test("turning keeps the horizon level: the body's axis stays vertical in the picture", () => {
+  const random = new Random(3);
+  for (let i = 0; i < 100; ++i) {
+    expect(Math.abs(randomView(random).right[2])).toBeLessThan(1e-12);
+  }
+});
+
+test("dragging to the right turns what is in front to the right, downward shows the top", () => {
+  const camera = lookFrom("A", extent, viewport);
+  const front: Vec3 = addScaled(extent.centre, camera.back, 50);
+  const before = project(camera, front, viewport) ?? [0, 0];
+  const afterRight = project(orbit(camera, 0.2, 0), front, viewport) ?? [0, 0];
+  const afterDown = project(orbit(camera, 0, 0.2), front, viewport) ?? [0, 0];
+  expect(afterRight[0]).toBeGreaterThan(before[0]);
+  expect(afterDown[1]).toBeGreaterThan(before[1]);
+});
+
+test("the ray through the picture of a point passes through the point", () => {
+  const random = new Random(4);
+  for (let i = 0; i < 300; ++i) {
+    const camera = randomView(random);
+    const point = add(extent.centre, random.vector(60));
+    const place = project(camera, point, viewport);
+    if (place === null) {
+      continue;
+    }
+    const ray = rayThrough(camera, place[0], place[1], viewport);
+    const offset = subtract(point, ray.origin);
+    // rounding at distances of some hundred mm
+    expect(length(cross(offset, ray.direction))).toBeLessThan(1e-9);
+    expect(dot(offset, ray.direction)).toBeGreaterThan(0);
+  }
+});
+
+test("framing shows the whole content and fills the picture with it", () => {
+  const random = new Random(5);
+  for (let i = 0; i < 100; ++i) {
+    const camera = frame(randomView(random), extent, viewport);
+    const places = box.map((corner) => project(camera, corner, viewport) ?? [NaN, NaN]);
+    const reach = Math.max(...places.map(([x, y]) => Math.max(Math.abs(x / 450 - 1), Math.abs(y / 350 - 1))));
+    expect(reach).toBeLessThanOrEqual(1);
+    // perspective makes the near side larger than the framing assumes for the far side
+    expect(reach).toBeGreaterThan(0.75);
+  }
+});
+
+test("a move in the view by pixels moves the picture of the point by these pixels", () => {
+  const random = new Random(6);
+  for (let i = 0; i < 100; ++i) {
+    const camera = randomView(random);
+    const point = add(extent.centre, random.vector(40));
+    const before = project(camera, point, viewport) ?? [NaN, NaN];
+    const after = project(camera, add(point, alongView(camera, 12, -7, point, viewport)), viewport) ?? [NaN, NaN];
+    expect(after[0] - before[0]).toBeCloseTo(12, 6);
+    expect(after[1] - before[1]).toBeCloseTo(-7, 6);
+  }
+});
+
+test("panning takes the target's picture along with the mouse", () => {
+  const camera = firstView(extent, viewport);
+  const before = project(camera, camera.target, viewport) ?? [NaN, NaN];
+  const after = project(pan(camera, 30, 20, viewport), camera.target, viewport) ?? [NaN, NaN];
+  expect(after[0] - before[0]).toBeCloseTo(30, 6);
+  expect(after[1] - before[1]).toBeCloseTo(20, 6);
+});
+
+test("near and far planes hold all content, and near stays before the eye", () => {
+  const random = new Random(7);
+  for (let i = 0; i < 200; ++i) {
+    const camera = randomView(random);
+    const { near, far } = clipPlanes(camera, extent);
+    expect(near).toBeGreaterThan(0);
+    for (const corner of box) {
+      const depth = depthOf(camera, corner);
+      expect(depth).toBeLessThan(far);
+      if (depth > far / 1000) {
+        expect(depth).toBeGreaterThan(near);
+      }
+    }
+  }
+});
+
+test("zooming stops at sensible distances", () => {
+  const camera = firstView(extent, viewport);
+  expect(zoom(camera, 1e-9, extent).distance).toBeGreaterThan(1);
+  expect(zoom(camera, 1e9, extent).distance).toBeLessThan(100 * extent.radius);
+});

@@ -1,0 +1,44 @@
+/** Small scans for tests. */
+import { brickRanges, type BrickRanges } from "../../src/core/bricks";
+import { frameOf, storedDimensions, type ScanVolume } from "../../src/core/scan_volume";
+import type { Scan } from "../../src/core/protocol";
+import type { Vec3 } from "../../src/core/vector";
+
+export function scanOf(dimensions: Vec3, spacing: Vec3, origin: Vec3 = [0, 0, 0]): Scan {
+  const [x, y, z] = spacing;
+  return {
+    name: "test",
+    modality: "CT",
+    unit: "HU",
+    dimensions,
+    spacing,
+    patient_from_grid: [x, 0, 0, origin[0], 0, y, 0, origin[1], 0, 0, z, origin[2], 0, 0, 0, 1],
+    slope: 1,
+    intercept: 0,
+    range: [-1024, 3071],
+    histogram: { low: -1024, high: 3071, counts: [1] },
+    soft_tissue: 40,
+    bone: 250,
+    orientation_known: true,
+    warnings: [],
+  };
+}
+
+/** A scan whose value at each voxel's centre (grid coordinates) is given. */
+export function volumeOf(
+  scan: Scan,
+  valueAt: (centre: Vec3) => number,
+  step = 1,
+): ScanVolume & { readonly bricks: BrickRanges } {
+  const dimensions = storedDimensions(scan.dimensions, step);
+  const values = new Uint16Array(dimensions[0] * dimensions[1] * dimensions[2]);
+  let i = 0;
+  for (let z = 0; z < dimensions[2]; ++z) {
+    for (let y = 0; y < dimensions[1]; ++y) {
+      for (let x = 0; x < dimensions[0]; ++x) {
+        values[i++] = 32768 + Math.round(valueAt([x * step + 0.5, y * step + 0.5, z * step + 0.5]));
+      }
+    }
+  }
+  return { frame: frameOf(scan), step, dimensions, values, bricks: brickRanges({ dimensions, values }) };
+}

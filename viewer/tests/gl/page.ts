@@ -1,0 +1,165 @@
+/**
+ * Runs in the browser: draws small scans with the real ray caster and hands the pixels back.
+ */
+import * as THREE from "three";
+import { defaultAppearance, transferFunctionOf } from "../../src/core/appearance";
+import { brickRanges, labelledBricks, type BrickRanges } from "../../src/core/bricks";
+import { extentOf, lookFrom, type Camera, type Extent } from "../../src/core/camera";
+import type { Letter } from "../../src/core/anatomy";
+import type { Look } from "../../src/core/look";
+import type { ScanVolume } from "../../src/core/scan_volume";
+import type { TransferFunction } from "../../src/core/transfer_function";
+import { distance, type Vec3 } from "../../src/core/vector";
+import { FieldTexture, type FieldFormat } from "../../src/gl/field_texture";
+import { gpuSupport } from "../../src/gl/gpu_support";
+import { byteTexture, labelColours } from "../../src/gl/lookup_textures";
+import type { MarkerState } from "../../src/gl/markers";
+import { Picture } from "../../src/gl/picture";
+import { PictureTarget } from "../../src/gl/picture_target";
+import { RayMarcher } from "../../src/gl/ray_marcher";
+import { scanOf, volumeOf } from "../core/volumes";
+
+export interface MarchTest {
+  readonly field: "flat" | "ball" | "label";
+  readonly spacing: Vec3;
+  readonly from: Letter;
+  readonly stepsPerVoxel: number;
+  readonly format?: FieldFormat;
+  /** Subsampling of the scan. */
+  readonly step?: number;
+  /** Leaps over empty bricks. */
+  readonly skip?: boolean;
+  /** Extinction everywhere [1/mm]; else the usual look with this opacity of soft tissue. */
+  readonly extinction?: number;
+  readonly softTissue?: number;
+  /** The ball as a visible or hidden segment. */
+  readonly segment?: "visible" | "hidden";
+}
+
+export interface MarchResult {
+  /** Premultiplied linear RGBA, rows from the bottom, shape [edge, edge, 4]. */
+  readonly pixels: number[];
+  readonly camera: Camera;
+  readonly extent: Extent;
+}
+
+const edge = 96;
+const voxels = 48;
+const viewport = { width: edge, height: edge };
+
+function fieldOf({ field, spacing, step = 1 }: MarchTest): ScanVolume {
+  const scan = scanOf([voxels, voxels, voxels], spacing);
+  const centre: Vec3 = [24 * spacing[0], 24 * spacing[1], 24 * spacing[2]];
+  const value = (grid: Vec3): number => {
+    const point: Vec3 = [grid[0] * spacing[0], grid[1] * spacing[1], grid[2] * spacing[2]];
+    return Math.min(1000, Math.max(-1000, 400 * (14 - distance(point, centre))));
+  };
+  return volumeOf(scan, field === "ball" ? value : () => (field === "flat" ? 100 : -1000), step);
+}
+
+function lookOf(test: MarchTest): Look {
+  const flat: TransferFunction = {
+    points: [
+      { value: -500, colour: [0.2, 0.4, 0.6], extinction: test.extinction ?? 0 },
+      { value: 500, colour: [0.2, 0.4, 0.6], extinction: test.extinction ?? 0 },
+    ],
+  };
+  const usual = { ...defaultAppearance({ softTissue: 40, bone: 250 }), softTissue: test.softTissue ?? 0 };
+  const segment = { id: 1, low: 32768, high: 65535, colour: [0, 1, 0] as const, visible: test.segment === "visible" };
+  return {
+    transferFunction: test.extinction === undefined ? transferFunctionOf(usual) : flat,
+    ranges: test.segment === undefined ? [] : [segment],
+    edgeGradient: 40,
+  };
+}
+
+function bricksOf(volume: ScanVolume, skip: boolean): BrickRanges {
+  const bricks = brickRanges(volume);
+  return skip ? bricks : { ...bricks, low: bricks.low.fill(0), high: bricks.high.fill(65535) };
+}
+
+function outlineOf({ spacing }: MarchTest): Extent {
+  const [x, y, z] = [voxels * spacing[0], voxels * spacing[1], voxels * spacing[2]];
+  return extentOf([0, 1, 2, 3, 4, 5, 6, 7].map((i) => [i & 1 ? x : 0, i & 2 ? y : 0, i & 4 ? z : 0]));
+}
+
+/** A box of label 7 in the middle of the scan, half as wide as it. */
+function labelsInBox(): Uint8Array {
+  const inside = (i: number): boolean => i >= 12 && i < 36;
+  return Uint8Array.from({ length: voxels ** 3 }, (_, i) =>
+    inside(i % voxels) && inside(Math.floor(i / voxels) % voxels) && inside(Math.floor(i / voxels ** 2)) ? 7 : 0,
+  );
+}
+
+function march(test: MarchTest): MarchResult {
+  const renderer = new THREE.WebGLRenderer({ canvas: document.createElement("canvas") });
+  renderer.autoClear = false;
+  const volume = fieldOf(test);
+  const field = new FieldTexture(volume, test.format ?? "rg8");
+  while (!field.uploadSlab(renderer));
+  const marcher = new RayMarcher();
+  marcher.setField(field, bricksOf(volume, test.skip ?? true));
+  marcher.setLook(lookOf(test));
+  if (test.field === "label") {
+    const segment = { id: 7, name: "box", colour: [1, 0, 0] as const, visible: true, touchable: true };
+    const colours = labelColours([{ ...segment, range: null, voxels: 0, volume_ml: 0, pending: false }]);
+    const ids = labelsInBox();
+    const dimensions: Vec3 = [voxels, voxels, voxels];
+    marcher.setLabelColours(colours);
+    marcher.setLabels({ texture: byteTexture(ids, dimensions), bricks: labelledBricks(ids, dimensions) });
+  }
+
+  const extent = outlineOf(test);
+  const camera = lookFrom(test.from, extent, viewport);
+  marcher.setCamera(camera, extent, 1);
+  const target = new PictureTarget(true);
+  target.resize(edge, edge);
+  target.useLevel(1);
+  target.useRows(0, edge);
+  marcher.draw(renderer, target, { stepsPerVoxel: test.stepsPerVoxel, jitter: false }, [0, 0, 0]);
+
+  const halves = new Uint16Array(4 * edge * edge);
+  renderer.readRenderTargetPixels(target.target, 0, 0, edge, edge, halves);
+  renderer.dispose();
+  renderer.forceContextLoss();
+  return { pixels: Array.from(halves, (half) => THREE.DataUtils.fromHalfFloat(half)), camera, extent };
+}
+
+/** The whole picture with markers on a canvas of its own; sRGB bytes, rows from the bottom. */
+async function screen(test: MarchTest, markers: Partial<MarkerState> | null, jitter = false): Promise<number[]> {
+  const support = gpuSupport();
+  if (support === null) {
+    throw new Error("no WebGL2");
+  }
+  const canvas = document.createElement("canvas");
+  const picture = new Picture(canvas, { support, mostPixelRatio: 1 });
+  picture.jitter = jitter;
+  const volume = fieldOf(test);
+  const extent = outlineOf(test);
+  picture.resize(edge, edge);
+  picture.setScan(volume, bricksOf(volume, true));
+  picture.setLook(lookOf(test));
+  picture.setCamera(lookFrom(test.from, extent, viewport), extent);
+  if (markers !== null) {
+    const still = { probe: extent.centre, device: extent.centre, force: [0, 0, 0], contact: false } as const;
+    picture.setMarkers({ ...still, pixel: 1, fullForce: 1, ...markers });
+  }
+  while (!picture.quality.finished || !picture.hasPicture) {
+    picture.advance(performance.now());
+    await new Promise((resolve) => setTimeout(resolve, 5));
+  }
+  const bytes = new Uint8Array(4 * edge * edge);
+  const gl = canvas.getContext("webgl2");
+  gl?.bindFramebuffer(gl.FRAMEBUFFER, null);
+  gl?.readPixels(0, 0, edge, edge, gl.RGBA, gl.UNSIGNED_BYTE, bytes);
+  picture.dispose();
+  return [...bytes];
+}
+
+declare global {
+  interface Window {
+    glTests?: { march: typeof march; screen: typeof screen };
+  }
+}
+
+window.glTests = { march, screen };

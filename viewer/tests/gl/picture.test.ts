@@ -1,0 +1,195 @@
+/**
+ * The real shaders in a real browser, on scans of 48³ and pictures of 96²: physics first.
+ */
+import { afterAll, beforeAll, expect, test } from "vitest";
+import { transformPoint, transformVector } from "../../src/core/affine";
+import { project, rayThrough } from "../../src/core/camera";
+import { srgbFromHex } from "../../src/core/colour";
+import { flatShare } from "../../src/core/look";
+import { throughBox } from "../../src/core/pick_surface";
+import { frameOf } from "../../src/core/scan_volume";
+import { distance, type Vec3 } from "../../src/core/vector";
+import type { MarkerState } from "../../src/gl/markers";
+import { scanOf } from "../core/volumes";
+import { openGlBrowser, type GlBrowser } from "./browser";
+import type { MarchResult, MarchTest } from "./page";
+
+const edge = 96;
+const voxels = 48;
+let browser: GlBrowser;
+
+beforeAll(async () => {
+  browser = await openGlBrowser();
+}, 60_000);
+
+afterAll(async () => {
+  await browser.close();
+});
+
+function march(test: MarchTest): Promise<MarchResult> {
+  return browser.page.evaluate((t) => window.glTests?.march(t) ?? Promise.reject(new Error("no page")), test);
+}
+
+function screen(test: MarchTest, markers: Partial<MarkerState> | null, jitter = false): Promise<number[]> {
+  return browser.page.evaluate(
+    ([t, m, j]) => window.glTests?.screen(t, m, j) ?? Promise.reject(new Error("no page")),
+    [test, markers, jitter] as const,
+  );
+}
+
+/** Pixel of a picture; y counts from the top. */
+function pixelAt(pixels: readonly number[], x: number, y: number): readonly number[] {
+  const i = 4 * (x + edge * (edge - 1 - y));
+  return pixels.slice(i, i + 4);
+}
+
+function alphas({ pixels }: MarchResult): number[] {
+  return pixels.filter((_, i) => i % 4 === 3);
+}
+
+const mean = (values: readonly number[]): number => values.reduce((sum, value) => sum + value, 0) / values.length;
+
+const flat: MarchTest = { field: "flat", spacing: [1, 1, 1], from: "A", stepsPerVoxel: 2, extinction: 0.4 };
+const ball: MarchTest = { field: "ball", spacing: [1, 1, 1], from: "A", stepsPerVoxel: 2 };
+
+test.each([
+  { spacing: [1, 1, 1], from: "A", stepsPerVoxel: 1 },
+  { spacing: [1, 1, 1], from: "A", stepsPerVoxel: 4 },
+  { spacing: [0.7, 0.9, 2.5], from: "L", stepsPerVoxel: 2 },
+  { spacing: [0.7, 0.9, 2.5], from: "S", stepsPerVoxel: 2 },
+] as const)("a homogeneous block absorbs as Beer and Lambert say: $spacing, from $from, $stepsPerVoxel steps", async (part) => {
+  const result = await march({ ...flat, ...part });
+  const frame = frameOf(scanOf([voxels, voxels, voxels], part.spacing));
+  const extinction = 0.4 * flatShare;
+  const stepLength = Math.min(...part.spacing) / part.stepsPerVoxel;
+  const errors: number[] = [];
+  for (let y = 0; y < edge; ++y) {
+    for (let x = 0; x < edge; ++x) {
+      const ray = rayThrough(result.camera, x + 0.5, y + 0.5, { width: edge, height: edge });
+      const origin = transformPoint(frame.gridFromScene, ray.origin);
+      const span = throughBox(origin, transformVector(frame.gridFromScene, ray.direction), frame.dimensions);
+      const path = span === null ? 0 : span[1] - span[0];
+      const expected = 1 - Math.exp(-extinction * path);
+      errors.push(Math.abs((pixelAt(result.pixels, x, y)[3] ?? 0) - expected));
+    }
+  }
+  // a ray of whole steps is up to half a step longer or shorter than the block at its far
+  // end; half floats add 0.0005
+  expect(Math.max(...errors)).toBeLessThan(0.5 * extinction * stepLength + 0.002);
+});
+
+test("early termination leaves no ray more than opaque", async () => {
+  const result = await march({ ...flat, extinction: 50 });
+  const inside = pixelAt(result.pixels, edge / 2, edge / 2);
+  expect(inside[3]).toBe(1);
+});
+
+test("the bytes of RG8 and 32-bit floats give the same picture", async () => {
+  const [bytes, floats] = [
+    await march({ ...ball, softTissue: 0.5, format: "rg8" }),
+    await march({ ...ball, softTissue: 0.5, format: "r32f" }),
+  ];
+  const differences = bytes.pixels.map((value, i) => Math.abs(value - (floats.pixels[i] ?? 0)));
+  // filtering of bytes has 8 bits of position: 2/255 was measured as the largest error
+  expect(mean(differences)).toBeLessThan(0.5 / 255);
+  expect(differences.filter((difference) => difference > 4 / 255).length).toBeLessThan(differences.length / 1000);
+});
+
+test.each([0.3, 0.6, 0.9])("leaping over empty bricks changes no pixel, soft tissue %d", async (softTissue) => {
+  const skipped = await march({ ...ball, softTissue, skip: true });
+  const visited = await march({ ...ball, softTissue, skip: false });
+  // the same sums in the same order, up to the rounding of a leap's length
+  const differing = skipped.pixels.filter((value, i) => Math.abs(value - (visited.pixels[i] ?? 0)) > 2e-3);
+  expect(differing.length).toBeLessThan(skipped.pixels.length / 1000);
+});
+
+test.each(["A", "R", "S"] as const)("a visible segment is a ball of the right size from %s, in its own colour", async (from) => {
+  const { pixels, camera } = await march({ ...ball, spacing: [1, 1, 2], from, segment: "visible" });
+  const centre: Vec3 = [24, 24, 48];
+  for (let y = 0; y < edge; y += 3) {
+    for (let x = 0; x < edge; x += 3) {
+      const [red = 0, green = 0, , alpha = 0] = pixelAt(pixels, x, y);
+      const ray = rayThrough(camera, x + 0.5, y + 0.5, { width: edge, height: edge });
+      const along = (centre[0] - ray.origin[0]) * ray.direction[0] + (centre[1] - ray.origin[1]) * ray.direction[1] + (centre[2] - ray.origin[2]) * ray.direction[2];
+      const nearest: Vec3 = [ray.origin[0] + along * ray.direction[0], ray.origin[1] + along * ray.direction[1], ray.origin[2] + along * ray.direction[2]];
+      const away = distance(nearest, centre);
+      // slices of 2 mm round the ball's edge off by less than a voxel
+      if (away < 12.5) {
+        expect(alpha).toBe(1);
+        expect(green).toBeGreaterThan(2 * red);
+      } else if (away > 15) {
+        expect(alpha).toBe(0);
+      }
+    }
+  }
+});
+
+test("a hidden segment leaves nothing in the picture", async () => {
+  const shown = mean(alphas(await march({ ...ball, segment: "visible" })));
+  const hidden = mean(alphas(await march({ ...ball, segment: "hidden" })));
+  expect(shown).toBeGreaterThan(0.1);
+  expect(hidden).toBeLessThan(0.001);
+});
+
+test("the transfer function changes the picture: more soft tissue is more opaque", async () => {
+  const at = async (softTissue: number): Promise<number> =>
+    mean(alphas(await march({ ...ball, softTissue, segment: "hidden" })));
+  const [none, some, much] = [await at(0), await at(0.5), await at(0.95)];
+  expect(none).toBeLessThan(some);
+  expect(some).toBeLessThan(much);
+});
+
+test("light comes from the viewer's upper left, from wherever one looks", async () => {
+  for (const from of ["A", "L", "S"] as const) {
+    const { pixels } = await march({ ...ball, from, segment: "visible" });
+    const green = (x: number, y: number): number => pixelAt(pixels, x, y)[1] ?? 0;
+    expect(green(edge / 2 - 10, edge / 2 - 10)).toBeGreaterThan(1.3 * green(edge / 2 + 10, edge / 2 + 10));
+  }
+});
+
+test("segments that are no threshold are drawn from their labels, also in clear air", async () => {
+  const { pixels, camera, extent } = await march({ ...ball, field: "label", from: "A" });
+  expect(pixelAt(pixels, edge / 2, edge / 2)[0]).toBeGreaterThan(0.2);
+  // the box fills the middle half of the scan
+  const place = project(camera, [extent.centre[0] + 15, extent.centre[1], extent.centre[2]], { width: edge, height: edge });
+  expect(pixelAt(pixels, Math.round(place?.[0] ?? 0), edge / 2)[3]).toBe(0);
+});
+
+test("a scan at half resolution shows the same ball", async () => {
+  const whole = alphas(await march({ ...ball, segment: "visible" }));
+  const coarse = alphas(await march({ ...ball, segment: "visible", step: 2 }));
+  const differing = whole.filter((alpha, i) => Math.abs(alpha - (coarse[i] ?? 0)) > 0.5);
+  // only the outline differs: a circle of 26 pixels radius, about a pixel wide
+  expect(differing.length).toBeLessThan(2 * Math.PI * 30 * 1.5);
+});
+
+test("the background has its sRGB colours on the screen", async () => {
+  const pixels = await screen({ ...ball, segment: "hidden" }, null);
+  const expected = srgbFromHex("#1b222b").map((channel) => 255 * channel);
+  const middle = pixelAt(pixels, edge / 2, edge / 2);
+  // half a step of dither, half of rounding, and the slope of the gradient near its middle
+  middle.slice(0, 3).forEach((channel, i) => {
+    expect(Math.abs(channel - (expected[i] ?? 0))).toBeLessThanOrEqual(2);
+  });
+});
+
+test("the probe is plain before bone and a ghost behind it", async () => {
+  const bone: MarchTest = { ...ball, segment: "visible" };
+  const blue = (pixels: readonly number[]): number => pixelAt(pixels, edge / 2, edge / 2)[2] ?? 0;
+  const without = blue(await screen(bone, null));
+  const before = blue(await screen(bone, { probe: [24, 4, 24], device: [24, 4, 24] }));
+  const behind = blue(await screen(bone, { probe: [24, 44, 24], device: [24, 44, 24] }));
+  expect(before).toBeGreaterThan(without + 80);
+  expect(behind).toBeGreaterThan(without + 10);
+  expect(behind).toBeLessThan(before - 50);
+});
+
+test("several jittered pictures average to the plain one", async () => {
+  const tissue: MarchTest = { ...ball, softTissue: 0.6, segment: "hidden" };
+  const plain = await screen(tissue, null);
+  const averaged = await screen(tissue, null, true);
+  const differences = plain.map((value, i) => Math.abs(value - (averaged[i] ?? 0)));
+  // the outline is smoothed, the inside is the same: 8 starts of a ray against the middle one
+  expect(mean(differences)).toBeLessThan(2);
+  expect(mean(plain.map((value, i) => value - (averaged[i] ?? 0)))).toBeLessThan(0.5);
+});

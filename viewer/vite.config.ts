@@ -1,0 +1,29 @@
+/**
+ * Builds the page into the Python package, which serves it from the wheel.
+ */
+import { svelte } from "@sveltejs/vite-plugin-svelte";
+import { defineConfig } from "vitest/config";
+
+// the engine to develop against: `palpate open PATH --port 8000`, then `npm run dev`
+const engine = process.env["PALPATE_ENGINE"] ?? "http://127.0.0.1:8000";
+
+export default defineConfig({
+  plugins: [svelte()],
+  build: {
+    outDir: "../python/palpate/viewer",
+    emptyOutDir: true,
+    target: "es2022",
+    // three alone is larger than the default limit; the page comes from the same machine
+    chunkSizeWarningLimit: 1200,
+  },
+  worker: { format: "es" },
+  server: {
+    host: "127.0.0.1",
+    proxy: { "/api": { target: engine, ws: true, changeOrigin: true } },
+  },
+  test: {
+    include: ["tests/**/*.test.ts"],
+    // browser tests of two files at once would compete for the same two cores
+    fileParallelism: false,
+  },
+});
