@@ -1,0 +1,162 @@
+# One door to everything: `make` lists what there is.
+#
+# Each step leaves a stamp, so that a repeated call does only what changed. Nothing is
+# installed outside this folder, except Chromium for the tests (scripts/chromium.sh).
+SHELL := /bin/bash
+.SHELLFLAGS := -eu -o pipefail -c
+.DELETE_ON_ERROR:
+.NOTPARALLEL:
+.SUFFIXES:
+.DEFAULT_GOAL := help
+
+PYTHON ?= python3
+VENV := .venv
+BIN := $(CURDIR)/$(VENV)/bin
+export PYTHON
+export PIP_DISABLE_PIP_VERSION_CHECK := 1
+
+# what each built part is made of
+RUST_SOURCES := Cargo.toml Cargo.lock rust-toolchain.toml python/Cargo.toml python/pyproject.toml \
+	$(wildcard crates/*/Cargo.toml) $(shell find crates/*/src python/src -name '*.rs')
+VIEWER_SOURCES := $(shell find viewer -type f -not -path '*/node_modules/*' -not -path '*/e2e/*')
+PACKAGE_SOURCES := $(shell find python/palpate -type f -name '*.py*' -not -path '*/__pycache__/*')
+
+# stamps
+VENV_READY := $(VENV)/.packages
+NODE_READY := viewer/node_modules/.packages
+ENGINE_READY := $(VENV)/.engine
+VIEWER_READY := python/palpate/viewer/index.html
+WHEEL_READY := dist/.wheel
+
+say = @printf '\n\033[1m== %s\033[0m\n' "$(1)"
+
+.PHONY: help
+help: ## this list
+	@echo "Palpate: examine medical scans by touch"
+	@echo
+	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  make \1|\2/p' $(MAKEFILE_LIST) | column -t -s '|' 2>/dev/null \
+		|| sed -n 's/^\([a-z-]*\):.*## \(.*\)/  make \1  \2/p' $(MAKEFILE_LIST)
+	@echo
+	@scripts/prerequisites.sh
+
+# --- set-up -----------------------------------------------------------------------------
+
+.PHONY: prerequisites setup
+prerequisites:
+	@scripts/prerequisites.sh --quiet
+
+setup: prerequisites $(ENGINE_READY) $(VIEWER_READY) ## build everything for use from this folder
+
+$(VENV_READY): python/requirements.lock
+	$(call say,Python packages)
+	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+	$(BIN)/pip install --quiet --requirement python/requirements.lock
+	touch $@
+
+# `npm ci` refuses a lock file without the packages for other systems, which a mirror need not
+# hold; `npm install --no-save` takes the versions of the lock file just so, and leaves it alone
+$(NODE_READY): viewer/package.json viewer/package-lock.json
+	$(call say,Node packages)
+	cd viewer && npm install --no-save --no-audit --no-fund --loglevel=error
+	touch $@
+
+$(ENGINE_READY): $(VENV_READY) $(RUST_SOURCES)
+	$(call say,engine)
+	cd python && VIRTUAL_ENV=$(CURDIR)/$(VENV) PIP_QUIET=1 $(BIN)/maturin develop --release --locked --quiet
+	touch $@
+
+$(VIEWER_READY): $(NODE_READY) $(VIEWER_SOURCES)
+	$(call say,viewer)
+	cd viewer && npm run build --silent
+	touch $@
+
+# --- use --------------------------------------------------------------------------------
+
+.PHONY: demo wheel lock clean
+demo: setup ## start Palpate on the built-in phantom
+	$(BIN)/palpate demo
+
+wheel: prerequisites $(WHEEL_READY) ## build the wheel: engine, package and viewer in one file
+
+$(WHEEL_READY): $(VENV_READY) $(VIEWER_READY) $(RUST_SOURCES) $(PACKAGE_SOURCES)
+	$(call say,wheel)
+	rm -rf dist
+	$(BIN)/maturin build --release --locked --manifest-path python/Cargo.toml --out dist --quiet
+	ls -lh dist
+	touch $@
+
+lock: ## pin the Python packages anew (ARGS=--upgrade for the newest)
+	scripts/lock.sh $(ARGS)
+
+clean: ## remove everything that was built
+	rm -rf target $(VENV) dist viewer/node_modules python/palpate/viewer tests/output
+	find python -name '*.so' -delete
+
+# --- checks -----------------------------------------------------------------------------
+
+.PHONY: lint lint-rust lint-python lint-viewer lint-repository
+lint: prerequisites lint-repository lint-python lint-viewer lint-rust ## formats, lints, types, arrows between layers
+
+lint-repository: $(VENV_READY)
+	$(call say,repository: headers; words; arrows between crates)
+	$(BIN)/python scripts/check_headers.py
+	$(BIN)/python scripts/check_words.py
+	$(BIN)/python scripts/check_arrows.py
+
+lint-python: $(ENGINE_READY)
+	$(call say,Python: format; lint; types; arrows between modules)
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+lint-viewer: $(NODE_READY)
+	$(call say,viewer: types; lint)
+	cd viewer && npm run check --silent
+	cd viewer && npm run lint --silent
+
+lint-rust:
+	$(call say,Rust: format; clippy)
+	cargo fmt --all --check
+	cargo clippy --locked --workspace --all-targets -- -D warnings
+
+# --- tests ------------------------------------------------------------------------------
+
+.PHONY: test test-rust test-python test-viewer test-wheel test-browser
+test: prerequisites chromium data lint test-rust test-python test-viewer test-wheel test-browser ## all tests and checks
+	$(call say,make test: everything passed)
+
+# a missing browser and missing scans are told before all other tests
+.PHONY: chromium data
+chromium:
+	@scripts/chromium.sh
+
+data:
+	@scripts/data.sh
+
+test-rust: ## tests of the crates
+	$(call say,Rust: tests)
+	cargo test --locked --workspace --quiet
+
+test-python: $(ENGINE_READY) $(VIEWER_READY) ## tests of the package and of the repository
+	$(call say,Python: tests)
+	$(BIN)/pytest -q -m "not wheel and not browser"
+
+test-viewer: $(NODE_READY) ## unit tests of the page, its shaders in a browser
+	$(call say,viewer: tests)
+	cd viewer && PALPATE_CHROMIUM="$$(../scripts/chromium.sh)" npm run test --silent
+
+test-wheel: $(WHEEL_READY) ## the wheel in an empty environment: install, start, open the page
+	$(call say,wheel: in an empty environment)
+	$(BIN)/pytest -q -m wheel tests
+
+test-browser: setup ## a real scan in a real browser: picture, contact, force
+	$(call say,browser: tests)
+	PALPATE_CHROMIUM="$$(scripts/chromium.sh)" $(BIN)/pytest -q -m browser
+
+# --- figures ----------------------------------------------------------------------------
+
+.PHONY: bench
+bench: setup ## measure: Rust benchmarks, then `palpate bench haptics`
+	cargo bench --locked --package palpate-benches
+	$(BIN)/palpate bench haptics

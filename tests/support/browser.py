@@ -1,0 +1,161 @@
+"""A page in a real browser, driven by ``viewer/e2e/drive.mjs``, and a running command."""
+
+from __future__ import annotations
+
+import json
+import os
+import queue
+import re
+import signal
+import subprocess
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import IO, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+ROOT = Path(__file__).parents[2]
+START_LIMIT = 60.0
+"""Seconds until an address must be printed; a scan takes about one."""
+ANSWER_LIMIT = 150.0
+"""Seconds for one answer of the browser: software GL on a busy machine takes its time."""
+
+
+class Browser:
+    """A browser with one page; every call is one action of ``drive.mjs``."""
+
+    def __init__(self, *, flags: str = "") -> None:
+        """Starts it; ``flags`` go to Chromium."""
+        found = subprocess.run(
+            [ROOT / "scripts" / "chromium.sh"], check=True, capture_output=True, text=True
+        )
+        self._process = subprocess.Popen(
+            ["node", ROOT / "viewer" / "e2e" / "drive.mjs"],
+            env=os.environ | {"CHROMIUM": found.stdout.strip(), "CHROMIUM_FLAGS": flags},
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        self._lines = lines_of(self._process)
+        self.complaints: list[str] = []
+        """What the page wrote to its console as errors."""
+
+    def do(self, action: str, **options: Any) -> dict[str, Any]:
+        """Does an action and returns its answer."""
+        assert self._process.stdin is not None
+        self._process.stdin.write(json.dumps({"do": action, **options}) + "\n")
+        self._process.stdin.flush()
+        answer: dict[str, Any] = json.loads(self._lines.get(timeout=ANSWER_LIMIT))
+        self.complaints += answer.pop("complaints")
+        assert "error" not in answer, f"{action} {options}: {answer['error']}"
+        return answer
+
+    def read(self, expression: str) -> Any:
+        """Returns the value of an expression in the page."""
+        return self.do("read", expression=expression).get("value")
+
+    def text(self, testid: str) -> str:
+        """Returns the text of an element."""
+        return str(self.do("text", testid=testid)["value"])
+
+    def wait(self, expression: str, *, seconds: float = 60.0) -> None:
+        """Waits until an expression in the page is true."""
+        self.do("wait", seconds=seconds, **{"for": expression})
+
+    def finish(self) -> None:
+        """Waits until the picture of the present view is as fine as it gets."""
+        # a change of the view is taken up by the next frame
+        self.read(f"new Promise(resolve => {2 * 'requestAnimationFrame(() => '}resolve(0))))")
+        self.wait("window.palpate.finished", seconds=120.0)
+
+    def picture(self, path: Path) -> NDArray[np.float64]:
+        """Returns the 3-D picture, once it is as fine as it gets: RGB 0..1, shape [h, w, 3]."""
+        import SimpleITK
+
+        self.finish()
+        path.parent.mkdir(parents=True, exist_ok=True)
+        self.do("screenshot", path=str(path), testid="canvas")
+        pixels = SimpleITK.GetArrayFromImage(SimpleITK.ReadImage(str(path)))
+        return np.asarray(pixels[..., :3], np.float64) / 255.0
+
+    def close(self) -> None:
+        """Ends it."""
+        with self._process as process:
+            assert process.stdin is not None
+            process.stdin.close()
+            try:
+                process.wait(timeout=10.0)
+            except subprocess.TimeoutExpired:
+                process.kill()
+
+
+@contextmanager
+def browser(*, flags: str = "") -> Iterator[Browser]:
+    """Gives a browser and ends it."""
+    started = Browser(flags=flags)
+    try:
+        yield started
+    finally:
+        started.close()
+
+
+@dataclass
+class Command:
+    """A running ``palpate open`` or ``palpate demo``."""
+
+    process: subprocess.Popen[str]
+    url: str
+
+    def stop(self) -> int:
+        """Ends it as Ctrl-C does; returns its exit code."""
+        self.process.send_signal(signal.SIGINT)
+        return self.process.wait(timeout=10.0)
+
+
+@contextmanager
+def palpate(*arguments: str | Path) -> Iterator[Command]:
+    """Runs the command line tool until the address is printed, and to its end."""
+    tool = ROOT / ".venv" / "bin" / "palpate"
+    process = subprocess.Popen(
+        [tool, *arguments, "--no-browser"],
+        env=os.environ | {"PYTHONUNBUFFERED": "1"},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+    )
+    with process:
+        try:
+            yield Command(process, address_in(process))
+        finally:
+            process.kill()
+
+
+def address_in(process: subprocess.Popen[str]) -> str:
+    """Returns the address that a command prints."""
+    lines, ends, seen = lines_of(process), time.monotonic() + START_LIMIT, ""
+    while time.monotonic() < ends and (process.poll() is None or not lines.empty()):
+        try:
+            seen += lines.get(timeout=0.2)
+        except queue.Empty:
+            continue
+        if found := re.search(r"http://(?:127\.0\.0\.1|localhost):\d+/\S*", seen):
+            return found.group()
+    raise AssertionError(f"no address within {START_LIMIT} s; printed: {seen!r}")
+
+
+def lines_of(process: subprocess.Popen[str]) -> queue.Queue[str]:
+    """Gives lines as they come, so that a process that prints nothing cannot block."""
+    assert process.stdout is not None
+    lines: queue.Queue[str] = queue.Queue()
+    threading.Thread(target=_hand_over, args=(process.stdout, lines), daemon=True).start()
+    return lines
+
+
+def _hand_over(output: IO[str], lines: queue.Queue[str]) -> None:
+    for line in output:
+        lines.put(line)

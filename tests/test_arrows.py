@@ -1,0 +1,123 @@
+"""The checks of the arrows between layers find what they are for."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+from check_arrows import FLOORS, wrong_arrows
+
+ROOT = Path(__file__).parent.parent
+TOOLS = Path(sys.executable).parent
+
+
+def crates(*arrows: tuple[str, str], kind: str | None = None) -> dict[str, Any]:
+    """Returns what cargo would say of the project's crates with these dependencies only."""
+    names = [*FLOORS, "palpate-benches"]
+    return {
+        "packages": [
+            {
+                "name": name,
+                "dependencies": [
+                    {"name": target, "kind": kind} for source, target in arrows if source == name
+                ],
+            }
+            for name in names
+        ]
+    }
+
+
+@pytest.mark.parametrize(
+    "arrow",
+    [
+        ("palpate-volume", "palpate-haptics"),
+        ("palpate-haptics", "palpate-device"),
+        ("palpate-device", "palpate-haptics"),
+        ("palpate-haptics", "palpate-engine"),
+        ("palpate-engine", "palpate-py"),
+        ("palpate-benches", "palpate-engine"),
+        ("palpate-engine", "palpate-benches"),
+    ],
+)
+@pytest.mark.parametrize("kind", [None, "dev", "build"])
+def test_an_arrow_up_or_to_a_sibling_is_found(arrow: tuple[str, str], kind: str | None) -> None:
+    found = wrong_arrows(crates(arrow, kind=kind))
+    assert any(arrow[0] in sentence and arrow[1] in sentence for sentence in found)
+
+
+def test_arrows_down_are_allowed() -> None:
+    down = [
+        ("palpate-haptics", "palpate-volume"),
+        ("palpate-engine", "palpate-device"),
+        ("palpate-py", "palpate-engine"),
+        ("palpate-benches", "palpate-haptics"),
+    ]
+    assert wrong_arrows(crates(*down)) == []
+
+
+def test_a_crate_without_a_floor_is_found() -> None:
+    metadata = {"packages": [{"name": "palpate-new", "dependencies": []}]}
+    assert any("palpate-new" in sentence for sentence in wrong_arrows(metadata))
+
+
+def test_a_python_module_that_imports_a_higher_layer_is_found(tmp_path: Path) -> None:
+    package = shutil.copytree(
+        ROOT / "python" / "palpate",
+        tmp_path / "palpate",
+        ignore=shutil.ignore_patterns("*.so", "viewer", "__pycache__"),
+    )
+    shutil.copy(ROOT / "pyproject.toml", tmp_path)
+    with (package / "volume.py").open("a") as module:
+        module.write("\nfrom palpate import cli\n")
+
+    checked = subprocess.run(
+        [TOOLS / "lint-imports", "--no-cache"],
+        check=False,
+        cwd=tmp_path,
+        env=os.environ | {"PYTHONPATH": str(tmp_path)},
+        capture_output=True,
+        text=True,
+    )
+    assert checked.returncode == 1, checked.stdout + checked.stderr
+    assert "palpate.volume -> palpate.cli" in checked.stdout
+
+
+def test_a_module_that_imports_the_binding_itself_is_found() -> None:
+    checked = subprocess.run(
+        [TOOLS / "ruff", "check", "--stdin-filename", "python/palpate/server.py", "-"],
+        check=False,
+        cwd=ROOT,
+        input='"""A module."""\n\nfrom palpate import _core\n\n__all__ = ["_core"]\n',
+        capture_output=True,
+        text=True,
+    )
+    assert checked.returncode == 1
+    assert "`palpate._core` is banned" in checked.stdout
+
+
+@pytest.mark.parametrize(
+    ("file", "line"),
+    [
+        ("core/new.ts", 'import * as three from "three"; export const it = three;'),
+        ("core/new.ts", 'import { it } from "../gl/picture"; export const that = it;'),
+        ("gl/new.ts", 'import { it } from "../ui/session.svelte"; export const that = it;'),
+    ],
+)
+def test_a_viewer_module_that_imports_upward_is_found(file: str, line: str) -> None:
+    node = shutil.which("node")
+    assert node is not None
+    checked = subprocess.run(
+        [node, "node_modules/eslint/bin/eslint.js", "--stdin", "--stdin-filename", f"src/{file}"],
+        check=False,
+        cwd=ROOT / "viewer",
+        input=f"{line}\n",
+        capture_output=True,
+        text=True,
+    )
+    assert checked.returncode == 1, checked.stdout + checked.stderr
+    assert "no-restricted-imports" in checked.stdout
