@@ -157,6 +157,14 @@ test-browser: setup ## a real scan in a real browser: picture, contact, force
 # --- figures ----------------------------------------------------------------------------
 
 .PHONY: bench
-bench: setup ## measure: Rust benchmarks, then `palpate bench haptics`
+bench: setup bench-page ## measure everything: the page, Rust benchmarks, `palpate bench haptics`
 	cargo bench --locked --package palpate-benches
 	$(BIN)/palpate bench haptics
+
+SCANS ?= $(addprefix $(or $(PALPATE_DATA),../shared/data)/,cthead_stanford/CThead.mha amos_0336/amos_0336.mhd)
+
+.PHONY: bench-page
+bench-page: setup chromium ## measure the page with SCANS="PATH …": first picture, late ticks, memory
+	$(call say,page)
+	CHROMIUM="$$(scripts/chromium.sh)" PYTHONPATH=tests/support \
+		$(BIN)/python scripts/measure_page.py $(SCANS)

@@ -222,7 +222,8 @@ def test_the_mouse_presses_on_bone_slides_and_retreats(opened: Opened) -> None:
     assert np.abs(sideways).max() < 5.0, "the probe stands before what was clicked"
     assert not oracle.is_bone(placed["proxy"])
 
-    # Shift and the wheel rolled forward push it into the bone; it stops there while the device goes deeper
+    # Shift and the wheel rolled forward push it into the bone; it stops there while the
+    # device goes deeper
     for _ in range(100):
         if page.read("window.palpate.state.depth") > 1.0:
             break

@@ -117,12 +117,16 @@ class Command:
         return self.process.wait(timeout=10.0)
 
 
+NO_PRIORITY = ("setpriv", "--bounding-set=-sys_nice", "--inh-caps=-sys_nice", "--")
+"""Starts a command without the right to ask for real-time priority."""
+
+
 @contextmanager
-def palpate(*arguments: str | Path) -> Iterator[Command]:
+def palpate(*arguments: str | Path, real_time: bool = True) -> Iterator[Command]:
     """Runs the command line tool until the address is printed, and to its end."""
     tool = ROOT / ".venv" / "bin" / "palpate"
     process = subprocess.Popen(
-        [tool, *arguments, "--no-browser"],
+        [*(() if real_time else NO_PRIORITY), tool, *arguments, "--no-browser"],
         env=os.environ | {"PYTHONUNBUFFERED": "1"},
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,

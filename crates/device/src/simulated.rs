@@ -56,8 +56,9 @@ impl Default for SimulatedSettings {
             hand_stiffness,
             // critical: 2 sqrt(k m), k in N/m and the result per mm
             hand_damping: 2.0 * (1000.0 * hand_stiffness * mass).sqrt() / 1000.0,
-            // 450 dots per inch, as of a Touch
-            encoder_step: 25.4 / 450.0,
+            // between two encoder marks a pressing device hunts for ever, and the plot of its
+            // force shows it; a mouse has no such marks
+            encoder_step: 0.0,
             delay_ticks: 1,
             velocity_time: 0.005,
             limits: DeviceLimits {

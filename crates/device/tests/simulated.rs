@@ -5,6 +5,8 @@ use palpate_device::simulated::{SettingsError, SimulatedDevice, SimulatedSetting
 use palpate_device::{HapticDevice, saturated};
 
 const DT: f64 = 0.001;
+/// 450 dots per inch, as of a Touch [mm].
+const ENCODER_STEP: f64 = 25.4 / 450.0;
 
 fn device(change: impl FnOnce(&mut SimulatedSettings)) -> SimulatedDevice {
     let mut settings = SimulatedSettings::default();
@@ -19,7 +21,7 @@ fn floor_force(stiffness: f64, position: DVec3) -> DVec3 {
 
 #[test]
 fn the_hand_brings_the_device_to_its_target_without_overshoot() {
-    let mut device = device(|s| s.encoder_step = 0.0);
+    let mut device = device(|_| {});
     device.set_hand(Some(DVec3::X * 10.0));
     let mut furthest = 0.0_f64;
     for _ in 0..1000 {
@@ -33,7 +35,7 @@ fn the_hand_brings_the_device_to_its_target_without_overshoot() {
 
 #[test]
 fn pressing_ends_where_hand_and_wall_balance() {
-    let mut device = device(|_| {});
+    let mut device = device(|s| s.encoder_step = ENCODER_STEP);
     device.set_hand(Some(DVec3::Y * -13.0));
     let mut state = device.read(DT);
     for _ in 0..3000 {
@@ -49,7 +51,6 @@ fn pressing_ends_where_hand_and_wall_balance() {
 #[test]
 fn a_constant_force_moves_the_mass_as_newton_says() {
     let mut device = device(|s| {
-        s.encoder_step = 0.0;
         s.delay_ticks = 0;
     });
     device.write(DVec3::X * 0.5, DVec3::ZERO);
@@ -65,7 +66,7 @@ fn a_constant_force_moves_the_mass_as_newton_says() {
 #[test]
 fn the_result_does_not_depend_on_the_rate_it_is_read_at() {
     let path = |dt: f64, ticks: usize| {
-        let mut device = device(|s| s.encoder_step = 0.0);
+        let mut device = device(|_| {});
         device.set_hand(Some(DVec3::new(4.0, -3.0, 2.0)));
         (0..ticks).fold(DVec3::ZERO, |_, _| device.read(dt).position)
     };
@@ -122,15 +123,14 @@ fn tapping(
 
 /// Asserts that neither the whole session nor a single contact gives energy.
 fn assert_passive(stiffness: f64, dt: f64) {
-    let step = SimulatedSettings::default().encoder_step;
     for seed in 11..15 {
-        let result = tapping(seed, stiffness, dt, |_| {});
+        let result = tapping(seed, stiffness, dt, |s| s.encoder_step = ENCODER_STEP);
         assert!(result.contacts > 50);
         // at no moment, so that a loan paid back later counts as well
         assert!(result.net <= 0.0, "{} N·mm at {dt} s", result.net);
         // a touch shorter than one encoder step can gain what the spring holds in it,
         // whatever the damping (Abbott & Okamura 2005): 0.0016 N·mm at 1 N/mm
-        let one_step = 0.5 * stiffness * step * step;
+        let one_step = 0.5 * stiffness * ENCODER_STEP * ENCODER_STEP;
         assert!(
             result.of_one_contact <= one_step,
             "{}",
@@ -159,7 +159,7 @@ fn a_wall_too_stiff_for_its_damping_is_seen_to_give_energy() {
 
 #[test]
 fn the_balance_of_energy_closes() {
-    let mut device = device(|s| s.encoder_step = 0.0);
+    let mut device = device(|_| {});
     // no hand: what the motors do is kept as motion or lost in friction
     device.write(DVec3::new(0.3, 0.1, -0.2), DVec3::ZERO);
     for _ in 0..200 {
@@ -239,16 +239,15 @@ fn any_allowed_settings_stay_finite() {
 
 #[test]
 fn the_encoders_give_whole_steps_and_the_velocity_is_smooth() {
-    let mut device = device(|_| {});
-    let step = device.settings().encoder_step;
+    let mut device = device(|s| s.encoder_step = ENCODER_STEP);
     device.set_hand(Some(DVec3::X * 20.0));
     for tick in 0..300 {
         let state = device.read(DT);
-        let steps = state.position.x / step;
+        let steps = state.position.x / ENCODER_STEP;
         assert!((steps - steps.round()).abs() < 1e-6);
         if tick > 20 {
             // a 5 ms filter lags 5 ms of the acceleration (below 60 m/s² here) and leaves
-            // a sixth of the jumps of step/dt = 56 mm/s
+            // a sixth of the jumps of a step in dt = 56 mm/s
             let error = (state.velocity - device.true_velocity()).length();
             assert!(error < 0.005 * 6e3 + 56.0 / 6.0, "{error}");
         }

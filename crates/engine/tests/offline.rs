@@ -105,8 +105,8 @@ fn the_hand_presses_the_simulated_device_against_the_block() {
     session.hand(DVec3::new(30.0, 40.0, 20.0)).unwrap();
     session.run(2.0).unwrap();
     let frame = session.frame();
-    // hand and wall are springs in a row: 0.3 N/mm · (20 − d) = 1 N/mm · d at d = 4.6 mm; an
-    // encoder step of 0.06 mm and what is left of the motion after 2 s move it a little
+    // hand and wall are springs in a row: 0.3 N/mm · (20 − d) = 1 N/mm · d at d = 4.6 mm;
+    // what is left of the motion after 2 s moves it a little
     assert!(frame.contact);
     assert!(
         (frame.depth - 20.0 * 0.3 / 1.3).abs() < 0.1,
