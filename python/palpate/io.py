@@ -71,6 +71,8 @@ def read(
         )
     if stored.filled:
         scan.warnings.append(f"{stored.filled} NaN or infinite values were set to {fill:g}")
+    if not scan.unit:
+        scan.warnings.append("the unit of the values is unknown; give --unit HU if it is HU")
     return Volume(
         stored.values,
         spacing=scan.spacing,

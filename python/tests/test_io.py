@@ -49,15 +49,20 @@ def test_voxels_stand_where_itk_puts_them(
 @pytest.mark.parametrize("kind", ["u1", "i1", "u2", "i2", "u4", "i4", "f4", "f8"])
 def test_whole_values_of_any_type_arrive_exactly(write_image: Any, kind: str) -> None:
     values = np.arange(60).reshape(3, 4, 5).astype(kind)
-    volume = palpate.read(write_image(values))
+    volume = palpate.read(write_image(values), unit="HU")
     assert (volume.slope, volume.intercept) == (1.0, 0.0)
     np.testing.assert_array_equal(volume.array, values)
     assert volume.warnings == ()
 
 
+def test_an_unknown_unit_is_said_with_what_to_do(write_image: Any) -> None:
+    path = write_image(np.arange(60, dtype=np.int16).reshape(3, 4, 5))
+    assert any("give --unit HU" in warning for warning in palpate.read(path).warnings)
+
+
 def test_real_values_are_rounded_and_the_error_is_told(write_image: Any) -> None:
     values = np.random.default_rng(3).normal(0.0, 100.0, (3, 4, 5)).astype(np.float32)
-    volume = palpate.read(write_image(values))
+    volume = palpate.read(write_image(values), unit="HU")
     (warning,) = volume.warnings
     assert "rounded to steps of" in warning
     np.testing.assert_allclose(
@@ -71,7 +76,7 @@ def test_the_slope_of_a_nifti_file_is_kept(tmp_path: Path, small_values: np.ndar
     packed = bytearray(path.read_bytes())
     struct.pack_into("<ff", packed, 112, 0.25, -7.0)  # scl_slope, scl_inter
     path.write_bytes(packed)
-    volume = palpate.read(path)
+    volume = palpate.read(path, unit="HU")
     assert (volume.slope, volume.intercept) == (0.25, -7.0)
     np.testing.assert_array_equal(volume.array, small_values)
     assert volume.warnings == ()
@@ -116,7 +121,7 @@ def test_nrrd_and_metaimage_without_axes_are_unknown_too(tmp_path: Path) -> None
 
 def test_a_person_can_tell_the_orientation(tmp_path: Path, small_values: np.ndarray) -> None:
     path = nifti_without_forms(tmp_path, small_values)
-    volume = palpate.read(path, orientation="ras")
+    volume = palpate.read(path, orientation="ras", unit="HU")
     assert volume.orientation == "RAS"
     assert volume.warnings == ()
     np.testing.assert_array_equal(volume.direction, np.diag([-1.0, -1.0, 1.0]))

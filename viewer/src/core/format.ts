@@ -15,6 +15,11 @@ export function formatCount(count: number): string {
     .replace(/\B(?=(\d{3})+$)/g, "\u2009");
 }
 
+/** A value of the scan with at most six digits. */
+export function formatValue(value: number): string {
+  return Number(value.toPrecision(6)).toString();
+}
+
 export function formatMillilitres(ml: number): string {
   return ml >= 100 ? `${formatCount(ml)} ml` : `${ml.toPrecision(3)} ml`;
 }

@@ -73,6 +73,9 @@ export class KeyboardInput {
       return true;
     }
     switch (key) {
+      case "c":
+        this.stage.centreOnProbe();
+        return true;
       case "f":
         this.stage.frameAll();
         return true;

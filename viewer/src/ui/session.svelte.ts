@@ -40,6 +40,8 @@ export class Session {
   /** What is now, at a pace that can be read. */
   live = $state.raw<State | null>(null);
   notices = $state.raw<readonly ShownNotice[]>([]);
+  /** How often the engine has refused something. */
+  refusals = $state.raw(0);
   /** Why page and engine do not understand each other. */
   mismatch = $state.raw<string | null>(null);
 
@@ -109,6 +111,7 @@ export class Session {
         break;
       case "notice":
         this.notify(message.level, message.text);
+        this.refusals += message.level === "error" ? 1 : 0;
         break;
     }
   }

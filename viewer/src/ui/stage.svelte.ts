@@ -46,8 +46,9 @@ export class Stage {
   preview = $state.raw<{ readonly id: number; readonly range: readonly [number, number] } | null>(null);
   /** Share of the scan on its way to the picture, 0..1; null once it is shown. */
   progress = $state.raw<number | null>(0);
-  /** Every how many voxels are shown, and why the scan cannot be shown. */
-  step = $state.raw(1);
+  /** What a person should know of a scan that is too large for the GPU. */
+  coarseness = $state.raw<string | null>(null);
+  /** Why the scan cannot be shown. */
   failure = $state.raw<string | null>(null);
   framesPerSecond = $state.raw(0);
   /** When the first picture stood on the screen [ms since the page was opened]. */
@@ -83,7 +84,10 @@ export class Stage {
     });
     observer.observe(canvas);
     const lost = (event: Event): void => {
+      // the browser gives the graphics back; until then the last picture stays
       event.preventDefault();
+      this.picture?.dispose();
+      this.picture = null;
     };
     const restored = (): void => {
       this.startPicture();
@@ -115,11 +119,12 @@ export class Stage {
     const scanFrame = frameOf(scan);
     this.progress = 0;
     this.failure = null;
-    this.step = subsamplingStep(scanFrame.dimensions, { edge: this.support.largestEdge, values: mostValues });
+    const step = subsamplingStep(scanFrame.dimensions, { edge: this.support.largestEdge, values: mostValues });
+    this.tellCoarseness(step);
     const fallback = defaultAppearance({ softTissue: scan.soft_tissue, bone: scan.bone });
     this.appearance = recall(`appearance.${scan.name}`, fallback);
     try {
-      const { volume, bricks } = await downloadVolume(scanFrame, this.step, this.token, (share) => {
+      const { volume, bricks } = await downloadVolume(scanFrame, step, this.token, (share) => {
         this.progress = request === this.request ? 0.9 * share : this.progress;
       });
       if (request === this.request) {
@@ -204,6 +209,12 @@ export class Stage {
     this.camera = this.extent && firstView(this.extent, this.viewport);
   }
 
+  /** Moves the picture so that the probe is in its middle. */
+  centreOnProbe(): void {
+    const { latest } = this.session;
+    this.camera = latest && this.camera && { ...this.camera, target: latest.proxy };
+  }
+
   frameAll(): void {
     this.camera = this.extent && this.camera && frame(this.camera, this.extent, this.viewport);
   }
@@ -219,6 +230,14 @@ export class Stage {
   /** How fine the picture on display is. */
   get quality(): Picture["quality"] | null {
     return this.picture?.quality ?? null;
+  }
+
+  private tellCoarseness(step: number): void {
+    const resolution = `1/${String(step)} of its resolution`;
+    this.coarseness = step === 1 ? null : `Too large for this GPU: shown at ${resolution}; touch uses all of it.`;
+    if (this.coarseness !== null) {
+      this.session.notify("warning", this.coarseness);
+    }
   }
 
   private show(volume: ScanVolume, bricks: BrickRanges, scan: Scan): void {

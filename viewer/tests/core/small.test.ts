@@ -1,7 +1,7 @@
 import { expect, test } from "vitest";
 import { contentHull } from "../../src/core/content_hull";
 import { firstView, extentOf } from "../../src/core/camera";
-import { formatBytes, formatCount, formatMillilitres, formatPoint, formatSpacing } from "../../src/core/format";
+import { formatBytes, formatCount, formatMillilitres, formatPoint, formatSpacing, formatValue } from "../../src/core/format";
 import { farthestAhead, moveInDepth, moveInView } from "../../src/core/hand";
 import { histogramPath, shareWithin } from "../../src/core/histogram";
 import { scaleBar } from "../../src/core/scale_bar";
@@ -92,6 +92,8 @@ test("numbers are written with units and a fixed number of digits", () => {
   expect(formatMillilitres(12.345)).toBe("12.3 ml");
   expect(formatMillilitres(2054.4)).toBe("2\u2009054 ml");
   expect(formatSpacing([0.703, 0.703, 2.5])).toBe("0.703 × 0.703 × 2.5 mm");
+  expect(formatValue(3071)).toBe("3071");
+  expect(formatValue(1288.3400000001)).toBe("1288.34");
   expect(formatBytes(15 * 2 ** 20)).toBe("15 MiB");
   expect(formatBytes(3 * 2 ** 30)).toBe("3.0 GiB");
 });
