@@ -81,7 +81,7 @@ wheel: prerequisites $(WHEEL_READY) ## build the wheel: engine, package and view
 $(WHEEL_READY): $(VENV_READY) $(VIEWER_READY) $(RUST_SOURCES) $(PACKAGE_SOURCES)
 	$(call say,wheel)
 	rm -rf dist
-	$(BIN)/maturin build --release --locked --manifest-path python/Cargo.toml --out dist --quiet
+	$(BIN)/maturin build --release --locked --interpreter $(BIN)/python --manifest-path python/Cargo.toml --out dist --quiet
 	ls -lh dist
 	touch $@
 

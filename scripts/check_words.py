@@ -1,7 +1,7 @@
 """Checks that no file names a place that exists on one machine only.
 
-Such places are folders of one person's machine, and the hosts of package registries: lock
-files without them work behind any mirror.
+Such places are folders of one person's machine, and addresses that packages were fetched
+from: lock files without them work behind any mirror.
 """
 
 from __future__ import annotations
@@ -13,10 +13,9 @@ from pathlib import Path
 from repository_files import ROOT, repository_files
 
 FORBIDDEN = {
-    "a folder of one machine": re.compile(r"(?<![\w.])/(?:work|root|home|Users|mnt|opt)/\w"),
-    "a registry's host": re.compile(
-        r"pypi\.org|pythonhosted\.org|registry\.npmjs|registry\.yarnpkg|(?:static|index)\.crates\.io"
-        r"|deb\.debian\.org"
+    "a folder of one machine": re.compile(r"(?<![\w.])/(?:root|home|Users|mnt|opt)/\w"),
+    "an address of a package": re.compile(
+        r"\"resolved\": *\"http|--(?:extra-)?index-url|https?://\S+\.(?:tgz|whl|crate)\b"
     ),
     "work left over": re.compile(r"\b(?:TODO|FIXME|XXX)\b"),
 }

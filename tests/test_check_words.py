@@ -14,9 +14,10 @@ from check_words import forbidden_words
     [
         'path = "/home/someone/scan.nii"',
         "see /root/notes",
-        "DATA=/work/data",
-        '"resolved": "https://registry.npmjs.org/three/-/three.tgz"',
-        "--index-url https://pypi.org/simple",
+        "DATA=/mnt/data",
+        '"resolved": "https://example.org/three/-/three.tgz"',
+        "--index-url https://example.org/simple",
+        "fetch https://example.org/a-1.0.whl first",
         "// TODO: later",
     ],
 )
@@ -27,7 +28,7 @@ def test_places_of_one_machine_are_found(line: str) -> None:
 @pytest.mark.parametrize(
     "line",
     [
-        "crates/engine/src/work/queue.rs",
+        "crates/engine/src/home/queue.rs",
         "../shared/data",
         'registry+https://github.com/rust-lang/crates.io-index"',
         "the homework",
