@@ -8,6 +8,7 @@
  *   {"do": "text", "testid": "force"}                         → {"value": "1.25"}
  *   {"do": "screenshot", "path": …, "testid": optional}
  *   {"do": "doubleClick", "x": …, "y": …}                     in pixels of the picture
+ *   {"do": "drag", "x": …, "y": …}                            left button held: turns the picture
  *   {"do": "touch", "x": …, "y": …, "depth": wheel pixels}    Shift held: move by x, y; wheel (< 0 is deeper)
  *   {"do": "press", "key": "Escape"}, {"do": "resize", "width": …, "height": …}
  *
@@ -64,6 +65,15 @@ const actions = {
   },
   async doubleClick({ x, y }) {
     await picture().dblclick({ position: { x, y } });
+    return {};
+  },
+  async drag({ x = 0, y = 0, steps = 10 }) {
+    const box = await picture().boundingBox();
+    const [startX, startY] = [box.x + box.width / 2, box.y + box.height / 2];
+    await page.mouse.move(startX, startY);
+    await page.mouse.down();
+    await page.mouse.move(startX + x, startY + y, { steps });
+    await page.mouse.up();
     return {};
   },
   async touch({ x = 0, y = 0, depth = 0, steps = 10 }) {
