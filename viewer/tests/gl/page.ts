@@ -32,8 +32,8 @@ export interface MarchTest {
   /** Extinction everywhere [1/mm]; else the usual look with this opacity of soft tissue. */
   readonly extinction?: number;
   readonly softTissue?: number;
-  /** The ball as a visible or hidden segment. */
-  readonly segment?: "visible" | "hidden";
+  /** The ball as a visible or hidden segment; or as a red one around a green one 0.5 mm below. */
+  readonly segment?: "visible" | "hidden" | "nested";
 }
 
 export interface MarchResult {
@@ -65,10 +65,12 @@ function lookOf(test: MarchTest): Look {
     ],
   };
   const usual = { ...defaultAppearance({ softTissue: 40, bone: 250 }), softTissue: test.softTissue ?? 0 };
-  const segment = { id: 1, low: 32768, high: 65535, colour: [0, 1, 0] as const, visible: test.segment === "visible" };
+  const segment = { id: 1, low: 32768, high: 65535, colour: [0, 1, 0] as const, visible: test.segment !== "hidden" };
+  const nested = [{ ...segment, low: 32968 }, { ...segment, id: 2, colour: [1, 0, 0] as const }];
+  const ranges = test.segment === undefined ? [] : test.segment === "nested" ? nested : [segment];
   return {
     transferFunction: test.extinction === undefined ? transferFunctionOf(usual) : flat,
-    ranges: test.segment === undefined ? [] : [segment],
+    ranges,
     edgeGradient: 40,
   };
 }

@@ -124,6 +124,14 @@ test.each(["A", "R", "S"] as const)("a visible segment is a ball of the right si
   }
 });
 
+test("of segments in one another the outer one is seen, also where a step passes both", async () => {
+  const { pixels } = await march({ ...ball, stepsPerVoxel: 1, segment: "nested" });
+  const colours = Array.from({ length: edge * edge }, (_, i) => pixels.slice(4 * i, 4 * i + 3));
+  const greens = colours.filter(([red = 0, green = 0]) => green > red);
+  expect(colours.filter(([red = 0, green = 0]) => red > green).length).toBeGreaterThan(1000);
+  expect(greens.length).toBe(0);
+});
+
 test("a hidden segment leaves nothing in the picture", async () => {
   const shown = mean(alphas(await march({ ...ball, segment: "visible" })));
   const hidden = mean(alphas(await march({ ...ball, segment: "hidden" })));

@@ -65,13 +65,16 @@ float emptyAhead(vec3 grid, vec3 direction) {
   return min(min(lengths.x, lengths.y), lengths.z);
 }
 
-// Where between two samples the ray enters the segment of the second one.
-float refinedEntry(vec3 direction, float before, float inside, int segment) {
+// Where between two samples the ray enters a segment, and which: where segments lie in one
+// another it is the outer one, however steep the step between.
+float refinedEntry(vec3 direction, float before, float inside, inout int segment) {
   for (int i = 0; i < refinements; ++i) {
     float middle = 0.5 * (before + inside);
     vec3 grid = eye + direction * middle;
-    if (segmentAt(grid, biasedAt(grid)) == segment) {
+    int here = segmentAt(grid, biasedAt(grid));
+    if (here > 0) {
       inside = middle;
+      segment = here;
     } else {
       before = middle;
     }
