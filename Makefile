@@ -164,7 +164,7 @@ bench: setup bench-page ## measure everything: the page, Rust benchmarks, `palpa
 SCANS ?= $(addprefix $(or $(PALPATE_DATA),../shared/data)/,cthead_stanford/CThead.mha amos_0336/amos_0336.mhd)
 
 .PHONY: bench-page
-bench-page: setup chromium ## measure the page with SCANS="PATH …": first picture, late ticks, memory
+bench-page: setup chromium ## measure the page with SCANS="PATH ...": first picture, late ticks, memory
 	$(call say,page)
 	CHROMIUM="$$(scripts/chromium.sh)" PYTHONPATH=tests/support \
 		$(BIN)/python scripts/measure_page.py $(SCANS)

@@ -15,6 +15,8 @@ from pathlib import Path
 
 from browser import Browser, Command, browser, palpate
 
+SIZE = {"width": 1280, "height": 800}
+"""Size of the browser's window [pixels]."""
 RUNS = 3
 """Openings and sessions of each scan; the median counts."""
 WATCHED_SECONDS = 20.0
@@ -27,7 +29,7 @@ def first_picture(path: Path) -> float:
         began = time.monotonic()
         with palpate("open", path) as command:
             served = time.monotonic() - began
-            shown: float = page.do("open", url=command.url)["firstPicture"]
+            shown: float = page.do("open", url=command.url, **SIZE)["firstPicture"]
             return served + shown / 1000.0
 
 
@@ -58,7 +60,7 @@ def memory_mib(command: Command) -> float:
 def watch(path: Path, *, with_priority: bool) -> tuple[float, float]:
     """Returns the share of late ticks in one session, and its memory [MiB]."""
     with palpate("open", path, real_time=with_priority) as command, browser() as page:
-        page.do("open", url=command.url)
+        page.do("open", url=command.url, **SIZE)
         if page.read("window.palpate.state.rates.real_time") != with_priority:
             sys.exit("no real-time priority here; allowed: as root, or with ulimit -r 70")
         before = servo(page)

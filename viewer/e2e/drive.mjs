@@ -2,7 +2,7 @@
  * A person at the page, in a real browser: does what it is told on standard input and
  * answers on standard output, one JSON object a line each.
  *
- *   {"do": "open", "url": …, "width": 1280, "height": 800}   → {"firstPicture": ms | null}
+ *   {"do": "open", "url": …, "width": 720, "height": 480}   → {"firstPicture": ms | null}
  *   {"do": "wait", "for": "<expression in the page>", "seconds": 30}
  *   {"do": "read", "expression": "<expression in the page>"}  → {"value": …}
  *   {"do": "text", "testid": "force"}                         → {"value": "1.25"}
@@ -32,7 +32,7 @@ const byTestId = (testid) => page.locator(`[data-testid="${testid}"]`).first();
 const picture = () => byTestId("canvas");
 
 const actions = {
-  async open({ url, width = 1280, height = 800, seconds = 60 }) {
+  async open({ url, width = 720, height = 480, seconds = 60 }) {
     await page.setViewportSize({ width, height });
     await page.goto(url, { waitUntil: "domcontentloaded" });
     await page
