@@ -3,27 +3,22 @@
 from __future__ import annotations
 
 import os
-import queue
 import re
 import signal
 import subprocess
 import sys
-import threading
-import time
 import urllib.error
 import urllib.request
 import zipfile
 from collections.abc import Iterator
 from pathlib import Path
-from typing import IO
 
 import pytest
+from browser import address_in
 
 pytestmark = pytest.mark.wheel
 
 ROOT = Path(__file__).parent.parent
-START_LIMIT = 60.0
-"""Seconds until the page's address must be printed: the phantom takes 2 s on two cores."""
 
 
 @pytest.fixture(scope="module")
@@ -66,35 +61,12 @@ def address(palpate: Path, tmp_path: Path) -> Iterator[str]:
     )
     with demo as process:
         try:
-            yield wait_for_address(process)
+            yield address_in(process)
             process.send_signal(signal.SIGINT)
             # stopping takes under a second; the rest is for a busy machine
             assert process.wait(timeout=10.0) == 0
         finally:
             process.kill()
-
-
-def wait_for_address(process: subprocess.Popen[str]) -> str:
-    """Returns the address that the command prints."""
-    assert process.stdout is not None
-    lines: queue.Queue[str] = queue.Queue()
-    reader = threading.Thread(target=read_lines, args=(process.stdout, lines), daemon=True)
-    reader.start()
-    ends, seen = time.monotonic() + START_LIMIT, ""
-    while time.monotonic() < ends and (process.poll() is None or not lines.empty()):
-        try:
-            seen += lines.get(timeout=0.2)
-        except queue.Empty:
-            continue
-        if found := re.search(r"http://(?:127\.0\.0\.1|localhost):\d+/\S*", seen):
-            return found.group()
-    raise AssertionError(f"no address within {START_LIMIT} s; printed: {seen!r}")
-
-
-def read_lines(output: IO[str], lines: queue.Queue[str]) -> None:
-    """Hands lines over as they come, so that a command that prints nothing cannot block."""
-    for line in output:
-        lines.put(line)
 
 
 def fetch(url: str) -> bytes:
