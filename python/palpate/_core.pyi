@@ -224,12 +224,14 @@ def bench_touch(
     work: Literal["detection", "proxy", "tick"],
     count: int,
     seed: int,
+    model: Literal["exact", "thesis-original", "thesis-improved"] = "exact",
 ) -> dict[str, float]:
     """Times ``count`` calls on a segment; the same seed gives the same calls.
 
     ``detection`` traverses rays 4 voxels long near the surface that meet nothing (a few fewer
     than ``count``), ``proxy`` is the contact model alone, ``tick`` the complete tick with
     coupling and safety stage, both with the device pressing and sliding 0.2 h per update.
+    Every contact model gets the same path; detection has none.
 
     Returns:
         ``count``, ``per_second`` (timed all together), ``median_ns``, ``p99_ns``, ``p999_ns``,

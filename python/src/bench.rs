@@ -1,6 +1,6 @@
 //! `_core.bench_touch`: timing loops for `palpate bench haptics`.
 
-use palpate_engine::bench::{Report, Work, run};
+use palpate_engine::bench::{Model, Report, Work, run};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -11,8 +11,9 @@ use crate::volume::PyVolume;
 /// Most calls that one run times.
 const MAX_COUNT: usize = 10_000_000;
 
-/// Times `count` calls of `work` on a segment.
+/// Times `count` calls of `work` on a segment, with the contact model of a name.
 #[pyfunction]
+#[pyo3(signature = (volume, segment, work, count, seed, model = "exact"))]
 pub fn bench_touch<'py>(
     py: Python<'py>,
     volume: &PyVolume,
@@ -20,8 +21,10 @@ pub fn bench_touch<'py>(
     work: &str,
     count: usize,
     seed: u64,
+    model: &str,
 ) -> PyResult<Bound<'py, PyDict>> {
     let work = work_named(work)?;
+    let model = model_named(model)?;
     if !(1..=MAX_COUNT).contains(&count) {
         return Err(
             CoreError::value(format!("{count} calls given; allowed: 1 to {MAX_COUNT}")).into(),
@@ -36,7 +39,10 @@ pub fn bench_touch<'py>(
         .into());
     }
     let report = py
-        .detach(|| run(&volume.grid, segment.segment.occupancy(), work, count, seed))
+        .detach(|| {
+            let solid = segment.segment.occupancy();
+            run(&volume.grid, solid, work, model, count, seed)
+        })
         .ok_or_else(|| {
             CoreError::value("segment without a surface given; allowed: one that can be touched")
         })?;
@@ -52,6 +58,16 @@ fn work_named(name: &str) -> Result<Work, CoreError> {
             "work {name:?} given; allowed: 'detection', 'proxy', 'tick'"
         ))),
     }
+}
+
+fn model_named(name: &str) -> Result<Model, CoreError> {
+    Model::named(name).ok_or_else(|| {
+        let allowed = Model::ALL.map(|model| format!("'{}'", model.name()));
+        CoreError::value(format!(
+            "contact model {name:?} given; allowed: {}",
+            allowed.join(", ")
+        ))
+    })
 }
 
 fn report_dict<'py>(py: Python<'py>, report: &Report) -> PyResult<Bound<'py, PyDict>> {

@@ -22,6 +22,14 @@ NAMED = {
 }
 """Goals of the design's section 8 for what is built."""
 
+CASES = (
+    "detection only",
+    "hard proxy",
+    "hard proxy, thesis-original",
+    "hard proxy, thesis-improved",
+    "complete tick",
+)
+
 
 def test_every_named_goal_stands_in_the_table() -> None:
     table = {(row.case, row.metric): row for row in GOALS["haptics"]}
@@ -32,11 +40,25 @@ def test_every_named_goal_stands_in_the_table() -> None:
 
 def test_rows_have_median_and_tail_of_each_case(ball_scene: Scene) -> None:
     rows = measure(next(iter(ball_scene)).segment, count=2000)
-    for case in ("detection only", "hard proxy", "complete tick"):
+    for case in CASES:
         figures = {row.metric: row.value for row in rows if row.case == case}
         assert 0.0 < figures["median"] <= figures["p99"] <= figures["p99.9"] <= figures["max"]
         assert figures["rate"] > 0.0
     assert {(row.case, row.metric) for row in rows} >= NAMED.keys()
+
+
+def test_the_ratio_is_that_of_the_rates_of_the_same_run(ball_scene: Scene) -> None:
+    rows = measure(next(iter(ball_scene)).segment, count=2000)
+    figures = {(row.case, row.metric): row for row in rows}
+    ratio = figures["hard proxy", "ratio to thesis-improved"]
+    assert (ratio.unit, ratio.goal, ratio.better) == ("x", None, "higher")
+    rates = [figures[case, "rate"].value for case in ("hard proxy", "hard proxy, thesis-improved")]
+    assert ratio.value == pytest.approx(rates[0] / rates[1])
+
+
+def test_models_of_the_thesis_have_no_goals() -> None:
+    goals = [row.goal for row in GOALS["haptics"] if "thesis" in row.case]
+    assert goals == [None] * 12
 
 
 def test_the_file_has_the_agreed_form(tmp_path: Path) -> None:

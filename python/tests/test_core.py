@@ -6,7 +6,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Literal
 
 import msgspec
 import numpy as np
@@ -238,3 +238,18 @@ def test_the_benchmark_reports_what_it_timed(work: str) -> None:
     empty = scan.threshold(5000.0, 6000.0)
     with pytest.raises(ValueError, match="surface"):
         _core.bench_touch(scan, empty, "proxy", 10, 1)
+
+
+@pytest.mark.parametrize("work", ["proxy", "tick"])
+def test_the_benchmark_times_each_contact_model_on_the_same_path(
+    work: Literal["proxy", "tick"],
+) -> None:
+    scan = volume()
+    bone = scan.threshold(500.0, 2000.0)
+    exact = _core.bench_touch(scan, bone, work, 2000, 1)
+    original = _core.bench_touch(scan, bone, work, 2000, 1, "thesis-original")
+    improved = _core.bench_touch(scan, bone, work, 2000, 1, "thesis-improved")
+    assert exact["mean_step"] == original["mean_step"] == improved["mean_step"]
+    assert len({report["mean_visits"] for report in (exact, original, improved)}) == 3
+    with pytest.raises(ValueError, match='contact model "thesis" given; allowed'):
+        _core.bench_touch(scan, bone, work, 10, 1, "thesis")  # type: ignore[arg-type]

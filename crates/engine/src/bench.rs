@@ -3,11 +3,13 @@
 //! Budgets (design, section 8): detection of rays 4 voxels long at least 15 M/s, the hard proxy
 //! pressing and sliding at least 2 M/s (1 M/s on CThead in the first version).
 
+mod model;
 mod random;
 mod rays;
 mod stroke;
 mod timing;
 
+pub use model::Model;
 pub use rays::free_rays;
 pub use stroke::{DEPTH, STEP, Stroke, stroke};
 pub use timing::Timing;
@@ -19,6 +21,8 @@ use palpate_haptics::contact::ContactModel;
 use palpate_haptics::exact::Exact;
 use palpate_haptics::proxy::Proxy;
 use palpate_haptics::safety::{ForceLimits, Safety};
+use palpate_haptics::thesis_improved::ThesisImproved;
+use palpate_haptics::thesis_original::ThesisOriginal;
 use palpate_haptics::tick::{TickInput, TickState, TouchScene, tick};
 use palpate_volume::bits::Bits;
 use palpate_volume::first_solid::first_solid;
@@ -51,16 +55,43 @@ pub struct Report {
 }
 
 /// Times `count` calls on a solid; none where it has no surface to touch. The same seed gives
-/// the same calls.
+/// the same calls: every model gets the device path on which `exact` presses and slides.
+/// Detection is the traversal, whatever the model.
 #[must_use]
-pub fn run(grid: &Grid, solid: &Bits, work: Work, count: usize, seed: u64) -> Option<Report> {
+pub fn run(
+    grid: &Grid,
+    solid: &Bits,
+    work: Work,
+    model: Model,
+    count: usize,
+    seed: u64,
+) -> Option<Report> {
     let stroke = stroke(grid, solid, count, seed)?;
-    let report = match work {
-        Work::Detection => time_detection(grid, solid, &stroke, seed),
-        Work::Proxy => time_proxy(grid, solid, &stroke),
-        Work::Tick => time_tick(grid, solid, &stroke),
+    let report = match (work, model) {
+        (Work::Detection, _) => time_detection(grid, solid, &stroke, seed),
+        (_, Model::Exact) => time_model(grid, solid, work, &Exact::default(), &stroke),
+        (_, Model::ThesisOriginal) => {
+            time_model(grid, solid, work, &ThesisOriginal::default(), &stroke)
+        }
+        (_, Model::ThesisImproved) => {
+            time_model(grid, solid, work, &ThesisImproved::default(), &stroke)
+        }
     };
     Some(report)
+}
+
+fn time_model(
+    grid: &Grid,
+    solid: &Bits,
+    work: Work,
+    model: &impl ContactModel,
+    stroke: &Stroke,
+) -> Report {
+    if work == Work::Tick {
+        time_tick(grid, solid, model, stroke)
+    } else {
+        time_proxy(grid, solid, model, stroke)
+    }
 }
 
 fn time_detection(grid: &Grid, solid: &Bits, stroke: &Stroke, seed: u64) -> Report {
@@ -81,8 +112,7 @@ fn time_detection(grid: &Grid, solid: &Bits, stroke: &Stroke, seed: u64) -> Repo
     }
 }
 
-fn time_proxy(grid: &Grid, solid: &Bits, stroke: &Stroke) -> Report {
-    let model = Exact::default();
+fn time_proxy(grid: &Grid, solid: &Bits, model: &impl ContactModel, stroke: &Stroke) -> Report {
     let grid_from_scene = grid.grid_from_patient();
     let path: Vec<DVec3> = stroke
         .device
@@ -96,18 +126,14 @@ fn time_proxy(grid: &Grid, solid: &Bits, stroke: &Stroke) -> Report {
     });
 
     let mut proxy = first_proxy(grid, stroke);
-    let visits = path
-        .iter()
-        .map(|device| model.advance(solid, grid, *device, &mut proxy).visits);
-    Report {
-        timing,
-        mean_visits: mean(visits),
-        ..stroke_report(grid, stroke)
-    }
+    let updates = path.iter().map(|device| {
+        let contact = model.advance(solid, grid, *device, &mut proxy);
+        (contact.touching, contact.visits)
+    });
+    report(timing, grid, stroke, updates)
 }
 
-fn time_tick(grid: &Grid, solid: &Bits, stroke: &Stroke) -> Report {
-    let model = Exact::default();
+fn time_tick(grid: &Grid, solid: &Bits, model: &impl ContactModel, stroke: &Stroke) -> Report {
     let scene = TouchScene {
         occupancy: solid,
         grid,
@@ -125,22 +151,18 @@ fn time_tick(grid: &Grid, solid: &Bits, stroke: &Stroke) -> Report {
         let mut safety = Safety::new(ForceLimits::default());
         let scene = &scene;
         move |call: usize| {
-            let output = tick(scene, &model, &input(stroke.device[call]), &mut state);
+            let output = tick(scene, model, &input(stroke.device[call]), &mut state);
             black_box(safety.limit(output.force, 1e-3));
             output.contact
         }
     });
 
     let mut state = first_state();
-    let visits = stroke
-        .device
-        .iter()
-        .map(|device| tick(&scene, &model, &input(*device), &mut state).visits);
-    Report {
-        timing,
-        mean_visits: mean(visits),
-        ..stroke_report(grid, stroke)
-    }
+    let updates = stroke.device.iter().map(|device| {
+        let output = tick(&scene, model, &input(*device), &mut state);
+        (output.contact, output.visits)
+    });
+    report(timing, grid, stroke, updates)
 }
 
 fn first_proxy(grid: &Grid, stroke: &Stroke) -> Proxy {
@@ -148,16 +170,21 @@ fn first_proxy(grid: &Grid, stroke: &Stroke) -> Proxy {
     Proxy::at(point_in_grid).expect("a stroke begins at a free point near its solid")
 }
 
-fn stroke_report(grid: &Grid, stroke: &Stroke) -> Report {
+/// The report on a model whose updates are given as contact and voxels read.
+fn report(
+    timing: Timing,
+    grid: &Grid,
+    stroke: &Stroke,
+    updates: impl ExactSizeIterator<Item = (bool, u32)>,
+) -> Report {
+    let count = updates.len().max(1) as f64;
+    let (contacts, visits) = updates.fold((0_u64, 0_u64), |(contacts, sum), (contact, visits)| {
+        (contacts + u64::from(contact), sum + u64::from(visits))
+    });
     Report {
-        timing: Timing::default(),
-        contact_share: stroke.contact_share,
-        mean_visits: 0.0,
+        timing,
+        contact_share: contacts as f64 / count,
+        mean_visits: visits as f64 / count,
         mean_step: stroke.mean_step() / grid.smallest_spacing(),
     }
-}
-
-fn mean(values: impl ExactSizeIterator<Item = u32>) -> f64 {
-    let count = values.len().max(1) as f64;
-    values.map(u64::from).sum::<u64>() as f64 / count
 }

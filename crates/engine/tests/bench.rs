@@ -9,7 +9,7 @@ mod common;
 
 use common::*;
 use glam::{DVec3, UVec3};
-use palpate_engine::bench::{Work, free_rays, run, stroke};
+use palpate_engine::bench::{Model, Work, free_rays, run, stroke};
 use palpate_volume::first_solid::first_solid;
 use palpate_volume::segment::Segment;
 
@@ -69,7 +69,7 @@ fn reports_say_what_was_done() {
     let ball = ball();
     let grid = grid(DIMENSIONS);
     for work in [Work::Detection, Work::Proxy, Work::Tick] {
-        let report = run(&grid, ball.occupancy(), work, 2000, 3).unwrap();
+        let report = run(&grid, ball.occupancy(), work, Model::Exact, 2000, 3).unwrap();
         assert!(report.timing.per_second > 0.0);
         assert!(report.timing.median_ns <= report.timing.max_ns);
         assert!(report.mean_visits >= 1.0);
@@ -81,5 +81,23 @@ fn reports_say_what_was_done() {
         assert!((report.mean_step - step).abs() < 1e-9, "{report:?}");
     }
     let nothing = Segment::empty(DIMENSIONS);
-    assert!(run(&grid, nothing.occupancy(), Work::Proxy, 10, 3).is_none());
+    assert!(run(&grid, nothing.occupancy(), Work::Proxy, Model::Exact, 10, 3).is_none());
+}
+
+#[test]
+fn every_model_is_timed_on_the_same_path_under_its_own_name() {
+    let ball = ball();
+    let grid = grid(DIMENSIONS);
+    let reports = Model::ALL.map(|model| {
+        assert_eq!(Model::named(model.name()), Some(model));
+        run(&grid, ball.occupancy(), Work::Proxy, model, 2000, 3).unwrap()
+    });
+    for report in &reports {
+        assert_eq!(report.mean_step, reports[0].mean_step);
+        // pressed into a ball, each of them is held up
+        assert!(report.contact_share > 0.9, "{report:?}");
+    }
+    // each does work of its own
+    assert!(reports[0].mean_visits != reports[2].mean_visits);
+    assert_eq!(Model::named("thesis"), None);
 }

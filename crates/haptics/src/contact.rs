@@ -18,15 +18,17 @@ pub struct Contact {
     pub visits: u32,
     /// Steps along the surface.
     pub slides: u32,
-    /// The proxy stood in a solid voxel and was left there: guarantee 1 was broken by
-    /// whoever changed the voxels without admission.
+    /// The proxy stands in a solid voxel: guarantee 1 was broken, with `exact` by whoever
+    /// changed the voxels without admission (it is left there), with the thesis' models also
+    /// by the model itself.
     pub violation: bool,
 }
 
 /// A contact model: static dispatch, no state of its own.
 pub trait ContactModel {
     /// Moves the proxy toward the device point by legal moves only: through face-connected
-    /// free voxels. A device point that is not finite leaves it where it is.
+    /// free voxels (`exact`; the thesis' models promise none of it). A device point that is not
+    /// finite leaves it where it is.
     fn advance<O: Occupancy + ?Sized>(
         &self,
         occupancy: &O,

@@ -9,14 +9,19 @@
 //! clocks or tools: whoever calls it owns those.
 
 pub mod admission;
+mod border_voxels;
 pub mod contact;
 pub mod coupling;
 pub mod exact;
 mod flood;
 pub mod placement;
 pub mod proxy;
+mod ray_samples;
 pub mod safety;
 mod slide;
 mod slide_window;
+pub mod thesis_improved;
+pub mod thesis_original;
+pub mod thesis_path;
 pub mod tick;
 mod voxel_distance;

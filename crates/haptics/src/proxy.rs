@@ -1,4 +1,7 @@
-//! The proxy: the point that touches, which is always in a free voxel.
+//! The proxy: the point that touches; with `exact` it is always in a free voxel.
+//!
+//! Being free is what whoever makes one vouches for. The thesis' models cannot, and say so
+//! in `Contact::violation`.
 //!
 //! Frame: grid; voxel (i, j, k) covers [i, i+1) on each axis. The proxy is kept as a voxel
 //! and a point strictly inside it, so that no rounding carries the point into a
@@ -38,7 +41,7 @@ impl Proxy {
         }
     }
 
-    /// The free voxel that it is in.
+    /// The voxel that it is in.
     pub fn voxel(&self) -> IVec3 {
         self.voxel
     }

@@ -7,10 +7,13 @@ use std::cell::Cell;
 
 use glam::{DVec3, UVec3};
 use palpate_haptics::admission::{Admission, admit};
+use palpate_haptics::contact::ContactModel;
 use palpate_haptics::coupling::Coupling;
 use palpate_haptics::exact::Exact;
 use palpate_haptics::placement::nearest_free;
 use palpate_haptics::safety::{ForceLimits, Safety};
+use palpate_haptics::thesis_improved::ThesisImproved;
+use palpate_haptics::thesis_original::ThesisOriginal;
 use palpate_haptics::tick::{TickInput, TickState, TouchScene, tick};
 use support::{Random, SPACINGS, grid, noise};
 
@@ -110,4 +113,20 @@ fn ticks_admissions_and_safety_never_call_the_allocator() {
         assert_eq!(calls, 0);
     }
     assert!(outcomes[0] > 0 && outcomes[1] > 0, "{outcomes:?}");
+}
+
+#[test]
+fn the_thesis_models_never_call_the_allocator() {
+    let solid = noise(32, 0.3, 1);
+    let grid = grid(UVec3::splat(32), SPACINGS[0]);
+    let mut proxies = [nearest_free(&solid, &grid, DVec3::splat(16.0), 9).expect("free"); 2];
+    let mut random = Random::new(5);
+    let calls = allocator_calls(|| {
+        for _ in 0..20_000 {
+            let device = random.point(-5.0, 37.0);
+            ThesisOriginal::default().advance(&solid, &grid, device, &mut proxies[0]);
+            ThesisImproved::default().advance(&solid, &grid, device, &mut proxies[1]);
+        }
+    });
+    assert_eq!(calls, 0);
 }

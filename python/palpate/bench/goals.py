@@ -38,17 +38,27 @@ def _times(case: str, *, tail: float | None = None) -> tuple[Goal, ...]:
     )
 
 
-def _rate(case: str, least: float) -> Goal:
+def _rate(case: str, least: float | None) -> Goal:
     return Goal(case, "rate", "per_second", 1e-6, "M/s", least, "higher")
 
 
-def _contact(case: str) -> Goal:
-    return Goal(case, "in contact", "contact_share", 100.0, "%", 95.0, "higher")
+def _contact(case: str, least: float | None = 95.0) -> Goal:
+    return Goal(case, "in contact", "contact_share", 100.0, "%", least, "higher")
+
+
+def _baseline(case: str) -> tuple[Goal, ...]:
+    """Returns what is told of a model that others are compared with."""
+    return (_rate(case, None), *_times(case), _contact(case, None))
 
 
 DETECTION = "detection only"
 PROXY = "hard proxy"
+ORIGINAL = "hard proxy, thesis-original"
+IMPROVED = "hard proxy, thesis-improved"
 TICK = "complete tick"
+
+RATIO = "ratio_to_thesis_improved"
+"""Key of calls per second by those of ``thesis-improved`` in the same run."""
 
 GOALS: dict[str, tuple[Goal, ...]] = {
     "haptics": (
@@ -57,6 +67,9 @@ GOALS: dict[str, tuple[Goal, ...]] = {
         _rate(PROXY, 2.0),
         *_times(PROXY),
         _contact(PROXY),
+        Goal(PROXY, "ratio to thesis-improved", RATIO, 1.0, "x", None, "higher"),
+        *_baseline(ORIGINAL),
+        *_baseline(IMPROVED),
         _rate(TICK, 1.0),
         *_times(TICK, tail=20.0),
         _contact(TICK),
