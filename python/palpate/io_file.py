@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from palpate.errors import VolumeFormatError
-from palpate.io_payload import check_payload, metaimage_header
+from palpate.io_payload import check_payload, metaimage_header, nifti_not_finite
 from palpate.progress import Progress
 from palpate.raw_scan import RawScan, check_shape, orthonormal
 from palpate.simpleitk import Image, Reader, reason_of, simpleitk
@@ -46,9 +46,15 @@ def read_file(path: Path, *, max_voxels: int, progress: Progress) -> RawScan:
 
     progress(f"reading {path.name}", None)
     image = _read(path, reader)
+    values = simpleitk().GetArrayFromImage(image)
+    if format_name == "nifti":
+        not_finite = nifti_not_finite(path, metadata)
+        if not_finite.any():
+            # which of the two it was makes no difference further on
+            values[not_finite.reshape(values.shape)] = np.nan
     known = _orientation_known(path, metadata, format_name)
     return RawScan(
-        values=simpleitk().GetArrayFromImage(image),
+        values=values,
         spacing=image.GetSpacing(),
         origin=image.GetOrigin(),
         direction=orthonormal(str(path), np.reshape(image.GetDirection(), (3, 3))),

@@ -1,7 +1,8 @@
 """Checks that an image file holds all the bytes its header announces, undamaged.
 
 SimpleITK fills what is missing of a truncated NIfTI file with zeros, and takes damaged zlib
-data of any format without a word; so sizes and checksums are compared here, before reading.
+data of any format without a word; so sizes and checksums are compared here, before reading. It
+also turns NaN and infinity of NIfTI files into zeros, so they are looked for here as well.
 
 Sources of the formats: MetaIO documentation (Kitware), "MetaImage"; NRRD 5 definition (teem),
 "Data file"; NIfTI-1 header (R. Cox et al. 2004), ``vox_offset``; RFC 1950 and 1952.
@@ -9,15 +10,19 @@ Sources of the formats: MetaIO documentation (Kitware), "MetaImage"; NRRD 5 defi
 
 from __future__ import annotations
 
+import gzip
 import zlib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import BinaryIO
+from typing import IO, BinaryIO
+
+import numpy as np
+from numpy.typing import NDArray
 
 from palpate.errors import VolumeFormatError
 
-__all__ = ["Payload", "check_payload", "metaimage_header", "nrrd_header"]
+__all__ = ["Payload", "check_payload", "metaimage_header", "nifti_not_finite", "nrrd_header"]
 
 CHUNK = 1 << 20
 ZLIB, GZIP = 15, 31
@@ -129,6 +134,31 @@ def _nifti(path: Path, metadata: Mapping[str, str]) -> Payload | None:
     if ".hdr" in name:
         path, start = path.with_name(name.replace(".hdr", ".img")), 0
     return Payload(path, start, size, GZIP if zipped else None, compressed_all=zipped)
+
+
+NIFTI_FLOATS = {"16": "f4", "64": "f8"}
+"""Datatype codes of the header whose values may be NaN or infinite, and NumPy's names."""
+
+
+def nifti_not_finite(path: Path, metadata: Mapping[str, str]) -> NDArray[np.bool_]:
+    """Returns which voxels of a complete NIfTI file are NaN or infinite, flat, x fastest."""
+    kind, payload = NIFTI_FLOATS.get(metadata.get("datatype", "")), _nifti(path, metadata)
+    if kind is None or payload is None:
+        return np.zeros(0, np.bool_)
+    # the first number of a header is its size, by which the byte order is known
+    with _plain(path) as header:
+        order = "<" if int.from_bytes(header.read(4), "little") in (348, 540) else ">"
+    with _plain(payload.path) as file:
+        file.seek(payload.start)
+        finite: NDArray[np.bool_] = np.isfinite(np.frombuffer(file.read(payload.size), order + kind))
+        return ~finite
+
+
+def _plain(path: Path) -> IO[bytes]:
+    """Opens a file to read what it holds once decompressed."""
+    if path.name.endswith(".gz"):
+        return gzip.open(path, "rb")  # type: ignore[return-value]  # it reads as a file does
+    return path.open("rb")
 
 
 # --- MetaImage --------------------------------------------------------------------------

@@ -157,15 +157,20 @@ def test_options_that_are_not_allowed_are_refused(
         palpate.read(path, **options)
 
 
-def test_values_that_are_not_finite_are_refused_or_filled(write_image: Any) -> None:
-    values = np.zeros((3, 4, 5), np.float32)
+@pytest.mark.parametrize("kind", ["f4", "f8"])
+@pytest.mark.parametrize("name", ["a.nrrd", "a.mha", "a.nii", "a.nii.gz", "a.hdr"])
+def test_values_that_are_not_finite_are_refused_or_filled(
+    write_image: Any, name: str, kind: str
+) -> None:
+    values = np.zeros((3, 4, 5)).astype(kind)
     values[0, 0, 0], values[1, 1, 1] = np.nan, np.inf
-    path = write_image(values)
+    path = write_image(values, name)
     with pytest.raises(VolumeFormatError, match=r"2 of 60 values are NaN or infinite.*--fill"):
         palpate.read(path)
     volume = palpate.read(path, fill=-1000.0)
     assert volume.range == (-1000.0, 0.0)
     assert "2 NaN or infinite values were set to -1000" in volume.warnings
+    np.testing.assert_array_equal(volume.array == -1000, ~np.isfinite(values))
 
 
 # --- what is refused --------------------------------------------------------------------
