@@ -150,8 +150,9 @@ def nifti_not_finite(path: Path, metadata: Mapping[str, str]) -> NDArray[np.bool
         order = "<" if int.from_bytes(header.read(4), "little") in (348, 540) else ">"
     with _plain(payload.path) as file:
         file.seek(payload.start)
-        finite: NDArray[np.bool_] = np.isfinite(np.frombuffer(file.read(payload.size), order + kind))
-        return ~finite
+        values = np.frombuffer(file.read(payload.size), order + kind)
+    finite: NDArray[np.bool_] = np.isfinite(values)
+    return ~finite
 
 
 def _plain(path: Path) -> IO[bytes]:
