@@ -266,8 +266,8 @@ export interface MoveSegment {
   readonly pose: Pose;
 }
 
-/** Begins to keep every input of the servo, or ends it; then the file is at `/api/recording`. */
-export interface Record {
+/** Begins to keep every input of the servo, or ends it: the file is at `/api/recording`. */
+export interface RecordSession {
   readonly type: "record";
   readonly on: boolean;
 }
@@ -311,7 +311,7 @@ export type FromPage =
   | SegmentProperties
   | SegmentFeel
   | MoveSegment
-  | Record
+  | RecordSession
   | RemoveSegment
   | ChangeSettings
   | Undo
