@@ -10,7 +10,8 @@ use glam::DVec3;
 use palpate_haptics::exact::Exact;
 use palpate_haptics::placement::nearest_free;
 use palpate_haptics::proxy::Proxy;
-use palpate_haptics::tick::{TickInput, TickOutput, TickState, TouchScene, tick};
+use palpate_haptics::scene::TouchScene;
+use palpate_haptics::tick::{TickInput, TickOutput, TickState, tick};
 use palpate_volume::bits::Bits;
 use palpate_volume::grid::Grid;
 
@@ -258,10 +259,7 @@ impl ServoLoop {
     }
 
     fn touch(&mut self, input: &TickInput) -> TickOutput {
-        let scene = TouchScene {
-            occupancy: self.occupancy.bits(),
-            grid: &self.grid,
-        };
+        let scene = TouchScene::of_world(self.occupancy.bits(), &self.grid);
         let output = tick(&scene, &self.model, input, &mut self.state);
         if output.violation {
             self.shared.counters.violations.fetch_add(1, Relaxed);
