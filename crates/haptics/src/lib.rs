@@ -14,6 +14,7 @@ pub mod contact;
 pub mod coupling;
 pub mod exact;
 mod flood;
+pub mod friction;
 pub mod placement;
 pub mod proxy;
 mod ray_samples;
