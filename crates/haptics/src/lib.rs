@@ -21,6 +21,7 @@ mod ray_samples;
 pub mod safety;
 mod slide;
 mod slide_window;
+pub mod surface;
 pub mod thesis_improved;
 pub mod thesis_original;
 pub mod thesis_path;
