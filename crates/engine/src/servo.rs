@@ -7,7 +7,6 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
 
 use glam::DVec3;
-use palpate_haptics::exact::Exact;
 use palpate_haptics::placement::nearest_free;
 use palpate_haptics::proxy::Proxy;
 use palpate_haptics::scene::TouchScene;
@@ -54,7 +53,6 @@ pub struct ServoStart {
 #[derive(Debug)]
 pub struct ServoLoop {
     grid: Grid,
-    model: Exact,
     state: TickState,
     occupancy: TouchOccupancy,
     mapping: Mapping,
@@ -102,7 +100,6 @@ impl ServoLoop {
         let proxy = Proxy::at(probe_in_grid).expect("the probe starts at a finite point");
         Self {
             grid: start.grid,
-            model: Exact::default(),
             state: TickState { proxy },
             occupancy: TouchOccupancy::new(start.bits, garbage),
             mapping: start.mapping,
@@ -260,7 +257,7 @@ impl ServoLoop {
 
     fn touch(&mut self, input: &TickInput) -> TickOutput {
         let scene = TouchScene::of_world(self.occupancy.bits(), &self.grid);
-        let output = tick(&scene, &self.model, input, &mut self.state);
+        let output = tick(&scene, &self.settings.model, input, &mut self.state);
         if output.violation {
             self.shared.counters.violations.fetch_add(1, Relaxed);
         }

@@ -7,15 +7,6 @@ use crate::scene::{Solid, TouchScene};
 use glam::DVec3;
 use palpate_volume::occupancy::Occupancy;
 
-/// A solid voxel and the body that it belongs to.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Solid {
-    /// 0 is the world of all unmoved segments, 1 and above are moved ones.
-    pub body: u8,
-    /// The voxel in that body's grid.
-    pub voxel: IVec3,
-}
-
 /// What the proxy met on its way to the device.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Contact {

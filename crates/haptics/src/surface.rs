@@ -14,9 +14,9 @@
 //!
 //! Units: N/mm, mm; coefficients have none. Frame: that of the body a voxel belongs to.
 
-use crate::contact::Solid;
 use crate::coupling::MAX_STIFFNESS;
 use crate::friction::{Friction, FrictionError};
+use crate::scene::Solid;
 use glam::DVec3;
 use palpate_volume::occupancy::Occupancy;
 

@@ -3,9 +3,9 @@
 mod support;
 
 use glam::{DVec3, IVec3};
-use palpate_haptics::contact::Solid;
 use palpate_haptics::coupling::MAX_STIFFNESS;
 use palpate_haptics::friction::Friction;
+use palpate_haptics::scene::Solid;
 use palpate_haptics::surface::{
     Feel, Holders, Surface, SurfaceBlend, SurfaceError, Surfaces, Uniform,
 };
