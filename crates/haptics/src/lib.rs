@@ -22,6 +22,7 @@ pub mod safety;
 mod slide;
 mod slide_window;
 pub mod surface;
+mod thesis_force;
 pub mod thesis_improved;
 pub mod thesis_original;
 pub mod thesis_path;
