@@ -29,6 +29,7 @@ pub mod scene;
 mod slide;
 mod slide_window;
 pub mod surface;
+mod thesis_force;
 pub mod thesis_improved;
 pub mod thesis_original;
 pub mod thesis_path;

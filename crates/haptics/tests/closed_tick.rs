@@ -157,6 +157,7 @@ fn the_ball_never_calls_the_allocator() {
                 let scene = TouchScene {
                     occupancy: &probe,
                     grid: &grid,
+                    objects: &[],
                 };
                 assert!(!tick(&scene, &Exact::default(), &input, &mut state).violation);
                 probe.solid_near(state.proxy.voxel() + 1);
