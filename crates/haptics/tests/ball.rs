@@ -166,7 +166,8 @@ fn distance_to_solid(inner: &impl Occupancy, spacing: DVec3, point: DVec3, reach
 }
 
 fn advance(occupancy: &impl Occupancy, grid: &Grid, device: DVec3, proxy: &mut Proxy) -> Contact {
-    let contact = Exact::default().advance(&TouchScene::of_world(occupancy, grid), device, proxy);
+    let scene = TouchScene::of_world(occupancy, grid);
+    let contact = Exact::default().advance(&scene, device, proxy);
     assert!(!contact.violation && !occupancy.is_solid(proxy.voxel()));
     contact
 }
