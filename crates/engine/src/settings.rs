@@ -3,11 +3,12 @@
 use palpate_device::DeviceLimits;
 use palpate_haptics::coupling::Coupling;
 use palpate_haptics::safety::ForceLimits;
+use serde::{Deserialize, Serialize};
 
 use crate::frame::Notice;
 
 /// Stiffness, damping and largest force of touch.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Settings {
     /// Of the spring between probe and device [N/mm], > 0, at most 10.
     pub stiffness: f64,

@@ -10,6 +10,7 @@ use crate::proxy::Proxy;
 use glam::DVec3;
 use palpate_volume::grid::Grid;
 use palpate_volume::occupancy::Occupancy;
+use serde::{Deserialize, Serialize};
 
 /// What is touched; constant during a tick.
 #[derive(Debug)]
@@ -31,8 +32,9 @@ pub struct TickInput {
     pub coupling: Coupling,
 }
 
-/// All that changes from tick to tick.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// All that changes from tick to tick. A recording begins with it, so that whatever stands here
+/// is replayed.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TickState {
     /// The proxy.
     pub proxy: Proxy,
