@@ -1,5 +1,14 @@
 //! The contact models by the names that users know.
 
+use glam::DVec3;
+use palpate_haptics::contact::{Contact, ContactModel};
+use palpate_haptics::exact::Exact;
+use palpate_haptics::proxy::Proxy;
+use palpate_haptics::scene::TouchScene;
+use palpate_haptics::thesis_improved::ThesisImproved;
+use palpate_haptics::thesis_original::ThesisOriginal;
+use palpate_volume::occupancy::Occupancy;
+
 /// A contact model by name.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Model {
@@ -30,5 +39,28 @@ impl Model {
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|model| model.name() == name)
+    }
+}
+
+impl ContactModel for Model {
+    fn advance<O: Occupancy>(
+        &self,
+        scene: &TouchScene<'_, O>,
+        device_in_grid: DVec3,
+        proxy: &mut Proxy,
+    ) -> Contact {
+        match self {
+            Self::Exact => Exact::default().advance(scene, device_in_grid, proxy),
+            Self::ThesisOriginal => ThesisOriginal::default().advance(scene, device_in_grid, proxy),
+            Self::ThesisImproved => ThesisImproved::default().advance(scene, device_in_grid, proxy),
+        }
+    }
+
+    fn visit_bound(&self) -> u32 {
+        match self {
+            Self::Exact => Exact::default().visit_bound(),
+            Self::ThesisOriginal => ThesisOriginal::default().visit_bound(),
+            Self::ThesisImproved => ThesisImproved::default().visit_bound(),
+        }
     }
 }

@@ -7,10 +7,10 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
 
 use glam::DVec3;
-use palpate_haptics::exact::Exact;
 use palpate_haptics::placement::nearest_free;
 use palpate_haptics::proxy::Proxy;
-use palpate_haptics::tick::{TickInput, TickOutput, TickState, TouchScene, tick};
+use palpate_haptics::scene::TouchScene;
+use palpate_haptics::tick::{TickInput, TickOutput, TickState, tick};
 use palpate_volume::bits::Bits;
 use palpate_volume::grid::Grid;
 
@@ -53,7 +53,6 @@ pub struct ServoStart {
 #[derive(Debug)]
 pub struct ServoLoop {
     grid: Grid,
-    model: Exact,
     state: TickState,
     occupancy: TouchOccupancy,
     mapping: Mapping,
@@ -101,7 +100,6 @@ impl ServoLoop {
         let proxy = Proxy::at(probe_in_grid).expect("the probe starts at a finite point");
         Self {
             grid: start.grid,
-            model: Exact::default(),
             state: TickState { proxy },
             occupancy: TouchOccupancy::new(start.bits, garbage),
             mapping: start.mapping,
@@ -258,11 +256,8 @@ impl ServoLoop {
     }
 
     fn touch(&mut self, input: &TickInput) -> TickOutput {
-        let scene = TouchScene {
-            occupancy: self.occupancy.bits(),
-            grid: &self.grid,
-        };
-        let output = tick(&scene, &self.model, input, &mut self.state);
+        let scene = TouchScene::of_world(self.occupancy.bits(), &self.grid);
+        let output = tick(&scene, &self.settings.model, input, &mut self.state);
         if output.violation {
             self.shared.counters.violations.fetch_add(1, Relaxed);
         }

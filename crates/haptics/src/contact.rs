@@ -1,20 +1,12 @@
 //! What every contact model does: move the proxy toward the device, and say what it met.
 //!
-//! Frame: grid. A model is constant; all that changes is the proxy.
+//! Frame: the world's grid. A model is constant; all that changes is the proxy.
 
 use crate::proxy::Proxy;
-use glam::{DVec3, IVec3};
+use crate::scene::{Solid, TouchScene};
+use glam::DVec3;
 use palpate_volume::grid::Grid;
 use palpate_volume::occupancy::Occupancy;
-
-/// A solid voxel and the body that it belongs to.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Solid {
-    /// 0 is the world of all unmoved segments, 1 and above are moved ones.
-    pub body: u8,
-    /// The voxel in that body's grid.
-    pub voxel: IVec3,
-}
 
 /// What the proxy met on its way to the device.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -22,7 +14,7 @@ pub struct Contact {
     /// Whether a solid voxel holds the proxy back from the device.
     pub touching: bool,
     /// The solid voxel that stopped it last; its owner is the segment that is touched.
-    pub stopped_by: Option<IVec3>,
+    pub stopped_by: Option<Solid>,
     /// Voxels read.
     pub visits: u32,
     /// Steps along the surface.
@@ -73,10 +65,9 @@ pub trait ContactModel {
     /// Moves the proxy toward the device point by legal moves only: through face-connected
     /// free voxels (`exact`; the thesis' models promise none of it). A device point that is not
     /// finite leaves it where it is.
-    fn advance<O: Occupancy + ?Sized>(
+    fn advance<O: Occupancy>(
         &self,
-        occupancy: &O,
-        grid: &Grid,
+        scene: &TouchScene<'_, O>,
         device_in_grid: DVec3,
         proxy: &mut Proxy,
     ) -> Contact;

@@ -19,6 +19,7 @@ pub mod placement;
 pub mod proxy;
 mod ray_samples;
 pub mod safety;
+pub mod scene;
 mod slide;
 mod slide_window;
 pub mod surface;

@@ -12,9 +12,10 @@ use palpate_haptics::coupling::Coupling;
 use palpate_haptics::exact::Exact;
 use palpate_haptics::placement::nearest_free;
 use palpate_haptics::safety::{ForceLimits, Safety};
+use palpate_haptics::scene::TouchScene;
 use palpate_haptics::thesis_improved::ThesisImproved;
 use palpate_haptics::thesis_original::ThesisOriginal;
-use palpate_haptics::tick::{TickInput, TickState, TouchScene, tick};
+use palpate_haptics::tick::{TickInput, TickState, tick};
 use support::{Random, SPACINGS, grid, noise};
 
 thread_local! {
@@ -91,10 +92,7 @@ fn ticks_admissions_and_safety_never_call_the_allocator() {
                 };
                 let one = [union[0]];
                 let occupancy: &[_] = if both { &union } else { &one };
-                let scene = TouchScene {
-                    occupancy,
-                    grid: &grid,
-                };
+                let scene = TouchScene::of_world(&occupancy, &grid);
                 let output = tick(&scene, &Exact::default(), &input, &mut state);
                 assert!(!output.violation);
                 safety.limit(output.force, 0.001);
@@ -120,12 +118,13 @@ fn the_thesis_models_never_call_the_allocator() {
     let solid = noise(32, 0.3, 1);
     let grid = grid(UVec3::splat(32), SPACINGS[0]);
     let mut proxies = [nearest_free(&solid, &grid, DVec3::splat(16.0), 9).expect("free"); 2];
+    let scene = TouchScene::of_world(&solid, &grid);
     let mut random = Random::new(5);
     let calls = allocator_calls(|| {
         for _ in 0..20_000 {
             let device = random.point(-5.0, 37.0);
-            ThesisOriginal::default().advance(&solid, &grid, device, &mut proxies[0]);
-            ThesisImproved::default().advance(&solid, &grid, device, &mut proxies[1]);
+            ThesisOriginal::default().advance(&scene, device, &mut proxies[0]);
+            ThesisImproved::default().advance(&scene, device, &mut proxies[1]);
         }
     });
     assert_eq!(calls, 0);

@@ -7,6 +7,7 @@ use palpate_haptics::contact::ContactModel;
 use palpate_haptics::exact::Exact;
 use palpate_haptics::friction::{Friction, FrictionError, FrictionState, MAX_FRICTION};
 use palpate_haptics::proxy::Proxy;
+use palpate_haptics::scene::TouchScene;
 use palpate_volume::occupancy::Occupancy;
 use support::{Body, Random, grid, noise};
 
@@ -49,7 +50,11 @@ struct Voxels<'a, O> {
 impl<O: Occupancy> Touched for Voxels<'_, O> {
     fn contact(&mut self, target: DVec3) -> Option<DVec3> {
         let grid = grid(UVec3::splat(64), DVec3::ONE);
-        let contact = Exact::default().advance(self.solid, &grid, target, &mut self.proxy);
+        let contact = Exact::default().advance(
+            &TouchScene::of_world(self.solid, &grid),
+            target,
+            &mut self.proxy,
+        );
         assert!(!self.solid.is_solid(self.proxy.voxel()));
         contact.touching.then(|| self.proxy.point())
     }
