@@ -9,6 +9,12 @@
 //! clocks or tools: whoever calls it owns those.
 
 pub mod admission;
+pub mod ball;
+mod ball_brick;
+mod ball_cache;
+mod ball_nearest;
+pub mod ball_probe;
+pub mod ball_shape;
 mod border_voxels;
 pub mod contact;
 pub mod coupling;

@@ -7,6 +7,8 @@ use std::cell::Cell;
 
 use glam::{DVec3, UVec3};
 use palpate_haptics::admission::{Admission, admit};
+use palpate_haptics::ball::{Ball, BallShape};
+use palpate_haptics::ball_probe::ProbeSolid;
 use palpate_haptics::contact::ContactModel;
 use palpate_haptics::coupling::Coupling;
 use palpate_haptics::exact::Exact;
@@ -128,4 +130,46 @@ fn the_thesis_models_never_call_the_allocator() {
         }
     });
     assert_eq!(calls, 0);
+}
+
+/// A ball among two sets of voxels, one of them a part of the other, that take turns.
+#[test]
+fn the_ball_never_calls_the_allocator() {
+    let [few, more] = [0.002, 0.004].map(|share| noise(48, share, 3).occupancy().clone());
+    let union = [few.clone(), more];
+    for (spacing, radius) in [(SPACINGS[0], 5.0), (SPACINGS[1], 0.7), (SPACINGS[0], 11.0)] {
+        let grid = grid(UVec3::splat(48), spacing);
+        let ball = || Ball::new(BallShape::new(radius, spacing).expect("within the window"));
+        let mut probe = ProbeSolid::new([few.clone(), few.clone()], Some(ball()));
+        let mut other = Some(union.clone());
+        let mut spare = Some(ball());
+        let mut new_ball = ball();
+        let proxy = nearest_free(&probe, &grid, DVec3::splat(24.0), 40).expect("free");
+        let mut state = TickState { proxy };
+        let mut random = Random::new(5);
+        let calls = allocator_calls(|| {
+            for _ in 0..2000 {
+                let input = TickInput {
+                    device_in_scene: random.point(-5.0, 53.0) * spacing,
+                    velocity_in_scene: DVec3::ZERO,
+                    coupling: Coupling::default(),
+                };
+                let scene = TouchScene::of_world(&probe, &grid);
+                assert!(!tick(&scene, &Exact::default(), &input, &mut state).violation);
+                probe.solid_near(state.proxy.voxel() + 1);
+
+                // the other voxels, where the probe allows, or the same with another ball
+                let Some(new) = other.take() else { return };
+                new_ball.invalidate();
+                let admission = admit(&probe, &new_ball.dilate(&new), &grid, &mut state.proxy);
+                other = Some(if admission == Admission::Held {
+                    spare = probe.replace_ball(spare.take());
+                    new
+                } else {
+                    probe.replace(new)
+                });
+            }
+        });
+        assert_eq!(calls, 0);
+    }
 }
