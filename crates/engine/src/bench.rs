@@ -4,6 +4,7 @@
 //! pressing and sliding at least 2 M/s (1 M/s on CThead in the first version).
 
 mod model;
+pub mod quality;
 mod random;
 mod rays;
 mod stroke;
