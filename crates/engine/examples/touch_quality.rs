@@ -3,17 +3,17 @@
 //!     cargo run --release -p palpate-engine --example touch_quality [part of a case's name]
 #![expect(clippy::print_stdout, reason = "a table is what this example is for")]
 
-use palpate_engine::bench::quality::{Touch, cases, measure};
+use palpate_engine::bench::quality::{Touch, cases_where, measure};
 
 fn main() {
     let wanted = std::env::args().nth(1).unwrap_or_default();
-    let cases = cases();
+    let cases = cases_where(|name| name.contains(&wanted));
     for touch in Touch::ALL {
         println!(
             "{:46}  dir°mean   95%  mag%  ripple lag95   max prox95  max jitter pops solid% stuck  step touch%",
             touch.name()
         );
-        for case in cases.iter().filter(|case| case.name.contains(&wanted)) {
+        for case in &cases {
             let f = measure(case, |solid, grid, start| touch.start(solid, grid, start));
             println!(
                 "{:48} {:6.2} {:6.2} {:5.1} {:6.3} {:5.2} {:5.2} {:5.2} {:5.2} {:6.3} {:4.0} {:5.1} {:5.0} {:6.3} {:5.1}",

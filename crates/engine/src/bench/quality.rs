@@ -15,6 +15,6 @@ mod figures;
 mod path;
 
 pub use body::{Body, Foot, Shape};
-pub use case::{Case, cases};
+pub use case::{Case, cases, cases_where};
 pub use felt::{Feel, Felt, Touch};
 pub use figures::{Figures, REST_TICKS, measure};

@@ -64,21 +64,36 @@ pub struct Case {
 /// All cases, in the order of their report.
 #[must_use]
 pub fn cases() -> Vec<Case> {
+    cases_where(|_| true)
+}
+
+/// The cases whose names are wanted.
+pub fn cases_where(wanted: impl Fn(&str) -> bool) -> Vec<Case> {
     let mut cases = Vec::new();
     for (grid_name, dimensions, spacing) in GRIDS {
         let grid = Grid::new(dimensions, spacing, spacing * 0.5, DMat3::IDENTITY)
             .expect("the grids above are valid");
         for (depth, step) in STROKES {
-            for (body, strokes) in strokes(&grid, depth, step) {
-                cases.push(Case {
-                    name: format!("{body}, {grid_name}, {depth} h deep, {step} h a move"),
-                    body,
-                    grid_name,
-                    grid,
-                    depth,
-                    step,
-                    strokes,
-                });
+            let h = grid.smallest_spacing();
+            let lead = Lead {
+                depth: depth * h,
+                step: step * h,
+                h,
+                layer: spacing.z,
+            };
+            for (body, strokes) in BODIES {
+                let name = format!("{body}, {grid_name}, {depth} h deep, {step} h a move");
+                if wanted(&name) {
+                    cases.push(Case {
+                        name,
+                        body,
+                        grid_name,
+                        grid,
+                        depth,
+                        step,
+                        strokes: strokes(&lead),
+                    });
+                }
             }
         }
     }
@@ -87,34 +102,26 @@ pub fn cases() -> Vec<Case> {
 
 type Strokes = Vec<(Body, Vec<DVec3>)>;
 
-fn strokes(grid: &Grid, depth: f64, step: f64) -> Vec<(&'static str, Strokes)> {
-    let h = grid.smallest_spacing();
-    let lead = Lead {
-        depth: depth * h,
-        step: step * h,
-        h,
-    };
-    let one = |name, body, device: fn(&Lead, &Body) -> Vec<DVec3>| {
-        let points = device(&lead, &body);
-        (name, vec![(body, points)])
-    };
-    let step_height = grid.spacing().z;
-    vec![
-        ("plane below 10°", lead.planes(&FLAT)),
-        ("plane", lead.planes(&TILTED)),
-        one("sphere", ball(None), Lead::on_ball),
-        one("torus", torus(), Lead::on_torus),
-        one("cylinder", cylinder(), Lead::on_cylinder),
-        one("bore", bore(), Lead::in_bore),
-        one("ramp", ramp(), Lead::over_ramp),
-        one("step up", step_of(step_height), Lead::up_step),
-        one("step down", step_of(step_height), Lead::down_step),
-        one("wedge", wedge(), Lead::over_wedge),
-        one("shell of 1", ball(Some(1)), Lead::on_ball),
-        one("shell of 2", ball(Some(2)), Lead::on_ball),
-        one("shell of 3", ball(Some(3)), Lead::on_ball),
-    ]
-}
+/// Bodies by name, and how the device is led on each.
+const BODIES: [(&str, fn(&Lead) -> Strokes); 13] = [
+    ("plane below 10°", |lead| lead.planes(&FLAT)),
+    ("plane", |lead| lead.planes(&TILTED)),
+    ("sphere", |lead| lead.one(ball(None), Lead::on_ball)),
+    ("torus", |lead| lead.one(torus(), Lead::on_torus)),
+    ("cylinder", |lead| lead.one(cylinder(), Lead::on_cylinder)),
+    ("bore", |lead| lead.one(bore(), Lead::in_bore)),
+    ("ramp", |lead| lead.one(ramp(), Lead::over_ramp)),
+    ("step up", |lead| {
+        lead.one(step_of(lead.layer), Lead::up_step)
+    }),
+    ("step down", |lead| {
+        lead.one(step_of(lead.layer), Lead::down_step)
+    }),
+    ("wedge", |lead| lead.one(wedge(), Lead::over_wedge)),
+    ("shell of 1", |lead| lead.one(ball(Some(1)), Lead::on_ball)),
+    ("shell of 2", |lead| lead.one(ball(Some(2)), Lead::on_ball)),
+    ("shell of 3", |lead| lead.one(ball(Some(3)), Lead::on_ball)),
+];
 
 // --- bodies -----------------------------------------------------------------------------
 
@@ -209,9 +216,16 @@ struct Lead {
     depth: f64,
     step: f64,
     h: f64,
+    /// Height of a layer of voxels.
+    layer: f64,
 }
 
 impl Lead {
+    fn one(&self, body: Body, device: impl Fn(&Self, &Body) -> Vec<DVec3>) -> Strokes {
+        let points = device(self, &body);
+        vec![(body, points)]
+    }
+
     fn planes(&self, angles: &[[f64; 2]]) -> Strokes {
         let planes = angles.iter().map(|&angles| plane(angles));
         planes

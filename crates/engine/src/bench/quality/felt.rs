@@ -33,7 +33,9 @@ pub type Feel<'a> = Box<dyn FnMut(DVec3) -> Felt + 'a>;
 /// A way of touch by name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Touch {
-    /// Contact model `exact`, force from the hard proxy.
+    /// As the servo touches.
+    Exact,
+    /// The same without smoothing: the force of the hard proxy.
     Stairs,
     /// Contact model `thesis-original`.
     ThesisOriginal,
@@ -43,13 +45,19 @@ pub enum Touch {
 
 impl Touch {
     /// All of them.
-    pub const ALL: [Self; 3] = [Self::Stairs, Self::ThesisOriginal, Self::ThesisImproved];
+    pub const ALL: [Self; 4] = [
+        Self::Exact,
+        Self::Stairs,
+        Self::ThesisOriginal,
+        Self::ThesisImproved,
+    ];
 
     /// Its name.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
-            Self::Stairs => "exact, stairs",
+            Self::Exact => "exact",
+            Self::Stairs => "stairs",
             Self::ThesisOriginal => "thesis-original",
             Self::ThesisImproved => "thesis-improved",
         }
@@ -65,7 +73,7 @@ impl Touch {
     #[must_use]
     pub fn start<'a>(self, solid: &'a Bits, grid: &'a Grid, start: DVec3) -> Feel<'a> {
         match self {
-            Self::Stairs => feel(Exact::default(), solid, grid, start),
+            Self::Exact | Self::Stairs => feel(Exact::default(), solid, grid, start),
             Self::ThesisOriginal => feel(ThesisOriginal::default(), solid, grid, start),
             Self::ThesisImproved => feel(ThesisImproved::default(), solid, grid, start),
         }

@@ -64,6 +64,30 @@ pub struct Figures {
     pub updates: f64,
 }
 
+impl Figures {
+    /// All of them, by name.
+    #[must_use]
+    pub fn named(&self) -> [(&'static str, f64); 15] {
+        [
+            ("direction_mean", self.direction_mean),
+            ("direction_95", self.direction_95),
+            ("magnitude_rmse", self.magnitude_rmse),
+            ("ripple", self.ripple),
+            ("force_lag_95", self.force_lag_95),
+            ("force_lag_max", self.force_lag_max),
+            ("proxy_lag_95", self.proxy_lag_95),
+            ("proxy_lag_max", self.proxy_lag_max),
+            ("jitter", self.jitter),
+            ("pop_throughs", self.pop_throughs),
+            ("solid_share", self.solid_share),
+            ("stuck", self.stuck),
+            ("force_step", self.force_step),
+            ("contact_share", self.contact_share),
+            ("updates", self.updates),
+        ]
+    }
+}
+
 /// Feels a case; `start` makes a hand for a solid, from a free point of the scene on.
 pub fn measure(
     case: &Case,
