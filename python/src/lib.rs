@@ -12,6 +12,7 @@ mod frame;
 mod phantom;
 mod segment;
 mod session;
+mod settings;
 mod volume;
 
 use pyo3::prelude::*;

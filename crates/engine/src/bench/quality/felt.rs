@@ -5,9 +5,10 @@ use palpate_haptics::contact::ContactModel;
 use palpate_haptics::coupling::Coupling;
 use palpate_haptics::exact::Exact;
 use palpate_haptics::proxy::Proxy;
+use palpate_haptics::scene::TouchScene;
 use palpate_haptics::thesis_improved::ThesisImproved;
 use palpate_haptics::thesis_original::ThesisOriginal;
-use palpate_haptics::tick::{TickInput, TickState, TouchScene, tick};
+use palpate_haptics::tick::{TickInput, TickState, tick};
 use palpate_volume::bits::Bits;
 use palpate_volume::grid::Grid;
 
@@ -87,10 +88,7 @@ fn feel<'a, M: ContactModel + 'a>(
     grid: &'a Grid,
     start: DVec3,
 ) -> Feel<'a> {
-    let scene = TouchScene {
-        occupancy: solid,
-        grid,
-    };
+    let scene = TouchScene::of_world(solid, grid);
     let start = grid.grid_from_patient().transform_point3(start);
     let mut state = TickState {
         proxy: Proxy::at(start).expect("a hand starts beside the body"),
