@@ -20,6 +20,7 @@ mod ray_samples;
 pub mod safety;
 mod slide;
 mod slide_window;
+pub mod smooth;
 pub mod thesis_improved;
 pub mod thesis_original;
 pub mod thesis_path;
