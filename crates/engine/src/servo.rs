@@ -7,14 +7,15 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
 
 use glam::DVec3;
-use palpate_haptics::exact::Exact;
 use palpate_haptics::placement::nearest_free;
 use palpate_haptics::proxy::Proxy;
-use palpate_haptics::tick::{TickInput, TickOutput, TickState, TouchScene, tick};
+use palpate_haptics::scene::TouchScene;
+use palpate_haptics::tick::{TickInput, TickOutput, TickState, tick};
 use palpate_volume::bits::Bits;
 use palpate_volume::grid::Grid;
 
 use crate::device_loop::WATCHDOG_SECS;
+use crate::feel::Feel;
 use crate::handover::{
     DeviceSample, ForceCommand, HandTarget, ServoChannels, ServoCommand, ServoStatus, TickRecord,
 };
@@ -44,17 +45,20 @@ pub struct ServoStart {
     pub probe: DVec3,
     /// Settings that the device bears.
     pub settings: Settings,
+    /// How each segment feels, by its number.
+    pub feels: [Feel; 256],
 }
 
 /// The state of the servo thread.
 #[derive(Debug)]
 pub struct ServoLoop {
     grid: Grid,
-    model: Exact,
     state: TickState,
     occupancy: TouchOccupancy,
     mapping: Mapping,
     settings: Settings,
+    /// How each segment feels, by its number.
+    feels: [Feel; 256],
     hand: DVec3,
     /// Hand targets up to this number are older than the last placement.
     forgotten_hand: u64,
@@ -96,11 +100,11 @@ impl ServoLoop {
         let proxy = Proxy::at(probe_in_grid).expect("the probe starts at a finite point");
         Self {
             grid: start.grid,
-            model: Exact::default(),
             state: TickState { proxy },
             occupancy: TouchOccupancy::new(start.bits, garbage),
             mapping: start.mapping,
             settings: start.settings,
+            feels: start.feels,
             hand: start.probe,
             forgotten_hand: 0,
             ends: Ends {
@@ -207,6 +211,7 @@ impl ServoLoop {
             }
             Ok(ServoCommand::Turn(rotation)) => self.mapping.turn(device, rotation),
             Ok(ServoCommand::Settings(settings)) => self.settings = settings,
+            Ok(ServoCommand::Feel(id, feel)) => self.feels[usize::from(id.0)] = feel,
             // changes of occupancy are taken elsewhere
             Ok(ServoCommand::Root { .. } | ServoCommand::Bricks(_)) | Err(_) => {}
         }
@@ -251,11 +256,8 @@ impl ServoLoop {
     }
 
     fn touch(&mut self, input: &TickInput) -> TickOutput {
-        let scene = TouchScene {
-            occupancy: self.occupancy.bits(),
-            grid: &self.grid,
-        };
-        let output = tick(&scene, &self.model, input, &mut self.state);
+        let scene = TouchScene::of_world(self.occupancy.bits(), &self.grid);
+        let output = tick(&scene, &self.settings.model, input, &mut self.state);
         if output.violation {
             self.shared.counters.violations.fetch_add(1, Relaxed);
         }
@@ -292,6 +294,8 @@ impl ServoLoop {
             device: self.device_in_scene(sample),
             hand: self.hand,
             proxy: output.proxy_in_scene,
+            contact_point: output.contact_point_in_scene,
+            normal: output.normal,
             force: output.force,
             sent_force: self.mapping.force_to_scene(sample.sent_in_device),
             contact: output.contact,

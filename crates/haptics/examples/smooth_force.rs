@@ -10,6 +10,7 @@ use glam::{DMat3, DVec3, IVec3, UVec3};
 use palpate_haptics::contact::ContactModel;
 use palpate_haptics::exact::Exact;
 use palpate_haptics::proxy::Proxy;
+use palpate_haptics::scene::TouchScene;
 use palpate_haptics::smooth::blur::BlurField;
 use palpate_haptics::smooth::{SmoothState, Smoother};
 use palpate_volume::grid::Grid;
@@ -26,7 +27,7 @@ struct Figures {
     angle: [Vec<f64>; 3],
     depth: [Vec<f64>; 3],
     lag: [Vec<f64>; 3],
-    height: [Vec<f64>; 3],
+    ripple: [f64; 3],
     limited: f64,
     weight: f64,
     samples: f64,
@@ -51,10 +52,14 @@ fn follow(figures: &mut Figures, body: &Segment, grid: &Grid, path: &Path, depth
     let mut state = SmoothState::default();
     let mut field = BlurField::default();
     let mut before = DVec3::ZERO;
-    let mut heights: [Vec<f64>; 3] = Default::default();
+    let mut depths: [Vec<f64>; 3] = Default::default();
     for (update, &(foot, normal)) in path.iter().enumerate() {
         let device = (foot - normal * depth * h) / spacing;
-        Exact::default().advance(body.occupancy(), grid, device, &mut proxy);
+        Exact::default().advance(
+            &TouchScene::of_world(body.occupancy(), grid),
+            device,
+            &mut proxy,
+        );
         let clock = Instant::now();
         field.prepare(body.occupancy(), grid, 0, proxy.point());
         let contact = smoother.contact_point(&field, grid, &proxy, device, &mut state);
@@ -75,7 +80,7 @@ fn follow(figures: &mut Figures, body: &Segment, grid: &Grid, path: &Path, depth
             figures.depth[i].push((force.length() / (depth * h) - 1.0).powi(2));
             let off = point - foot;
             figures.lag[i].push((off - normal * off.dot(normal)).length() / h);
-            heights[i].push(off.dot(normal) / h);
+            depths[i].push(force.length() / h - depth);
         }
         figures.far = figures
             .far
@@ -87,8 +92,10 @@ fn follow(figures: &mut Figures, body: &Segment, grid: &Grid, path: &Path, depth
         figures.samples += f64::from(contact.samples);
     }
     for i in 0..3 {
-        let mean = heights[i].iter().sum::<f64>() / heights[i].len() as f64;
-        figures.height[i].extend(heights[i].iter().map(|x| (x - mean).abs()));
+        let n = depths[i].len() as f64;
+        let mean = depths[i].iter().sum::<f64>() / n;
+        let ripple = (depths[i].iter().map(|x| (x - mean).powi(2)).sum::<f64>() / n).sqrt();
+        figures.ripple[i] = figures.ripple[i].max(ripple);
     }
 }
 
@@ -98,9 +105,9 @@ fn print(name: &str, figures: &Figures) {
         let [a, b, c] = stats(&figures.angle[i]);
         let rmse = (figures.depth[i].iter().sum::<f64>() / n).sqrt() * 100.0;
         let [l, l95, lm] = stats(&figures.lag[i]);
-        let [r, r95, _] = stats(&figures.height[i]);
+        let r = figures.ripple[i];
         print!(
-            "{name:16} {which:7} {a:5.1} {b:5.1} {c:5.1}°  rmse {rmse:5.1} %  lag {l:4.2} {l95:4.2} {lm:4.2}  ripple {r:5.3} {r95:5.3}"
+            "{name:16} {which:7} {a:5.1} {b:5.1} {c:5.1}°  rmse {rmse:5.1} %  lag {l:4.2} {l95:4.2} {lm:4.2}  ripple {r:5.3}"
         );
         if i == 1 {
             print!(

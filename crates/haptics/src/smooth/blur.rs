@@ -94,20 +94,33 @@ impl BlurField {
 
     /// Standard deviation of the kernel along each axis [voxels].
     pub fn sigma(&self) -> DVec3 {
-        (self.voxels * self.voxels * (7.0 / 12.0) - 1.0 / 12.0).map(f64::sqrt)
+        (self.voxels * self.voxels * (10.0 / 12.0) - 1.0 / 12.0).map(f64::sqrt)
     }
 }
 
-/// Averages of 2×2×2 cells.
+/// Tents over 3×3×3 cells.
 fn nodes(counts: &CellCounts, volume: i32) -> Nodes {
-    let scale = 1.0 / (8 * volume) as f32;
-    let rows: CellCounts =
-        std::array::from_fn(|z| std::array::from_fn(|y| counts[z][y] + (counts[z][y] << 8)));
+    let scale = 1.0 / (64 * volume) as f32;
+    const LOW: u64 = 0x00ff_00ff_00ff_00ff;
     let mut nodes = [[[0.0; 8]; 8]; 8];
-    for z in 1..8 {
-        for y in 1..8 {
-            let sum = rows[z][y] + rows[z][y - 1] + rows[z - 1][y] + rows[z - 1][y - 1];
-            nodes[z][y] = sum.to_le_bytes().map(|count| f32::from(count) * scale);
+    // even and odd cells along x apart, 16 bits each
+    let row = |z: usize, y: usize| {
+        let c = counts[z][y];
+        let (left, right) = (c << 8, c >> 8);
+        let even = (left & LOW) + 2 * (c & LOW) + (right & LOW);
+        let odd = (left >> 8 & LOW) + 2 * (c >> 8 & LOW) + (right >> 8 & LOW);
+        [even, odd]
+    };
+    let rows: [[[u64; 2]; 8]; 8] = std::array::from_fn(|z| std::array::from_fn(|y| row(z, y)));
+    for z in 1..7 {
+        let flat: [[u64; 2]; 8] = std::array::from_fn(|y| {
+            std::array::from_fn(|i| rows[z - 1][y][i] + 2 * rows[z][y][i] + rows[z + 1][y][i])
+        });
+        for y in 1..7 {
+            let sum: [u64; 2] =
+                std::array::from_fn(|i| flat[y - 1][i] + 2 * flat[y][i] + flat[y + 1][i]);
+            nodes[z][y] =
+                std::array::from_fn(|x| (sum[x & 1] >> (16 * (x >> 1)) & 0xffff) as f32 * scale);
         }
     }
     nodes
@@ -118,8 +131,8 @@ impl Field for BlurField {
         if !self.any_solid {
             return FieldSample::default();
         }
-        let t = point / self.voxels - self.first.as_dvec3();
-        let t = t.clamp(DVec3::splat(1.5), DVec3::splat(6.499));
+        let t = point / self.voxels - self.first.as_dvec3() - 0.5;
+        let t = t.clamp(DVec3::splat(1.5), DVec3::splat(5.499));
         let node = (t + 0.5).floor();
         let [i, j, k] = node.as_ivec3().to_array().map(|i| (i - 1) as usize & 7);
         let [[wx, dx], [wy, dy], [wz, dz]] = (t - node).as_vec3().to_array().map(weights);
