@@ -28,6 +28,7 @@ pub mod safety;
 pub mod scene;
 mod slide;
 mod slide_window;
+pub mod smooth;
 pub mod surface;
 mod thesis_force;
 pub mod thesis_improved;
