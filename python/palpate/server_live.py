@@ -19,6 +19,7 @@ from palpate.server_outbox import Outbox
 from palpate.server_segments import ShownSegments
 from palpate.server_thresholds import ThresholdJobs
 from palpate.session import Session
+from palpate.touch_settings import TouchSettings
 
 __all__ = ["Live"]
 
@@ -131,7 +132,7 @@ class Live:
                 self.session.redo()
 
     def _change_settings(self, wanted: protocol.Settings) -> None:
-        held = self.session.settings(**msgspec.structs.asdict(wanted))
+        held = self.session.settings(TouchSettings(**msgspec.structs.asdict(wanted)))
         settings = protocol.Settings(**held)
         self._hello = msgspec.structs.replace(self._hello, settings=settings)
         self._from_threads.put(protocol.SettingsChanged(settings))

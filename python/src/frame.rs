@@ -8,7 +8,6 @@ use numpy::PyArray1;
 use palpate_engine::frame::{Frame, Notice, NoticeLevel, Rates, Safety};
 use palpate_engine::rate::Rate;
 use palpate_engine::recording::Recording;
-use palpate_engine::settings::Settings;
 use palpate_engine::simulation::SegmentState;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -60,15 +59,6 @@ pub fn segment_dict<'py>(py: Python<'py>, segment: &SegmentState) -> PyResult<Bo
         "touchable": segment.touchable,
         "pending": segment.pending,
         "range": segment.range,
-    )
-}
-
-/// The settings that hold.
-pub fn settings_dict(py: Python<'_>, settings: Settings) -> PyResult<Bound<'_, PyDict>> {
-    dictionary!(py,
-        "stiffness": settings.stiffness,
-        "damping": settings.damping,
-        "force_limit": settings.force_limit,
     )
 }
 

@@ -18,8 +18,9 @@ use pyo3::types::PyDict;
 
 use crate::arrays::{Triple, triple, vector};
 use crate::errors::CoreError;
-use crate::frame::{frame_dict, lateness_dict, recording_dict, segment_dict, settings_dict};
+use crate::frame::{frame_dict, lateness_dict, recording_dict, segment_dict};
 use crate::segment::PySegment;
+use crate::settings::{changed, settings_dict};
 use crate::volume::PyVolume;
 
 /// A segment to begin with: its voxels, whether it is an obstacle, the threshold that it is.
@@ -61,8 +62,7 @@ fn note(session: &Arc<Session>) {
 impl PySession {
     #[new]
     #[pyo3(signature = (volume, *, device = "simulated", path = None, rate_hz = 1000,
-        real_time = true, start = None, stiffness = None, damping = None, force_limit = None,
-        segments = Vec::new()))]
+        real_time = true, start = None, settings = None, segments = Vec::new()))]
     #[expect(
         clippy::too_many_arguments,
         reason = "they are keywords in Python and options of one struct in the engine"
@@ -75,25 +75,18 @@ impl PySession {
         rate_hz: u32,
         real_time: bool,
         start: Option<Triple>,
-        stiffness: Option<f64>,
-        damping: Option<f64>,
-        force_limit: Option<f64>,
+        settings: Option<&Bound<'_, PyDict>>,
         segments: Vec<FirstSegment<'_>>,
-    ) -> Result<Self, CoreError> {
+    ) -> PyResult<Self> {
         let path = path.as_ref().map(path_samples).transpose()?;
         let first_point = path.as_ref().and_then(|samples| samples.first());
         let first_point = first_point.map(|sample| sample.position);
         let (device, reference) = device_named(device, path)?;
 
-        let defaults = Settings::default();
         let mut config = SessionConfig::new(volume.grid, volume.intensities.clone(), device);
         config.reference = reference;
         config.start = start.map(vector).or(first_point);
-        config.settings = Settings {
-            stiffness: stiffness.unwrap_or(defaults.stiffness),
-            damping: damping.unwrap_or(defaults.damping),
-            force_limit: force_limit.unwrap_or(defaults.force_limit),
-        };
+        config.settings = changed(Settings::default(), settings)?;
         config.rate_hz = rate_hz;
         config.real_time = real_time;
         config.segments = segments
@@ -102,7 +95,8 @@ impl PySession {
                 (segment.segment.clone(), Properties { touchable, range })
             })
             .collect();
-        let session = Arc::new(py.detach(|| Session::start(config))?);
+        let session = py.detach(|| Session::start(config));
+        let session = Arc::new(session.map_err(CoreError::from)?);
         note(&session);
         Ok(Self { session })
     }
@@ -130,28 +124,23 @@ impl PySession {
         Ok(py.detach(|| self.session.view(vector(right), vector(up)))?)
     }
 
-    /// Changes the settings that are given; returns those that hold.
-    #[pyo3(signature = (stiffness = None, damping = None, force_limit = None))]
+    /// Changes the settings that are given by name; returns those that hold.
+    #[pyo3(signature = (changes = None))]
     fn settings<'py>(
         &self,
         py: Python<'py>,
-        stiffness: Option<f64>,
-        damping: Option<f64>,
-        force_limit: Option<f64>,
+        changes: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let held = py
-            .detach(|| {
-                let now = self.session.settings()?;
-                if stiffness.or(damping).or(force_limit).is_none() {
-                    return Ok(now);
-                }
-                self.session.set_settings(Settings {
-                    stiffness: stiffness.unwrap_or(now.stiffness),
-                    damping: damping.unwrap_or(now.damping),
-                    force_limit: force_limit.unwrap_or(now.force_limit),
-                })
-            })
+        let now = py
+            .detach(|| self.session.settings())
             .map_err(CoreError::from)?;
+        let wanted = changed(now, changes)?;
+        let held = if wanted == now {
+            now
+        } else {
+            py.detach(|| self.session.set_settings(wanted))
+                .map_err(CoreError::from)?
+        };
         settings_dict(py, held)
     }
 

@@ -174,8 +174,8 @@ forgotten = [_core.Session(scan), _core.Session(scan, real_time=False)]
 
 REFUSED: list[tuple[str, Callable[[], object]]] = [
     ("rate", lambda: pressing(rate_hz=7)),
-    ("stiffness", lambda: pressing(stiffness=-1.0)),
-    ("force limit", lambda: pressing(force_limit=float("nan"))),
+    ("stiffness", lambda: pressing(settings={"stiffness": -1.0})),
+    ("force limit", lambda: pressing(settings={"force_limit": float("nan")})),
     ("start", lambda: pressing(start=(float("inf"), 0.0, 0.0))),
     ("path", lambda: _core.Session(volume(), device="scripted", path=np.zeros((3, 3)))),
     ("path", lambda: _core.Session(volume(), device="scripted", path=np.zeros((3, 4)))),

@@ -3,13 +3,12 @@
 //! Budgets (design, section 8): detection of rays 4 voxels long at least 15 M/s, the hard proxy
 //! pressing and sliding at least 2 M/s (1 M/s on CThead in the first version).
 
-mod model;
 mod random;
 mod rays;
 mod stroke;
 mod timing;
 
-pub use model::Model;
+pub use crate::model::Model;
 pub use rays::free_rays;
 pub use stroke::{DEPTH, STEP, Stroke, stroke};
 pub use timing::Timing;

@@ -16,6 +16,7 @@ pub mod handover;
 pub mod journal;
 pub mod live;
 pub mod mapping;
+pub mod model;
 pub mod offline;
 pub mod pacing;
 pub mod picture;

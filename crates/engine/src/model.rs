@@ -1,4 +1,4 @@
-//! The contact models that can be timed, by the names that users know.
+//! The contact models by the names that users know.
 
 /// A contact model by name.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
