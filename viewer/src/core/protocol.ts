@@ -111,7 +111,11 @@ export interface Settings {
   readonly force_limit: number;
 }
 
-/** First message of the engine: everything the page needs to draw. */
+/**
+ * First message of the engine: everything the page needs to draw.
+ *
+ * `defaults` are the settings that the session was started with.
+ */
 export interface Hello {
   readonly type: "hello";
   readonly protocol: number;
@@ -119,6 +123,7 @@ export interface Hello {
   readonly scan: Scan;
   readonly segments: readonly Segment[];
   readonly settings: Settings;
+  readonly defaults: Settings;
   readonly device: string;
 }
 
@@ -432,11 +437,11 @@ function tuple(...checks: readonly Check[]): Check {
 }
 
 /** A map with exactly these fields. */
-function record(fields: Readonly<Record<string, Check>>): Check {
+function record(fields: { readonly [name: string]: Check }): Check {
   const names = Object.keys(fields);
   return (value, path) => {
     expect(typeof value === "object" && value !== null && !Array.isArray(value), path, "a map");
-    const given = value as Readonly<Record<string, unknown>>;
+    const given = value as { readonly [name: string]: unknown };
     const extra = Object.keys(given).filter((name) => !Object.hasOwn(fields, name));
     expect(extra.length === 0, path, `no field ${extra.join(", ")}`);
     for (const name of names) {
@@ -526,6 +531,7 @@ const isHello = record({
   scan: isScan,
   segments: list(isSegment),
   settings: isSettings,
+  defaults: isSettings,
   device: text(),
 });
 

@@ -17,7 +17,7 @@ import type { MarkerState } from "../../src/gl/markers";
 import { Picture } from "../../src/gl/picture";
 import { PictureTarget } from "../../src/gl/picture_target";
 import { RayMarcher } from "../../src/gl/ray_marcher";
-import { scanOf, volumeOf } from "../core/volumes";
+import { scanOf, segment, volumeOf } from "../core/volumes";
 
 export interface MarchTest {
   readonly field: "flat" | "ball" | "label";
@@ -103,8 +103,7 @@ function march(test: MarchTest): MarchResult {
   marcher.setField(field, bricksOf(volume, test.skip ?? true));
   marcher.setLook(lookOf(test));
   if (test.field === "label") {
-    const segment = { id: 7, name: "box", colour: [1, 0, 0] as const, visible: true, touchable: true };
-    const colours = labelColours([{ ...segment, range: null, voxels: 0, volume_ml: 0, pending: false }]);
+    const colours = labelColours([{ ...segment, id: 7, colour: [1, 0, 0], range: null }]);
     const ids = labelsInBox();
     const dimensions: Vec3 = [voxels, voxels, voxels];
     marcher.setLabelColours(colours);
