@@ -149,6 +149,15 @@ class Session:
         """Puts other voxels in the place of a segment's."""
 
     def remove_segment(self, segment_id: int) -> None: ...
+    def set_feel(
+        self,
+        segment_id: int,
+        stiffness: float | None = None,
+        friction_static: float | None = None,
+        friction_kinetic: float | None = None,
+    ) -> None:
+        """Changes how the surface of a segment feels; None is as the settings say."""
+
     def set_touchable(self, segment_id: int, touchable: bool) -> None:
         """Makes a segment an obstacle or none; this is not undone."""
 

@@ -299,8 +299,8 @@ class MoveSegment(Message, frozen=True, tag="move_segment"):
     pose: Pose
 
 
-class Record(Message, frozen=True, tag="record"):
-    """Begins to keep every input of the servo, or ends it; then the file is at ``/api/recording``."""
+class RecordSession(Message, frozen=True, tag="record"):
+    """Begins to keep every input of the servo, or ends it: the file is at ``/api/recording``."""
 
     on: bool
 
@@ -333,7 +333,7 @@ FromPage = (
     | SegmentProperties
     | SegmentFeel
     | MoveSegment
-    | Record
+    | RecordSession
     | RemoveSegment
     | ChangeSettings
     | Undo

@@ -153,11 +153,11 @@ function tuple(...checks: readonly Check[]): Check {
 }
 
 /** A map with exactly these fields. */
-function record(fields: { readonly [name: string]: Check }): Check {
+function record(fields: Readonly<Record<string, Check>>): Check {
   const names = Object.keys(fields);
   return (value, path) => {
     expect(typeof value === "object" && value !== null && !Array.isArray(value), path, "a map");
-    const given = value as { readonly [name: string]: unknown };
+    const given = value as Readonly<Record<string, unknown>>;
     const extra = Object.keys(given).filter((name) => !Object.hasOwn(fields, name));
     expect(extra.length === 0, path, `no field ${extra.join(", ")}`);
     for (const name of names) {

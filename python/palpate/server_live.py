@@ -122,6 +122,8 @@ class Live:
                 self.session.view(right=right, up=up)
             case protocol.SegmentProperties():
                 self.segments.change(message)
+            case protocol.SegmentFeel(segment_id, feel):
+                self.session.set_feel(segment_id, **msgspec.structs.asdict(feel))
             case protocol.RemoveSegment(segment_id):
                 self.session.remove_segment(segment_id)
             case protocol.ChangeSettings(settings):

@@ -8,7 +8,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from types import TracebackType
 from typing import Any, Literal, Self
 
@@ -38,7 +38,7 @@ class SessionOptions:
     """Whether time is that of the clock; else the session stands still until ``run``."""
     start: tuple[float, float, float] | None = None
     """Where the device starts [scene]; by default beside the scan."""
-    touch: TouchSettings = TouchSettings()
+    touch: TouchSettings = field(default_factory=TouchSettings)
     """How touch feels."""
 
 
@@ -193,6 +193,22 @@ class Session:
         """Sets whether the probe is stopped by a segment."""
         with _given():
             self._internal.set_touchable(segment_id, touchable)
+
+    def set_feel(
+        self,
+        segment_id: int,
+        *,
+        stiffness: float | None = None,
+        friction_static: float | None = None,
+        friction_kinetic: float | None = None,
+    ) -> None:
+        """Sets how the surface of a segment feels; None is as the settings of touch say.
+
+        Raises:
+            OptionError: A value is out of range.
+        """
+        with _given():
+            self._internal.set_feel(segment_id, stiffness, friction_static, friction_kinetic)
 
     def segment(self, segment_id: int, *, name: str = "segment") -> Segment:
         """Returns the voxels of a segment as they are now."""

@@ -7,6 +7,7 @@ use numpy::{PyReadonlyArray2, PyUntypedArrayMethods};
 use palpate_device::HapticDevice;
 use palpate_device::scripted::{PathSample, ScriptedDevice};
 use palpate_device::simulated::{SimulatedDevice, SimulatedSettings};
+use palpate_engine::feel::Feel;
 use palpate_engine::scene::{Properties, ThresholdRange};
 use palpate_engine::session::Session;
 use palpate_engine::session_config::{Reference, SessionConfig};
@@ -92,7 +93,7 @@ impl PySession {
         config.segments = segments
             .into_iter()
             .map(|(segment, touchable, range)| {
-                (segment.segment.clone(), Properties { touchable, range })
+                (segment.segment.clone(), properties(touchable, range))
             })
             .collect();
         let session = py.detach(|| Session::start(config));
@@ -154,10 +155,7 @@ impl PySession {
         undoable: bool,
     ) -> Result<u8, CoreError> {
         let voxels = segment.segment.clone();
-        let properties = Properties {
-            touchable,
-            range: threshold_range,
-        };
+        let properties = properties(touchable, threshold_range);
         let id = py.detach(|| self.session.add_segment(voxels, properties, undoable))?;
         Ok(id.0)
     }
@@ -188,6 +186,25 @@ impl PySession {
         touchable: bool,
     ) -> Result<(), CoreError> {
         Ok(py.detach(|| self.session.set_touchable(SegmentId(segment_id), touchable))?)
+    }
+
+    /// Changes how the surface of a segment feels; None is as the settings say.
+    #[pyo3(signature = (segment_id, stiffness = None, friction_static = None,
+        friction_kinetic = None))]
+    fn set_feel(
+        &self,
+        py: Python<'_>,
+        segment_id: u8,
+        stiffness: Option<f64>,
+        friction_static: Option<f64>,
+        friction_kinetic: Option<f64>,
+    ) -> Result<(), CoreError> {
+        let feel = Feel {
+            stiffness,
+            friction_static,
+            friction_kinetic,
+        };
+        Ok(py.detach(|| self.session.set_feel(SegmentId(segment_id), feel))?)
     }
 
     /// Makes a segment of a threshold of the scan as edited, or gives it to a segment.
@@ -268,6 +285,15 @@ impl PySession {
 
     fn stop(&self, py: Python<'_>) {
         py.detach(|| self.session.stop());
+    }
+}
+
+/// What a new segment is known by.
+fn properties(touchable: bool, range: Option<ThresholdRange>) -> Properties {
+    Properties {
+        touchable,
+        range,
+        ..Properties::default()
     }
 }
 

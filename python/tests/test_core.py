@@ -93,7 +93,7 @@ def test_histogram_counts_every_voxel() -> None:
 
 
 def test_pressing_gives_stiffness_times_depth() -> None:
-    session = pressing(stiffness=0.8)
+    session = pressing(settings={"stiffness": 0.8})
     session.start_recording()
     session.run(0.8)
     frame = session.frame()
@@ -125,9 +125,16 @@ def test_a_frame_is_what_the_protocol_says() -> None:
 
 def test_thresholds_follow_undo() -> None:
     session = pressing()
-    assert session.segments_state() == [
-        {"id": 1, "voxels": 20_000, "touchable": True, "pending": False, "range": (500.0, 2000.0)}
-    ]
+    (state,) = session.segments_state()
+    feel = state.pop("feel")
+    assert set(feel) == {"stiffness", "friction_static", "friction_kinetic"}
+    assert state == {
+        "id": 1,
+        "voxels": 20_000,
+        "touchable": True,
+        "pending": False,
+        "range": (500.0, 2000.0),
+    }
     session.fill_box(1, (0, 0, 0), (5, 5, 5), solid=True)
     assert session.segments_state()[0]["range"] is None
     assert session.segments_state()[0]["voxels"] == 20_125

@@ -113,6 +113,7 @@ fn servo_start(
         mapping: first_mapping(reference),
         probe,
         settings,
+        feels: scene.feels(),
     }
 }
 

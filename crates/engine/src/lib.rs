@@ -11,6 +11,7 @@ pub mod bench;
 pub mod clock;
 pub mod device_loop;
 pub mod error;
+pub mod feel;
 pub mod frame;
 pub mod handover;
 pub mod journal;

@@ -15,6 +15,7 @@ use palpate_volume::bits::Bits;
 use palpate_volume::grid::Grid;
 
 use crate::device_loop::WATCHDOG_SECS;
+use crate::feel::Feel;
 use crate::handover::{
     DeviceSample, ForceCommand, HandTarget, ServoChannels, ServoCommand, ServoStatus, TickRecord,
 };
@@ -44,6 +45,8 @@ pub struct ServoStart {
     pub probe: DVec3,
     /// Settings that the device bears.
     pub settings: Settings,
+    /// How each segment feels, by its number.
+    pub feels: [Feel; 256],
 }
 
 /// The state of the servo thread.
@@ -55,6 +58,8 @@ pub struct ServoLoop {
     occupancy: TouchOccupancy,
     mapping: Mapping,
     settings: Settings,
+    /// How each segment feels, by its number.
+    feels: [Feel; 256],
     hand: DVec3,
     /// Hand targets up to this number are older than the last placement.
     forgotten_hand: u64,
@@ -101,6 +106,7 @@ impl ServoLoop {
             occupancy: TouchOccupancy::new(start.bits, garbage),
             mapping: start.mapping,
             settings: start.settings,
+            feels: start.feels,
             hand: start.probe,
             forgotten_hand: 0,
             ends: Ends {
@@ -207,6 +213,7 @@ impl ServoLoop {
             }
             Ok(ServoCommand::Turn(rotation)) => self.mapping.turn(device, rotation),
             Ok(ServoCommand::Settings(settings)) => self.settings = settings,
+            Ok(ServoCommand::Feel(id, feel)) => self.feels[usize::from(id.0)] = feel,
             // changes of occupancy are taken elsewhere
             Ok(ServoCommand::Root { .. } | ServoCommand::Bricks(_)) | Err(_) => {}
         }
@@ -292,6 +299,8 @@ impl ServoLoop {
             device: self.device_in_scene(sample),
             hand: self.hand,
             proxy: output.proxy_in_scene,
+            contact_point: output.contact_point_in_scene,
+            normal: output.normal,
             force: output.force,
             sent_force: self.mapping.force_to_scene(sample.sent_in_device),
             contact: output.contact,

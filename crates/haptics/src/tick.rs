@@ -43,6 +43,10 @@ pub struct TickState {
 pub struct TickOutput {
     /// The proxy [mm], scene.
     pub proxy_in_scene: DVec3,
+    /// Where the force comes from [mm], scene; the proxy without contact.
+    pub contact_point_in_scene: DVec3,
+    /// Out of the surface there, of length 1, scene axes; zero without contact.
+    pub normal: DVec3,
     /// Force on the device [N], scene axes, before the safety stage; zero without contact.
     pub force: DVec3,
     /// Whether a solid voxel holds the proxy back.
@@ -80,8 +84,11 @@ pub fn tick<O: Occupancy + ?Sized>(
     } else {
         DVec3::ZERO
     };
+    let proxy_in_scene = scene_from_grid.transform_point3(state.proxy.point());
     TickOutput {
-        proxy_in_scene: scene_from_grid.transform_point3(state.proxy.point()),
+        proxy_in_scene,
+        contact_point_in_scene: proxy_in_scene,
+        normal: proxy_from_device.normalize_or_zero(),
         force: finite(
             input
                 .coupling

@@ -271,8 +271,8 @@ export interface MoveSegment {
   readonly pose: Pose;
 }
 
-/** Begins to keep every input of the servo, or ends it; then the file is at `/api/recording`. */
-export interface Record {
+/** Begins to keep every input of the servo, or ends it: the file is at `/api/recording`. */
+export interface RecordSession {
   readonly type: "record";
   readonly on: boolean;
 }
@@ -316,7 +316,7 @@ export type FromPage =
   | SegmentProperties
   | SegmentFeel
   | MoveSegment
-  | Record
+  | RecordSession
   | RemoveSegment
   | ChangeSettings
   | Undo
@@ -437,11 +437,11 @@ function tuple(...checks: readonly Check[]): Check {
 }
 
 /** A map with exactly these fields. */
-function record(fields: { readonly [name: string]: Check }): Check {
+function record(fields: Readonly<Record<string, Check>>): Check {
   const names = Object.keys(fields);
   return (value, path) => {
     expect(typeof value === "object" && value !== null && !Array.isArray(value), path, "a map");
-    const given = value as { readonly [name: string]: unknown };
+    const given = value as Readonly<Record<string, unknown>>;
     const extra = Object.keys(given).filter((name) => !Object.hasOwn(fields, name));
     expect(extra.length === 0, path, `no field ${extra.join(", ")}`);
     for (const name of names) {
