@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from palpate.scripted_path import ScriptedPath
     from palpate.segment import Segment
     from palpate.session import Recording, Session, SessionOptions
+    from palpate.touch_settings import TouchSettings
     from palpate.volume import Volume
 
 __all__ = [
@@ -42,6 +43,7 @@ __all__ = [
     "SeriesChoiceError",
     "Session",
     "SessionOptions",
+    "TouchSettings",
     "Volume",
     "VolumeFormatError",
     "phantom",
@@ -63,6 +65,7 @@ _HOMES = {
     "Recording": "session",
     "Session": "session",
     "SessionOptions": "session",
+    "TouchSettings": "touch_settings",
     "Volume": "volume",
 }
 """Module of each public name: imported when first asked for, so that the package starts fast."""

@@ -1,6 +1,6 @@
 """The engine. Arrays are [z, y, x], x fastest; points (x, y, z), LPS [mm]; forces [N]."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, Literal
 
 import numpy as np
@@ -91,9 +91,7 @@ class Session:
         rate_hz: int = 1000,
         real_time: bool = True,
         start: _Triple | None = None,
-        stiffness: float | None = None,
-        damping: float | None = None,
-        force_limit: float | None = None,
+        settings: Mapping[str, Any] | None = None,
         segments: Sequence[tuple[Segment, bool, _Range | None]] = (),
     ) -> None:
         """Starts the session.
@@ -107,9 +105,7 @@ class Session:
                 system grants it; else the session stands still until ``run``.
             start: Where probe, device and hand begin; None is in front of the scan, or where
                 ``path`` begins.
-            stiffness: Of the spring between probe and device [N/mm]; None is the default.
-            damping: Of the damper beside it [N·s/mm]; None is the default.
-            force_limit: Largest force [N]; None is the default.
+            settings: Fields of ``TouchSettings``; what is None or missing is the default.
             segments: Voxels, touchable, and the threshold that they are, numbered from 1. They
                 are there before the first tick and cannot be undone.
 
@@ -135,13 +131,8 @@ class Session:
     def view(self, right: _Triple, up: _Triple) -> None:
         """Turns the device's axes to those of the view; ``up`` is straightened."""
 
-    def settings(
-        self,
-        stiffness: float | None = None,
-        damping: float | None = None,
-        force_limit: float | None = None,
-    ) -> dict[str, float]:
-        """Changes what is given, as far as the device bears it; returns what holds."""
+    def settings(self, changes: Mapping[str, Any] | None = None) -> dict[str, Any]:
+        """Changes the fields of ``TouchSettings`` that are given; returns what holds."""
 
     def add_segment(
         self,
@@ -158,6 +149,15 @@ class Session:
         """Puts other voxels in the place of a segment's."""
 
     def remove_segment(self, segment_id: int) -> None: ...
+    def set_feel(
+        self,
+        segment_id: int,
+        stiffness: float | None = None,
+        friction_static: float | None = None,
+        friction_kinetic: float | None = None,
+    ) -> None:
+        """Changes how the surface of a segment feels; None is as the settings say."""
+
     def set_touchable(self, segment_id: int, touchable: bool) -> None:
         """Makes a segment an obstacle or none; this is not undone."""
 

@@ -19,6 +19,7 @@ from palpate.server_outbox import Outbox
 from palpate.server_segments import ShownSegments
 from palpate.server_thresholds import ThresholdJobs
 from palpate.session import Session
+from palpate.touch_settings import TouchSettings
 
 __all__ = ["Live"]
 
@@ -121,6 +122,8 @@ class Live:
                 self.session.view(right=right, up=up)
             case protocol.SegmentProperties():
                 self.segments.change(message)
+            case protocol.SegmentFeel(segment_id, feel):
+                self.session.set_feel(segment_id, **msgspec.structs.asdict(feel))
             case protocol.RemoveSegment(segment_id):
                 self.session.remove_segment(segment_id)
             case protocol.ChangeSettings(settings):
@@ -131,7 +134,7 @@ class Live:
                 self.session.redo()
 
     def _change_settings(self, wanted: protocol.Settings) -> None:
-        held = self.session.settings(**msgspec.structs.asdict(wanted))
+        held = self.session.settings(TouchSettings(**msgspec.structs.asdict(wanted)))
         settings = protocol.Settings(**held)
         self._hello = msgspec.structs.replace(self._hello, settings=settings)
         self._from_threads.put(protocol.SettingsChanged(settings))

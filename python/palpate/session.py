@@ -8,7 +8,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, field
 from types import TracebackType
 from typing import Any, Literal, Self
 
@@ -20,6 +20,7 @@ from palpate.errors import OptionError
 from palpate.scene import Scene
 from palpate.scripted_path import ScriptedPath
 from palpate.segment import Segment
+from palpate.touch_settings import TouchSettings
 
 __all__ = ["Recording", "Session", "SessionOptions"]
 
@@ -37,12 +38,8 @@ class SessionOptions:
     """Whether time is that of the clock; else the session stands still until ``run``."""
     start: tuple[float, float, float] | None = None
     """Where the device starts [scene]; by default beside the scan."""
-    stiffness: float | None = None
-    """Of the spring between probe and device [N/mm]."""
-    damping: float | None = None
-    """Of the damper beside it [N·s/mm]."""
-    force_limit: float | None = None
-    """Largest force [N]."""
+    touch: TouchSettings = field(default_factory=TouchSettings)
+    """How touch feels."""
 
 
 @dataclass(frozen=True)
@@ -108,9 +105,7 @@ class Session:
                 rate_hz=self.options.rate_hz,
                 real_time=self.options.real_time,
                 start=self.options.start,
-                stiffness=self.options.stiffness,
-                damping=self.options.damping,
-                force_limit=self.options.force_limit,
+                settings=asdict(self.options.touch),
                 segments=[
                     (shown.segment._internal, shown.touchable, shown.segment.range)  # noqa: SLF001
                     for shown in scene
@@ -166,25 +161,14 @@ class Session:
         with _given():
             self._internal.view(_triple(right), _triple(up))
 
-    def settings(
-        self,
-        *,
-        stiffness: float | None = None,
-        damping: float | None = None,
-        force_limit: float | None = None,
-    ) -> dict[str, float]:
+    def settings(self, changes: TouchSettings | None = None) -> dict[str, Any]:
         """Changes what is given, as far as the device bears it; returns what holds.
-
-        Args:
-            stiffness: Of the spring between probe and device [N/mm].
-            damping: Of the damper beside it [N·s/mm].
-            force_limit: Largest force [N].
 
         Raises:
             OptionError: A setting is out of range.
         """
         with _given():
-            return self._internal.settings(stiffness, damping, force_limit)
+            return self._internal.settings(asdict(changes or TouchSettings()))
 
     # --- segments -------------------------------------------------------------------------
 
@@ -209,6 +193,22 @@ class Session:
         """Sets whether the probe is stopped by a segment."""
         with _given():
             self._internal.set_touchable(segment_id, touchable)
+
+    def set_feel(
+        self,
+        segment_id: int,
+        *,
+        stiffness: float | None = None,
+        friction_static: float | None = None,
+        friction_kinetic: float | None = None,
+    ) -> None:
+        """Sets how the surface of a segment feels; None is as the settings of touch say.
+
+        Raises:
+            OptionError: A value is out of range.
+        """
+        with _given():
+            self._internal.set_feel(segment_id, stiffness, friction_static, friction_kinetic)
 
     def segment(self, segment_id: int, *, name: str = "segment") -> Segment:
         """Returns the voxels of a segment as they are now."""

@@ -5,10 +5,10 @@
 
 use glam::DVec3;
 use numpy::PyArray1;
-use palpate_engine::frame::{Frame, Notice, NoticeLevel, Rates, Safety};
+use palpate_engine::feel::Feel;
+use palpate_engine::frame::{ForceState, Frame, Notice, NoticeLevel, Rates, Safety};
 use palpate_engine::rate::Rate;
 use palpate_engine::recording::Recording;
-use palpate_engine::settings::Settings;
 use palpate_engine::simulation::SegmentState;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -37,6 +37,8 @@ pub fn frame_dict<'py>(py: Python<'py>, frame: &Frame) -> PyResult<Bound<'py, Py
         "device": triple(frame.device),
         "hand": triple(frame.hand),
         "proxy": triple(frame.proxy),
+        "contact_point": triple(frame.contact_point),
+        "normal": triple(frame.normal),
         "force": triple(frame.force),
         "contact": frame.contact,
         "depth": frame.depth,
@@ -46,6 +48,7 @@ pub fn frame_dict<'py>(py: Python<'py>, frame: &Frame) -> PyResult<Bound<'py, Py
         "can_redo": frame.can_redo,
         "rates": rates_dict(py, &frame.rates)?,
         "safety": safety_dict(py, frame.safety)?,
+        "recording": frame.recording,
         "samples": samples.collect::<Vec<_>>(),
         "segments_version": frame.segments_version,
         "notices": frame.notices.iter().map(notice_pair).collect::<Vec<_>>(),
@@ -60,15 +63,15 @@ pub fn segment_dict<'py>(py: Python<'py>, segment: &SegmentState) -> PyResult<Bo
         "touchable": segment.touchable,
         "pending": segment.pending,
         "range": segment.range,
+        "feel": feel_dict(py, segment.feel)?,
     )
 }
 
-/// The settings that hold.
-pub fn settings_dict(py: Python<'_>, settings: Settings) -> PyResult<Bound<'_, PyDict>> {
+fn feel_dict(py: Python<'_>, feel: Feel) -> PyResult<Bound<'_, PyDict>> {
     dictionary!(py,
-        "stiffness": settings.stiffness,
-        "damping": settings.damping,
-        "force_limit": settings.force_limit,
+        "stiffness": feel.stiffness,
+        "friction_static": feel.friction_static,
+        "friction_kinetic": feel.friction_kinetic,
     )
 }
 
@@ -135,9 +138,24 @@ fn safety_dict(py: Python<'_>, safety: Safety) -> PyResult<Bound<'_, PyDict>> {
         "clamped": safety.clamped,
         "slewed": safety.slewed,
         "not_finite": safety.not_finite,
+        "ramped": safety.ramped,
+        "waited": safety.waited,
+        "eased": safety.eased,
+        "damped": safety.damped,
         "watchdog": safety.watchdog,
         "violations": safety.violations,
+        "force": force_state(safety.force),
     )
+}
+
+fn force_state(state: ForceState) -> &'static str {
+    match state {
+        ForceState::On => "on",
+        ForceState::Waiting => "waiting",
+        ForceState::Ramping => "ramping",
+        ForceState::Easing => "easing",
+        ForceState::Off => "off",
+    }
 }
 
 fn notice_pair(notice: &Notice) -> (&'static str, &str) {

@@ -11,6 +11,7 @@ mod frame;
 mod phantom;
 mod segment;
 mod session;
+mod settings;
 mod volume;
 
 use pyo3::prelude::*;

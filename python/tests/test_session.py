@@ -8,9 +8,20 @@ from pathlib import Path
 import numpy as np
 import palpate
 import pytest
-from palpate import OptionError, Recording, Scene, ScriptedPath, Session, SessionOptions, Volume
+from palpate import (
+    OptionError,
+    Recording,
+    Scene,
+    ScriptedPath,
+    Session,
+    SessionOptions,
+    TouchSettings,
+    Volume,
+)
 
-OFFLINE = SessionOptions(real_time=False, stiffness=0.8, damping=0.0, force_limit=10.0)
+OFFLINE = SessionOptions(
+    real_time=False, touch=TouchSettings(stiffness=0.8, damping=0.0, force_limit=10.0)
+)
 
 
 def press(scene: Scene, point: np.ndarray, inward: np.ndarray) -> Recording:
@@ -166,10 +177,10 @@ def test_real_time_is_that_of_the_clock(ball_scene: Scene) -> None:
 @pytest.mark.parametrize(
     "options",
     [
-        SessionOptions(stiffness=-1.0),
-        SessionOptions(stiffness=float("nan")),
-        SessionOptions(force_limit=100.0),
-        SessionOptions(damping=1.0),
+        SessionOptions(touch=TouchSettings(stiffness=-1.0)),
+        SessionOptions(touch=TouchSettings(stiffness=float("nan"))),
+        SessionOptions(touch=TouchSettings(force_limit=100.0)),
+        SessionOptions(touch=TouchSettings(damping=1.0)),
         SessionOptions(rate_hz=1),
     ],
 )

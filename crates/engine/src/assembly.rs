@@ -118,6 +118,7 @@ fn servo_start(
         mapping: first_mapping(reference),
         probe,
         settings,
+        feels: scene.feels(),
     }
 }
 

@@ -11,9 +11,11 @@ use palpate_device::DeviceState;
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;
+use palpate_volume::edit::SegmentId;
 use rtrb::{Consumer, Producer, RingBuffer};
 use triple_buffer::{Input, Output, triple_buffer};
 
+use crate::feel::Feel;
 use crate::servo_state::{ServoState, TickInputs};
 use crate::settings::Settings;
 
@@ -88,6 +90,8 @@ pub enum ServoCommand {
     Turn(DMat3),
     /// New settings.
     Settings(Settings),
+    /// How the surface of a segment feels from now on.
+    Feel(SegmentId, Feel),
     /// Asks for the servo's state at the end of this tick, from where it can be replayed.
     Mark,
 }
@@ -160,6 +164,10 @@ pub struct TickRecord {
     pub hand: DVec3,
     /// Where the probe was.
     pub proxy: DVec3,
+    /// Where the force came from, on the smooth surface.
+    pub contact_point: DVec3,
+    /// Out of the surface there; zero without contact.
+    pub normal: DVec3,
     /// The force of the contact, before the safety stage.
     pub force: DVec3,
     /// The force that was last sent to the device when the tick began.

@@ -12,7 +12,7 @@ use glam::DVec3;
 use rtrb::Consumer;
 use triple_buffer::Output;
 
-use crate::frame::{Frame, Notice, Rates, Safety, Sample};
+use crate::frame::{ForceState, Frame, Notice, Rates, Safety, Sample};
 use crate::handover::TickRecord;
 use crate::rate::RateReader;
 use crate::recording::{MAX_TICKS, Recording};
@@ -127,6 +127,8 @@ impl Picture {
             device: latest.device,
             hand: latest.hand,
             proxy: latest.proxy,
+            contact_point: latest.contact_point,
+            normal: latest.normal,
             force,
             contact: latest.contact,
             depth: latest.depth,
@@ -137,6 +139,7 @@ impl Picture {
             segments_version: status.segments_version,
             rates: self.rates(now_ns),
             safety: self.safety(),
+            recording: self.recording.as_ref().map(Recording::seconds),
             samples: self.samples.drain(..).collect(),
             notices: self.notices.drain(..).collect(),
         }
@@ -217,8 +220,17 @@ impl Picture {
             clamped: counters.clamped.load(Ordering::Relaxed),
             slewed: counters.slewed.load(Ordering::Relaxed),
             not_finite: counters.not_finite.load(Ordering::Relaxed),
+            ramped: counters.ramped.load(Ordering::Relaxed),
+            waited: counters.waited.load(Ordering::Relaxed),
+            eased: counters.eased.load(Ordering::Relaxed),
+            damped: counters.damped.load(Ordering::Relaxed),
             watchdog: counters.watchdog.load(Ordering::Relaxed),
             violations: counters.violations.load(Ordering::Relaxed),
+            force: if self.sources.shared.stopping() {
+                ForceState::Off
+            } else {
+                counters.force_state()
+            },
         }
     }
 }

@@ -11,6 +11,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use palpate_volume::bits::Bits;
+use palpate_volume::edit::SegmentId;
 
 use crate::handover::{BrickChange, Channels, ServoCommand, SimulationChannels, TickRecord};
 use crate::recording::Recording;
@@ -235,6 +236,7 @@ impl<'a> Player<'a> {
             },
             TapeCommand::Turn(rotation) => ServoCommand::Turn(rotation),
             TapeCommand::Settings(settings) => ServoCommand::Settings(settings),
+            TapeCommand::Feel(id, feel) => ServoCommand::Feel(SegmentId(id), feel),
             TapeCommand::Mark => ServoCommand::Mark,
         }
     }

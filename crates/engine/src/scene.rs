@@ -5,6 +5,7 @@
 
 use std::collections::BTreeMap;
 
+use crate::feel::{Feel, Feels};
 use palpate_volume::bits::Bits;
 use palpate_volume::edit::{Edit, SegmentId};
 use palpate_volume::segment::Segment;
@@ -20,6 +21,8 @@ pub struct Properties {
     pub touchable: bool,
     /// The threshold that it is; none once its voxels come from elsewhere.
     pub range: Option<ThresholdRange>,
+    /// How its surface feels.
+    pub feel: Feel,
 }
 
 /// A change of the scene.
@@ -158,6 +161,29 @@ impl Scene {
         let differs = properties.touchable != touchable;
         properties.touchable = touchable;
         Ok(differs)
+    }
+
+    /// How each segment feels, by its number.
+    #[must_use]
+    pub fn feels(&self) -> Feels {
+        let mut feels = Feels::default();
+        for (id, properties) in &self.properties {
+            feels.set(*id, properties.feel);
+        }
+        feels
+    }
+
+    /// Changes how the surface of a segment feels.
+    ///
+    /// # Errors
+    /// Where there is no such segment.
+    pub fn set_feel(&mut self, id: SegmentId, feel: Feel) -> Result<(), VoxelsError> {
+        let properties = self
+            .properties
+            .get_mut(&id)
+            .ok_or(VoxelsError::UnknownSegment(id.0))?;
+        properties.feel = feel;
+        Ok(())
     }
 
     /// The bits of all obstacles.

@@ -7,14 +7,15 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
 
 use glam::DVec3;
-use palpate_haptics::exact::Exact;
 use palpate_haptics::placement::nearest_free;
 use palpate_haptics::proxy::Proxy;
-use palpate_haptics::tick::{TickInput, TickOutput, TickState, TouchScene, tick};
+use palpate_haptics::scene::TouchScene;
+use palpate_haptics::tick::{TickInput, TickOutput, TickState, tick};
 use palpate_volume::bits::Bits;
 use palpate_volume::grid::Grid;
 
 use crate::device_loop::WATCHDOG_SECS;
+use crate::feel::Feels;
 use crate::handover::{
     DeviceSample, ForceCommand, HandTarget, ServoChannels, ServoCommand, ServoStatus, Snapshot,
     TickRecord,
@@ -46,13 +47,14 @@ pub struct ServoStart {
     pub probe: DVec3,
     /// Settings that the device bears.
     pub settings: Settings,
+    /// How each segment feels, by its number.
+    pub feels: Feels,
 }
 
 /// The state of the servo thread.
 #[derive(Debug)]
 pub struct ServoLoop {
     grid: Grid,
-    model: Exact,
     state: ServoState,
     occupancy: TouchOccupancy,
     /// Whether the state is asked for at the end of this tick.
@@ -86,6 +88,7 @@ impl ServoLoop {
             touch: TickState { proxy },
             mapping: start.mapping,
             settings: start.settings,
+            feels: start.feels,
             hand: start.probe,
             forgotten_hand: 0,
             received: 0,
@@ -116,7 +119,6 @@ impl ServoLoop {
         } = channels;
         Self {
             grid,
-            model: Exact::default(),
             state,
             occupancy: TouchOccupancy::new(bits, garbage),
             marked: false,
@@ -241,6 +243,7 @@ impl ServoLoop {
             }
             Some(ServoCommand::Turn(rotation)) => self.state.mapping.turn(device, rotation),
             Some(ServoCommand::Settings(settings)) => self.state.settings = settings,
+            Some(ServoCommand::Feel(id, feel)) => self.state.feels.set(id, feel),
             Some(ServoCommand::Mark) => self.marked = true,
             // changes of occupancy are taken elsewhere
             Some(ServoCommand::Root { .. } | ServoCommand::Bricks(_)) | None => {}
@@ -289,11 +292,9 @@ impl ServoLoop {
     }
 
     fn touch(&mut self, input: &TickInput) -> TickOutput {
-        let scene = TouchScene {
-            occupancy: self.occupancy.bits(),
-            grid: &self.grid,
-        };
-        let output = tick(&scene, &self.model, input, &mut self.state.touch);
+        let scene = TouchScene::of_world(self.occupancy.bits(), &self.grid);
+        let model = &self.state.settings.model;
+        let output = tick(&scene, model, input, &mut self.state.touch);
         if output.violation {
             self.shared.counters.violations.fetch_add(1, Relaxed);
         }
@@ -331,6 +332,8 @@ impl ServoLoop {
             device: self.device_in_scene(inputs),
             hand: self.state.hand,
             proxy: output.proxy_in_scene,
+            contact_point: output.contact_point_in_scene,
+            normal: output.normal,
             force: output.force,
             sent_force: self.state.mapping.force_to_scene(sent_in_device),
             contact: output.contact,

@@ -15,6 +15,7 @@ use palpate_volume::voxels::{Voxels, VoxelsError};
 use crate::assembly::{Assembly, assemble};
 use crate::clock;
 use crate::error::SessionError;
+use crate::feel::Feel;
 use crate::frame::{Frame, Notice, Rates};
 use crate::handover::HandTarget;
 use crate::live::Live;
@@ -193,6 +194,14 @@ impl Session {
         self.ask(move |simulation| simulation.set_touchable(id, touchable))?
     }
 
+    /// Changes how the surface of a segment feels.
+    ///
+    /// # Errors
+    /// Where a value is out of range, there is no such segment, or the session has ended.
+    pub fn set_feel(&self, id: SegmentId, feel: Feel) -> Result<(), SessionError> {
+        self.ask(move |simulation| simulation.set_feel(id, feel))?
+    }
+
     /// Makes a segment of all voxels with low <= value <= high, or gives segment `id` these
     /// voxels; gives its number.
     ///
@@ -217,6 +226,7 @@ impl Session {
                 let properties = Properties {
                     touchable: true,
                     range: Some(range),
+                    ..Properties::default()
                 };
                 simulation.add_segment(segment, properties, true)
             }

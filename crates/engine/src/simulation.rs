@@ -14,6 +14,7 @@ use palpate_volume::voxel_box::VoxelBox;
 use palpate_volume::voxels::{Voxels, VoxelsError};
 
 use crate::error::SessionError;
+use crate::feel::Feel;
 use crate::frame::Notice;
 use crate::handover::{ServoCommand, SimulationChannels};
 use crate::journal::Journal;
@@ -54,6 +55,8 @@ pub struct SegmentState {
     pub pending: bool,
     /// The threshold that it is; none where its voxels come from elsewhere.
     pub range: Option<ThresholdRange>,
+    /// How its surface feels.
+    pub feel: Feel,
 }
 
 /// The state of the simulation thread.
@@ -121,6 +124,7 @@ impl Simulation {
                 touchable: properties.touchable,
                 pending: self.touch.is_pending(id),
                 range: properties.range,
+                feel: properties.feel,
             })
             .collect()
     }
@@ -207,6 +211,19 @@ impl Simulation {
             self.touch.send_change(&self.scene, &change);
             self.publish();
         }
+        Ok(())
+    }
+
+    /// Changes how the surface of a segment feels. This changes no voxel and is not undone.
+    ///
+    /// # Errors
+    /// Where a value is out of range, or there is no such segment.
+    pub fn set_feel(&mut self, id: SegmentId, feel: Feel) -> Result<(), SessionError> {
+        feel.check()?;
+        self.scene.set_feel(id, feel)?;
+        self.segments_version += 1;
+        self.touch.send(ServoCommand::Feel(id, feel));
+        self.publish();
         Ok(())
     }
 

@@ -1,10 +1,10 @@
 //! What every contact model does: move the proxy toward the device, and say what it met.
 //!
-//! Frame: grid. A model is constant; all that changes is the proxy.
+//! Frame: the world's grid. A model is constant; all that changes is the proxy.
 
 use crate::proxy::Proxy;
-use glam::{DVec3, IVec3};
-use palpate_volume::grid::Grid;
+use crate::scene::{Solid, TouchScene};
+use glam::DVec3;
 use palpate_volume::occupancy::Occupancy;
 
 /// What the proxy met on its way to the device.
@@ -13,7 +13,7 @@ pub struct Contact {
     /// Whether a solid voxel holds the proxy back from the device.
     pub touching: bool,
     /// The solid voxel that stopped it last; its owner is the segment that is touched.
-    pub stopped_by: Option<IVec3>,
+    pub stopped_by: Option<Solid>,
     /// Voxels read.
     pub visits: u32,
     /// Steps along the surface.
@@ -29,10 +29,9 @@ pub trait ContactModel {
     /// Moves the proxy toward the device point by legal moves only: through face-connected
     /// free voxels (`exact`; the thesis' models promise none of it). A device point that is not
     /// finite leaves it where it is.
-    fn advance<O: Occupancy + ?Sized>(
+    fn advance<O: Occupancy>(
         &self,
-        occupancy: &O,
-        grid: &Grid,
+        scene: &TouchScene<'_, O>,
         device_in_grid: DVec3,
         proxy: &mut Proxy,
     ) -> Contact;

@@ -19,9 +19,9 @@
 use crate::border_voxels::border_voxels;
 use crate::contact::{Contact, ContactModel};
 use crate::proxy::Proxy;
+use crate::scene::TouchScene;
 use crate::thesis_path::{ThesisLimits, ThesisPath, middle};
 use glam::{DVec3, IVec3};
-use palpate_volume::grid::Grid;
 use palpate_volume::occupancy::Occupancy;
 
 /// The model: its limits.
@@ -32,13 +32,13 @@ pub struct ThesisImproved {
 }
 
 impl ContactModel for ThesisImproved {
-    fn advance<O: Occupancy + ?Sized>(
+    fn advance<O: Occupancy>(
         &self,
-        occupancy: &O,
-        _grid: &Grid,
+        scene: &TouchScene<'_, O>,
         device_in_grid: DVec3,
         proxy: &mut Proxy,
     ) -> Contact {
+        let occupancy = scene.occupancy;
         // lines 1 to 4
         let Some(mut path) = ThesisPath::start(occupancy, self.limits, device_in_grid, proxy)
         else {

@@ -16,6 +16,7 @@ use crate::border_voxels::BORDER_VISITS;
 use crate::contact::Contact;
 use crate::proxy::Proxy;
 use crate::ray_samples::{ENTRY_VISITS, sample_ray};
+use crate::scene::Solid;
 use glam::{DVec3, IVec3};
 use palpate_volume::occupancy::Occupancy;
 
@@ -164,7 +165,7 @@ impl<'a, O: Occupancy + ?Sized> ThesisPath<'a, O> {
         let before = (hit.distance - self.limits.gap).max(hit.last_free);
         self.go(direction, before.min(left));
         self.contact.touching = before <= left;
-        self.contact.stopped_by = self.contact.touching.then_some(hit.voxel);
+        self.contact.stopped_by = self.contact.touching.then_some(Solid::of_world(hit.voxel));
         true
     }
 

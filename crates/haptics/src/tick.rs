@@ -7,19 +7,10 @@
 use crate::contact::ContactModel;
 use crate::coupling::Coupling;
 use crate::proxy::Proxy;
+use crate::scene::TouchScene;
 use glam::DVec3;
-use palpate_volume::grid::Grid;
 use palpate_volume::occupancy::Occupancy;
 use serde::{Deserialize, Serialize};
-
-/// What is touched; constant during a tick.
-#[derive(Debug)]
-pub struct TouchScene<'a, O: ?Sized> {
-    /// What is solid.
-    pub occupancy: &'a O,
-    /// The grid that it stands in.
-    pub grid: &'a Grid,
-}
 
 /// What a tick is given.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,6 +36,10 @@ pub struct TickState {
 pub struct TickOutput {
     /// The proxy [mm], scene.
     pub proxy_in_scene: DVec3,
+    /// Where the force comes from [mm], scene; the proxy without contact.
+    pub contact_point_in_scene: DVec3,
+    /// Out of the surface there, of length 1, scene axes; zero without contact.
+    pub normal: DVec3,
     /// Force on the device [N], scene axes, before the safety stage; zero without contact.
     pub force: DVec3,
     /// Whether a solid voxel holds the proxy back.
@@ -61,7 +56,7 @@ pub struct TickOutput {
 ///
 /// Input that is not finite, or so far away that no traversal gets there, is no input: the
 /// proxy stays and the force is zero.
-pub fn tick<O: Occupancy + ?Sized>(
+pub fn tick<O: Occupancy>(
     scene: &TouchScene<'_, O>,
     model: &impl ContactModel,
     input: &TickInput,
@@ -74,7 +69,7 @@ pub fn tick<O: Occupancy + ?Sized>(
     let device = grid
         .grid_from_patient()
         .transform_point3(input.device_in_scene);
-    let contact = model.advance(scene.occupancy, grid, device, &mut state.proxy);
+    let contact = model.advance(scene, device, &mut state.proxy);
 
     // the spring, in the scene; from the difference, so that rounding stays relative to it
     let proxy_from_device = if contact.touching {
@@ -82,8 +77,11 @@ pub fn tick<O: Occupancy + ?Sized>(
     } else {
         DVec3::ZERO
     };
+    let proxy_in_scene = scene_from_grid.transform_point3(state.proxy.point());
     TickOutput {
-        proxy_in_scene: scene_from_grid.transform_point3(state.proxy.point()),
+        proxy_in_scene,
+        contact_point_in_scene: proxy_in_scene,
+        normal: proxy_from_device.normalize_or_zero(),
         force: finite(
             input
                 .coupling

@@ -25,7 +25,7 @@ const bone = {
   range: [0, 3000] as const,
   voxels: 0,
   volume_ml: 0,
-  pending: false,
+  pending: false, feel: { stiffness: null, friction_static: null, friction_kinetic: null }, pose: null,
 };
 
 function look(visible: boolean): Look {

@@ -47,7 +47,7 @@ test("shares of values are counted inside the bins too", () => {
 
 test("where segments share a value the visible one wins", () => {
   const scan = scanOf([8, 8, 8], [1, 1, 1]);
-  const base = { name: "", colour: [0, 0, 0] as const, touchable: true, voxels: 0, volume_ml: 0, pending: false };
+  const base = { name: "", colour: [0, 0, 0] as const, touchable: true, voxels: 0, volume_ml: 0, pending: false, feel: { stiffness: null, friction_static: null, friction_kinetic: null }, pose: null };
   const ranges = shownRanges(
     [
       { ...base, id: 1, visible: false, range: [0, 100] },

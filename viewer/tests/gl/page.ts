@@ -103,8 +103,9 @@ function march(test: MarchTest): MarchResult {
   marcher.setField(field, bricksOf(volume, test.skip ?? true));
   marcher.setLook(lookOf(test));
   if (test.field === "label") {
+    const asTheScanHasIt = { feel: { stiffness: null, friction_static: null, friction_kinetic: null }, pose: null };
     const segment = { id: 7, name: "box", colour: [1, 0, 0] as const, visible: true, touchable: true };
-    const colours = labelColours([{ ...segment, range: null, voxels: 0, volume_ml: 0, pending: false }]);
+    const colours = labelColours([{ ...segment, range: null, voxels: 0, volume_ml: 0, pending: false, ...asTheScanHasIt }]);
     const ids = labelsInBox();
     const dimensions: Vec3 = [voxels, voxels, voxels];
     marcher.setLabelColours(colours);

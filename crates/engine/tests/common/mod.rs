@@ -12,6 +12,7 @@ use glam::{DMat3, DVec3, IVec3, UVec3};
 use palpate_device::scripted::{PathSample, ScriptedDevice};
 use palpate_device::simulated::{SimulatedDevice, SimulatedSettings};
 use palpate_device::{DeviceLimits, DeviceState, HapticDevice};
+use palpate_engine::feel::{Feel, Feels};
 use palpate_engine::frame::Notice;
 use palpate_engine::handover::{Channels, DeviceSample, HandTarget, TickRecord};
 use palpate_engine::mapping::Mapping;
@@ -32,6 +33,11 @@ use palpate_volume::voxels::Voxels;
 pub const OBSTACLE: Properties = Properties {
     touchable: true,
     range: None,
+    feel: Feel {
+        stiffness: None,
+        friction_static: None,
+        friction_kinetic: None,
+    },
 };
 
 /// Voxels of 1 mm whose grid frame is the scene.
@@ -193,6 +199,7 @@ impl Rig {
             mapping: Mapping::IDENTITY,
             probe,
             settings: Settings::default(),
+            feels: Feels::default(),
         };
         Self {
             servo: ServoLoop::new(start, channels.servo, Arc::clone(&shared)),
