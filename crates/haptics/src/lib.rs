@@ -9,17 +9,23 @@
 //! clocks or tools: whoever calls it owns those.
 
 pub mod admission;
+mod bodies;
 mod border_voxels;
 pub mod contact;
 pub mod coupling;
+mod descent;
 pub mod exact;
 mod flood;
+mod many_bodies;
+pub mod middle_voxels;
+mod node_lattice;
 pub mod placement;
 pub mod proxy;
 mod ray_samples;
 pub mod safety;
 pub mod scene;
 mod slide;
+mod slide_many;
 mod slide_window;
 pub mod thesis_improved;
 pub mod thesis_original;
