@@ -55,6 +55,10 @@ impl ContactModel for ThesisImproved {
     fn visit_bound(&self) -> u32 {
         self.limits.visit_bound()
     }
+
+    fn own_force(&self, input: &ForceInput<'_>) -> Option<DVec3> {
+        Some(force_improved(input))
+    }
 }
 
 impl ThesisImproved {
@@ -97,10 +101,6 @@ impl ThesisImproved {
 
     fn visit_bound(&self) -> u32 {
         self.limits.visit_bound()
-    }
-
-    fn own_force(&self, input: &ForceInput<'_>) -> Option<DVec3> {
-        Some(force_improved(input))
     }
 }
 

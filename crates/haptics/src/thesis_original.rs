@@ -55,6 +55,10 @@ impl ContactModel for ThesisOriginal {
     fn visit_bound(&self) -> u32 {
         self.limits.visit_bound()
     }
+
+    fn own_force(&self, input: &ForceInput<'_>) -> Option<DVec3> {
+        Some(force_original(input))
+    }
 }
 
 impl ThesisOriginal {
@@ -98,10 +102,6 @@ impl ThesisOriginal {
 
     fn visit_bound(&self) -> u32 {
         self.limits.visit_bound()
-    }
-
-    fn own_force(&self, input: &ForceInput<'_>) -> Option<DVec3> {
-        Some(force_original(input))
     }
 }
 
