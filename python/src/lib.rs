@@ -9,6 +9,7 @@ mod bench;
 mod errors;
 mod frame;
 mod phantom;
+mod recording;
 mod segment;
 mod session;
 mod settings;
@@ -25,6 +26,8 @@ mod _core {
     use super::bench::bench_touch;
     #[pymodule_export]
     use super::phantom::make_phantom;
+    #[pymodule_export]
+    use super::recording::{build, replay_recording};
     #[pymodule_export]
     use super::segment::PySegment;
     #[pymodule_export]
