@@ -17,6 +17,7 @@ use palpate_benches::scans::cthead;
 use palpate_haptics::contact::ContactModel;
 use palpate_haptics::exact::Exact;
 use palpate_haptics::proxy::Proxy;
+use palpate_haptics::scene::TouchScene;
 use palpate_volume::bits::Bits;
 use palpate_volume::first_solid::first_solid;
 use palpate_volume::grid::Grid;
@@ -107,10 +108,11 @@ fn touch_path(scan: &Scan) -> Vec<DVec3> {
 
 /// Prints the share of updates in contact, mean depth and slides per update.
 fn describe(scan: &Scan, path: &[DVec3], start: Proxy) {
+    let scene = TouchScene::of_world(&scan.segment, &scan.grid);
     let mut proxy = start;
     let [mut touching, mut slides, mut depth] = [0.0; 3];
     for &device in path {
-        let contact = Exact::default().advance(&scan.segment, &scan.grid, device, &mut proxy);
+        let contact = Exact::default().advance(&scene, device, &mut proxy);
         touching += f64::from(u8::from(contact.touching));
         slides += f64::from(contact.slides);
         depth += ((proxy.point() - device) * scan.grid.spacing()).length();
@@ -137,11 +139,11 @@ fn hard_proxy(c: &mut Criterion) {
         let start = Proxy::at(outside).expect("a finite point");
         describe(&scan, &path, start);
         let bits: &Bits = scan.segment.occupancy();
+        let scene = TouchScene::of_world(bits, &scan.grid);
         group.bench_function(scan.name, |b| {
             b.iter(|| {
                 let mut proxy = start;
-                let advance =
-                    |&device| Exact::default().advance(bits, &scan.grid, device, &mut proxy);
+                let advance = |&device| Exact::default().advance(&scene, device, &mut proxy);
                 black_box(path.iter().map(advance).filter(|c| c.touching).count())
             });
         });

@@ -3,6 +3,7 @@
 //! Budgets (design, section 8): detection of rays 4 voxels long at least 15 M/s, the hard proxy
 //! pressing and sliding at least 2 M/s (1 M/s on CThead in the first version).
 
+pub mod quality;
 mod random;
 mod rays;
 mod stroke;
@@ -20,9 +21,10 @@ use palpate_haptics::contact::ContactModel;
 use palpate_haptics::exact::Exact;
 use palpate_haptics::proxy::Proxy;
 use palpate_haptics::safety::{ForceLimits, Safety};
+use palpate_haptics::scene::TouchScene;
 use palpate_haptics::thesis_improved::ThesisImproved;
 use palpate_haptics::thesis_original::ThesisOriginal;
-use palpate_haptics::tick::{TickInput, TickState, TouchScene, tick};
+use palpate_haptics::tick::{TickInput, TickState, tick};
 use palpate_volume::bits::Bits;
 use palpate_volume::first_solid::first_solid;
 use palpate_volume::grid::Grid;
@@ -112,6 +114,7 @@ fn time_detection(grid: &Grid, solid: &Bits, stroke: &Stroke, seed: u64) -> Repo
 }
 
 fn time_proxy(grid: &Grid, solid: &Bits, model: &impl ContactModel, stroke: &Stroke) -> Report {
+    let scene = TouchScene::of_world(solid, grid);
     let grid_from_scene = grid.grid_from_patient();
     let path: Vec<DVec3> = stroke
         .device
@@ -120,23 +123,20 @@ fn time_proxy(grid: &Grid, solid: &Bits, model: &impl ContactModel, stroke: &Str
         .collect();
     let timing = Timing::of(path.len(), || {
         let mut proxy = first_proxy(grid, stroke);
-        let path = &path;
-        move |call: usize| model.advance(solid, grid, path[call], &mut proxy).touching
+        let (path, scene) = (&path, &scene);
+        move |call: usize| model.advance(scene, path[call], &mut proxy).touching
     });
 
     let mut proxy = first_proxy(grid, stroke);
     let updates = path.iter().map(|device| {
-        let contact = model.advance(solid, grid, *device, &mut proxy);
+        let contact = model.advance(&scene, *device, &mut proxy);
         (contact.touching, contact.visits)
     });
     report(timing, grid, stroke, updates)
 }
 
 fn time_tick(grid: &Grid, solid: &Bits, model: &impl ContactModel, stroke: &Stroke) -> Report {
-    let scene = TouchScene {
-        occupancy: solid,
-        grid,
-    };
+    let scene = TouchScene::of_world(solid, grid);
     let input = |device: DVec3| TickInput {
         device_in_scene: device,
         velocity_in_scene: DVec3::ZERO,

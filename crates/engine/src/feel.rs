@@ -1,9 +1,14 @@
 //! How the surface of a segment feels, where it differs from the settings of touch.
 
+use serde::{Deserialize, Serialize};
+
 use crate::settings::{Settings, SettingsError};
 
+/// How each segment feels, by its number.
+pub type Feels = [Feel; 256];
+
 /// What a segment has of its own; none is as the settings say.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Feel {
     /// Of the spring between probe and device [N/mm].
     pub stiffness: Option<f64>,

@@ -5,7 +5,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::feel::Feel;
+use crate::feel::{Feel, Feels};
 use palpate_volume::bits::Bits;
 use palpate_volume::edit::{Edit, SegmentId};
 use palpate_volume::segment::Segment;
@@ -165,7 +165,7 @@ impl Scene {
 
     /// How each segment feels, by its number.
     #[must_use]
-    pub fn feels(&self) -> [Feel; 256] {
+    pub fn feels(&self) -> Feels {
         let mut feels = [Feel::default(); 256];
         for (id, properties) in &self.properties {
             feels[usize::from(id.0)] = properties.feel;

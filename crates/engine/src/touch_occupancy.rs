@@ -9,6 +9,7 @@
 use glam::IVec3;
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::bits::Bits;
+use palpate_volume::block::block_of_bricks;
 use palpate_volume::brick_grid::{BRICK, BrickSwap};
 use palpate_volume::occupancy::Occupancy;
 use rtrb::Producer;
@@ -91,6 +92,12 @@ impl TouchOccupancy {
         self.skipped
     }
 
+    /// Whether any change is held back.
+    #[must_use]
+    pub fn holds_back(&self) -> bool {
+        self.held_root.is_some() || !self.held.is_empty()
+    }
+
     /// Whether the garbage ring has room for whatever a new change replaces; without it no
     /// change is taken.
     #[must_use]
@@ -98,11 +105,11 @@ impl TouchOccupancy {
         self.garbage.slots() >= GARBAGE_PER_CHANGE
     }
 
-    /// Tries all that is held again, where the probe or the occupancy has moved since.
+    /// Tries all that is held again, where the probe or the occupancy has moved since. There
+    /// must be room for it.
     pub fn retry(&mut self, probe: &mut impl Admit) {
-        let nothing_held = self.held_root.is_none() && self.held.is_empty();
         let nothing_new = self.refused_at == Some(probe.voxel());
-        if nothing_held || nothing_new || !self.has_room() {
+        if !self.holds_back() || nothing_new {
             return;
         }
         self.retry_root(probe);
@@ -127,6 +134,8 @@ impl TouchOccupancy {
         if let Some(held) = overtaken {
             self.dispose(Garbage::Root(held.bits));
         }
+        // what is held is something else now
+        self.refused_at = None;
         if probe.admit(&self.bits, &bits) {
             self.put_root(bits);
         } else {
@@ -245,20 +254,33 @@ struct Patched<'a> {
     swaps: &'a [BrickSwap<BitBrick>],
 }
 
-impl Occupancy for Patched<'_> {
-    fn is_solid(&self, voxel: IVec3) -> bool {
+impl Patched<'_> {
+    /// The brick that holds a voxel, by its first voxel or any other.
+    #[inline]
+    fn brick(&self, voxel: IVec3) -> &BitBrick {
         let dimensions = self.base.dimensions().as_ivec3();
         if voxel.cmplt(IVec3::ZERO).any() || voxel.cmpge(dimensions).any() {
-            return false;
+            return &BitBrick::EMPTY;
         }
         let index = brick_index(self.base, voxel);
-        match place_of(self.swaps, index).and_then(|place| self.swaps.get(place)) {
-            Some(swap) => swap
-                .brick
-                .as_ref()
-                .is_some_and(|brick| brick.contains(voxel)),
-            None => self.base.is_solid(voxel),
-        }
+        let brick = match place_of(self.swaps, index).and_then(|place| self.swaps.get(place)) {
+            Some(swap) => swap.brick.as_deref(),
+            None => self.base.bricks().at(voxel),
+        };
+        brick.unwrap_or(&BitBrick::EMPTY)
+    }
+}
+
+impl Occupancy for Patched<'_> {
+    #[inline]
+    fn is_solid(&self, voxel: IVec3) -> bool {
+        self.brick(voxel).contains(voxel)
+    }
+
+    // dilated by a ball, a patch is read in blocks
+    #[inline]
+    fn block(&self, min: IVec3) -> BitBrick {
+        block_of_bricks(min, |corner| self.brick(corner))
     }
 }
 

@@ -16,6 +16,7 @@ use glam::{DMat3, DVec3, IVec3, UVec3};
 use palpate_haptics::contact::ContactModel;
 use palpate_haptics::exact::Exact;
 use palpate_haptics::proxy::Proxy;
+use palpate_haptics::scene::TouchScene;
 use palpate_volume::first_solid::first_solid;
 use palpate_volume::grid::Grid;
 use palpate_volume::occupancy::Occupancy;
@@ -65,7 +66,7 @@ const RULES: [(&str, Rule); 6] = [
 impl Rule {
     fn advance(&self, body: &impl Occupancy, grid: &Grid, device: DVec3, proxy: &mut Proxy) {
         let Self::Plain { .. } = self else {
-            Exact::default().advance(body, grid, device, proxy);
+            Exact::default().advance(&TouchScene::of_world(body, grid), device, proxy);
             return;
         };
         for _ in 0..9 {

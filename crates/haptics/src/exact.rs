@@ -12,11 +12,11 @@
 
 use crate::contact::{Contact, ContactModel};
 use crate::proxy::Proxy;
+use crate::scene::{Solid, TouchScene};
 use crate::slide::{SLIDE_VISITS, slide};
 use crate::voxel_distance::squared_distance;
 use glam::{DVec3, IVec3};
 use palpate_volume::first_solid::{Outcome, first_solid_bounded};
-use palpate_volume::grid::Grid;
 use palpate_volume::occupancy::Occupancy;
 
 /// How much work one tick may do.
@@ -48,13 +48,15 @@ pub struct Exact {
 }
 
 impl ContactModel for Exact {
-    fn advance<O: Occupancy + ?Sized>(
+    fn advance<O: Occupancy>(
         &self,
-        occupancy: &O,
-        grid: &Grid,
+        scene: &TouchScene<'_, O>,
         device_in_grid: DVec3,
         proxy: &mut Proxy,
     ) -> Contact {
+        let TouchScene {
+            occupancy, grid, ..
+        } = *scene;
         let mut contact = Contact::default();
         let mut visits_left = self.limits.max_visits;
         loop {
@@ -81,7 +83,7 @@ impl ContactModel for Exact {
                     let [from, to] = [proxy.voxel(), hit.last_free];
                     let voxel = nearer_of(from, to, device_in_grid, grid.spacing());
                     *proxy = Proxy::nearest_in(voxel, device_in_grid);
-                    contact.stopped_by = Some(hit.voxel);
+                    contact.stopped_by = Some(Solid::of_world(hit.voxel));
                     contact.touching = true;
                 }
             }

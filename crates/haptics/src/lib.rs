@@ -9,17 +9,28 @@
 //! clocks or tools: whoever calls it owns those.
 
 pub mod admission;
+pub mod ball;
+mod ball_brick;
+mod ball_cache;
+mod ball_nearest;
+pub mod ball_probe;
+pub mod ball_shape;
 mod border_voxels;
 pub mod contact;
 pub mod coupling;
 pub mod exact;
 mod flood;
+pub mod friction;
 pub mod placement;
 pub mod proxy;
 mod ray_samples;
 pub mod safety;
+pub mod scene;
 mod slide;
 mod slide_window;
+pub mod smooth;
+pub mod surface;
+mod thesis_force;
 pub mod thesis_improved;
 pub mod thesis_original;
 pub mod thesis_path;

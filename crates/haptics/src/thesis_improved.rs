@@ -17,11 +17,12 @@
 //! Frame: grid, in voxels. Source: R. Vlasov, thesis (2016), listing of 4.8.
 
 use crate::border_voxels::border_voxels;
-use crate::contact::{Contact, ContactModel};
+use crate::contact::{Contact, ContactModel, ForceInput};
 use crate::proxy::Proxy;
+use crate::scene::TouchScene;
+use crate::thesis_force::force_improved;
 use crate::thesis_path::{ThesisLimits, ThesisPath, middle};
 use glam::{DVec3, IVec3};
-use palpate_volume::grid::Grid;
 use palpate_volume::occupancy::Occupancy;
 
 /// The model: its limits.
@@ -32,13 +33,13 @@ pub struct ThesisImproved {
 }
 
 impl ContactModel for ThesisImproved {
-    fn advance<O: Occupancy + ?Sized>(
+    fn advance<O: Occupancy>(
         &self,
-        occupancy: &O,
-        _grid: &Grid,
+        scene: &TouchScene<'_, O>,
         device_in_grid: DVec3,
         proxy: &mut Proxy,
     ) -> Contact {
+        let occupancy = scene.occupancy;
         // lines 1 to 4
         let Some(mut path) = ThesisPath::start(occupancy, self.limits, device_in_grid, proxy)
         else {
@@ -72,6 +73,10 @@ impl ContactModel for ThesisImproved {
 
     fn visit_bound(&self) -> u32 {
         self.limits.visit_bound()
+    }
+
+    fn own_force(&self, input: &ForceInput<'_>) -> Option<DVec3> {
+        Some(force_improved(input))
     }
 }
 

@@ -17,11 +17,12 @@
 //! Frame: grid, in voxels. Source: R. Vlasov, thesis (2016), listing of 4.3.
 
 use crate::border_voxels::border_voxels;
-use crate::contact::{Contact, ContactModel};
+use crate::contact::{Contact, ContactModel, ForceInput};
 use crate::proxy::Proxy;
+use crate::scene::TouchScene;
+use crate::thesis_force::force_original;
 use crate::thesis_path::{ThesisLimits, ThesisPath, middle};
 use glam::{DVec3, IVec3};
-use palpate_volume::grid::Grid;
 use palpate_volume::occupancy::Occupancy;
 
 /// The model: its limits.
@@ -32,13 +33,13 @@ pub struct ThesisOriginal {
 }
 
 impl ContactModel for ThesisOriginal {
-    fn advance<O: Occupancy + ?Sized>(
+    fn advance<O: Occupancy>(
         &self,
-        occupancy: &O,
-        _grid: &Grid,
+        scene: &TouchScene<'_, O>,
         device_in_grid: DVec3,
         proxy: &mut Proxy,
     ) -> Contact {
+        let occupancy = scene.occupancy;
         // lines 1 to 4
         let aim = device_in_grid - proxy.point();
         let Some(mut path) = ThesisPath::start(occupancy, self.limits, device_in_grid, proxy)
@@ -73,6 +74,10 @@ impl ContactModel for ThesisOriginal {
 
     fn visit_bound(&self) -> u32 {
         self.limits.visit_bound()
+    }
+
+    fn own_force(&self, input: &ForceInput<'_>) -> Option<DVec3> {
+        Some(force_original(input))
     }
 }
 

@@ -7,18 +7,10 @@
 use crate::contact::ContactModel;
 use crate::coupling::Coupling;
 use crate::proxy::Proxy;
+use crate::scene::TouchScene;
 use glam::DVec3;
-use palpate_volume::grid::Grid;
 use palpate_volume::occupancy::Occupancy;
-
-/// What is touched; constant during a tick.
-#[derive(Debug)]
-pub struct TouchScene<'a, O: ?Sized> {
-    /// What is solid.
-    pub occupancy: &'a O,
-    /// The grid that it stands in.
-    pub grid: &'a Grid,
-}
+use serde::{Deserialize, Serialize};
 
 /// What a tick is given.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,8 +23,9 @@ pub struct TickInput {
     pub coupling: Coupling,
 }
 
-/// All that changes from tick to tick.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// All that changes from tick to tick. A recording begins with it, so that whatever stands here
+/// is replayed.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TickState {
     /// The proxy.
     pub proxy: Proxy,
@@ -63,7 +56,7 @@ pub struct TickOutput {
 ///
 /// Input that is not finite, or so far away that no traversal gets there, is no input: the
 /// proxy stays and the force is zero.
-pub fn tick<O: Occupancy + ?Sized>(
+pub fn tick<O: Occupancy>(
     scene: &TouchScene<'_, O>,
     model: &impl ContactModel,
     input: &TickInput,
@@ -76,7 +69,7 @@ pub fn tick<O: Occupancy + ?Sized>(
     let device = grid
         .grid_from_patient()
         .transform_point3(input.device_in_scene);
-    let contact = model.advance(scene.occupancy, grid, device, &mut state.proxy);
+    let contact = model.advance(scene, device, &mut state.proxy);
 
     // the spring, in the scene; from the difference, so that rounding stays relative to it
     let proxy_from_device = if contact.touching {

@@ -8,6 +8,7 @@ use palpate_haptics::contact::ContactModel;
 use palpate_haptics::exact::Exact;
 use palpate_haptics::placement::nearest_free;
 use palpate_haptics::proxy::Proxy;
+use palpate_haptics::scene::TouchScene;
 use palpate_volume::occupancy::Occupancy;
 use palpate_volume::segment::Segment;
 use support::{Body, Components, Random, SPACINGS, grid, noise};
@@ -103,7 +104,8 @@ fn edits_while_touching_never_put_the_probe_inside() {
         for edit in 0..10_000 {
             let device = proxy.point() + random.direction() * random.between(0.0, 6.0);
             let device = device.clamp(DVec3::splat(6.0), DVec3::splat(18.0));
-            let contact = Exact::default().advance(&solid, &grid, device, &mut proxy);
+            let contact =
+                Exact::default().advance(&TouchScene::of_world(&solid, &grid), device, &mut proxy);
             assert!(!contact.violation && !solid.is_solid(proxy.voxel()));
 
             let new = changed(&solid, &other, &proxy, edit, &mut random);

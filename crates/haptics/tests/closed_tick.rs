@@ -7,14 +7,17 @@ use std::cell::Cell;
 
 use glam::{DVec3, UVec3};
 use palpate_haptics::admission::{Admission, admit};
+use palpate_haptics::ball::{Ball, BallShape};
+use palpate_haptics::ball_probe::ProbeSolid;
 use palpate_haptics::contact::ContactModel;
 use palpate_haptics::coupling::Coupling;
 use palpate_haptics::exact::Exact;
 use palpate_haptics::placement::nearest_free;
 use palpate_haptics::safety::{ForceLimits, Safety};
+use palpate_haptics::scene::TouchScene;
 use palpate_haptics::thesis_improved::ThesisImproved;
 use palpate_haptics::thesis_original::ThesisOriginal;
-use palpate_haptics::tick::{TickInput, TickState, TouchScene, tick};
+use palpate_haptics::tick::{TickInput, TickState, tick};
 use support::{Random, SPACINGS, grid, noise};
 
 thread_local! {
@@ -91,10 +94,7 @@ fn ticks_admissions_and_safety_never_call_the_allocator() {
                 };
                 let one = [union[0]];
                 let occupancy: &[_] = if both { &union } else { &one };
-                let scene = TouchScene {
-                    occupancy,
-                    grid: &grid,
-                };
+                let scene = TouchScene::of_world(&occupancy, &grid);
                 let output = tick(&scene, &Exact::default(), &input, &mut state);
                 assert!(!output.violation);
                 safety.limit(output.force, 0.001);
@@ -120,13 +120,56 @@ fn the_thesis_models_never_call_the_allocator() {
     let solid = noise(32, 0.3, 1);
     let grid = grid(UVec3::splat(32), SPACINGS[0]);
     let mut proxies = [nearest_free(&solid, &grid, DVec3::splat(16.0), 9).expect("free"); 2];
+    let scene = TouchScene::of_world(&solid, &grid);
     let mut random = Random::new(5);
     let calls = allocator_calls(|| {
         for _ in 0..20_000 {
             let device = random.point(-5.0, 37.0);
-            ThesisOriginal::default().advance(&solid, &grid, device, &mut proxies[0]);
-            ThesisImproved::default().advance(&solid, &grid, device, &mut proxies[1]);
+            ThesisOriginal::default().advance(&scene, device, &mut proxies[0]);
+            ThesisImproved::default().advance(&scene, device, &mut proxies[1]);
         }
     });
     assert_eq!(calls, 0);
+}
+
+/// A ball among two sets of voxels, one of them a part of the other, that take turns.
+#[test]
+fn the_ball_never_calls_the_allocator() {
+    let [few, more] = [0.002, 0.004].map(|share| noise(48, share, 3).occupancy().clone());
+    let union = [few.clone(), more];
+    for (spacing, radius) in [(SPACINGS[0], 5.0), (SPACINGS[1], 0.7), (SPACINGS[0], 11.0)] {
+        let grid = grid(UVec3::splat(48), spacing);
+        let ball = || Ball::new(BallShape::new(radius, spacing).expect("within the window"));
+        let mut probe = ProbeSolid::new([few.clone(), few.clone()], Some(ball()));
+        let mut other = Some(union.clone());
+        let mut spare = Some(ball());
+        let mut new_ball = ball();
+        let proxy = nearest_free(&probe, &grid, DVec3::splat(24.0), 40).expect("free");
+        let mut state = TickState { proxy };
+        let mut random = Random::new(5);
+        let calls = allocator_calls(|| {
+            for _ in 0..2000 {
+                let input = TickInput {
+                    device_in_scene: random.point(-5.0, 53.0) * spacing,
+                    velocity_in_scene: DVec3::ZERO,
+                    coupling: Coupling::default(),
+                };
+                let scene = TouchScene::of_world(&probe, &grid);
+                assert!(!tick(&scene, &Exact::default(), &input, &mut state).violation);
+                probe.solid_near(state.proxy.voxel() + 1);
+
+                // the other voxels, where the probe allows, or the same with another ball
+                let Some(new) = other.take() else { return };
+                new_ball.invalidate();
+                let admission = admit(&probe, &new_ball.dilate(&new), &grid, &mut state.proxy);
+                other = Some(if admission == Admission::Held {
+                    spare = probe.replace_ball(spare.take());
+                    new
+                } else {
+                    probe.replace(new)
+                });
+            }
+        });
+        assert_eq!(calls, 0);
+    }
 }

@@ -7,6 +7,7 @@ use palpate_haptics::contact::{Contact, ContactModel};
 use palpate_haptics::exact::{Exact, ExactLimits};
 use palpate_haptics::placement::nearest_free;
 use palpate_haptics::proxy::Proxy;
+use palpate_haptics::scene::TouchScene;
 use palpate_volume::grid::Grid;
 use palpate_volume::occupancy::Occupancy;
 use palpate_volume::segment::Segment;
@@ -27,7 +28,7 @@ fn depth(grid: &Grid, proxy: &Proxy, device: DVec3) -> f64 {
 /// One update, with what must hold after each one whatever it met.
 fn advance(occupancy: &impl Occupancy, grid: &Grid, device: DVec3, proxy: &mut Proxy) -> Contact {
     let before = depth(grid, proxy, device);
-    let contact = MODEL.advance(occupancy, grid, device, proxy);
+    let contact = MODEL.advance(&TouchScene::of_world(occupancy, grid), device, proxy);
 
     assert!(!contact.violation);
     assert!(!occupancy.is_solid(proxy.voxel()), "inside at {proxy:?}");
@@ -35,8 +36,8 @@ fn advance(occupancy: &impl Occupancy, grid: &Grid, device: DVec3, proxy: &mut P
     assert!(contact.visits <= MODEL.visit_bound(), "{contact:?}");
     // the distance falls, but for the skin that keeps the proxy off the faces, 1e-8 voxel
     assert!(depth(grid, proxy, device) <= before + 1e-7);
-    if let Some(voxel) = contact.stopped_by {
-        assert!(contact.touching && occupancy.is_solid(voxel));
+    if let Some(solid) = contact.stopped_by {
+        assert!(contact.touching && solid.body == 0 && occupancy.is_solid(solid.voxel));
     } else {
         assert!(!contact.touching);
     }
@@ -279,7 +280,7 @@ fn two_segments_are_touched_as_one() {
         let device = DVec3::new(2.03 + 0.1 * f64::from(step), 8.0, 5.0);
         let contact = advance(&union, &grid, device, &mut proxy);
         assert!(contact.touching);
-        let owner = contact.stopped_by.expect("a solid voxel");
+        let owner = contact.stopped_by.expect("a solid voxel").voxel;
         assert_eq!(left.contains(owner), device.x < 8.0);
         assert!((proxy.point().z - 8.0).abs() <= 2e-8);
     }
@@ -291,7 +292,11 @@ fn a_proxy_found_in_a_solid_voxel_is_reported_and_left_there() {
     let grid = grid(UVec3::splat(16), DVec3::ONE);
     let start = Proxy::at(DVec3::splat(4.5)).expect("a finite point");
     let mut proxy = start;
-    let contact = MODEL.advance(&solid, &grid, DVec3::splat(9.0), &mut proxy);
+    let contact = MODEL.advance(
+        &TouchScene::of_world(&solid, &grid),
+        DVec3::splat(9.0),
+        &mut proxy,
+    );
     assert!(contact.violation && !contact.touching);
     assert_eq!(proxy, start);
 }
@@ -305,7 +310,7 @@ fn device_points_that_are_none_leave_the_proxy_where_it_is() {
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300, -1e9] {
         for axis in DVec3::AXES {
             let device = DVec3::select(axis.cmpeq(DVec3::ONE), DVec3::splat(bad), DVec3::ONE);
-            let contact = MODEL.advance(&empty, &grid, device, &mut proxy);
+            let contact = MODEL.advance(&TouchScene::of_world(&empty, &grid), device, &mut proxy);
             assert_eq!(contact, Contact::default());
             assert_eq!(proxy, start);
         }
@@ -327,7 +332,7 @@ fn with_few_visits_and_no_slides_the_proxy_is_slow_but_never_wrong() {
         let mut proxy = Proxy::at(DVec3::splat(-2.0)).expect("a finite point");
         for _ in 0..20_000 {
             let device = random.point(-4.0, 28.0);
-            let contact = model.advance(&solid, &grid, device, &mut proxy);
+            let contact = model.advance(&TouchScene::of_world(&solid, &grid), device, &mut proxy);
             assert!(contact.visits <= model.visit_bound());
             assert!(!contact.violation && !solid.is_solid(proxy.voxel()));
         }

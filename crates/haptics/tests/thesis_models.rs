@@ -7,6 +7,7 @@ use glam::{DVec3, IVec3, UVec3};
 use palpate_haptics::contact::{Contact, ContactModel};
 use palpate_haptics::exact::Exact;
 use palpate_haptics::proxy::Proxy;
+use palpate_haptics::scene::TouchScene;
 use palpate_haptics::thesis_improved::ThesisImproved;
 use palpate_haptics::thesis_original::ThesisOriginal;
 use palpate_haptics::thesis_path::ThesisLimits;
@@ -32,7 +33,7 @@ fn survive(model: &impl ContactModel, occupancy: &impl Occupancy, seed: u128) ->
     let mut inside = 0;
     for _ in 0..5_000 {
         let device = random.point(-4.0, 28.0);
-        let contact = model.advance(occupancy, &grid, device, &mut proxy);
+        let contact = model.advance(&TouchScene::of_world(occupancy, &grid), device, &mut proxy);
         assert!(proxy.point().is_finite());
         assert!(contact.visits <= model.visit_bound(), "{contact:?}");
         assert_eq!(contact.violation, occupancy.is_solid(proxy.voxel()));
@@ -74,7 +75,7 @@ fn absurd_input_changes_nothing(model: &impl ContactModel) {
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300, -1e9] {
         for axis in DVec3::AXES {
             let device = DVec3::select(axis.cmpeq(DVec3::ONE), DVec3::splat(bad), DVec3::ONE);
-            let contact = model.advance(&solid, &grid, device, &mut proxy);
+            let contact = model.advance(&TouchScene::of_world(&solid, &grid), device, &mut proxy);
             assert_eq!(contact, Contact::default());
             assert_eq!(proxy, start);
         }
@@ -82,7 +83,11 @@ fn absurd_input_changes_nothing(model: &impl ContactModel) {
     // the farthest points that are some, and steps that vanish when squared
     for far in [-1.6e7, 1.6e7, 1e-200, f64::MIN_POSITIVE] {
         for _ in 0..10 {
-            model.advance(&solid, &grid, DVec3::splat(far), &mut proxy);
+            model.advance(
+                &TouchScene::of_world(&solid, &grid),
+                DVec3::splat(far),
+                &mut proxy,
+            );
             assert!(proxy.point().is_finite());
         }
         proxy = at(0.0, 0.0, 0.0);
@@ -105,10 +110,10 @@ fn stay_above_the_floor(model: &impl ContactModel) {
     for tick in 0..5_000 {
         device.x = (device.x + random.between(-0.3, 0.3)).clamp(1.0, 63.0);
         device.y = (device.y + random.between(-0.3, 0.3)).clamp(1.0, 63.0);
-        let contact = model.advance(&floor, &grid, device, &mut proxy);
+        let contact = model.advance(&TouchScene::of_world(&floor, &grid), device, &mut proxy);
         assert!(contact.touching && !contact.violation);
-        if let Some(voxel) = contact.stopped_by {
-            assert!(floor.is_solid(voxel));
+        if let Some(solid) = contact.stopped_by {
+            assert!(solid.body == 0 && floor.is_solid(solid.voxel));
         }
         // w_max of 5 brings it down from 14 in the first tick, into the first layer
         let height = proxy.point().z - 10.0;
@@ -129,7 +134,7 @@ fn jitter(model: &impl ContactModel, solid: &impl Occupancy, device: DVec3) -> f
     let mut way = 0.0;
     for tick in 0..300 {
         let before = proxy.point();
-        model.advance(solid, &grid, device, &mut proxy);
+        model.advance(&TouchScene::of_world(solid, &grid), device, &mut proxy);
         if tick >= 100 {
             way += proxy.point().distance(before) / 200.0;
         }
@@ -192,7 +197,7 @@ fn crossed(model: &impl ContactModel, normal: DVec3) -> f64 {
             let along = heading - across * across.dot(heading);
             let deep = device.dot(across) < -5.0;
             device += if deep { along } else { heading } * random.between(0.3, 1.0);
-            model.advance(&wall, &grid, device, &mut proxy);
+            model.advance(&TouchScene::of_world(&wall, &grid), device, &mut proxy);
             if offset(proxy.voxel()) < 0.0 {
                 crossed += 1;
                 break;

@@ -8,7 +8,8 @@ use palpate_haptics::coupling::Coupling;
 use palpate_haptics::exact::Exact;
 use palpate_haptics::placement::nearest_free;
 use palpate_haptics::safety::{ForceLimits, Safety};
-use palpate_haptics::tick::{TickInput, TickOutput, TickState, TouchScene, tick};
+use palpate_haptics::scene::TouchScene;
+use palpate_haptics::tick::{TickInput, TickOutput, TickState, tick};
 use palpate_volume::grid::Grid;
 use palpate_volume::occupancy::Occupancy;
 use support::{Body, Random, noise};
@@ -47,10 +48,7 @@ fn start(occupancy: &impl Occupancy, grid: &Grid) -> TickState {
 fn on_a_turned_floor_the_force_is_its_normal_times_stiffness_and_depth() {
     let grid = turned_grid();
     let floor = Body(|v: IVec3| v.z < 10);
-    let scene = TouchScene {
-        occupancy: &floor,
-        grid: &grid,
-    };
+    let scene = TouchScene::of_world(&floor, &grid);
     let mut state = start(&floor, &grid);
     let scene_from_grid = grid.patient_from_grid();
     let normal = scene_from_grid.transform_vector3(DVec3::Z).normalize();
@@ -84,10 +82,7 @@ fn on_a_turned_floor_the_force_is_its_normal_times_stiffness_and_depth() {
 fn any_input_gives_a_force_that_never_pulls_and_leaves_the_probe_outside() {
     let grid = turned_grid();
     let solid = noise(SIZE, 0.35, 7);
-    let scene = TouchScene {
-        occupancy: &solid,
-        grid: &grid,
-    };
+    let scene = TouchScene::of_world(&solid, &grid);
     let model = Exact::default();
     let limits = ForceLimits::default();
     let mut safety = Safety::new(limits);
@@ -149,10 +144,7 @@ fn any_input_gives_a_force_that_never_pulls_and_leaves_the_probe_outside() {
 fn input_that_is_no_place_sends_no_force_and_moves_nothing() {
     let grid = turned_grid();
     let floor = Body(|v: IVec3| v.z < 10);
-    let scene = TouchScene {
-        occupancy: &floor,
-        grid: &grid,
-    };
+    let scene = TouchScene::of_world(&floor, &grid);
     let mut state = start(&floor, &grid);
     let deep = grid
         .patient_from_grid()
@@ -173,10 +165,7 @@ fn a_probe_found_inside_is_reported_without_any_force() {
     let empty = Body(|_: IVec3| false);
     let full = Body(|_: IVec3| true);
     let mut state = start(&empty, &grid);
-    let scene = TouchScene {
-        occupancy: &full,
-        grid: &grid,
-    };
+    let scene = TouchScene::of_world(&full, &grid);
     let output = tick(
         &scene,
         &Exact::default(),
@@ -192,10 +181,7 @@ fn a_probe_found_inside_is_reported_without_any_force() {
 fn with_all_at_rest_place_and_force_stay_to_the_bit() {
     let grid = turned_grid();
     let solid = noise(SIZE, 0.3, 9);
-    let scene = TouchScene {
-        occupancy: &solid,
-        grid: &grid,
-    };
+    let scene = TouchScene::of_world(&solid, &grid);
     let mut state = start(&solid, &grid);
     let mut random = Random::new(3);
     for _ in 0..200 {

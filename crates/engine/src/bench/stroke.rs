@@ -7,7 +7,8 @@ use glam::DVec3;
 use palpate_haptics::coupling::Coupling;
 use palpate_haptics::exact::Exact;
 use palpate_haptics::proxy::Proxy;
-use palpate_haptics::tick::{TickInput, TickOutput, TickState, TouchScene, tick};
+use palpate_haptics::scene::TouchScene;
+use palpate_haptics::tick::{TickInput, TickOutput, TickState, tick};
 use palpate_volume::bits::Bits;
 use palpate_volume::first_solid::first_solid;
 use palpate_volume::grid::Grid;
@@ -117,10 +118,7 @@ fn slide_from(
     count: usize,
     random: &mut Random,
 ) -> Stroke {
-    let scene = TouchScene {
-        occupancy: solid,
-        grid,
-    };
+    let scene = TouchScene::of_world(solid, grid);
     let proxy = Proxy::at(grid.grid_from_patient().transform_point3(start.free));
     let mut state = TickState {
         proxy: proxy.expect("the start is next to a voxel of the grid"),

@@ -1,0 +1,102 @@
+//! A probe with a radius: the space of centres, as one more occupancy.
+//!
+//! The centre of a ball moves among the cells of the grid that are not blocked by a solid
+//! voxel, exactly as a point moves among voxels that are not solid. So whatever holds for a
+//! point holds for the ball: exact traversal, sliding, admission, bounded work. Blocked cells
+//! are worked out a brick at a time, where the probe is, and kept until an edit comes near;
+//! nothing is computed over the whole volume, and no answer depends on what is kept.
+//!
+//! A ball fits where the *cells* leave room: through a channel of 2 ⌈r/h⌉ + 1 voxels, for a
+//! radius of ⌈r/h⌉ voxels. That errs to the safe side, by less than a voxel on either side;
+//! `docs/decisions/ball.md` says why.
+//!
+//! Frame: grid; radii in mm.
+
+use crate::ball_brick::dilated_brick;
+use crate::ball_cache::BallCache;
+pub use crate::ball_shape::{BallError, BallShape, MAX_REACH};
+use glam::IVec3;
+use palpate_volume::bit_brick::BitBrick;
+use palpate_volume::block::block_of_bricks;
+use palpate_volume::brick_grid::BRICK;
+use palpate_volume::occupancy::Occupancy;
+use palpate_volume::voxel_box::VoxelBox;
+
+/// A shape, and the cells that it was found to be blocked in. It belongs to one occupancy;
+/// whoever changes that says where.
+#[derive(Debug)]
+pub struct Ball {
+    shape: BallShape,
+    cache: BallCache,
+}
+
+impl Ball {
+    /// A ball of this shape; 64 KiB are allocated now, and nothing later.
+    pub fn new(shape: BallShape) -> Self {
+        Self {
+            shape,
+            cache: BallCache::new(),
+        }
+    }
+
+    /// Its shape.
+    pub fn shape(&self) -> &BallShape {
+        &self.shape
+    }
+
+    /// The occupancy is another one now.
+    pub fn invalidate(&mut self) {
+        self.cache.invalidate();
+    }
+
+    /// These voxels of the occupancy may have changed. Work: a few ns per brick of the box.
+    pub fn invalidate_box(&mut self, changed: &VoxelBox) {
+        if changed.is_empty() {
+            return;
+        }
+        let reach = self.shape.reach();
+        let cells = VoxelBox::new(
+            changed.min.saturating_sub(reach),
+            changed.max.saturating_add(reach),
+        );
+        self.cache.invalidate_box(&cells);
+    }
+
+    /// The cells that are blocked in this occupancy, which must be the one that the ball
+    /// belongs to.
+    #[inline]
+    pub fn dilate<'a, O: Occupancy + ?Sized>(&'a self, inner: &'a O) -> Dilated<'a, O> {
+        Dilated { inner, ball: self }
+    }
+}
+
+/// What is solid for the centre of a ball.
+#[derive(Debug)]
+pub struct Dilated<'a, O: ?Sized> {
+    inner: &'a O,
+    ball: &'a Ball,
+}
+
+impl<O: Occupancy + ?Sized> Dilated<'_, O> {
+    fn fill(&self) -> impl FnOnce(IVec3) -> BitBrick {
+        |place| dilated_brick(self.inner, &self.ball.shape, place * BRICK)
+    }
+}
+
+impl<O: Occupancy + ?Sized> Occupancy for Dilated<'_, O> {
+    #[inline]
+    fn is_solid(&self, cell: IVec3) -> bool {
+        self.ball.cache.is_blocked(cell, self.fill())
+    }
+
+    #[inline]
+    fn block(&self, min: IVec3) -> BitBrick {
+        block_of_bricks(min, |corner| {
+            // a block that stands on bricks along an axis needs none beyond
+            if corner.cmpge(min + BRICK).any() {
+                return BitBrick::EMPTY;
+            }
+            self.ball.cache.brick(corner >> 3_i32, self.fill())
+        })
+    }
+}

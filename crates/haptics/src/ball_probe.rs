@@ -1,0 +1,90 @@
+//! What is solid for the probe, be it a point or a ball: one type for whoever runs the ticks.
+//!
+//! It owns the voxels, so that none of them changes without the ball being told. For a point
+//! it is the voxels and one branch that is always the same. Frame: grid.
+
+use crate::ball::Ball;
+use crate::ball_nearest::nearest_solid;
+use glam::IVec3;
+use palpate_volume::bit_brick::BitBrick;
+use palpate_volume::occupancy::Occupancy;
+use palpate_volume::voxel_box::VoxelBox;
+
+/// Voxels, and the ball that touches them; none for a point.
+#[derive(Debug)]
+pub struct ProbeSolid<O> {
+    inner: O,
+    ball: Option<Ball>,
+}
+
+impl<O: Occupancy> ProbeSolid<O> {
+    /// These voxels, for a ball or a point.
+    pub fn new(inner: O, mut ball: Option<Ball>) -> Self {
+        if let Some(ball) = &mut ball {
+            ball.invalidate();
+        }
+        Self { inner, ball }
+    }
+
+    /// The voxels.
+    pub fn inner(&self) -> &O {
+        &self.inner
+    }
+
+    /// The ball; none for a point.
+    pub fn ball(&self) -> Option<&Ball> {
+        self.ball.as_ref()
+    }
+
+    /// Exchanges the voxels as a whole; gives the old ones, so that nothing is freed here.
+    pub fn replace(&mut self, inner: O) -> O {
+        if let Some(ball) = &mut self.ball {
+            ball.invalidate();
+        }
+        std::mem::replace(&mut self.inner, inner)
+    }
+
+    /// Changes voxels, none of them outside the box.
+    pub fn change<T>(&mut self, changed: &VoxelBox, change: impl FnOnce(&mut O) -> T) -> T {
+        if let Some(ball) = &mut self.ball {
+            ball.invalidate_box(changed);
+        }
+        change(&mut self.inner)
+    }
+
+    /// Exchanges the ball, or makes the probe a point; gives the old one.
+    pub fn replace_ball(&mut self, mut ball: Option<Ball>) -> Option<Ball> {
+        if let Some(ball) = &mut ball {
+            ball.invalidate();
+        }
+        std::mem::replace(&mut self.ball, ball)
+    }
+
+    /// The solid voxel that the probe rests against where this cell holds it back: for a ball
+    /// the nearest one [mm, centre to centre] of those that block the cell. None where the cell
+    /// is free.
+    pub fn solid_near(&self, cell: IVec3) -> Option<IVec3> {
+        match &self.ball {
+            None => self.inner.is_solid(cell).then_some(cell),
+            Some(ball) => nearest_solid(&self.inner, ball.shape(), cell),
+        }
+    }
+}
+
+impl<O: Occupancy> Occupancy for ProbeSolid<O> {
+    #[inline]
+    fn is_solid(&self, voxel: IVec3) -> bool {
+        match &self.ball {
+            None => self.inner.is_solid(voxel),
+            Some(ball) => ball.dilate(&self.inner).is_solid(voxel),
+        }
+    }
+
+    #[inline]
+    fn block(&self, min: IVec3) -> BitBrick {
+        match &self.ball {
+            None => self.inner.block(min),
+            Some(ball) => ball.dilate(&self.inner).block(min),
+        }
+    }
+}
