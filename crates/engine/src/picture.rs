@@ -139,7 +139,7 @@ impl Picture {
             segments_version: status.segments_version,
             rates: self.rates(now_ns),
             safety: self.safety(),
-            recording: None,
+            recording: self.recording.as_ref().map(Recording::seconds),
             samples: self.samples.drain(..).collect(),
             notices: self.notices.drain(..).collect(),
         }

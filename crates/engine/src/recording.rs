@@ -68,6 +68,15 @@ impl Recording {
         self.tick.is_empty()
     }
 
+    /// From the first tick to the last [s].
+    #[must_use]
+    pub fn seconds(&self) -> f64 {
+        match (self.time.first(), self.time.last()) {
+            (Some(first), Some(last)) => last - first,
+            _ => 0.0,
+        }
+    }
+
     /// What a tick was given.
     #[must_use]
     pub fn inputs(&self, row: usize) -> TickInputs {

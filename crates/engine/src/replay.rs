@@ -180,8 +180,7 @@ impl<'a> Player<'a> {
         let channels = Channels::new(tape.state.hand);
         let shared = Arc::new(Shared::default());
         let bits = tape.bits.clone();
-        let start = (tape.grid, bits, tape.feels);
-        let servo = ServoLoop::resume(start, tape.state, (channels.servo, shared));
+        let servo = ServoLoop::resume(tape.grid, bits, tape.state, (channels.servo, shared));
         Self {
             servo,
             simulation: channels.simulation,

@@ -166,9 +166,9 @@ impl Scene {
     /// How each segment feels, by its number.
     #[must_use]
     pub fn feels(&self) -> Feels {
-        let mut feels = [Feel::default(); 256];
+        let mut feels = Feels::default();
         for (id, properties) in &self.properties {
-            feels[usize::from(id.0)] = properties.feel;
+            feels.set(*id, properties.feel);
         }
         feels
     }

@@ -57,8 +57,6 @@ pub struct ServoLoop {
     grid: Grid,
     state: ServoState,
     occupancy: TouchOccupancy,
-    /// How each segment feels, by its number.
-    feels: Feels,
     /// Whether the state is asked for at the end of this tick.
     marked: bool,
     ends: Ends,
@@ -90,6 +88,7 @@ impl ServoLoop {
             touch: TickState { proxy },
             mapping: start.mapping,
             settings: start.settings,
+            feels: start.feels,
             hand: start.probe,
             forgotten_hand: 0,
             received: 0,
@@ -97,16 +96,14 @@ impl ServoLoop {
             command: 0,
             tick: 0,
         };
-        let ServoStart {
-            grid, bits, feels, ..
-        } = start;
-        Self::resume((grid, bits, feels), state, (channels, shared))
+        Self::resume(start.grid, start.bits, state, (channels, shared))
     }
 
     /// A servo that goes on from a state.
     #[must_use]
     pub fn resume(
-        (grid, bits, feels): (Grid, Bits, Feels),
+        grid: Grid,
+        bits: Bits,
         state: ServoState,
         (channels, shared): (ServoChannels, Arc<Shared>),
     ) -> Self {
@@ -124,7 +121,6 @@ impl ServoLoop {
             grid,
             state,
             occupancy: TouchOccupancy::new(bits, garbage),
-            feels,
             marked: false,
             ends: Ends {
                 samples,
@@ -247,7 +243,7 @@ impl ServoLoop {
             }
             Some(ServoCommand::Turn(rotation)) => self.state.mapping.turn(device, rotation),
             Some(ServoCommand::Settings(settings)) => self.state.settings = settings,
-            Some(ServoCommand::Feel(id, feel)) => self.feels[usize::from(id.0)] = feel,
+            Some(ServoCommand::Feel(id, feel)) => self.state.feels.set(id, feel),
             Some(ServoCommand::Mark) => self.marked = true,
             // changes of occupancy are taken elsewhere
             Some(ServoCommand::Root { .. } | ServoCommand::Bricks(_)) | None => {}
@@ -297,12 +293,8 @@ impl ServoLoop {
 
     fn touch(&mut self, input: &TickInput) -> TickOutput {
         let scene = TouchScene::of_world(self.occupancy.bits(), &self.grid);
-        let output = tick(
-            &scene,
-            &self.state.settings.model,
-            input,
-            &mut self.state.touch,
-        );
+        let model = &self.state.settings.model;
+        let output = tick(&scene, model, input, &mut self.state.touch);
         if output.violation {
             self.shared.counters.violations.fetch_add(1, Relaxed);
         }

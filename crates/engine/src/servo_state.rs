@@ -10,6 +10,7 @@ use glam::{DQuat, DVec3};
 use palpate_haptics::tick::TickState;
 use serde::{Deserialize, Serialize};
 
+use crate::feel::Feels;
 use crate::handover::{DeviceSample, HandTarget};
 use crate::mapping::Mapping;
 use crate::settings::Settings;
@@ -23,6 +24,8 @@ pub struct ServoState {
     pub mapping: Mapping,
     /// Settings that the device bears.
     pub settings: Settings,
+    /// How each segment feels.
+    pub feels: Feels,
     /// Where the hand pulls the device to [mm].
     pub hand: DVec3,
     /// Hand targets up to this number are older than the last placement.

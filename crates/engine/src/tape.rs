@@ -15,7 +15,7 @@ use palpate_volume::grid::Grid;
 use rtrb::Consumer;
 use serde::{Deserialize, Serialize};
 
-use crate::feel::{Feel, Feels};
+use crate::feel::Feel;
 use crate::handover::{ServoCommand, Snapshot};
 use crate::servo_state::ServoState;
 use crate::settings::Settings;
@@ -52,7 +52,7 @@ pub enum TapeCommand {
     Turn(DMat3),
     /// New settings.
     Settings(Settings),
-    /// The surface of a segment feels otherwise.
+    /// How the surface of a segment felt from then on.
     Feel(u8, Feel),
     /// A recording began anew.
     Mark,
@@ -76,8 +76,6 @@ pub struct Tape {
     pub state: ServoState,
     /// What was solid then.
     pub bits: Bits,
-    /// How each segment felt then, by its number.
-    pub feels: Feels,
     /// Commands from number `state.command + 1` on, without a gap.
     pub entries: Vec<TapeEntry>,
     /// Whether there was no memory for the commands that came after.
@@ -99,10 +97,8 @@ enum Stage {
     Idle,
     /// It begins as soon as the servo follows all changes.
     Wanted,
-    /// The servo was asked for its state.
-    Marked(Box<Writer>),
-    /// All is noted.
-    Running(Box<Writer>, ServoState),
+    /// All that is sent is noted.
+    Running(Box<Writer>),
 }
 
 /// What is noted.
@@ -112,7 +108,8 @@ struct Writer {
     mark: u64,
     grid: Grid,
     first: Bits,
-    feels: Feels,
+    /// The servo's state at the mark, once it has told it.
+    state: Option<ServoState>,
     /// What the servo will touch once it has obeyed all that was noted.
     latest: Bits,
     entries: Vec<TapeEntry>,
@@ -150,19 +147,16 @@ impl TapeRecorder {
     /// Whether the running tape is full.
     #[must_use]
     pub fn is_full(&self) -> bool {
-        match &self.stage {
-            Stage::Idle | Stage::Wanted => false,
-            Stage::Marked(writer) | Stage::Running(writer, _) => writer.is_full,
-        }
+        matches!(&self.stage, Stage::Running(writer) if writer.is_full)
     }
 
-    /// Notes that the mark with this number was sent, and what will be solid by then.
-    pub fn begin(&mut self, mark: u64, grid: Grid, bits: Bits, feels: Feels) {
-        self.stage = Stage::Marked(Box::new(Writer {
+    /// Notes that the mark with this number is sent, and what will be solid by then.
+    pub fn begin(&mut self, mark: u64, grid: Grid, bits: Bits) {
+        self.stage = Stage::Running(Box::new(Writer {
             mark,
             grid,
             first: bits.clone(),
-            feels,
+            state: None,
             latest: bits,
             entries: Vec::new(),
             bytes: 0,
@@ -172,24 +166,25 @@ impl TapeRecorder {
 
     /// Notes a command that is sent after the mark.
     pub fn note(&mut self, command: &ServoCommand) {
-        let max_bytes = self.max_bytes;
-        match &mut self.stage {
-            Stage::Idle | Stage::Wanted => {}
-            Stage::Marked(writer) | Stage::Running(writer, _) => writer.note(command, max_bytes),
+        if let Stage::Running(writer) = &mut self.stage {
+            writer.note(command, self.max_bytes);
         }
     }
 
     /// Takes the state that the servo was asked for.
     pub fn collect(&mut self) {
         while let Ok(Snapshot { state, held }) = self.snapshots.pop() {
-            self.stage = match std::mem::replace(&mut self.stage, Stage::Idle) {
-                Stage::Marked(writer) if writer.mark == state.command && held => Stage::Wanted,
-                Stage::Marked(writer) if writer.mark == state.command => {
-                    Stage::Running(writer, state)
+            match &mut self.stage {
+                Stage::Running(writer) if writer.mark == state.command => {
+                    if held {
+                        self.stage = Stage::Wanted;
+                    } else {
+                        writer.state = Some(state);
+                    }
                 }
                 // the state of a recording that was thrown away
-                other => other,
-            };
+                _ => {}
+            }
         }
     }
 
@@ -197,15 +192,14 @@ impl TapeRecorder {
     pub fn finish(&mut self) -> Option<Tape> {
         self.collect();
         match std::mem::replace(&mut self.stage, Stage::Idle) {
-            Stage::Running(writer, state) => Some(Tape {
+            Stage::Running(writer) => Some(Tape {
                 grid: writer.grid,
-                state,
+                state: writer.state?,
                 bits: writer.first,
-                feels: writer.feels,
                 entries: writer.entries,
                 is_full: writer.is_full,
             }),
-            Stage::Idle | Stage::Wanted | Stage::Marked(_) => None,
+            Stage::Idle | Stage::Wanted => None,
         }
     }
 }

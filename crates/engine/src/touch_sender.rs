@@ -155,12 +155,7 @@ impl TouchSender {
         }
         // the tape must wait for the mark before the servo can answer it
         let grid = *scene.voxels().grid();
-        tape.begin(
-            self.commands + 1,
-            grid,
-            union_of_scene(scene),
-            scene.feels(),
-        );
+        tape.begin(self.commands + 1, grid, union_of_scene(scene));
         drop(tape);
         self.commands += 1;
         self.backlog.push_back(ServoCommand::Mark);
