@@ -3,7 +3,7 @@
  * let contact be felt. Without a gamepad nothing runs.
  */
 import { orbit } from "../core/camera";
-import { button, moveOf, pressed, rumbleOf, type Felt } from "../core/gamepad";
+import { button, moveOf, pressed, rumbleOf, type Felt, type Pad } from "../core/gamepad";
 import { canRumble, padName, rumble, usedPad, type ConnectedPad } from "./gamepad_device";
 import type { HandControl } from "./hand_control.svelte";
 import { recall, remember } from "./remembered";
@@ -24,7 +24,7 @@ export class GamepadInput {
   /** Contact is felt on it. */
   rumbling = $state(recall("gamepad", { rumbling: true }).rumbling);
 
-  private before: ConnectedPad | null = null;
+  private before: Pad | null = null;
   private felt: Felt | null = null;
   private rumbledAt = 0;
   private movedAt = 0;
@@ -97,7 +97,7 @@ export class GamepadInput {
       this.shake(pad);
     }
     // browsers change a pad in place: what was pressed must be kept apart
-    this.before = { ...pad, axes: [], buttons: pad.buttons.map(({ pressed: down, value }) => ({ pressed: down, value })) };
+    this.before = { axes: [], buttons: pad.buttons.map(({ pressed: down, value }) => ({ pressed: down, value })) };
     requestAnimationFrame(this.run.bind(this));
   }
 

@@ -86,17 +86,17 @@ export class KeyboardInput {
 
   /** Settings of touch, for a hand that does not want to leave the picture. */
   private actOnTouch(key: string): boolean {
-    const { settings } = this.session;
+    const { settings, deviceLimits } = this.session;
     if (settings === null) {
       return false;
     }
     const { stiffness, probe_radius, smoothing } = settings;
     switch (key) {
       case "[":
-        this.session.changeSettings({ stiffness: stiffer(stiffness, -1) });
+        this.session.changeSettings({ stiffness: stiffer(stiffness, -1, deviceLimits) });
         return true;
       case "]":
-        this.session.changeSettings({ stiffness: stiffer(stiffness, 1) });
+        this.session.changeSettings({ stiffness: stiffer(stiffness, 1, deviceLimits) });
         return true;
       case "-":
         this.session.changeSettings({ probe_radius: larger(probe_radius, -1) });

@@ -5,6 +5,7 @@ import { ForceHistory } from "../core/force_history";
 import { recalled, remembered, sameSettings } from "../core/touch_settings";
 import {
   PROTOCOL_VERSION,
+  type DeviceLimits,
   type FromPage,
   type Hello,
   type Notice,
@@ -42,6 +43,7 @@ export class Session {
   /** What `settings` were when the engine was started. */
   defaults = $state.raw<Settings | null>(null);
   device = $state.raw("");
+  deviceLimits = $state.raw<DeviceLimits | null>(null);
   version = $state.raw("");
   /** What is now, at a pace that can be read. */
   live = $state.raw<State | null>(null);
@@ -186,6 +188,7 @@ export class Session {
     this.settings = hello.settings;
     this.defaults = hello.defaults;
     this.device = hello.device;
+    this.deviceLimits = hello.device_limits;
     this.version = hello.version;
     this.history.clear();
     this.greetings += 1;

@@ -1,0 +1,231 @@
+"""Touch on the page in a real browser: its settings while touching, what of contact is seen,
+heard and felt, the guarantees' light, and recordings.
+
+The scan is a flat block, written here: where its surface is, and what must be felt on it, is
+known without any code of Palpate.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from browser import ROOT, Browser, Command, browser, palpate
+from numpy.typing import NDArray
+
+pytestmark = pytest.mark.browser
+
+OUTPUT = ROOT / "tests" / "output"
+EDGE = 48
+"""Voxels along the scan, each 1 mm."""
+SURFACE = 23.5
+"""Where the block begins along y [mm]; it fills everything from there to the back."""
+MIDDLE = EDGE / 2
+PAD = (
+    "(() => { const buttons = () => Array.from({length: 17}, () => ({pressed: false, value: 0}));"
+    " const pad = {id: 'Test Pad (Vendor: 045e)', index: 0, connected: true, timestamp: 1,"
+    " mapping: 'standard', axes: [0, 0, 0, 0], buttons: buttons(), vibrationActuator: {"
+    " playEffect: (kind, effect) => { window.__effects.push({kind, ...effect});"
+    " return Promise.resolve('complete'); },"
+    " reset: () => { window.__effects.push({kind: 'reset'}); return Promise.resolve(); } } };"
+    " window.__effects = []; window.__pad = pad;"
+    " Object.defineProperty(navigator, 'getGamepads', {configurable: true,"
+    " value: () => window.__pad === null ? [] : [window.__pad]});"
+    " window.dispatchEvent(new Event('gamepadconnected')); })()"
+)
+"""Plugs a gamepad in that remembers what its motors were told."""
+
+
+@pytest.fixture(scope="module")
+def block(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A scan of a flat block in air."""
+    import SimpleITK
+
+    values = np.full((EDGE, EDGE, EDGE), -1000, np.int16)
+    values[:, EDGE // 2 :, :] = 1000
+    path = tmp_path_factory.mktemp("block") / "block.mha"
+    SimpleITK.WriteImage(SimpleITK.GetImageFromArray(values), str(path))
+    return path
+
+
+@pytest.fixture(scope="module")
+def command(block: Path) -> Iterator[Command]:
+    """The block, served."""
+    with palpate("open", block, "--threshold", "500", "--port", "0") as started:
+        yield started
+
+
+@pytest.fixture(scope="module")
+def opened(command: Command) -> Iterator[Browser]:
+    """The block on the page, seen from before."""
+    with browser() as page:
+        assert page.do("open", url=command.url, width=800, height=480)["firstPicture"] is not None
+        page.read("window.palpate.setView('A')")
+        yield page
+
+
+@pytest.fixture
+def page(opened: Browser) -> Iterator[Browser]:
+    """The page, with the probe before the block, nothing pressed and touch as it began."""
+    if not opened.read("document.querySelector('[data-testid=reset-touch]').disabled"):
+        opened.do("click", testid="reset-touch")
+    leave(opened)
+    yield opened
+    assert opened.complaints == []
+
+
+def leave(page: Browser) -> None:
+    """Brings probe and hand before the block."""
+    page.read(f"window.palpate.place({[MIDDLE, SURFACE - 10, MIDDLE]})")
+    page.wait(f"Math.abs(window.palpate.state.hand[1] - {SURFACE - 10}) < 1")
+    page.wait("window.palpate.state.contact === false")
+
+
+def press(page: Browser, *, depth: float = 3.0, x: float = MIDDLE) -> dict[str, Any]:
+    """Pulls the hand into the block and returns the state once everything rests."""
+    page.read(f"window.palpate.hand({[x, SURFACE + depth, MIDDLE]})")
+    page.wait("window.palpate.state.contact")
+    return settled(page)
+
+
+def settled(page: Browser) -> dict[str, Any]:
+    """Returns the state once device and proxy have moved less than 0.01 mm in 0.2 s."""
+    page.read("void (window.__last = undefined)")
+    page.wait(
+        "(() => { const { device, proxy } = window.palpate.state, at = performance.now();"
+        " const now = [...device, ...proxy], last = window.__last;"
+        " if (last !== undefined && at - last.at < 200) return false;"
+        " window.__last = { at, now };"
+        " return last !== undefined && Math.hypot(...now.map((c, i) => c - last.now[i])) < 0.01;"
+        " })()",
+        seconds=20.0,
+    )
+    state: dict[str, Any] = page.read("window.palpate.state")
+    return state
+
+
+def force(state: dict[str, Any]) -> NDArray[np.float64]:
+    return np.array(state["force"])
+
+
+def held(page: Browser, name: str) -> Any:
+    """Returns a setting as the page shows it, half a second after it was changed.
+
+    By then the engine has answered, and what it holds is shown instead of what was asked.
+    """
+    time.sleep(0.5)
+    return page.read(f"window.palpate.settings.{name}")
+
+
+# --- settings while touching ------------------------------------------------------------
+
+
+def test_stiffness_changes_the_force_while_touching(page: Browser) -> None:
+    soft = press(page)
+    ratio = np.linalg.norm(force(soft)) / soft["depth"]
+    assert ratio == pytest.approx(held(page, "stiffness"), rel=0.02)
+
+    page.do("slide", testid="stiffness", value=float(np.log(2.5)))
+    stiff = settled(page)
+    # a step of the slider is one percent, its thumb can be set to a pixel: two percent
+    assert held(page, "stiffness") == pytest.approx(2.5, rel=0.05)
+    ratio = np.linalg.norm(force(stiff)) / stiff["depth"]
+    assert ratio == pytest.approx(held(page, "stiffness"), rel=0.02)
+
+    page.do("press", key="[")
+    assert held(page, "stiffness") == pytest.approx(2.0, rel=0.05)
+
+
+def test_a_ball_stands_its_radius_before_the_surface(page: Browser) -> None:
+    point = press(page)
+    assert point["proxy"][1] == pytest.approx(SURFACE, abs=0.1)
+    leave(page)
+
+    page.do("slide", testid="radius", value=4.0)
+    radius = held(page, "probe_radius")
+    assert radius == pytest.approx(4.0, abs=0.15)
+    ball = press(page)
+    # a ball's middle is never nearer than its radius, and less than a voxel farther
+    assert SURFACE - radius - 1.0 < ball["proxy"][1] <= SURFACE - radius + 0.01
+
+    # a radius that is raised in contact is admitted by pushing the probe, or waits
+    page.do("press", key="+")
+    larger = held(page, "probe_radius")
+    assert larger > radius
+    pushed = settled(page)
+    assert pushed["pending"] > 0 or pushed["proxy"][1] <= SURFACE - larger + 0.01
+    assert pushed["safety"]["violations"] == 0
+
+
+def test_friction_holds_the_probe_back_sideways(page: Browser) -> None:
+    def sideways(state: dict[str, Any]) -> float:
+        across = force(state)
+        return float(np.hypot(across[0], across[2]) / across[1])
+
+    press(page)
+    smooth = press(page, x=MIDDLE + 1.0)
+    assert abs(sideways(smooth)) < 0.05, "a flat surface without friction pushes straight back"
+    leave(page)
+
+    page.do("slide", testid="friction", value=0.5)
+    friction = held(page, "friction_static")
+    assert friction == pytest.approx(0.5, abs=0.02)
+    assert held(page, "friction_kinetic") == pytest.approx(0.8 * friction)
+    press(page)
+    stuck = press(page, x=MIDDLE + 1.0)
+    # one of three millimetres sideways is inside of the cone of 0.5: the probe sticks
+    assert abs(sideways(stuck)) == pytest.approx(1.0 / 3.0, abs=0.1)
+    assert stuck["proxy"][0] == pytest.approx(MIDDLE, abs=0.5)
+
+
+def test_model_and_surface_are_chosen_while_touching_and_the_printed_models_warn(
+    page: Browser,
+) -> None:
+    press(page)
+    assert page.read("document.querySelector('[data-testid=model-warning]')") is None
+    for model in ("thesis-original", "thesis-improved"):
+        page.do("choose", testid="model", value=model)
+        assert held(page, "model") == model
+        assert "thesis" in page.text("model-warning")
+        assert page.read("window.palpate.state.contact")
+    page.do("choose", testid="model", value="exact")
+    assert held(page, "model") == "exact"
+
+    page.do("press", key="v")
+    assert held(page, "smoothing") is False
+    stairs = press(page)
+    # without smoothing the force comes from the probe itself
+    offset = np.array(stairs["contact_point"]) - np.array(stairs["proxy"])
+    assert np.linalg.norm(offset) < 1e-6
+    page.do("press", key="v")
+    assert held(page, "smoothing") is True
+
+
+def test_what_was_set_comes_back_with_the_page_and_can_be_reset(
+    block: Path, command: Command, opened: Browser
+) -> None:
+    port = command.url.split(":")[2].split("/")[0]
+    opened.do("click", testid="reset-touch")
+    default = held(opened, "stiffness")
+    opened.do("press", key="]")
+    opened.do("press", key="]")
+    chosen = held(opened, "stiffness")
+    assert chosen > 1.3 * default
+
+    # another engine at the same address knows nothing of it, the page tells it
+    assert command.stop() == 0
+    with palpate("open", block, "--threshold", "500", "--port", port) as again:
+        opened.do("open", url=again.url, width=800, height=480)
+        opened.wait(f"window.palpate.settings.stiffness === {chosen}")
+        assert held(opened, "stiffness") == chosen
+        state = press(opened)
+        assert np.linalg.norm(force(state)) / state["depth"] == pytest.approx(chosen, rel=0.02)
+
+        opened.do("click", testid="reset-touch")
+        assert held(opened, "stiffness") == default
+        opened.do("open", url=again.url, width=800, height=480)
+        assert held(opened, "stiffness") == default
