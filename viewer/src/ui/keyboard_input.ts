@@ -59,7 +59,7 @@ export class KeyboardInput {
   }
 
   private press(event: KeyboardEvent): void {
-    if (typing(event.target)) {
+    if (belongsTo(event.target, event.key)) {
       return;
     }
     if (event.key in moves) {
@@ -203,7 +203,13 @@ export class KeyboardInput {
   }
 }
 
-/** Keys belong to a control that has the focus. */
-function typing(target: EventTarget | null): boolean {
-  return target instanceof HTMLElement && target.matches("input, textarea, select, [role=slider]");
+/** Whether a key belongs to the control that has the focus: all to a text, some to a slider. */
+function belongsTo(target: EventTarget | null, key: string): boolean {
+  if (!(target instanceof HTMLElement)) {
+    return false;
+  }
+  if (target.matches("input[type=range], input[type=radio], [role=slider]")) {
+    return key in moves;
+  }
+  return target.matches("input:not([type=checkbox]), textarea, select");
 }
