@@ -234,3 +234,195 @@ def test_what_was_set_comes_back_with_the_page_and_can_be_reset(
         assert held(opened, "stiffness") == default
         opened.do("open", url=again.url, width=800, height=480)
         assert held(opened, "stiffness") == default
+
+
+def test_a_segment_feels_in_its_own_way(page: Browser) -> None:
+    page.do("resize", width=1100, height=600)
+    if not page.read("document.querySelector('[data-testid=own-stiffness]') !== null"):
+        page.read("document.querySelector('[aria-label=\"Scan and segments\"]').click()")
+    press(page)
+    page.do("click", testid="own-stiffness")
+    page.wait("document.querySelector('[data-testid=segment-stiffness]') !== null")
+    page.do("slide", testid="segment-stiffness", value=float(np.log(0.4)))
+    soft = settled(page)
+    assert np.linalg.norm(force(soft)) / soft["depth"] == pytest.approx(0.4, rel=0.05)
+    page.do("click", testid="own-stiffness")
+    page.wait("document.querySelector('[data-testid=segment-stiffness]') === null")
+    usual = settled(page)
+    assert np.linalg.norm(force(usual)) / usual["depth"] == pytest.approx(
+        held(page, "stiffness"), rel=0.02
+    )
+    page.do("resize", width=800, height=480)
+
+
+# --- seen -------------------------------------------------------------------------------
+
+
+def changed(before: NDArray[np.float64], after: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Returns the pixels (row, column) that clearly differ, shape [n, 2]."""
+    return np.argwhere(np.abs(after - before).max(axis=2) > 0.1)
+
+
+def place_of(page: Browser, point: NDArray[np.float64], shape: tuple[int, ...]) -> Any:
+    """Returns where the page's camera shows a point, (row, column)."""
+    camera = page.read("window.palpate.camera")
+    right, up, back = (np.array(camera[axis]) for axis in ("right", "up", "back"))
+    offset = point - np.array(camera["target"])
+    size = 2 * (camera["distance"] - offset @ back) * np.tan(camera["field"] / 2) / shape[0]
+    return np.array([shape[0] / 2 - offset @ up / size, shape[1] / 2 + offset @ right / size])
+
+
+def test_the_contact_normal_is_drawn_out_of_the_surface_and_can_be_hidden(page: Browser) -> None:
+    # from the side the block's front, and an arrow out of it, is seen edge on
+    page.read("window.palpate.setView('L')")
+    state = press(page, depth=1.0)
+    assert np.array(state["normal"]) == pytest.approx([0.0, -1.0, 0.0], abs=0.05)
+    shown = page.picture(OUTPUT / "normal_shown.png")
+    page.do("press", key="n")
+    hidden = page.picture(OUTPUT / "normal_hidden.png")
+    page.do("press", key="n")
+    page.read("window.palpate.setView('A')")
+
+    pixels = changed(hidden, shown)
+    assert len(pixels) > 40, "an arrow of 60 pixels and a ring"
+    foot = place_of(page_at_side(page), np.array(state["contact_point"]), shown.shape)
+    offsets = pixels - foot
+    # anterior is on the left, seen from the patient's left; the arrow is 60 pixels long
+    assert -66 < offsets[:, 1].min() < -50
+    assert offsets[:, 1].max() < 20
+    assert np.abs(offsets[:, 0]).max() < 20
+
+
+def page_at_side(page: Browser) -> Browser:
+    """Turns the page to the patient's left, for its camera."""
+    page.read("window.palpate.setView('L')")
+    return page
+
+
+def test_the_ball_and_the_way_of_the_probe_are_drawn_and_can_be_hidden(page: Browser) -> None:
+    page.read("window.palpate.setView('A')")
+    page.do("slide", testid="radius", value=6.0)
+    radius = held(page, "probe_radius")
+    shown = page.picture(OUTPUT / "ball_shown.png")
+    page.do("click", testid="show-ball")
+    hidden = page.picture(OUTPUT / "ball_hidden.png")
+    page.do("click", testid="show-ball")
+    proxy = np.array(page.read("window.palpate.state.proxy"))
+    rim = place_of(page, proxy + [radius, 0.0, 0.0], shown.shape)
+    middle = place_of(page, proxy, shown.shape)
+    columns = changed(hidden, shown)[:, 1]
+    # the ball's rim is soft, and a pixel is a pixel
+    assert columns.max() - middle[1] == pytest.approx(rim[1] - middle[1], abs=2.5)
+    reset(page)
+
+    # without a graphics card the way is off until it is asked for
+    page.do("press", key="p")
+    for x in np.linspace(MIDDLE, MIDDLE + 12, 13):
+        page.read(f"window.palpate.hand({[float(x), SURFACE - 10, MIDDLE]})")
+        time.sleep(0.05)
+    page.do("screenshot", path=str(OUTPUT / "way_shown.png"), testid="canvas")
+    page.do("press", key="p")
+    without = page.picture(OUTPUT / "way_hidden.png")
+    import SimpleITK
+
+    image = SimpleITK.GetArrayFromImage(SimpleITK.ReadImage(str(OUTPUT / "way_shown.png")))
+    on_line = changed(without, np.asarray(image[..., :3], np.float64) / 255.0)
+    left = place_of(page, np.array([MIDDLE + 2, SURFACE - 10, MIDDLE]), without.shape)
+    near = np.abs(on_line - left).max(axis=1) < 4
+    assert near.any(), "the line passes where the probe was"
+
+
+# --- the guarantees ---------------------------------------------------------------------
+
+
+def test_the_light_is_green_opens_what_is_counted_and_has_a_name(page: Browser) -> None:
+    press(page)
+    page.wait("document.querySelector('[data-testid=light]').dataset.colour === 'green'")
+    assert page.text("status-light") == "guarantees ok"
+    name = page.read("document.querySelector('[data-testid=status-light]').ariaLabel")
+    assert "Guarantees" in name
+    assert "green" in name
+
+    # by the keyboard alone: G opens it, Escape closes it
+    opened = "document.querySelector('[data-testid=guarantees]').matches(':popover-open')"
+    page.do("press", key="g")
+    assert page.read(opened)
+    assert "inside of anything solid" in page.text("guarantees")
+    page.do("press", key="Escape")
+    assert not page.read(opened)
+
+
+# --- heard and felt ---------------------------------------------------------------------
+
+
+def test_contact_is_heard_once_a_person_has_asked_for_it(page: Browser) -> None:
+    assert page.read("window.palpate.sound") == {"running": False, "level": 0}
+    page.do("click", testid="sound")
+    page.wait("window.palpate.sound.running", seconds=10.0)
+    assert page.read("window.palpate.sound.level") == 0.0
+
+    page.read("window.__loudest = 0; void setInterval(() => { window.__loudest ="
+              " Math.max(window.__loudest, window.palpate.sound.level); }, 10)")
+    press(page, depth=8.0)
+    page.wait("window.__loudest > 0.001", seconds=10.0)
+    # at rest it is quiet again
+    page.wait("window.palpate.sound.level < 1e-4", seconds=10.0)
+    page.do("click", testid="sound")
+    assert not page.read("window.palpate.sound.running")
+
+
+def test_a_gamepad_is_found_moves_the_hand_and_rumbles_in_contact(page: Browser) -> None:
+    page.read(PAD)
+    page.wait("document.querySelector('[data-testid=gamepad]') !== null")
+    assert page.text("gamepad") == "Test Pad: moves the hand"
+    before = settled(page)
+    assert page.read("window.__effects") == []
+
+    # to the right on the screen is the patient's left, seen from before
+    page.read("void (window.__pad.axes = [1, 0, 0, 0])")
+    page.wait(f"window.palpate.state.hand[0] > {before['hand'][0] + 2}")
+    page.read("void (window.__pad.axes = [0, 0, 0, 0])")
+
+    # the right trigger presses it into the block
+    page.read("void (window.__pad.buttons[7] = {pressed: true, value: 1})")
+    page.wait("window.palpate.state.contact && window.palpate.state.depth > 1")
+    page.read("void (window.__pad.buttons[7] = {pressed: false, value: 0})")
+    page.wait("window.__effects.some(effect => effect.kind === 'dual-rumble'"
+              " && effect.strongMagnitude > 0)")
+    strengths = page.read("window.__effects.flatMap(effect => effect.kind === 'reset' ? [] :"
+                          " [effect.strongMagnitude, effect.weakMagnitude])")
+    assert 0.0 <= min(strengths) <= max(strengths) <= 1.0
+
+    # the lower button takes the hand from the sticks, and they turn the picture
+    page.read("void (window.__pad.buttons[0] = {pressed: true, value: 1})")
+    page.wait("document.querySelector('[data-testid=gamepad]').textContent.includes('turns')")
+    page.read("void (window.__pad.buttons[0] = {pressed: false, value: 0})")
+    hand = settled(page)["hand"]
+    camera = page.read("window.palpate.camera")
+    page.read("void (window.__pad.axes = [1, 0, 0, 0])")
+    page.wait(f"window.palpate.camera.right[0] < {camera['right'][0] - 0.01}")
+    page.read("void (window.__pad.axes = [0, 0, 0, 0])")
+    assert page.read("window.palpate.state.hand") == pytest.approx(hand, abs=1e-6)
+
+    page.read("window.__pad = null; void window.dispatchEvent(new Event('gamepaddisconnected'))")
+    page.wait("document.querySelector('[data-testid=gamepad]') === null")
+    page.read("window.palpate.setView('A')")
+
+
+# --- room -------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("width", [480, 640, 960, 1280, 1920])
+def test_nothing_is_cut_off_or_overlaps_at_any_width(opened: Browser, width: int) -> None:
+    opened.do("resize", width=width, height=700)
+    opened.wait(f"window.innerWidth === {width}")
+    page_overflows = "document.scrollingElement.scrollWidth > window.innerWidth"
+    assert not opened.read(page_overflows)
+    cut = opened.read(
+        "[...document.querySelectorAll('header, header button, aside, aside button, aside select,"
+        " aside label')].filter(e => e.scrollWidth > e.clientWidth + 1)"
+        ".map(e => `${e.tagName} ${e.className} ${e.textContent.slice(0, 40)}`)"
+    )
+    assert cut == []
+    opened.do("screenshot", path=str(OUTPUT / f"width_{width}.png"))
+    opened.do("resize", width=800, height=480)
