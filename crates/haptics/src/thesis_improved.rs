@@ -98,10 +98,6 @@ impl ThesisImproved {
         }
         path.finish(proxy)
     }
-
-    fn visit_bound(&self) -> u32 {
-        self.limits.visit_bound()
-    }
 }
 
 /// The border voxel with the smallest squared distance from its middle to d2.

@@ -99,10 +99,6 @@ impl ThesisOriginal {
         }
         path.finish(proxy)
     }
-
-    fn visit_bound(&self) -> u32 {
-        self.limits.visit_bound()
-    }
 }
 
 /// The border voxel with the largest dot product of voxel − p2 and d2 − p1, if positive.
