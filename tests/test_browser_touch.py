@@ -25,6 +25,7 @@ EDGE = 48
 SURFACE = 23.5
 """Where the block begins along y [mm]; it fills everything from there to the back."""
 MIDDLE = EDGE / 2
+OPTIONS = ("--threshold", "500", "--unit", "HU")
 PAD = (
     "(() => { const buttons = () => Array.from({length: 17}, () => ({pressed: false, value: 0}));"
     " const pad = {id: 'Test Pad (Vendor: 045e)', index: 0, connected: true, timestamp: 1,"
@@ -55,7 +56,7 @@ def block(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def command(block: Path) -> Iterator[Command]:
     """The block, served."""
-    with palpate("open", block, "--threshold", "500", "--port", "0") as started:
+    with palpate("open", block, *OPTIONS, "--port", "0") as started:
         yield started
 
 
@@ -223,7 +224,7 @@ def test_what_was_set_comes_back_with_the_page_and_can_be_reset(
 
     # another engine at the same address knows nothing of it, the page tells it
     assert command.stop() == 0
-    with palpate("open", block, "--threshold", "500", "--port", port) as again:
+    with palpate("open", block, *OPTIONS, "--port", port) as again:
         opened.do("open", url=again.url, width=800, height=480)
         opened.wait(f"window.palpate.settings.stiffness === {chosen}")
         assert held(opened, "stiffness") == chosen
@@ -418,6 +419,8 @@ def test_nothing_is_cut_off_or_overlaps_at_any_width(opened: Browser, width: int
     opened.wait(f"window.innerWidth === {width}")
     page_overflows = "document.scrollingElement.scrollWidth > window.innerWidth"
     assert not opened.read(page_overflows)
+    room = "document.querySelector('[data-testid=canvas]').getBoundingClientRect().width"
+    assert opened.read(room) > 200, "the picture is never squeezed away between the panels"
     cut = opened.read(
         "[...document.querySelectorAll('header, header button, aside, aside button, aside select,"
         " aside label')].filter(e => e.scrollWidth > e.clientWidth + 1)"
