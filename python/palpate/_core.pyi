@@ -128,6 +128,10 @@ class Session:
     @property
     def device(self) -> str: ...
     @property
+    def device_limits(self) -> tuple[float, float]:
+        """The largest stiffness [N/mm] and force [N] that the device bears."""
+
+    @property
     def is_running(self) -> bool: ...
     def hand(self, x: float, y: float, z: float) -> None:
         """Moves the target to which the hand pulls the device."""
