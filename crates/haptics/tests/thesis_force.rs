@@ -6,6 +6,7 @@ use glam::{DVec3, IVec3, UVec3};
 use palpate_haptics::contact::{Contact, ContactModel, ForceInput, SlidePath};
 use palpate_haptics::exact::Exact;
 use palpate_haptics::proxy::Proxy;
+use palpate_haptics::scene::TouchScene;
 use palpate_haptics::thesis_improved::ThesisImproved;
 use palpate_haptics::thesis_original::ThesisOriginal;
 use palpate_volume::grid::Grid;
@@ -133,7 +134,7 @@ fn survive(model: &impl ContactModel, seed: u128) {
         let device = proxy.point() + random.direction() * random.between(0.0, 3.0);
         let device = device.clamp(DVec3::splat(-3.0), DVec3::splat(27.0));
         let before = proxy.point();
-        let contact = model.advance(&solid, &grid, device, &mut proxy);
+        let contact = model.advance(&TouchScene::of_world(&solid, &grid), device, &mut proxy);
         let path = contact.path.expect("a way");
         // the sum of up to twelve moves
         assert!(path.moved.distance(proxy.point() - before) < 1e-12);
@@ -174,7 +175,8 @@ fn exact_leaves_its_force_to_touch() {
     let grid = grid(UVec3::splat(24), DVec3::ONE);
     let floor = Body(|v: IVec3| v.z < 10);
     let mut proxy = Proxy::at(DVec3::splat(12.0)).expect("a point");
-    let contact = Exact::default().advance(&floor, &grid, DEVICE, &mut proxy);
+    let contact =
+        Exact::default().advance(&TouchScene::of_world(&floor, &grid), DEVICE, &mut proxy);
     assert_eq!(contact.path, None);
     let input = ForceInput {
         grid: &grid,
