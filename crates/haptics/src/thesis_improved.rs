@@ -18,12 +18,8 @@
 //! Frame: grid, in voxels. Source: R. Vlasov, thesis (2016), listing of 4.8.
 
 use crate::border_voxels::border_voxels;
-<<<<<<< HEAD
 use crate::contact::{Contact, ContactModel, ForceInput};
-=======
-use crate::contact::{Contact, ContactModel};
 use crate::middle_voxels::MiddleVoxels;
->>>>>>> objects
 use crate::proxy::Proxy;
 use crate::scene::TouchScene;
 use crate::thesis_force::force_improved;
@@ -98,7 +94,6 @@ impl ThesisImproved {
         }
         path.finish(proxy)
     }
-<<<<<<< HEAD
 
     fn visit_bound(&self) -> u32 {
         self.limits.visit_bound()
@@ -107,8 +102,6 @@ impl ThesisImproved {
     fn own_force(&self, input: &ForceInput<'_>) -> Option<DVec3> {
         Some(force_improved(input))
     }
-=======
->>>>>>> objects
 }
 
 /// The border voxel with the smallest squared distance from its middle to d2.

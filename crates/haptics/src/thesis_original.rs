@@ -18,12 +18,8 @@
 //! Frame: grid, in voxels. Source: R. Vlasov, thesis (2016), listing of 4.3.
 
 use crate::border_voxels::border_voxels;
-<<<<<<< HEAD
 use crate::contact::{Contact, ContactModel, ForceInput};
-=======
-use crate::contact::{Contact, ContactModel};
 use crate::middle_voxels::MiddleVoxels;
->>>>>>> objects
 use crate::proxy::Proxy;
 use crate::scene::TouchScene;
 use crate::thesis_force::force_original;
@@ -99,7 +95,6 @@ impl ThesisOriginal {
         }
         path.finish(proxy)
     }
-<<<<<<< HEAD
 
     fn visit_bound(&self) -> u32 {
         self.limits.visit_bound()
@@ -108,8 +103,6 @@ impl ThesisOriginal {
     fn own_force(&self, input: &ForceInput<'_>) -> Option<DVec3> {
         Some(force_original(input))
     }
-=======
->>>>>>> objects
 }
 
 /// The border voxel with the largest dot product of voxel − p2 and d2 − p1, if positive.
