@@ -2,7 +2,7 @@
 #![expect(clippy::print_stdout, reason = "figures are what this example is for")]
 
 use palpate_engine::bench::Model;
-use palpate_engine::bench::stress::{Plan, run};
+use palpate_engine::bench::stress::run;
 
 fn main() {
     let arguments: Vec<String> = std::env::args().collect();
@@ -20,5 +20,5 @@ fn main() {
         let per_move = start.elapsed().as_nanos() as f64 / report.moves.max(1) as f64;
         println!("{run_number:4} {per_move:8.0} ns/move {report:?}");
     }
-    let _ = std::marker::PhantomData::<Plan>;
+
 }

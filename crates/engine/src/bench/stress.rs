@@ -27,4 +27,4 @@ mod world;
 
 pub use checker::{Guarantee, Violation};
 pub use plan::{Plan, Terrain};
-pub use run::{Report, Source, run, runs};
+pub use run::{Found, Report, Source, run, runs};

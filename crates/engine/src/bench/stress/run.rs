@@ -55,8 +55,21 @@ pub struct Report {
     pub contacts: u64,
     /// Edits.
     pub edits: u64,
-    /// The first violation: run, move and what it was.
-    pub violation: Option<(u64, u64, Violation)>,
+    /// The violation in the run of the lowest number.
+    pub violation: Option<Found>,
+}
+
+/// A violation and how to come to it again.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Found {
+    /// Number of the run.
+    pub run: u64,
+    /// Moves before it.
+    pub at_move: u64,
+    /// What is done in the run.
+    pub plan: Plan,
+    /// What was broken.
+    pub violation: Violation,
 }
 
 impl Report {
@@ -68,7 +81,7 @@ impl Report {
             moves: self.moves + other.moves,
             contacts: self.contacts + other.contacts,
             edits: self.edits + other.edits,
-            violation: [a, b].into_iter().flatten().min_by_key(|found| found.0),
+            violation: [a, b].into_iter().flatten().min_by_key(|found| found.run),
         }
     }
 }
@@ -177,7 +190,12 @@ impl<'a, T: Touched> Run<'a, T> {
 
     fn report(mut self, number: u64) -> Report {
         if let Err(violation) = self.all_moves() {
-            self.report.violation = Some((number, self.report.moves, violation));
+            self.report.violation = Some(Found {
+                run: number,
+                at_move: self.report.moves,
+                plan: *self.plan,
+                violation,
+            });
         }
         self.report
     }
