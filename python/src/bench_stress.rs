@@ -5,9 +5,9 @@ use palpate_engine::bench::stress::{Report, Source, runs};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::bench::model_named;
 use crate::errors::CoreError;
 use crate::segment::PySegment;
+use crate::settings::model_named;
 use crate::volume::PyVolume;
 
 /// Makes runs `first` to `first + count` of a seed, on all cores, in parts of this bone.

@@ -20,5 +20,4 @@ fn main() {
         let per_move = start.elapsed().as_nanos() as f64 / report.moves.max(1) as f64;
         println!("{run_number:4} {per_move:8.0} ns/move {report:?}");
     }
-
 }

@@ -339,3 +339,128 @@ impl Blocked {
         *known == 1
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A wall at x = 8 and a device in it.
+    fn checker() -> Checker {
+        let wall = Dense::from_fn(IVec3::splat(16), |voxel| voxel.x == 8);
+        let terms = Terms {
+            spacing: DVec3::ONE,
+            direction: DMat3::IDENTITY,
+            origin: DVec3::ZERO,
+            radius: 0.0,
+            visit_bound: 100,
+            limits: ForceLimits {
+                max_force: 5.0,
+                max_growth: 1000.0,
+            },
+            dt: 1e-3,
+            frictionless: true,
+        };
+        Checker::new(terms, wall.clone(), &wall)
+    }
+
+    const DEVICE: DVec3 = DVec3::new(9.5, 4.5, 4.5);
+
+    fn proxy(x: f64) -> Proxy {
+        Proxy::at(DVec3::new(x, 4.5, 4.5)).unwrap()
+    }
+
+    fn output(force: f64) -> TickOutput {
+        TickOutput {
+            proxy_in_scene: DVec3::ZERO,
+            contact_point_in_scene: DVec3::ZERO,
+            normal: DVec3::ZERO,
+            force: DVec3::X * force,
+            contact: true,
+            depth: 0.0,
+            visits: 100,
+            violation: false,
+        }
+    }
+
+    /// What a tick breaks that leads the proxy from one x to another.
+    fn broken(from: f64, to: f64, output: TickOutput) -> Option<Guarantee> {
+        let ends = [&proxy(from), &proxy(to)];
+        let found = checker().after_tick(DEVICE, ends, &output);
+        found.err().map(|violation| violation.guarantee)
+    }
+
+    #[test]
+    fn each_promise_of_a_tick_is_asked_for() {
+        let good = output(-1.0);
+        assert_eq!(broken(6.5, 7.5, good), None);
+        assert_eq!(broken(7.5, 8.5, good), Some(Guarantee::StaysOut));
+        assert_eq!(broken(7.5, 9.5, good), Some(Guarantee::CrossesNoWall));
+        assert_eq!(broken(7.5, 17.5, good), Some(Guarantee::CrossesNoWall));
+        let pulls = output(1e-6);
+        assert_eq!(broken(7.5, 7.5, pulls), Some(Guarantee::NeverPulls));
+        let works = TickOutput {
+            visits: 101,
+            ..good
+        };
+        assert_eq!(broken(7.5, 7.5, works), Some(Guarantee::BoundedWork));
+        let loose = TickOutput {
+            contact: false,
+            ..good
+        };
+        assert_eq!(broken(7.5, 7.5, loose), Some(Guarantee::BoundedWork));
+        let admits = TickOutput {
+            violation: true,
+            ..good
+        };
+        assert_eq!(broken(7.5, 7.5, admits), Some(Guarantee::StaysOut));
+    }
+
+    #[test]
+    fn each_promise_of_what_is_sent_is_asked_for() {
+        // wanted and sent along x, one after the other; whether the last is safe
+        let is_safe = |forces: &[(f64, f64)]| {
+            let mut checker = checker();
+            let mut last = Ok(());
+            for &(wanted, sent) in forces {
+                last = checker.after_safety(DVec3::X * wanted, DVec3::X * sent);
+            }
+            last.is_ok()
+        };
+        assert!(is_safe(&[(0.9, 0.9), (1.8, 1.8), (0.1, 0.1), (-0.9, -0.9)]));
+        assert!(is_safe(&[(9.0, 1.0), (9.0, 2.0), (9.0, 3.0), (9.0, 4.0)]));
+        // grows too fast, at the start and later, and around zero
+        assert!(!is_safe(&[(1.1, 1.1)]));
+        assert!(!is_safe(&[(0.9, 0.9), (2.0, 2.0)]));
+        assert!(!is_safe(&[(0.9, 0.9), (-1.1, -1.1)]));
+        // too large, against what is wanted, not a number
+        let ramp = [(9.0, 1.0), (9.0, 2.0), (9.0, 3.0), (9.0, 4.0), (9.0, 4.9)];
+        assert!(is_safe(&ramp));
+        assert!(!is_safe(&[&ramp[..], &[(9.0, 5.1)]].concat()));
+        assert!(!is_safe(&[(0.5, -0.1)]));
+        assert!(!is_safe(&[(f64::NAN, 0.0)]));
+        assert!(!is_safe(&[(0.0, f64::NAN)]));
+    }
+
+    #[test]
+    fn a_ball_that_overlaps_and_a_push_through_a_wall_are_found() {
+        let mut checker = checker();
+        checker.terms.radius = 2.0;
+        assert!(checker.after_changes(&proxy(5.9)).is_ok());
+        assert!(checker.after_changes(&proxy(6.1)).is_err());
+        checker.terms.radius = 0.0;
+        assert!(checker.before_change(&proxy(7.5), &proxy(5.5)).is_ok());
+        assert!(checker.before_change(&proxy(7.5), &proxy(9.5)).is_err());
+    }
+
+    #[test]
+    fn a_change_that_does_not_arrive_is_found() {
+        let mut checker = checker();
+        let hole = VoxelBox::of_voxel(IVec3::new(8, 4, 4));
+        let mut wanted = checker.dense.clone();
+        wanted.set(hole.min, false);
+        assert!(checker.follow(&hole, |_| true, None).is_ok());
+        assert!(checker.follow(&hole, |_| true, Some(&wanted)).is_err());
+        assert!(checker.follow(&hole, |_| false, Some(&wanted)).is_ok());
+        assert!(!checker.dense.is_solid(hole.min));
+    }
+}

@@ -1,7 +1,9 @@
 //! What is done in a run: made from the seed and the number of the run, and nothing else.
 
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec3, UVec3};
+use palpate_volume::grid::Grid;
 
+use super::world::SIZE;
 use crate::bench::random::Random;
 
 /// What the probe moves among.
@@ -73,6 +75,16 @@ impl Plan {
             // balls take several times as long to move
             moves: if radius > 0.0 { MOVES / 8 } else { MOVES },
         }
+    }
+
+    /// The grid of its world.
+    ///
+    /// # Panics
+    /// Never: plans make valid grids.
+    #[must_use]
+    pub fn grid(&self) -> Grid {
+        let size = UVec3::splat(SIZE as u32);
+        Grid::new(size, self.spacing, self.origin, self.direction).expect("plans make valid grids")
     }
 }
 

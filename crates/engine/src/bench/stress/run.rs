@@ -19,7 +19,7 @@ use rayon::prelude::*;
 use super::checker::{Checker, Guarantee, Terms, Violation};
 use super::dense::Dense;
 use super::hand::{Hand, anywhere};
-use super::plan::Plan;
+use super::plan::{Plan, Terrain};
 use super::touched::{BallWorld, PointWorld, Touched, swaps_of};
 use super::world::{SIZE, World};
 use crate::bench::quality::REST_TICKS;
@@ -100,31 +100,27 @@ pub fn runs(seed: u64, numbers: Range<u64>, model: Model, bone: Option<Source<'_
 pub fn run(seed: u64, number: u64, model: Model, bone: Option<Source<'_>>) -> Report {
     let mut random = Random::of_stream(seed, number);
     let mut plan = Plan::new(number, bone.is_some(), &mut random);
-    if plan.terrain == super::plan::Terrain::Bone
-        && let Some(bone) = bone
-    {
+    if let (Terrain::Bone, Some(bone)) = (plan.terrain, bone) {
         plan.spacing = bone.grid.spacing();
     }
     let world = World::new(&plan, bone.map(|bone| bone.bits), &mut random);
-    let size = IVec3::splat(SIZE).as_uvec3();
-    let grid =
-        Grid::new(size, plan.spacing, plan.origin, plan.direction).expect("plans make valid grids");
+    let bits = world.bits();
+    let grid = plan.grid();
     let radius = plan.radius * grid.smallest_spacing();
     if radius == 0.0 {
-        let touched = PointWorld::new(world.bits());
-        return Run::new(&plan, world, &grid, touched, model, random).report(number);
+        return Run::new(&plan, world, &grid, PointWorld::new(bits), model, random).report(number);
     }
     let shape = BallShape::new(radius, plan.spacing).expect("plans make balls that fit");
-    let touched = BallWorld::new(world.bits(), shape);
+    let touched = BallWorld::new(bits, shape);
     Run::new(&plan, world, &grid, touched, model, random).report(number)
 }
 
-struct Run<'a, T> {
+struct Run<'a, T, M> {
     plan: &'a Plan,
     grid: &'a Grid,
     terms: Terms,
     touched: T,
-    model: Model,
+    model: M,
     random: Random,
     /// What edits want, be it touched already or held back.
     wanted: Dense,
@@ -139,13 +135,13 @@ struct Run<'a, T> {
     report: Report,
 }
 
-impl<'a, T: Touched> Run<'a, T> {
+impl<'a, T: Touched, M: ContactModel> Run<'a, T, M> {
     fn new(
         plan: &'a Plan,
         world: World,
         grid: &'a Grid,
         touched: T,
-        model: Model,
+        model: M,
         mut random: Random,
     ) -> Self {
         let limits = ForceLimits::default();
@@ -348,5 +344,144 @@ impl<'a, T: Touched> Run<'a, T> {
             }
         }
         changed
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::cell::Cell;
+
+    use palpate_haptics::contact::Contact;
+    use palpate_haptics::exact::Exact;
+    use palpate_volume::bit_brick::BitBrick;
+    use palpate_volume::brick_grid::BrickSwap;
+    use palpate_volume::occupancy::Occupancy;
+
+    use super::*;
+
+    /// `exact` with a fault of its own after so many calls.
+    struct Faulty<F> {
+        calls: Cell<u32>,
+        visit_bound: u32,
+        fault: F,
+    }
+
+    impl<F: Fn(u32, DVec3, &mut Proxy, &mut Contact)> ContactModel for Faulty<F> {
+        fn advance<O: Occupancy>(
+            &self,
+            scene: &TouchScene<'_, O>,
+            device: DVec3,
+            proxy: &mut Proxy,
+        ) -> Contact {
+            let mut contact = Exact::default().advance(scene, device, proxy);
+            self.calls.set(self.calls.get() + 1);
+            (self.fault)(self.calls.get(), device, proxy, &mut contact);
+            contact
+        }
+
+        fn visit_bound(&self) -> u32 {
+            self.visit_bound
+        }
+    }
+
+    /// The first promise that is broken by a fault in a run of the first walls.
+    fn broken(
+        visit_bound: u32,
+        fault: impl Fn(u32, DVec3, &mut Proxy, &mut Contact),
+    ) -> Option<Guarantee> {
+        let mut random = Random::of_stream(7, 0);
+        let plan = Plan::new(0, false, &mut random);
+        let world = World::new(&plan, None, &mut random);
+        let touched = PointWorld::new(world.bits());
+        let model = Faulty {
+            calls: Cell::new(0),
+            visit_bound,
+            fault,
+        };
+        let grid = plan.grid();
+        let report = Run::new(&plan, world, &grid, touched, model, random).report(0);
+        report.violation.map(|found| found.violation.guarantee)
+    }
+
+    #[test]
+    fn planted_faults_are_found_by_their_number() {
+        let bound = Exact::default().visit_bound();
+        assert_eq!(broken(bound, |_, _, _, _| ()), None);
+        assert_eq!(broken(20, |_, _, _, _| ()), Some(Guarantee::BoundedWork));
+        // into the wall with the device, or through it
+        let follow = |_: u32, device: DVec3, proxy: &mut Proxy, _: &mut Contact| {
+            *proxy = Proxy::at(device).unwrap_or(*proxy);
+        };
+        let through = [Guarantee::StaysOut, Guarantee::CrossesNoWall].map(Some);
+        assert!(through.contains(&broken(bound, follow)));
+        let press = |_: u32, _: DVec3, proxy: &mut Proxy, contact: &mut Contact| {
+            if let Some(solid) = contact.stopped_by {
+                *proxy = Proxy::nearest_in(solid.voxel, proxy.point());
+            }
+        };
+        assert_eq!(broken(bound, press), Some(Guarantee::StaysOut));
+        // a contact that is none: the spring pulls the hand back to where it was
+        let sticky = |call: u32, device: DVec3, proxy: &mut Proxy, contact: &mut Contact| {
+            if !contact.touching && call > 100 {
+                let lower = device - DVec3::splat(1e-9) * f64::from(call % 2);
+                *proxy = Proxy::nearest_in(proxy.voxel(), lower);
+                contact.touching = true;
+            }
+        };
+        assert_eq!(broken(bound, sticky), Some(Guarantee::ComesToRest));
+    }
+
+    /// A world that takes every edit, whoever is in the way.
+    struct Careless(PointWorld, Bits);
+
+    impl Touched for Careless {
+        type Solid = Bits;
+
+        fn solid(&self) -> &Bits {
+            &self.1
+        }
+
+        fn bits(&self) -> &Bits {
+            &self.1
+        }
+
+        fn has_room(&self) -> bool {
+            self.0.has_room()
+        }
+
+        fn edit(
+            &mut self,
+            mut swaps: Vec<BrickSwap<BitBrick>>,
+            _: &VoxelBox,
+            _: &Grid,
+            _: &mut Proxy,
+        ) -> bool {
+            for swap in &mut swaps {
+                self.1.swap(swap);
+            }
+            true
+        }
+
+        fn retry(&mut self, _: &Grid, _: &mut Proxy) {}
+
+        fn holds_back(&self) -> bool {
+            false
+        }
+    }
+
+    #[test]
+    fn an_edit_that_is_not_asked_for_admission_is_found() {
+        let mut random = Random::of_stream(7, 0);
+        let mut plan = Plan::new(0, false, &mut random);
+        plan.edits = true;
+        let world = World::new(&plan, None, &mut random);
+        let bits = world.bits();
+        let touched = Careless(PointWorld::new(bits.clone()), bits);
+        let model = Exact::default();
+        let grid = plan.grid();
+        let report = Run::new(&plan, world, &grid, touched, model, random).report(3);
+        let found = report.violation.unwrap();
+        assert_eq!(found.violation.guarantee, Guarantee::StaysOut);
+        assert_eq!((found.run, found.plan), (3, plan));
     }
 }
