@@ -11,6 +11,7 @@ mod bench_stress;
 mod errors;
 mod frame;
 mod phantom;
+mod recording;
 mod segment;
 mod session;
 mod settings;
@@ -31,6 +32,8 @@ mod _core {
     use super::bench_stress::bench_stress;
     #[pymodule_export]
     use super::phantom::make_phantom;
+    #[pymodule_export]
+    use super::recording::{build, replay_recording};
     #[pymodule_export]
     use super::segment::PySegment;
     #[pymodule_export]
