@@ -21,6 +21,8 @@ pub mod coupling;
 pub mod exact;
 mod flood;
 pub mod friction;
+pub mod local_force;
+pub mod passivity;
 pub mod placement;
 pub mod proxy;
 mod ray_samples;

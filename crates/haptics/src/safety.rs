@@ -158,7 +158,7 @@ pub struct SafetyCounters {
     /// Forces not sent, since none was small yet.
     pub waited: u64,
     /// Forces cut toward what the device bears for long.
-    pub continuous: u64,
+    pub eased: u64,
 }
 
 /// The stage: settings, the last force sent, and the counters.
@@ -294,7 +294,7 @@ impl Safety {
         if length <= allowed {
             return wanted;
         }
-        self.counters.continuous += 1;
+        self.counters.eased += 1;
         wanted * (allowed / length)
     }
 
