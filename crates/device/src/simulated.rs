@@ -46,13 +46,14 @@ impl Default for SimulatedSettings {
     /// A desktop device in a relaxed hand; the reasons stand beside the figures.
     fn default() -> Self {
         let mass = 0.1;
+        // as of a Touch (4 N per m/s): above K (T/2 + t_d) = 0.0015 of the default wall
+        let damping = 0.004;
         // well below the default coupling of 1 N/mm: a quarter of the hand's way into a
         // wall is seen as depth, three quarters as the hand's own give
         let hand_stiffness = 0.3;
         Self {
             mass,
-            // as of a Touch (4 N per m/s): above K (T/2 + t_d) = 0.0015 of the default wall
-            damping: 0.004,
+            damping,
             hand_stiffness,
             // critical: 2 sqrt(k m), k in N/m and the result per mm
             hand_damping: 2.0 * (1000.0 * hand_stiffness * mass).sqrt() / 1000.0,
@@ -67,6 +68,7 @@ impl Default for SimulatedSettings {
                 // grows over 43 mm. No motor grows warm here.
                 max_force: 10.0,
                 max_continuous_force: 10.0,
+                damping,
                 // three quarters of damping / (T/2 + t_d) at 1 kHz and one tick of delay:
                 // tapping gains nothing up to here, and does so at the whole of it
                 max_stiffness: 2.0,
@@ -255,7 +257,10 @@ impl HapticDevice for SimulatedDevice {
     }
 
     fn limits(&self) -> DeviceLimits {
-        self.settings.limits
+        DeviceLimits {
+            damping: self.settings.damping,
+            ..self.settings.limits
+        }
     }
 
     fn read(&mut self, dt: f64) -> DeviceState {

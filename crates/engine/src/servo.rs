@@ -7,6 +7,7 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
 
 use glam::DVec3;
+use palpate_haptics::local_force::LocalForce;
 use palpate_haptics::placement::nearest_free;
 use palpate_haptics::proxy::Proxy;
 use palpate_haptics::scene::TouchScene;
@@ -138,7 +139,7 @@ impl ServoLoop {
         let input = self.input(&sample, now);
         let output = self.touch(&input);
 
-        self.publish_force(&output, now);
+        self.publish_force(&sample, &output, now);
         self.publish_status(&sample, &output);
         self.record(&sample, &output, now);
         self.tick += 1;
@@ -264,14 +265,31 @@ impl ServoLoop {
         output
     }
 
-    fn publish_force(&mut self, output: &TickOutput, now: f64) {
+    fn publish_force(&mut self, sample: &DeviceSample, output: &TickOutput, now: f64) {
         self.ends.forces.write(ForceCommand {
             time: now,
             tick: self.tick + 1,
-            force_in_device: self.mapping.force_to_device(output.force),
+            law: self.law(sample, output),
             hand_in_device: self.mapping.point_to_device(self.hand),
             max_force: self.settings.force_limit,
         });
+    }
+
+    /// The contact as the device can follow it.
+    fn law(&self, sample: &DeviceSample, output: &TickOutput) -> LocalForce {
+        let turned = |vector| self.mapping.force_to_device(vector);
+        if output.spring == DVec3::ZERO {
+            return LocalForce::held(turned(output.force));
+        }
+        LocalForce {
+            device: sample.state.position,
+            spring: turned(output.spring),
+            normal: turned(output.normal),
+            coupling: output.coupling,
+            sticks: output.sticks,
+            scale: self.mapping.scale,
+            held: DVec3::ZERO,
+        }
     }
 
     fn publish_status(&mut self, sample: &DeviceSample, output: &TickOutput) {

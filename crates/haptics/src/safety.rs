@@ -170,6 +170,7 @@ pub struct Safety {
     begun: Option<f64>,
     /// The force sent, averaged over the last seconds [N].
     average: f64,
+    eases: bool,
     off: Option<ForceOff>,
     sent: DVec3,
     counters: SafetyCounters,
@@ -196,6 +197,7 @@ impl Safety {
             settings,
             begun: None,
             average: 0.0,
+            eases: false,
             off: Some(ForceOff::NotStarted),
             sent: DVec3::ZERO,
             counters: SafetyCounters::default(),
@@ -217,6 +219,24 @@ impl Safety {
     #[must_use]
     pub fn off(&self) -> Option<ForceOff> {
         self.off
+    }
+
+    /// How much of the wanted force is sent so soon after the start: 0 to 1.
+    #[must_use]
+    pub fn share(&self) -> f64 {
+        let Some(begun) = self.begun else {
+            return 0.0;
+        };
+        if begun >= self.settings.ramp_secs {
+            return 1.0;
+        }
+        (begun / self.settings.ramp_secs).max(0.0).min(1.0)
+    }
+
+    /// Whether the force sent last was cut toward what the device bears for long.
+    #[must_use]
+    pub fn eases(&self) -> bool {
+        self.eases
     }
 
     /// The force sent last [N].
@@ -263,15 +283,12 @@ impl Safety {
 
     /// Faded in from the first small force on.
     fn faded(&mut self, wanted: DVec3, dt: f64) -> DVec3 {
-        let Some(begun) = &mut self.begun else {
-            return wanted;
-        };
-        if *begun >= self.settings.ramp_secs {
+        let share = self.share();
+        if share == 1.0 {
             return wanted;
         }
-        let share = (*begun / self.settings.ramp_secs).max(0.0).min(1.0);
         // time that is none does not pass
-        *begun += dt.max(0.0);
+        self.begun = self.begun.map(|begun| begun + dt.max(0.0));
         if wanted != DVec3::ZERO {
             self.counters.ramped += 1;
         }
@@ -280,6 +297,7 @@ impl Safety {
 
     /// Below what motors bear for a while; the more of it they have borne, the less is left.
     fn bearable(&mut self, wanted: DVec3) -> DVec3 {
+        self.eases = false;
         // a limit that is no number is 0
         let continuous = self.settings.continuous_force.max(0.0);
         let warm = WARM * continuous;
@@ -294,6 +312,7 @@ impl Safety {
         if length <= allowed {
             return wanted;
         }
+        self.eases = true;
         self.counters.eased += 1;
         wanted * (allowed / length)
     }
