@@ -28,6 +28,8 @@ pub struct SimulatedSettings {
     pub mass: f64,
     /// The device's own viscous friction [N·s/mm], >= 0.
     pub damping: f64,
+    /// The device's own dry friction [N], >= 0.
+    pub friction: f64,
     /// Spring between hand target and device [N/mm], >= 0.
     pub hand_stiffness: f64,
     /// Damping of the hand [N·s/mm], >= 0.
@@ -54,6 +56,7 @@ impl Default for SimulatedSettings {
         Self {
             mass,
             damping,
+            friction: 0.0,
             hand_stiffness,
             // critical: 2 sqrt(k m), k in N/m and the result per mm
             hand_damping: 2.0 * (1000.0 * hand_stiffness * mass).sqrt() / 1000.0,
@@ -112,6 +115,7 @@ impl SimulatedSettings {
         ];
         let not_negative = [
             ("damping [N·s/mm]", self.damping),
+            ("friction [N]", self.friction),
             ("hand_stiffness [N/mm]", self.hand_stiffness),
             ("hand_damping [N·s/mm]", self.hand_damping),
             ("encoder_step [mm]", self.encoder_step),
@@ -224,15 +228,25 @@ impl SimulatedDevice {
         // velocity in the middle of the step, solved for the terms that depend on it
         let half = 0.5 * dt / inertia;
         let resistance = s.damping + hand_damping + 0.5 * dt * stiffness;
-        let middle = (self.velocity + half * (force + pull)) / (1.0 + half * resistance);
+        let pushed = self.velocity + half * (force + pull);
+        let held = half * s.friction;
+        let before = self.kinetic_energy();
+        if pushed.length() <= held {
+            // dry friction holds it, and eats what motion there was
+            self.velocity = DVec3::ZERO;
+            self.work.lost += before;
+            return;
+        }
+        let slowed = pushed - pushed.clamp_length(held, held);
+        let middle = slowed / (1.0 + half * resistance);
 
         // the balance of energy is exact for these quantities
         let travelled = middle * dt;
-        let before = self.kinetic_energy();
         self.position += travelled;
         self.velocity = 2.0 * middle - self.velocity;
         let by_feedback = force.dot(travelled);
-        let lost = self.settings.damping * middle.dot(travelled);
+        let lost = self.settings.damping * middle.dot(travelled)
+            + self.settings.friction * travelled.length();
         self.work.by_feedback += by_feedback;
         self.work.lost += lost;
         self.work.to_hand += by_feedback - lost - (self.kinetic_energy() - before);

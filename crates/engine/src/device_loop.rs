@@ -27,6 +27,7 @@ pub struct DeviceLoop {
     limits: DeviceLimits,
     channels: DeviceChannels,
     passivity: Passivity,
+    take_back: bool,
     safety: Safety,
     shared: Arc<Shared>,
     dt: f64,
@@ -58,6 +59,7 @@ impl DeviceLoop {
             limits,
             channels,
             passivity: Passivity::default(),
+            take_back: safety.take_back,
             safety: Safety::starting(ForceLimits::default(), safety),
             shared,
             dt,
@@ -145,7 +147,11 @@ impl DeviceLoop {
         let stored = law.energy_at(state.position, max_force) * self.safety.share();
         self.passivity.observe(state.force, moved, eaten, stored);
         let wanted = law.force_at(state.position, state.velocity);
-        self.passivity.control(wanted, moved)
+        if self.take_back {
+            self.passivity.control(wanted, moved)
+        } else {
+            wanted
+        }
     }
 
     fn nothing(&mut self, cause: ForceOff) -> DVec3 {

@@ -72,6 +72,8 @@ pub struct SafetySettings {
     pub continuous_force: f64,
     /// Time constant of the average that is held against it [s].
     pub continuous_secs: f64,
+    /// Whether energy from nowhere is taken back, see `passivity.rs`.
+    pub take_back: bool,
 }
 
 impl Default for SafetySettings {
@@ -84,6 +86,7 @@ impl Default for SafetySettings {
             continuous_force: f64::INFINITY,
             // far below the thermal time constants of such motors, which are minutes
             continuous_secs: 5.0,
+            take_back: true,
         }
     }
 }
@@ -95,6 +98,7 @@ impl SafetySettings {
         start_below: f64::INFINITY,
         continuous_force: f64::INFINITY,
         continuous_secs: 5.0,
+        take_back: true,
     };
 }
 

@@ -190,6 +190,7 @@ const START: SafetySettings = SafetySettings {
     start_below: 0.2,
     continuous_force: f64::INFINITY,
     continuous_secs: 5.0,
+    take_back: true,
 };
 
 #[test]
