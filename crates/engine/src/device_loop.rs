@@ -124,31 +124,25 @@ impl DeviceLoop {
         if stale {
             return self.nothing(ForceOff::ServoLate);
         }
-        let max_force = command.max_force.min(self.limits.max_force);
         self.safety.set_limits(ForceLimits {
-            max_force,
+            max_force: command.max_force.min(self.limits.max_force),
             ..ForceLimits::default()
         });
-        let passive = self.passive_force(command, state, max_force);
+        let passive = self.passive_force(command, state);
         self.safety.limit(passive, self.dt)
     }
 
     /// The law's force where the device is now, without energy from nowhere.
-    fn passive_force(
-        &mut self,
-        command: &ForceCommand,
-        state: &DeviceState,
-        max_force: f64,
-    ) -> DVec3 {
+    fn passive_force(&mut self, command: &ForceCommand, state: &DeviceState) -> DVec3 {
         let moved = state.position - self.position;
         let law = &command.law;
         // friction against the mean velocity of the tick is the least it can have eaten
         let eaten = self.limits.damping * moved.length_squared() / self.dt;
-        let stored = law.energy_at(state.position, max_force) * self.safety.share();
+        let stored = law.energy_at(state.position, self.safety.largest()) * self.safety.share();
         self.passivity.observe(state.force, moved, eaten, stored);
         let wanted = law.force_at(state.position, state.velocity);
         if self.take_back {
-            self.passivity.control(wanted, moved)
+            self.passivity.control(wanted, moved, self.dt)
         } else {
             wanted
         }

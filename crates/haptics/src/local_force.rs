@@ -79,7 +79,7 @@ impl LocalForce {
             self.spring - self.normal * out
         };
         // one-sided, and nothing where something is not finite
-        if spring.dot(self.normal) > 0.0 {
+        if spring.dot(self.normal) > 0.0 && spring.is_finite() {
             spring
         } else {
             DVec3::ZERO

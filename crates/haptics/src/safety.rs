@@ -237,6 +237,21 @@ impl Safety {
         (begun / self.settings.ramp_secs).max(0.0).min(1.0)
     }
 
+    /// The largest force that is sent now [N].
+    #[must_use]
+    pub fn largest(&self) -> f64 {
+        let max_force = self.limits.max_force.max(0.0);
+        // a limit that is no number is 0
+        let continuous = self.settings.continuous_force.max(0.0);
+        let warm = WARM * continuous;
+        if self.average < warm || continuous >= max_force {
+            return max_force;
+        }
+        // from the largest force where the average begins to matter, to what can be held
+        let rest = ((continuous - self.average) / (continuous - warm)).max(0.0);
+        continuous + (max_force - continuous) * rest
+    }
+
     /// Whether the force sent last was cut toward what the device bears for long.
     #[must_use]
     pub fn eases(&self) -> bool {
@@ -301,22 +316,13 @@ impl Safety {
 
     /// Below what motors bear for a while; the more of it they have borne, the less is left.
     fn bearable(&mut self, wanted: DVec3) -> DVec3 {
-        self.eases = false;
-        // a limit that is no number is 0
-        let continuous = self.settings.continuous_force.max(0.0);
-        let warm = WARM * continuous;
-        if self.average < warm || continuous == f64::INFINITY {
-            return wanted;
-        }
-        // from the largest force where the average begins to matter, to what can be held
-        let rest = ((continuous - self.average) / (continuous - warm)).max(0.0);
-        let largest = self.limits.max_force.max(continuous);
-        let allowed = (continuous + (largest - continuous) * rest).max(0.0);
+        let allowed = self.largest();
         let length = wanted.length();
-        if length <= allowed {
+        // what is cut already is only rounded here
+        self.eases = allowed < self.limits.max_force && length > allowed;
+        if !self.eases {
             return wanted;
         }
-        self.eases = true;
         self.counters.eased += 1;
         wanted * (allowed / length)
     }
