@@ -51,15 +51,7 @@ impl Ball {
 
     /// These voxels of the occupancy may have changed. Work: a few ns per brick of the box.
     pub fn invalidate_box(&mut self, changed: &VoxelBox) {
-        if changed.is_empty() {
-            return;
-        }
-        let reach = self.shape.reach();
-        let cells = VoxelBox::new(
-            changed.min.saturating_sub(reach),
-            changed.max.saturating_add(reach),
-        );
-        self.cache.invalidate_box(&cells);
+        self.cache.invalidate_box(&self.shape.grown(changed));
     }
 
     /// The cells that are blocked in this occupancy, which must be the one that the ball

@@ -5,7 +5,9 @@
 
 use crate::ball::Ball;
 use crate::ball_nearest::nearest_solid;
-use glam::IVec3;
+use crate::ball_refine::refined;
+use crate::proxy::Proxy;
+use glam::{DVec3, IVec3};
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::occupancy::Occupancy;
 use palpate_volume::voxel_box::VoxelBox;
@@ -67,6 +69,17 @@ impl<O: Occupancy> ProbeSolid<O> {
         match &self.ball {
             None => self.inner.is_solid(cell).then_some(cell),
             Some(ball) => nearest_solid(&self.inner, ball.shape(), cell),
+        }
+    }
+
+    /// The centre of the ball where it really touches, grid: moved on from its free cell toward
+    /// the device, by less than two cells along each axis, overlapping no solid voxel by more
+    /// than 1e-9 mm. A point stays where it is, and so does a ball that reaches over more than
+    /// 8 voxels, of whose radius a cell is a small part.
+    pub fn refined(&self, proxy: &Proxy, device_in_grid: DVec3) -> DVec3 {
+        match &self.ball {
+            None => proxy.point(),
+            Some(ball) => refined(&self.inner, ball.shape(), proxy, device_in_grid),
         }
     }
 }

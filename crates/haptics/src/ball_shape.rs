@@ -11,6 +11,7 @@
 //! Source: Serra, "Image Analysis and Mathematical Morphology" (1982), ch. II.
 
 use glam::{DVec3, IVec3};
+use palpate_volume::voxel_box::VoxelBox;
 
 /// Farthest that a shape reaches along each axis [voxels].
 pub const MAX_REACH: i32 = 16;
@@ -149,6 +150,17 @@ impl BallShape {
     /// Farthest offset along each axis [voxels].
     pub fn reach(&self) -> IVec3 {
         self.reach
+    }
+
+    /// All cells that voxels of this box can block.
+    pub fn grown(&self, voxels: &VoxelBox) -> VoxelBox {
+        if voxels.is_empty() {
+            return VoxelBox::EMPTY;
+        }
+        VoxelBox::new(
+            voxels.min.saturating_sub(self.reach),
+            voxels.max.saturating_add(self.reach),
+        )
     }
 
     /// Whether a voxel blocks the cell that is this far from it.

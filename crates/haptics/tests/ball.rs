@@ -2,19 +2,24 @@
 
 mod support;
 
+use std::cell::Cell;
+
 use glam::{DVec3, IVec3, UVec3};
 use palpate_haptics::admission::{Admission, admit};
 use palpate_haptics::ball::{Ball, BallError, BallShape, MAX_REACH};
+use palpate_haptics::ball_limits::{ball_limits, most_bricks};
 use palpate_haptics::ball_probe::ProbeSolid;
 use palpate_haptics::contact::{Contact, ContactModel};
 use palpate_haptics::exact::Exact;
 use palpate_haptics::placement::nearest_free;
 use palpate_haptics::proxy::Proxy;
 use palpate_haptics::scene::TouchScene;
+use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::grid::Grid;
 use palpate_volume::occupancy::Occupancy;
 use palpate_volume::segment::Segment;
 use palpate_volume::voxel_box::VoxelBox;
+use proptest::prelude::*;
 use support::{Body, Random, SPACINGS, grid, noise};
 
 /// Radii in smallest spacings: touching the next voxels or just not, round ones, large ones.
@@ -380,5 +385,167 @@ fn a_channel_lets_through_the_balls_that_cells_have_room_for() {
             advance(&probe, &grid, DVec3::new(middle, middle, 10.0), &mut proxy);
         }
         assert_eq!(proxy.point().z < 15.0, passes, "{radius} {width}");
+    }
+}
+
+/// Counts the bricks that are read.
+struct Counted<'a, O> {
+    inner: &'a O,
+    blocks: Cell<u32>,
+}
+
+impl<O: Occupancy> Occupancy for Counted<'_, O> {
+    fn is_solid(&self, voxel: IVec3) -> bool {
+        self.inner.is_solid(voxel)
+    }
+    fn block(&self, min: IVec3) -> BitBrick {
+        self.blocks.set(self.blocks.get() + 1);
+        self.inner.block(min)
+    }
+}
+
+/// The wildest moves, with nothing kept from tick to tick.
+#[test]
+fn a_tick_fills_no_more_bricks_than_stated() {
+    for (radius, bricks_read) in [(1.0_f64, 27), (5.0, 27), (12.0, 125)] {
+        let grid = grid(UVec3::splat(160), DVec3::ONE);
+        let body = noise(160, 0.002 / radius.powi(3), 7);
+        let limits = ball_limits(hard(radius, DVec3::ONE).shape());
+        let mut random = Random::new(5);
+        let mut most = 0;
+        let mut proxy = Proxy::at(DVec3::splat(-30.0)).expect("finite");
+        for _ in 0..300 {
+            let device = random.point(-30.0, 190.0);
+            let counted = Counted {
+                inner: &body,
+                blocks: Cell::new(0),
+            };
+            let probe = ProbeSolid::new(&counted, Some(hard(radius, DVec3::ONE)));
+            let scene = TouchScene::of_world(&probe, &grid);
+            let contact = Exact { limits }.advance(&scene, device, &mut proxy);
+            assert!(!contact.violation);
+            most = most.max(counted.blocks.get() / bricks_read);
+        }
+        assert!(most <= most_bricks(&limits), "{most}");
+        assert!(most >= 20, "the moves were tame: {most}");
+    }
+}
+
+/// Guarantee 1 for the refined centre, which also comes nearer to the device, or stays.
+#[test]
+fn a_refined_ball_overlaps_nothing_and_is_no_farther_from_the_device() {
+    const SIZE: u32 = 40;
+    let [mut moved, mut touching] = [0, 0];
+    for (spacing, radius) in [(0, 0.7), (0, 1.2), (0, 2.0), (0, 5.3), (1, 1.0), (1, 3.3)] {
+        let spacing = SPACINGS[spacing];
+        let radius_mm = radius * spacing.min_element();
+        let grid = grid(UVec3::splat(SIZE), spacing);
+        let reach = hard(radius, spacing).shape().reach().max_element() + 3;
+        for seed in 0..6 {
+            let body = noise(SIZE, 2.0 / (2.0 * radius + 1.0).powi(3), seed);
+            let probe = ProbeSolid::new(body, Some(hard(radius, spacing)));
+            let mut random = Random::new(seed);
+            let mut device = DVec3::splat(20.0);
+            let mut proxy = nearest_free(&probe, &grid, device, 20).expect("free");
+            for _ in 0..1000 {
+                device += random.direction() * random.between(0.0, 2.0);
+                device = device.clamp(DVec3::splat(-4.0), DVec3::splat(44.0));
+                advance(&probe, &grid, device, &mut proxy);
+                let centre = probe.refined(&proxy, device);
+                let distance = distance_to_solid(probe.inner(), spacing, centre, reach);
+                // what is stated, and the rounding of lengths of some 10 mm
+                assert!(distance >= radius_mm - 1.001e-9, "{distance} {radius_mm}");
+                let [hard, refined] =
+                    [proxy.point(), centre].map(|from| ((from - device) * spacing).length());
+                assert!(refined <= hard + 1e-9);
+                assert!((centre - proxy.point()).abs().max_element() <= 2.0);
+                assert_eq!(probe.refined(&proxy, device), centre);
+                moved += u32::from(refined < hard - 1e-3);
+                touching += u32::from(distance < radius_mm + 1e-6);
+            }
+        }
+    }
+    assert!(moved > 5000 && touching > 5000, "{moved} {touching}");
+}
+
+#[test]
+fn a_refined_ball_lies_on_a_floor_in_a_corner_and_on_an_edge_exactly() {
+    let solid_below =
+        |axes: usize| Body(move |v: IVec3| v.to_array()[..axes].iter().any(|&c| c < 20));
+    for spacing in SPACINGS {
+        let grid = grid(UVec3::splat(64), spacing);
+        for radius in [0.7, 1.2, 2.0, 4.4] {
+            let radius_mm = radius * spacing.min_element();
+            // one, two and three walls: the ball touches each of them
+            for walls in 1..=3 {
+                let probe = ProbeSolid::new(solid_below(walls), Some(hard(radius, spacing)));
+                let mut proxy = Proxy::at(DVec3::splat(31.3)).expect("finite");
+                let device = DVec3::splat(19.1);
+                advance(&probe, &grid, device, &mut proxy);
+                let centre = probe.refined(&proxy, device);
+                for axis in 0..3 {
+                    let expected = if axis < walls {
+                        20.0 + radius_mm / spacing[axis]
+                    } else {
+                        19.1
+                    };
+                    // each move keeps to its tolerance of 1e-9 mm
+                    let off = (centre[axis] - expected) * spacing[axis];
+                    assert!(off.abs() < 1e-8, "{radius} {walls} {centre}");
+                }
+            }
+        }
+    }
+
+    // over a slot three voxels wide it hangs between the two edges
+    let slot = Body(|v: IVec3| v.z < 20 && !(20..23).contains(&v.x));
+    let grid = grid(UVec3::splat(64), DVec3::ONE);
+    let probe = ProbeSolid::new(slot, Some(hard(2.5, DVec3::ONE)));
+    let mut proxy = Proxy::at(DVec3::new(21.1, 7.5, 30.0)).expect("finite");
+    let device = DVec3::new(21.5, 7.5, 15.0);
+    advance(&probe, &grid, device, &mut proxy);
+    let centre = probe.refined(&proxy, device);
+    assert!(
+        (centre - DVec3::new(21.5, 7.5, 22.0)).length() < 1e-7,
+        "{centre}"
+    );
+}
+
+/// A ball a little smaller than a channel has no free cell there; refined it dips in.
+#[test]
+fn a_ball_that_just_fits_dips_into_a_channel_by_less_than_two_cells() {
+    let grid = grid(UVec3::splat(64), DVec3::ONE);
+    let block = Body(|v: IVec3| v.z < 20 && (v.truncate() - 31).abs().max_element() > 1);
+    let probe = ProbeSolid::new(block, Some(hard(1.2, DVec3::ONE)));
+    let mut proxy = Proxy::at(DVec3::new(31.5, 31.5, 30.0)).expect("finite");
+    let device = DVec3::new(31.6, 31.4, 5.0);
+    advance(&probe, &grid, device, &mut proxy);
+    assert_eq!(proxy.voxel(), IVec3::new(31, 31, 21));
+    let centre = probe.refined(&proxy, device);
+    assert!(centre.z < 20.001 && centre.z > 19.0, "{centre}");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(300))]
+
+    /// The definition for any spacing, radius and scatter of voxels, on both sides of 0.
+    #[test]
+    fn a_cell_is_blocked_by_the_voxels_nearer_than_the_radius(
+        spacing in prop::array::uniform3(0.3..3.0_f64),
+        share in 0.0..=1.0_f64,
+        voxels in prop::collection::vec(prop::array::uniform3(-12..12_i32), 1..6),
+        cells in prop::collection::vec(prop::array::uniform3(-30..30_i32), 40),
+    ) {
+        let spacing = DVec3::from_array(spacing);
+        let radius = share * BallShape::largest_radius(spacing);
+        let ball = Ball::new(BallShape::new(radius, spacing).expect("within the window"));
+        let voxels: Vec<IVec3> = voxels.into_iter().map(IVec3::from_array).collect();
+        let body = Body(|voxel| voxels.contains(&voxel));
+        for cell in cells.into_iter().map(IVec3::from_array) {
+            let blocked = voxels.iter().any(|&voxel| {
+                voxel == cell || between_boxes(voxel - cell, spacing) < radius - 1e-9
+            });
+            prop_assert_eq!(ball.dilate(&body).is_solid(cell), blocked);
+        }
     }
 }
