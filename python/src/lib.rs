@@ -6,6 +6,7 @@
 
 mod arrays;
 mod bench;
+mod bench_quality;
 mod errors;
 mod frame;
 mod phantom;
@@ -23,6 +24,8 @@ mod _core {
 
     #[pymodule_export]
     use super::bench::bench_touch;
+    #[pymodule_export]
+    use super::bench_quality::{bench_touch_quality, touch_quality_cases};
     #[pymodule_export]
     use super::phantom::make_phantom;
     #[pymodule_export]

@@ -8,9 +8,10 @@ use palpate_haptics::scene::TouchScene;
 use palpate_haptics::thesis_improved::ThesisImproved;
 use palpate_haptics::thesis_original::ThesisOriginal;
 use palpate_volume::occupancy::Occupancy;
+use serde::{Deserialize, Serialize};
 
 /// A contact model by name.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Model {
     /// The one that touch uses.
     #[default]
