@@ -10,6 +10,7 @@ mod bench_quality;
 mod errors;
 mod frame;
 mod phantom;
+mod recording;
 mod segment;
 mod session;
 mod settings;
@@ -28,6 +29,8 @@ mod _core {
     use super::bench_quality::{bench_touch_quality, touch_quality_cases};
     #[pymodule_export]
     use super::phantom::make_phantom;
+    #[pymodule_export]
+    use super::recording::{build, replay_recording};
     #[pymodule_export]
     use super::segment::PySegment;
     #[pymodule_export]

@@ -36,6 +36,7 @@ pub mod settings;
 pub mod shared;
 pub mod simulation;
 pub mod tape;
+pub mod tape_columns;
 pub mod touch;
 pub mod touch_occupancy;
 pub mod touch_sender;

@@ -1,7 +1,7 @@
 //! The contact models by the names that users know.
 
 use glam::DVec3;
-use palpate_haptics::contact::{Contact, ContactModel};
+use palpate_haptics::contact::{Contact, ContactModel, ForceInput};
 use palpate_haptics::exact::Exact;
 use palpate_haptics::proxy::Proxy;
 use palpate_haptics::scene::TouchScene;
@@ -62,6 +62,14 @@ impl ContactModel for Model {
             Self::Exact => Exact::default().visit_bound(),
             Self::ThesisOriginal => ThesisOriginal::default().visit_bound(),
             Self::ThesisImproved => ThesisImproved::default().visit_bound(),
+        }
+    }
+
+    fn own_force(&self, input: &ForceInput<'_>) -> Option<DVec3> {
+        match self {
+            Self::Exact => Exact::default().own_force(input),
+            Self::ThesisOriginal => ThesisOriginal::default().own_force(input),
+            Self::ThesisImproved => ThesisImproved::default().own_force(input),
         }
     }
 }

@@ -68,6 +68,38 @@ impl Recording {
         self.tick.is_empty()
     }
 
+    /// Whether all columns are of the same length.
+    #[must_use]
+    pub fn is_whole(&self) -> bool {
+        let vectors = [
+            &self.device,
+            &self.hand,
+            &self.proxy,
+            &self.force,
+            &self.sent_force,
+            &self.position_in_device,
+            &self.velocity_in_device,
+            &self.hand_target,
+        ];
+        let others = [
+            self.time.len(),
+            self.contact.len(),
+            self.touched.len(),
+            self.command.len(),
+            self.reading.len(),
+            self.read_at.len(),
+            self.orientation.len(),
+            self.buttons.len(),
+            self.hand_number.len(),
+            self.has_room.len(),
+        ];
+        vectors
+            .map(Vec::len)
+            .into_iter()
+            .chain(others)
+            .all(|length| length == self.len())
+    }
+
     /// From the first tick to the last [s].
     #[must_use]
     pub fn seconds(&self) -> f64 {

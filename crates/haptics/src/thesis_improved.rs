@@ -55,6 +55,10 @@ impl ContactModel for ThesisImproved {
     fn visit_bound(&self) -> u32 {
         self.limits.visit_bound()
     }
+
+    fn own_force(&self, input: &ForceInput<'_>) -> Option<DVec3> {
+        Some(force_improved(input))
+    }
 }
 
 impl ThesisImproved {
@@ -93,14 +97,6 @@ impl ThesisImproved {
             }
         }
         path.finish(proxy)
-    }
-
-    fn visit_bound(&self) -> u32 {
-        self.limits.visit_bound()
-    }
-
-    fn own_force(&self, input: &ForceInput<'_>) -> Option<DVec3> {
-        Some(force_improved(input))
     }
 }
 

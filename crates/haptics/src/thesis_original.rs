@@ -55,6 +55,10 @@ impl ContactModel for ThesisOriginal {
     fn visit_bound(&self) -> u32 {
         self.limits.visit_bound()
     }
+
+    fn own_force(&self, input: &ForceInput<'_>) -> Option<DVec3> {
+        Some(force_original(input))
+    }
 }
 
 impl ThesisOriginal {
@@ -94,14 +98,6 @@ impl ThesisOriginal {
             }
         }
         path.finish(proxy)
-    }
-
-    fn visit_bound(&self) -> u32 {
-        self.limits.visit_bound()
-    }
-
-    fn own_force(&self, input: &ForceInput<'_>) -> Option<DVec3> {
-        Some(force_original(input))
     }
 }
 
