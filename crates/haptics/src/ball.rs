@@ -44,6 +44,18 @@ impl Ball {
         &self.shape
     }
 
+    /// Gives it another shape and forgets all cells; nothing is allocated.
+    pub fn set_shape(&mut self, shape: BallShape) {
+        self.shape = shape;
+        self.invalidate();
+    }
+
+    /// Whether it blocks just the solid voxels themselves.
+    #[inline]
+    pub fn is_point(&self) -> bool {
+        self.shape.reach() == IVec3::ZERO
+    }
+
     /// The occupancy is another one now.
     pub fn invalidate(&mut self) {
         self.cache.invalidate();

@@ -242,17 +242,16 @@ fn a_free_cell_is_blocked_by_nothing() {
 #[test]
 fn what_is_kept_never_changes_an_answer() {
     for spacing in SPACINGS {
-        let grid = grid(UVec3::splat(96), spacing);
-        let body = || noise(96, 0.002, 7);
-        let mut warm = ProbeSolid::new(body(), Some(hard(2.0, spacing)));
+        let grid = grid(UVec3::splat(80), spacing);
+        let mut warm = ProbeSolid::new(noise(80, 0.002, 7), Some(hard(2.0, spacing)));
         let mut random = Random::new(11);
-        let mut device = DVec3::splat(48.0);
+        let mut device = DVec3::splat(40.0);
         let start = nearest_free(&warm, &grid, device, 12).expect("free");
         let [mut warm_proxy, mut cold_proxy] = [start; 2];
         for update in 0..20_000 {
             let length = 50.0 * random.between(0.0, 1.0).powi(4);
             device += random.direction() * length;
-            device = device.clamp(DVec3::splat(-8.0), DVec3::splat(104.0));
+            device = device.clamp(DVec3::splat(-8.0), DVec3::splat(88.0));
             let cold = ProbeSolid::new(warm.inner(), Some(hard(2.0, spacing)));
             let answers = [
                 advance(&warm, &grid, device, &mut warm_proxy),
@@ -260,7 +259,7 @@ fn what_is_kept_never_changes_an_answer() {
             ];
             assert_eq!(answers[0], answers[1]);
             assert_eq!(warm_proxy, cold_proxy);
-            if update % 50 == 0 {
+            if update % 100 == 0 {
                 warm = edited(warm, spacing, warm_proxy, &mut random);
             }
         }
@@ -316,36 +315,68 @@ fn an_edit_is_felt_at_the_next_update() {
 
     // it is filled again: the ball is in the way, and is pushed no further than 7 voxels
     let filled = floor(false);
-    let new_ball = hard(2.0, spacing);
-    let admission = admit(&probe, &new_ball.dilate(&filled), &grid, &mut proxy);
-    assert_eq!(admission, Admission::Held);
+    let mut spare = hard(0.0, spacing);
+    let new = probe.among(&filled, &mut spare);
+    assert_eq!(admit(&probe, &new, &grid, &mut proxy), Admission::Held);
 
     // out of the hole it is in nobody's way
     advance(&probe, &grid, device.with_z(31.0), &mut proxy);
-    let admission = admit(&probe, &new_ball.dilate(&filled), &grid, &mut proxy);
+    let new = probe.among(&filled, &mut spare);
     let voxel = IVec3::new(32, 32, 32);
+    let admission = admit(&probe, &new, &grid, &mut proxy);
     assert_eq!(admission, Admission::Pushed { voxel });
     probe.change(&changed, |voxels| *voxels = filled);
     advance(&probe, &grid, device, &mut proxy);
     assert_eq!(proxy.voxel().z, 32);
 }
 
+/// From a point on a floor up to the largest radius, and below a ceiling as far as it goes.
 #[test]
-fn a_radius_is_raised_only_as_far_as_there_is_room() {
-    let grid = grid(UVec3::splat(64), DVec3::ONE);
-    // a floor, then a gap between two plates
-    let floor = Body(|v: IVec3| v.z < 20);
-    let gap = Body(|v: IVec3| v.z < 20 || v.z >= 31);
-    let mut proxy = Proxy::at(DVec3::splat(20.5)).expect("finite");
-    let voxel = IVec3::new(20, 20, 25);
-    let balls = [2.0, 5.0, 6.0].map(|radius| hard(radius, DVec3::ONE));
-    let [small, fitting, large] = &balls;
-    let raised = admit(&floor, &fitting.dilate(&floor), &grid, &mut proxy);
-    assert_eq!(raised, Admission::Pushed { voxel });
+fn a_radius_is_raised_step_by_step_as_far_as_there_is_room() {
+    for spacing in SPACINGS {
+        for ceiling in [1000, 31] {
+            let grid = grid(UVec3::splat(64), spacing);
+            let body = Body(move |v: IVec3| v.z < 20 || v.z >= ceiling);
+            let mut probe = ProbeSolid::new(body, Some(hard(0.0, spacing)));
+            let mut spare = hard(0.0, spacing);
+            let mut proxy = Proxy::at(DVec3::splat(20.5)).expect("finite");
+            let target = BallShape::largest_radius(spacing);
+            let mut shape = *probe.ball().expect("a ball").shape();
+            let mut steps = 0;
+            let admission = loop {
+                let next = shape.toward(target).expect("within the window");
+                let admission = probe.admit_shape(next, &mut spare, &grid, &mut proxy);
+                assert!(!probe.is_solid(proxy.voxel()));
+                steps += 1;
+                if admission == Admission::Held || steps == MAX_REACH {
+                    break admission;
+                }
+                shape = *probe.ball().expect("a ball").shape();
+                assert_eq!(shape.radius_mm(), next.radius_mm());
+            };
+            // eleven voxels between floor and ceiling: one cell, and the reach on either side
+            let room = if ceiling == 31 { 5.0 * spacing.z } else { 1e9 };
+            let missing = room.min(target) - shape.radius_mm();
+            // rounding of a sum of 16 lengths
+            assert!((-1e-9..=spacing.min_element()).contains(&missing));
+            assert_eq!(admission == Admission::Held, room < target);
+            // smaller is always admitted, at once
+            let point = shape.toward(0.0).expect("a radius");
+            let admission = probe.admit_shape(point, &mut spare, &grid, &mut proxy);
+            assert_eq!((admission, point.radius_mm()), (Admission::Free, 0.0));
+        }
+    }
+}
 
-    let [small, large] = [small, large].map(|ball| Ball::new(*ball.shape()));
-    let raised = admit(&small.dilate(&gap), &large.dilate(&gap), &grid, &mut proxy);
-    assert_eq!((raised, proxy.voxel()), (Admission::Held, voxel));
+#[test]
+fn without_a_ball_a_probe_stays_a_point() {
+    let grid = grid(UVec3::splat(64), DVec3::ONE);
+    let mut probe = ProbeSolid::new(Body(|v: IVec3| v.z < 20), None);
+    let mut proxy = Proxy::at(DVec3::splat(30.0)).expect("finite");
+    let mut spare = hard(0.0, DVec3::ONE);
+    let shape = BallShape::new(2.0, DVec3::ONE).expect("within the window");
+    let admission = probe.admit_shape(shape, &mut spare, &grid, &mut proxy);
+    assert_eq!(admission, Admission::Held);
 }
 
 #[test]
