@@ -341,19 +341,15 @@ fn a_radius_is_raised_step_by_step_as_far_as_there_is_room() {
             let mut spare = hard(0.0, spacing);
             let mut proxy = Proxy::at(DVec3::splat(20.5)).expect("finite");
             let target = BallShape::largest_radius(spacing);
-            let mut shape = *probe.ball().expect("a ball").shape();
-            let mut steps = 0;
-            let admission = loop {
-                let next = shape.toward(target).expect("within the window");
-                let admission = probe.admit_shape(next, &mut spare, &grid, &mut proxy);
+            let shape = |probe: &ProbeSolid<_>| *probe.ball().expect("a ball").shape();
+            let mut admission = Admission::Free;
+            for _ in 0..MAX_REACH {
+                let next = shape(&probe).toward(target).expect("within the window");
+                admission = probe.admit_shape(next, &mut spare, &grid, &mut proxy);
                 assert!(!probe.is_solid(proxy.voxel()));
-                steps += 1;
-                if admission == Admission::Held || steps == MAX_REACH {
-                    break admission;
-                }
-                shape = *probe.ball().expect("a ball").shape();
-                assert_eq!(shape.radius_mm(), next.radius_mm());
-            };
+                assert_eq!(admission == Admission::Held, shape(&probe) != next);
+            }
+            let shape = shape(&probe);
             // eleven voxels between floor and ceiling: one cell, and the reach on either side
             let room = if ceiling == 31 { 5.0 * spacing.z } else { 1e9 };
             let missing = room.min(target) - shape.radius_mm();
