@@ -27,6 +27,7 @@ use palpate_volume::voxel_box::VoxelBox;
 #[derive(Debug)]
 pub struct Ball {
     shape: BallShape,
+    is_point: bool,
     cache: BallCache,
 }
 
@@ -35,6 +36,7 @@ impl Ball {
     pub fn new(shape: BallShape) -> Self {
         Self {
             shape,
+            is_point: shape.reach() == IVec3::ZERO,
             cache: BallCache::new(),
         }
     }
@@ -47,13 +49,14 @@ impl Ball {
     /// Gives it another shape and forgets all cells; nothing is allocated.
     pub fn set_shape(&mut self, shape: BallShape) {
         self.shape = shape;
+        self.is_point = shape.reach() == IVec3::ZERO;
         self.invalidate();
     }
 
     /// Whether it blocks just the solid voxels themselves.
     #[inline]
     pub fn is_point(&self) -> bool {
-        self.shape.reach() == IVec3::ZERO
+        self.is_point
     }
 
     /// The occupancy is another one now.
