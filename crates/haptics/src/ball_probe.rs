@@ -6,8 +6,6 @@
 
 use crate::admission::{Admission, admit};
 use crate::ball::{Ball, BallShape, Dilated};
-use crate::ball_nearest::nearest_solid;
-use crate::ball_refine::refined;
 use crate::proxy::Proxy;
 use glam::{DVec3, IVec3};
 use palpate_volume::bit_brick::BitBrick;
@@ -144,18 +142,16 @@ impl<O: Occupancy> ProbeSolid<O> {
     pub fn solid_near(&self, cell: IVec3) -> Option<IVec3> {
         match self.large_ball() {
             None => self.inner.is_solid(cell).then_some(cell),
-            Some(ball) => nearest_solid(&self.inner, ball.shape(), cell),
+            Some(ball) => ball.solid_near(&self.inner, cell),
         }
     }
 
-    /// The centre of the ball where it really touches, grid: moved on from its free cell toward
-    /// the device, by less than two cells along each axis, overlapping no solid voxel by more
-    /// than 1e-9 mm. A point stays where it is, and so does a ball that reaches over more than
-    /// 8 voxels, of whose radius a cell is a small part.
+    /// The centre of the ball where it really touches, grid: see [`Ball::refined`]. A point
+    /// stays where it is.
     pub fn refined(&self, proxy: &Proxy, device_in_grid: DVec3) -> DVec3 {
         match self.large_ball() {
             None => proxy.point(),
-            Some(ball) => refined(&self.inner, ball.shape(), proxy, device_in_grid),
+            Some(ball) => ball.refined(&self.inner, proxy, device_in_grid),
         }
     }
 }

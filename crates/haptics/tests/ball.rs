@@ -5,30 +5,23 @@ mod support;
 use std::cell::Cell;
 
 use glam::{DVec3, IVec3, UVec3};
-use palpate_haptics::admission::{Admission, admit};
 use palpate_haptics::ball::{Ball, BallError, BallShape, MAX_REACH};
 use palpate_haptics::ball_limits::{ball_limits, most_bricks};
 use palpate_haptics::ball_probe::ProbeSolid;
-use palpate_haptics::contact::{Contact, ContactModel};
+use palpate_haptics::contact::ContactModel;
 use palpate_haptics::exact::Exact;
 use palpate_haptics::placement::nearest_free;
 use palpate_haptics::proxy::Proxy;
 use palpate_haptics::scene::TouchScene;
 use palpate_volume::bit_brick::BitBrick;
-use palpate_volume::grid::Grid;
 use palpate_volume::occupancy::Occupancy;
 use palpate_volume::segment::Segment;
 use palpate_volume::voxel_box::VoxelBox;
 use proptest::prelude::*;
-use support::{Body, Random, SPACINGS, grid, noise};
+use support::{Body, Random, SPACINGS, advance, distance_to_solid, grid, hard, noise};
 
 /// Radii in smallest spacings: touching the next voxels or just not, round ones, large ones.
 const RADII: [f64; 9] = [0.0, 0.4, 1.0, 1.2, 2.0, 3.3, 5.0, 8.7, 16.0];
-
-fn hard(radius: f64, spacing: DVec3) -> Ball {
-    let shape = BallShape::new(radius * spacing.min_element(), spacing);
-    Ball::new(shape.expect("within the window"))
-}
 
 /// Distance between two voxels [mm], by their nearest points.
 fn between_boxes(offset: IVec3, spacing: DVec3) -> f64 {
@@ -156,27 +149,6 @@ fn a_ball_that_cannot_be_is_refused_with_what_is_allowed() {
     }
 }
 
-/// Distance [mm] from a point of the grid to the nearest solid voxel within `reach`.
-fn distance_to_solid(inner: &impl Occupancy, spacing: DVec3, point: DVec3, reach: i32) -> f64 {
-    let around = VoxelBox::of_voxel(point.floor().as_ivec3()).dilate(reach);
-    around
-        .voxels()
-        .filter(|&voxel| inner.is_solid(voxel))
-        .map(|voxel| {
-            let low = voxel.as_dvec3();
-            let outside = (low - point).max(point - (low + 1.0)).max(DVec3::ZERO);
-            (outside * spacing).length()
-        })
-        .fold(f64::INFINITY, f64::min)
-}
-
-fn advance(occupancy: &impl Occupancy, grid: &Grid, device: DVec3, proxy: &mut Proxy) -> Contact {
-    let scene = TouchScene::of_world(occupancy, grid);
-    let contact = Exact::default().advance(&scene, device, proxy);
-    assert!(!contact.violation && !occupancy.is_solid(proxy.voxel()));
-    contact
-}
-
 /// Guarantee 1, by the distance to every voxel around: 10⁵ moves of up to 50 voxels.
 #[test]
 fn the_ball_never_overlaps_a_solid_voxel_however_it_moves() {
@@ -292,90 +264,6 @@ fn edited(
 }
 
 #[test]
-fn an_edit_is_felt_at_the_next_update() {
-    let spacing = DVec3::ONE;
-    let grid = grid(UVec3::splat(64), spacing);
-    let floor = |hole: bool| {
-        Segment::from_fn(UVec3::splat(64), move |v| {
-            let in_hole = (v - 32).truncate().abs().max_element() <= 5;
-            v.z < 30 && !(hole && in_hole && v.z >= 20)
-        })
-    };
-    let changed = VoxelBox::new(IVec3::new(27, 27, 20), IVec3::new(38, 38, 30));
-    let mut probe = ProbeSolid::new(floor(false), Some(hard(2.0, spacing)));
-    let mut proxy = Proxy::at(DVec3::new(32.5, 32.5, 40.0)).expect("finite");
-    let device = DVec3::new(32.5, 32.5, 21.0);
-    assert!(advance(&probe, &grid, device, &mut proxy).touching);
-    assert_eq!(proxy.voxel().z, 32);
-
-    // the hole is cleared: at once the ball falls to its floor
-    probe.change(&changed, |voxels| *voxels = floor(true));
-    advance(&probe, &grid, device, &mut proxy);
-    assert_eq!(proxy.voxel().z, 22);
-
-    // it is filled again: the ball is in the way, and is pushed no further than 7 voxels
-    let filled = floor(false);
-    let mut spare = hard(0.0, spacing);
-    let new = probe.among(&filled, &mut spare);
-    assert_eq!(admit(&probe, &new, &grid, &mut proxy), Admission::Held);
-
-    // out of the hole it is in nobody's way
-    advance(&probe, &grid, device.with_z(31.0), &mut proxy);
-    let new = probe.among(&filled, &mut spare);
-    let voxel = IVec3::new(32, 32, 32);
-    let admission = admit(&probe, &new, &grid, &mut proxy);
-    assert_eq!(admission, Admission::Pushed { voxel });
-    probe.change(&changed, |voxels| *voxels = filled);
-    advance(&probe, &grid, device, &mut proxy);
-    assert_eq!(proxy.voxel().z, 32);
-}
-
-/// From a point on a floor up to the largest radius, and below a ceiling as far as it goes.
-#[test]
-fn a_radius_is_raised_step_by_step_as_far_as_there_is_room() {
-    for spacing in SPACINGS {
-        for ceiling in [1000, 31] {
-            let grid = grid(UVec3::splat(64), spacing);
-            let body = Body(move |v: IVec3| v.z < 20 || v.z >= ceiling);
-            let mut probe = ProbeSolid::new(body, Some(hard(0.0, spacing)));
-            let mut spare = hard(0.0, spacing);
-            let mut proxy = Proxy::at(DVec3::splat(20.5)).expect("finite");
-            let target = BallShape::largest_radius(spacing);
-            let shape = |probe: &ProbeSolid<_>| *probe.ball().expect("a ball").shape();
-            let mut admission = Admission::Free;
-            for _ in 0..MAX_REACH {
-                let next = shape(&probe).toward(target).expect("within the window");
-                admission = probe.admit_shape(next, &mut spare, &grid, &mut proxy);
-                assert!(!probe.is_solid(proxy.voxel()));
-                assert_eq!(admission == Admission::Held, shape(&probe) != next);
-            }
-            let shape = shape(&probe);
-            // eleven voxels between floor and ceiling: one cell, and the reach on either side
-            let room = if ceiling == 31 { 5.0 * spacing.z } else { 1e9 };
-            let missing = room.min(target) - shape.radius_mm();
-            // rounding of a sum of 16 lengths
-            assert!((-1e-9..=spacing.min_element()).contains(&missing));
-            assert_eq!(admission == Admission::Held, room < target);
-            // smaller is always admitted, at once
-            let point = shape.toward(0.0).expect("a radius");
-            let admission = probe.admit_shape(point, &mut spare, &grid, &mut proxy);
-            assert_eq!((admission, point.radius_mm()), (Admission::Free, 0.0));
-        }
-    }
-}
-
-#[test]
-fn without_a_ball_a_probe_stays_a_point() {
-    let grid = grid(UVec3::splat(64), DVec3::ONE);
-    let mut probe = ProbeSolid::new(Body(|v: IVec3| v.z < 20), None);
-    let mut proxy = Proxy::at(DVec3::splat(30.0)).expect("finite");
-    let mut spare = hard(0.0, DVec3::ONE);
-    let shape = BallShape::new(2.0, DVec3::ONE).expect("within the window");
-    let admission = probe.admit_shape(shape, &mut spare, &grid, &mut proxy);
-    assert_eq!(admission, Admission::Held);
-}
-
-#[test]
 fn at_rest_the_ball_stays_to_the_bit() {
     let mut random = Random::new(31);
     for spacing in SPACINGS {
@@ -456,100 +344,6 @@ fn a_tick_fills_no_more_bricks_than_stated() {
         assert!(most <= most_bricks(&limits), "{most}");
         assert!(most >= 20, "the moves were tame: {most}");
     }
-}
-
-/// Guarantee 1 for the refined centre, which also comes nearer to the device, or stays.
-#[test]
-fn a_refined_ball_overlaps_nothing_and_is_no_farther_from_the_device() {
-    const SIZE: u32 = 40;
-    let [mut moved, mut touching] = [0, 0];
-    for (spacing, radius) in [(0, 0.7), (0, 1.2), (0, 2.0), (0, 5.3), (1, 1.0), (1, 3.3)] {
-        let spacing = SPACINGS[spacing];
-        let radius_mm = radius * spacing.min_element();
-        let grid = grid(UVec3::splat(SIZE), spacing);
-        let reach = hard(radius, spacing).shape().reach().max_element() + 3;
-        for seed in 0..6 {
-            let body = noise(SIZE, 2.0 / (2.0 * radius + 1.0).powi(3), seed);
-            let probe = ProbeSolid::new(body, Some(hard(radius, spacing)));
-            let mut random = Random::new(seed);
-            let mut device = DVec3::splat(20.0);
-            let mut proxy = nearest_free(&probe, &grid, device, 20).expect("free");
-            for _ in 0..1000 {
-                device += random.direction() * random.between(0.0, 2.0);
-                device = device.clamp(DVec3::splat(-4.0), DVec3::splat(44.0));
-                advance(&probe, &grid, device, &mut proxy);
-                let centre = probe.refined(&proxy, device);
-                let distance = distance_to_solid(probe.inner(), spacing, centre, reach);
-                // what is stated, and the rounding of lengths of some 10 mm
-                assert!(distance >= radius_mm - 1.001e-9, "{distance} {radius_mm}");
-                let [hard, refined] =
-                    [proxy.point(), centre].map(|from| ((from - device) * spacing).length());
-                assert!(refined <= hard + 1e-9);
-                assert!((centre - proxy.point()).abs().max_element() <= 2.0);
-                assert_eq!(probe.refined(&proxy, device), centre);
-                moved += u32::from(refined < hard - 1e-3);
-                touching += u32::from(distance < radius_mm + 1e-6);
-            }
-        }
-    }
-    assert!(moved > 5000 && touching > 5000, "{moved} {touching}");
-}
-
-#[test]
-fn a_refined_ball_lies_on_a_floor_in_a_corner_and_on_an_edge_exactly() {
-    let solid_below =
-        |axes: usize| Body(move |v: IVec3| v.to_array()[..axes].iter().any(|&c| c < 20));
-    for spacing in SPACINGS {
-        let grid = grid(UVec3::splat(64), spacing);
-        for radius in [0.7, 1.2, 2.0, 4.4] {
-            let radius_mm = radius * spacing.min_element();
-            // one, two and three walls: the ball touches each of them
-            for walls in 1..=3 {
-                let probe = ProbeSolid::new(solid_below(walls), Some(hard(radius, spacing)));
-                let mut proxy = Proxy::at(DVec3::splat(31.3)).expect("finite");
-                let device = DVec3::splat(19.1);
-                advance(&probe, &grid, device, &mut proxy);
-                let centre = probe.refined(&proxy, device);
-                for axis in 0..3 {
-                    let expected = if axis < walls {
-                        20.0 + radius_mm / spacing[axis]
-                    } else {
-                        19.1
-                    };
-                    // each move keeps to its tolerance of 1e-9 mm
-                    let off = (centre[axis] - expected) * spacing[axis];
-                    assert!(off.abs() < 1e-8, "{radius} {walls} {centre}");
-                }
-            }
-        }
-    }
-
-    // over a slot three voxels wide it hangs between the two edges
-    let slot = Body(|v: IVec3| v.z < 20 && !(20..23).contains(&v.x));
-    let grid = grid(UVec3::splat(64), DVec3::ONE);
-    let probe = ProbeSolid::new(slot, Some(hard(2.5, DVec3::ONE)));
-    let mut proxy = Proxy::at(DVec3::new(21.1, 7.5, 30.0)).expect("finite");
-    let device = DVec3::new(21.5, 7.5, 15.0);
-    advance(&probe, &grid, device, &mut proxy);
-    let centre = probe.refined(&proxy, device);
-    assert!(
-        (centre - DVec3::new(21.5, 7.5, 22.0)).length() < 1e-7,
-        "{centre}"
-    );
-}
-
-/// A ball a little smaller than a channel has no free cell there; refined it dips in.
-#[test]
-fn a_ball_that_just_fits_dips_into_a_channel_by_less_than_two_cells() {
-    let grid = grid(UVec3::splat(64), DVec3::ONE);
-    let block = Body(|v: IVec3| v.z < 20 && (v.truncate() - 31).abs().max_element() > 1);
-    let probe = ProbeSolid::new(block, Some(hard(1.2, DVec3::ONE)));
-    let mut proxy = Proxy::at(DVec3::new(31.5, 31.5, 30.0)).expect("finite");
-    let device = DVec3::new(31.6, 31.4, 5.0);
-    advance(&probe, &grid, device, &mut proxy);
-    assert_eq!(proxy.voxel(), IVec3::new(31, 31, 21));
-    let centre = probe.refined(&proxy, device);
-    assert!(centre.z < 20.001 && centre.z > 19.0, "{centre}");
 }
 
 proptest! {
