@@ -25,6 +25,7 @@ use palpate_volume::grid::Grid;
 use palpate_volume::occupancy::Occupancy;
 use palpate_volume::phantom::phantom;
 use palpate_volume::segment::Segment;
+use palpate_volume::threshold::threshold;
 use palpate_volume::voxel_box::VoxelBox;
 
 /// Updates that are timed.
@@ -153,15 +154,9 @@ fn ball(grid: &Grid, radius: f64) -> Option<Ball> {
 
 fn phantom_bone() -> (Grid, Segment) {
     let phantom = phantom(UVec3::splat(256), 1).expect("a valid grid");
-    let number = phantom.names.iter().find(|(name, _)| name.contains("bone"));
-    let bone = number.expect("the phantom has bones").1;
-    let mask: Vec<u8> = phantom
-        .labels
-        .iter()
-        .map(|&l| u8::from(l == bone))
-        .collect();
-    let segment = Segment::from_mask(phantom.grid.dimensions(), &mask);
-    (phantom.grid, segment.expect("one byte per voxel"))
+    // what is above 300 HU is bone
+    let bone = threshold(&phantom.intensities, None, 300.0, 3000.0);
+    (phantom.grid, bone)
 }
 
 /// 113 slices of 256×256 values, two bytes each, the high one first.
