@@ -2,21 +2,12 @@
 
 from __future__ import annotations
 
-from importlib.metadata import PackageNotFoundError, version
-
 from palpate import protocol
+from palpate.package_version import package_version
 from palpate.session import Session
 from palpate.volume import Volume
 
-__all__ = ["hello_of", "package_version"]
-
-
-def package_version() -> str:
-    """Returns the version of the installed package."""
-    try:
-        return version("palpate")
-    except PackageNotFoundError:
-        return "unknown"
+__all__ = ["hello_of"]
 
 
 def hello_of(session: Session) -> protocol.Hello:
