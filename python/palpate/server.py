@@ -98,7 +98,8 @@ def make_app(
         return voxels_response(await run_in_threadpool(live.segments.labels), step=step)
 
     async def recording(_: Request) -> Response:
-        file = recorder.file
+        # a page asks as soon as the recording has ended, which is before its file is written
+        file = await run_in_threadpool(recorder.newest)
         if file is None:
             reason = "no recording was made yet; allowed: after one has ended"
             return PlainTextResponse(reason, status_code=404)
