@@ -10,6 +10,7 @@ __all__ = [
     "Segment",
     "Session",
     "Volume",
+    "bench_stress",
     "bench_touch",
     "bench_touch_quality",
     "build",
@@ -127,6 +128,10 @@ class Session:
 
     @property
     def device(self) -> str: ...
+    @property
+    def device_limits(self) -> tuple[float, float]:
+        """The largest stiffness [N/mm] and force [N] that the device bears."""
+
     @property
     def is_running(self) -> bool: ...
     def hand(self, x: float, y: float, z: float) -> None:
@@ -294,4 +299,22 @@ def bench_touch_quality(
 
     Raises:
         ValueError: The case or the way of touch does not exist.
+    """
+
+def bench_stress(
+    seed: int,
+    first: int,
+    count: int,
+    model: Literal["exact", "thesis-original", "thesis-improved"],
+    volume: Volume | None = None,
+    segment: Segment | None = None,
+) -> dict[str, Any]:
+    """Makes runs of random moves, each checked, on all cores; numbers give the same runs again.
+
+    Returns:
+        ``moves``, ``contacts`` (of these), ``edits``, and ``violation``: None, or ``run``,
+        ``move`` (moves before it), ``model``, ``guarantee`` (its number), ``what``, ``plan``.
+
+    Raises:
+        ValueError: There is no such model, or the numbers are too large.
     """

@@ -352,3 +352,53 @@ def bench_touch_quality(
     print_tables(rows)
     if json_file is not None:
         write_rows("touch-quality", rows, json_file)
+
+
+@bench.command("stress")
+def bench_stress(  # one per option of the command line
+    *,
+    moves: Annotated[int, typer.Option(help="Moves to make at least.")] = 1_000_000,
+    seed: Annotated[int, typer.Option(help="Another seed makes other moves.")] = 1,
+    replay: Annotated[
+        Path | None, typer.Option(help="Make only the run of this file again.")
+    ] = None,
+    data: Annotated[
+        Path | None, typer.Option(help="Scan with bone to touch; by default the phantom.")
+    ] = None,
+    json_file: Annotated[
+        Path | None, typer.Option("--json", help="Write the figures to this file.")
+    ] = None,
+    case: Annotated[
+        Path, typer.Option(help="Where a violation is written, to be replayed.")
+    ] = Path("stress-violation.json"),
+    model: Annotated[str, typer.Option(hidden=True)] = "exact",
+) -> int:
+    """Move at random and fast, and check every guarantee of touch at each move."""
+    from palpate.bench.report import print_rows, write_rows
+    from palpate.bench.stress import Plan, again, measure, rows_of, write_case
+    from palpate.io import read
+    from palpate.phantom_scan import phantom
+
+    plan = Plan(seed=seed, model=model, data=None if data is None else str(data))
+    if replay is not None:
+        plan = Plan.of_file(replay)
+    with quiet_libraries(), Display() as display:
+        display("loading the scan", None)
+        volume = phantom().volume if plan.data is None else read(Path(plan.data), progress=display)
+        bone = volume.offered_bone()
+        found = (
+            measure(bone, plan, moves=moves, progress=display)
+            if replay is None
+            else again(bone, plan)
+        )
+    rows = rows_of(found)
+    print_rows(f"stress among the bone of {volume.name}", rows)
+    if json_file is not None:
+        write_rows("stress", rows, json_file)
+    if found.violation is None:
+        return 0
+    typer.echo(found.told())
+    if replay is None:
+        write_case(found, case)
+        typer.echo(f"again: palpate bench stress --replay {case}")
+    return 1

@@ -13,6 +13,7 @@ __all__ = ["hello_of"]
 def hello_of(session: Session) -> protocol.Hello:
     """Returns the first message, without the segments, which change."""
     settings = protocol.Settings(**session.settings())
+    stiffness, force = session.device_limits
     return protocol.Hello(
         protocol=protocol.PROTOCOL_VERSION,
         version=package_version(),
@@ -21,6 +22,7 @@ def hello_of(session: Session) -> protocol.Hello:
         settings=settings,
         defaults=settings,
         device=session.device,
+        device_limits=protocol.DeviceLimits(stiffness=stiffness, force=force),
     )
 
 

@@ -107,6 +107,11 @@ class Session:
         """Whether it was neither stopped nor ended by itself."""
         return self._internal.is_running
 
+    @property
+    def device_limits(self) -> tuple[float, float]:
+        """The largest stiffness [N/mm] and force [N] that the device bears."""
+        return self._internal.device_limits
+
     # --- the hand -------------------------------------------------------------------------
 
     def hand(self, target: Point) -> None:

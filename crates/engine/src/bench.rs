@@ -6,6 +6,7 @@
 pub mod quality;
 mod random;
 mod rays;
+pub mod stress;
 mod stroke;
 mod timing;
 
