@@ -6,6 +6,7 @@
 
 mod arrays;
 mod bench;
+mod bench_passivity;
 mod bench_quality;
 mod errors;
 mod frame;
@@ -25,6 +26,8 @@ mod _core {
 
     #[pymodule_export]
     use super::bench::bench_touch;
+    #[pymodule_export]
+    use super::bench_passivity::{bench_passivity, passivity_devices};
     #[pymodule_export]
     use super::bench_quality::{bench_touch_quality, touch_quality_cases};
     #[pymodule_export]
