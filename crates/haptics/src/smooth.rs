@@ -7,7 +7,6 @@ pub mod field;
 mod window;
 
 use crate::proxy::Proxy;
-use blur::BlurField;
 use field::Field;
 use glam::DVec3;
 use palpate_volume::grid::Grid;
@@ -69,7 +68,7 @@ impl Smoother {
     /// The contact point for this tick.
     pub fn contact_point(
         &self,
-        field: &BlurField,
+        field: &impl Field,
         grid: &Grid,
         proxy: &Proxy,
         device_in_grid: DVec3,
@@ -112,7 +111,7 @@ impl Smoother {
 
     fn descend(
         &self,
-        field: &BlurField,
+        field: &impl Field,
         spacing: DVec3,
         hard: DVec3,
         device: DVec3,

@@ -86,16 +86,6 @@ impl BlurField {
             self.nodes = nodes(&counts, shape.volume());
         }
     }
-
-    /// Size of a cell [voxels].
-    pub fn cell(&self) -> DVec3 {
-        self.voxels
-    }
-
-    /// Standard deviation of the kernel along each axis [voxels].
-    pub fn sigma(&self) -> DVec3 {
-        (self.voxels * self.voxels * (10.0 / 12.0) - 1.0 / 12.0).map(f64::sqrt)
-    }
 }
 
 /// Tents over 3×3×3 cells.
@@ -127,6 +117,14 @@ fn nodes(counts: &CellCounts, volume: i32) -> Nodes {
 }
 
 impl Field for BlurField {
+    fn cell(&self) -> DVec3 {
+        self.voxels
+    }
+
+    fn sigma(&self) -> DVec3 {
+        (self.voxels * self.voxels * (10.0 / 12.0) - 1.0 / 12.0).map(f64::sqrt)
+    }
+
     fn sample(&self, point: DVec3) -> FieldSample {
         if !self.any_solid {
             return FieldSample::default();

@@ -15,4 +15,10 @@ pub struct FieldSample {
 pub trait Field {
     /// The field at a point of its grid frame.
     fn sample(&self, point_in_grid: DVec3) -> FieldSample;
+
+    /// Size of a cell [voxels].
+    fn cell(&self) -> DVec3;
+
+    /// Standard deviation of the kernel along each axis [voxels].
+    fn sigma(&self) -> DVec3;
 }
