@@ -6,7 +6,15 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Segment", "Session", "Volume", "bench_touch", "phantom"]
+__all__ = [
+    "Segment",
+    "Session",
+    "Volume",
+    "bench_touch",
+    "bench_touch_quality",
+    "phantom",
+    "touch_quality_cases",
+]
 
 _Triple = tuple[float, float, float]
 _Voxel = tuple[int, int, int]
@@ -240,4 +248,28 @@ def bench_touch(
 
     Raises:
         ValueError: The segment has no surface, or something given is not allowed.
+    """
+
+def touch_quality_cases() -> list[str]:
+    """Names of the cases of ``bench_touch_quality``, in the order of their report."""
+
+def bench_touch_quality(
+    case: str, touch: Literal["exact", "stairs", "thesis-original", "thesis-improved"]
+) -> dict[str, float]:
+    """Feels bodies whose surface is known exactly; lengths in parts of h, angles in degrees.
+
+    ``stairs`` is ``exact`` without smoothing. What counts is said in
+    ``crates/engine/src/bench/quality/figures.rs``.
+
+    Returns:
+        ``direction_mean`` and ``direction_95`` (angle between the force and the way to the
+        true surface), ``magnitude_rmse`` (share of the true one), ``ripple`` (root mean square
+        of the magnitude's error about its mean), ``force_lag_95``, ``force_lag_max``,
+        ``proxy_lag_95``, ``proxy_lag_max`` (sideways behind the nearest point of the true
+        surface), ``jitter`` (largest change in a tick at rest), ``pop_throughs``,
+        ``solid_share``, ``stuck`` (updates), ``force_step`` (largest change of force in a tick
+        beyond the motion of the hand), ``contact_share``, ``updates``.
+
+    Raises:
+        ValueError: The case or the way of touch does not exist.
     """

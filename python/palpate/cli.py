@@ -252,3 +252,31 @@ def bench_haptics(
     print_rows(f"haptics on the bone of {volume.name}", rows)
     if json_file is not None:
         write_rows("haptics", rows, json_file)
+
+
+@bench.command("touch-quality")
+def bench_touch_quality(
+    *,
+    touch: Annotated[
+        list[str] | None,
+        typer.Option(help="A way of touch, again for more; by default all."),
+    ] = None,
+    json_file: Annotated[
+        Path | None, typer.Option("--json", help="Write the figures to this file.")
+    ] = None,
+) -> None:
+    """Measure how well touch tells bodies whose shape is known exactly."""
+    from palpate.bench.goals import TOUCHES
+    from palpate.bench.quality import measure, print_tables
+    from palpate.bench.report import write_rows
+    from palpate.errors import OptionError
+
+    for name in touch or ():
+        if name not in TOUCHES:
+            raise OptionError(f"way of touch {name!r} given; allowed: {', '.join(TOUCHES)}")
+    touches = [name for name in TOUCHES if not touch or name in touch]
+    with Display() as display:
+        rows = measure(touches=touches, progress=display)
+    print_tables(rows)
+    if json_file is not None:
+        write_rows("touch-quality", rows, json_file)

@@ -177,13 +177,17 @@ class Safety(msgspec.Struct, frozen=True):
 
 
 class Hello(Message, frozen=True, tag="hello"):
-    """First message of the engine: everything the page needs to draw."""
+    """First message of the engine: everything the page needs to draw.
+
+    ``defaults`` are the settings that the session was started with.
+    """
 
     protocol: int
     version: str
     scan: Scan
     segments: list[Segment]
     settings: Settings
+    defaults: Settings
     device: str
 
 

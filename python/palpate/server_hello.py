@@ -21,12 +21,14 @@ def package_version() -> str:
 
 def hello_of(session: Session) -> protocol.Hello:
     """Returns the first message, without the segments, which change."""
+    settings = protocol.Settings(**session.settings())
     return protocol.Hello(
         protocol=protocol.PROTOCOL_VERSION,
         version=package_version(),
         scan=_scan(session.scene.volume),
         segments=[],
-        settings=protocol.Settings(**session.settings()),
+        settings=settings,
+        defaults=settings,
         device=session.device,
     )
 

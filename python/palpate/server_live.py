@@ -134,10 +134,13 @@ class Live:
                 self.session.redo()
 
     def _change_settings(self, wanted: protocol.Settings) -> None:
-        held = self.session.settings(TouchSettings(**msgspec.structs.asdict(wanted)))
-        settings = protocol.Settings(**held)
-        self._hello = msgspec.structs.replace(self._hello, settings=settings)
-        self._from_threads.put(protocol.SettingsChanged(settings))
+        try:
+            held = self.session.settings(TouchSettings(**msgspec.structs.asdict(wanted)))
+            settings = protocol.Settings(**held)
+            self._hello = msgspec.structs.replace(self._hello, settings=settings)
+        finally:
+            # a page shows what it asked for at once: refused, it must learn what holds
+            self._from_threads.put(protocol.SettingsChanged(self._hello.settings))
 
     def _make_threshold(self, wanted: protocol.Threshold) -> None:
         try:

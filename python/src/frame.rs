@@ -1,19 +1,17 @@
-//! Frames, segments and recordings as the dictionaries that the package reads.
+//! Frames and segments as the dictionaries that the package reads.
 //!
 //! The keys of a frame are the fields of `protocol.State`, and two more: `notices` and
 //! `segments_version`.
 
 use glam::DVec3;
-use numpy::PyArray1;
 use palpate_engine::feel::Feel;
 use palpate_engine::frame::{ForceState, Frame, Notice, NoticeLevel, Rates, Safety};
 use palpate_engine::rate::Rate;
-use palpate_engine::recording::Recording;
 use palpate_engine::simulation::SegmentState;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::arrays::{rows, triple};
+use crate::arrays::triple;
 
 /// Makes a dictionary of `name: value` pairs.
 macro_rules! dictionary {
@@ -23,6 +21,8 @@ macro_rules! dictionary {
         Ok(dictionary)
     }};
 }
+
+pub(crate) use dictionary;
 
 /// All of a frame.
 pub fn frame_dict<'py>(py: Python<'py>, frame: &Frame) -> PyResult<Bound<'py, PyDict>> {
@@ -72,20 +72,6 @@ fn feel_dict(py: Python<'_>, feel: Feel) -> PyResult<Bound<'_, PyDict>> {
         "stiffness": feel.stiffness,
         "friction_static": feel.friction_static,
         "friction_kinetic": feel.friction_kinetic,
-    )
-}
-
-/// The columns of a recording.
-pub fn recording_dict<'py>(py: Python<'py>, recording: Recording) -> PyResult<Bound<'py, PyDict>> {
-    dictionary!(py,
-        "tick": PyArray1::from_vec(py, recording.tick),
-        "time": PyArray1::from_vec(py, recording.time),
-        "device": rows(py, &recording.device),
-        "hand": rows(py, &recording.hand),
-        "proxy": rows(py, &recording.proxy),
-        "force": rows(py, &recording.force),
-        "sent_force": rows(py, &recording.sent_force),
-        "contact": PyArray1::from_vec(py, recording.contact),
     )
 }
 

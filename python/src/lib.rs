@@ -6,9 +6,11 @@
 
 mod arrays;
 mod bench;
+mod bench_quality;
 mod errors;
 mod frame;
 mod phantom;
+mod recording;
 mod segment;
 mod session;
 mod settings;
@@ -24,7 +26,11 @@ mod _core {
     #[pymodule_export]
     use super::bench::bench_touch;
     #[pymodule_export]
+    use super::bench_quality::{bench_touch_quality, touch_quality_cases};
+    #[pymodule_export]
     use super::phantom::make_phantom;
+    #[pymodule_export]
+    use super::recording::{build, replay_recording};
     #[pymodule_export]
     use super::segment::PySegment;
     #[pymodule_export]

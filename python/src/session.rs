@@ -19,13 +19,17 @@ use pyo3::types::PyDict;
 
 use crate::arrays::{Triple, triple, vector};
 use crate::errors::CoreError;
-use crate::frame::{frame_dict, lateness_dict, recording_dict, segment_dict};
+use crate::frame::{frame_dict, lateness_dict, segment_dict};
+use crate::recording::{recording_dict, tape_dict};
 use crate::segment::PySegment;
 use crate::settings::{changed, settings_dict};
 use crate::volume::PyVolume;
 
 /// A segment to begin with: its voxels, whether it is an obstacle, the threshold that it is.
 type FirstSegment<'py> = (PyRef<'py, PySegment>, bool, Option<ThresholdRange>);
+
+/// The columns of a recording and of its tape.
+type RecordingDicts<'py> = (Bound<'py, PyDict>, Option<Bound<'py, PyDict>>);
 
 /// A voxel, (x, y, z).
 type Voxel = (i32, i32, i32);
@@ -274,9 +278,13 @@ impl PySession {
         Ok(py.detach(|| self.session.start_recording())?)
     }
 
-    fn stop_recording<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let recording = py.detach(|| self.session.stop_recording());
-        recording_dict(py, recording.unwrap_or_default())
+    /// The columns of the ticks, and those of what else a replay needs, or None.
+    fn stop_recording<'py>(&self, py: Python<'py>) -> PyResult<RecordingDicts<'py>> {
+        let (recording, tape) = py
+            .detach(|| self.session.finish_recording())
+            .unwrap_or_default();
+        let tape = tape.map(|tape| tape_dict(py, &tape)).transpose()?;
+        Ok((recording_dict(py, recording)?, tape))
     }
 
     fn run(&self, py: Python<'_>, seconds: f64) -> Result<(), CoreError> {

@@ -27,6 +27,7 @@ use crate::session_config::{Reference, SessionConfig};
 use crate::settings::Settings;
 use crate::shared::Shared;
 use crate::simulation::{Simulation, SimulationStatus};
+use crate::tape::TapeRecorder;
 use crate::touch::union_of;
 
 /// A session before it runs.
@@ -41,6 +42,8 @@ pub struct Assembly {
     pub shared: Arc<Shared>,
     /// Takes notices from anybody.
     pub notices: Sender<Notice>,
+    /// What is told to the servo, where it is recorded.
+    pub tape: Arc<Mutex<TapeRecorder>>,
 }
 
 /// Makes all loops of a configuration that was checked.
@@ -74,6 +77,7 @@ pub fn assemble(config: SessionConfig) -> Result<Assembly, SessionError> {
     let servo = ServoLoop::new(start, channels.servo, Arc::clone(&shared));
     let ends = (channels.simulation, status, notices.clone());
     let simulation = first_simulation(scene, settings, limits, ends, (reference, probe))?;
+    let tape = simulation.tape();
     let sources = PictureSources {
         records: channels.records,
         status: status_out,
@@ -97,6 +101,7 @@ pub fn assemble(config: SessionConfig) -> Result<Assembly, SessionError> {
         hand: channels.hand,
         shared,
         notices,
+        tape,
     })
 }
 

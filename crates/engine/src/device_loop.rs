@@ -9,7 +9,7 @@ use std::sync::atomic::Ordering::Relaxed;
 
 use glam::DVec3;
 use palpate_device::{DeviceLimits, HapticDevice};
-use palpate_haptics::safety::{ForceLimits, Safety};
+use palpate_haptics::safety::{ForceLimits, ForceOff, Safety};
 
 use crate::handover::{DeviceChannels, DeviceSample, ForceCommand};
 use crate::shared::Shared;
@@ -75,7 +75,7 @@ impl DeviceLoop {
     /// Sends zero force. A driver that fails even at that is left alone: there is nothing
     /// more that can be done.
     pub fn release(&mut self) {
-        self.safety.release();
+        self.safety.release(ForceOff::Stopped, 0.0);
         let device = &mut self.device;
         let _ = catch_unwind(AssertUnwindSafe(|| {
             device.write(DVec3::ZERO, DVec3::ZERO);
@@ -86,7 +86,7 @@ impl DeviceLoop {
     fn safe_force(&mut self, command: &ForceCommand, now: f64) -> DVec3 {
         // before the first command there is nothing to send, and nothing to take away
         if command.tick == 0 || self.shared.stopping() {
-            return self.safety.release();
+            return self.safety.release(ForceOff::NotStarted, self.dt);
         }
         let stale = now - command.time > WATCHDOG_SECS;
         if stale && !self.tripped {
@@ -94,7 +94,7 @@ impl DeviceLoop {
         }
         self.tripped = stale;
         if stale {
-            return self.safety.release();
+            return self.safety.release(ForceOff::ServoLate, self.dt);
         }
         self.safety.set_limits(ForceLimits {
             max_force: command.max_force.min(self.limits.max_force),

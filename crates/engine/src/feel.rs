@@ -1,9 +1,12 @@
 //! How the surface of a segment feels, where it differs from the settings of touch.
 
+use palpate_volume::edit::SegmentId;
+use serde::{Deserialize, Serialize};
+
 use crate::settings::{Settings, SettingsError};
 
 /// What a segment has of its own; none is as the settings say.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Feel {
     /// Of the spring between probe and device [N/mm].
     pub stiffness: Option<f64>,
@@ -43,6 +46,51 @@ impl Feel {
             ..Settings::default()
         };
         given.check()
+    }
+}
+
+/// How each segment feels.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(from = "Vec<(u8, Feel)>", into = "Vec<(u8, Feel)>")]
+pub struct Feels([Feel; 256]);
+
+impl Default for Feels {
+    /// All as the settings say.
+    fn default() -> Self {
+        Self([Feel::default(); 256])
+    }
+}
+
+impl Feels {
+    /// How a segment feels.
+    #[must_use]
+    pub fn of(&self, id: SegmentId) -> Feel {
+        self.0[usize::from(id.0)]
+    }
+
+    /// A segment feels like this from now on.
+    pub fn set(&mut self, id: SegmentId, feel: Feel) {
+        self.0[usize::from(id.0)] = feel;
+    }
+}
+
+/// Those that have something of their own.
+impl From<Feels> for Vec<(u8, Feel)> {
+    fn from(feels: Feels) -> Self {
+        let numbered = (0..=u8::MAX).zip(feels.0);
+        numbered
+            .filter(|(_, feel)| *feel != Feel::default())
+            .collect()
+    }
+}
+
+impl From<Vec<(u8, Feel)>> for Feels {
+    fn from(own: Vec<(u8, Feel)>) -> Self {
+        let mut feels = Self::default();
+        for (id, feel) in own {
+            feels.set(SegmentId(id), feel);
+        }
+        feels
     }
 }
 

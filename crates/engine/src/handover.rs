@@ -16,6 +16,7 @@ use rtrb::{Consumer, Producer, RingBuffer};
 use triple_buffer::{Input, Output, triple_buffer};
 
 use crate::feel::Feel;
+use crate::servo_state::{ServoState, TickInputs};
 use crate::settings::Settings;
 
 /// Commands that may wait for the servo.
@@ -24,6 +25,8 @@ const INBOX: usize = 4096;
 const GARBAGE: usize = 8192;
 /// Ticks whose records may wait for the picture: 2 s at 4 kHz.
 const RECORDS: usize = 8192;
+/// States that may wait for a recording; it asks for one at a time.
+const SNAPSHOTS: usize = 4;
 
 /// Device → servo: where the device is.
 #[derive(Clone, Copy, Debug, Default)]
@@ -54,7 +57,7 @@ pub struct ForceCommand {
 }
 
 /// Person → servo: where the hand pulls the device to.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct HandTarget {
     /// In the scene [mm].
     pub point: DVec3,
@@ -89,6 +92,17 @@ pub enum ServoCommand {
     Settings(Settings),
     /// How the surface of a segment feels from now on.
     Feel(SegmentId, Feel),
+    /// Asks for the servo's state at the end of this tick, from where it can be replayed.
+    Mark,
+}
+
+/// Servo → simulation: where a recording begins.
+#[derive(Clone, Copy, Debug)]
+pub struct Snapshot {
+    /// The state between two ticks. Its last command is the mark that asked for it.
+    pub state: ServoState,
+    /// Whether changes were held back, which a recording cannot begin with.
+    pub held: bool,
 }
 
 /// The bricks of one edit.
@@ -164,6 +178,10 @@ pub struct TickRecord {
     pub depth: f64,
     /// Voxels asked for.
     pub visits: u32,
+    /// What the tick was given.
+    pub inputs: TickInputs,
+    /// Number of the last command that was obeyed, in this tick or before it.
+    pub command: u64,
 }
 
 /// The device thread's ends.
@@ -192,6 +210,8 @@ pub struct ServoChannels {
     pub status: Input<ServoStatus>,
     /// To the picture.
     pub records: Producer<TickRecord>,
+    /// To the simulation.
+    pub snapshots: Producer<Snapshot>,
 }
 
 /// The simulation's ends.
@@ -203,6 +223,8 @@ pub struct SimulationChannels {
     pub garbage: Consumer<Garbage>,
     /// From the servo.
     pub status: Output<ServoStatus>,
+    /// From the servo.
+    pub snapshots: Consumer<Snapshot>,
 }
 
 /// All channels of a session.
@@ -240,6 +262,7 @@ impl Channels {
         let (inbox_in, inbox_out) = RingBuffer::new(INBOX);
         let (garbage_in, garbage_out) = RingBuffer::new(GARBAGE);
         let (records_in, records_out) = RingBuffer::new(RECORDS);
+        let (snapshots_in, snapshots_out) = RingBuffer::new(SNAPSHOTS);
         Self {
             device: DeviceChannels {
                 samples: samples_in,
@@ -253,11 +276,13 @@ impl Channels {
                 garbage: garbage_in,
                 status: status_in,
                 records: records_in,
+                snapshots: snapshots_in,
             },
             simulation: SimulationChannels {
                 inbox: inbox_in,
                 garbage: garbage_out,
                 status: status_out,
+                snapshots: snapshots_out,
             },
             records: records_out,
             hand: hand_in,

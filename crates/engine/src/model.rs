@@ -1,16 +1,17 @@
 //! The contact models by the names that users know.
 
 use glam::DVec3;
-use palpate_haptics::contact::{Contact, ContactModel};
+use palpate_haptics::contact::{Contact, ContactModel, ForceInput};
 use palpate_haptics::exact::Exact;
 use palpate_haptics::proxy::Proxy;
 use palpate_haptics::scene::TouchScene;
 use palpate_haptics::thesis_improved::ThesisImproved;
 use palpate_haptics::thesis_original::ThesisOriginal;
 use palpate_volume::occupancy::Occupancy;
+use serde::{Deserialize, Serialize};
 
 /// A contact model by name.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Model {
     /// The one that touch uses.
     #[default]
@@ -61,6 +62,14 @@ impl ContactModel for Model {
             Self::Exact => Exact::default().visit_bound(),
             Self::ThesisOriginal => ThesisOriginal::default().visit_bound(),
             Self::ThesisImproved => ThesisImproved::default().visit_bound(),
+        }
+    }
+
+    fn own_force(&self, input: &ForceInput<'_>) -> Option<DVec3> {
+        match self {
+            Self::Exact => Exact::default().own_force(input),
+            Self::ThesisOriginal => ThesisOriginal::default().own_force(input),
+            Self::ThesisImproved => ThesisImproved::default().own_force(input),
         }
     }
 }

@@ -139,7 +139,7 @@ impl Picture {
             segments_version: status.segments_version,
             rates: self.rates(now_ns),
             safety: self.safety(),
-            recording: None,
+            recording: self.recording.as_ref().map(Recording::seconds),
             samples: self.samples.drain(..).collect(),
             notices: self.notices.drain(..).collect(),
         }
@@ -176,10 +176,12 @@ impl Picture {
                 force: record.sent_force,
             });
         }
-        let full = self
-            .recording
-            .as_mut()
-            .is_some_and(|recording| recording.push(&record) && recording.len() == MAX_TICKS);
+        let Some(recording) = &mut self.recording else {
+            return;
+        };
+        let touched = self.sources.status.read().touched;
+        let touched = if record.contact { touched } else { 0 };
+        let full = recording.push(&record, touched) && recording.len() == MAX_TICKS;
         if full {
             self.note(Notice::warning(format!(
                 "The recording is full after {MAX_TICKS} ticks; later ones are not recorded."

@@ -5,7 +5,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::feel::Feel;
+use crate::feel::{Feel, Feels};
 use palpate_volume::bits::Bits;
 use palpate_volume::edit::{Edit, SegmentId};
 use palpate_volume::segment::Segment;
@@ -165,10 +165,10 @@ impl Scene {
 
     /// How each segment feels, by its number.
     #[must_use]
-    pub fn feels(&self) -> [Feel; 256] {
-        let mut feels = [Feel::default(); 256];
+    pub fn feels(&self) -> Feels {
+        let mut feels = Feels::default();
         for (id, properties) in &self.properties {
-            feels[usize::from(id.0)] = properties.feel;
+            feels.set(*id, properties.feel);
         }
         feels
     }

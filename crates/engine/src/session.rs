@@ -28,6 +28,7 @@ use crate::session_config::{SessionConfig, check, check_point};
 use crate::settings::Settings;
 use crate::shared::Shared;
 use crate::simulation::{SegmentState, Simulation, checked_box};
+use crate::tape::{Tape, TapeRecorder};
 
 /// Edits of more voxels than this are built outside the simulation thread.
 const SMALL_EDIT: u64 = 1 << 20;
@@ -49,6 +50,7 @@ pub struct Session {
     hand: Mutex<(triple_buffer::Input<HandTarget>, u64)>,
     shared: Arc<Shared>,
     notices: Sender<Notice>,
+    tape: Arc<Mutex<TapeRecorder>>,
     grid: Grid,
     device_name: String,
 }
@@ -69,6 +71,7 @@ impl Session {
             hand,
             shared,
             notices,
+            tape,
         } = assemble(config)?;
 
         let run = if real_time {
@@ -86,6 +89,7 @@ impl Session {
             hand: Mutex::new((hand, 0)),
             shared,
             notices,
+            tape,
             grid,
             device_name,
         })
@@ -305,14 +309,25 @@ impl Session {
     /// Where the session has ended.
     pub fn start_recording(&self) -> Result<(), SessionError> {
         self.check_running()?;
+        // ticks first, so that the tape begins among them
         self.lock_picture().start_recording();
-        Ok(())
+        self.ask(Simulation::begin_tape)
     }
 
     /// Ends the recording and gives it; none where none runs.
     #[must_use]
     pub fn stop_recording(&self) -> Option<Recording> {
-        self.lock_picture().stop_recording()
+        self.finish_recording().map(|(recording, _)| recording)
+    }
+
+    /// Ends the recording and gives its ticks, and what else a replay needs. That is missing
+    /// where a change waited for the probe all the time, and in the first tick.
+    #[must_use]
+    pub fn finish_recording(&self) -> Option<(Recording, Option<Tape>)> {
+        // ticks first, so that the tape has all that they obeyed
+        let recording = self.lock_picture().stop_recording();
+        let tape = lock(&self.tape).finish();
+        recording.map(|recording| (recording, tape))
     }
 
     /// Steps an offline session for so many seconds.

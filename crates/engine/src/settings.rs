@@ -3,12 +3,13 @@
 use palpate_device::DeviceLimits;
 use palpate_haptics::coupling::Coupling;
 use palpate_haptics::safety::ForceLimits;
+use serde::{Deserialize, Serialize};
 
 use crate::frame::Notice;
 use crate::model::Model;
 
 /// How touch feels: the contact model, the spring, the probe and the largest force.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Settings {
     /// The contact model.
     pub model: Model,

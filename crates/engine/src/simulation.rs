@@ -3,6 +3,7 @@
 //! Points in scene mm (LPS), boxes in voxels of the grid.
 
 use std::sync::mpsc::Sender;
+use std::sync::{Arc, Mutex};
 
 use glam::{DMat3, DVec3, IVec3};
 use palpate_device::DeviceLimits;
@@ -20,6 +21,7 @@ use crate::journal::Journal;
 use crate::placement::{REACH, free_point};
 use crate::scene::{Properties, Scene, Step, ThresholdRange};
 use crate::settings::Settings;
+use crate::tape::{MAX_TAPE_BYTES, TapeRecorder};
 use crate::touch_sender::TouchSender;
 use crate::touched::touched_segment;
 
@@ -70,6 +72,7 @@ pub struct Simulation {
     segments_version: u64,
     refused_places: u64,
     was_held: bool,
+    was_full: bool,
 }
 
 impl Simulation {
@@ -94,6 +97,7 @@ impl Simulation {
             segments_version: 0,
             refused_places: 0,
             was_held: false,
+            was_full: false,
         }
     }
 
@@ -130,7 +134,26 @@ impl Simulation {
         self.touch.exchange(&self.scene);
         self.tell_of_held_changes();
         self.tell_of_refused_places();
+        self.tell_of_full_tape();
         self.publish();
+    }
+
+    /// What is told to the servo, where it is recorded.
+    #[must_use]
+    pub fn tape(&self) -> Arc<Mutex<TapeRecorder>> {
+        Arc::clone(self.touch.tape())
+    }
+
+    /// Begins to record what is told to the servo. Where a change waits for the probe, the
+    /// recording can be replayed only from when it is followed.
+    pub fn begin_tape(&mut self) {
+        self.touch.begin_tape(&self.scene);
+        if self.touch.is_held() {
+            self.tell(Notice::info(
+                "A change waits for the probe to move out: the recording can be replayed from \
+                 then on only.",
+            ));
+        }
     }
 
     /// Adds a segment; an undoable one is taken away again by undo.
@@ -359,6 +382,18 @@ impl Simulation {
             ));
         }
         self.refused_places = refused;
+    }
+
+    fn tell_of_full_tape(&mut self) {
+        let full = self.touch.is_tape_full();
+        if full && !self.was_full {
+            self.tell(Notice::warning(format!(
+                "The recording has no room for more changes (limit: {} MB): what comes after \
+                 this one cannot be replayed.",
+                MAX_TAPE_BYTES >> 20
+            )));
+        }
+        self.was_full = full;
     }
 
     fn publish(&mut self) {

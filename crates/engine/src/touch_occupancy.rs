@@ -92,6 +92,12 @@ impl TouchOccupancy {
         self.skipped
     }
 
+    /// Whether any change is held back.
+    #[must_use]
+    pub fn holds_back(&self) -> bool {
+        self.held_root.is_some() || !self.held.is_empty()
+    }
+
     /// Whether the garbage ring has room for whatever a new change replaces; without it no
     /// change is taken.
     #[must_use]
@@ -99,11 +105,11 @@ impl TouchOccupancy {
         self.garbage.slots() >= GARBAGE_PER_CHANGE
     }
 
-    /// Tries all that is held again, where the probe or the occupancy has moved since.
+    /// Tries all that is held again, where the probe or the occupancy has moved since. There
+    /// must be room for it.
     pub fn retry(&mut self, probe: &mut impl Admit) {
-        let nothing_held = self.held_root.is_none() && self.held.is_empty();
         let nothing_new = self.refused_at == Some(probe.voxel());
-        if nothing_held || nothing_new || !self.has_room() {
+        if !self.holds_back() || nothing_new {
             return;
         }
         self.retry_root(probe);
@@ -128,6 +134,8 @@ impl TouchOccupancy {
         if let Some(held) = overtaken {
             self.dispose(Garbage::Root(held.bits));
         }
+        // what is held is something else now
+        self.refused_at = None;
         if probe.admit(&self.bits, &bits) {
             self.put_root(bits);
         } else {

@@ -4,13 +4,17 @@
 //! change has a number; the servo tells which numbers it has taken and which it holds back.
 
 use std::collections::VecDeque;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;
 use palpate_volume::edit::SegmentId;
 
-use crate::handover::{BrickChange, MAX_BRICKS, ServoCommand, ServoStatus, SimulationChannels};
+use crate::handover::{
+    BrickChange, Garbage, MAX_BRICKS, ServoCommand, ServoStatus, SimulationChannels,
+};
 use crate::scene::{Scene, TouchChange};
+use crate::tape::TapeRecorder;
 use crate::touch::{union_brick, union_of};
 
 /// A change that touch does not follow yet.
@@ -23,8 +27,13 @@ struct Outstanding {
 /// The simulation's end of the way to the servo.
 #[derive(Debug)]
 pub struct TouchSender {
-    channels: SimulationChannels,
+    inbox: rtrb::Producer<ServoCommand>,
+    garbage: rtrb::Consumer<Garbage>,
+    replies: triple_buffer::Output<ServoStatus>,
+    tape: Arc<Mutex<TapeRecorder>>,
     backlog: VecDeque<ServoCommand>,
+    /// Commands so far, those in the backlog too.
+    commands: u64,
     sequence: u64,
     outstanding: Vec<Outstanding>,
     status: ServoStatus,
@@ -35,9 +44,19 @@ impl TouchSender {
     /// A way on which nothing was sent yet.
     #[must_use]
     pub fn new(channels: SimulationChannels) -> Self {
+        let SimulationChannels {
+            inbox,
+            garbage,
+            status,
+            snapshots,
+        } = channels;
         Self {
-            channels,
+            inbox,
+            garbage,
+            replies: status,
+            tape: Arc::new(Mutex::new(TapeRecorder::new(snapshots))),
             backlog: VecDeque::new(),
+            commands: 0,
             sequence: 0,
             outstanding: Vec::new(),
             status: ServoStatus::default(),
@@ -71,6 +90,24 @@ impl TouchSender {
             .any(|change| change.segments.contains(&id))
     }
 
+    /// What is told to the servo, where it is recorded.
+    #[must_use]
+    pub fn tape(&self) -> &Arc<Mutex<TapeRecorder>> {
+        &self.tape
+    }
+
+    /// Begins to record what is told to the servo, as soon as it follows all that it was told.
+    pub fn begin_tape(&mut self, scene: &Scene) {
+        self.lock_tape().want();
+        self.exchange(scene);
+    }
+
+    /// Whether the recording is full.
+    #[must_use]
+    pub fn is_tape_full(&self) -> bool {
+        self.lock_tape().is_full()
+    }
+
     /// Sends a change of the scene.
     pub fn send_change(&mut self, scene: &Scene, change: &TouchChange) {
         match change {
@@ -85,17 +122,19 @@ impl TouchSender {
 
     /// Sends a command that changes no occupancy.
     pub fn send(&mut self, command: ServoCommand) {
+        self.commands += 1;
+        self.lock_tape().note(&command);
         self.backlog.push_back(command);
         self.flush();
     }
 
     /// Frees what the servo gave back, sends what waits and reads what it follows by now.
     pub fn exchange(&mut self, scene: &Scene) {
-        while let Ok(garbage) = self.channels.garbage.pop() {
+        while let Ok(garbage) = self.garbage.pop() {
             drop(garbage);
         }
         self.flush();
-        self.status = *self.channels.status.read();
+        self.status = *self.replies.read();
         let status = self.status;
         if status.skipped > self.skipped {
             self.skipped = status.skipped;
@@ -104,6 +143,28 @@ impl TouchSender {
         }
         self.outstanding
             .retain(|change| change.sequence > status.received || is_held(&status, change));
+        self.exchange_tape(scene);
+    }
+
+    /// Takes the state that a recording begins with, and asks for it where nothing is pending.
+    fn exchange_tape(&mut self, scene: &Scene) {
+        let mut tape = self.lock_tape();
+        tape.collect();
+        if !tape.is_wanted() || !self.outstanding.is_empty() {
+            return;
+        }
+        // the tape must wait for the mark before the servo can answer it
+        let grid = *scene.voxels().grid();
+        tape.begin(self.commands + 1, grid, union_of_scene(scene));
+        drop(tape);
+        self.commands += 1;
+        self.backlog.push_back(ServoCommand::Mark);
+        self.flush();
+    }
+
+    fn lock_tape(&self) -> MutexGuard<'_, TapeRecorder> {
+        // a tape is whole even where a thread failed while it held the lock
+        self.tape.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn send_bricks(&mut self, scene: &Scene, bricks: &[u32], segments: Vec<SegmentId>) {
@@ -120,8 +181,7 @@ impl TouchSender {
     }
 
     fn send_root(&mut self, scene: &Scene, segments: Vec<SegmentId>) {
-        let dimensions = scene.voxels().grid().dimensions();
-        let bits: Bits = union_of(dimensions, &scene.touchable_bits());
+        let bits = union_of_scene(scene);
         let sequence = self.begin(segments);
         self.send(ServoCommand::Root { sequence, bits });
     }
@@ -137,7 +197,7 @@ impl TouchSender {
 
     fn flush(&mut self) {
         while let Some(command) = self.backlog.pop_front() {
-            if let Err(rtrb::PushError::Full(command)) = self.channels.inbox.push(command) {
+            if let Err(rtrb::PushError::Full(command)) = self.inbox.push(command) {
                 self.backlog.push_front(command);
                 return;
             }
@@ -147,6 +207,12 @@ impl TouchSender {
     fn holds(&self, change: &Outstanding) -> bool {
         is_held(&self.status, change)
     }
+}
+
+/// All that can be touched.
+fn union_of_scene(scene: &Scene) -> Bits {
+    let dimensions = scene.voxels().grid().dimensions();
+    union_of(dimensions, &scene.touchable_bits())
 }
 
 fn is_held(status: &ServoStatus, change: &Outstanding) -> bool {

@@ -10,7 +10,9 @@
 //! traversal, legal diagonal steps, a strictly falling distance);
 //! `docs/decisions/sliding.md` has the measurements.
 
+use crate::bodies::Bodies;
 use crate::contact::{Contact, ContactModel};
+use crate::many_bodies;
 use crate::proxy::Proxy;
 use crate::scene::{Solid, TouchScene};
 use crate::slide::{SLIDE_VISITS, slide};
@@ -49,6 +51,36 @@ pub struct Exact {
 
 impl ContactModel for Exact {
     fn advance<O: Occupancy>(
+        &self,
+        scene: &TouchScene<'_, O>,
+        device_in_grid: DVec3,
+        proxy: &mut Proxy,
+    ) -> Contact {
+        if !scene.objects.is_empty() {
+            let bodies = Bodies::near_tick(scene, proxy.point(), device_in_grid);
+            if !bodies.is_world_only() {
+                return many_bodies::advance(&self.limits, &bodies, device_in_grid, proxy);
+            }
+        }
+        self.advance_in_world(scene, device_in_grid, proxy)
+    }
+
+    fn visit_bound(&self) -> u32 {
+        // each straight move reads at least one voxel, even with none left to visit
+        let moves = self.limits.max_slides.saturating_add(1);
+        let slides = self.limits.max_slides.saturating_mul(SLIDE_VISITS);
+        let in_world = self
+            .limits
+            .max_visits
+            .saturating_add(moves)
+            .saturating_add(slides);
+        in_world.max(many_bodies::visit_bound(&self.limits))
+    }
+}
+
+impl Exact {
+    /// With the world alone.
+    fn advance_in_world<O: Occupancy>(
         &self,
         scene: &TouchScene<'_, O>,
         device_in_grid: DVec3,
@@ -100,16 +132,6 @@ impl ContactModel for Exact {
             *proxy = Proxy::nearest_in(voxel, device_in_grid);
             contact.slides += 1;
         }
-    }
-
-    fn visit_bound(&self) -> u32 {
-        // each straight move reads at least one voxel, even with none left to visit
-        let moves = self.limits.max_slides.saturating_add(1);
-        let slides = self.limits.max_slides.saturating_mul(SLIDE_VISITS);
-        self.limits
-            .max_visits
-            .saturating_add(moves)
-            .saturating_add(slides)
     }
 }
 

@@ -40,6 +40,21 @@ impl<'a, O> TouchScene<'a, O> {
     }
 }
 
+impl<O: Occupancy> TouchScene<'_, O> {
+    /// The solid voxel that holds a point of the world's grid, of the first body that has one.
+    pub fn solid_at(&self, point_in_world: DVec3) -> Option<Solid> {
+        let voxel = point_in_world.floor().as_ivec3();
+        if self.occupancy.is_solid(voxel) {
+            return Some(Solid::of_world(voxel));
+        }
+        let objects = (1..).zip(self.objects.iter().take(MAX_OBJECTS));
+        objects.into_iter().find_map(|(body, object)| {
+            let voxel = object.solid_at(point_in_world)?;
+            Some(Solid { body, voxel })
+        })
+    }
+}
+
 impl<O> Clone for TouchScene<'_, O> {
     fn clone(&self) -> Self {
         *self

@@ -7,6 +7,7 @@
 
 use crate::voxel_distance::squared_along;
 use glam::{DVec3, IVec3};
+use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::occupancy::Occupancy;
 
 /// Voxels that the window reaches away from the device. Two let the proxy climb the steps
@@ -43,12 +44,23 @@ impl SlideWindow {
         }
     }
 
+    /// Its usable voxels, free or not.
+    pub(crate) fn usable(&self) -> [u64; 8] {
+        self.outside(&BitBrick::EMPTY)
+    }
+
     /// Its free and usable voxels.
+    #[inline]
     pub(crate) fn free(&self, occupancy: &(impl Occupancy + ?Sized)) -> [u64; 8] {
+        self.outside(&occupancy.block(self.min))
+    }
+
+    /// The usable voxels that are not solid.
+    #[inline]
+    pub(crate) fn outside(&self, solid: &BitBrick) -> [u64; 8] {
         let columns = span(self.first.x, self.last.x) * ROWS;
         let rows = span(8 * self.first.y, 8 * self.last.y + 7);
         let plane = columns & rows;
-        let solid = occupancy.block(self.min);
         std::array::from_fn(|z| {
             let usable = (self.first.z..=self.last.z).contains(&(z as i32));
             if usable { !solid.0[z] & plane } else { 0 }
@@ -85,6 +97,21 @@ impl LayerDistances {
             x: layers(min.x, device.x, spacing.x),
             y: layers(min.y, device.y, spacing.y),
             z: layers(min.z, device.z, spacing.z),
+        }
+    }
+
+    /// The same to points: layers `step` apart from `first` on [voxels].
+    pub(crate) fn of_points(first: DVec3, step: DVec3, device: DVec3, spacing: DVec3) -> Self {
+        let layers = |axis: usize| {
+            std::array::from_fn(|i| {
+                let off = first[axis] + i as f64 * step[axis] - device[axis];
+                (off * spacing[axis]).powi(2)
+            })
+        };
+        Self {
+            x: layers(0),
+            y: layers(1),
+            z: layers(2),
         }
     }
 

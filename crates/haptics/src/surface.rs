@@ -16,7 +16,7 @@
 
 use crate::coupling::MAX_STIFFNESS;
 use crate::friction::{Friction, FrictionError};
-use crate::scene::Solid;
+use crate::scene::{Solid, TouchScene};
 use glam::DVec3;
 use palpate_volume::occupancy::Occupancy;
 
@@ -119,6 +119,28 @@ impl Holders {
         {
             *lightest = (solid, weight.min(1.0));
         }
+    }
+
+    /// What holds back a probe at `point_in_grid` that is led to `target_in_grid`, both of the
+    /// world's grid: faces of the world, and for what they leave of the force the voxel that
+    /// stopped the probe.
+    #[must_use]
+    pub fn of_contact<O: Occupancy>(
+        scene: &TouchScene<'_, O>,
+        point_in_grid: DVec3,
+        target_in_grid: DVec3,
+        stopped_by: Option<Solid>,
+    ) -> Self {
+        let pull = (target_in_grid - point_in_grid) * scene.grid.spacing();
+        let mut holders = Self::default();
+        holders.add_faces(0, scene.occupancy, point_in_grid, pull);
+        let by_faces: f64 = holders.solids.iter().map(|(_, weight)| weight).sum();
+        if let Some(solid) = stopped_by
+            && (solid.body > 0 || by_faces == 0.0)
+        {
+            holders.add(solid, 1.0 - by_faces);
+        }
+        holders
     }
 
     /// Adds the voxels of a body on whose faces the probe stands. `pull` is the direction from

@@ -13,13 +13,16 @@
 //! - so the proxy can stand in a solid voxel (`Contact::violation`).
 //!
 //! `exact` is the corrected form. Bounds: `thesis_path.rs`.
+//! Objects count where they cover the middle of a voxel of the world.
 //!
 //! Frame: grid, in voxels. Source: R. Vlasov, thesis (2016), listing of 4.8.
 
 use crate::border_voxels::border_voxels;
-use crate::contact::{Contact, ContactModel};
+use crate::contact::{Contact, ContactModel, ForceInput};
+use crate::middle_voxels::MiddleVoxels;
 use crate::proxy::Proxy;
 use crate::scene::TouchScene;
+use crate::thesis_force::force_improved;
 use crate::thesis_path::{ThesisLimits, ThesisPath, middle};
 use glam::{DVec3, IVec3};
 use palpate_volume::occupancy::Occupancy;
@@ -38,7 +41,33 @@ impl ContactModel for ThesisImproved {
         device_in_grid: DVec3,
         proxy: &mut Proxy,
     ) -> Contact {
-        let occupancy = scene.occupancy;
+        if scene.objects.is_empty() {
+            return self.run(scene.occupancy, device_in_grid, proxy);
+        }
+        let voxels = MiddleVoxels(*scene);
+        let contact = voxels.owned(self.run(&voxels, device_in_grid, proxy));
+        Contact {
+            violation: scene.solid_at(proxy.point()).is_some(),
+            ..contact
+        }
+    }
+
+    fn visit_bound(&self) -> u32 {
+        self.limits.visit_bound()
+    }
+
+    fn own_force(&self, input: &ForceInput<'_>) -> Option<DVec3> {
+        Some(force_improved(input))
+    }
+}
+
+impl ThesisImproved {
+    fn run<O: Occupancy>(
+        &self,
+        occupancy: &O,
+        device_in_grid: DVec3,
+        proxy: &mut Proxy,
+    ) -> Contact {
         // lines 1 to 4
         let Some(mut path) = ThesisPath::start(occupancy, self.limits, device_in_grid, proxy)
         else {
@@ -68,10 +97,6 @@ impl ContactModel for ThesisImproved {
             }
         }
         path.finish(proxy)
-    }
-
-    fn visit_bound(&self) -> u32 {
-        self.limits.visit_bound()
     }
 }
 

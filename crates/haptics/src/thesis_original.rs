@@ -13,13 +13,16 @@
 //! The text of step 3b says d2 − p2 instead; the listing is followed. The point p3 of 4.4,
 //! whose direction is unclear, is left out: it adds candidates, which helps against sticking
 //! and not against any of these. Bounds: `thesis_path.rs`.
+//! Objects count where they cover the middle of a voxel of the world.
 //!
 //! Frame: grid, in voxels. Source: R. Vlasov, thesis (2016), listing of 4.3.
 
 use crate::border_voxels::border_voxels;
-use crate::contact::{Contact, ContactModel};
+use crate::contact::{Contact, ContactModel, ForceInput};
+use crate::middle_voxels::MiddleVoxels;
 use crate::proxy::Proxy;
 use crate::scene::TouchScene;
+use crate::thesis_force::force_original;
 use crate::thesis_path::{ThesisLimits, ThesisPath, middle};
 use glam::{DVec3, IVec3};
 use palpate_volume::occupancy::Occupancy;
@@ -38,7 +41,33 @@ impl ContactModel for ThesisOriginal {
         device_in_grid: DVec3,
         proxy: &mut Proxy,
     ) -> Contact {
-        let occupancy = scene.occupancy;
+        if scene.objects.is_empty() {
+            return self.run(scene.occupancy, device_in_grid, proxy);
+        }
+        let voxels = MiddleVoxels(*scene);
+        let contact = voxels.owned(self.run(&voxels, device_in_grid, proxy));
+        Contact {
+            violation: scene.solid_at(proxy.point()).is_some(),
+            ..contact
+        }
+    }
+
+    fn visit_bound(&self) -> u32 {
+        self.limits.visit_bound()
+    }
+
+    fn own_force(&self, input: &ForceInput<'_>) -> Option<DVec3> {
+        Some(force_original(input))
+    }
+}
+
+impl ThesisOriginal {
+    fn run<O: Occupancy>(
+        &self,
+        occupancy: &O,
+        device_in_grid: DVec3,
+        proxy: &mut Proxy,
+    ) -> Contact {
         // lines 1 to 4
         let aim = device_in_grid - proxy.point();
         let Some(mut path) = ThesisPath::start(occupancy, self.limits, device_in_grid, proxy)
@@ -69,10 +98,6 @@ impl ContactModel for ThesisOriginal {
             }
         }
         path.finish(proxy)
-    }
-
-    fn visit_bound(&self) -> u32 {
-        self.limits.visit_bound()
     }
 }
 

@@ -10,6 +10,7 @@ use crate::proxy::Proxy;
 use crate::scene::TouchScene;
 use glam::DVec3;
 use palpate_volume::occupancy::Occupancy;
+use serde::{Deserialize, Serialize};
 
 /// What a tick is given.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,8 +23,9 @@ pub struct TickInput {
     pub coupling: Coupling,
 }
 
-/// All that changes from tick to tick.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// All that changes from tick to tick. A recording begins with it, so that whatever stands here
+/// is replayed.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TickState {
     /// The proxy.
     pub proxy: Proxy,

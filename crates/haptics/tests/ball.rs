@@ -10,6 +10,7 @@ use palpate_haptics::contact::{Contact, ContactModel};
 use palpate_haptics::exact::Exact;
 use palpate_haptics::placement::nearest_free;
 use palpate_haptics::proxy::Proxy;
+use palpate_haptics::scene::TouchScene;
 use palpate_volume::grid::Grid;
 use palpate_volume::occupancy::Occupancy;
 use palpate_volume::segment::Segment;
@@ -165,7 +166,8 @@ fn distance_to_solid(inner: &impl Occupancy, spacing: DVec3, point: DVec3, reach
 }
 
 fn advance(occupancy: &impl Occupancy, grid: &Grid, device: DVec3, proxy: &mut Proxy) -> Contact {
-    let contact = Exact::default().advance(occupancy, grid, device, proxy);
+    let scene = TouchScene::of_world(occupancy, grid);
+    let contact = Exact::default().advance(&scene, device, proxy);
     assert!(!contact.violation && !occupancy.is_solid(proxy.voxel()));
     contact
 }
@@ -198,7 +200,7 @@ fn the_ball_never_overlaps_a_solid_voxel_however_it_moves() {
                 assert!(distance >= radius * spacing.min_element() - 1e-9);
                 touched += u32::from(contact.touching);
                 if let Some(cell) = contact.stopped_by {
-                    check_solid_near(&probe, cell, spacing);
+                    check_solid_near(&probe, cell.voxel, spacing);
                 }
             }
         }

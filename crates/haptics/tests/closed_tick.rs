@@ -154,10 +154,7 @@ fn the_ball_never_calls_the_allocator() {
                     velocity_in_scene: DVec3::ZERO,
                     coupling: Coupling::default(),
                 };
-                let scene = TouchScene {
-                    occupancy: &probe,
-                    grid: &grid,
-                };
+                let scene = TouchScene::of_world(&probe, &grid);
                 assert!(!tick(&scene, &Exact::default(), &input, &mut state).violation);
                 probe.solid_near(state.proxy.voxel() + 1);
 

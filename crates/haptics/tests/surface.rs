@@ -5,7 +5,7 @@ mod support;
 use glam::{DVec3, IVec3};
 use palpate_haptics::coupling::MAX_STIFFNESS;
 use palpate_haptics::friction::Friction;
-use palpate_haptics::scene::Solid;
+use palpate_haptics::scene::{Solid, TouchScene};
 use palpate_haptics::surface::{
     Feel, Holders, Surface, SurfaceBlend, SurfaceError, Surfaces, Uniform,
 };
@@ -105,6 +105,29 @@ fn faces_that_the_probe_does_not_stand_on_or_is_not_pulled_to_do_not_count() {
     assert_eq!(held(DVec3::splat(f64::NAN), DVec3::X), []);
     assert_eq!(held(corner, DVec3::new(f64::NAN, f64::NAN, 1.0)), []);
     assert_eq!(held(DVec3::splat(1e300), DVec3::ONE), []);
+}
+
+#[test]
+fn a_contact_is_held_by_the_faces_it_stands_on_and_by_the_object_that_stopped_it() {
+    let floor = Body(|v: IVec3| v.z < 0);
+    let grid = support::grid(glam::UVec3::splat(8), DVec3::ONE);
+    let scene = TouchScene::of_world(&floor, &grid);
+    let [on_floor, above] = [1e-8, 0.4].map(|z| DVec3::new(0.5, 0.5, z));
+    let target = DVec3::new(1.5, 0.5, 1e-8 - 1.0);
+    let held = |point, stopped_by| {
+        let holders = Holders::of_contact(&scene, point, target, stopped_by);
+        holders
+            .solids()
+            .map(|(solid, weight)| (solid.body, weight))
+            .collect::<Vec<_>>()
+    };
+    // pulled at 45°: the floor bears half of the square, the object beside it the rest
+    assert_eq!(held(on_floor, Some(solid(0, -1))), [(0, 0.5)]);
+    assert_eq!(held(on_floor, Some(solid(2, 5))), [(0, 0.5), (2, 0.5)]);
+    assert_eq!(held(above, Some(solid(2, 5))), [(2, 1.0)]);
+    // an edge, where no face is stood on
+    assert_eq!(held(above, Some(solid(0, 5))), [(0, 1.0)]);
+    assert_eq!(held(above, None), []);
 }
 
 #[test]

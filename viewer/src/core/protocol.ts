@@ -111,7 +111,11 @@ export interface Settings {
   readonly force_limit: number;
 }
 
-/** First message of the engine: everything the page needs to draw. */
+/**
+ * First message of the engine: everything the page needs to draw.
+ *
+ * `defaults` are the settings that the session was started with.
+ */
 export interface Hello {
   readonly type: "hello";
   readonly protocol: number;
@@ -119,6 +123,7 @@ export interface Hello {
   readonly scan: Scan;
   readonly segments: readonly Segment[];
   readonly settings: Settings;
+  readonly defaults: Settings;
   readonly device: string;
 }
 
@@ -526,6 +531,7 @@ const isHello = record({
   scan: isScan,
   segments: list(isSegment),
   settings: isSettings,
+  defaults: isSettings,
   device: text(),
 });
 

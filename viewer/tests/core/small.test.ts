@@ -9,7 +9,7 @@ import { rangeHolding, shownRanges } from "../../src/core/shown_segments";
 import { subsamplingStep } from "../../src/core/subsampling";
 import { distance, dot, subtract, type Vec3 } from "../../src/core/vector";
 import { Random } from "../random";
-import { scanOf, volumeOf } from "./volumes";
+import { scanOf, segment, volumeOf } from "./volumes";
 
 test("the scale bar is round, fits, and uses its room", () => {
   const random = new Random(41);
@@ -47,12 +47,11 @@ test("shares of values are counted inside the bins too", () => {
 
 test("where segments share a value the visible one wins", () => {
   const scan = scanOf([8, 8, 8], [1, 1, 1]);
-  const base = { name: "", colour: [0, 0, 0] as const, touchable: true, voxels: 0, volume_ml: 0, pending: false, feel: { stiffness: null, friction_static: null, friction_kinetic: null }, pose: null };
   const ranges = shownRanges(
     [
-      { ...base, id: 1, visible: false, range: [0, 100] },
-      { ...base, id: 2, visible: true, range: [50, 200] },
-      { ...base, id: 3, visible: true, range: null },
+      { ...segment, id: 1, visible: false, range: [0, 100] },
+      { ...segment, id: 2, visible: true, range: [50, 200] },
+      { ...segment, id: 3, visible: true, range: null },
     ],
     scan,
   );

@@ -12,7 +12,7 @@ use glam::{DMat3, DVec3, IVec3, UVec3};
 use palpate_device::scripted::{PathSample, ScriptedDevice};
 use palpate_device::simulated::{SimulatedDevice, SimulatedSettings};
 use palpate_device::{DeviceLimits, DeviceState, HapticDevice};
-use palpate_engine::feel::Feel;
+use palpate_engine::feel::{Feel, Feels};
 use palpate_engine::frame::Notice;
 use palpate_engine::handover::{Channels, DeviceSample, HandTarget, TickRecord};
 use palpate_engine::mapping::Mapping;
@@ -199,7 +199,7 @@ impl Rig {
             mapping: Mapping::IDENTITY,
             probe,
             settings: Settings::default(),
-            feels: [Feel::default(); 256],
+            feels: Feels::default(),
         };
         Self {
             servo: ServoLoop::new(start, channels.servo, Arc::clone(&shared)),

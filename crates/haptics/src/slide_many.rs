@@ -1,0 +1,202 @@
+//! One slide of the proxy among several bodies: to a node that brings it nearer.
+//!
+//! First the voxels of each body that was met, as in `slide.rs`: the window of that body's own
+//! lattice, so that the stairs of one body are climbed as if it were alone. Then a lattice of
+//! half the smallest spacing, for creases where the stairs of two bodies meet. A way is taken
+//! only if each of its legs was walked free in every body, and if, after a descent from its
+//! end, the device is nearer than before by more than rounding.
+//!
+//! Frame: the world's grid, lengths in mm.
+
+use crate::bodies::{Bodies, Visits};
+use crate::descent::{Descent, descend};
+use crate::node_lattice::{NODES, NodeLattice, Way, clear};
+use crate::slide_window::{LayerDistances, SlideWindow};
+use crate::voxel_distance::nearest_point;
+use glam::{DVec3, IVec3};
+use palpate_volume::occupancy::Occupancy;
+
+/// By how much a slide or a descent must lower the distance to the device, in smallest
+/// spacings: what is less is rounding, and the proxy stays.
+pub(crate) const LEAST_GAIN: f64 = 1e-5;
+
+/// Steps of the lattice for creases, in smallest spacings.
+const FINE_STEP: f64 = 0.5;
+/// Ways tried in one lattice.
+const TRIES: u32 = 3;
+
+/// A slide to be found.
+#[derive(Debug)]
+pub(crate) struct Slide<'a, 'b, O> {
+    pub bodies: &'a Bodies<'b, O>,
+    pub from: DVec3,
+    pub device: DVec3,
+    /// Most voxels of the first leg of a descent.
+    pub most_visits: u32,
+}
+
+impl<O: Occupancy> Slide<'_, '_, O> {
+    /// A place that is strictly nearer to the device, by the lattices of the bodies in `met`.
+    pub(crate) fn find(&self, met: u32, visits: &mut Visits) -> Option<Descent> {
+        let is_met = |body: &u8| met >> body & 1 == 1;
+        let found = self
+            .bodies
+            .numbers()
+            .filter(is_met)
+            .find_map(|body| self.along_voxels(body, visits));
+        found.or_else(|| {
+            self.bodies
+                .numbers()
+                .filter(is_met)
+                .find_map(|body| self.along_crease(body, visits))
+        })
+    }
+
+    /// Distance that has to be undercut, squared [mm²].
+    fn limit(&self) -> f64 {
+        let gain = LEAST_GAIN * self.bodies.smallest_spacing();
+        let here = self.bodies.squared_distance(self.from, self.device).sqrt();
+        (here - gain).max(0.0).powi(2)
+    }
+
+    /// In the window of a body's own voxels, by the distance to their boxes.
+    fn along_voxels(&self, body: u8, visits: &mut Visits) -> Option<Descent> {
+        let [from, device] = [self.from, self.device].map(|point| self.bodies.to_body(body, point));
+        let voxel = from.floor().as_ivec3();
+        let window = SlideWindow::new(voxel, device);
+        let start = voxel - window.min;
+        if !visits.take(NODES) {
+            return None;
+        }
+        let open = window.outside(&self.bodies.block(body, window.min));
+        let distances = LayerDistances::new(window.min, device, self.bodies.spacing(body));
+        let axes = self.bodies.world_from_body(body).matrix3;
+        let lattice = NodeLattice {
+            origin: self.from,
+            start,
+            steps: [axes.x_axis, axes.y_axis, axes.z_axis],
+            open,
+        };
+        self.best_of(lattice, &distances, Some(body), visits)
+    }
+
+    /// In a fine lattice along a body's axes, by the distance to the nodes themselves.
+    fn along_crease(&self, body: u8, visits: &mut Visits) -> Option<Descent> {
+        let [from, device] = [self.from, self.device].map(|point| self.bodies.to_body(body, point));
+        let spacing = self.bodies.spacing(body);
+        let step = FINE_STEP * self.bodies.smallest_spacing() / spacing;
+        // nodes stand in for voxels: the window is that of the device in steps
+        let way = (device - from) / step;
+        let window = SlideWindow::new(IVec3::ZERO, way + 0.5);
+        let start = -window.min;
+        let distances =
+            LayerDistances::of_points(from - start.as_dvec3() * step, step, device, spacing);
+        let axes = self.bodies.world_from_body(body).matrix3;
+        let lattice = NodeLattice {
+            origin: self.from,
+            start,
+            steps: [
+                axes.x_axis * step.x,
+                axes.y_axis * step.y,
+                axes.z_axis * step.z,
+            ],
+            open: window.usable(),
+        };
+        self.best_of(lattice, &distances, None, visits)
+    }
+
+    /// Takes the ways to the nearest nodes that are near enough, until one leads nearer.
+    fn best_of(
+        &self,
+        mut lattice: NodeLattice,
+        distances: &LayerDistances,
+        voxels_of: Option<u8>,
+        visits: &mut Visits,
+    ) -> Option<Descent> {
+        let limit = self.limit();
+        let mut nearer = distances.nearer(&lattice.open, limit);
+        clear(&mut nearer, lattice.start);
+        if nearer == [0; 8] {
+            return None;
+        }
+
+        // what the other bodies leave open of that
+        let reached = lattice.ways().reached;
+        if common(&nearer, &reached) == [0; 8] {
+            return None;
+        }
+        for body in self.bodies.numbers() {
+            if voxels_of != Some(body) && !lattice.close_solid(self.bodies, body, &reached, visits)
+            {
+                return None;
+            }
+        }
+
+        for _ in 0..TRIES {
+            let ways = lattice.ways();
+            let candidates = common(&common(&nearer, &lattice.open), &ways.reached);
+            let node = distances.nearest(&candidates)?;
+            let way = ways.to(node)?;
+            match self.take(&lattice, &way, voxels_of, visits) {
+                Taken::Nearer(descent) => return Some(descent),
+                Taken::NotNearer => clear(&mut nearer, node),
+                Taken::Blocked(node) => lattice.close(node),
+            }
+        }
+        None
+    }
+
+    /// Walks a way, and from its end toward the device.
+    fn take(
+        &self,
+        lattice: &NodeLattice,
+        way: &Way,
+        voxels_of: Option<u8>,
+        visits: &mut Visits,
+    ) -> Taken {
+        // straight to its end, or else from node to node
+        let Some(&last) = way.nodes().last() else {
+            return Taken::NotNearer;
+        };
+        let mut at = lattice.point(last);
+        if !self.bodies.is_free(self.from, at, visits) {
+            at = self.from;
+            for &node in way.nodes() {
+                let next = lattice.point(node);
+                if !self.bodies.is_free(at, next, visits) {
+                    return Taken::Blocked(node);
+                }
+                at = next;
+            }
+        }
+
+        // the point of its voxel that is nearest to the device, then on from there
+        if let Some(body) = voxels_of {
+            let [here, device] = [at, self.device].map(|point| self.bodies.to_body(body, point));
+            let nearest = nearest_point(here.floor().as_ivec3(), device);
+            let goal = self.bodies.world_from_body(body).transform_point3(nearest);
+            if self.bodies.is_free(at, goal, visits) {
+                at = goal;
+            }
+        }
+        let descent = descend(self.bodies, at, self.device, self.most_visits, visits);
+        let distance = self.bodies.squared_distance(descent.point, self.device);
+        if descent.arrived || distance < self.limit() {
+            Taken::Nearer(descent)
+        } else {
+            Taken::NotNearer
+        }
+    }
+}
+
+/// What came of a way.
+enum Taken {
+    Nearer(Descent),
+    NotNearer,
+    /// Something stands before this node.
+    Blocked(IVec3),
+}
+
+fn common(a: &[u64; 8], b: &[u64; 8]) -> [u64; 8] {
+    std::array::from_fn(|z| a[z] & b[z])
+}
