@@ -1,6 +1,8 @@
 #![allow(missing_docs, clippy::print_stdout)]
-use glam::{DVec3, IVec3, UVec3, DMat3};
-use palpate_haptics::smooth::blur::BlurField;
+use glam::{DMat3, DVec3, IVec3, UVec3};
+use palpate_haptics::proxy::Proxy;
+use palpate_haptics::scene::TouchScene;
+use palpate_haptics::smooth::cache::SmoothCache;
 use palpate_haptics::smooth::field::Field;
 use palpate_volume::grid::Grid;
 use palpate_volume::occupancy::Occupancy;
@@ -20,26 +22,60 @@ fn main() {
         // free surface points
         let mut pts = Vec::new();
         for i in 0..2000 {
-            let a = i as f64 * 0.37; let b = (i as f64 * 0.113).sin();
-            let dir = DVec3::new(a.cos() * (1.0 - b * b).sqrt(), a.sin() * (1.0 - b * b).sqrt(), b);
+            let a = i as f64 * 0.37;
+            let b = (i as f64 * 0.113).sin();
+            let dir = DVec3::new(
+                a.cos() * (1.0 - b * b).sqrt(),
+                a.sin() * (1.0 - b * b).sqrt(),
+                b,
+            );
             let mut r = 55.0;
             loop {
                 let p = (c + dir * (r - 0.2)) / spacing;
-                if seg.occupancy().is_solid(p.floor().as_ivec3()) { break; }
+                if seg.occupancy().is_solid(p.floor().as_ivec3()) {
+                    break;
+                }
                 r -= 0.2;
             }
             pts.push((c + dir * r) / spacing);
         }
         let best = |name: &str, f: &mut dyn FnMut() -> usize| {
             let mut best = f64::INFINITY;
-            for _ in 0..15 { let t = Instant::now(); let n = f(); best = best.min(t.elapsed().as_secs_f64() / n as f64); }
+            for _ in 0..15 {
+                let t = Instant::now();
+                let n = f();
+                best = best.min(t.elapsed().as_secs_f64() / n as f64);
+            }
             println!("{name}: {:.0} ns", best * 1e9);
         };
-        let mut field = BlurField::default();
-        best("block", &mut || { for p in &pts { black_box(seg.occupancy().block(p.floor().as_ivec3() - 4)); } pts.len() });
+        let mut cache = SmoothCache::default();
+        let scene = TouchScene::of_world(seg.occupancy(), &grid);
+        best("block", &mut || {
+            for p in &pts {
+                black_box(seg.occupancy().block(p.floor().as_ivec3() - 4));
+            }
+            pts.len()
+        });
         let mut e = 0;
-        best("prepare", &mut || { for p in &pts { e += 1; field.prepare(seg.occupancy(), &grid, e, *p); black_box(&field); } pts.len() });
-        let p = pts[7]; field.prepare(seg.occupancy(), &grid, 0, p);
-        best("sample", &mut || { let mut q = p; for _ in 0..1000 { let s = field.sample(q); q = p + s.gradient * 1e-9; black_box(s); } 1000 });
+        best("prepare", &mut || {
+            for p in &pts {
+                e += 1;
+                black_box(cache.near(&scene, e, &Proxy::at(*p).unwrap()));
+            }
+            pts.len()
+        });
+        let p = pts[7];
+        let proxy = Proxy::at(p).unwrap();
+        let near = cache.near(&scene, 0, &proxy);
+        let field = near.iter().next().unwrap().field;
+        best("sample", &mut || {
+            let mut q = p;
+            for _ in 0..1000 {
+                let s = field.sample(q);
+                q = p + s.wide.gradient * 1e-9 + s.fine.gradient * 1e-9;
+                black_box(s);
+            }
+            1000
+        });
     }
 }

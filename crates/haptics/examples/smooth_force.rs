@@ -11,8 +11,8 @@ use palpate_haptics::contact::ContactModel;
 use palpate_haptics::exact::Exact;
 use palpate_haptics::proxy::Proxy;
 use palpate_haptics::scene::TouchScene;
-use palpate_haptics::smooth::blur::BlurField;
-use palpate_haptics::smooth::{SmoothState, Smoother};
+use palpate_haptics::smooth::cache::SmoothCache;
+use palpate_haptics::smooth::{SmoothInput, SmoothState, Smoother};
 use palpate_volume::grid::Grid;
 use palpate_volume::segment::Segment;
 use std::time::Instant;
@@ -36,75 +36,6 @@ struct Figures {
     far: f64,
 }
 
-
-struct Global { nodes: Vec<f64>, size: IVec3, m: DVec3, odd: bool, var: f64 }
-fn taps() -> Vec<f64> {
-    let text = std::env::var("TAPS").unwrap_or("1 2 1".into());
-    let taps: Vec<f64> = text.split_whitespace().map(|t| t.parse().unwrap()).collect();
-    let sum: f64 = taps.iter().sum();
-    taps.iter().map(|t| t / sum).collect()
-}
-impl Global {
-    fn new(body: &Segment, grid: &Grid) -> Self {
-        let sp = grid.spacing();
-        let scale: f64 = std::env::var("LENGTH").map_or(1.0, |s| s.parse().unwrap());
-        let length = sp.max_element().max(2.0 * sp.min_element()) * scale;
-        let m = (length / sp).map(|x| 2f64.powf(x.log2().round().clamp(0.0, 2.0)));
-        let mi = m.as_ivec3();
-        let size = grid.dimensions().as_ivec3() / mi + 8;
-        let at = |v: IVec3| ((v.z * size.y + v.y) * size.x + v.x) as usize;
-        let mut c = vec![0.0; (size.x * size.y * size.z) as usize];
-        for z in 0..size.z { for y in 0..size.y { for x in 0..size.x {
-            let v = IVec3::new(x, y, z);
-            let mut n = 0;
-            for k in 0..mi.z { for j in 0..mi.y { for i in 0..mi.x {
-                n += i32::from(body.contains((v - 4) * mi + IVec3::new(i, j, k)));
-            } } }
-            c[at(v)] = f64::from(n) / f64::from(mi.element_product());
-        } } }
-        let taps = taps();
-        let half = taps.len() as i32 / 2;
-        for axis in 0..3 {
-            let mut d = vec![0.0; c.len()];
-            for z in 0..size.z { for y in 0..size.y { for x in 0..size.x {
-                let v = IVec3::new(x, y, z);
-                for (i, t) in taps.iter().enumerate() {
-                    let mut w = v; w[axis] = (w[axis] + i as i32 - half).clamp(0, size[axis] - 1);
-                    d[at(v)] += t * c[at(w)];
-                }
-            } } }
-            c = d;
-        }
-        let n = taps.len() as f64;
-        let var: f64 = taps.iter().enumerate().map(|(i, t)| t * (i as f64 - (n - 1.0) / 2.0).powi(2)).sum();
-        Self { nodes: c, size, m, odd: taps.len() % 2 == 1, var }
-    }
-}
-fn bw(t: f64) -> [[f64; 3]; 2] {
-    let (low, high) = (0.5 - t, 0.5 + t);
-    [[0.5 * low * low, 0.75 - t * t, 0.5 * high * high], [-low, -2.0 * t, high]]
-}
-impl palpate_haptics::smooth::field::Field for Global {
-    fn cell(&self) -> DVec3 { self.m }
-    fn sigma(&self) -> DVec3 { (self.m * self.m * (1.0 / 3.0 + self.var) - 1.0 / 12.0).map(f64::sqrt) }
-    fn sample(&self, p: DVec3) -> palpate_haptics::smooth::field::FieldSample {
-        let t = p / self.m + 4.0 - if self.odd { 0.5 } else { 0.0 };
-        let node = t.round();
-        let [wx, wy, wz] = (t - node).to_array().map(bw);
-        let n = node.as_ivec3();
-        let mut value = 0.0; let mut g = DVec3::ZERO;
-        for k in 0..3 { for j in 0..3 { for i in 0..3 {
-            let v = n + IVec3::new(i, j, k) - 1;
-            let v = v.clamp(IVec3::ZERO, self.size - 1);
-            let c = self.nodes[((v.z * self.size.y + v.y) * self.size.x + v.x) as usize];
-            let [i, j, k] = [i, j, k].map(|i| i as usize);
-            value += c * wx[0][i] * wy[0][j] * wz[0][k];
-            g += c * DVec3::new(wx[1][i] * wy[0][j] * wz[0][k], wx[0][i] * wy[1][j] * wz[0][k], wx[0][i] * wy[0][j] * wz[1][k]);
-        } } }
-        palpate_haptics::smooth::field::FieldSample { value, gradient: g / self.m }
-    }
-}
-
 fn stats(values: &[f64]) -> [f64; 3] {
     let mut v = values.to_vec();
     v.sort_by(f64::total_cmp);
@@ -119,29 +50,30 @@ fn follow(figures: &mut Figures, body: &Segment, grid: &Grid, path: &Path, depth
     let mut proxy = Proxy::at((first + normal * 5.0 * h) / spacing).expect("finite");
     let smoother = Smoother::default();
     let mut state = SmoothState::default();
-    let mut field = BlurField::default();
-    let global = Global::new(body, grid);
+    let mut cache = SmoothCache::default();
+    let scene = TouchScene::of_world(body.occupancy(), grid);
     let mut before = DVec3::ZERO;
     let mut depths: [Vec<f64>; 3] = Default::default();
     for (update, &(foot, normal)) in path.iter().enumerate() {
         let device = (foot - normal * depth * h) / spacing;
-        Exact::default().advance(
-            &TouchScene::of_world(body.occupancy(), grid),
-            device,
-            &mut proxy,
-        );
+        let met = Exact::default().advance(&scene, device, &mut proxy);
         let clock = Instant::now();
-        field.prepare(body.occupancy(), grid, 0, proxy.point());
-        let contact = smoother.contact_point(&global, grid, &proxy, device, &mut state);
+        let fields = cache.near(&scene, 0, &proxy);
+        let input = SmoothInput {
+            proxy: &proxy,
+            device_in_grid: device,
+            contact: &met,
+        };
+        let contact = smoother.contact_point(&fields, grid, &input, &mut state);
         figures.seconds += clock.elapsed().as_secs_f64();
         let device = device * spacing;
         let points = [
             proxy.point() * spacing,
-            device + contact.target,
+            contact.unlimited_in_grid * spacing,
             contact.point_in_grid * spacing,
         ];
         if update < 60 {
-            before = contact.target;
+            before = contact.unlimited_in_grid * spacing - device;
             continue;
         }
         for (i, point) in points.into_iter().enumerate() {
@@ -155,8 +87,8 @@ fn follow(figures: &mut Figures, body: &Segment, grid: &Grid, path: &Path, depth
         figures.far = figures
             .far
             .max(((points[1] - points[0]) / spacing).length());
-        figures.step = figures.step.max((contact.target - before).length() / h);
-        before = contact.target;
+        figures.step = figures.step.max((points[1] - device - before).length() / h);
+        before = points[1] - device;
         figures.limited += f64::from(u8::from((points[1] - points[2]).length() > 1e-9));
         figures.weight += contact.weight;
         figures.samples += f64::from(contact.samples);
