@@ -100,7 +100,8 @@ def make_app(
         return voxels_response(await run_in_threadpool(live.segments.labels), step=step)
 
     async def recording(_: Request) -> Response:
-        return _recording_of(kept)
+        # a page asks as soon as the recording has ended, which is before its file is written
+        return _recording_of(kept.file_name, await run_in_threadpool(kept.newest))
 
     async def messages(websocket: WebSocket) -> None:
         await live.serve(websocket)
@@ -120,12 +121,11 @@ def make_app(
     )
 
 
-def _recording_of(recorder: Recorder) -> Response:
-    file = recorder.file
+def _recording_of(name: str, file: Path | None) -> Response:
     if file is None:
         reason = "no recording was made yet; allowed: after one has ended"
         return PlainTextResponse(reason, status_code=404)
-    return FileResponse(file, media_type="application/octet-stream", filename=recorder.file_name)
+    return FileResponse(file, media_type="application/octet-stream", filename=name)
 
 
 class _Server(uvicorn.Server):
