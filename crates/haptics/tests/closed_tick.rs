@@ -12,9 +12,13 @@ use palpate_haptics::ball_probe::ProbeSolid;
 use palpate_haptics::contact::ContactModel;
 use palpate_haptics::coupling::Coupling;
 use palpate_haptics::exact::Exact;
+use palpate_haptics::friction::FrictionState;
+use palpate_haptics::local_force::LocalForce;
+use palpate_haptics::passivity::Passivity;
 use palpate_haptics::placement::nearest_free;
-use palpate_haptics::safety::{ForceLimits, Safety};
+use palpate_haptics::safety::{ForceLimits, Safety, SafetySettings};
 use palpate_haptics::scene::TouchScene;
+use palpate_haptics::surface::{Holders, Surface, SurfaceBlend, Uniform};
 use palpate_haptics::thesis_improved::ThesisImproved;
 use palpate_haptics::thesis_original::ThesisOriginal;
 use palpate_haptics::tick::{TickInput, TickState, tick};
@@ -142,8 +146,8 @@ fn the_ball_never_calls_the_allocator() {
         let ball = || Ball::new(BallShape::new(radius, spacing).expect("within the window"));
         let mut probe = ProbeSolid::new([few.clone(), few.clone()], Some(ball()));
         let mut other = Some(union.clone());
-        let mut spare = Some(ball());
-        let mut new_ball = ball();
+        let mut spare = ball();
+        let target = probe.ball().expect("a ball").shape().radius_mm();
         let proxy = nearest_free(&probe, &grid, DVec3::splat(24.0), 40).expect("free");
         let mut state = TickState { proxy };
         let mut random = Random::new(5);
@@ -158,18 +162,69 @@ fn the_ball_never_calls_the_allocator() {
                 assert!(!tick(&scene, &Exact::default(), &input, &mut state).violation);
                 probe.solid_near(state.proxy.voxel() + 1);
 
-                // the other voxels, where the probe allows, or the same with another ball
+                probe.refined(&state.proxy, random.point(-5.0, 53.0));
+
+                // the other voxels, where the probe allows
                 let Some(new) = other.take() else { return };
-                new_ball.invalidate();
-                let admission = admit(&probe, &new_ball.dilate(&new), &grid, &mut state.proxy);
+                let changed = probe.among(&new, &mut spare);
+                let admission = admit(&probe, &changed, &grid, &mut state.proxy);
                 other = Some(if admission == Admission::Held {
-                    spare = probe.replace_ball(spare.take());
                     new
                 } else {
                     probe.replace(new)
                 });
+
+                // and another radius
+                let radius = random.between(0.0, target);
+                let shape = probe.ball().map(|ball| ball.shape().toward(radius));
+                let Some(Ok(shape)) = shape else { return };
+                probe.admit_shape(shape, &mut spare, &grid, &mut state.proxy);
             }
         });
         assert_eq!(calls, 0);
     }
+}
+
+#[test]
+fn friction_surfaces_and_the_device_s_side_never_call_the_allocator() {
+    let solid = noise(32, 0.3, 1);
+    let grid = grid(UVec3::splat(32), SPACINGS[0]);
+    let scene = TouchScene::of_world(&solid, &grid);
+    let surface = Surface {
+        stiffness: 1.0,
+        friction_static: 0.4,
+        friction_kinetic: 0.2,
+        range: None,
+    };
+    let mut proxy = nearest_free(&solid, &grid, DVec3::splat(16.0), 9).expect("free");
+    let mut friction = FrictionState::default();
+    let mut blend = SurfaceBlend::default();
+    let mut contacts = 0;
+    let mut passivity = Passivity::default();
+    let mut safety = Safety::starting(ForceLimits::default(), SafetySettings::default());
+    let mut random = Random::new(5);
+    let calls = allocator_calls(|| {
+        for _ in 0..50_000 {
+            let device = random.point(-5.0, 37.0);
+            let target = surface.friction().target(device, 1.0, &mut friction);
+            let contact = Exact::default().advance(&scene, target, &mut proxy);
+            let point = contact.touching.then(|| proxy.point());
+            friction.remember(&surface.friction(), target, point);
+            let holders = Holders::of_contact(&scene, proxy.point(), target, contact.stopped_by);
+            blend.follow(holders.mixed(&Uniform(surface)), 0.1, 1.0, 1.0);
+            let law = LocalForce {
+                device,
+                spring: proxy.point() - device,
+                normal: (proxy.point() - device).normalize_or_zero(),
+                coupling: Coupling::default(),
+                ..LocalForce::NONE
+            };
+            passivity.observe(law.held, device, 0.0, law.energy_at(device, 10.0));
+            let force = passivity.control(law.force_at(device, target), device, 0.001);
+            safety.limit(force, 0.001);
+            contacts += u32::from(contact.touching);
+        }
+    });
+    assert_eq!(calls, 0);
+    assert!(contacts > 1000, "{contacts}");
 }

@@ -108,7 +108,15 @@ pub fn run(seed: u64, number: u64, model: Model, bone: Option<Source<'_>>) -> Re
     let grid = plan.grid();
     let radius = plan.radius * grid.smallest_spacing();
     if radius == 0.0 {
-        return Run::new(&plan, world, &grid, PointWorld::new(bits), model, random).report(number);
+        return Run::new(
+            &plan,
+            world,
+            &grid,
+            PointWorld::new(&grid, bits),
+            model,
+            random,
+        )
+        .report(number);
     }
     let shape = BallShape::new(radius, plan.spacing).expect("plans make balls that fit");
     let touched = BallWorld::new(bits, shape);
@@ -392,7 +400,7 @@ mod tests {
         let mut random = Random::of_stream(7, 0);
         let plan = Plan::new(0, false, &mut random);
         let world = World::new(&plan, None, &mut random);
-        let touched = PointWorld::new(world.bits());
+        let touched = PointWorld::new(&plan.grid(), world.bits());
         let model = Faulty {
             calls: Cell::new(0),
             visit_bound,
@@ -476,7 +484,7 @@ mod tests {
         plan.edits = true;
         let world = World::new(&plan, None, &mut random);
         let bits = world.bits();
-        let touched = Careless(PointWorld::new(bits.clone()), bits);
+        let touched = Careless(PointWorld::new(&plan.grid(), bits.clone()), bits);
         let model = Exact::default();
         let grid = plan.grid();
         let report = Run::new(&plan, world, &grid, touched, model, random).report(3);

@@ -10,17 +10,20 @@ use palpate_haptics::proxy::Proxy;
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;
+use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
 use palpate_volume::occupancy::Occupancy;
 use palpate_volume::voxel_box::VoxelBox;
 use rtrb::{Consumer, RingBuffer};
 
+use crate::body::Body;
 use crate::handover::{BrickChange, Garbage};
 use crate::probe::Probe;
-use crate::touch_occupancy::TouchOccupancy;
+use crate::touch_occupancy::{GARBAGE_PER_CHANGE, TouchOccupancy};
+use crate::touchable::{Part, Touchable};
 
 /// Room for the garbage of some edits at once.
-const GARBAGE: usize = 4096;
+const GARBAGE: usize = 2 * GARBAGE_PER_CHANGE;
 
 /// What a probe touches.
 pub trait Touched {
@@ -63,10 +66,16 @@ pub struct PointWorld {
 
 impl PointWorld {
     /// The voxels of a world.
-    pub fn new(bits: Bits) -> Self {
+    pub fn new(grid: &Grid, bits: Bits) -> Self {
         let (producer, garbage) = RingBuffer::new(GARBAGE);
+        let part = Part {
+            id: SegmentId(1),
+            bits,
+            moved: None,
+        };
+        let touchable = Touchable::new(grid, vec![part], 0.0).expect("a point fits anywhere");
         Self {
-            occupancy: TouchOccupancy::new(bits, producer),
+            occupancy: TouchOccupancy::new(touchable, producer),
             garbage,
             edits: 0,
         }
@@ -78,14 +87,14 @@ impl PointWorld {
 }
 
 impl Touched for PointWorld {
-    type Solid = Bits;
+    type Solid = Body;
 
-    fn solid(&self) -> &Bits {
-        self.occupancy.bits()
+    fn solid(&self) -> &Body {
+        &self.occupancy.touchable().world
     }
 
     fn bits(&self) -> &Bits {
-        self.occupancy.bits()
+        self.solid().bits()
     }
 
     fn has_room(&self) -> bool {
@@ -101,7 +110,11 @@ impl Touched for PointWorld {
     ) -> bool {
         self.edits += 1;
         let sequence = self.edits;
-        let change = BrickChange { sequence, swaps };
+        let change = BrickChange {
+            sequence,
+            swaps,
+            parts: Vec::new(),
+        };
         self.occupancy
             .take_bricks(change, &mut Probe { grid, proxy });
         self.clear();
