@@ -9,7 +9,7 @@ use palpate_haptics::coupling::Coupling;
 use palpate_haptics::placement::nearest_free;
 use palpate_haptics::proxy::Proxy;
 use palpate_haptics::safety::{ForceLimits, Safety};
-use palpate_haptics::scene::TouchScene;
+use palpate_haptics::scene::{Object, TouchScene};
 use palpate_haptics::tick::{TickInput, TickOutput, TickState, tick};
 use palpate_volume::bits::Bits;
 use palpate_volume::grid::Grid;
@@ -20,6 +20,7 @@ use super::checker::{Checker, Guarantee, Terms, Violation};
 use super::dense::Dense;
 use super::hand::{Hand, anywhere};
 use super::plan::{Plan, Terrain};
+use super::thing::{Made, Thing};
 use super::touched::{BallWorld, PointWorld, Touched, swaps_of};
 use super::world::{SIZE, World};
 use crate::bench::quality::REST_TICKS;
@@ -35,7 +36,9 @@ const NONSENSE: f64 = 1.0 / 2048.0;
 /// Ticks at rest that must be equal to the bit.
 const STILL: usize = 8;
 /// How far around a point a free place for the probe is sought [voxels].
-const START_REACH: i32 = 16;
+const START_REACH: i32 = 6;
+/// Points tried.
+const STARTS: usize = 8;
 
 /// Bone to take parts of.
 #[derive(Clone, Copy, Debug)]
@@ -115,11 +118,12 @@ pub fn run(seed: u64, number: u64, model: Model, bone: Option<Source<'_>>) -> Re
     Run::new(&plan, world, &grid, touched, model, random).report(number)
 }
 
-struct Run<'a, T, M> {
+struct Run<'a, T: Touched, M> {
     plan: &'a Plan,
     grid: &'a Grid,
     terms: Terms,
     touched: T,
+    objects: Vec<Object<T::Solid>>,
     model: M,
     random: Random,
     /// What edits want, be it touched already or held back.
@@ -155,6 +159,11 @@ impl<'a, T: Touched, M: ContactModel> Run<'a, T, M> {
             dt: DT,
             frictionless: true,
         };
+        let made: Vec<(Thing, Made)> = (0..plan.objects)
+            .map(|_| Thing::random(plan, grid, &mut random))
+            .collect();
+        let objects = made.iter().map(|(_, made)| touched.object(made)).collect();
+        let things = made.into_iter().map(|(thing, _)| thing).collect();
         // without edits, all that is solid stays
         let constant = if plan.edits {
             &world.fixed
@@ -167,8 +176,9 @@ impl<'a, T: Touched, M: ContactModel> Run<'a, T, M> {
             grid,
             terms,
             touched,
+            objects,
             model,
-            checker: Checker::new(terms, world.dense.clone(), &constant),
+            checker: Checker::new(terms, world.dense.clone(), &constant, things),
             wanted: world.dense,
             fixed: world.fixed,
             unsettled: Vec::new(),
@@ -197,10 +207,8 @@ impl<'a, T: Touched, M: ContactModel> Run<'a, T, M> {
     }
 
     fn all_moves(&mut self) -> Result<(), Violation> {
-        let start = anywhere(&mut self.random);
-        let free = nearest_free(self.touched.solid(), self.grid, start, START_REACH);
         // a world may have no room for the probe
-        let Some(proxy) = free.filter(|proxy| self.wanted.index(proxy.voxel()).is_some()) else {
+        let Some(proxy) = (0..STARTS).find_map(|_| self.free_place()) else {
             return Ok(());
         };
         let mut state = TickState { proxy };
@@ -222,6 +230,14 @@ impl<'a, T: Touched, M: ContactModel> Run<'a, T, M> {
         Ok(())
     }
 
+    /// A place for the probe, free in every body.
+    fn free_place(&mut self) -> Option<Proxy> {
+        let start = anywhere(&mut self.random);
+        let proxy = nearest_free(self.touched.solid(), self.grid, start, START_REACH)?;
+        let is_inside = self.wanted.index(proxy.voxel()).is_some();
+        (is_inside && self.checker.after_changes(&proxy).is_ok()).then_some(proxy)
+    }
+
     /// One tick, checked.
     fn go(&mut self, device: DVec3, state: &mut TickState) -> Result<TickOutput, Violation> {
         let from = state.proxy;
@@ -238,7 +254,11 @@ impl<'a, T: Touched, M: ContactModel> Run<'a, T, M> {
         let device_in_scene = self.terms.in_scene(device);
         let moved = device_in_scene - self.terms.in_scene(self.last_device);
         self.last_device = device;
-        let scene = TouchScene::of_world(self.touched.solid(), self.grid);
+        let scene = TouchScene {
+            occupancy: self.touched.solid(),
+            grid: self.grid,
+            objects: &self.objects,
+        };
         let input = TickInput {
             device_in_scene,
             velocity_in_scene: moved / DT,

@@ -7,6 +7,7 @@ use palpate_haptics::admission::{Admission, admit};
 use palpate_haptics::ball::{Ball, BallShape};
 use palpate_haptics::ball_probe::ProbeSolid;
 use palpate_haptics::proxy::Proxy;
+use palpate_haptics::scene::Object;
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;
@@ -15,6 +16,7 @@ use palpate_volume::occupancy::Occupancy;
 use palpate_volume::voxel_box::VoxelBox;
 use rtrb::{Consumer, RingBuffer};
 
+use super::thing::Made;
 use crate::handover::{BrickChange, Garbage};
 use crate::probe::Probe;
 use crate::touch_occupancy::TouchOccupancy;
@@ -29,6 +31,9 @@ pub trait Touched {
 
     /// What is solid for the middle of the probe.
     fn solid(&self) -> &Self::Solid;
+
+    /// An object for the same probe.
+    fn object(&self, made: &Made) -> Object<Self::Solid>;
 
     /// The voxels that are touched now.
     fn bits(&self) -> &Bits;
@@ -82,6 +87,10 @@ impl Touched for PointWorld {
 
     fn solid(&self) -> &Bits {
         self.occupancy.bits()
+    }
+
+    fn object(&self, made: &Made) -> Object<Bits> {
+        Object::new(made.bits.clone(), &made.grid, made.bounds, made.pose)
     }
 
     fn bits(&self) -> &Bits {
@@ -140,6 +149,15 @@ impl Touched for BallWorld {
 
     fn solid(&self) -> &ProbeSolid<Bits> {
         &self.solid
+    }
+
+    fn object(&self, made: &Made) -> Object<ProbeSolid<Bits>> {
+        let shape = BallShape::new(self.shape.radius_mm(), made.grid.spacing())
+            .expect("plans make balls that fit");
+        let reach = shape.reach();
+        let solid = ProbeSolid::new(made.bits.clone(), Some(Ball::new(shape)));
+        let bounds = VoxelBox::new(made.bounds.min - reach, made.bounds.max + reach);
+        Object::new(solid, &made.grid, bounds, made.pose)
     }
 
     fn bits(&self) -> &Bits {
