@@ -14,6 +14,7 @@
 
 use crate::ball_brick::dilated_brick;
 use crate::ball_cache::BallCache;
+use crate::ball_nearest::nearest_solid;
 pub use crate::ball_shape::{BallError, BallShape, MAX_REACH};
 use glam::IVec3;
 use palpate_volume::bit_brick::BitBrick;
@@ -60,6 +61,12 @@ impl Ball {
             changed.max.saturating_add(reach),
         );
         self.cache.invalidate_box(&cells);
+    }
+
+    /// The solid voxel that the ball rests against where this cell holds its centre back: the
+    /// nearest one [mm, centre to centre] of those that block the cell; none where it is free.
+    pub fn solid_near(&self, inner: &(impl Occupancy + ?Sized), cell: IVec3) -> Option<IVec3> {
+        nearest_solid(inner, &self.shape, cell)
     }
 
     /// The cells that are blocked in this occupancy, which must be the one that the ball

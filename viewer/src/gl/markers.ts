@@ -149,7 +149,7 @@ export class Markers {
   private readonly normalShaft = new Marker(cylinder(), 1);
   private readonly normalHead = new Marker(cone(), 1);
   private readonly gauge = new ForceGauge(amber);
-  private readonly path = new PathRibbon(pale);
+  private readonly path = new PathRibbon(accent);
 
   private shown: MarkerState | null = null;
   private tip: Vec3 = [0, 0, 0];
