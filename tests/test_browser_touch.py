@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 from browser import ROOT, Browser, Command, browser, palpate
 from numpy.typing import NDArray
+from palpate.recording import Recording
 
 pytestmark = pytest.mark.browser
 
@@ -408,6 +409,28 @@ def test_a_gamepad_is_found_moves_the_hand_and_rumbles_in_contact(page: Browser)
     page.read("window.__pad = null; void window.dispatchEvent(new Event('gamepaddisconnected'))")
     page.wait("document.querySelector('[data-testid=gamepad]') === null")
     page.read("window.palpate.setView('A')")
+
+
+# --- kept -------------------------------------------------------------------------------
+
+
+def test_a_recording_is_made_saved_and_read_again(page: Browser, tmp_path: Path) -> None:
+    page.do("click", testid="record")
+    page.wait("window.palpate.state.recording > 0.2")
+    assert page.read("document.querySelector('[data-testid=record]').ariaLabel") == "Stop recording"
+    pressed = press(page)
+    page.do("press", key="Shift+R")
+    page.wait("document.querySelector('[data-testid=save-recording]') !== null")
+    assert page.read("window.palpate.state.recording") is None
+
+    file = tmp_path / "saved.palpate-session"
+    name = page.do("download", testid="save-recording", path=str(file))["name"]
+    assert name == "block.palpate-session"
+    recording = Recording.load(file)
+    assert recording.seconds > 0.2
+    assert recording.contacts[-1]
+    assert recording.forces[-1] == pytest.approx(pressed["force"], abs=0.05)
+    assert not recording.contacts[0]
 
 
 # --- room -------------------------------------------------------------------------------

@@ -177,13 +177,16 @@ class Recording:
     @cached_property
     def events(self) -> list[str]:
         """What happened in each tick beside touch: commands, and ticks lost before it."""
-        events: list[list[str]] = [[] for _ in range(len(self))]
-        for row, name in self._commands():
-            events[row].append(name)
+        said: dict[int, list[str]] = {}
         steps = np.diff(self.ticks.astype(np.int64))
         for before in np.flatnonzero(steps > 1).tolist():
-            events[before + 1].insert(0, f"{steps[before] - 1} ticks lost")
-        return [" + ".join(names) for names in events]
+            said[before + 1] = [f"{steps[before] - 1} ticks lost"]
+        for row, name in self._commands():
+            said.setdefault(row, []).append(name)
+        events = [""] * len(self)
+        for row, names in said.items():
+            events[row] = " + ".join(names)
+        return events
 
     def _commands(self) -> list[tuple[int, str]]:
         """Lists the commands: the row that obeyed each, and its name."""

@@ -65,8 +65,8 @@ def make_app(
     session: Session, *, access: Access, page: Path = PAGE, recorder: Recorder | None = None
 ) -> Starlette:
     """Makes the application that shows a session; recordings are those of ``recorder``."""
-    recorder = recorder or Recorder(session)
-    live = Live(session, hello_of(session), recorder)
+    kept = Recorder(session) if recorder is None else recorder
+    live = Live(session, hello_of(session), kept)
 
     @asynccontextmanager
     async def lifespan(_: Starlette) -> AsyncIterator[None]:
@@ -79,6 +79,8 @@ def make_app(
             pump.cancel()
             with suppress(asyncio.CancelledError):
                 await pump
+            if recorder is None:
+                kept.close()
 
     async def index(_: Request) -> Response:
         return FileResponse(page / "index.html")
@@ -98,13 +100,8 @@ def make_app(
         return voxels_response(await run_in_threadpool(live.segments.labels), step=step)
 
     async def recording(_: Request) -> Response:
-        file = recorder.file
-        if file is None:
-            reason = "no recording was made yet; allowed: after one has ended"
-            return PlainTextResponse(reason, status_code=404)
-        return FileResponse(
-            file, media_type="application/octet-stream", filename=recorder.file_name
-        )
+        # a page asks as soon as the recording has ended, which is before its file is written
+        return _recording_of(kept.file_name, await run_in_threadpool(kept.newest))
 
     async def messages(websocket: WebSocket) -> None:
         await live.serve(websocket)
@@ -122,6 +119,13 @@ def make_app(
         middleware=[Middleware(AccessMiddleware, access=access)],
         lifespan=lifespan,
     )
+
+
+def _recording_of(name: str, file: Path | None) -> Response:
+    if file is None:
+        reason = "no recording was made yet; allowed: after one has ended"
+        return PlainTextResponse(reason, status_code=404)
+    return FileResponse(file, media_type="application/octet-stream", filename=name)
 
 
 class _Server(uvicorn.Server):

@@ -56,6 +56,11 @@ class Recorder:
         """The last finished recording; None where there is none."""
         return self._file
 
+    def newest(self) -> Path | None:
+        """Returns the last finished recording; one that is being written is waited for."""
+        with self._lock:
+            return self._file
+
     @property
     def file_name(self) -> str:
         """What to call it where it is kept."""

@@ -3,6 +3,7 @@
 //! Budgets (design, section 8): detection of rays 4 voxels long at least 15 M/s, the hard proxy
 //! pressing and sliding at least 2 M/s (1 M/s on CThead in the first version).
 
+pub mod passivity;
 pub mod quality;
 mod random;
 mod rays;

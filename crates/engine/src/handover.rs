@@ -8,6 +8,7 @@
 
 use glam::{DMat3, DVec3};
 use palpate_device::DeviceState;
+use palpate_haptics::local_force::LocalForce;
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::brick_grid::BrickSwap;
 use palpate_volume::edit::SegmentId;
@@ -49,8 +50,8 @@ pub struct ForceCommand {
     pub time: f64,
     /// Number of the tick that computed it, from 1; 0 before the first.
     pub tick: u64,
-    /// The contact's force, before the safety stage, in the device's frame [N].
-    pub force_in_device: DVec3,
+    /// The contact as the device can follow it, in the device's frame, before the safety stage.
+    pub law: LocalForce,
     /// Where a simulated hand pulls to, in the device's frame [mm].
     pub hand_in_device: DVec3,
     /// Largest force [N].
@@ -276,7 +277,7 @@ impl Channels {
         let (forces_in, forces_out) = triple_buffer(&ForceCommand {
             time: 0.0,
             tick: 0,
-            force_in_device: DVec3::ZERO,
+            law: LocalForce::NONE,
             hand_in_device: DVec3::ZERO,
             max_force: 0.0,
         });

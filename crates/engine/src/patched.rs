@@ -62,3 +62,32 @@ fn brick_index(bits: &Bits, voxel: IVec3) -> u32 {
     let brick = (voxel / BRICK).as_uvec3();
     (brick.z * size.y + brick.y) * size.x + brick.x
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use glam::UVec3;
+
+    use super::*;
+
+    #[test]
+    fn blocks_of_a_patch_hold_what_single_questions_find() {
+        // dimensions that are no multiples of a brick
+        let base = Bits::from_bricks(UVec3::new(21, 17, 13), |voxels| {
+            BitBrick::from_fn(voxels.size(), |v| (v.x * 5 + v.y * 3 + v.z * 7) % 4 == 0)
+        });
+        let swap = |index, brick| BrickSwap { index, brick };
+        let swaps = [
+            swap(0, None),
+            swap(4, Some(Arc::new(BitBrick([0x1234_5678_9abc_def0; 8])))),
+        ];
+        let patched = Patched::new(&base, &swaps);
+        assert_ne!(patched.block(IVec3::ZERO), base.block(IVec3::ZERO));
+        for min in [IVec3::splat(-3), IVec3::new(5, 2, 1), IVec3::new(8, 8, 0)] {
+            let plainly =
+                BitBrick::from_fn(UVec3::splat(8), |offset| patched.is_solid(min + offset));
+            assert_eq!(patched.block(min), plainly);
+        }
+    }
+}

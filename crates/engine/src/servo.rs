@@ -7,6 +7,7 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
 
 use glam::DVec3;
+use palpate_haptics::local_force::LocalForce;
 use palpate_haptics::placement::nearest_free;
 use palpate_haptics::proxy::Proxy;
 use palpate_haptics::tick::{TickInput, TickOutput, TickState, tick};
@@ -160,7 +161,7 @@ impl ServoLoop {
 
         let output = self.touch(&self.input(inputs));
 
-        self.publish_force(&output, inputs.time);
+        self.publish_force(inputs, &output);
         self.publish_status(inputs, &output);
         self.record(inputs, &output, sent_in_device);
         self.state.tick += 1;
@@ -304,12 +305,12 @@ impl ServoLoop {
         output
     }
 
-    fn publish_force(&mut self, output: &TickOutput, now: f64) {
+    fn publish_force(&mut self, inputs: &TickInputs, output: &TickOutput) {
         let mapping = &self.state.mapping;
         self.ends.forces.write(ForceCommand {
-            time: now,
+            time: inputs.time,
             tick: self.state.tick + 1,
-            force_in_device: mapping.force_to_device(output.force),
+            law: law_in_device(mapping, inputs, output),
             hand_in_device: mapping.point_to_device(self.state.hand),
             max_force: self.state.settings.force_limit,
         });
@@ -362,5 +363,21 @@ impl ServoLoop {
         };
         // whoever asks asks once, and takes what he asked for
         let _ = self.ends.snapshots.push(snapshot);
+    }
+}
+
+/// The contact as the device can follow it.
+fn law_in_device(mapping: &Mapping, inputs: &TickInputs, output: &TickOutput) -> LocalForce {
+    if output.spring == DVec3::ZERO {
+        return LocalForce::held(mapping.force_to_device(output.force));
+    }
+    LocalForce {
+        device: inputs.position_in_device,
+        spring: mapping.force_to_device(output.spring),
+        normal: mapping.force_to_device(output.normal),
+        coupling: output.coupling,
+        sticks: output.sticks,
+        scale: mapping.scale,
+        held: DVec3::ZERO,
     }
 }

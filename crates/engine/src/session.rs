@@ -19,7 +19,7 @@ use crate::error::SessionError;
 use crate::feel::Feel;
 use crate::frame::{Frame, Notice, Rates};
 use crate::handover::HandTarget;
-use crate::live::Live;
+use crate::live::{Live, Paces};
 use crate::mapping::rotation_of_view;
 use crate::offline::Offline;
 use crate::picture::Picture;
@@ -67,7 +67,11 @@ impl Session {
         let grid = config.grid;
         let device_name = config.device.name().to_owned();
         let device_limits = config.device.limits();
-        let (rate_hz, real_time) = (config.rate_hz, config.real_time);
+        let real_time = config.real_time;
+        let paces = Paces {
+            device_hz: config.device_rate_hz(),
+            servo_hz: config.rate_hz,
+        };
         let Assembly {
             loops,
             picture,
@@ -78,12 +82,12 @@ impl Session {
         } = assemble(config)?;
 
         let run = if real_time {
-            let (live, granted) = Live::start(loops, Arc::clone(&shared), rate_hz)?;
+            let (live, granted) = Live::start(loops, Arc::clone(&shared), paces)?;
             lock(&picture).real_time = granted.is_ok();
             tell_of_priority(&notices, &granted);
             Run::Live(live)
         } else {
-            let offline = Offline::new(loops, Arc::clone(&shared), rate_hz);
+            let offline = Offline::new(loops, Arc::clone(&shared), paces);
             Run::Offline(Box::new(Mutex::new(offline)))
         };
         Ok(Self {

@@ -19,6 +19,7 @@ use crate::friction::{Friction, FrictionError};
 use crate::scene::{Solid, TouchScene};
 use glam::DVec3;
 use palpate_volume::occupancy::Occupancy;
+use serde::{Deserialize, Serialize};
 
 /// What a segment feels like.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -223,7 +224,7 @@ pub struct Feel {
 }
 
 /// What the contact feels like now, on its way to what holds the probe back now.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SurfaceBlend {
     stiffness: Blend,
     stick: Blend,
@@ -269,7 +270,7 @@ impl SurfaceBlend {
 }
 
 /// One figure on its way to another.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Blend {
     now: f64,
     /// The largest figure on the way so far: a full change is from nothing to it.

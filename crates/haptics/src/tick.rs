@@ -42,6 +42,13 @@ pub struct TickOutput {
     pub normal: DVec3,
     /// Force on the device [N], scene axes, before the safety stage; zero without contact.
     pub force: DVec3,
+    /// The spring that the force comes from: from the device to the contact point [mm], scene
+    /// axes; zero without contact, and where a model has a force of its own.
+    pub spring: DVec3,
+    /// What that spring is made of here.
+    pub coupling: Coupling,
+    /// Whether the contact point stays where it is along the surface.
+    pub sticks: bool,
     /// Whether a solid voxel holds the proxy back.
     pub contact: bool,
     /// Way from proxy to device [mm] in a contact, else 0.
@@ -87,6 +94,9 @@ pub fn tick<O: Occupancy>(
                 .coupling
                 .force(proxy_from_device, finite(input.velocity_in_scene)),
         ),
+        spring: proxy_from_device,
+        coupling: input.coupling,
+        sticks: false,
         contact: contact.touching,
         depth: proxy_from_device.length(),
         visits: contact.visits,

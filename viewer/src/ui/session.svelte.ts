@@ -240,7 +240,6 @@ export class Session {
       this.recorded = null;
     } else if (before !== null) {
       this.recorded = before;
-      this.notify("info", "The recording is ready: save it with the button beside “Record”.");
     }
   }
 }

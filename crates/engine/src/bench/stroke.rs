@@ -77,15 +77,15 @@ pub fn stroke(grid: &Grid, solid: &Bits, count: usize, seed: u64) -> Option<Stro
 
 /// Where a stroke begins.
 #[derive(Clone, Copy, Debug)]
-struct Touch {
+pub(super) struct Touch {
     /// A free point at the surface.
-    free: DVec3,
+    pub free: DVec3,
     /// The middle of the solid voxel next to it.
-    solid: DVec3,
+    pub solid: DVec3,
 }
 
 /// A place at the surface that is met from outside.
-fn touched_point(grid: &Grid, solid: &Bits, random: &mut Random) -> Option<Touch> {
+pub(super) fn touched_point(grid: &Grid, solid: &Bits, random: &mut Random) -> Option<Touch> {
     let bounds = VoxelBox::of_dimensions(grid.dimensions());
     let (low, high) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
     let middle = (low + high) * 0.5;

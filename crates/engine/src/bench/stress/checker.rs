@@ -398,6 +398,7 @@ impl Blocked {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use palpate_haptics::coupling::Coupling;
 
     /// A wall at x = 8 and a device in it.
     fn checker() -> Checker {
@@ -430,6 +431,9 @@ mod tests {
             contact_point_in_scene: DVec3::ZERO,
             normal: DVec3::ZERO,
             force: DVec3::X * force,
+            spring: DVec3::X * force,
+            coupling: Coupling::default(),
+            sticks: false,
             contact: true,
             depth: 0.0,
             visits: 100,
