@@ -300,6 +300,7 @@ impl ServoLoop {
     }
 
     fn touch(&mut self, input: &TickInput) -> TickOutput {
+        self.cache.set_epoch(self.occupancy.version());
         let surfaces = TouchedSurfaces {
             touchable: self.occupancy.touchable(),
             settings: &self.state.settings,

@@ -79,9 +79,9 @@ pub struct TickCache {
 }
 
 impl TickCache {
-    /// Voxels or bodies are others now.
-    pub fn invalidate(&mut self) {
-        self.epoch += 1;
+    /// Tells a number that changes with every voxel and every body.
+    pub fn set_epoch(&mut self, epoch: u64) {
+        self.epoch = epoch;
     }
 }
 
@@ -207,6 +207,11 @@ impl<O: Occupancy, M: ContactModel, S: Surfaces> Tick<'_, O, M, S> {
             let visits = contact.visits;
             (contact, to) = advance(target, &mut state.proxy);
             contact.visits += visits;
+        }
+
+        if contact.violation {
+            state.forget_contact();
+            return (contact, Felt::NOTHING);
         }
 
         // the smooth point beside it
