@@ -113,6 +113,13 @@ impl PySession {
         self.session.device_name()
     }
 
+    /// The largest stiffness [N/mm] and force [N] that the device bears.
+    #[getter]
+    fn device_limits(&self) -> (f64, f64) {
+        let limits = self.session.device_limits();
+        (limits.max_stiffness, limits.max_force)
+    }
+
     #[getter]
     fn is_running(&self) -> bool {
         self.session.is_running()

@@ -8,6 +8,7 @@ from pathlib import Path
 import palpate
 import pytest
 from palpate import OptionError, Scene, _core
+from palpate.bench import stress
 from palpate.bench.goals import DEFAULT_STIFFNESS, GOALS, STROKES, TOUCHES
 from palpate.bench.haptics import measure
 from palpate.bench.passivity import measure as rub_rows
@@ -233,3 +234,59 @@ def test_the_command_of_passivity_writes_its_file(tmp_path: Path) -> None:
     rows = json.loads(file.read_text())["rows"]
     assert len(rows) == len(GOALS["passivity"]) // len(DEFAULT_STIFFNESS)
     assert run(["bench", "passivity", "--device", "knife"]) == 2
+
+
+# --- stress ------------------------------------------------------------------------------
+
+
+def test_random_moves_break_no_promise(ball_scene: Scene) -> None:
+    bone = next(iter(ball_scene)).segment
+    found = stress.measure(bone, stress.Plan(seed=3), moves=300_000)
+    assert found.violation is None
+    assert found.moves >= 300_000
+    figures = {row.metric: row for row in stress.rows_of(found)}
+    assert (figures["violations"].value, figures["violations"].goal) == (0.0, 0.0)
+    assert figures["violations"].met
+    assert figures["moves"].value == pytest.approx(found.moves / 1e6)
+
+
+def test_a_violation_is_told_and_replayed(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from palpate.cli import run
+
+    case, rows = tmp_path / "case.json", tmp_path / "rows.json"
+    options = ["--model", "thesis-improved", "--case", str(case), "--json", str(rows)]
+    assert run(["bench", "stress", "--moves", "100000", *options]) == 1
+    first = capsys.readouterr().out
+    told = json.loads(case.read_text())
+    assert told["model"] == "thesis-improved"
+    assert told["guarantee"] in (1, 2)
+    figures = {row["metric"]: row for row in json.loads(rows.read_text())["rows"]}
+    assert figures["violations"]["value"] == 1.0
+
+    assert run(["bench", "stress", "--replay", str(case)]) == 1
+    again = capsys.readouterr().out
+    assert told["what"] in first
+    assert told["what"] in again
+    # with the model that touch uses the same run is clean
+    case.write_text(json.dumps({**told, "model": "exact"}))
+    assert run(["bench", "stress", "--replay", str(case)]) == 0
+
+
+def test_what_is_no_stress_is_refused(tmp_path: Path, ball_scene: Scene) -> None:
+    from palpate.cli import run
+
+    bone = next(iter(ball_scene)).segment
+    with pytest.raises(OptionError, match="allowed: 1 or more"):
+        stress.measure(bone, stress.Plan(seed=1), moves=0)
+    with pytest.raises(OptionError, match="allowed: 0 to"):
+        stress.Plan(seed=-1)
+    with pytest.raises(OptionError, match="allowed: 'exact'"):
+        stress.again(bone, stress.Plan(seed=1, model="CHAI3D"))
+    bad = tmp_path / "bad.json"
+    for text in ("{}", "[]", "no json", '{"seed": 1, "run": "a", "model": "exact", "data": null}'):
+        bad.write_text(text)
+        with pytest.raises(OptionError, match="allowed: a file that it wrote"):
+            stress.Plan.of_file(bad)
+    assert run(["bench", "stress", "--replay", str(tmp_path / "none.json")]) == 2

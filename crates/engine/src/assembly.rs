@@ -28,7 +28,7 @@ use crate::settings::Settings;
 use crate::shared::Shared;
 use crate::simulation::{Simulation, SimulationStatus};
 use crate::tape::TapeRecorder;
-use crate::touch::union_of;
+use crate::touch_sender::touchable_of;
 
 /// A session before it runs.
 pub struct Assembly {
@@ -115,7 +115,7 @@ fn servo_start(
     let grid = *scene.voxels().grid();
     ServoStart {
         grid,
-        bits: union_of(grid.dimensions(), &scene.touchable_bits()),
+        touchable: touchable_of(scene, settings.probe_radius),
         mapping: first_mapping(reference),
         probe,
         settings,

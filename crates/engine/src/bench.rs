@@ -7,6 +7,7 @@ pub mod passivity;
 pub mod quality;
 mod random;
 mod rays;
+pub mod stress;
 mod stroke;
 mod timing;
 

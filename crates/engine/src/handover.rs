@@ -10,7 +10,6 @@ use glam::{DMat3, DVec3};
 use palpate_device::DeviceState;
 use palpate_haptics::local_force::LocalForce;
 use palpate_volume::bit_brick::BitBrick;
-use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;
 use palpate_volume::edit::SegmentId;
 use rtrb::{Consumer, Producer, RingBuffer};
@@ -19,11 +18,13 @@ use triple_buffer::{Input, Output, triple_buffer};
 use crate::feel::Feel;
 use crate::servo_state::{ServoState, TickInputs};
 use crate::settings::Settings;
+use crate::touch_occupancy::GARBAGE_PER_CHANGE;
+use crate::touchable::{Part, Touchable, union_brick, unmoved};
 
 /// Commands that may wait for the servo.
 const INBOX: usize = 4096;
 /// Old bricks and roots that may wait to be freed.
-const GARBAGE: usize = 8192;
+const GARBAGE: usize = 2 * GARBAGE_PER_CHANGE;
 /// Ticks whose records may wait for the picture: 2 s at 4 kHz.
 const RECORDS: usize = 8192;
 /// States that may wait for a recording; it asks for one at a time.
@@ -73,8 +74,8 @@ pub enum ServoCommand {
     Root {
         /// Number of the change.
         sequence: u64,
-        /// The union of all touchable segments.
-        bits: Bits,
+        /// What is to be touched.
+        touchable: Touchable,
     },
     /// Replaces some bricks of it.
     Bricks(BrickChange),
@@ -111,15 +112,40 @@ pub struct Snapshot {
 pub struct BrickChange {
     /// Number of the change.
     pub sequence: u64,
-    /// At most [`MAX_BRICKS`], by rising index, each once.
+    /// Of the union: at most [`MAX_BRICKS`], by rising index, each once.
     pub swaps: Vec<BrickSwap<BitBrick>>,
+    /// Of the segments that it changes, at most [`MAX_BRICKS`].
+    pub parts: Vec<(SegmentId, BrickSwap<BitBrick>)>,
+}
+
+impl BrickChange {
+    /// Bricks of segments that hold them by now; what becomes of the union follows.
+    #[must_use]
+    pub fn new(
+        sequence: u64,
+        parts: &[Part],
+        changed: Vec<(SegmentId, BrickSwap<BitBrick>)>,
+    ) -> Self {
+        let mut bricks: Vec<u32> = changed.iter().map(|(_, swap)| swap.index).collect();
+        bricks.sort_unstable();
+        bricks.dedup();
+        let swaps = bricks.into_iter().map(|index| BrickSwap {
+            index,
+            brick: union_brick(unmoved(parts).map(|part| &part.bits), index),
+        });
+        Self {
+            sequence,
+            swaps: swaps.collect(),
+            parts: changed,
+        }
+    }
 }
 
 /// Servo → simulation: what is to be freed there. The fields are only ever dropped.
 #[derive(Debug)]
 pub enum Garbage {
     /// An occupancy that is no longer touched.
-    Root(Bits),
+    Root(Touchable),
     /// Bricks that are no longer touched.
     Bricks(BrickChange),
     /// A brick that was never touched.

@@ -6,9 +6,12 @@
 use std::collections::BTreeMap;
 
 use crate::feel::{Feel, Feels};
+use crate::touchable::Part;
+use glam::DAffine3;
 use palpate_volume::bits::Bits;
 use palpate_volume::edit::{Edit, SegmentId};
 use palpate_volume::segment::Segment;
+use palpate_volume::voxel_box::VoxelBox;
 use palpate_volume::voxels::{Voxels, VoxelsError};
 
 /// Threshold that a segment is, in physical units: low and high, both included.
@@ -23,6 +26,8 @@ pub struct Properties {
     pub range: Option<ThresholdRange>,
     /// How its surface feels.
     pub feel: Feel,
+    /// Where it was moved [mm, from the scan to the scene]; none where the scan has it.
+    pub pose: Option<DAffine3>,
 }
 
 /// A change of the scene.
@@ -192,6 +197,21 @@ impl Scene {
         self.segments()
             .filter(|(_, _, properties)| properties.touchable)
             .map(|(_, segment, _)| segment.occupancy())
+            .collect()
+    }
+
+    /// All obstacles, by rising number.
+    #[must_use]
+    pub fn touchable_parts(&self) -> Vec<Part> {
+        self.segments()
+            .filter(|(_, _, properties)| properties.touchable)
+            .map(|(id, segment, properties)| Part {
+                id,
+                bits: segment.occupancy().clone(),
+                moved: properties
+                    .pose
+                    .map(|_| segment.bounding_box().unwrap_or(VoxelBox::EMPTY)),
+            })
             .collect()
     }
 

@@ -10,7 +10,6 @@ use glam::DVec3;
 use palpate_haptics::local_force::LocalForce;
 use palpate_haptics::placement::nearest_free;
 use palpate_haptics::proxy::Proxy;
-use palpate_haptics::scene::TouchScene;
 use palpate_haptics::tick::{TickInput, TickOutput, TickState, tick};
 use palpate_volume::bits::Bits;
 use palpate_volume::grid::Grid;
@@ -27,6 +26,7 @@ use crate::servo_state::{ServoState, TickInputs};
 use crate::settings::Settings;
 use crate::shared::Shared;
 use crate::touch_occupancy::TouchOccupancy;
+use crate::touchable::Touchable;
 
 /// Commands obeyed per tick, at most, and one change of the occupancy.
 pub const MAX_COMMANDS_PER_TICK: usize = 16;
@@ -40,8 +40,8 @@ const PLACE_REACH: i32 = 3;
 pub struct ServoStart {
     /// Where the scan stands.
     pub grid: Grid,
-    /// What is solid.
-    pub bits: Bits,
+    /// What is touched.
+    pub touchable: Touchable,
     /// `scene_from_device`.
     pub mapping: Mapping,
     /// Where the probe is, in a free voxel.
@@ -97,14 +97,14 @@ impl ServoLoop {
             command: 0,
             tick: 0,
         };
-        Self::resume(start.grid, start.bits, state, (channels, shared))
+        Self::resume(start.grid, start.touchable, state, (channels, shared))
     }
 
     /// A servo that goes on from a state.
     #[must_use]
     pub fn resume(
         grid: Grid,
-        bits: Bits,
+        touchable: Touchable,
         state: ServoState,
         (channels, shared): (ServoChannels, Arc<Shared>),
     ) -> Self {
@@ -121,7 +121,7 @@ impl ServoLoop {
         Self {
             grid,
             state,
-            occupancy: TouchOccupancy::new(bits, garbage),
+            occupancy: TouchOccupancy::new(touchable, garbage),
             marked: false,
             ends: Ends {
                 samples,
@@ -139,7 +139,7 @@ impl ServoLoop {
     /// What is solid for the probe now.
     #[must_use]
     pub fn solid(&self) -> &Bits {
-        self.occupancy.bits()
+        self.occupancy.touchable().world.bits()
     }
 
     /// One tick at `now` [s] with what device and person say by then.
@@ -217,9 +217,12 @@ impl ServoLoop {
             proxy: &mut self.state.touch.proxy,
         };
         match command {
-            Some(ServoCommand::Root { sequence, bits }) => {
+            Some(ServoCommand::Root {
+                sequence,
+                touchable,
+            }) => {
                 self.state.received = sequence;
-                self.occupancy.take_root(sequence, bits, &mut probe);
+                self.occupancy.take_root(sequence, touchable, &mut probe);
             }
             Some(ServoCommand::Bricks(change)) => {
                 self.state.received = change.sequence;
@@ -254,8 +257,8 @@ impl ServoLoop {
     /// Brings the probe to a free point, and the device there by moving the mapping.
     fn place(&mut self, point: DVec3, device: Option<DVec3>) {
         let point_in_grid = self.grid.grid_from_patient().transform_point3(point);
-        let bits = self.occupancy.bits();
-        let Some(proxy) = nearest_free(bits, &self.grid, point_in_grid, PLACE_REACH) else {
+        let world = &self.occupancy.touchable().world;
+        let Some(proxy) = nearest_free(world, &self.grid, point_in_grid, PLACE_REACH) else {
             self.state.refused_places += 1;
             return;
         };
@@ -293,7 +296,7 @@ impl ServoLoop {
     }
 
     fn touch(&mut self, input: &TickInput) -> TickOutput {
-        let scene = TouchScene::of_world(self.occupancy.bits(), &self.grid);
+        let scene = self.occupancy.scene(&self.grid);
         let model = &self.state.settings.model;
         let output = tick(&scene, model, input, &mut self.state.touch);
         if output.violation {

@@ -7,6 +7,7 @@ use std::sync::mpsc::{self, Sender};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use glam::{DVec3, IVec3};
+use palpate_device::DeviceLimits;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
 use palpate_volume::segment::Segment;
@@ -53,6 +54,7 @@ pub struct Session {
     tape: Arc<Mutex<TapeRecorder>>,
     grid: Grid,
     device_name: String,
+    device_limits: DeviceLimits,
 }
 
 impl Session {
@@ -64,6 +66,7 @@ impl Session {
         check(&config)?;
         let grid = config.grid;
         let device_name = config.device.name().to_owned();
+        let device_limits = config.device.limits();
         let real_time = config.real_time;
         let paces = Paces {
             device_hz: config.device_rate_hz(),
@@ -96,6 +99,7 @@ impl Session {
             tape,
             grid,
             device_name,
+            device_limits,
         })
     }
 
@@ -103,6 +107,12 @@ impl Session {
     #[must_use]
     pub fn device_name(&self) -> &str {
         &self.device_name
+    }
+
+    /// What the device bears.
+    #[must_use]
+    pub fn device_limits(&self) -> DeviceLimits {
+        self.device_limits
     }
 
     /// Moves the target to which the hand pulls the device.

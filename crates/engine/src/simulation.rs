@@ -89,7 +89,7 @@ impl Simulation {
         Self {
             scene,
             journal: Journal::default(),
-            touch: TouchSender::new(channels),
+            touch: TouchSender::new(channels, settings.probe_radius),
             status,
             notices,
             settings: settings.within(&limits),
@@ -331,6 +331,8 @@ impl Simulation {
             self.tell(notice);
         }
         self.touch.send(ServoCommand::Settings(self.settings));
+        self.touch
+            .set_radius(&self.scene, self.settings.probe_radius);
         Ok(self.settings)
     }
 

@@ -20,7 +20,6 @@ use palpate_engine::session_config::{Reference, SessionConfig};
 use palpate_engine::settings::Settings;
 use palpate_engine::tape::{Tape, TapeCommand};
 use palpate_engine::tape_columns::{BUILD, TapeColumns, TapeError};
-use palpate_volume::bits::Bits;
 use palpate_volume::edit::SegmentId;
 
 const DIMENSIONS: UVec3 = UVec3::splat(48);
@@ -442,7 +441,7 @@ fn an_offline_session_with_edits_undo_and_thresholds_is_replayed() {
         assert!(recording.contact.iter().any(|touches| *touches));
 
         let mut other = tape;
-        other.bits = Bits::empty(DIMENSIONS);
+        other.parts.clear();
         assert!(!replay(&recording, &other).unwrap().is_equal());
     }
 }
@@ -570,13 +569,14 @@ fn bricks_beyond_the_border_and_scans_that_fill_all_memory_are_refused() {
     let mut tape = rig.simulation.tape().lock().unwrap().finish().unwrap();
     let mut columns = TapeColumns::from(&tape);
     // the third brick along x has four voxels inside
+    columns.solid.segment.push(1);
     columns.solid.index.push(2);
     columns.solid.words.push([0x0f; 8]);
     assert!(Tape::try_from(&columns).is_ok());
     columns.solid.words[0][3] = 0x1f;
     assert_eq!(Tape::try_from(&columns).unwrap_err(), TapeError::Outside);
 
-    tape.bits = Bits::empty(UVec3::ONE);
+    tape.parts.clear();
     tape.grid = grid(UVec3::new(8_000, 8_000, 8_000));
     let refused = Tape::try_from(&TapeColumns::from(&tape)).unwrap_err();
     assert!(matches!(refused, TapeError::TooLarge { .. }), "{refused}");

@@ -146,8 +146,8 @@ fn the_ball_never_calls_the_allocator() {
         let ball = || Ball::new(BallShape::new(radius, spacing).expect("within the window"));
         let mut probe = ProbeSolid::new([few.clone(), few.clone()], Some(ball()));
         let mut other = Some(union.clone());
-        let mut spare = Some(ball());
-        let mut new_ball = ball();
+        let mut spare = ball();
+        let target = probe.ball().expect("a ball").shape().radius_mm();
         let proxy = nearest_free(&probe, &grid, DVec3::splat(24.0), 40).expect("free");
         let mut state = TickState { proxy };
         let mut random = Random::new(5);
@@ -162,16 +162,23 @@ fn the_ball_never_calls_the_allocator() {
                 assert!(!tick(&scene, &Exact::default(), &input, &mut state).violation);
                 probe.solid_near(state.proxy.voxel() + 1);
 
-                // the other voxels, where the probe allows, or the same with another ball
+                probe.refined(&state.proxy, random.point(-5.0, 53.0));
+
+                // the other voxels, where the probe allows
                 let Some(new) = other.take() else { return };
-                new_ball.invalidate();
-                let admission = admit(&probe, &new_ball.dilate(&new), &grid, &mut state.proxy);
+                let changed = probe.among(&new, &mut spare);
+                let admission = admit(&probe, &changed, &grid, &mut state.proxy);
                 other = Some(if admission == Admission::Held {
-                    spare = probe.replace_ball(spare.take());
                     new
                 } else {
                     probe.replace(new)
                 });
+
+                // and another radius
+                let radius = random.between(0.0, target);
+                let shape = probe.ball().map(|ball| ball.shape().toward(radius));
+                let Some(Ok(shape)) = shape else { return };
+                probe.admit_shape(shape, &mut spare, &grid, &mut state.proxy);
             }
         });
         assert_eq!(calls, 0);

@@ -68,6 +68,8 @@ ORIGINAL = "hard proxy, thesis-original"
 IMPROVED = "hard proxy, thesis-improved"
 TICK = "complete tick"
 
+RANDOM = "random moves"
+
 RATIO = "ratio_to_thesis_improved"
 """Key of calls per second by those of ``thesis-improved`` in the same run."""
 
@@ -207,6 +209,13 @@ GOALS: dict[str, tuple[Goal, ...]] = {
         for wall in WALLS
         for rate in RATES_KHZ
         for goal in _passivity(device, rate, wall)
+    ),
+    "stress": (
+        Goal(RANDOM, "violations", "violations", 1.0, "1", 0.0, "lower"),
+        Goal(RANDOM, "moves", "moves", 1e-6, "M", None, "higher"),
+        Goal(RANDOM, "in contact", "contact_share", 100.0, "%", None, "higher"),
+        Goal(RANDOM, "edits", "edits", 1e-6, "M", None, "higher"),
+        Goal(RANDOM, "rate", "per_second", 1e-6, "M/s", None, "higher"),
     ),
 }
 """Rows of each benchmark, in the order of its table."""

@@ -69,7 +69,12 @@ class Marker {
   private readonly colour = new THREE.Vector3();
   private readonly toward = { value: 0 };
 
-  constructor(geometry: THREE.BufferGeometry, opacity: number) {
+  /** @param side which is seen: of a closed shape the front, of a flat one both. */
+  constructor(
+    geometry: THREE.BufferGeometry,
+    opacity: number,
+    private readonly side: THREE.Side = THREE.FrontSide,
+  ) {
     const solid = new THREE.Mesh(geometry, this.material(opacity, THREE.LessEqualDepth, opacity === 1));
     const ghost = new THREE.Mesh(geometry, this.material(opacity * ghostOpacity, THREE.GreaterDepth, false));
     // ghosts first: a solid marker then covers the ghost of another one
@@ -129,7 +134,7 @@ class Marker {
       uniforms: { colour: { value: this.colour }, opacity: { value: opacity }, toward: this.toward },
       transparent: true,
       premultipliedAlpha: true,
-      side: THREE.DoubleSide,
+      side: this.side,
       depthFunc,
       depthWrite,
     });
@@ -145,11 +150,11 @@ export class Markers {
   private readonly head = new Marker(cone(), 1);
   private readonly ball = new Marker(new THREE.IcosahedronGeometry(1, 5), 0.42);
   private readonly dot = new Marker(new THREE.IcosahedronGeometry(1, 3), 1);
-  private readonly plane = new Marker(ring(), 0.5);
+  private readonly plane = new Marker(ring(), 0.5, THREE.DoubleSide);
   private readonly normalShaft = new Marker(cylinder(), 1);
   private readonly normalHead = new Marker(cone(), 1);
   private readonly gauge = new ForceGauge(amber);
-  private readonly path = new PathRibbon(pale);
+  private readonly path = new PathRibbon(accent);
 
   private shown: MarkerState | null = null;
   private tip: Vec3 = [0, 0, 0];

@@ -20,6 +20,7 @@ use glam::{DMat3, DVec3, UVec3};
 use palpate_device::simulated::{SimulatedDevice, SimulatedSettings};
 use palpate_haptics::safety::SafetySettings;
 use palpate_volume::bits::Bits;
+use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
 use palpate_volume::segment::Segment;
 
@@ -30,6 +31,7 @@ use crate::mapping::Mapping;
 use crate::servo::{ServoLoop, ServoStart};
 use crate::settings::Settings;
 use crate::shared::Shared;
+use crate::touchable::{Part, Touchable};
 use watched::{Watched, Watcher};
 
 use super::random::Random;
@@ -58,6 +60,16 @@ pub struct Wall<'a> {
 }
 
 impl<'a> Wall<'a> {
+    /// What the servo touches.
+    fn touchable(&self) -> Touchable {
+        let part = Part {
+            id: SegmentId(1),
+            bits: self.solid.clone(),
+            moved: None,
+        };
+        Touchable::new(self.grid, vec![part], 0.0).expect("a point fits anywhere")
+    }
+
     /// A place on a solid that is met from outside, of some the one on which a hand slides in
     /// contact the longest; none where there is no surface.
     #[must_use]
@@ -239,7 +251,7 @@ fn loops(
     );
     let start = ServoStart {
         grid: *wall.grid,
-        bits: wall.solid.clone(),
+        touchable: wall.touchable(),
         mapping,
         probe,
         settings: case.settings,

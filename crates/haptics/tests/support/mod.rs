@@ -3,6 +3,11 @@
 #![allow(dead_code, reason = "each test binary uses its own part")]
 
 use glam::{DMat3, DVec3, IVec3, UVec3};
+use palpate_haptics::ball::{Ball, BallShape};
+use palpate_haptics::contact::{Contact, ContactModel};
+use palpate_haptics::exact::Exact;
+use palpate_haptics::proxy::Proxy;
+use palpate_haptics::scene::TouchScene;
 use palpate_volume::grid::Grid;
 use palpate_volume::occupancy::Occupancy;
 use palpate_volume::segment::Segment;
@@ -124,4 +129,37 @@ impl Components {
             Self::OUTSIDE
         }
     }
+}
+
+/// A ball with a radius in smallest spacings.
+pub fn hard(radius: f64, spacing: DVec3) -> Ball {
+    let shape = BallShape::new(radius * spacing.min_element(), spacing);
+    Ball::new(shape.expect("within the window"))
+}
+
+/// Distance [mm] from a point of the grid to the nearest solid voxel within `reach`.
+pub fn distance_to_solid(inner: &impl Occupancy, spacing: DVec3, point: DVec3, reach: i32) -> f64 {
+    let around = VoxelBox::of_voxel(point.floor().as_ivec3()).dilate(reach);
+    around
+        .voxels()
+        .filter(|&voxel| inner.is_solid(voxel))
+        .map(|voxel| {
+            let low = voxel.as_dvec3();
+            let outside = (low - point).max(point - (low + 1.0)).max(DVec3::ZERO);
+            (outside * spacing).length()
+        })
+        .fold(f64::INFINITY, f64::min)
+}
+
+/// One update of `exact`, which must leave the probe free.
+pub fn advance(
+    occupancy: &impl Occupancy,
+    grid: &Grid,
+    device: DVec3,
+    proxy: &mut Proxy,
+) -> Contact {
+    let scene = TouchScene::of_world(occupancy, grid);
+    let contact = Exact::default().advance(&scene, device, proxy);
+    assert!(!contact.violation && !occupancy.is_solid(proxy.voxel()));
+    contact
 }
