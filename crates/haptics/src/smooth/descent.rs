@@ -13,7 +13,7 @@
 //! Frame: mm along the axes of the world's grid.
 
 use super::cache::{NearFields, PlacedField};
-use super::field::{Field, FieldSample, Level};
+use super::field::{Field, Level};
 use super::half_spaces::{HalfSpace, nearest};
 use super::{Smoother, smooth_step};
 use glam::{DMat3, DVec3};
