@@ -40,16 +40,26 @@ impl Default for SmoothCache {
 #[derive(Debug)]
 pub struct PlacedField<'a, F> {
     /// The field.
-    pub field: &'a F,
+    pub(crate) field: &'a F,
     /// 0 for the world, else the place of the object in its scene plus one.
-    pub body: u8,
-    /// Takes points in mm along the axes of the world's grid, from its corner on, to the grid
-    /// of the field.
-    pub field_from_world_mm: DAffine3,
-    /// Size of its voxels [mm].
-    pub spacing: DVec3,
-    /// The shortest edge of its cells [mm].
-    pub cell_length: f64,
+    pub(crate) body: u8,
+    /// Takes mm along the axes of the world's grid, from its corner on, to the field's nodes.
+    pub(crate) nodes_from_mm: DAffine3,
+    /// From a node to the next, along each axis of the body [mm].
+    pub(crate) cell: DVec3,
+}
+
+impl<'a, F: Field> PlacedField<'a, F> {
+    /// A field of a body whose grid has voxels of `spacing` [mm]; `grid_from_mm` takes mm along
+    /// the axes of the world's grid, from its corner on, to the grid of the body.
+    pub fn new(field: &'a F, body: u8, spacing: DVec3, grid_from_mm: DAffine3) -> Self {
+        Self {
+            field,
+            body,
+            nodes_from_mm: field.nodes_from_grid() * grid_from_mm,
+            cell: field.cell() * spacing,
+        }
+    }
 }
 
 impl<F> Clone for PlacedField<'_, F> {
@@ -86,9 +96,9 @@ impl<'a, F> NearFields<'a, F> {
 struct Near {
     place: usize,
     body: u8,
-    field_from_world_mm: DAffine3,
+    grid_from_mm: DAffine3,
     spacing: DVec3,
-    value: f64,
+    value: f32,
 }
 
 impl SmoothCache {
@@ -117,7 +127,7 @@ impl SmoothCache {
             Near {
                 place: self.world,
                 body: 0,
-                field_from_world_mm: world_from_mm,
+                grid_from_mm: world_from_mm,
                 spacing,
                 value: 0.0,
             },
@@ -139,7 +149,7 @@ impl SmoothCache {
                 Near {
                     place,
                     body: number as u8 + 1,
-                    field_from_world_mm: *object.pose().object_from_world() * world_from_mm,
+                    grid_from_mm: *object.pose().object_from_world() * world_from_mm,
                     spacing: object.spacing(),
                     value: 0.0,
                 },
@@ -147,12 +157,9 @@ impl SmoothCache {
         }
 
         let fields = &self.fields;
-        NearFields::new(near.into_iter().flatten().map(|near| PlacedField {
-            field: &fields[near.place],
-            body: near.body,
-            field_from_world_mm: near.field_from_world_mm,
-            spacing: near.spacing,
-            cell_length: (fields[near.place].kernel().cell * near.spacing).min_element(),
+        NearFields::new(near.into_iter().flatten().map(|near| {
+            let field = &fields[near.place];
+            PlacedField::new(field, near.body, near.spacing, near.grid_from_mm)
         }))
     }
 
@@ -178,7 +185,8 @@ impl SmoothCache {
         if !field.any_solid() {
             return;
         }
-        new.value = field.sample(point).wide.value;
+        let in_nodes = field.nodes_from_grid().transform_point3(point);
+        new.value = field.sample(in_nodes.as_vec3a()).wide.value;
         for old in near {
             match old {
                 Some(old) if old.value >= new.value => {}
