@@ -16,7 +16,7 @@
 
 use super::field::{Field, FieldSample, Kernel, Level};
 use super::window::{CELLS, CellCounts, CellShape, Window};
-use glam::{DAffine3, DQuat, DVec3, IVec3, Vec3A};
+use glam::{DVec3, IVec3, Vec3A};
 use palpate_volume::occupancy::Occupancy;
 
 /// Nodes of one row: eight of each kernel, and four zeros that are read with the last ones.
@@ -290,14 +290,13 @@ impl Field for BlurField {
         &self.kernel
     }
 
-    fn nodes_from_grid(&self) -> DAffine3 {
-        // nodes stand in the middles of cells
-        let first = self.window.first().as_dvec3() + 0.5;
-        DAffine3::from_scale_rotation_translation(self.cell().recip(), DQuat::IDENTITY, -first)
-    }
-
     fn cell(&self) -> DVec3 {
         self.shape.voxels().as_dvec3()
+    }
+
+    fn first_node(&self) -> DVec3 {
+        // nodes stand in the middles of cells
+        self.window.first().as_dvec3() + 0.5
     }
 }
 

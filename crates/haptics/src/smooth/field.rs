@@ -3,7 +3,7 @@
 //! Frame: the field's own *nodes*: its window has eight along each axis, numbered from 0, one
 //! apart. They are few and near, so that single precision is plenty.
 
-use glam::{DAffine3, DVec3, Vec3A};
+use glam::{DVec3, Vec3A};
 
 /// A field of one width at a point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -45,9 +45,9 @@ pub trait Field {
     /// Its kernels.
     fn kernel(&self) -> &Kernel;
 
-    /// Takes points of the grid of its body to its nodes; no rotation.
-    fn nodes_from_grid(&self) -> DAffine3;
-
-    /// From a node to the next, along each axis [voxels].
+    /// From a node to the next, along each axis of the grid of its body [voxels].
     fn cell(&self) -> DVec3;
+
+    /// Node 0 in that grid, counted in such steps.
+    fn first_node(&self) -> DVec3;
 }
