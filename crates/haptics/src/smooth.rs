@@ -30,6 +30,7 @@ use descent::{Query, descend};
 use field::Field;
 use glam::DVec3;
 use palpate_volume::grid::Grid;
+use serde::{Deserialize, Serialize};
 
 /// How the smooth contact point is found. A cell is two voxels long on cubes, and about as
 /// long as the thickest side of a voxel where slices are thick.
@@ -54,7 +55,10 @@ pub struct Smoother {
     pub agreed_turn: [f64; 2],
     /// Curvature is measured between normals so far to each side [cells].
     pub baseline: f64,
-    /// The blur's pull is undone up to this [cells].
+    /// The pull of the wide kernel [cells]: up to where it may be that of stairs, and from where
+    /// on it is that of a bent surface and is undone.
+    pub curved: [f64; 2],
+    /// It is undone up to this [cells].
     pub largest_correction: f64,
     /// Change of the way from device to contact point in a tick, beyond that of the hand
     /// [smallest spacings].
@@ -72,9 +76,10 @@ impl Default for Smoother {
             reach: 1.5,
             // on a plane the proxy is at most half a voxel's diagonal below the surface
             trusted: [0.75, 1.25],
-            agreed_depth: [0.15, 0.3],
+            agreed_depth: [0.25, 0.45],
             agreed_turn: [0.2, 0.4],
             baseline: 1.0,
+            curved: [0.05, 0.12],
             largest_correction: 0.5,
             largest_change: 0.1,
         }
@@ -82,13 +87,13 @@ impl Default for Smoother {
 }
 
 /// What changes from tick to tick.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SmoothState {
     last: Option<Last>,
 }
 
 /// The last tick.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Last {
     /// Grid.
     device: DVec3,

@@ -92,6 +92,19 @@ pub trait Surfaces {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Uniform(pub Surface);
 
+impl Uniform {
+    /// A surface without friction; stiffness in N/mm.
+    #[must_use]
+    pub fn smooth(stiffness: f64) -> Self {
+        Self(Surface {
+            stiffness,
+            friction_static: 0.0,
+            friction_kinetic: 0.0,
+            range: None,
+        })
+    }
+}
+
 impl Surfaces for Uniform {
     fn surface_of(&self, _solid: Solid) -> Surface {
         self.0

@@ -7,7 +7,7 @@
 //! answers every question the slow way.
 //!
 //! Guarantees by number (design, section 5):
-//! 1. the probe's body is in no solid voxel;
+//! 1. the probe's body is in no solid voxel of any body;
 //! 2. from tick to tick it goes through free voxels, from face to face, so that it crosses
 //!    no wall;
 //! 3. bounded work, and no force without contact;
@@ -22,6 +22,7 @@ mod dense;
 mod hand;
 mod plan;
 mod run;
+mod thing;
 mod touched;
 mod world;
 

@@ -165,7 +165,10 @@ impl<F: Field> Search<'_, F> {
             if let Some(surface) = surface {
                 let largest = self.smoother.largest_correction * self.length;
                 let pull = field.pull(at, surface, self.smoother.baseline * self.length);
-                surface.depth += (surface.wide * pull).clamp(-largest, largest);
+                // what stairs may have bent is left alone
+                let [small, large] = self.smoother.curved;
+                let share = surface.wide * smooth_step(small, large, pull.abs() / self.length);
+                surface.depth += (share * pull).clamp(-largest, largest);
                 self.samples += 4;
             }
         }

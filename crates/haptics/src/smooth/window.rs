@@ -46,6 +46,16 @@ impl CellShape {
         IVec3::from_array(self.log.map(|log| 1 << log))
     }
 
+    /// The cell, by its number, that holds a place in half voxels.
+    pub(crate) fn cell_of_half(self, halves: IVec3) -> IVec3 {
+        let [x, y, z] = self.log;
+        IVec3::new(
+            halves.x >> (x + 1),
+            halves.y >> (y + 1),
+            halves.z >> (z + 1),
+        )
+    }
+
     /// Voxels of a cell.
     pub(crate) fn volume(self) -> i32 {
         1 << self.log.iter().sum::<u32>()
@@ -167,7 +177,7 @@ fn read_free(
         for block_y in 0..my {
             for block_x in 0..mx {
                 let corner = min + 8 * IVec3::new(block_x, block_y, block_z);
-                let block = occupancy.block(corner);
+                let block = occupancy.smooth_block(corner);
                 for (z, word) in block.0.into_iter().enumerate() {
                     any_solid |= word;
                     let layer = (8 * block_z as usize + z) * shape.layer();

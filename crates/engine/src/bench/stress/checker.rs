@@ -9,6 +9,7 @@ use palpate_haptics::tick::TickOutput;
 use palpate_volume::voxel_box::VoxelBox;
 
 use super::dense::{Dense, Finder};
+use super::thing::Thing;
 
 /// A promise that can be broken; numbers are those of the design, section 5.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -88,8 +89,10 @@ impl Terms {
 #[derive(Debug)]
 pub struct Checker {
     terms: Terms,
-    /// What is touched now.
+    /// What is touched now in the world.
     pub dense: Dense,
+    /// The objects.
+    things: Vec<Thing>,
     /// Parts of the space that walls which stay as they are leave free.
     parts: Vec<u32>,
     finder: Finder,
@@ -99,9 +102,10 @@ pub struct Checker {
 
 impl Checker {
     /// A checker of a world, of which `constant` is what no edit changes.
-    pub fn new(terms: Terms, dense: Dense, constant: &Dense) -> Self {
+    pub fn new(terms: Terms, dense: Dense, constant: &Dense, things: Vec<Thing>) -> Self {
         Self {
             terms,
+            things,
             parts: constant.parts(),
             blocked: Blocked::default(),
             dense,
@@ -158,6 +162,7 @@ impl Checker {
     ) -> Result<(), Violation> {
         self.where_it_is(to)?;
         self.way(device, from, to)?;
+        self.way_past_things(device, from, to)?;
         self.work(output)?;
         self.pull(device, to, output)
     }
@@ -175,7 +180,16 @@ impl Checker {
             voxel == proxy.voxel() && body_is_free,
             Guarantee::StaysOut,
             || format!("the probe is at {point}, voxel {}", proxy.voxel()),
-        )
+        )?;
+        for (number, thing) in self.things.iter().enumerate() {
+            let own = thing.to_own(point);
+            let overlaps = thing.dense.is_solid(own.floor().as_ivec3())
+                || radius > 0.0 && thing.dense.is_near(own, own, thing.spacing, radius);
+            hold(!overlaps, Guarantee::StaysOut, || {
+                format!("the probe is at {point}, in object {number} at {own}")
+            })?;
+        }
+        Ok(())
     }
 
     /// Guarantee 2: no wall that stands for good was crossed, and a way through free voxels
@@ -196,7 +210,7 @@ impl Checker {
             spacing, radius, ..
         } = self.terms;
         let distance = |point: DVec3| ((point - device) * spacing).length();
-        let farthest = distance(from.point()) + WINDOW * spacing.length();
+        let farthest = distance(from.point()) + WINDOW * self.widest();
         let Self {
             dense,
             finder,
@@ -211,6 +225,47 @@ impl Checker {
                 distance(cell.as_dvec3() + 0.5) <= farthest && free(cell)
             });
         hold(is_way, Guarantee::CrossesNoWall, told)
+    }
+
+    /// Guarantee 2 in the grid of each object.
+    fn way_past_things(
+        &mut self,
+        device: DVec3,
+        from: &Proxy,
+        to: &Proxy,
+    ) -> Result<(), Violation> {
+        let Terms {
+            spacing, radius, ..
+        } = self.terms;
+        let reach = ((from.point() - device) * spacing).length() + WINDOW * self.widest();
+        let Self { things, finder, .. } = self;
+        for (number, thing) in things.iter().enumerate() {
+            let ends = [from, to].map(|proxy| thing.to_own(proxy.point()).floor().as_ivec3());
+            if ends[0] == ends[1] {
+                continue;
+            }
+            let told = || format!("from {} to {} in object {number}", ends[0], ends[1]);
+            let [part, other] = ends.map(|voxel| thing.part(voxel));
+            hold(part == other, Guarantee::CrossesNoWall, told)?;
+            // near its border a way may lead around outside of it, where nobody looked
+            let device = thing.to_own(device);
+            let known = [ends[0], ends[1], device.floor().as_ivec3()];
+            if !known.iter().all(|&voxel| thing.is_inside(voxel, radius)) {
+                continue;
+            }
+            let is_way = finder.is_way(&thing.dense, ends, EVERYWHERE, |cell| {
+                let way = (cell.as_dvec3() + 0.5 - device) * thing.spacing;
+                way.length() <= reach && is_free(&thing.dense, cell, thing.spacing, radius)
+            });
+            hold(is_way, Guarantee::CrossesNoWall, told)?;
+        }
+        Ok(())
+    }
+
+    /// The diagonal of the widest voxel [mm].
+    fn widest(&self) -> f64 {
+        let things = self.things.iter().map(|thing| thing.spacing.length());
+        things.fold(self.terms.spacing.length(), f64::max)
     }
 
     /// Guarantee 3.
@@ -361,7 +416,7 @@ mod tests {
             dt: 1e-3,
             frictionless: true,
         };
-        Checker::new(terms, wall.clone(), &wall)
+        Checker::new(terms, wall.clone(), &wall, Vec::new())
     }
 
     const DEVICE: DVec3 = DVec3::new(9.5, 4.5, 4.5);
@@ -379,6 +434,7 @@ mod tests {
             spring: DVec3::X * force,
             coupling: Coupling::default(),
             sticks: false,
+            held_by: None,
             contact: true,
             depth: 0.0,
             visits: 100,

@@ -44,6 +44,8 @@ pub struct Plan {
     pub origin: DVec3,
     /// Radius of the probe in smallest spacings; 0 for a point.
     pub radius: f64,
+    /// Objects, each with its own grid and pose.
+    pub objects: u32,
     /// Whether voxels are set and cleared under the probe.
     pub edits: bool,
     /// Moves.
@@ -62,18 +64,25 @@ impl Plan {
     pub fn new(number: u64, has_bone: bool, random: &mut Random) -> Self {
         let turn = number % TURNS;
         let terrain = terrain(turn, has_bone, random);
-        // every other round of all kinds
-        let edits = (number / TURNS) % 2 == 1;
+        // rounds of all kinds: bare, with edits, with objects
+        let round = number / TURNS % 3;
+        let edits = round == 1;
+        let objects = if round == 2 { 1 + (turn % 3) as u32 } else { 0 };
         let radius = radius(turn);
         Self {
             terrain,
-            spacing: spacing(random),
+            spacing: random_spacing(random),
             direction: direction(random),
             origin: random.in_box(DVec3::splat(-500.0), DVec3::splat(500.0)),
             radius,
+            objects,
             edits,
-            // balls take several times as long to move
-            moves: if radius > 0.0 { MOVES / 8 } else { MOVES },
+            // balls and objects take several times as long to move
+            moves: if radius > 0.0 || objects > 0 {
+                MOVES / 8
+            } else {
+                MOVES
+            },
         }
     }
 
@@ -125,7 +134,8 @@ fn radius(turn: u64) -> f64 {
     }
 }
 
-fn spacing(random: &mut Random) -> DVec3 {
+/// Cubes, thick slices or anything [mm].
+pub fn random_spacing(random: &mut Random) -> DVec3 {
     match (3.0 * random.share()) as u32 {
         0 => DVec3::ONE,
         1 => DVec3::new(0.7, 0.7, 2.5),

@@ -3,14 +3,12 @@
 use std::ops::Range;
 
 use glam::{DVec3, IVec3};
-use palpate_haptics::ball::BallShape;
 use palpate_haptics::contact::ContactModel;
-use palpate_haptics::coupling::Coupling;
 use palpate_haptics::placement::nearest_free;
 use palpate_haptics::proxy::Proxy;
 use palpate_haptics::safety::{ForceLimits, Safety};
-use palpate_haptics::scene::TouchScene;
-use palpate_haptics::tick::{TickInput, TickOutput, TickState, tick};
+use palpate_haptics::surface::{Surface, Uniform};
+use palpate_haptics::tick::{TickCache, TickInput, TickOutput, TickState, tick};
 use palpate_volume::bits::Bits;
 use palpate_volume::grid::Grid;
 use palpate_volume::voxel_box::VoxelBox;
@@ -20,7 +18,8 @@ use super::checker::{Checker, Guarantee, Terms, Violation};
 use super::dense::Dense;
 use super::hand::{Hand, anywhere};
 use super::plan::{Plan, Terrain};
-use super::touched::{BallWorld, PointWorld, Touched, swaps_of};
+use super::thing::{Made, Thing};
+use super::touched::{Touched, swaps_of};
 use super::world::{SIZE, World};
 use crate::bench::quality::REST_TICKS;
 use crate::bench::random::Random;
@@ -35,7 +34,9 @@ const NONSENSE: f64 = 1.0 / 2048.0;
 /// Ticks at rest that must be equal to the bit.
 const STILL: usize = 8;
 /// How far around a point a free place for the probe is sought [voxels].
-const START_REACH: i32 = 16;
+const START_REACH: i32 = 6;
+/// Points tried.
+const STARTS: usize = 8;
 
 /// Bone to take parts of.
 #[derive(Clone, Copy, Debug)]
@@ -104,30 +105,15 @@ pub fn run(seed: u64, number: u64, model: Model, bone: Option<Source<'_>>) -> Re
         plan.spacing = bone.grid.spacing();
     }
     let world = World::new(&plan, bone.map(|bone| bone.bits), &mut random);
-    let bits = world.bits();
     let grid = plan.grid();
-    let radius = plan.radius * grid.smallest_spacing();
-    if radius == 0.0 {
-        return Run::new(
-            &plan,
-            world,
-            &grid,
-            PointWorld::new(&grid, bits),
-            model,
-            random,
-        )
-        .report(number);
-    }
-    let shape = BallShape::new(radius, plan.spacing).expect("plans make balls that fit");
-    let touched = BallWorld::new(bits, shape);
-    Run::new(&plan, world, &grid, touched, model, random).report(number)
+    Run::new(&plan, world, &grid, model, random).report(number)
 }
 
-struct Run<'a, T, M> {
+struct Run<'a, M> {
     plan: &'a Plan,
     grid: &'a Grid,
     terms: Terms,
-    touched: T,
+    touched: Touched,
     model: M,
     random: Random,
     /// What edits want, be it touched already or held back.
@@ -137,32 +123,37 @@ struct Run<'a, T, M> {
     unsettled: Vec<VoxelBox>,
     checker: Checker,
     hand: Hand,
-    coupling: Coupling,
+    surface: Uniform,
+    damping: f64,
+    smoothing: bool,
+    cache: TickCache,
+    /// Changes of what is solid.
+    epoch: u64,
     safety: Safety,
     last_device: DVec3,
     report: Report,
 }
 
-impl<'a, T: Touched, M: ContactModel> Run<'a, T, M> {
-    fn new(
-        plan: &'a Plan,
-        world: World,
-        grid: &'a Grid,
-        touched: T,
-        model: M,
-        mut random: Random,
-    ) -> Self {
+impl<'a, M: ContactModel> Run<'a, M> {
+    fn new(plan: &'a Plan, world: World, grid: &'a Grid, model: M, mut random: Random) -> Self {
         let limits = ForceLimits::default();
+        let friction = if random.share() < 0.5 { 0.0 } else { 0.5 };
+        let radius = plan.radius * grid.smallest_spacing();
         let terms = Terms {
             spacing: plan.spacing,
             direction: plan.direction,
             origin: plan.origin,
-            radius: plan.radius * grid.smallest_spacing(),
+            radius,
             visit_bound: model.visit_bound(),
             limits,
             dt: DT,
-            frictionless: true,
+            frictionless: friction == 0.0,
         };
+        let made: Vec<(Thing, Made)> = (0..plan.objects)
+            .map(|_| Thing::random(plan, grid, &mut random))
+            .collect();
+        let (things, made): (Vec<Thing>, Vec<Made>) = made.into_iter().unzip();
+        let touched = Touched::new(world.bits(), plan.spacing, radius, &made);
         // without edits, all that is solid stays
         let constant = if plan.edits {
             &world.fixed
@@ -176,15 +167,20 @@ impl<'a, T: Touched, M: ContactModel> Run<'a, T, M> {
             terms,
             touched,
             model,
-            checker: Checker::new(terms, world.dense.clone(), &constant),
+            checker: Checker::new(terms, world.dense.clone(), &constant, things),
             wanted: world.dense,
             fixed: world.fixed,
             unsettled: Vec::new(),
             hand: Hand::new(&mut random),
-            coupling: Coupling {
-                stiffness: 0.2 + 5.0 * random.share(),
-                damping: if random.share() < 0.5 { 0.0 } else { 0.01 },
-            },
+            surface: Uniform(Surface {
+                friction_static: friction,
+                friction_kinetic: 0.8 * friction,
+                ..Uniform::smooth(0.2 + 5.0 * random.share()).0
+            }),
+            damping: if random.share() < 0.5 { 0.0 } else { 0.01 },
+            smoothing: random.share() < 0.7,
+            cache: TickCache::default(),
+            epoch: 0,
             safety: Safety::new(limits),
             last_device: DVec3::ZERO,
             random,
@@ -205,13 +201,11 @@ impl<'a, T: Touched, M: ContactModel> Run<'a, T, M> {
     }
 
     fn all_moves(&mut self) -> Result<(), Violation> {
-        let start = anywhere(&mut self.random);
-        let free = nearest_free(self.touched.solid(), self.grid, start, START_REACH);
         // a world may have no room for the probe
-        let Some(proxy) = free.filter(|proxy| self.wanted.index(proxy.voxel()).is_some()) else {
+        let Some(proxy) = (0..STARTS).find_map(|_| self.free_place()) else {
             return Ok(());
         };
-        let mut state = TickState { proxy };
+        let mut state = TickState::new(proxy);
         self.last_device = proxy.point();
         for _ in 0..self.plan.moves {
             if self.plan.edits {
@@ -230,6 +224,15 @@ impl<'a, T: Touched, M: ContactModel> Run<'a, T, M> {
         Ok(())
     }
 
+    /// A place for the probe, free in every body.
+    fn free_place(&mut self) -> Option<Proxy> {
+        let start = anywhere(&mut self.random);
+        let scene = self.touched.scene(self.grid);
+        let proxy = nearest_free(scene.occupancy, self.grid, start, START_REACH)?;
+        let is_inside = self.wanted.index(proxy.voxel()).is_some();
+        (is_inside && self.checker.after_changes(&proxy).is_ok()).then_some(proxy)
+    }
+
     /// One tick, checked.
     fn go(&mut self, device: DVec3, state: &mut TickState) -> Result<TickOutput, Violation> {
         let from = state.proxy;
@@ -246,13 +249,16 @@ impl<'a, T: Touched, M: ContactModel> Run<'a, T, M> {
         let device_in_scene = self.terms.in_scene(device);
         let moved = device_in_scene - self.terms.in_scene(self.last_device);
         self.last_device = device;
-        let scene = TouchScene::of_world(self.touched.solid(), self.grid);
+        let scene = self.touched.scene(self.grid);
         let input = TickInput {
             device_in_scene,
             velocity_in_scene: moved / DT,
-            coupling: self.coupling,
+            damping: self.damping,
+            smoothing: self.smoothing,
         };
-        tick(&scene, &self.model, &input, state)
+        self.cache.set_epoch(self.epoch);
+        let (model, surface) = (&self.model, &self.surface);
+        tick(&scene, model, surface, &input, state, &mut self.cache)
     }
 
     /// Guarantee 4.
@@ -295,16 +301,12 @@ impl<'a, T: Touched, M: ContactModel> Run<'a, T, M> {
         }
         if self.random.share() < EDITS && self.touched.has_room() {
             let from = *proxy;
-            let before = self.wanted.clone();
             let changed = self.change_wanted(proxy);
             let swaps = swaps_of(self.touched.bits(), &changed, |voxel| {
                 self.wanted.is_solid(voxel)
             });
-            if self.touched.edit(swaps, &changed, self.grid, proxy) {
-                self.unsettled.push(changed);
-            } else {
-                self.wanted = before;
-            }
+            self.touched.edit(swaps, self.grid, proxy);
+            self.unsettled.push(changed);
             self.report.edits += 1;
             self.follow(&from, proxy)?;
         }
@@ -313,6 +315,7 @@ impl<'a, T: Touched, M: ContactModel> Run<'a, T, M> {
 
     /// Brings the checker up to date after one change, which may have pushed the probe.
     fn follow(&mut self, from: &Proxy, to: &Proxy) -> Result<(), Violation> {
+        self.epoch += 1;
         self.checker.before_change(from, to)?;
         let all_arrived = !self.touched.holds_back();
         let bits = self.touched.bits();
@@ -361,8 +364,7 @@ mod tests {
 
     use palpate_haptics::contact::Contact;
     use palpate_haptics::exact::Exact;
-    use palpate_volume::bit_brick::BitBrick;
-    use palpate_volume::brick_grid::BrickSwap;
+    use palpate_haptics::scene::TouchScene;
     use palpate_volume::occupancy::Occupancy;
 
     use super::*;
@@ -400,14 +402,13 @@ mod tests {
         let mut random = Random::of_stream(7, 0);
         let plan = Plan::new(0, false, &mut random);
         let world = World::new(&plan, None, &mut random);
-        let touched = PointWorld::new(&plan.grid(), world.bits());
         let model = Faulty {
             calls: Cell::new(0),
             visit_bound,
             fault,
         };
         let grid = plan.grid();
-        let report = Run::new(&plan, world, &grid, touched, model, random).report(0);
+        let report = Run::new(&plan, world, &grid, model, random).report(0);
         report.violation.map(|found| found.violation.guarantee)
     }
 
@@ -439,55 +440,16 @@ mod tests {
         assert_eq!(broken(bound, sticky), Some(Guarantee::ComesToRest));
     }
 
-    /// A world that takes every edit, whoever is in the way.
-    struct Careless(PointWorld, Bits);
-
-    impl Touched for Careless {
-        type Solid = Bits;
-
-        fn solid(&self) -> &Bits {
-            &self.1
-        }
-
-        fn bits(&self) -> &Bits {
-            &self.1
-        }
-
-        fn has_room(&self) -> bool {
-            self.0.has_room()
-        }
-
-        fn edit(
-            &mut self,
-            mut swaps: Vec<BrickSwap<BitBrick>>,
-            _: &VoxelBox,
-            _: &Grid,
-            _: &mut Proxy,
-        ) -> bool {
-            for swap in &mut swaps {
-                self.1.swap(swap);
-            }
-            true
-        }
-
-        fn retry(&mut self, _: &Grid, _: &mut Proxy) {}
-
-        fn holds_back(&self) -> bool {
-            false
-        }
-    }
-
     #[test]
     fn an_edit_that_is_not_asked_for_admission_is_found() {
         let mut random = Random::of_stream(7, 0);
         let mut plan = Plan::new(0, false, &mut random);
         plan.edits = true;
         let world = World::new(&plan, None, &mut random);
-        let bits = world.bits();
-        let touched = Careless(PointWorld::new(&plan.grid(), bits.clone()), bits);
-        let model = Exact::default();
         let grid = plan.grid();
-        let report = Run::new(&plan, world, &grid, touched, model, random).report(3);
+        let mut run = Run::new(&plan, world, &grid, Exact::default(), random);
+        run.touched.careless = true;
+        let report = run.report(3);
         let found = report.violation.unwrap();
         assert_eq!(found.violation.guarantee, Guarantee::StaysOut);
         assert_eq!((found.run, found.plan), (3, plan));
