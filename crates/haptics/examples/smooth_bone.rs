@@ -86,7 +86,7 @@ fn stroke(scene: &TouchScene<'_, Bits>, depth: f64, random: &mut Random) -> (Pro
     (first, path)
 }
 
-/// The first of some strokes that is in contact nearly always.
+/// The first of some strokes that is in contact nearly always and gets somewhere.
 fn stroke_in_contact(
     scene: &TouchScene<'_, Bits>,
     depth: f64,
@@ -99,19 +99,28 @@ fn stroke_in_contact(
             let met = Exact::default().advance(scene, **device, &mut proxy);
             met.touching
         });
-        if touching.count() as f64 > 0.95 * UPDATES as f64 {
+        let touches = touching.count() as f64 > 0.95 * UPDATES as f64;
+        let way = path[0].distance(path[UPDATES - 1]);
+        if touches && way > 20.0 {
             return (first, path);
         }
     }
 }
 
-/// Seconds per update, the best of some passes.
-fn time(mut pass: impl FnMut()) -> f64 {
-    (0..5).fold(f64::INFINITY, |best, _| {
-        let clock = Instant::now();
-        pass();
-        best.min(clock.elapsed().as_secs_f64() / UPDATES as f64)
-    })
+/// Seconds per update: the best of some passes for each thousand updates, so that a busy
+/// machine hardly counts; a pass is given the number of each update.
+fn time<F: FnMut(usize)>(mut pass: impl FnMut() -> F) -> f64 {
+    const CHUNK: usize = 1000;
+    let mut best = [f64::INFINITY; UPDATES / CHUNK];
+    for _ in 0..12 {
+        let mut update = pass();
+        for (chunk, best) in best.iter_mut().enumerate() {
+            let clock = Instant::now();
+            (0..CHUNK).for_each(|number| update(chunk * CHUNK + number));
+            *best = best.min(clock.elapsed().as_secs_f64());
+        }
+    }
+    best.iter().sum::<f64>() / UPDATES as f64
 }
 
 fn quantiles(mut values: Vec<f64>) -> [f64; 4] {
@@ -132,13 +141,12 @@ fn main() {
     for depth in [1.5, 3.0] {
         let (first, path) = stroke_in_contact(&scene, depth, &mut random);
         let hard = time(|| {
-            let mut proxy = first;
-            for device in &path {
-                black_box(Exact::default().advance(&scene, *device, &mut proxy));
+            let (mut proxy, scene, path) = (first, &scene, &path);
+            move |update: usize| {
+                black_box(Exact::default().advance(scene, path[update], &mut proxy));
             }
         });
-        let mut cache = SmoothCache::default();
-        let mut tick = |proxy: &mut Proxy, device: DVec3, state: &mut SmoothState| {
+        let tick = |cache: &mut SmoothCache, proxy: &mut Proxy, device, state: &mut SmoothState| {
             let met = Exact::default().advance(&scene, device, proxy);
             let fields = cache.near(&scene, 1, proxy);
             let input = SmoothInput {
@@ -151,11 +159,14 @@ fn main() {
         };
         let both = time(|| {
             let (mut proxy, mut state) = (first, SmoothState::default());
-            for device in &path {
-                black_box(tick(&mut proxy, *device, &mut state));
+            let mut cache = SmoothCache::default();
+            let path = &path;
+            move |update: usize| {
+                black_box(tick(&mut cache, &mut proxy, path[update], &mut state));
             }
         });
 
+        let mut cache = SmoothCache::default();
         let (mut proxy, mut state) = (first, SmoothState::default());
         let mut before = [DVec3::ZERO; 2];
         let mut beyond = 0;
@@ -166,7 +177,7 @@ fn main() {
         let [mut limited, mut touching, mut weight, mut samples] = [0.0; 4];
         for device in &path {
             let clock = Instant::now();
-            let (met, contact) = tick(&mut proxy, *device, &mut state);
+            let (met, contact) = tick(&mut cache, &mut proxy, *device, &mut state);
             times.push(clock.elapsed().as_secs_f64() * 1e6);
             let hard = (proxy.point() - *device) * SPACING;
             let now = [hard, contact.offset];

@@ -71,7 +71,7 @@ impl Default for Smoother {
             enabled: true,
             max_steps: 6,
             longest_step: 0.75,
-            tolerance: 1e-3,
+            tolerance: 3e-3,
             // the proxy is up to three voxels behind (docs/decisions/sliding.md)
             reach: 1.5,
             // on a plane the proxy is at most half a voxel's diagonal below the surface

@@ -11,6 +11,7 @@ use palpate_haptics::ball::{Ball, BallShape};
 use palpate_haptics::ball_probe::ProbeSolid;
 use palpate_haptics::contact::ContactModel;
 use palpate_haptics::coupling::Coupling;
+use palpate_haptics::exact::Exact;
 use palpate_haptics::friction::FrictionState;
 use palpate_haptics::local_force::LocalForce;
 use palpate_haptics::passivity::Passivity;

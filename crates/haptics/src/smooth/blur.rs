@@ -23,12 +23,16 @@ use palpate_volume::occupancy::Occupancy;
 type Row = [f32; 20];
 type Nodes = [[Row; 8]; 8];
 
+/// Where the nodes of each kernel begin in a row.
+const FINE: usize = 0;
+const WIDE: usize = 8;
+
 /// A blurred window.
 #[derive(Clone, Debug)]
 pub struct BlurField {
     window: Window,
     any_solid: bool,
-    cell: DVec3,
+    kernel: Kernel,
     /// Cells per voxel, and the first node in cells.
     scale: DVec3,
     first: DVec3,
@@ -41,7 +45,7 @@ impl BlurField {
         Self {
             window: Window::NONE,
             any_solid: false,
-            cell: DVec3::ONE,
+            kernel: kernel_of(DVec3::ONE),
             scale: DVec3::ONE,
             first: DVec3::ZERO,
             nodes: [[[0.0; 20]; 8]; 8],
@@ -66,8 +70,11 @@ impl BlurField {
         let shape = CellShape::for_spacing(spacing);
         let first = first_cell(point, shape);
         let counts = self.window.read(occupancy, shape, first, floor(point));
-        self.cell = shape.voxels().as_dvec3();
-        self.scale = self.cell.recip();
+        let cell = shape.voxels().as_dvec3();
+        if cell != self.kernel.cell {
+            self.kernel = kernel_of(cell);
+            self.scale = cell.recip();
+        }
         // nodes stand in the middles of cells
         self.first = first.as_dvec3() + 0.5;
         self.any_solid = counts.is_some();
@@ -124,8 +131,8 @@ fn fill_nodes(counts: &CellCounts, shape: CellShape, nodes: &mut Nodes) {
         for y in 0..8 {
             let row = &mut nodes[z][y];
             for x in 0..8 {
-                row[x] = f32::from(fine[z][y][x]) * scale;
-                row[x + 8] = f32::from(shares[z][y][x]) * scale;
+                row[FINE + x] = f32::from(fine[z][y][x]) * scale;
+                row[WIDE + x] = f32::from(shares[z][y][x]) * scale;
             }
         }
     }
@@ -162,79 +169,117 @@ fn tent(before: [u16; 8], row: [u16; 8], after: [u16; 8]) -> [u16; 8] {
     std::array::from_fn(|x| mean(mean(before[x], after[x]), row[x]))
 }
 
+/// Cells and widths of both kernels.
+fn kernel_of(cell: DVec3) -> Kernel {
+    let sigma = |share: f64| ((share * cell * cell - 1.0) / 12.0).map(f64::sqrt);
+    Kernel {
+        cell,
+        fine: sigma(10.0),
+        wide: sigma(22.0),
+    }
+}
+
+/// Which nodes a point is between, and their weights.
+struct Place {
+    /// The first of three nodes along each axis.
+    first: [usize; 3],
+    /// Weights of the three along each axis, and their slopes.
+    weights: [[[f32; 3]; 2]; 3],
+}
+
+/// Four nodes along x side by side, of which the last has no weight.
+type Four = [f32; 4];
+
+impl BlurField {
+    #[inline]
+    fn place(&self, point: DVec3) -> Place {
+        // NaN becomes a node, too; nothing reads outside the window
+        let place = (point * self.scale - self.first).as_vec3();
+        let place = place.clamp(Vec3::splat(0.5), Vec3::splat(6.49)).to_array();
+        let node = place.map(|place| (place + 0.5) as i32);
+        Place {
+            first: node.map(|node| (node - 1).clamp(0, 5) as usize),
+            weights: std::array::from_fn(|axis| weights(place[axis] - node[axis] as f32)),
+        }
+    }
+
+    /// Sums over y and z: of the values, and of their changes along y and along z; `kind` is
+    /// where the nodes of a kernel begin in a row.
+    #[inline]
+    fn sums(&self, place: &Place, kind: usize) -> [Four; 3] {
+        let [x, y, z] = place.first;
+        let [_, [wy, dy], [wz, dz]] = &place.weights;
+        let four = |c: usize, b: usize| -> Four {
+            let row = &self.nodes[z + c][y + b];
+            std::array::from_fn(|a| row[kind + x + a])
+        };
+        let weighted = |weights: &[f32; 3], rows: [Four; 3]| -> Four {
+            let [first, second, third] = rows;
+            std::array::from_fn(|a| {
+                weights[0] * first[a] + weights[1] * second[a] + weights[2] * third[a]
+            })
+        };
+        let column = |b: usize| [four(0, b), four(1, b), four(2, b)];
+        let columns = [column(0), column(1), column(2)];
+        let values = columns.map(|column| weighted(wz, column));
+        let along_z = columns.map(|column| weighted(dz, column));
+        [
+            weighted(wy, values),
+            weighted(dy, values),
+            weighted(wy, along_z),
+        ]
+    }
+
+    /// What is left to do along x.
+    #[inline]
+    fn gradient(&self, place: &Place, [value, along_y, along_z]: &[Four; 3]) -> DVec3 {
+        let [values, slopes] = &place.weights[0];
+        let gradient = Vec3::new(
+            dot(value, slopes),
+            dot(along_y, values),
+            dot(along_z, values),
+        );
+        gradient.as_dvec3() * self.scale
+    }
+
+    #[inline]
+    fn level(&self, place: &Place, sums: &[Four; 3]) -> Level {
+        Level {
+            value: f64::from(dot(&sums[0], &place.weights[0][0])),
+            gradient: self.gradient(place, sums),
+        }
+    }
+}
+
+#[inline]
+fn dot(four: &Four, weights: &[f32; 3]) -> f32 {
+    four[0] * weights[0] + four[1] * weights[1] + four[2] * weights[2]
+}
+
 impl Field for BlurField {
     #[inline]
     fn sample(&self, point: DVec3) -> FieldSample {
         if !self.any_solid {
             return FieldSample::default();
         }
-        // the next node, and where the point is from it; NaN becomes a node, never a place
-        // outside the window
-        let place = (point * self.scale - self.first)
-            .clamp(DVec3::splat(0.5), DVec3::splat(6.49))
-            .as_vec3();
-        let node = [place.x, place.y, place.z].map(|place| (place + 0.5) as i32);
-        let near = Vec3::from_array(node.map(|node| node as f32));
-        let [wx, wy, wz] = (place - near).to_array().map(weights);
-        let [x, y, z] = node.map(|node| (node - 1).clamp(0, 5) as usize);
-
-        // along y and z, side by side for four nodes along x, of which the last has no weight
-        let mut fine = [[0.0_f32; 4]; 3];
-        let mut wide = [[0.0_f32; 4]; 3];
-        for c in 0..3 {
-            for b in 0..3 {
-                let row = &self.nodes[z + c][y + b];
-                let weight = [
-                    wy[0][b] * wz[0][c],
-                    wy[1][b] * wz[0][c],
-                    wy[0][b] * wz[1][c],
-                ];
-                let four = |from: usize| -> [f32; 4] { std::array::from_fn(|a| row[from + a]) };
-                let [near, far] = [four(x), four(x + 8)];
-                for (kind, weight) in weight.into_iter().enumerate() {
-                    for a in 0..4 {
-                        fine[kind][a] += weight * near[a];
-                        wide[kind][a] += weight * far[a];
-                    }
-                }
-            }
-        }
+        let place = self.place(point);
         FieldSample {
-            fine: self.level(&fine, &wx),
-            wide: self.level(&wide, &wx),
+            fine: self.level(&place, &self.sums(&place, FINE)),
+            wide: self.level(&place, &self.sums(&place, WIDE)),
         }
     }
 
-    fn kernel(&self) -> Kernel {
-        let sigma = |tenths: f64| {
-            let variance = (tenths * self.cell * self.cell - 1.0) / 12.0;
-            variance.map(f64::sqrt)
-        };
-        Kernel {
-            cell: self.cell,
-            fine: sigma(10.0),
-            wide: sigma(22.0),
-        }
-    }
-}
-
-impl BlurField {
-    /// What is left to do along x: value, and change along y and z, weighted; change along x.
     #[inline]
-    fn level(&self, sums: &[[f32; 4]; 3], [values, slopes]: &[[f32; 3]; 2]) -> Level {
-        let dot = |sum: &[f32; 4], weights: &[f32; 3]| {
-            sum[0] * weights[0] + sum[1] * weights[1] + sum[2] * weights[2]
-        };
-        let [value, along_y, along_z] = sums;
-        let gradient = Vec3::new(
-            dot(value, slopes),
-            dot(along_y, values),
-            dot(along_z, values),
-        );
-        Level {
-            value: f64::from(dot(value, values)),
-            gradient: gradient.as_dvec3() * self.scale,
+    fn wide_gradient(&self, point: DVec3) -> DVec3 {
+        if !self.any_solid {
+            return DVec3::ZERO;
         }
+        let place = self.place(point);
+        self.gradient(&place, &self.sums(&place, WIDE))
+    }
+
+    fn kernel(&self) -> &Kernel {
+        &self.kernel
     }
 }
 

@@ -48,6 +48,8 @@ pub struct PlacedField<'a, F> {
     pub field_from_world_mm: DAffine3,
     /// Size of its voxels [mm].
     pub spacing: DVec3,
+    /// The shortest edge of its cells [mm].
+    pub cell_length: f64,
 }
 
 impl<F> Clone for PlacedField<'_, F> {
@@ -150,6 +152,7 @@ impl SmoothCache {
             body: near.body,
             field_from_world_mm: near.field_from_world_mm,
             spacing: near.spacing,
+            cell_length: (fields[near.place].kernel().cell * near.spacing).min_element(),
         }))
     }
 

@@ -13,7 +13,7 @@
 //! Frame: mm along the axes of the world's grid.
 
 use super::cache::{NearFields, PlacedField};
-use super::field::{Field, FieldSample, Level};
+use super::field::{Field, Level};
 use super::half_spaces::{HalfSpace, nearest};
 use super::{Smoother, smooth_step};
 use glam::{DMat3, DVec3};
@@ -63,7 +63,7 @@ pub(crate) fn descend<F: Field>(
 ) -> Found {
     let length = fields
         .iter()
-        .map(PlacedField::cell_length)
+        .map(|field| field.cell_length)
         .fold(f64::INFINITY, f64::min);
     let mut search = Search {
         smoother,
@@ -72,14 +72,16 @@ pub(crate) fn descend<F: Field>(
         length,
         samples: 0,
     };
-    let Some(weight) = search.weight() else {
+    let surfaces = search.surfaces(query.proxy);
+    let weight = search.weight(&surfaces);
+    if weight == 0.0 {
         return Found {
             point: query.proxy,
-            weight: 0.0,
+            weight,
             samples: search.samples,
         };
-    };
-    let (at, surfaces) = search.settle();
+    }
+    let (at, surfaces) = search.settle(surfaces);
     Found {
         point: search.corrected(at, &surfaces),
         weight,
@@ -101,15 +103,13 @@ struct Search<'a, F> {
 
 impl<F: Field> Search<'_, F> {
     /// How far the surfaces near the proxy can be believed: not where it is deep below one, as
-    /// in a narrow gap, nor where the one that holds it is far below, as with a thin rod. None
-    /// for not at all.
-    fn weight(&mut self) -> Option<f64> {
+    /// in a narrow gap, nor where the one that holds it is far below, as with a thin rod.
+    fn weight(&self, at_proxy: &Surfaces) -> f64 {
         let mut farthest = 0.0_f64;
         let mut known = self.query.held_by.is_none();
-        for field in self.fields.iter() {
-            self.samples += 1;
+        for (surface, field) in at_proxy.iter().zip(self.fields.iter()) {
             let holds = self.query.held_by == Some(field.body);
-            let Some(surface) = field.surface(self.query.proxy, self.smoother) else {
+            let Some(surface) = surface else {
                 continue;
             };
             known |= holds;
@@ -117,17 +117,20 @@ impl<F: Field> Search<'_, F> {
             farthest = farthest.max(if holds { depth.abs() } else { depth });
         }
         let [near, far] = self.smoother.trusted;
-        let weight = 1.0 - smooth_step(near, far, farthest);
-        (known && weight > 0.0).then_some(weight)
+        if known {
+            1.0 - smooth_step(near, far, farthest)
+        } else {
+            0.0
+        }
     }
 
-    /// Steps from the proxy on until nothing changes; what is seen from there.
-    fn settle(&mut self) -> (DVec3, Surfaces) {
+    /// Steps from the proxy on, where `surfaces` are seen, until nothing changes; what is seen
+    /// from there, or from less than the tolerance beside.
+    fn settle(&mut self, mut surfaces: Surfaces) -> (DVec3, Surfaces) {
         let mut at = self.query.proxy;
         let mut last_step = DVec3::ZERO;
         let mut ease = 1.0;
         for _ in 0..self.smoother.max_steps {
-            let surfaces = self.surfaces(at);
             let mut step = goal(at, &surfaces, self.query.device) - at;
             step = step.clamp_length_max(self.smoother.longest_step * self.length);
             // to and fro between the sides of a valley: shorter steps end it
@@ -135,12 +138,14 @@ impl<F: Field> Search<'_, F> {
                 ease *= 0.5;
             }
             let next = self.within_reach(at + step * ease);
-            (last_step, at) = (next - at, next);
+            last_step = next - at;
             if last_step.length() < self.smoother.tolerance * self.length {
-                return (at, surfaces);
+                break;
             }
+            at = next;
+            surfaces = self.surfaces(at);
         }
-        (at, self.surfaces(at))
+        (at, surfaces)
     }
 
     fn surfaces(&mut self, at: DVec3) -> Surfaces {
@@ -180,6 +185,11 @@ impl<F: Field> Search<'_, F> {
 
 /// The point nearest to the device on the free side of all surfaces seen from a point.
 fn goal(at: DVec3, surfaces: &Surfaces, device: DVec3) -> DVec3 {
+    // one surface, as nearly always
+    if let [Some(surface), None, None] = surfaces {
+        let under = surface.depth - surface.outward.dot(device - at);
+        return device + surface.outward * under.max(0.0);
+    }
     let mut planes = [HalfSpace {
         outward: DVec3::X,
         offset: f64::NEG_INFINITY,
@@ -197,37 +207,33 @@ fn goal(at: DVec3, surfaces: &Surfaces, device: DVec3) -> DVec3 {
 }
 
 impl<F: Field> PlacedField<'_, F> {
-    /// The shortest edge of a cell [mm].
-    fn cell_length(&self) -> f64 {
-        (self.field.kernel().cell * self.spacing).min_element()
-    }
-
-    fn sample(&self, at: DVec3) -> FieldSample {
-        self.field
-            .sample(self.field_from_world_mm.transform_point3(at))
-    }
-
     /// The surface as seen from a point; none where the level tells nothing.
+    #[inline]
     fn surface(&self, at: DVec3, smoother: &Smoother) -> Option<Surface> {
         let kernel = self.field.kernel();
-        let axes = self.field_from_world_mm.matrix3;
-        let sample = self.sample(at);
-        let (wide_outward, wide_depth) = plane(&sample.wide, kernel.wide, kernel.cell, &axes)?;
+        let axes = &self.field_from_world_mm.matrix3;
+        let sample = self
+            .field
+            .sample(self.field_from_world_mm.transform_point3(at));
+        let (wide_outward, wide_depth) = plane(&sample.wide, kernel.wide, kernel.cell, axes)?;
         let all_wide = Surface {
             outward: wide_outward,
             depth: wide_depth,
             wide: 1.0,
             wide_outward,
         };
-        let Some((outward, depth)) = plane(&sample.fine, kernel.fine, kernel.cell, &axes) else {
+        let Some((outward, depth)) = plane(&sample.fine, kernel.fine, kernel.cell, axes) else {
             return Some(all_wide);
         };
 
         // the wide kernel where it agrees with the narrow one
-        let apart = (wide_depth - depth).abs() / self.cell_length();
-        let turned = (wide_outward - outward).length();
+        let apart = (wide_depth - depth).abs() / self.cell_length;
+        let turned = (wide_outward - outward).length_squared();
         let [near, far] = smoother.agreed_depth;
-        let [alike, unlike] = smoother.agreed_turn;
+        let [alike, unlike] = smoother.agreed_turn.map(|chord| chord * chord);
+        if apart <= near && turned <= alike {
+            return Some(all_wide);
+        }
         let wide =
             (1.0 - smooth_step(near, far, apart)) * (1.0 - smooth_step(alike, unlike, turned));
         Some(Surface {
@@ -244,7 +250,8 @@ impl<F: Field> PlacedField<'_, F> {
         let kernel = self.field.kernel();
         let axes = self.field_from_world_mm.matrix3;
         let outward = |at: DVec3| {
-            let gradient = axes.transpose() * self.sample(at).wide.gradient;
+            let at = self.field_from_world_mm.transform_point3(at);
+            let gradient = axes.transpose() * self.field.wide_gradient(at);
             (-gradient).normalize_or(surface.wide_outward)
         };
         let (first, second) = surface.wide_outward.any_orthonormal_pair();
@@ -272,10 +279,10 @@ fn plane(level: &Level, sigma: DVec3, cell: DVec3, axes: &DMat3) -> Option<(DVec
         return None;
     }
     let gradient = axes.transpose() * level.gradient;
-    let steepness = gradient.length();
+    let per_steepness = gradient.length_recip();
     // σ across the surface, times its steepness
-    let rise = (level.gradient * sigma).length();
-    let ratio = (level.value - 0.5) / rise;
-    let depth = rise / steepness * ratio / (1.0 + ratio * ratio / 3.0).sqrt();
-    Some((-gradient / steepness, depth))
+    let rise = (level.gradient * sigma).length_squared();
+    let above = level.value - 0.5;
+    let share = (rise / (rise + above * above / 3.0)).sqrt();
+    Some((gradient * -per_steepness, above * per_steepness * share))
 }

@@ -38,6 +38,11 @@ pub trait Field {
     /// The field at a point of its grid. Both levels have continuous gradients.
     fn sample(&self, point_in_grid: DVec3) -> FieldSample;
 
+    /// The gradient of the wide level alone.
+    fn wide_gradient(&self, point_in_grid: DVec3) -> DVec3 {
+        self.sample(point_in_grid).wide.gradient
+    }
+
     /// Its kernels.
-    fn kernel(&self) -> Kernel;
+    fn kernel(&self) -> &Kernel;
 }
