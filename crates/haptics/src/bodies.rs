@@ -107,7 +107,7 @@ impl<'a, O> Bodies<'a, O> {
     }
 
     /// Numbers of the bodies that are near: the world, then objects.
-    pub(crate) fn numbers(&self) -> impl Iterator<Item = u8> + use<O> {
+    pub(crate) fn numbers(&self) -> impl Iterator<Item = u8> + Clone + use<O> {
         let near = self.near;
         let is_near = move |place: &u8| near >> place & 1 == 1;
         std::iter::once(0).chain(
@@ -148,6 +148,13 @@ impl<'a, O> Bodies<'a, O> {
         self.object(body).map_or(DAffine3::IDENTITY, |object| {
             *object.pose().world_from_object()
         })
+    }
+
+    /// Unit vectors along a body's axes [mm, along the world's axes].
+    pub(crate) fn axes(&self, body: u8) -> [DVec3; 3] {
+        let map = self.world_from_body(body).matrix3;
+        let spacing = self.scene.grid.spacing();
+        [map.x_axis, map.y_axis, map.z_axis].map(|axis| (axis * spacing).normalize_or_zero())
     }
 
     /// Way between two points of the world's grid, squared [mm²].

@@ -102,7 +102,7 @@ pub(crate) fn descend<O: Occupancy>(
 }
 
 /// The point a skin before a hit, where it is free as well.
-fn before<O: Occupancy>(
+pub(crate) fn before<O: Occupancy>(
     bodies: &Bodies<'_, O>,
     from: DVec3,
     goal: DVec3,

@@ -13,6 +13,7 @@ mod bodies;
 mod border_voxels;
 pub mod contact;
 pub mod coupling;
+mod creep;
 mod descent;
 pub mod exact;
 mod flood;
