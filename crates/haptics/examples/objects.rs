@@ -34,9 +34,9 @@ const DEPTH: f64 = 5.0;
 
 /// Half of the space, as voxels of a grid with its corner at zero: in an object's own axes, or
 /// in those of the world.
-fn half_space(normal: DVec3, spacing: DVec3) -> Box<dyn Occupancy> {
+fn half_space(normal: DVec3, offset: f64, spacing: DVec3) -> Box<dyn Occupancy> {
     Box::new(Body(move |voxel: IVec3| {
-        ((voxel.as_dvec3() + 0.5) * spacing).dot(normal) <= 0.0
+        ((voxel.as_dvec3() + 0.5) * spacing).dot(normal) <= offset
     }))
 }
 
@@ -60,15 +60,23 @@ fn follow(spacings: &[DVec3], in_world: bool, random: &mut Random, figures: &mut
     let world_grid = grid(UVec3::splat(8), spacings[0]);
     let grids: Vec<_> = spacings.iter().map(|&s| grid(UVec3::splat(8), s)).collect();
     let turns: Vec<DMat3> = normals.iter().map(|_| rotation(random)).collect();
+    let places: Vec<DVec3> = normals.iter().map(|_| random.point(-5.0, 5.0)).collect();
     let bodies: Vec<Box<dyn Occupancy>> = (0..normals.len())
-        .map(|i| half_space(turns[i].transpose() * normals[i], spacings[i]))
+        .map(|i| {
+            let offset = -normals[i].dot(places[i]);
+            half_space(turns[i].transpose() * normals[i], offset, spacings[i])
+        })
         .collect();
-    let ground = half_space(normals[0], spacings[0]);
+    let ground = half_space(normals[0], 0.0, spacings[0]);
     let nothing: Box<dyn Occupancy> = Box::new(Body(|_: IVec3| false));
     let everywhere = VoxelBox::new(IVec3::splat(-900), IVec3::splat(900));
     let objects: Vec<Object<&dyn Occupancy>> = (usize::from(in_world)..normals.len())
         .map(|i| {
-            let pose = ObjectPose::new(&grids[i], &world_grid, DAffine3::from_mat3(turns[i]));
+            let pose = ObjectPose::new(
+                &grids[i],
+                &world_grid,
+                DAffine3::from_mat3_translation(turns[i], places[i]),
+            );
             Object::new(
                 &*bodies[i],
                 &grids[i],

@@ -10,13 +10,18 @@
 //! Frame: the world's grid, lengths in mm.
 
 use crate::bodies::{Bodies, Leg, Visits};
-use crate::descent::before;
+use crate::descent::{Faces, before};
 use glam::{DVec3, IVec3};
 use palpate_volume::occupancy::Occupancy;
 
-/// Length of a step, and side of a cell, in smallest spacings.
+/// Length of a step, in smallest spacings.
 const STEP: f64 = 0.5;
-const CELL: f64 = 0.4;
+/// Steps are scaled by this, the second only where the first lead to few places: out of a pit
+/// narrower than they are.
+const SCALES: [f64; 2] = [1.0, 0.3];
+const FEW_PLACES: usize = 24;
+/// Side of a cell, in steps.
+const CELL: f64 = 0.8;
 /// Cells along the edge of the grid: 3.2 smallest spacings to each side.
 const EDGE: i32 = 16;
 /// Most places looked at.
@@ -24,12 +29,12 @@ const PLACES: usize = 256;
 /// How often a cell without a place is aimed at.
 const AIMS: usize = 2;
 /// Legs of a step: one, and on along a face and a crease.
-const LEGS: u32 = 3;
-/// Less of a step is none.
-const LEAST_PART: f64 = 0.2;
+const LEGS: u32 = 4;
+/// Less of a step is no way.
+const LEAST_WAY: f64 = 0.02;
 
 /// Feels around `from` for a place whose squared distance to the device is below `limit`
-/// [mm²].
+/// [mm²]; `met` has the bodies whose axes are tried, as bits.
 pub(crate) fn creep<O: Occupancy>(
     bodies: &Bodies<'_, O>,
     from: DVec3,
@@ -38,28 +43,72 @@ pub(crate) fn creep<O: Occupancy>(
     limit: f64,
     visits: &mut Visits,
 ) -> Option<DVec3> {
-    let h = bodies.smallest_spacing();
-    let spacing = bodies.scene.grid.spacing();
-    let mut places = Places::new(from, spacing / (CELL * h));
-    let mut next = 0;
-    while let Some(place) = places.get(next) {
-        next += 1;
-        for body in bodies.numbers().filter(|body| met >> body & 1 == 1) {
-            for axis in bodies.axes(body) {
-                for step in [axis, -axis] {
-                    if !places.wants(place + step * (STEP * h) / spacing) {
-                        continue;
-                    }
-                    let point = step_along(bodies, place, step * (STEP * h), visits)?;
-                    if bodies.squared_distance(point, device) < limit {
-                        return Some(point);
-                    }
-                    places.add(point);
-                }
-            }
+    for scale in SCALES {
+        let search = Search {
+            bodies,
+            device,
+            met,
+            limit,
+            step: STEP * scale * bodies.smallest_spacing(),
+        };
+        match search.run(from, visits) {
+            Found::Nearer(point) => return Some(point),
+            Found::Places(count) if count < FEW_PLACES => {}
+            Found::Places(_) | Found::OutOfVisits => return None,
         }
     }
     None
+}
+
+/// A search with steps of one length.
+struct Search<'a, 'b, O> {
+    bodies: &'a Bodies<'b, O>,
+    device: DVec3,
+    met: u32,
+    limit: f64,
+    /// [mm]
+    step: f64,
+}
+
+/// What a search has found.
+enum Found {
+    Nearer(DVec3),
+    /// Nothing nearer, among so many places.
+    Places(usize),
+    OutOfVisits,
+}
+
+impl<O: Occupancy> Search<'_, '_, O> {
+    fn run(&self, from: DVec3, visits: &mut Visits) -> Found {
+        let spacing = self.bodies.scene.grid.spacing();
+        let mut places = Places::new(from, spacing / (CELL * self.step));
+        let mut next = 0;
+        while let Some(place) = places.get(next) {
+            next += 1;
+            for step in self.steps() {
+                if !places.wants(place + step / spacing) {
+                    continue;
+                }
+                let Some(point) = step_along(self.bodies, place, step, visits) else {
+                    return Found::OutOfVisits;
+                };
+                if self.bodies.squared_distance(point, self.device) < self.limit {
+                    return Found::Nearer(point);
+                }
+                places.add(point);
+            }
+        }
+        Found::Places(places.count)
+    }
+
+    /// A step up and down each axis of the bodies met [mm].
+    fn steps(&self) -> impl Iterator<Item = DVec3> {
+        let is_met = |body: &u8| self.met >> body & 1 == 1;
+        let bodies = self.bodies.numbers().filter(is_met);
+        bodies
+            .flat_map(|body| self.bodies.axes(body))
+            .flat_map(|axis| [axis * self.step, axis * -self.step])
+    }
 }
 
 /// A step [mm], and where a face is in the way, on along it; none without visits.
@@ -70,6 +119,7 @@ fn step_along<O: Occupancy>(
     visits: &mut Visits,
 ) -> Option<DVec3> {
     let spacing = bodies.scene.grid.spacing();
+    let mut faces = Faces::default();
     let (mut at, mut left) = (from, step);
     for _ in 0..LEGS {
         let goal = at + left / spacing;
@@ -77,11 +127,15 @@ fn step_along<O: Occupancy>(
             Leg::Free => return Some(goal),
             Leg::Unknown => return None,
             Leg::Hit(hit) => {
-                if hit.fraction > LEAST_PART {
-                    at = before(bodies, at, goal, &hit, visits).unwrap_or(at);
+                if hit.fraction * left.length() > LEAST_WAY * step.length()
+                    && let Some(point) = before(bodies, at, goal, &hit, visits)
+                {
+                    at = point;
+                    faces.keep_along(left);
                 }
-                left = (left * (1.0 - hit.fraction)).reject_from_normalized(hit.normal);
-                if left.length_squared() < (LEAST_PART * LEAST_PART) * step.length_squared() {
+                let known = !faces.add(hit.normal);
+                left = faces.allowed(left * (1.0 - hit.fraction));
+                if known || left.length() < LEAST_WAY * step.length() {
                     break;
                 }
             }

@@ -1,10 +1,10 @@
 //! One slide of the proxy among several bodies: to a node that brings it nearer.
 //!
 //! First the voxels of each body that was met, as in `slide.rs`: the window of that body's own
-//! lattice, so that the stairs of one body are climbed as if it were alone. Then a lattice of
-//! half the smallest spacing, for creases where the stairs of two bodies meet. A way is taken
-//! only if each of its legs was walked free in every body, and if, after a descent from its
-//! end, the device is nearer than before by more than rounding.
+//! lattice, so that the stairs of one body are climbed as if it were alone. Then, between the
+//! stairs of two bodies, by feeling along their faces (`creep.rs`). A way is taken only if each
+//! of its legs was walked free in every body, and if, after a descent from its end, the device
+//! is nearer than before by more than rounding.
 //!
 //! Frame: the world's grid, lengths in mm.
 
