@@ -28,6 +28,10 @@ impl Visits {
         }
     }
 
+    pub(crate) fn left(&self) -> u32 {
+        self.left
+    }
+
     pub(crate) fn used(&self) -> u32 {
         self.used
     }
@@ -100,6 +104,17 @@ impl<'a, O> Bodies<'a, O> {
         let distance = ((from - device) * spacing).length();
         let reach = DVec3::splat(distance + WINDOW_REACH * widest.length());
         Self::near_box(scene, device * spacing - reach, device * spacing + reach)
+    }
+
+    /// The same without one object.
+    pub(crate) fn without(self, index: usize) -> Self {
+        let mark = u32::try_from(index)
+            .ok()
+            .and_then(|index| 1_u32.checked_shl(index));
+        Self {
+            near: self.near & !mark.unwrap_or(0),
+            ..self
+        }
     }
 
     pub(crate) fn is_world_only(&self) -> bool {

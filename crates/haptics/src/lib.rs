@@ -19,6 +19,7 @@ pub mod exact;
 mod flood;
 mod many_bodies;
 pub mod middle_voxels;
+pub mod moving;
 mod node_lattice;
 pub mod placement;
 pub mod proxy;

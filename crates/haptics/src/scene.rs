@@ -260,7 +260,7 @@ impl ObjectPose {
 }
 
 /// Refuses what is not a rotation and a translation.
-fn check_rigid(pose: &DAffine3) -> Result<(), PoseError> {
+pub(crate) fn check_rigid(pose: &DAffine3) -> Result<(), PoseError> {
     let axes = pose.matrix3;
     if !pose.is_finite() {
         return Err(PoseError::NotFinite(*pose));
@@ -287,7 +287,7 @@ fn farthest(map: &DAffine3, voxels: VoxelBox) -> f64 {
 }
 
 /// The corners of a box of voxels.
-fn corners(voxels: VoxelBox) -> [DVec3; 8] {
+pub(crate) fn corners(voxels: VoxelBox) -> [DVec3; 8] {
     let [min, max] = [voxels.min.as_dvec3(), voxels.max.as_dvec3()];
     std::array::from_fn(|i| {
         let high = |axis: usize| i >> axis & 1 == 1;
