@@ -185,12 +185,8 @@ impl<'a, O> Bodies<'a, O> {
     /// Outward normal of a voxel's face [mm, along the world's axes].
     fn normal(&self, body: u8, face: Face) -> DVec3 {
         let outward = face.normal().as_dvec3();
-        let Some(object) = self.object(body) else {
-            return outward;
-        };
-        // the gradient of the object's coordinate across the face
-        let gradient = object.pose().object_from_world().matrix3.transpose() * outward;
-        (gradient / self.scene.grid.spacing()).normalize_or_zero()
+        self.object(body)
+            .map_or(outward, |object| object.pose().normal_in_world(outward))
     }
 
     /// Whether a body can have solid voxels in a parallelepiped of its grid, given by two

@@ -2,9 +2,9 @@
 //!
 //! While an object takes a step, the probe moves in that object's own grid: along the chord
 //! from where it is by the old pose to where it is by the new one. The chord is walked exactly.
-//! Where a solid voxel would sweep over the probe, the probe is carried along, by the least
-//! that frees it, along the faces of other bodies where they are in the way; the way in all
-//! other bodies is walked as well. Where there is no such way the probe is pinched, and the
+//! Where a solid voxel would sweep over the probe, the probe is pushed out of its face or carried
+//! along, by the least that frees it, along the faces of other bodies where they are in the
+//! way; the way in all other bodies is walked as well. Where there is no such way the probe is pinched, and the
 //! step is refused: a pinched probe stops the moving object.
 //!
 //! Frames: the world's grid and the object's; a scene in mm. Closed, like a tick.
@@ -72,19 +72,23 @@ pub fn step_pose<O: Occupancy>(
     let at = proxy.point() * spacing;
     let others = Bodies::near_box(scene, at - reach, at + reach).without(index);
 
-    // no further than to the face that pushes, else half of the chord, else as if glued
-    let chord = new.to_object(step.from) - step.chord_start;
-    let SweptBy::Face { fraction, skin } = first_hit else {
+    // aside, out of the face that pushes; else along with it, as little as frees it; else with
+    // half of the chord, and as if glued
+    let SweptBy::Face { fraction, normal } = first_hit else {
         return PoseStep::Held;
     };
-    let stops = [
-        step.chord_start + chord * fraction + skin,
-        step.chord_start + chord * (0.5 * fraction),
-        step.chord_start,
+    let chord = new.to_object(step.from) - step.chord_start;
+    let carried =
+        |stop: DVec3| (new.world_from_object().transform_point3(stop) - step.from) * spacing;
+    let least = carried(step.chord_start + chord * fraction + normal * SKIN);
+    let ways = [
+        least.project_onto_normalized(new.normal_in_world(normal)),
+        least,
+        carried(step.chord_start + chord * (0.5 * fraction)),
+        carried(step.chord_start),
     ];
-    for stop in stops {
-        let goal = new.world_from_object().transform_point3(stop);
-        if let Some(point) = step.carry(&others, goal, &mut visits)
+    for way in ways {
+        if let Some(point) = step.carry(&others, way, &mut visits)
             && let Some(carried) = Proxy::at(point)
         {
             *proxy = carried;
@@ -106,8 +110,8 @@ struct Step<'a, O> {
 /// How a step sweeps over the probe.
 #[derive(Clone, Copy, Debug)]
 enum SweptBy {
-    /// By a face, at this share of the chord; `skin` leads out of it [voxels of the object].
-    Face { fraction: f64, skin: DVec3 },
+    /// By a face with this outward normal, in the object's grid, at this share of the chord.
+    Face { fraction: f64, normal: DVec3 },
     /// It begins inside, or the chord is too long to be walked.
     Unknown,
 }
@@ -134,17 +138,16 @@ impl<O: Occupancy> Step<'_, O> {
             Outcome::Free => None,
             Outcome::Hit(hit) if !hit.starts_inside() => Some(SweptBy::Face {
                 fraction: hit.fraction,
-                skin: hit.face.normal().as_dvec3() * SKIN,
+                normal: hit.face.normal().as_dvec3(),
             }),
             _ => Some(SweptBy::Unknown),
         }
     }
 
-    /// Takes the probe toward `goal`, along the faces of other bodies where they stand in the
-    /// way, then as much further as the object still needs.
-    fn carry(&self, others: &Bodies<'_, O>, goal: DVec3, visits: &mut Visits) -> Option<DVec3> {
+    /// Takes the probe a way [mm], along the faces of other bodies where they stand in it, then
+    /// as much further as the object still needs.
+    fn carry(&self, others: &Bodies<'_, O>, wanted: DVec3, visits: &mut Visits) -> Option<DVec3> {
         let spacing = others.scene.grid.spacing();
-        let wanted = (goal - self.from) * spacing;
         let mut faces = Faces::default();
         let mut way = wanted;
         for _ in 0..TURNS {

@@ -252,6 +252,14 @@ impl ObjectPose {
         self.object_from_world.transform_point3(point_in_world)
     }
 
+    /// The outward normal of a voxel's face, given in the object's grid, as a unit vector along
+    /// the axes of the world's grid [mm].
+    pub(crate) fn normal_in_world(&self, normal: DVec3) -> DVec3 {
+        // the gradient of the object's coordinate across the face
+        let gradient = self.object_from_world.matrix3.transpose() * normal;
+        (gradient / self.world_spacing).normalize_or_zero()
+    }
+
     /// The voxel of the object that holds a point of the world's grid.
     #[inline]
     pub fn voxel_at(&self, point_in_world: DVec3) -> IVec3 {
