@@ -8,8 +8,9 @@ use std::sync::atomic::Ordering::Relaxed;
 
 use glam::DVec3;
 use palpate_haptics::local_force::LocalForce;
-use palpate_haptics::placement::nearest_free;
+use palpate_haptics::placement::nearest_free_in;
 use palpate_haptics::proxy::Proxy;
+use palpate_haptics::scene::Solid;
 use palpate_haptics::tick::{TickCache, TickInput, TickOutput, TickState, tick};
 use palpate_volume::bits::Bits;
 use palpate_volume::grid::Grid;
@@ -21,6 +22,7 @@ use crate::handover::{
     TickRecord,
 };
 use crate::mapping::Mapping;
+use crate::moved_poses::MovedPoses;
 use crate::probe::Probe;
 use crate::servo_state::{ServoState, TickInputs};
 use crate::settings::Settings;
@@ -35,6 +37,9 @@ pub const MAX_COMMANDS_PER_TICK: usize = 16;
 /// How far around a placement's point a free voxel is searched [voxels]. The simulation has
 /// found one; this is for changes that are still on their way.
 const PLACE_REACH: i32 = 3;
+
+/// Ticks over which a hand at rest feels that settings were changed.
+const SETTLING_TICKS: u32 = 200;
 
 /// What a servo begins with.
 #[derive(Debug)]
@@ -60,6 +65,8 @@ pub struct ServoLoop {
     state: ServoState,
     occupancy: TouchOccupancy,
     cache: TickCache,
+    /// The segment that is touched; 0 where there is none.
+    touched: u8,
     /// Whether the state is asked for at the end of this tick.
     marked: bool,
     ends: Ends,
@@ -92,6 +99,8 @@ impl ServoLoop {
             mapping: start.mapping,
             settings: start.settings,
             feels: start.feels,
+            poses: MovedPoses::default(),
+            settling: 0,
             hand: start.probe,
             forgotten_hand: 0,
             received: 0,
@@ -106,7 +115,7 @@ impl ServoLoop {
     #[must_use]
     pub fn resume(
         grid: Grid,
-        touchable: Touchable,
+        mut touchable: Touchable,
         state: ServoState,
         (channels, shared): (ServoChannels, Arc<Shared>),
     ) -> Self {
@@ -120,11 +129,13 @@ impl ServoLoop {
             records,
             snapshots,
         } = channels;
+        state.poses.place(&mut touchable, &grid);
         Self {
             grid,
             state,
             occupancy: TouchOccupancy::new(touchable, garbage),
             cache: TickCache::default(),
+            touched: 0,
             marked: false,
             ends: Ends {
                 samples,
@@ -161,6 +172,7 @@ impl ServoLoop {
             self.retry_held_changes();
         }
         self.obey(inputs);
+        self.move_segments();
 
         let output = self.touch(&self.input(inputs));
 
@@ -168,6 +180,7 @@ impl ServoLoop {
         self.publish_status(inputs, &output);
         self.record(inputs, &output, sent_in_device);
         self.state.tick += 1;
+        self.state.settling = self.state.settling.saturating_sub(1);
         self.publish_snapshot();
     }
 
@@ -183,6 +196,13 @@ impl ServoLoop {
             proxy: &mut self.state.touch.proxy,
         };
         self.occupancy.retry(&mut probe);
+    }
+
+    /// Takes a step of each segment that moves.
+    fn move_segments(&mut self) {
+        let proxy = &mut self.state.touch.proxy;
+        self.occupancy
+            .step_poses(&mut self.state.poses, &self.grid, proxy);
     }
 
     /// Obeys the simulation, in its order, as far as one tick allows.
@@ -222,8 +242,9 @@ impl ServoLoop {
         match command {
             Some(ServoCommand::Root {
                 sequence,
-                touchable,
+                mut touchable,
             }) => {
+                self.state.poses.place(&mut touchable, &self.grid);
                 self.state.received = sequence;
                 self.occupancy.take_root(sequence, touchable, &mut probe);
             }
@@ -249,9 +270,18 @@ impl ServoLoop {
                 self.place(point, device_too.then_some(device));
             }
             Some(ServoCommand::Turn(rotation)) => self.state.mapping.turn(device, rotation),
-            Some(ServoCommand::Settings(settings)) => self.state.settings = settings,
-            Some(ServoCommand::Feel(id, feel)) => self.state.feels.set(id, feel),
-            Some(ServoCommand::Pose(_, _)) => {}
+            Some(ServoCommand::Settings(settings)) => {
+                self.state.settings = settings;
+                self.state.settling = SETTLING_TICKS;
+            }
+            Some(ServoCommand::Feel(id, feel)) => {
+                self.state.feels.set(id, feel);
+                self.state.settling = SETTLING_TICKS;
+            }
+            Some(ServoCommand::Pose(id, target)) => {
+                let touchable = self.occupancy.touchable();
+                self.state.poses.lead(id, target, &self.grid, touchable);
+            }
             Some(ServoCommand::Mark) => self.marked = true,
             // changes of occupancy are taken elsewhere
             Some(ServoCommand::Root { .. } | ServoCommand::Bricks(_)) | None => {}
@@ -261,8 +291,8 @@ impl ServoLoop {
     /// Brings the probe to a free point, and the device there by moving the mapping.
     fn place(&mut self, point: DVec3, device: Option<DVec3>) {
         let point_in_grid = self.grid.grid_from_patient().transform_point3(point);
-        let world = &self.occupancy.touchable().world;
-        let Some(proxy) = nearest_free(world, &self.grid, point_in_grid, PLACE_REACH) else {
+        let scene = self.occupancy.scene(&self.grid);
+        let Some(proxy) = nearest_free_in(&scene, point_in_grid, PLACE_REACH) else {
             self.state.refused_places += 1;
             return;
         };
@@ -289,6 +319,11 @@ impl ServoLoop {
                 .velocity_to_scene(inputs.velocity_in_device),
             damping: self.state.settings.damping,
             smoothing: self.state.settings.smoothing,
+            settling: if self.state.settling > 0 {
+                1.0 / f64::from(SETTLING_TICKS)
+            } else {
+                0.0
+            },
         }
     }
 
@@ -315,6 +350,14 @@ impl ServoLoop {
             &mut self.state.touch,
             &mut self.cache,
         );
+        let touchable = self.occupancy.touchable();
+        let owner = |solid: Solid| touchable.owner(solid.body, solid.voxel);
+        self.touched = match output.held_by {
+            _ if !output.contact => 0,
+            Some(solid) => owner(solid).map_or(0, |id| id.0),
+            // under the smooth surface, but not held back yet
+            None => self.touched,
+        };
         if output.violation {
             self.shared.counters.violations.fetch_add(1, Relaxed);
         }
@@ -338,11 +381,12 @@ impl ServoLoop {
             held_root: self.occupancy.held_root(),
             held_edits: self.occupancy.held_edits(),
             skipped: self.occupancy.skipped(),
-            stopped: [0; 4],
+            stopped: self.state.poses.stopped(),
             refused_places: self.state.refused_places,
             device: self.device_in_scene(inputs),
             proxy: output.proxy_in_scene,
             contact: output.contact,
+            touched: self.touched,
         });
     }
 

@@ -250,6 +250,7 @@ impl Press {
             velocity_in_scene: self.velocity_in_scene,
             damping: self.coupling.damping,
             smoothing,
+            settling: 0.0,
         }
     }
 }
