@@ -212,26 +212,6 @@ impl SmoothCache {
             self.epochs[place] = epoch;
         }
     }
-
-    /// Puts a field among those that reach the proxy, at a point of its grid, most.
-    fn insert(&self, near: &mut [Option<Near>; MAX_FIELDS], point: DVec3, mut new: Near) {
-        let field = &self.fields[new.place];
-        if !field.any_solid() {
-            return;
-        }
-        let in_nodes = field.nodes_from_grid().transform_point3(point);
-        new.value = field.sample(in_nodes.as_vec3a()).wide.value;
-        for old in near {
-            match old {
-                Some(old) if old.value >= new.value => {}
-                Some(old) => std::mem::swap(old, &mut new),
-                None => {
-                    *old = Some(new);
-                    return;
-                }
-            }
-        }
-    }
 }
 
 /// Voxels of the coarsest axis within which a body can be in the window of the proxy: half a
