@@ -239,7 +239,7 @@ fn goal(at: Vec3A, surfaces: &Surfaces, device: Vec3A) -> Vec3A {
     let mut count = 0;
     for (plane, surface) in planes.iter_mut().zip(surfaces.iter().flatten()) {
         *plane = HalfSpace {
-            outward: surface.outward.as_dvec3(),
+            outward: surface.outward.as_dvec3().normalize(),
             offset: f64::from(surface.depth),
         };
         count += 1;
