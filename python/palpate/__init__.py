@@ -19,15 +19,17 @@ if TYPE_CHECKING:
         EmptySegmentError,
         OptionError,
         PalpateError,
+        RecordingFormatError,
         SeriesChoiceError,
         VolumeFormatError,
     )
     from palpate.io import read
     from palpate.phantom_scan import Phantom, phantom
+    from palpate.recording import Recording, Replay
     from palpate.scene import Scene
     from palpate.scripted_path import ScriptedPath
     from palpate.segment import Segment
-    from palpate.session import Recording, Session, SessionOptions
+    from palpate.session import Session, SessionOptions
     from palpate.touch_settings import TouchSettings
     from palpate.volume import Volume
 
@@ -37,6 +39,8 @@ __all__ = [
     "PalpateError",
     "Phantom",
     "Recording",
+    "RecordingFormatError",
+    "Replay",
     "Scene",
     "ScriptedPath",
     "Segment",
@@ -54,6 +58,7 @@ _HOMES = {
     "EmptySegmentError": "errors",
     "OptionError": "errors",
     "PalpateError": "errors",
+    "RecordingFormatError": "errors",
     "SeriesChoiceError": "errors",
     "VolumeFormatError": "errors",
     "read": "io",
@@ -62,7 +67,8 @@ _HOMES = {
     "Scene": "scene",
     "ScriptedPath": "scripted_path",
     "Segment": "segment",
-    "Recording": "session",
+    "Recording": "recording",
+    "Replay": "recording",
     "Session": "session",
     "SessionOptions": "session",
     "TouchSettings": "touch_settings",

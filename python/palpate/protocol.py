@@ -176,6 +176,13 @@ class Safety(msgspec.Struct, frozen=True):
     force: Literal["on", "waiting", "ramping", "easing", "off"]
 
 
+class DeviceLimits(msgspec.Struct, frozen=True):
+    """What a device bears: settings that ask for more are cut to it."""
+
+    stiffness: Stiffness
+    force: float
+
+
 class Hello(Message, frozen=True, tag="hello"):
     """First message of the engine: everything the page needs to draw.
 
@@ -189,6 +196,7 @@ class Hello(Message, frozen=True, tag="hello"):
     settings: Settings
     defaults: Settings
     device: str
+    device_limits: DeviceLimits
 
 
 class State(Message, frozen=True, tag="state"):

@@ -6,7 +6,9 @@
 
 mod arrays;
 mod bench;
+mod bench_passivity;
 mod bench_quality;
+mod bench_stress;
 mod errors;
 mod frame;
 mod phantom;
@@ -26,7 +28,11 @@ mod _core {
     #[pymodule_export]
     use super::bench::bench_touch;
     #[pymodule_export]
+    use super::bench_passivity::{bench_passivity, passivity_devices};
+    #[pymodule_export]
     use super::bench_quality::{bench_touch_quality, touch_quality_cases};
+    #[pymodule_export]
+    use super::bench_stress::bench_stress;
     #[pymodule_export]
     use super::phantom::make_phantom;
     #[pymodule_export]

@@ -59,8 +59,10 @@ pub fn tape_dict<'py>(py: Python<'py>, tape: &Tape) -> PyResult<Bound<'py, PyDic
         "commands": PyArray1::from_vec(py, columns.commands),
         "command_ends": PyArray1::from_vec(py, columns.command_ends),
         "brick_ends": PyArray1::from_vec(py, columns.brick_ends),
+        "brick_segment": PyArray1::from_vec(py, columns.bricks.segment),
         "brick_index": PyArray1::from_vec(py, columns.bricks.index),
         "brick_words": words(py, &columns.bricks.words),
+        "solid_segment": PyArray1::from_vec(py, columns.solid.segment),
         "solid_index": PyArray1::from_vec(py, columns.solid.index),
         "solid_words": words(py, &columns.solid.words),
     )
@@ -138,10 +140,11 @@ fn recording_of(columns: &Bound<'_, PyDict>) -> PyResult<Recording> {
 }
 
 fn tape_columns_of(columns: &Bound<'_, PyDict>) -> PyResult<TapeColumns> {
-    let bricks = |index: &str, words: &str| -> PyResult<BrickColumns> {
+    let bricks = |name: &str| -> PyResult<BrickColumns> {
         Ok(BrickColumns {
-            index: column(columns, index)?,
-            words: wide(columns, words)?,
+            segment: column(columns, &format!("{name}_segment"))?,
+            index: column(columns, &format!("{name}_index"))?,
+            words: wide(columns, &format!("{name}_words"))?,
         })
     };
     Ok(TapeColumns {
@@ -149,8 +152,8 @@ fn tape_columns_of(columns: &Bound<'_, PyDict>) -> PyResult<TapeColumns> {
         commands: column(columns, "commands")?,
         command_ends: column(columns, "command_ends")?,
         brick_ends: column(columns, "brick_ends")?,
-        bricks: bricks("brick_index", "brick_words")?,
-        solid: bricks("solid_index", "solid_words")?,
+        bricks: bricks("brick")?,
+        solid: bricks("solid")?,
     })
 }
 

@@ -102,7 +102,7 @@ def test_pressing_gives_stiffness_times_depth() -> None:
     # the probe stays 1e-8 voxels before the face
     assert frame["depth"] == pytest.approx(PRESSED, abs=1e-6)
     assert frame["force"] == pytest.approx((0.0, -0.8 * PRESSED, 0.0), abs=1e-6)
-    columns = session.stop_recording()
+    columns, _ = session.stop_recording()
     assert columns["force"].shape == (800, 3)
     assert np.array_equal(columns["tick"], np.arange(800))
     assert not columns["contact"][:100].any()

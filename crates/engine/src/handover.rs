@@ -6,10 +6,10 @@
 //!
 //! Frames: `_in_device` is the device's own, all else is the scene; mm, N, s.
 
-use glam::{DMat3, DVec3};
+use glam::{DAffine3, DMat3, DVec3};
 use palpate_device::DeviceState;
+use palpate_haptics::local_force::LocalForce;
 use palpate_volume::bit_brick::BitBrick;
-use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;
 use palpate_volume::edit::SegmentId;
 use rtrb::{Consumer, Producer, RingBuffer};
@@ -18,11 +18,13 @@ use triple_buffer::{Input, Output, triple_buffer};
 use crate::feel::Feel;
 use crate::servo_state::{ServoState, TickInputs};
 use crate::settings::Settings;
+use crate::touch_occupancy::GARBAGE_PER_CHANGE;
+use crate::touchable::{Part, Touchable, union_brick, unmoved};
 
 /// Commands that may wait for the servo.
 const INBOX: usize = 4096;
 /// Old bricks and roots that may wait to be freed.
-const GARBAGE: usize = 8192;
+const GARBAGE: usize = 2 * GARBAGE_PER_CHANGE;
 /// Ticks whose records may wait for the picture: 2 s at 4 kHz.
 const RECORDS: usize = 8192;
 /// States that may wait for a recording; it asks for one at a time.
@@ -48,8 +50,8 @@ pub struct ForceCommand {
     pub time: f64,
     /// Number of the tick that computed it, from 1; 0 before the first.
     pub tick: u64,
-    /// The contact's force, before the safety stage, in the device's frame [N].
-    pub force_in_device: DVec3,
+    /// The contact as the device can follow it, in the device's frame, before the safety stage.
+    pub law: LocalForce,
     /// Where a simulated hand pulls to, in the device's frame [mm].
     pub hand_in_device: DVec3,
     /// Largest force [N].
@@ -72,8 +74,8 @@ pub enum ServoCommand {
     Root {
         /// Number of the change.
         sequence: u64,
-        /// The union of all touchable segments.
-        bits: Bits,
+        /// What is to be touched.
+        touchable: Touchable,
     },
     /// Replaces some bricks of it.
     Bricks(BrickChange),
@@ -90,6 +92,8 @@ pub enum ServoCommand {
     Turn(DMat3),
     /// New settings.
     Settings(Settings),
+    /// Where a moved segment is to go, a rigid motion [mm].
+    Pose(SegmentId, DAffine3),
     /// How the surface of a segment feels from now on.
     Feel(SegmentId, Feel),
     /// Asks for the servo's state at the end of this tick, from where it can be replayed.
@@ -110,15 +114,40 @@ pub struct Snapshot {
 pub struct BrickChange {
     /// Number of the change.
     pub sequence: u64,
-    /// At most [`MAX_BRICKS`], by rising index, each once.
+    /// Of the union: at most [`MAX_BRICKS`], by rising index, each once.
     pub swaps: Vec<BrickSwap<BitBrick>>,
+    /// Of the segments that it changes, at most [`MAX_BRICKS`].
+    pub parts: Vec<(SegmentId, BrickSwap<BitBrick>)>,
+}
+
+impl BrickChange {
+    /// Bricks of segments that hold them by now; what becomes of the union follows.
+    #[must_use]
+    pub fn new(
+        sequence: u64,
+        parts: &[Part],
+        changed: Vec<(SegmentId, BrickSwap<BitBrick>)>,
+    ) -> Self {
+        let mut bricks: Vec<u32> = changed.iter().map(|(_, swap)| swap.index).collect();
+        bricks.sort_unstable();
+        bricks.dedup();
+        let swaps = bricks.into_iter().map(|index| BrickSwap {
+            index,
+            brick: union_brick(unmoved(parts).map(|part| &part.bits), index),
+        });
+        Self {
+            sequence,
+            swaps: swaps.collect(),
+            parts: changed,
+        }
+    }
 }
 
 /// Servo → simulation: what is to be freed there. The fields are only ever dropped.
 #[derive(Debug)]
 pub enum Garbage {
     /// An occupancy that is no longer touched.
-    Root(Bits),
+    Root(Touchable),
     /// Bricks that are no longer touched.
     Bricks(BrickChange),
     /// A brick that was never touched.
@@ -141,6 +170,8 @@ pub struct ServoStatus {
     pub held_edits: [u64; MAX_HELD],
     /// Edits that were not even held, since too many are.
     pub skipped: u64,
+    /// Moved segments that the probe keeps from where they are to go, one bit for each number.
+    pub stopped: [u64; 4],
     /// Placements refused, since there was no free voxel near the point.
     pub refused_places: u64,
     /// Where the device is.
@@ -250,7 +281,7 @@ impl Channels {
         let (forces_in, forces_out) = triple_buffer(&ForceCommand {
             time: 0.0,
             tick: 0,
-            force_in_device: DVec3::ZERO,
+            law: LocalForce::NONE,
             hand_in_device: DVec3::ZERO,
             max_force: 0.0,
         });

@@ -8,6 +8,7 @@
 
 pub mod assembly;
 pub mod bench;
+pub mod body;
 pub mod clock;
 pub mod device_loop;
 pub mod error;
@@ -20,6 +21,7 @@ pub mod mapping;
 pub mod model;
 pub mod offline;
 pub mod pacing;
+pub mod patched;
 pub mod picture;
 pub mod placement;
 pub mod priority;
@@ -37,7 +39,8 @@ pub mod shared;
 pub mod simulation;
 pub mod tape;
 pub mod tape_columns;
-pub mod touch;
 pub mod touch_occupancy;
 pub mod touch_sender;
+pub mod touchable;
 pub mod touched;
+pub mod touched_surfaces;

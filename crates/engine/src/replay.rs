@@ -10,17 +10,19 @@
 use std::sync::Arc;
 
 use glam::DVec3;
-use palpate_volume::bits::Bits;
+use palpate_haptics::ball::BallError;
 use palpate_volume::edit::SegmentId;
+use palpate_volume::grid::Grid;
 
 use crate::handover::{BrickChange, Channels, ServoCommand, SimulationChannels, TickRecord};
 use crate::recording::Recording;
 use crate::servo::{MAX_COMMANDS_PER_TICK, ServoLoop};
 use crate::shared::Shared;
-use crate::tape::{Tape, TapeCommand, TapeEntry, put};
+use crate::tape::{Tape, TapeCommand, TapeEntry, put, rooted};
+use crate::touchable::{Part, Touchable};
 
 /// Why a recording cannot be replayed at all.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ReplayError {
     /// The tick at which the tape begins is missing.
     #[error("the recording does not hold tick {tick}, from where it can be replayed")]
@@ -41,6 +43,9 @@ pub enum ReplayError {
         /// Commands obeyed by the tick before.
         before: u64,
     },
+    /// No such probe fits these voxels.
+    #[error(transparent)]
+    Ball(#[from] BallError),
 }
 
 /// How far a replay came.
@@ -112,7 +117,7 @@ pub fn replay(recording: &Recording, tape: &Tape) -> Result<Replayed, ReplayErro
         .tick
         .binary_search(&first)
         .map_err(|_| ReplayError::NoBeginning { tick: first })?;
-    let mut player = Player::new(tape);
+    let mut player = Player::new(tape)?;
     let mut replayed = Replayed {
         ticks: Recording::default(),
         first_row,
@@ -172,23 +177,25 @@ struct Player<'a> {
     /// Commands sent.
     sent: u64,
     /// What the servo will touch once it has obeyed them.
-    latest: Bits,
+    latest: Vec<Part>,
+    grid: Grid,
 }
 
 impl<'a> Player<'a> {
-    fn new(tape: &'a Tape) -> Self {
+    fn new(tape: &'a Tape) -> Result<Self, ReplayError> {
         let channels = Channels::new(tape.state.hand);
         let shared = Arc::new(Shared::default());
-        let bits = tape.bits.clone();
-        let servo = ServoLoop::resume(tape.grid, bits, tape.state, (channels.servo, shared));
-        Self {
+        let touchable = Touchable::new(&tape.grid, tape.parts.clone(), tape.radius)?;
+        let servo = ServoLoop::resume(tape.grid, touchable, tape.state, (channels.servo, shared));
+        Ok(Self {
             servo,
             simulation: channels.simulation,
             records: channels.records,
             entries: tape.entries.iter(),
             sent: tape.state.command,
-            latest: tape.bits.clone(),
-        }
+            grid: tape.grid,
+            latest: tape.parts.clone(),
+        })
     }
 
     /// Sends the commands that a tick obeyed; false where the tape ends before them.
@@ -205,7 +212,7 @@ impl<'a> Player<'a> {
             let Some(entry) = self.entries.next() else {
                 return Ok(false);
             };
-            let command = self.command(entry);
+            let command = self.command(entry)?;
             self.sent += 1;
             let pushed = self.simulation.inbox.push(command);
             assert!(pushed.is_ok(), "a tick's commands have room");
@@ -214,17 +221,23 @@ impl<'a> Player<'a> {
     }
 
     /// A command as it was sent.
-    fn command(&mut self, entry: &TapeEntry) -> ServoCommand {
+    fn command(&mut self, entry: &TapeEntry) -> Result<ServoCommand, ReplayError> {
+        if let TapeCommand::Root { parts, .. } = &entry.command {
+            self.latest = rooted(&self.latest, parts, self.grid.dimensions());
+        }
         put(&mut self.latest, &entry.swaps);
-        match entry.command {
-            TapeCommand::Root { sequence } => ServoCommand::Root {
+        Ok(match entry.command {
+            TapeCommand::Root {
+                sequence, radius, ..
+            } => ServoCommand::Root {
                 sequence,
-                bits: self.latest.clone(),
+                touchable: Touchable::new(&self.grid, self.latest.clone(), radius)?,
             },
-            TapeCommand::Bricks { sequence } => ServoCommand::Bricks(BrickChange {
+            TapeCommand::Bricks { sequence } => ServoCommand::Bricks(BrickChange::new(
                 sequence,
-                swaps: entry.swaps.clone(),
-            }),
+                &self.latest,
+                entry.swaps.clone(),
+            )),
             TapeCommand::Place {
                 point,
                 hand,
@@ -236,9 +249,10 @@ impl<'a> Player<'a> {
             },
             TapeCommand::Turn(rotation) => ServoCommand::Turn(rotation),
             TapeCommand::Settings(settings) => ServoCommand::Settings(settings),
+            TapeCommand::Pose(id, pose) => ServoCommand::Pose(SegmentId(id), pose),
             TapeCommand::Feel(id, feel) => ServoCommand::Feel(SegmentId(id), feel),
             TapeCommand::Mark => ServoCommand::Mark,
-        }
+        })
     }
 
     fn tick(&mut self, recording: &Recording, row: usize) -> TickRecord {

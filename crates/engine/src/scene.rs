@@ -6,9 +6,12 @@
 use std::collections::BTreeMap;
 
 use crate::feel::{Feel, Feels};
+use crate::touchable::Part;
+use glam::DAffine3;
 use palpate_volume::bits::Bits;
 use palpate_volume::edit::{Edit, SegmentId};
 use palpate_volume::segment::Segment;
+use palpate_volume::voxel_box::VoxelBox;
 use palpate_volume::voxels::{Voxels, VoxelsError};
 
 /// Threshold that a segment is, in physical units: low and high, both included.
@@ -23,6 +26,8 @@ pub struct Properties {
     pub range: Option<ThresholdRange>,
     /// How its surface feels.
     pub feel: Feel,
+    /// Where it was moved [mm, from the scan to the scene]; none where the scan has it.
+    pub pose: Option<DAffine3>,
 }
 
 /// A change of the scene.
@@ -58,10 +63,17 @@ pub enum Step {
         /// Which segment.
         id: SegmentId,
     },
+    /// Moves a segment.
+    Move {
+        /// Which segment.
+        id: SegmentId,
+        /// Where to [mm, from the scan to the scene]; a rigid motion.
+        pose: DAffine3,
+    },
 }
 
 /// What a step changes of the occupancy of touchable segments.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum TouchChange {
     /// Nothing.
     Nothing,
@@ -69,6 +81,10 @@ pub enum TouchChange {
     Bricks(Vec<u32>, Vec<SegmentId>),
     /// Anything, of this segment.
     All(SegmentId),
+    /// Where this segment stands, which was moved before.
+    Pose(SegmentId, DAffine3),
+    /// That this segment is moved from now on, and where to.
+    FirstPose(SegmentId, DAffine3),
 }
 
 impl Step {
@@ -84,6 +100,15 @@ impl Step {
     pub fn inserted(&self) -> Option<SegmentId> {
         match self {
             Self::Insert { id, .. } => Some(*id),
+            _ => None,
+        }
+    }
+
+    /// The segment that the step moves, if it does.
+    #[must_use]
+    pub fn moves(&self) -> Option<SegmentId> {
+        match self {
+            Self::Move { id, .. } => Some(*id),
             _ => None,
         }
     }
@@ -107,7 +132,7 @@ impl Step {
                 bits * 128 + edit.intensities.len() * 1040
             }
             Self::Replace { segment, .. } | Self::Insert { segment, .. } => segment.memory_bytes(),
-            Self::Remove { .. } => 0,
+            Self::Remove { .. } | Self::Move { .. } => 0,
         }
     }
 }
@@ -195,6 +220,21 @@ impl Scene {
             .collect()
     }
 
+    /// All obstacles, by rising number.
+    #[must_use]
+    pub fn touchable_parts(&self) -> Vec<Part> {
+        self.segments()
+            .filter(|(_, _, properties)| properties.touchable)
+            .map(|(id, segment, properties)| Part {
+                id,
+                bits: segment.occupancy().clone(),
+                moved: properties
+                    .pose
+                    .map(|_| segment.bounding_box().unwrap_or(VoxelBox::EMPTY)),
+            })
+            .collect()
+    }
+
     /// Performs a step; gives its inverse and what touch must follow.
     ///
     /// # Errors
@@ -209,7 +249,39 @@ impl Scene {
                 properties,
             } => self.insert(id, segment, properties),
             Step::Remove { id } => self.remove(id),
+            Step::Move { id, pose } => self.move_to(id, pose),
         }
+    }
+
+    /// A segment that was moved once stays a body of its own, also where it is taken back.
+    fn move_to(
+        &mut self,
+        id: SegmentId,
+        pose: DAffine3,
+    ) -> Result<(Step, TouchChange), VoxelsError> {
+        let properties = self
+            .properties
+            .get_mut(&id)
+            .ok_or(VoxelsError::UnknownSegment(id.0))?;
+        let before = properties.pose.replace(pose);
+        let touchable = properties.touchable;
+        let inverse = Step::Move {
+            id,
+            pose: before.unwrap_or(DAffine3::IDENTITY),
+        };
+        let change = match before {
+            _ if !touchable => TouchChange::Nothing,
+            None => TouchChange::FirstPose(id, pose),
+            Some(_) => TouchChange::Pose(id, pose),
+        };
+        Ok((inverse, change))
+    }
+
+    /// Number of segments that were moved.
+    #[must_use]
+    pub fn moved_count(&self) -> usize {
+        let poses = self.properties.values().map(|properties| properties.pose);
+        poses.flatten().count()
     }
 
     fn edit(

@@ -7,10 +7,10 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
 
 use glam::DVec3;
+use palpate_haptics::local_force::LocalForce;
 use palpate_haptics::placement::nearest_free;
 use palpate_haptics::proxy::Proxy;
-use palpate_haptics::scene::TouchScene;
-use palpate_haptics::tick::{TickInput, TickOutput, TickState, tick};
+use palpate_haptics::tick::{TickCache, TickInput, TickOutput, TickState, tick};
 use palpate_volume::bits::Bits;
 use palpate_volume::grid::Grid;
 
@@ -26,6 +26,8 @@ use crate::servo_state::{ServoState, TickInputs};
 use crate::settings::Settings;
 use crate::shared::Shared;
 use crate::touch_occupancy::TouchOccupancy;
+use crate::touchable::Touchable;
+use crate::touched_surfaces::TouchedSurfaces;
 
 /// Commands obeyed per tick, at most, and one change of the occupancy.
 pub const MAX_COMMANDS_PER_TICK: usize = 16;
@@ -39,8 +41,8 @@ const PLACE_REACH: i32 = 3;
 pub struct ServoStart {
     /// Where the scan stands.
     pub grid: Grid,
-    /// What is solid.
-    pub bits: Bits,
+    /// What is touched.
+    pub touchable: Touchable,
     /// `scene_from_device`.
     pub mapping: Mapping,
     /// Where the probe is, in a free voxel.
@@ -57,6 +59,7 @@ pub struct ServoLoop {
     grid: Grid,
     state: ServoState,
     occupancy: TouchOccupancy,
+    cache: TickCache,
     /// Whether the state is asked for at the end of this tick.
     marked: bool,
     ends: Ends,
@@ -85,7 +88,7 @@ impl ServoLoop {
         let probe_in_grid = start.grid.grid_from_patient().transform_point3(start.probe);
         let proxy = Proxy::at(probe_in_grid).expect("the probe starts at a finite point");
         let state = ServoState {
-            touch: TickState { proxy },
+            touch: TickState::new(proxy),
             mapping: start.mapping,
             settings: start.settings,
             feels: start.feels,
@@ -96,14 +99,14 @@ impl ServoLoop {
             command: 0,
             tick: 0,
         };
-        Self::resume(start.grid, start.bits, state, (channels, shared))
+        Self::resume(start.grid, start.touchable, state, (channels, shared))
     }
 
     /// A servo that goes on from a state.
     #[must_use]
     pub fn resume(
         grid: Grid,
-        bits: Bits,
+        touchable: Touchable,
         state: ServoState,
         (channels, shared): (ServoChannels, Arc<Shared>),
     ) -> Self {
@@ -120,7 +123,8 @@ impl ServoLoop {
         Self {
             grid,
             state,
-            occupancy: TouchOccupancy::new(bits, garbage),
+            occupancy: TouchOccupancy::new(touchable, garbage),
+            cache: TickCache::default(),
             marked: false,
             ends: Ends {
                 samples,
@@ -138,7 +142,7 @@ impl ServoLoop {
     /// What is solid for the probe now.
     #[must_use]
     pub fn solid(&self) -> &Bits {
-        self.occupancy.bits()
+        self.occupancy.touchable().world.bits()
     }
 
     /// One tick at `now` [s] with what device and person say by then.
@@ -160,7 +164,7 @@ impl ServoLoop {
 
         let output = self.touch(&self.input(inputs));
 
-        self.publish_force(&output, inputs.time);
+        self.publish_force(inputs, &output);
         self.publish_status(inputs, &output);
         self.record(inputs, &output, sent_in_device);
         self.state.tick += 1;
@@ -216,9 +220,12 @@ impl ServoLoop {
             proxy: &mut self.state.touch.proxy,
         };
         match command {
-            Some(ServoCommand::Root { sequence, bits }) => {
+            Some(ServoCommand::Root {
+                sequence,
+                touchable,
+            }) => {
                 self.state.received = sequence;
-                self.occupancy.take_root(sequence, bits, &mut probe);
+                self.occupancy.take_root(sequence, touchable, &mut probe);
             }
             Some(ServoCommand::Bricks(change)) => {
                 self.state.received = change.sequence;
@@ -244,6 +251,7 @@ impl ServoLoop {
             Some(ServoCommand::Turn(rotation)) => self.state.mapping.turn(device, rotation),
             Some(ServoCommand::Settings(settings)) => self.state.settings = settings,
             Some(ServoCommand::Feel(id, feel)) => self.state.feels.set(id, feel),
+            Some(ServoCommand::Pose(_, _)) => {}
             Some(ServoCommand::Mark) => self.marked = true,
             // changes of occupancy are taken elsewhere
             Some(ServoCommand::Root { .. } | ServoCommand::Bricks(_)) | None => {}
@@ -253,12 +261,12 @@ impl ServoLoop {
     /// Brings the probe to a free point, and the device there by moving the mapping.
     fn place(&mut self, point: DVec3, device: Option<DVec3>) {
         let point_in_grid = self.grid.grid_from_patient().transform_point3(point);
-        let bits = self.occupancy.bits();
-        let Some(proxy) = nearest_free(bits, &self.grid, point_in_grid, PLACE_REACH) else {
+        let world = &self.occupancy.touchable().world;
+        let Some(proxy) = nearest_free(world, &self.grid, point_in_grid, PLACE_REACH) else {
             self.state.refused_places += 1;
             return;
         };
-        self.state.touch.proxy = proxy;
+        self.state.touch = TickState::new(proxy);
         let placed = self
             .grid
             .patient_from_grid()
@@ -279,7 +287,8 @@ impl ServoLoop {
                 .state
                 .mapping
                 .velocity_to_scene(inputs.velocity_in_device),
-            coupling: self.state.settings.coupling(),
+            damping: self.state.settings.damping,
+            smoothing: self.state.settings.smoothing,
         }
     }
 
@@ -292,21 +301,32 @@ impl ServoLoop {
     }
 
     fn touch(&mut self, input: &TickInput) -> TickOutput {
-        let scene = TouchScene::of_world(self.occupancy.bits(), &self.grid);
-        let model = &self.state.settings.model;
-        let output = tick(&scene, model, input, &mut self.state.touch);
+        self.cache.set_epoch(self.occupancy.version());
+        let surfaces = TouchedSurfaces {
+            touchable: self.occupancy.touchable(),
+            settings: &self.state.settings,
+            feels: &self.state.feels,
+        };
+        let output = tick(
+            &self.occupancy.scene(&self.grid),
+            &self.state.settings.model,
+            &surfaces,
+            input,
+            &mut self.state.touch,
+            &mut self.cache,
+        );
         if output.violation {
             self.shared.counters.violations.fetch_add(1, Relaxed);
         }
         output
     }
 
-    fn publish_force(&mut self, output: &TickOutput, now: f64) {
+    fn publish_force(&mut self, inputs: &TickInputs, output: &TickOutput) {
         let mapping = &self.state.mapping;
         self.ends.forces.write(ForceCommand {
-            time: now,
+            time: inputs.time,
             tick: self.state.tick + 1,
-            force_in_device: mapping.force_to_device(output.force),
+            law: law_in_device(mapping, inputs, output),
             hand_in_device: mapping.point_to_device(self.state.hand),
             max_force: self.state.settings.force_limit,
         });
@@ -318,6 +338,7 @@ impl ServoLoop {
             held_root: self.occupancy.held_root(),
             held_edits: self.occupancy.held_edits(),
             skipped: self.occupancy.skipped(),
+            stopped: [0; 4],
             refused_places: self.state.refused_places,
             device: self.device_in_scene(inputs),
             proxy: output.proxy_in_scene,
@@ -359,5 +380,21 @@ impl ServoLoop {
         };
         // whoever asks asks once, and takes what he asked for
         let _ = self.ends.snapshots.push(snapshot);
+    }
+}
+
+/// The contact as the device can follow it.
+fn law_in_device(mapping: &Mapping, inputs: &TickInputs, output: &TickOutput) -> LocalForce {
+    if output.spring == DVec3::ZERO {
+        return LocalForce::held(mapping.force_to_device(output.force));
+    }
+    LocalForce {
+        device: inputs.position_in_device,
+        spring: mapping.force_to_device(output.spring),
+        normal: mapping.force_to_device(output.normal),
+        coupling: output.coupling,
+        sticks: output.sticks,
+        scale: mapping.scale,
+        held: DVec3::ZERO,
     }
 }

@@ -6,7 +6,8 @@
 use std::sync::mpsc::{self, Sender};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use glam::{DVec3, IVec3};
+use glam::{DAffine3, DVec3, IVec3};
+use palpate_device::DeviceLimits;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
 use palpate_volume::segment::Segment;
@@ -18,7 +19,7 @@ use crate::error::SessionError;
 use crate::feel::Feel;
 use crate::frame::{Frame, Notice, Rates};
 use crate::handover::HandTarget;
-use crate::live::Live;
+use crate::live::{Live, Paces};
 use crate::mapping::rotation_of_view;
 use crate::offline::Offline;
 use crate::picture::Picture;
@@ -53,6 +54,7 @@ pub struct Session {
     tape: Arc<Mutex<TapeRecorder>>,
     grid: Grid,
     device_name: String,
+    device_limits: DeviceLimits,
 }
 
 impl Session {
@@ -64,7 +66,12 @@ impl Session {
         check(&config)?;
         let grid = config.grid;
         let device_name = config.device.name().to_owned();
-        let (rate_hz, real_time) = (config.rate_hz, config.real_time);
+        let device_limits = config.device.limits();
+        let real_time = config.real_time;
+        let paces = Paces {
+            device_hz: config.device_rate_hz(),
+            servo_hz: config.rate_hz,
+        };
         let Assembly {
             loops,
             picture,
@@ -75,12 +82,12 @@ impl Session {
         } = assemble(config)?;
 
         let run = if real_time {
-            let (live, granted) = Live::start(loops, Arc::clone(&shared), rate_hz)?;
+            let (live, granted) = Live::start(loops, Arc::clone(&shared), paces)?;
             lock(&picture).real_time = granted.is_ok();
             tell_of_priority(&notices, &granted);
             Run::Live(live)
         } else {
-            let offline = Offline::new(loops, Arc::clone(&shared), rate_hz);
+            let offline = Offline::new(loops, Arc::clone(&shared), paces);
             Run::Offline(Box::new(Mutex::new(offline)))
         };
         Ok(Self {
@@ -92,6 +99,7 @@ impl Session {
             tape,
             grid,
             device_name,
+            device_limits,
         })
     }
 
@@ -99,6 +107,12 @@ impl Session {
     #[must_use]
     pub fn device_name(&self) -> &str {
         &self.device_name
+    }
+
+    /// What the device bears.
+    #[must_use]
+    pub fn device_limits(&self) -> DeviceLimits {
+        self.device_limits
     }
 
     /// Moves the target to which the hand pulls the device.
@@ -192,6 +206,16 @@ impl Session {
     /// Where there is no such segment or the session has ended.
     pub fn set_touchable(&self, id: SegmentId, touchable: bool) -> Result<(), SessionError> {
         self.ask(move |simulation| simulation.set_touchable(id, touchable))?
+    }
+
+    /// Moves a segment to a pose [mm, from the scan to the scene]; touch goes there smoothly, and
+    /// stops where the probe is pinched.
+    ///
+    /// # Errors
+    /// Where the pose is no rigid motion, there is no such segment, too many are moved, or the
+    /// session has ended.
+    pub fn move_segment(&self, id: SegmentId, pose: DAffine3) -> Result<(), SessionError> {
+        self.ask(move |simulation| simulation.move_segment(id, pose))?
     }
 
     /// Changes how the surface of a segment feels.

@@ -7,11 +7,13 @@
 
 use std::sync::Arc;
 
-use glam::{DMat3, DVec3};
+use glam::{DAffine3, DMat3, DVec3, IVec3, UVec3};
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;
+use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
+use palpate_volume::voxel_box::VoxelBox;
 use rtrb::Consumer;
 use serde::{Deserialize, Serialize};
 
@@ -19,20 +21,25 @@ use crate::feel::Feel;
 use crate::handover::{ServoCommand, Snapshot};
 use crate::servo_state::ServoState;
 use crate::settings::Settings;
+use crate::touchable::Part;
 
 /// Memory for the changes of one recording, at most; a brick counts as if nobody shared it.
 pub const MAX_TAPE_BYTES: usize = 1 << 29;
 
 /// A swap with a brick of its own, whose counters fill a cache line.
-const SWAP_BYTES: usize = size_of::<BrickSwap<BitBrick>>() + 2 * size_of::<BitBrick>();
+const SWAP_BYTES: usize = size_of::<PartSwap>() + 2 * size_of::<BitBrick>();
 
 /// A command, without its bricks.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum TapeCommand {
     /// All that can be touched was replaced; the bricks are those that it changed.
     Root {
         /// Number of the change.
         sequence: u64,
+        /// The segments, by rising number.
+        parts: Vec<TapePart>,
+        /// Radius of the probe [mm].
+        radius: f64,
     },
     /// Some bricks were replaced.
     Bricks {
@@ -52,19 +59,42 @@ pub enum TapeCommand {
     Turn(DMat3),
     /// New settings.
     Settings(Settings),
+    /// A moved segment was to go there.
+    Pose(u8, DAffine3),
     /// How the surface of a segment felt from then on.
     Feel(u8, Feel),
     /// A recording began anew.
     Mark,
 }
 
+/// A segment that can be touched, without its voxels.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TapePart {
+    /// Which segment.
+    pub id: u8,
+    /// A box that holds its voxels where it was moved: first voxel, and one past the last.
+    pub moved: Option<(IVec3, IVec3)>,
+}
+
+impl From<&Part> for TapePart {
+    fn from(part: &Part) -> Self {
+        Self {
+            id: part.id.0,
+            moved: part.moved.map(|bounds| (bounds.min, bounds.max)),
+        }
+    }
+}
+
+/// A brick of a segment.
+pub type PartSwap = (SegmentId, BrickSwap<BitBrick>);
+
 /// A command with its bricks.
 #[derive(Clone, Debug)]
 pub struct TapeEntry {
     /// What was to be done.
     pub command: TapeCommand,
-    /// Bricks of a change, by rising index, each once.
-    pub swaps: Vec<BrickSwap<BitBrick>>,
+    /// Bricks of a change, by rising segment and index, each once.
+    pub swaps: Vec<PartSwap>,
 }
 
 /// The state that a recording began with, and every command since.
@@ -74,8 +104,10 @@ pub struct Tape {
     pub grid: Grid,
     /// The servo's state before the tick `state.tick`, with nothing held back.
     pub state: ServoState,
-    /// What was solid then.
-    pub bits: Bits,
+    /// What could be touched then, by rising number.
+    pub parts: Vec<Part>,
+    /// Radius of the probe then [mm].
+    pub radius: f64,
     /// Commands from number `state.command + 1` on, without a gap.
     pub entries: Vec<TapeEntry>,
     /// Whether there was no memory for the commands that came after.
@@ -107,11 +139,12 @@ struct Writer {
     /// Number of the mark.
     mark: u64,
     grid: Grid,
-    first: Bits,
+    first: Vec<Part>,
+    radius: f64,
     /// The servo's state at the mark, once it has told it.
     state: Option<ServoState>,
     /// What the servo will touch once it has obeyed all that was noted.
-    latest: Bits,
+    latest: Vec<Part>,
     entries: Vec<TapeEntry>,
     bytes: usize,
     is_full: bool,
@@ -151,13 +184,14 @@ impl TapeRecorder {
     }
 
     /// Notes that the mark with this number is sent, and what will be solid by then.
-    pub fn begin(&mut self, mark: u64, grid: Grid, bits: Bits) {
+    pub fn begin(&mut self, mark: u64, grid: Grid, parts: Vec<Part>, radius: f64) {
         self.stage = Stage::Running(Box::new(Writer {
             mark,
             grid,
-            first: bits.clone(),
+            first: parts.clone(),
+            radius,
             state: None,
-            latest: bits,
+            latest: parts,
             entries: Vec::new(),
             bytes: 0,
             is_full: false,
@@ -195,7 +229,8 @@ impl TapeRecorder {
             Stage::Running(writer) => Some(Tape {
                 grid: writer.grid,
                 state: writer.state?,
-                bits: writer.first,
+                parts: writer.first,
+                radius: writer.radius,
                 entries: writer.entries,
                 is_full: writer.is_full,
             }),
@@ -221,15 +256,22 @@ impl Writer {
     fn entry(&mut self, command: &ServoCommand) -> TapeEntry {
         let mut swaps = Vec::new();
         let command = match command {
-            ServoCommand::Root { sequence, bits } => {
-                swaps = changed_bricks(&self.latest, bits);
-                self.latest = bits.clone();
+            ServoCommand::Root {
+                sequence,
+                touchable,
+            } => {
+                for part in &touchable.parts {
+                    swaps.extend(changed_bricks(&self.latest, part));
+                }
+                self.latest.clone_from(&touchable.parts);
                 TapeCommand::Root {
                     sequence: *sequence,
+                    parts: touchable.parts.iter().map(TapePart::from).collect(),
+                    radius: touchable.radius,
                 }
             }
             ServoCommand::Bricks(change) => {
-                swaps.clone_from(&change.swaps);
+                swaps.clone_from(&change.parts);
                 put(&mut self.latest, &swaps);
                 TapeCommand::Bricks {
                     sequence: change.sequence,
@@ -246,6 +288,7 @@ impl Writer {
             },
             ServoCommand::Turn(rotation) => TapeCommand::Turn(*rotation),
             ServoCommand::Settings(settings) => TapeCommand::Settings(*settings),
+            ServoCommand::Pose(id, pose) => TapeCommand::Pose(id.0, *pose),
             ServoCommand::Feel(id, feel) => TapeCommand::Feel(id.0, *feel),
             ServoCommand::Mark => TapeCommand::Mark,
         };
@@ -254,21 +297,43 @@ impl Writer {
 }
 
 /// Puts bricks in the place of those that are there.
-pub fn put(bits: &mut Bits, swaps: &[BrickSwap<BitBrick>]) {
-    for swap in swaps {
-        bits.swap(&mut swap.clone());
+pub fn put(parts: &mut [Part], swaps: &[PartSwap]) {
+    for (id, swap) in swaps {
+        if let Ok(place) = place_of(parts, *id) {
+            parts[place].bits.swap(&mut swap.clone());
+        }
     }
 }
 
-/// The bricks of `new` that hold other voxels than those of `old`.
-fn changed_bricks(old: &Bits, new: &Bits) -> Vec<BrickSwap<BitBrick>> {
-    let pairs = old.bricks().entries().iter().zip(new.bricks().entries());
+/// Parts as a new root has them: those that stay keep their voxels, new ones have none yet.
+#[must_use]
+pub fn rooted(old: &[Part], new: &[TapePart], dimensions: UVec3) -> Vec<Part> {
+    let part = |part: &TapePart| {
+        let id = SegmentId(part.id);
+        let bits = match place_of(old, id) {
+            Ok(place) => old[place].bits.clone(),
+            Err(_) => Bits::empty(dimensions),
+        };
+        let moved = part.moved.map(|(min, max)| VoxelBox::new(min, max));
+        Part { id, bits, moved }
+    };
+    new.iter().map(part).collect()
+}
+
+fn place_of(parts: &[Part], id: SegmentId) -> Result<usize, usize> {
+    parts.binary_search_by_key(&id.0, |part| part.id.0)
+}
+
+/// The bricks of a part that hold other voxels than before.
+fn changed_bricks(old: &[Part], new: &Part) -> Vec<PartSwap> {
+    let old = place_of(old, new.id).ok().map(|place| &old[place].bits);
+    let before = |index| old.and_then(|bits| bits.bricks().get(index));
     (0..)
-        .zip(pairs)
-        .filter(|(_, (old, new))| !is_same(old.as_ref(), new.as_ref()))
-        .map(|(index, (_, new))| BrickSwap {
-            index,
-            brick: new.clone(),
+        .zip(new.bits.bricks().entries())
+        .filter(|(index, brick)| !is_same(before(*index), brick.as_ref()))
+        .map(|(index, brick)| {
+            let brick = brick.clone();
+            (new.id, BrickSwap { index, brick })
         })
         .collect()
 }

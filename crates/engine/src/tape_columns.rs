@@ -4,9 +4,12 @@
 //! in the directory and eight words each, no solid voxel where there is no brick. What comes from
 //! a file is checked before anything is made of it.
 
+use palpate_haptics::ball::{BallError, BallShape};
+use palpate_haptics::scene::{MAX_OBJECTS, ObjectPose, PoseError};
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::{BRICK, BrickSwap};
+use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
 use palpate_volume::voxel_box::VoxelBox;
 use serde::{Deserialize, Serialize};
@@ -14,7 +17,7 @@ use serde::{Deserialize, Serialize};
 use crate::handover::MAX_BRICKS;
 use crate::servo_state::ServoState;
 use crate::settings::SettingsError;
-use crate::tape::{Tape, TapeCommand, TapeEntry};
+use crate::tape::{PartSwap, Tape, TapeCommand, TapeEntry, TapePart, put, rooted};
 
 /// Most voxels of a scan in a file; more are not read, so that no file can ask for all memory.
 pub const MAX_FILE_VOXELS: u64 = 1 << 33;
@@ -42,6 +45,8 @@ pub struct TapeColumns {
 /// Bricks by columns.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BrickColumns {
+    /// Number of the segment.
+    pub segment: Vec<u8>,
     /// Place in the directory, x fastest.
     pub index: Vec<u32>,
     /// Voxels: one word per z, bit = 8 · y + x.
@@ -71,6 +76,15 @@ pub enum TapeError {
     /// Too many bricks at once, or not by rising place.
     #[error("its bricks are out of order")]
     Bricks,
+    /// A pose that is no rigid motion.
+    #[error(transparent)]
+    Pose(#[from] PoseError),
+    /// Segments out of order, or more moved ones than there can be.
+    #[error("its segments are out of order")]
+    Parts,
+    /// No such probe fits these voxels.
+    #[error(transparent)]
+    Ball(#[from] BallError),
     /// Voxels beyond the border of the scan.
     #[error("it has voxels outside of its scan")]
     Outside,
@@ -87,6 +101,8 @@ pub enum TapeError {
 struct Start {
     grid: Grid,
     state: ServoState,
+    parts: Vec<TapePart>,
+    radius: f64,
     is_full: bool,
 }
 
@@ -96,21 +112,27 @@ impl From<&Tape> for TapeColumns {
             start: packed(&Start {
                 grid: tape.grid,
                 state: tape.state,
+                parts: tape.parts.iter().map(TapePart::from).collect(),
+                radius: tape.radius,
                 is_full: tape.is_full,
             }),
             ..Self::default()
         };
-        for (index, brick) in (0..).zip(tape.bits.bricks().entries()) {
-            if let Some(brick) = brick {
-                columns.solid.push(index, **brick);
+        for part in &tape.parts {
+            for (index, brick) in (0..).zip(part.bits.bricks().entries()) {
+                if let Some(brick) = brick {
+                    columns.solid.push(part.id, index, **brick);
+                }
             }
         }
         for entry in &tape.entries {
             columns.commands.extend(packed(&entry.command));
             columns.command_ends.push(columns.commands.len() as u64);
-            for swap in &entry.swaps {
+            for (id, swap) in &entry.swaps {
                 let brick = swap.brick.as_deref().copied();
-                columns.bricks.push(swap.index, brick.unwrap_or_default());
+                columns
+                    .bricks
+                    .push(*id, swap.index, brick.unwrap_or_default());
             }
             columns.brick_ends.push(columns.bricks.index.len() as u64);
         }
@@ -127,6 +149,8 @@ impl TryFrom<&TapeColumns> for Tape {
         let Start {
             grid,
             state,
+            parts,
+            radius,
             is_full,
         } = start;
         let given = grid.voxel_count() as u64;
@@ -135,15 +159,18 @@ impl TryFrom<&TapeColumns> for Tape {
         }
         state.settings.check()?;
 
-        let mut bits = Bits::empty(grid.dimensions());
-        for mut swap in columns.solid.swaps(0..columns.solid.index.len(), &bits)? {
-            bits.swap(&mut swap);
-        }
-        let entries = columns.entries(&bits)?;
+        check_parts(&parts, radius, &grid)?;
+
+        let empty = Bits::empty(grid.dimensions());
+        let mut parts = rooted(&[], &parts, grid.dimensions());
+        let solid = columns.solid.swaps(0..columns.solid.index.len(), &empty)?;
+        put(&mut parts, &solid);
+        let entries = columns.entries(&empty, &grid)?;
         Ok(Self {
             grid,
             state,
-            bits,
+            parts,
+            radius,
             entries,
             is_full,
         })
@@ -152,7 +179,7 @@ impl TryFrom<&TapeColumns> for Tape {
 
 impl TapeColumns {
     /// The commands for a servo that touches voxels like `bits`.
-    fn entries(&self, bits: &Bits) -> Result<Vec<TapeEntry>, TapeError> {
+    fn entries(&self, bits: &Bits, grid: &Grid) -> Result<Vec<TapeEntry>, TapeError> {
         if self.command_ends.len() != self.brick_ends.len() {
             return Err(TapeError::Lengths);
         }
@@ -165,7 +192,7 @@ impl TapeColumns {
                     let reason = error.to_string();
                     TapeError::Command { number, reason }
                 })?;
-            check(&command, bricks.len())?;
+            check(&command, bricks.len(), grid)?;
             let swaps = self.bricks.swaps(bricks, bits)?;
             entries.push(TapeEntry { command, swaps });
         }
@@ -174,7 +201,8 @@ impl TapeColumns {
 }
 
 impl BrickColumns {
-    fn push(&mut self, index: u32, brick: BitBrick) {
+    fn push(&mut self, id: SegmentId, index: u32, brick: BitBrick) {
+        self.segment.push(id.0);
         self.index.push(index);
         self.words.push(brick.0);
     }
@@ -184,20 +212,25 @@ impl BrickColumns {
         &self,
         range: std::ops::Range<usize>,
         bits: &Bits,
-    ) -> Result<Vec<BrickSwap<BitBrick>>, TapeError> {
-        if self.index.len() != self.words.len() {
+    ) -> Result<Vec<PartSwap>, TapeError> {
+        let count = self.index.len();
+        if self.words.len() != count || self.segment.len() != count {
             return Err(TapeError::Lengths);
         }
         let index = &self.index[range.clone()];
+        let segment = &self.segment[range.clone()];
         // strictly rising, so that each is there once
-        let in_order = index.is_sorted_by(|before, after| before < after);
-        let last = index.last().map_or(0, |last| *last as usize);
-        if !in_order || last >= bits.bricks().len() {
+        let places: Vec<(u8, u32)> = segment.iter().copied().zip(index.iter().copied()).collect();
+        let in_order = places.is_sorted_by(|before, after| before < after);
+        let within = index
+            .iter()
+            .all(|&index| (index as usize) < bits.bricks().len());
+        if !in_order || !within {
             return Err(TapeError::Bricks);
         }
-        let bricks = index.iter().zip(&self.words[range]);
+        let bricks = places.into_iter().zip(&self.words[range]);
         bricks
-            .map(|(&index, &words)| swap(index, BitBrick(words), bits))
+            .map(|((id, index), &words)| Ok((SegmentId(id), swap(index, BitBrick(words), bits)?)))
             .collect()
     }
 }
@@ -219,13 +252,33 @@ fn swap(index: u32, brick: BitBrick, bits: &Bits) -> Result<BrickSwap<BitBrick>,
     })
 }
 
+/// Refuses segments that are not by rising number, too many moved ones, and a ball too large.
+fn check_parts(parts: &[TapePart], radius: f64, grid: &Grid) -> Result<(), TapeError> {
+    let in_order = parts.is_sorted_by(|before, after| before.id < after.id);
+    let moved = parts.iter().filter(|part| part.moved.is_some()).count();
+    if !in_order || moved > MAX_OBJECTS || parts.iter().any(|part| part.id == 0) {
+        return Err(TapeError::Parts);
+    }
+    if radius != 0.0 {
+        BallShape::new(radius, grid.spacing())?;
+    }
+    Ok(())
+}
+
 /// Refuses a command that no simulation sends.
-fn check(command: &TapeCommand, bricks: usize) -> Result<(), TapeError> {
+fn check(command: &TapeCommand, bricks: usize, grid: &Grid) -> Result<(), TapeError> {
     let allowed = match command {
-        TapeCommand::Root { .. } => usize::MAX,
+        TapeCommand::Root { parts, radius, .. } => {
+            check_parts(parts, *radius, grid)?;
+            usize::MAX
+        }
         TapeCommand::Bricks { .. } => MAX_BRICKS,
         TapeCommand::Settings(settings) => {
             settings.check()?;
+            0
+        }
+        TapeCommand::Pose(_, pose) => {
+            ObjectPose::new(grid, grid, *pose)?;
             0
         }
         TapeCommand::Feel(_, feel) => {

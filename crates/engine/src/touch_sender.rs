@@ -6,7 +6,6 @@
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;
 use palpate_volume::edit::SegmentId;
 
@@ -15,7 +14,7 @@ use crate::handover::{
 };
 use crate::scene::{Scene, TouchChange};
 use crate::tape::TapeRecorder;
-use crate::touch::{union_brick, union_of};
+use crate::touchable::{Part, Touchable};
 
 /// A change that touch does not follow yet.
 #[derive(Debug)]
@@ -31,6 +30,8 @@ pub struct TouchSender {
     garbage: rtrb::Consumer<Garbage>,
     replies: triple_buffer::Output<ServoStatus>,
     tape: Arc<Mutex<TapeRecorder>>,
+    /// Of the probe [mm].
+    radius: f64,
     backlog: VecDeque<ServoCommand>,
     /// Commands so far, those in the backlog too.
     commands: u64,
@@ -41,9 +42,9 @@ pub struct TouchSender {
 }
 
 impl TouchSender {
-    /// A way on which nothing was sent yet.
+    /// A way on which nothing was sent yet, for a probe of a radius [mm].
     #[must_use]
-    pub fn new(channels: SimulationChannels) -> Self {
+    pub fn new(channels: SimulationChannels, radius: f64) -> Self {
         let SimulationChannels {
             inbox,
             garbage,
@@ -55,6 +56,7 @@ impl TouchSender {
             garbage,
             replies: status,
             tape: Arc::new(Mutex::new(TapeRecorder::new(snapshots))),
+            radius,
             backlog: VecDeque::new(),
             commands: 0,
             sequence: 0,
@@ -108,6 +110,14 @@ impl TouchSender {
         self.lock_tape().is_full()
     }
 
+    /// Changes the radius of the probe [mm], which must have been checked.
+    pub fn set_radius(&mut self, scene: &Scene, radius: f64) {
+        if self.radius != radius {
+            self.radius = radius;
+            self.send_root(scene, Vec::new());
+        }
+    }
+
     /// Sends a change of the scene.
     pub fn send_change(&mut self, scene: &Scene, change: &TouchChange) {
         match change {
@@ -117,6 +127,11 @@ impl TouchSender {
             }
             TouchChange::Bricks(_, segments) => self.send_root(scene, segments.clone()),
             TouchChange::All(id) => self.send_root(scene, vec![*id]),
+            TouchChange::Pose(id, pose) => self.send(ServoCommand::Pose(*id, *pose)),
+            TouchChange::FirstPose(id, pose) => {
+                self.send_root(scene, vec![*id]);
+                self.send(ServoCommand::Pose(*id, *pose));
+            }
         }
     }
 
@@ -155,7 +170,8 @@ impl TouchSender {
         }
         // the tape must wait for the mark before the servo can answer it
         let grid = *scene.voxels().grid();
-        tape.begin(self.commands + 1, grid, union_of_scene(scene));
+        let parts = scene.touchable_parts();
+        tape.begin(self.commands + 1, grid, parts, self.radius);
         drop(tape);
         self.commands += 1;
         self.backlog.push_back(ServoCommand::Mark);
@@ -168,22 +184,34 @@ impl TouchSender {
     }
 
     fn send_bricks(&mut self, scene: &Scene, bricks: &[u32], segments: Vec<SegmentId>) {
+        let parts = scene.touchable_parts();
+        let is_changed = |part: &&Part| segments.contains(&part.id);
+        let changed: Vec<&Part> = parts.iter().filter(is_changed).collect();
+        let moved = changed.iter().any(|part| part.moved.is_some());
+        if moved || bricks.len() * changed.len().max(1) > MAX_BRICKS {
+            return self.send_root(scene, segments);
+        }
+        let swaps = |part: &Part| {
+            let id = part.id;
+            let brick = |&index: &u32| BrickSwap {
+                index,
+                brick: part.bits.bricks().get(index).cloned(),
+            };
+            bricks.iter().map(brick).map(|swap| (id, swap)).collect()
+        };
+        let swaps: Vec<Vec<_>> = changed.into_iter().map(swaps).collect();
         let sequence = self.begin(segments);
-        let obstacles = scene.touchable_bits();
-        let swaps = bricks.iter().map(|&index| BrickSwap {
-            index,
-            brick: union_brick(&obstacles, index),
-        });
-        self.send(ServoCommand::Bricks(BrickChange {
-            sequence,
-            swaps: swaps.collect(),
-        }));
+        let change = BrickChange::new(sequence, &parts, swaps.concat());
+        self.send(ServoCommand::Bricks(change));
     }
 
     fn send_root(&mut self, scene: &Scene, segments: Vec<SegmentId>) {
-        let bits = union_of_scene(scene);
+        let touchable = touchable_of(scene, self.radius);
         let sequence = self.begin(segments);
-        self.send(ServoCommand::Root { sequence, bits });
+        self.send(ServoCommand::Root {
+            sequence,
+            touchable,
+        });
     }
 
     fn begin(&mut self, segments: Vec<SegmentId>) -> u64 {
@@ -209,10 +237,12 @@ impl TouchSender {
     }
 }
 
-/// All that can be touched.
-fn union_of_scene(scene: &Scene) -> Bits {
-    let dimensions = scene.voxels().grid().dimensions();
-    union_of(dimensions, &scene.touchable_bits())
+/// All that can be touched, with a probe of a radius [mm] that was checked.
+#[must_use]
+pub fn touchable_of(scene: &Scene, radius: f64) -> Touchable {
+    let grid = scene.voxels().grid();
+    Touchable::new(grid, scene.touchable_parts(), radius)
+        .expect("settings with too large a ball are refused")
 }
 
 fn is_held(status: &ServoStatus, change: &Outstanding) -> bool {

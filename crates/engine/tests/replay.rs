@@ -11,6 +11,7 @@ use std::time::{Duration, Instant};
 
 use common::*;
 use glam::{DMat3, DVec3, IVec3, UVec3};
+use palpate_engine::feel::Feel;
 use palpate_engine::handover::HandTarget;
 use palpate_engine::recording::Recording;
 use palpate_engine::replay::{ReplayEnd, ReplayError, Replayed, replay};
@@ -20,7 +21,6 @@ use palpate_engine::session_config::{Reference, SessionConfig};
 use palpate_engine::settings::Settings;
 use palpate_engine::tape::{Tape, TapeCommand};
 use palpate_engine::tape_columns::{BUILD, TapeColumns, TapeError};
-use palpate_volume::bits::Bits;
 use palpate_volume::edit::SegmentId;
 
 const DIMENSIONS: UVec3 = UVec3::splat(48);
@@ -82,7 +82,7 @@ impl Recorder {
         } else {
             self.rig.tick_at(self.device)
         };
-        assert!(self.recording.push(&record, 0));
+        self.recording.push(&record, 0);
     }
 
     fn change_something(&mut self) {
@@ -108,14 +108,28 @@ impl Recorder {
                 simulation.turn(DMat3::from_rotation_z(angle));
             }
             19 => {
+                let friction = random.between(0.0, 0.8);
+                let radius = random.between(-2.0, 2.0).max(0.0);
                 let settings = Settings {
                     stiffness: random.between(0.1, 0.9),
                     damping: random.between(0.0, 0.01),
+                    friction_static: friction,
+                    friction_kinetic: friction * random.share(),
+                    smoothing: random.below(2) == 0,
+                    probe_radius: radius,
                     ..Settings::default()
                 };
                 simulation.set_settings(settings).unwrap();
             }
-            20 => rig.hand.write(HandTarget {
+            20 => {
+                let feel = Feel {
+                    stiffness: Some(random.between(0.1, 0.9)),
+                    friction_static: Some(random.share()),
+                    friction_kinetic: Some(0.0),
+                };
+                simulation.set_feel(id, feel).unwrap();
+            }
+            21 => rig.hand.write(HandTarget {
                 point: random.point(0.0, 48.0),
                 number: random.below(5),
             }),
@@ -306,7 +320,7 @@ fn copy_row(from: &Recording, row: usize, to: &mut Recording) {
         command: from.command[row],
         ..TickRecord::default()
     };
-    assert!(to.push(&record, from.touched[row]));
+    to.push(&record, from.touched[row]);
 }
 
 #[test]
@@ -442,7 +456,7 @@ fn an_offline_session_with_edits_undo_and_thresholds_is_replayed() {
         assert!(recording.contact.iter().any(|touches| *touches));
 
         let mut other = tape;
-        other.bits = Bits::empty(DIMENSIONS);
+        other.parts.clear();
         assert!(!replay(&recording, &other).unwrap().is_equal());
     }
 }
@@ -570,13 +584,14 @@ fn bricks_beyond_the_border_and_scans_that_fill_all_memory_are_refused() {
     let mut tape = rig.simulation.tape().lock().unwrap().finish().unwrap();
     let mut columns = TapeColumns::from(&tape);
     // the third brick along x has four voxels inside
+    columns.solid.segment.push(1);
     columns.solid.index.push(2);
     columns.solid.words.push([0x0f; 8]);
     assert!(Tape::try_from(&columns).is_ok());
     columns.solid.words[0][3] = 0x1f;
     assert_eq!(Tape::try_from(&columns).unwrap_err(), TapeError::Outside);
 
-    tape.bits = Bits::empty(UVec3::ONE);
+    tape.parts.clear();
     tape.grid = grid(UVec3::new(8_000, 8_000, 8_000));
     let refused = Tape::try_from(&TapeColumns::from(&tape)).unwrap_err();
     assert!(matches!(refused, TapeError::TooLarge { .. }), "{refused}");

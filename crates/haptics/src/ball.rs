@@ -14,8 +14,11 @@
 
 use crate::ball_brick::dilated_brick;
 use crate::ball_cache::BallCache;
+use crate::ball_nearest::nearest_solid;
+use crate::ball_refine::refined;
 pub use crate::ball_shape::{BallError, BallShape, MAX_REACH};
-use glam::IVec3;
+use crate::proxy::Proxy;
+use glam::{DVec3, IVec3};
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::block::block_of_bricks;
 use palpate_volume::brick_grid::BRICK;
@@ -27,6 +30,7 @@ use palpate_volume::voxel_box::VoxelBox;
 #[derive(Debug)]
 pub struct Ball {
     shape: BallShape,
+    is_point: bool,
     cache: BallCache,
 }
 
@@ -35,6 +39,7 @@ impl Ball {
     pub fn new(shape: BallShape) -> Self {
         Self {
             shape,
+            is_point: shape.reach() == IVec3::ZERO,
             cache: BallCache::new(),
         }
     }
@@ -44,6 +49,19 @@ impl Ball {
         &self.shape
     }
 
+    /// Gives it another shape and forgets all cells; nothing is allocated.
+    pub fn set_shape(&mut self, shape: BallShape) {
+        self.shape = shape;
+        self.is_point = shape.reach() == IVec3::ZERO;
+        self.invalidate();
+    }
+
+    /// Whether it blocks just the solid voxels themselves.
+    #[inline]
+    pub fn is_point(&self) -> bool {
+        self.is_point
+    }
+
     /// The occupancy is another one now.
     pub fn invalidate(&mut self) {
         self.cache.invalidate();
@@ -51,15 +69,26 @@ impl Ball {
 
     /// These voxels of the occupancy may have changed. Work: a few ns per brick of the box.
     pub fn invalidate_box(&mut self, changed: &VoxelBox) {
-        if changed.is_empty() {
-            return;
-        }
-        let reach = self.shape.reach();
-        let cells = VoxelBox::new(
-            changed.min.saturating_sub(reach),
-            changed.max.saturating_add(reach),
-        );
-        self.cache.invalidate_box(&cells);
+        self.cache.invalidate_box(&self.shape.grown(changed));
+    }
+
+    /// The solid voxel that the ball rests against where this cell holds its centre back: the
+    /// nearest one [mm, centre to centre] of those that block the cell; none where it is free.
+    pub fn solid_near(&self, inner: &(impl Occupancy + ?Sized), cell: IVec3) -> Option<IVec3> {
+        nearest_solid(inner, &self.shape, cell)
+    }
+
+    /// The centre where the ball really touches, grid: moved on from its free cell toward the
+    /// device, by less than two cells along each axis, overlapping no solid voxel by more than
+    /// 1e-9 mm. A ball that reaches over more than 8 voxels stays where it is: a cell is a small
+    /// part of its radius.
+    pub fn refined(
+        &self,
+        inner: &(impl Occupancy + ?Sized),
+        proxy: &Proxy,
+        device_in_grid: DVec3,
+    ) -> DVec3 {
+        refined(inner, &self.shape, proxy, device_in_grid)
     }
 
     /// The cells that are blocked in this occupancy, which must be the one that the ball

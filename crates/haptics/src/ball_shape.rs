@@ -11,6 +11,7 @@
 //! Source: Serra, "Image Analysis and Mathematical Morphology" (1982), ch. II.
 
 use glam::{DVec3, IVec3};
+use palpate_volume::voxel_box::VoxelBox;
 
 /// Farthest that a shape reaches along each axis [voxels].
 pub const MAX_REACH: i32 = 16;
@@ -136,6 +137,16 @@ impl BallShape {
         }
     }
 
+    /// The next hard shape on the way to another radius: at most one smallest spacing larger,
+    /// so that it reaches one cell further and admission has to push the probe but little;
+    /// smaller ones at once.
+    pub fn toward(&self, radius_mm: f64) -> Result<Self, BallError> {
+        // given and checked as it is, then cut
+        Self::new(radius_mm, self.spacing)?;
+        let largest = self.radius_mm + self.spacing.min_element();
+        Self::new(radius_mm.min(largest), self.spacing)
+    }
+
     /// Radius [mm].
     pub fn radius_mm(&self) -> f64 {
         self.radius_mm
@@ -149,6 +160,17 @@ impl BallShape {
     /// Farthest offset along each axis [voxels].
     pub fn reach(&self) -> IVec3 {
         self.reach
+    }
+
+    /// All cells that voxels of this box can block.
+    pub fn grown(&self, voxels: &VoxelBox) -> VoxelBox {
+        if voxels.is_empty() {
+            return VoxelBox::EMPTY;
+        }
+        VoxelBox::new(
+            voxels.min.saturating_sub(self.reach),
+            voxels.max.saturating_add(self.reach),
+        )
     }
 
     /// Whether a voxel blocks the cell that is this far from it.

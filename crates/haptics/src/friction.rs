@@ -21,6 +21,7 @@
 //! model instead of a mesh's.
 
 use glam::{DAffine3, DVec3};
+use serde::{Deserialize, Serialize};
 
 /// The coefficients of a dry contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,7 +52,7 @@ pub enum FrictionError {
 }
 
 /// What the last tick knew of the contact.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Held {
     /// Device [mm].
     device: DVec3,
@@ -69,7 +70,7 @@ struct Held {
 }
 
 /// Where the probe sticks; nothing without contact.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct FrictionState {
     held: Option<Held>,
 }

@@ -72,6 +72,8 @@ pub struct SafetySettings {
     pub continuous_force: f64,
     /// Time constant of the average that is held against it [s].
     pub continuous_secs: f64,
+    /// Whether energy from nowhere is taken back, see `passivity.rs`.
+    pub take_back: bool,
 }
 
 impl Default for SafetySettings {
@@ -84,6 +86,7 @@ impl Default for SafetySettings {
             continuous_force: f64::INFINITY,
             // far below the thermal time constants of such motors, which are minutes
             continuous_secs: 5.0,
+            take_back: true,
         }
     }
 }
@@ -95,6 +98,7 @@ impl SafetySettings {
         start_below: f64::INFINITY,
         continuous_force: f64::INFINITY,
         continuous_secs: 5.0,
+        take_back: true,
     };
 }
 
@@ -158,7 +162,7 @@ pub struct SafetyCounters {
     /// Forces not sent, since none was small yet.
     pub waited: u64,
     /// Forces cut toward what the device bears for long.
-    pub continuous: u64,
+    pub eased: u64,
 }
 
 /// The stage: settings, the last force sent, and the counters.
@@ -170,6 +174,7 @@ pub struct Safety {
     begun: Option<f64>,
     /// The force sent, averaged over the last seconds [N].
     average: f64,
+    eases: bool,
     off: Option<ForceOff>,
     sent: DVec3,
     counters: SafetyCounters,
@@ -196,6 +201,7 @@ impl Safety {
             settings,
             begun: None,
             average: 0.0,
+            eases: false,
             off: Some(ForceOff::NotStarted),
             sent: DVec3::ZERO,
             counters: SafetyCounters::default(),
@@ -217,6 +223,39 @@ impl Safety {
     #[must_use]
     pub fn off(&self) -> Option<ForceOff> {
         self.off
+    }
+
+    /// How much of the wanted force is sent so soon after the start: 0 to 1.
+    #[must_use]
+    pub fn share(&self) -> f64 {
+        let Some(begun) = self.begun else {
+            return 0.0;
+        };
+        if begun >= self.settings.ramp_secs {
+            return 1.0;
+        }
+        (begun / self.settings.ramp_secs).max(0.0)
+    }
+
+    /// The largest force that is sent now [N].
+    #[must_use]
+    pub fn largest(&self) -> f64 {
+        let max_force = self.limits.max_force.max(0.0);
+        // a limit that is no number is 0
+        let continuous = self.settings.continuous_force.max(0.0);
+        let warm = WARM * continuous;
+        if self.average < warm || continuous >= max_force {
+            return max_force;
+        }
+        // from the largest force where the average begins to matter, to what can be held
+        let rest = ((continuous - self.average) / (continuous - warm)).max(0.0);
+        continuous + (max_force - continuous) * rest
+    }
+
+    /// Whether the force sent last was cut toward what the device bears for long.
+    #[must_use]
+    pub fn eases(&self) -> bool {
+        self.eases
     }
 
     /// The force sent last [N].
@@ -263,15 +302,12 @@ impl Safety {
 
     /// Faded in from the first small force on.
     fn faded(&mut self, wanted: DVec3, dt: f64) -> DVec3 {
-        let Some(begun) = &mut self.begun else {
-            return wanted;
-        };
-        if *begun >= self.settings.ramp_secs {
+        let share = self.share();
+        if share == 1.0 {
             return wanted;
         }
-        let share = (*begun / self.settings.ramp_secs).max(0.0).min(1.0);
         // time that is none does not pass
-        *begun += dt.max(0.0);
+        self.begun = self.begun.map(|begun| begun + dt.max(0.0));
         if wanted != DVec3::ZERO {
             self.counters.ramped += 1;
         }
@@ -280,21 +316,14 @@ impl Safety {
 
     /// Below what motors bear for a while; the more of it they have borne, the less is left.
     fn bearable(&mut self, wanted: DVec3) -> DVec3 {
-        // a limit that is no number is 0
-        let continuous = self.settings.continuous_force.max(0.0);
-        let warm = WARM * continuous;
-        if self.average < warm || continuous == f64::INFINITY {
-            return wanted;
-        }
-        // from the largest force where the average begins to matter, to what can be held
-        let rest = ((continuous - self.average) / (continuous - warm)).max(0.0);
-        let largest = self.limits.max_force.max(continuous);
-        let allowed = (continuous + (largest - continuous) * rest).max(0.0);
+        let allowed = self.largest();
         let length = wanted.length();
-        if length <= allowed {
+        // what is cut already is only rounded here
+        self.eases = allowed < self.limits.max_force && length > allowed;
+        if !self.eases {
             return wanted;
         }
-        self.counters.continuous += 1;
+        self.counters.eased += 1;
         wanted * (allowed / length)
     }
 

@@ -31,6 +31,7 @@ use field::Field;
 use glam::DVec3;
 use palpate_volume::grid::Grid;
 use palpate_volume::walk::COORDINATE_LIMIT;
+use serde::{Deserialize, Serialize};
 
 /// How the smooth contact point is found. A cell is two voxels long on cubes, and about as
 /// long as the thickest side of a voxel where slices are thick.
@@ -87,13 +88,13 @@ impl Default for Smoother {
 }
 
 /// What changes from tick to tick.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SmoothState {
     last: Option<Last>,
 }
 
 /// The last tick.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Last {
     /// Grid.
     device: DVec3,

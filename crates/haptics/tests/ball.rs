@@ -2,28 +2,26 @@
 
 mod support;
 
+use std::cell::Cell;
+
 use glam::{DVec3, IVec3, UVec3};
-use palpate_haptics::admission::{Admission, admit};
 use palpate_haptics::ball::{Ball, BallError, BallShape, MAX_REACH};
+use palpate_haptics::ball_limits::{ball_limits, most_bricks};
 use palpate_haptics::ball_probe::ProbeSolid;
-use palpate_haptics::contact::{Contact, ContactModel};
+use palpate_haptics::contact::ContactModel;
 use palpate_haptics::exact::Exact;
 use palpate_haptics::placement::nearest_free;
 use palpate_haptics::proxy::Proxy;
 use palpate_haptics::scene::TouchScene;
-use palpate_volume::grid::Grid;
+use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::occupancy::Occupancy;
 use palpate_volume::segment::Segment;
 use palpate_volume::voxel_box::VoxelBox;
-use support::{Body, Random, SPACINGS, grid, noise};
+use proptest::prelude::*;
+use support::{Body, Random, SPACINGS, advance, distance_to_solid, grid, hard, noise};
 
 /// Radii in smallest spacings: touching the next voxels or just not, round ones, large ones.
 const RADII: [f64; 9] = [0.0, 0.4, 1.0, 1.2, 2.0, 3.3, 5.0, 8.7, 16.0];
-
-fn hard(radius: f64, spacing: DVec3) -> Ball {
-    let shape = BallShape::new(radius * spacing.min_element(), spacing);
-    Ball::new(shape.expect("within the window"))
-}
 
 /// Distance between two voxels [mm], by their nearest points.
 fn between_boxes(offset: IVec3, spacing: DVec3) -> f64 {
@@ -151,27 +149,6 @@ fn a_ball_that_cannot_be_is_refused_with_what_is_allowed() {
     }
 }
 
-/// Distance [mm] from a point of the grid to the nearest solid voxel within `reach`.
-fn distance_to_solid(inner: &impl Occupancy, spacing: DVec3, point: DVec3, reach: i32) -> f64 {
-    let around = VoxelBox::of_voxel(point.floor().as_ivec3()).dilate(reach);
-    around
-        .voxels()
-        .filter(|&voxel| inner.is_solid(voxel))
-        .map(|voxel| {
-            let low = voxel.as_dvec3();
-            let outside = (low - point).max(point - (low + 1.0)).max(DVec3::ZERO);
-            (outside * spacing).length()
-        })
-        .fold(f64::INFINITY, f64::min)
-}
-
-fn advance(occupancy: &impl Occupancy, grid: &Grid, device: DVec3, proxy: &mut Proxy) -> Contact {
-    let scene = TouchScene::of_world(occupancy, grid);
-    let contact = Exact::default().advance(&scene, device, proxy);
-    assert!(!contact.violation && !occupancy.is_solid(proxy.voxel()));
-    contact
-}
-
 /// Guarantee 1, by the distance to every voxel around: 10⁵ moves of up to 50 voxels.
 #[test]
 fn the_ball_never_overlaps_a_solid_voxel_however_it_moves() {
@@ -237,17 +214,16 @@ fn a_free_cell_is_blocked_by_nothing() {
 #[test]
 fn what_is_kept_never_changes_an_answer() {
     for spacing in SPACINGS {
-        let grid = grid(UVec3::splat(96), spacing);
-        let body = || noise(96, 0.002, 7);
-        let mut warm = ProbeSolid::new(body(), Some(hard(2.0, spacing)));
+        let grid = grid(UVec3::splat(80), spacing);
+        let mut warm = ProbeSolid::new(noise(80, 0.002, 7), Some(hard(2.0, spacing)));
         let mut random = Random::new(11);
-        let mut device = DVec3::splat(48.0);
+        let mut device = DVec3::splat(40.0);
         let start = nearest_free(&warm, &grid, device, 12).expect("free");
         let [mut warm_proxy, mut cold_proxy] = [start; 2];
         for update in 0..20_000 {
             let length = 50.0 * random.between(0.0, 1.0).powi(4);
             device += random.direction() * length;
-            device = device.clamp(DVec3::splat(-8.0), DVec3::splat(104.0));
+            device = device.clamp(DVec3::splat(-8.0), DVec3::splat(88.0));
             let cold = ProbeSolid::new(warm.inner(), Some(hard(2.0, spacing)));
             let answers = [
                 advance(&warm, &grid, device, &mut warm_proxy),
@@ -255,7 +231,7 @@ fn what_is_kept_never_changes_an_answer() {
             ];
             assert_eq!(answers[0], answers[1]);
             assert_eq!(warm_proxy, cold_proxy);
-            if update % 50 == 0 {
+            if update % 100 == 0 {
                 warm = edited(warm, spacing, warm_proxy, &mut random);
             }
         }
@@ -285,62 +261,6 @@ fn edited(
         probe.change(&changed, |voxels| *voxels = new);
     }
     probe
-}
-
-#[test]
-fn an_edit_is_felt_at_the_next_update() {
-    let spacing = DVec3::ONE;
-    let grid = grid(UVec3::splat(64), spacing);
-    let floor = |hole: bool| {
-        Segment::from_fn(UVec3::splat(64), move |v| {
-            let in_hole = (v - 32).truncate().abs().max_element() <= 5;
-            v.z < 30 && !(hole && in_hole && v.z >= 20)
-        })
-    };
-    let changed = VoxelBox::new(IVec3::new(27, 27, 20), IVec3::new(38, 38, 30));
-    let mut probe = ProbeSolid::new(floor(false), Some(hard(2.0, spacing)));
-    let mut proxy = Proxy::at(DVec3::new(32.5, 32.5, 40.0)).expect("finite");
-    let device = DVec3::new(32.5, 32.5, 21.0);
-    assert!(advance(&probe, &grid, device, &mut proxy).touching);
-    assert_eq!(proxy.voxel().z, 32);
-
-    // the hole is cleared: at once the ball falls to its floor
-    probe.change(&changed, |voxels| *voxels = floor(true));
-    advance(&probe, &grid, device, &mut proxy);
-    assert_eq!(proxy.voxel().z, 22);
-
-    // it is filled again: the ball is in the way, and is pushed no further than 7 voxels
-    let filled = floor(false);
-    let new_ball = hard(2.0, spacing);
-    let admission = admit(&probe, &new_ball.dilate(&filled), &grid, &mut proxy);
-    assert_eq!(admission, Admission::Held);
-
-    // out of the hole it is in nobody's way
-    advance(&probe, &grid, device.with_z(31.0), &mut proxy);
-    let admission = admit(&probe, &new_ball.dilate(&filled), &grid, &mut proxy);
-    let voxel = IVec3::new(32, 32, 32);
-    assert_eq!(admission, Admission::Pushed { voxel });
-    probe.change(&changed, |voxels| *voxels = filled);
-    advance(&probe, &grid, device, &mut proxy);
-    assert_eq!(proxy.voxel().z, 32);
-}
-
-#[test]
-fn a_radius_is_raised_only_as_far_as_there_is_room() {
-    let grid = grid(UVec3::splat(64), DVec3::ONE);
-    // a floor, then a gap between two plates
-    let floor = Body(|v: IVec3| v.z < 20);
-    let gap = Body(|v: IVec3| v.z < 20 || v.z >= 31);
-    let mut proxy = Proxy::at(DVec3::splat(20.5)).expect("finite");
-    let voxel = IVec3::new(20, 20, 25);
-    let balls = [2.0, 5.0, 6.0].map(|radius| hard(radius, DVec3::ONE));
-    let [small, fitting, large] = &balls;
-    let raised = admit(&floor, &fitting.dilate(&floor), &grid, &mut proxy);
-    assert_eq!(raised, Admission::Pushed { voxel });
-
-    let [small, large] = [small, large].map(|ball| Ball::new(*ball.shape()));
-    let raised = admit(&small.dilate(&gap), &large.dilate(&gap), &grid, &mut proxy);
-    assert_eq!((raised, proxy.voxel()), (Admission::Held, voxel));
 }
 
 #[test]
@@ -380,5 +300,73 @@ fn a_channel_lets_through_the_balls_that_cells_have_room_for() {
             advance(&probe, &grid, DVec3::new(middle, middle, 10.0), &mut proxy);
         }
         assert_eq!(proxy.point().z < 15.0, passes, "{radius} {width}");
+    }
+}
+
+/// Counts the bricks that are read.
+struct Counted<'a, O> {
+    inner: &'a O,
+    blocks: Cell<u32>,
+}
+
+impl<O: Occupancy> Occupancy for Counted<'_, O> {
+    fn is_solid(&self, voxel: IVec3) -> bool {
+        self.inner.is_solid(voxel)
+    }
+    fn block(&self, min: IVec3) -> BitBrick {
+        self.blocks.set(self.blocks.get() + 1);
+        self.inner.block(min)
+    }
+}
+
+/// The wildest moves, with nothing kept from tick to tick.
+#[test]
+fn a_tick_fills_no_more_bricks_than_stated() {
+    for (radius, bricks_read) in [(1.0_f64, 27), (5.0, 27), (12.0, 125)] {
+        let grid = grid(UVec3::splat(160), DVec3::ONE);
+        let body = noise(160, 0.002 / radius.powi(3), 7);
+        let limits = ball_limits(hard(radius, DVec3::ONE).shape());
+        let mut random = Random::new(5);
+        let mut most = 0;
+        let mut proxy = Proxy::at(DVec3::splat(-30.0)).expect("finite");
+        for _ in 0..300 {
+            let device = random.point(-30.0, 190.0);
+            let counted = Counted {
+                inner: &body,
+                blocks: Cell::new(0),
+            };
+            let probe = ProbeSolid::new(&counted, Some(hard(radius, DVec3::ONE)));
+            let scene = TouchScene::of_world(&probe, &grid);
+            let contact = Exact { limits }.advance(&scene, device, &mut proxy);
+            assert!(!contact.violation);
+            most = most.max(counted.blocks.get() / bricks_read);
+        }
+        assert!(most <= most_bricks(&limits), "{most}");
+        assert!(most >= 20, "the moves were tame: {most}");
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(300))]
+
+    /// The definition for any spacing, radius and scatter of voxels, on both sides of 0.
+    #[test]
+    fn a_cell_is_blocked_by_the_voxels_nearer_than_the_radius(
+        spacing in prop::array::uniform3(0.3..3.0_f64),
+        share in 0.0..=1.0_f64,
+        voxels in prop::collection::vec(prop::array::uniform3(-12..12_i32), 1..6),
+        cells in prop::collection::vec(prop::array::uniform3(-30..30_i32), 40),
+    ) {
+        let spacing = DVec3::from_array(spacing);
+        let radius = share * BallShape::largest_radius(spacing);
+        let ball = Ball::new(BallShape::new(radius, spacing).expect("within the window"));
+        let voxels: Vec<IVec3> = voxels.into_iter().map(IVec3::from_array).collect();
+        let body = Body(|voxel| voxels.contains(&voxel));
+        for cell in cells.into_iter().map(IVec3::from_array) {
+            let blocked = voxels.iter().any(|&voxel| {
+                voxel == cell || between_boxes(voxel - cell, spacing) < radius - 1e-9
+            });
+            prop_assert_eq!(ball.dilate(&body).is_solid(cell), blocked);
+        }
     }
 }

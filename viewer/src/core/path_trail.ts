@@ -8,7 +8,7 @@ import { distance, type Vec3 } from "./vector";
 export const pieceNumbers = 8;
 
 /** A probe that seems to move faster was placed elsewhere: no line leads there [mm/s]. */
-const fastest = 4000;
+const fastest = 2000;
 
 export class PathTrail {
   /** Rows (x, y, z, time, 1 where a line leads here from the point before). */
@@ -57,10 +57,10 @@ export class PathTrail {
     return this.head !== null && this.held > 1 && this.freshness(this.held - 1) > 0;
   }
 
-  /** The points that can be seen, the oldest first. */
+  /** The ends of the pieces that can be seen, the oldest first. */
   get points(): readonly Vec3[] {
     return Array.from({ length: this.held }, (_, i) => i)
-      .filter((i) => this.freshness(i) > 0)
+      .filter((i) => this.freshness(i + 1 < this.held ? i + 1 : i) > 0)
       .map((i) => this.pointAt(i));
   }
 

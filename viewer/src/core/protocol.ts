@@ -111,6 +111,12 @@ export interface Settings {
   readonly force_limit: number;
 }
 
+/** What a device bears: settings that ask for more are cut to it. */
+export interface DeviceLimits {
+  readonly stiffness: Stiffness;
+  readonly force: number;
+}
+
 /**
  * First message of the engine: everything the page needs to draw.
  *
@@ -125,6 +131,7 @@ export interface Hello {
   readonly settings: Settings;
   readonly defaults: Settings;
   readonly device: string;
+  readonly device_limits: DeviceLimits;
 }
 
 /**
@@ -524,6 +531,11 @@ const isSettings = record({
   force_limit: real({ gt: 0, le: 40 }),
 });
 
+const isDeviceLimits = record({
+  stiffness: isStiffness,
+  force: real(),
+});
+
 const isHello = record({
   type: oneOf("hello"),
   protocol: whole(),
@@ -533,6 +545,7 @@ const isHello = record({
   settings: isSettings,
   defaults: isSettings,
   device: text(),
+  device_limits: isDeviceLimits,
 });
 
 const isRate = record({

@@ -2,7 +2,7 @@
  * What a person can set about touch: the ranges of the controls, what the choices mean, and
  * what of it outlives a visit. Stiffness [N/mm], damping [N·s/mm], radius [mm], force [N].
  */
-import type { Feel, Settings } from "./protocol";
+import type { DeviceLimits, Feel, Settings } from "./protocol";
 
 type NumberSetting = "stiffness" | "damping" | "friction_static" | "friction_kinetic" | "probe_radius" | "force_limit";
 
@@ -11,7 +11,7 @@ interface Range {
   readonly max: number;
 }
 
-/** What the engine takes at most, and what the controls offer. */
+/** What the engine takes at most. */
 const taken: Readonly<Record<NumberSetting, Range>> = {
   stiffness: { min: 1e-6, max: 10 },
   damping: { min: 0, max: 0.1 },
@@ -21,6 +21,7 @@ const taken: Readonly<Record<NumberSetting, Range>> = {
   force_limit: { min: 1e-6, max: 40 },
 };
 
+/** What the controls offer, where the device bears it. */
 export const offered = {
   stiffness: { min: 0.05, max: 5 },
   damping: { min: 0, max: 0.02 },
@@ -37,9 +38,18 @@ export function frictionOf(coefficient: number): { friction_static: number; fric
   return { friction_static: coefficient, friction_kinetic: Number((slidingShare * coefficient).toPrecision(6)) };
 }
 
+/** Ends of the controls of stiffness and force: those of the device, where it bears less. */
+export function offeredBy(limits: DeviceLimits | null): { readonly stiffness: Range; readonly force_limit: Range } {
+  const { stiffness, force_limit } = offered;
+  return {
+    stiffness: { min: stiffness.min, max: Math.min(stiffness.max, limits?.stiffness ?? Infinity) },
+    force_limit: { min: force_limit.min, max: Math.min(force_limit.max, limits?.force ?? Infinity) },
+  };
+}
+
 /** A stiffness `steps` steps stiffer (or softer, < 0), within what is offered. */
-export function stiffer(stiffness: number, steps: number): number {
-  const { min, max } = offered.stiffness;
+export function stiffer(stiffness: number, steps: number, limits: DeviceLimits | null): number {
+  const { min, max } = offeredBy(limits).stiffness;
   return Number(Math.min(max, Math.max(min, stiffness * 1.25 ** steps)).toPrecision(3));
 }
 

@@ -8,7 +8,7 @@ import type { Vec3 } from "../core/vector";
 import { shaders } from "./shaders";
 
 /** Half the width of the line, and how far it is drawn toward the eye [CSS pixels]. */
-const halfWidth = 1.3;
+const halfWidth = 1.6;
 const toward = 4;
 const strength = { plain: 0.85, behind: 0.18 } as const;
 

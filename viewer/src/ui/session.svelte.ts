@@ -5,6 +5,7 @@ import { ForceHistory } from "../core/force_history";
 import { recalled, remembered, sameSettings } from "../core/touch_settings";
 import {
   PROTOCOL_VERSION,
+  type DeviceLimits,
   type FromPage,
   type Hello,
   type Notice,
@@ -42,9 +43,12 @@ export class Session {
   /** What `settings` were when the engine was started. */
   defaults = $state.raw<Settings | null>(null);
   device = $state.raw("");
+  deviceLimits = $state.raw<DeviceLimits | null>(null);
   version = $state.raw("");
   /** What is now, at a pace that can be read. */
   live = $state.raw<State | null>(null);
+  /** Length of the recording that can be saved [s]; null where there is none. */
+  recorded = $state.raw<number | null>(null);
   notices = $state.raw<readonly ShownNotice[]>([]);
   /** How often the engine has refused something. */
   refusals = $state.raw(0);
@@ -116,6 +120,11 @@ export class Session {
     }, answerRest);
   }
 
+  /** Begins a recording, or ends it; the engine's states tell whether it runs. */
+  toggleRecording(): void {
+    this.send({ type: "record", on: (this.latest?.recording ?? null) === null });
+  }
+
   /** Back to what the engine was started with. */
   resetSettings(): void {
     if (this.defaults !== null) {
@@ -179,6 +188,7 @@ export class Session {
     this.settings = hello.settings;
     this.defaults = hello.defaults;
     this.device = hello.device;
+    this.deviceLimits = hello.device_limits;
     this.version = hello.version;
     this.history.clear();
     this.greetings += 1;
@@ -209,6 +219,7 @@ export class Session {
   }
 
   private takeState(state: State): void {
+    this.followRecording(this.latest?.recording ?? null, state.recording);
     this.latest = state;
     this.history.add(state.samples);
     for (const listener of this.listeners) {
@@ -216,9 +227,19 @@ export class Session {
     }
     const now = performance.now();
     const pace = this.calm ? readingPace.calm : readingPace.usual;
-    if (now - this.readAt >= pace || state.contact !== this.live?.contact) {
+    const turned =
+      state.contact !== this.live?.contact || (state.recording === null) !== (this.live.recording === null);
+    if (now - this.readAt >= pace || turned) {
       this.live = state;
       this.readAt = now;
+    }
+  }
+
+  private followRecording(before: number | null, now: number | null): void {
+    if (now !== null) {
+      this.recorded = null;
+    } else if (before !== null) {
+      this.recorded = before;
     }
   }
 }

@@ -44,6 +44,15 @@ test("no line leads to where the probe was placed", () => {
   expect(written(trail).map((piece) => [piece[0], piece[3]])).toEqual([[0, 1], [200, 201]]);
 });
 
+test("a piece that can be seen has both its ends among the points", () => {
+  const trail = new PathTrail(2, 100, 0.1);
+  trail.add(0, [0, 0, 0]);
+  trail.add(1, [5, 0, 0]);
+  trail.add(2.5, [5, 0, 0]);
+  expect(written(trail).map((piece) => [piece[0], piece[3]])).toEqual([[0, 5]]);
+  expect(trail.points).toEqual([[0, 0, 0], [5, 0, 0]]);
+});
+
 test("trembling less than the spacing adds nothing, and a full ring keeps the newest", () => {
   const trail = new PathTrail(100, 4, 1);
   for (let i = 0; i < 50; ++i) {

@@ -1,7 +1,7 @@
 import { expect, test } from "vitest";
 import { contentHull } from "../../src/core/content_hull";
 import { firstView, extentOf } from "../../src/core/camera";
-import { formatBytes, formatCount, formatMillilitres, formatPoint, formatSpacing, formatValue } from "../../src/core/format";
+import { formatBytes, formatCount, formatMillilitres, formatPoint, formatSeconds, formatSpacing, formatValue } from "../../src/core/format";
 import { farthestAhead, moveInDepth, moveInView } from "../../src/core/hand";
 import { histogramPath, shareWithin } from "../../src/core/histogram";
 import { scaleBar } from "../../src/core/scale_bar";
@@ -93,6 +93,7 @@ test("numbers are written with units and a fixed number of digits", () => {
   expect(formatSpacing([0.703, 0.703, 2.5])).toBe("0.703 × 0.703 × 2.5 mm");
   expect(formatValue(3071)).toBe("3071");
   expect(formatValue(1288.3400000001)).toBe("1288.34");
+  expect([0, 7.99, 61, 754].map(formatSeconds)).toEqual(["0:00", "0:07", "1:01", "12:34"]);
   expect(formatBytes(15 * 2 ** 20)).toBe("15 MiB");
   expect(formatBytes(3 * 2 ** 30)).toBe("3.0 GiB");
 });

@@ -5,6 +5,7 @@ import {
   memoryVersion,
   modelChoices,
   offered,
+  offeredBy,
   recalled,
   remembered,
   sameSettings,
@@ -68,14 +69,25 @@ test("settings are compared by all their values", () => {
 });
 
 test("keys step through stiffness and radius and stop at their ends", () => {
-  expect(stiffer(1, 1)).toBe(1.25);
-  expect(stiffer(stiffer(1, 1), -1)).toBe(1);
-  expect(stiffer(4.9, 3)).toBe(offered.stiffness.max);
-  expect(stiffer(0.05, -1)).toBe(offered.stiffness.min);
+  const weak = { stiffness: 2, force: 3.3 };
+  expect(stiffer(1, 1, weak)).toBe(1.25);
+  expect(stiffer(1.25, -1, weak)).toBe(1);
+  expect(stiffer(1.9, 1, weak)).toBe(2);
+  expect(stiffer(4.9, 3, null)).toBe(offered.stiffness.max);
+  expect(stiffer(0.05, -1, weak)).toBe(offered.stiffness.min);
   expect(larger(0, 1)).toBe(0.5);
   expect(larger(0.3, 1)).toBe(1);
   expect(larger(0, -1)).toBe(0);
   expect(larger(10, 4)).toBe(offered.probe_radius.max);
+});
+
+test("controls end where the device does, and never offer more than makes sense", () => {
+  expect(offeredBy({ stiffness: 2, force: 3.3 })).toEqual({
+    stiffness: { min: 0.05, max: 2 },
+    force_limit: { min: 0.5, max: 3.3 },
+  });
+  expect(offeredBy({ stiffness: 10, force: 40 }).stiffness.max).toBe(offered.stiffness.max);
+  expect(offeredBy(null).force_limit.max).toBe(offered.force_limit.max);
 });
 
 test("every thesis model warns and exact does not", () => {

@@ -23,7 +23,7 @@ use palpate_engine::session_config::{Reference, SessionConfig};
 use palpate_engine::settings::Settings;
 use palpate_engine::shared::Shared;
 use palpate_engine::simulation::{Simulation, SimulationStatus};
-use palpate_volume::bits::Bits;
+use palpate_engine::touchable::Touchable;
 use palpate_volume::grid::Grid;
 use palpate_volume::intensities::Intensities;
 use palpate_volume::segment::Segment;
@@ -38,6 +38,7 @@ pub const OBSTACLE: Properties = Properties {
         friction_static: None,
         friction_kinetic: None,
     },
+    pose: None,
 };
 
 /// Voxels of 1 mm whose grid frame is the scene.
@@ -195,7 +196,7 @@ impl Rig {
         let (status_in, status) = triple_buffer::triple_buffer(&SimulationStatus::default());
         let start = ServoStart {
             grid: grid(dimensions),
-            bits: Bits::empty(dimensions),
+            touchable: Touchable::new(&grid(dimensions), Vec::new(), 0.0).unwrap(),
             mapping: Mapping::IDENTITY,
             probe,
             settings: Settings::default(),

@@ -182,7 +182,7 @@ fn read_free(
         for block_y in 0..my {
             for block_x in 0..mx {
                 let corner = min + 8 * IVec3::new(block_x, block_y, block_z);
-                let block = occupancy.block(corner);
+                let block = occupancy.smooth_block(corner);
                 for (z, word) in block.0.into_iter().enumerate() {
                     any_solid |= word;
                     let layer = (8 * block_z as usize + z) * shape.layer();

@@ -9,6 +9,6 @@ uniform float opacity;
 
 void main() {
   float soft = 1.0 - smoothstep(0.5, 1.0, abs(across));
-  float strength = opacity * soft * freshness * freshness;
+  float strength = opacity * soft * pow(freshness, 1.5);
   screen = vec4(colour * strength, strength);
 }
