@@ -19,15 +19,18 @@ if TYPE_CHECKING:
         EmptySegmentError,
         OptionError,
         PalpateError,
+        RecordingFormatError,
         SeriesChoiceError,
         VolumeFormatError,
     )
     from palpate.io import read
     from palpate.phantom_scan import Phantom, phantom
+    from palpate.recording import Recording, Replay
     from palpate.scene import Scene
     from palpate.scripted_path import ScriptedPath
     from palpate.segment import Segment
-    from palpate.session import Recording, Session, SessionOptions
+    from palpate.session import Session, SessionOptions
+    from palpate.touch_settings import TouchSettings
     from palpate.volume import Volume
 
 __all__ = [
@@ -36,12 +39,15 @@ __all__ = [
     "PalpateError",
     "Phantom",
     "Recording",
+    "RecordingFormatError",
+    "Replay",
     "Scene",
     "ScriptedPath",
     "Segment",
     "SeriesChoiceError",
     "Session",
     "SessionOptions",
+    "TouchSettings",
     "Volume",
     "VolumeFormatError",
     "phantom",
@@ -52,6 +58,7 @@ _HOMES = {
     "EmptySegmentError": "errors",
     "OptionError": "errors",
     "PalpateError": "errors",
+    "RecordingFormatError": "errors",
     "SeriesChoiceError": "errors",
     "VolumeFormatError": "errors",
     "read": "io",
@@ -60,9 +67,11 @@ _HOMES = {
     "Scene": "scene",
     "ScriptedPath": "scripted_path",
     "Segment": "segment",
-    "Recording": "session",
+    "Recording": "recording",
+    "Replay": "recording",
     "Session": "session",
     "SessionOptions": "session",
+    "TouchSettings": "touch_settings",
     "Volume": "volume",
 }
 """Module of each public name: imported when first asked for, so that the package starts fast."""

@@ -1,16 +1,30 @@
 """The engine. Arrays are [z, y, x], x fastest; points (x, y, z), LPS [mm]; forces [N]."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Segment", "Session", "Volume", "bench_touch", "phantom"]
+__all__ = [
+    "Segment",
+    "Session",
+    "Volume",
+    "bench_passivity",
+    "bench_stress",
+    "bench_touch",
+    "bench_touch_quality",
+    "build",
+    "passivity_devices",
+    "phantom",
+    "replay_recording",
+    "touch_quality_cases",
+]
 
 _Triple = tuple[float, float, float]
 _Voxel = tuple[int, int, int]
 _Range = tuple[float, float]
+_Columns = dict[str, NDArray[Any]]
 
 class Volume:
     """Values on a grid that stands in the patient."""
@@ -89,11 +103,10 @@ class Session:
         device: Literal["simulated", "scripted"] = "simulated",
         path: NDArray[np.float64] | None = None,
         rate_hz: int = 1000,
+        device_rate_hz: int | None = None,
         real_time: bool = True,
         start: _Triple | None = None,
-        stiffness: float | None = None,
-        damping: float | None = None,
-        force_limit: float | None = None,
+        settings: Mapping[str, Any] | None = None,
         segments: Sequence[tuple[Segment, bool, _Range | None]] = (),
     ) -> None:
         """Starts the session.
@@ -102,14 +115,14 @@ class Session:
             volume: The scan.
             device: The simulated device with a hand, or one that follows ``path``.
             path: Rows (time, x, y, z), shape [count, 4], times rising; scene [mm].
-            rate_hz: Ticks of device and servo a second, 500 to 10000.
+            rate_hz: Ticks of the servo a second, 500 to 10000.
+            device_rate_hz: Readings of the device a second, 500 to 10000; None is the servo's
+                rate.
             real_time: Whether threads run by the clock, with real-time priority where the
                 system grants it; else the session stands still until ``run``.
             start: Where probe, device and hand begin; None is in front of the scan, or where
                 ``path`` begins.
-            stiffness: Of the spring between probe and device [N/mm]; None is the default.
-            damping: Of the damper beside it [N·s/mm]; None is the default.
-            force_limit: Largest force [N]; None is the default.
+            settings: Fields of ``TouchSettings``; what is None or missing is the default.
             segments: Voxels, touchable, and the threshold that they are, numbered from 1. They
                 are there before the first tick and cannot be undone.
 
@@ -120,6 +133,10 @@ class Session:
 
     @property
     def device(self) -> str: ...
+    @property
+    def device_limits(self) -> tuple[float, float]:
+        """The largest stiffness [N/mm] and force [N] that the device bears."""
+
     @property
     def is_running(self) -> bool: ...
     def hand(self, x: float, y: float, z: float) -> None:
@@ -135,13 +152,8 @@ class Session:
     def view(self, right: _Triple, up: _Triple) -> None:
         """Turns the device's axes to those of the view; ``up`` is straightened."""
 
-    def settings(
-        self,
-        stiffness: float | None = None,
-        damping: float | None = None,
-        force_limit: float | None = None,
-    ) -> dict[str, float]:
-        """Changes what is given, as far as the device bears it; returns what holds."""
+    def settings(self, changes: Mapping[str, Any] | None = None) -> dict[str, Any]:
+        """Changes the fields of ``TouchSettings`` that are given; returns what holds."""
 
     def add_segment(
         self,
@@ -158,6 +170,15 @@ class Session:
         """Puts other voxels in the place of a segment's."""
 
     def remove_segment(self, segment_id: int) -> None: ...
+    def set_feel(
+        self,
+        segment_id: int,
+        stiffness: float | None = None,
+        friction_static: float | None = None,
+        friction_kinetic: float | None = None,
+    ) -> None:
+        """Changes how the surface of a segment feels; None is as the settings say."""
+
     def set_touchable(self, segment_id: int, touchable: bool) -> None:
         """Makes a segment an obstacle or none; this is not undone."""
 
@@ -201,12 +222,15 @@ class Session:
     def start_recording(self) -> None:
         """Keeps every tick from now on; a recording that runs is thrown away."""
 
-    def stop_recording(self) -> dict[str, NDArray[Any]]:
-        """The recording by columns; empty where none ran.
+    def stop_recording(self) -> tuple[_Columns, _Columns | None]:
+        """The recording by columns, empty where none ran, and what else a replay needs.
 
-        Columns: ``tick``, ``time``, ``device``, ``hand``, ``proxy``, ``force``, ``sent_force``,
-        ``contact``; points and forces of shape [count, 3]. ``sent_force`` is what was last sent when the tick began, one or two ticks behind
-        ``force``.
+        Columns of the ticks: ``tick``, ``time``, ``device``, ``hand``, ``proxy``, ``force``,
+        ``sent_force``, ``contact``, ``touched``, ``command``; and the inputs of the tick:
+        ``reading``, ``read_at``, ``position_in_device``, ``velocity_in_device``,
+        ``orientation``, ``buttons``, ``hand_target``, ``hand_number``, ``has_room``. Points and
+        forces have shape [count, 3], quaternions [count, 4]. ``sent_force`` is what was last
+        sent when the tick began, one or two ticks behind ``force``.
         """
 
     def run(self, seconds: float) -> None:
@@ -214,6 +238,22 @@ class Session:
 
     def stop(self) -> None:
         """Zero force, then no threads, in less than a second; again it does nothing."""
+
+def build() -> str:
+    """Names the build by all that decides what a tick computes."""
+
+def replay_recording(recording: _Columns, tape: _Columns) -> dict[str, Any]:
+    """Computes the ticks of a recording again, from columns as ``stop_recording`` gives them.
+
+    Returns:
+        ``ticks`` (columns of what was computed), ``first_row`` (where in the recording they
+        begin), ``recorded_hash``, ``replayed_hash``, ``different`` (how many ticks),
+        ``first_difference`` (tick, time, probe [mm], force [N]) or None, and ``end``: ("whole" |
+        "lost" | "commands", last tick, ticks lost).
+
+    Raises:
+        ValueError: The columns do not fit together.
+    """
 
 def phantom(dimensions: _Voxel, seed: int) -> tuple[Volume, NDArray[np.uint8], dict[str, int]]:
     """Makes the built-in trunk: the scan, its labels and the number of each part by name."""
@@ -240,4 +280,72 @@ def bench_touch(
 
     Raises:
         ValueError: The segment has no surface, or something given is not allowed.
+    """
+
+def passivity_devices() -> list[str]:
+    """Names of the devices of ``bench_passivity``, in the order of their report."""
+
+def bench_passivity(
+    device: str,
+    rate_hz: int,
+    seconds: float,
+    search_seconds: float,
+    wall: tuple[Volume, Segment] | None = None,
+) -> dict[str, float]:
+    """Presses, taps and slides with a simulated device on a flat wall, or on a segment.
+
+    ``seconds`` are shared by the three motions, at the stiffness that the device begins with;
+    ``search_seconds`` is the length of each motion while the largest stiffness is searched.
+
+    Returns:
+        ``stiffness`` (where the device begins), ``to_hand`` (net energy given to the hand, the
+        worst of the motions), ``of_one_contact`` (largest gain of one contact),
+        ``largest_force``, ``contact_share``, ``damped`` (ticks in which energy was taken
+        back), ``violations``, ``largest_stiffness`` (passive without taking back), ``bound``
+        (of sampling and delay, for any hand). N, mm, N·mm.
+
+    Raises:
+        ValueError: The segment has no surface, or something given is not allowed.
+    """
+
+def touch_quality_cases() -> list[str]:
+    """Names of the cases of ``bench_touch_quality``, in the order of their report."""
+
+def bench_touch_quality(
+    case: str, touch: Literal["exact", "stairs", "thesis-original", "thesis-improved"]
+) -> dict[str, float]:
+    """Feels bodies whose surface is known exactly; lengths in parts of h, angles in degrees.
+
+    ``stairs`` is ``exact`` without smoothing. What counts is said in
+    ``crates/engine/src/bench/quality/figures.rs``.
+
+    Returns:
+        ``direction_mean`` and ``direction_95`` (angle between the force and the way to the
+        true surface), ``magnitude_rmse`` (share of the true one), ``ripple`` (root mean square
+        of the magnitude's error about its mean), ``force_lag_95``, ``force_lag_max``,
+        ``proxy_lag_95``, ``proxy_lag_max`` (sideways behind the nearest point of the true
+        surface), ``jitter`` (largest change in a tick at rest), ``pop_throughs``,
+        ``solid_share``, ``stuck`` (updates), ``force_step`` (largest change of force in a tick
+        beyond the motion of the hand), ``contact_share``, ``updates``.
+
+    Raises:
+        ValueError: The case or the way of touch does not exist.
+    """
+
+def bench_stress(
+    seed: int,
+    first: int,
+    count: int,
+    model: Literal["exact", "thesis-original", "thesis-improved"],
+    volume: Volume | None = None,
+    segment: Segment | None = None,
+) -> dict[str, Any]:
+    """Makes runs of random moves, each checked, on all cores; numbers give the same runs again.
+
+    Returns:
+        ``moves``, ``contacts`` (of these), ``edits``, and ``violation``: None, or ``run``,
+        ``move`` (moves before it), ``model``, ``guarantee`` (its number), ``what``, ``plan``.
+
+    Raises:
+        ValueError: There is no such model, or the numbers are too large.
     """

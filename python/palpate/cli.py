@@ -1,4 +1,4 @@
-"""The command line: ``palpate open``, ``demo``, ``info``, ``bench``.
+"""The command line: ``palpate open``, ``demo``, ``info``, ``record``, ``replay``, ``bench``.
 
 Whatever is wrong with what was given becomes one line on stderr and exit code 2. Heavy
 modules are imported inside the commands, so that ``palpate --help`` is quick.
@@ -94,7 +94,7 @@ def _system(error: OSError) -> str:
 
 def _print_version(*, asked: bool) -> None:
     if asked:
-        from palpate.server_hello import package_version
+        from palpate.package_version import package_version
 
         typer.echo(f"palpate {package_version()}")
         raise typer.Exit
@@ -127,6 +127,10 @@ Orientation = Annotated[
 Unit = Annotated[str | None, typer.Option(help="HU, where the values are known to be.")]
 Fill = Annotated[float | None, typer.Option(help="Value in the place of NaN and infinity.")]
 MaxVoxels = Annotated[int, typer.Option(help="Largest scan that is read.")]
+Threshold = Annotated[
+    str | None, typer.Option(help="Values of the segment to touch.", metavar="LOW[,HIGH]")
+]
+Segments = Annotated[Path | None, typer.Option(help="Label map: each label becomes a segment.")]
 Port = Annotated[int, typer.Option(help="Port of 127.0.0.1; 0 takes a free one.")]
 Browser = Annotated[bool, typer.Option(help="Open the page, where there is a display.")]
 Rate = Annotated[int, typer.Option(help="Servo ticks a second: 1000 or 4000.")]
@@ -141,12 +145,8 @@ def open_scan(  # noqa: PLR0913  # one per option of the command line
     unit: Unit = None,
     fill: Fill = None,
     max_voxels: MaxVoxels = 1024**3,
-    threshold: Annotated[
-        str | None, typer.Option(help="Values of the segment to touch.", metavar="LOW[,HIGH]")
-    ] = None,
-    segments: Annotated[
-        Path | None, typer.Option(help="Label map: each label becomes a segment.")
-    ] = None,
+    threshold: Threshold = None,
+    segments: Segments = None,
     port: Port = 0,
     browser: Browser = True,
     rate: Rate = 1000,
@@ -224,6 +224,78 @@ def info(  # one per option of the command line
         print_table(volume)
 
 
+@app.command()
+def record(  # noqa: PLR0913  # one per option of the command line
+    path: Scan,
+    *,
+    out: Annotated[
+        Path, typer.Option(help="New .palpate-session file for the recording.", metavar="FILE")
+    ],
+    seconds: Annotated[
+        float | None,
+        typer.Option(help="How long; by default until Ctrl-C, or as long as the script is."),
+    ] = None,
+    script: Annotated[
+        Path | None,
+        typer.Option(help="Path for the device, .csv or .json; then nothing is shown."),
+    ] = None,
+    series: Series = None,
+    orientation: Orientation = None,
+    unit: Unit = None,
+    fill: Fill = None,
+    max_voxels: MaxVoxels = 1024**3,
+    threshold: Threshold = None,
+    segments: Segments = None,
+    port: Port = 0,
+    browser: Browser = True,
+    rate: Rate = 1000,
+) -> None:
+    """Record a session, with every input of touch, so that it can be replayed."""
+    from palpate.cli_open import check_rate, parse_threshold, scene_of
+    from palpate.cli_record import check_out, check_seconds, record_page, record_script
+    from palpate.io import read
+    from palpate.scripted_file import read_path
+
+    check_rate(rate)
+    check_out(out)
+    check_seconds(seconds)
+    bounds = parse_threshold(threshold)
+    scripted = None if script is None else read_path(script)
+    with quiet_libraries(), Display() as display:
+        volume = read(
+            path,
+            series=series,
+            orientation=orientation,
+            unit=unit,
+            fill=fill,
+            max_voxels=max_voxels,
+            progress=display,
+        )
+        scene = scene_of(volume, bounds=bounds, label_map=segments, progress=display)
+    for warning in volume.warnings:
+        warn(warning)
+    if scripted is not None:
+        record_script(scene, out, path=scripted, seconds=seconds, rate=rate)
+    else:
+        record_page(scene, out, port=port, seconds=seconds, rate=rate, browser=browser)
+
+
+@app.command()
+def replay(
+    file: Annotated[Path, typer.Argument(help="A .palpate-session file.", metavar="FILE")],
+    *,
+    csv: Annotated[
+        Path | None, typer.Option(help="Write poses, forces and events as a table of text.")
+    ] = None,
+    npz: Annotated[Path | None, typer.Option(help="Write them as NumPy arrays.")] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
+) -> int:
+    """Compute a recorded session again, and compare it bit for bit."""
+    from palpate.cli_record import replay_file
+
+    return replay_file(file, csv=csv, npz=npz, as_json=as_json)
+
+
 bench = typer.Typer(help="Measure.", no_args_is_help=True)
 app.add_typer(bench, name="bench")
 
@@ -252,3 +324,116 @@ def bench_haptics(
     print_rows(f"haptics on the bone of {volume.name}", rows)
     if json_file is not None:
         write_rows("haptics", rows, json_file)
+
+
+@bench.command("passivity")
+def bench_passivity(
+    *,
+    data: Annotated[
+        Path | None, typer.Option(help="Scan to touch; by default the phantom.")
+    ] = None,
+    seconds: Annotated[float, typer.Option(help="Simulated time of each run.")] = 60.0,
+    device: Annotated[
+        list[str] | None, typer.Option(help="A device, again for more; by default all.")
+    ] = None,
+    json_file: Annotated[
+        Path | None, typer.Option("--json", help="Write the figures to this file.")
+    ] = None,
+) -> None:
+    """Measure whether touch gives the hand energy, and the stiffest wall that does not."""
+    from palpate.bench.passivity import DEVICES, measure, print_table
+    from palpate.bench.report import write_rows
+    from palpate.errors import OptionError
+    from palpate.io import read
+    from palpate.phantom_scan import phantom
+
+    for name in device or ():
+        if name not in DEVICES:
+            raise OptionError(f"device {name!r} given; allowed: {', '.join(DEVICES)}")
+    devices = [name for name in DEVICES if not device or name in device]
+    with quiet_libraries(), Display() as display:
+        display("loading the scan", None)
+        volume = phantom().volume if data is None else read(data, progress=display)
+        bone = volume.offered_bone()
+        rows = measure(bone, seconds=seconds, devices=devices, progress=display)
+    print_table(rows)
+    if json_file is not None:
+        write_rows("passivity", rows, json_file)
+
+
+@bench.command("touch-quality")
+def bench_touch_quality(
+    *,
+    touch: Annotated[
+        list[str] | None,
+        typer.Option(help="A way of touch, again for more; by default all."),
+    ] = None,
+    json_file: Annotated[
+        Path | None, typer.Option("--json", help="Write the figures to this file.")
+    ] = None,
+) -> None:
+    """Measure how well touch tells bodies whose shape is known exactly."""
+    from palpate.bench.goals import TOUCHES
+    from palpate.bench.quality import measure, print_tables
+    from palpate.bench.report import write_rows
+    from palpate.errors import OptionError
+
+    for name in touch or ():
+        if name not in TOUCHES:
+            raise OptionError(f"way of touch {name!r} given; allowed: {', '.join(TOUCHES)}")
+    touches = [name for name in TOUCHES if not touch or name in touch]
+    with Display() as display:
+        rows = measure(touches=touches, progress=display)
+    print_tables(rows)
+    if json_file is not None:
+        write_rows("touch-quality", rows, json_file)
+
+
+@bench.command("stress")
+def bench_stress(  # one per option of the command line
+    *,
+    moves: Annotated[int, typer.Option(help="Moves to make at least.")] = 1_000_000,
+    seed: Annotated[int, typer.Option(help="Another seed makes other moves.")] = 1,
+    replay: Annotated[
+        Path | None, typer.Option(help="Make only the run of this file again.")
+    ] = None,
+    data: Annotated[
+        Path | None, typer.Option(help="Scan with bone to touch; by default the phantom.")
+    ] = None,
+    json_file: Annotated[
+        Path | None, typer.Option("--json", help="Write the figures to this file.")
+    ] = None,
+    case: Annotated[
+        Path, typer.Option(help="Where a violation is written, to be replayed.")
+    ] = Path("stress-violation.json"),
+    model: Annotated[str, typer.Option(hidden=True)] = "exact",
+) -> int:
+    """Move at random and fast, and check every guarantee of touch at each move."""
+    from palpate.bench.report import print_rows, write_rows
+    from palpate.bench.stress import Plan, again, measure, rows_of, write_case
+    from palpate.io import read
+    from palpate.phantom_scan import phantom
+
+    plan = Plan(seed=seed, model=model, data=None if data is None else str(data))
+    if replay is not None:
+        plan = Plan.of_file(replay)
+    with quiet_libraries(), Display() as display:
+        display("loading the scan", None)
+        volume = phantom().volume if plan.data is None else read(Path(plan.data), progress=display)
+        bone = volume.offered_bone()
+        found = (
+            measure(bone, plan, moves=moves, progress=display)
+            if replay is None
+            else again(bone, plan)
+        )
+    rows = rows_of(found)
+    print_rows(f"stress among the bone of {volume.name}", rows)
+    if json_file is not None:
+        write_rows("stress", rows, json_file)
+    if found.violation is None:
+        return 0
+    typer.echo(found.told())
+    if replay is None:
+        write_case(found, case)
+        typer.echo(f"again: palpate bench stress --replay {case}")
+    return 1

@@ -6,6 +6,7 @@ import os
 import socket
 import sys
 import webbrowser
+from datetime import datetime
 from pathlib import Path
 
 import numpy as np
@@ -17,11 +18,20 @@ from palpate.io import read
 from palpate.progress import Progress
 from palpate.scene import Scene
 from palpate.server import PAGE, serve
+from palpate.server_recording import Recorder
 from palpate.server_security import Access
 from palpate.session import Session, SessionOptions
 from palpate.volume import Volume
 
-__all__ = ["check_start", "parse_threshold", "scene_of", "show"]
+__all__ = [
+    "check_page",
+    "check_rate",
+    "check_start",
+    "parse_threshold",
+    "scene_of",
+    "serve_page",
+    "show",
+]
 
 RATES = (1000, 4000)
 """Servo rates that are offered [Hz]."""
@@ -105,28 +115,74 @@ def check_start(rate: int) -> None:
     Raises:
         OptionError: The rate is not offered, or the page is not built.
     """
+    check_rate(rate)
+    check_page()
+
+
+def check_rate(rate: int) -> None:
+    """Refuses a rate that is not offered.
+
+    Raises:
+        OptionError: It is none of them.
+    """
     if rate not in RATES:
         allowed = " or ".join(map(str, RATES))
         raise OptionError(f"rate {rate} Hz given; allowed: {allowed} Hz")
+
+
+def check_page() -> None:
+    """Refuses to show what cannot be shown.
+
+    Raises:
+        OptionError: The page is not built.
+    """
     if not (PAGE / "index.html").is_file():
         raise OptionError(f"the page is not built in {PAGE}; allowed: after `make setup`")
 
 
 def show(scene: Scene, listener: socket.socket, *, rate: int, browser: bool) -> None:
-    """Serves a scene until Ctrl-C."""
+    """Serves a scene until Ctrl-C; a recording that still runs then is kept."""
+    with Session(scene, options=SessionOptions(rate_hz=rate)) as session:
+        recorder = Recorder(session)
+        try:
+            serve_page(session, listener, recorder=recorder, browser=browser)
+            if recorder.is_running:
+                keep_unfinished(recorder)
+        finally:
+            recorder.close()
+
+
+def serve_page(
+    session: Session,
+    listener: socket.socket,
+    *,
+    recorder: Recorder,
+    browser: bool,
+    seconds: float | None = None,
+) -> None:
+    """Serves a session until Ctrl-C, or for so long."""
     access = Access(port=listener.getsockname()[1])
 
     def ready() -> None:
-        typer.echo(f"Palpate shows {scene.volume.name} at\n{access.url}\nCtrl-C stops it.")
+        name = session.scene.volume.name
+        typer.echo(f"Palpate shows {name} at\n{access.url}\nCtrl-C stops it.")
         sys.stdout.flush()
         if browser and has_display():
             webbrowser.open(access.url)
 
-    with Session(scene, options=SessionOptions(rate_hz=rate)) as session:
-        try:
-            serve(session, listener, access=access, ready=ready)
-        except KeyboardInterrupt:
-            typer.echo("stopped")
+    try:
+        serve(session, listener, access=access, ready=ready, recorder=recorder, seconds=seconds)
+    except KeyboardInterrupt:
+        typer.echo("stopped")
+
+
+def keep_unfinished(recorder: Recorder) -> None:
+    """Writes a recording that nobody has ended where the program was started."""
+    said = recorder.stop()
+    moment = datetime.now().astimezone().strftime("%Y%m%d-%H%M%S")
+    target = Path.cwd() / f"{moment}-{recorder.file_name}"
+    recorder.keep(target)
+    typer.echo(f"the recording that ran is in {target}: {said}")
 
 
 def has_display() -> bool:

@@ -10,6 +10,7 @@ __all__ = [
     "EmptySegmentError",
     "OptionError",
     "PalpateError",
+    "RecordingFormatError",
     "SeriesChoiceError",
     "VolumeFormatError",
 ]
@@ -33,3 +34,7 @@ class SeriesChoiceError(VolumeFormatError):
 
 class EmptySegmentError(PalpateError, ValueError):
     """A threshold that selects no voxel."""
+
+
+class RecordingFormatError(PalpateError, ValueError):
+    """A file that is no recording, or a damaged one."""

@@ -43,6 +43,15 @@ Share = Annotated[float, msgspec.Meta(ge=0.0, le=1.0)]
 Colour = tuple[Share, Share, Share]
 """Red, green, blue, sRGB, each 0..1."""
 
+Stiffness = Annotated[float, msgspec.Meta(gt=0.0, le=10.0)]
+"""Of the spring between probe and device [N/mm]."""
+
+Friction = Annotated[float, msgspec.Meta(ge=0.0, le=2.0)]
+"""A Coulomb coefficient."""
+
+Pose = Annotated[list[Coordinate], msgspec.Meta(min_length=16, max_length=16)]
+"""A rigid transform of the scene, row-major, shape [4, 4], translation in mm."""
+
 
 class Message(msgspec.Struct, frozen=True, forbid_unknown_fields=True, tag_field="type"):
     """Base of all messages: a map with its type's name under ``type``."""
@@ -83,12 +92,21 @@ class Scan(msgspec.Struct, frozen=True):
     warnings: list[str]
 
 
+class Feel(msgspec.Struct, frozen=True):
+    """How the surface of a segment feels; null is as the settings of touch say."""
+
+    stiffness: Stiffness | None
+    friction_static: Friction | None
+    friction_kinetic: Friction | None
+
+
 class Segment(msgspec.Struct, frozen=True):
     """A segment of the scan.
 
     ``range`` holds the threshold (low, high) while the segment is just that threshold;
     null where its voxels come from elsewhere: then they stand in ``/api/labels`` under
-    the segment's ``id`` (1..255).
+    the segment's ``id`` (1..255). ``pose`` takes the segment from where the scan has it to
+    where it stands; null where it was not moved.
     """
 
     id: SegmentId
@@ -100,13 +118,20 @@ class Segment(msgspec.Struct, frozen=True):
     voxels: int
     volume_ml: float
     pending: bool
+    feel: Feel
+    pose: Pose | None
 
 
 class Settings(msgspec.Struct, frozen=True):
     """What a person can set about touch."""
 
-    stiffness: Annotated[float, msgspec.Meta(gt=0.0, le=10.0)]
+    model: Literal["exact", "thesis-original", "thesis-improved"]
+    stiffness: Stiffness
     damping: Annotated[float, msgspec.Meta(ge=0.0, le=0.1)]
+    friction_static: Friction
+    friction_kinetic: Friction
+    smoothing: bool
+    probe_radius: Annotated[float, msgspec.Meta(ge=0.0, le=20.0)]
     force_limit: Annotated[float, msgspec.Meta(gt=0.0, le=40.0)]
 
 
@@ -134,31 +159,54 @@ class Rates(msgspec.Struct, frozen=True):
 
 
 class Safety(msgspec.Struct, frozen=True):
-    """Interventions of the safety stage and violations of the guarantees since start."""
+    """Interventions of the safety stage and violations of the guarantees since start.
+
+    ``force`` says what stands between the contact and the hand now: "on" where nothing does.
+    """
 
     clamped: int
     slewed: int
     not_finite: int
+    ramped: int
+    waited: int
+    eased: int
+    damped: int
     watchdog: int
     violations: int
+    force: Literal["on", "waiting", "ramping", "easing", "off"]
+
+
+class DeviceLimits(msgspec.Struct, frozen=True):
+    """What a device bears: settings that ask for more are cut to it."""
+
+    stiffness: Stiffness
+    force: float
 
 
 class Hello(Message, frozen=True, tag="hello"):
-    """First message of the engine: everything the page needs to draw."""
+    """First message of the engine: everything the page needs to draw.
+
+    ``defaults`` are the settings that the session was started with.
+    """
 
     protocol: int
     version: str
     scan: Scan
     segments: list[Segment]
     settings: Settings
+    defaults: Settings
     device: str
+    device_limits: DeviceLimits
 
 
 class State(Message, frozen=True, tag="state"):
     """What is now, some 60 times a second, latest wins.
 
     ``samples`` holds the ticks since the last state, thinned to at most 250 a second:
-    rows (time, force x, force y, force z).
+    rows (time, force x, force y, force z). ``contact_point`` is where the force comes from:
+    on the smooth surface, beside ``proxy``, which no solid voxel holds; ``normal`` points out
+    of the surface there, and is zero without contact. ``recording`` says since how long every
+    input of the servo is kept [s].
     """
 
     tick: int
@@ -167,6 +215,8 @@ class State(Message, frozen=True, tag="state"):
     device: Vector
     hand: Vector
     proxy: Vector
+    contact_point: Vector
+    normal: Vector
     force: Vector
     contact: bool
     depth: float
@@ -176,6 +226,7 @@ class State(Message, frozen=True, tag="state"):
     can_redo: bool
     rates: Rates
     safety: Safety
+    recording: float | None
     samples: list[tuple[float, float, float, float]]
 
 
@@ -242,6 +293,26 @@ class SegmentProperties(Message, frozen=True, tag="segment_properties"):
     touchable: bool
 
 
+class SegmentFeel(Message, frozen=True, tag="segment_feel"):
+    """Changes how the surface of a segment feels."""
+
+    id: SegmentId
+    feel: Feel
+
+
+class MoveSegment(Message, frozen=True, tag="move_segment"):
+    """Moves a segment to a pose; latest wins, and the servo goes there smoothly."""
+
+    id: SegmentId
+    pose: Pose
+
+
+class RecordSession(Message, frozen=True, tag="record"):
+    """Begins to keep every input of the servo, or ends it: the file is at ``/api/recording``."""
+
+    on: bool
+
+
 class RemoveSegment(Message, frozen=True, tag="remove_segment"):
     """Removes a segment; undo brings it back."""
 
@@ -268,6 +339,9 @@ FromPage = (
     | View
     | Threshold
     | SegmentProperties
+    | SegmentFeel
+    | MoveSegment
+    | RecordSession
     | RemoveSegment
     | ChangeSettings
     | Undo

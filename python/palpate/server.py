@@ -11,6 +11,7 @@ import socket
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager, suppress
 from pathlib import Path
+from threading import Timer
 from typing import Any
 
 import uvicorn
@@ -27,6 +28,7 @@ from palpate.errors import OptionError
 from palpate.server_data import parse_step, voxels_response
 from palpate.server_hello import hello_of
 from palpate.server_live import Live
+from palpate.server_recording import Recorder
 from palpate.server_security import Access, AccessMiddleware
 from palpate.session import Session
 
@@ -59,9 +61,12 @@ def bind(port: int) -> socket.socket:
     return listener
 
 
-def make_app(session: Session, *, access: Access, page: Path = PAGE) -> Starlette:
-    """Makes the application that shows a session."""
-    live = Live(session, hello_of(session))
+def make_app(
+    session: Session, *, access: Access, page: Path = PAGE, recorder: Recorder | None = None
+) -> Starlette:
+    """Makes the application that shows a session; recordings are those of ``recorder``."""
+    kept = Recorder(session) if recorder is None else recorder
+    live = Live(session, hello_of(session), kept)
 
     @asynccontextmanager
     async def lifespan(_: Starlette) -> AsyncIterator[None]:
@@ -74,6 +79,8 @@ def make_app(session: Session, *, access: Access, page: Path = PAGE) -> Starlett
             pump.cancel()
             with suppress(asyncio.CancelledError):
                 await pump
+            if recorder is None:
+                kept.close()
 
     async def index(_: Request) -> Response:
         return FileResponse(page / "index.html")
@@ -92,6 +99,10 @@ def make_app(session: Session, *, access: Access, page: Path = PAGE) -> Starlett
             return PlainTextResponse(str(error), status_code=400)
         return voxels_response(await run_in_threadpool(live.segments.labels), step=step)
 
+    async def recording(_: Request) -> Response:
+        # a page asks as soon as the recording has ended, which is before its file is written
+        return _recording_of(kept.file_name, await run_in_threadpool(kept.newest))
+
     async def messages(websocket: WebSocket) -> None:
         await live.serve(websocket)
 
@@ -100,6 +111,7 @@ def make_app(session: Session, *, access: Access, page: Path = PAGE) -> Starlett
             Route("/", index),
             Route("/api/volume", volume),
             Route("/api/labels", labels),
+            Route("/api/recording", recording),
             WebSocketRoute("/api/live", messages),
             # scripts, styles and icons of the page
             Mount("/", StaticFiles(directory=page, check_dir=False)),
@@ -109,6 +121,13 @@ def make_app(session: Session, *, access: Access, page: Path = PAGE) -> Starlett
     )
 
 
+def _recording_of(name: str, file: Path | None) -> Response:
+    if file is None:
+        reason = "no recording was made yet; allowed: after one has ended"
+        return PlainTextResponse(reason, status_code=404)
+    return FileResponse(file, media_type="application/octet-stream", filename=name)
+
+
 class _Server(uvicorn.Server):
     """Tells when it answers."""
 
@@ -116,12 +135,16 @@ class _Server(uvicorn.Server):
         super().__init__(config)
         self._ready = ready
 
+    def end(self) -> None:
+        """Asks it to end, from any thread."""
+        self.should_exit = True
+
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         await super().startup(sockets)
         self._ready()
 
 
-def make_server(app: Starlette, *, ready: Callable[[], None] = lambda: None) -> uvicorn.Server:
+def make_server(app: Starlette, *, ready: Callable[[], None] = lambda: None) -> _Server:
     """Makes a server of an app; ``ready`` is called once it answers."""
     options: dict[str, Any] = {
         "log_level": "warning",
@@ -142,8 +165,18 @@ def serve(
     *,
     access: Access,
     ready: Callable[[], None],
+    recorder: Recorder | None = None,
+    seconds: float | None = None,
 ) -> None:
     """Serves a session until the process is asked to end; then stops the session.
+
+    Args:
+        session: What is shown.
+        listener: Where to answer.
+        access: Who is let in.
+        ready: Called once it answers.
+        recorder: Keeps the recordings that pages ask for.
+        seconds: Ends by itself after so long.
 
     Raises:
         OptionError: Another program took the port meanwhile.
@@ -154,4 +187,11 @@ def serve(
         raise OptionError(
             f"port {access.port} cannot be used ({error.strerror}); allowed: a free port"
         ) from None
-    make_server(make_app(session, access=access), ready=ready).run(sockets=[listener])
+    server = make_server(make_app(session, access=access, recorder=recorder), ready=ready)
+    timer = Timer(seconds or 0.0, server.end)
+    if seconds is not None:
+        timer.start()
+    try:
+        server.run(sockets=[listener])
+    finally:
+        timer.cancel()

@@ -2,32 +2,27 @@
 
 from __future__ import annotations
 
-from importlib.metadata import PackageNotFoundError, version
-
 from palpate import protocol
+from palpate.package_version import package_version
 from palpate.session import Session
 from palpate.volume import Volume
 
-__all__ = ["hello_of", "package_version"]
-
-
-def package_version() -> str:
-    """Returns the version of the installed package."""
-    try:
-        return version("palpate")
-    except PackageNotFoundError:
-        return "unknown"
+__all__ = ["hello_of"]
 
 
 def hello_of(session: Session) -> protocol.Hello:
     """Returns the first message, without the segments, which change."""
+    settings = protocol.Settings(**session.settings())
+    stiffness, force = session.device_limits
     return protocol.Hello(
         protocol=protocol.PROTOCOL_VERSION,
         version=package_version(),
         scan=_scan(session.scene.volume),
         segments=[],
-        settings=protocol.Settings(**session.settings()),
+        settings=settings,
+        defaults=settings,
         device=session.device,
+        device_limits=protocol.DeviceLimits(stiffness=stiffness, force=force),
     )
 
 

@@ -16,9 +16,11 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from palpate import protocol
 from palpate.errors import PalpateError
 from palpate.server_outbox import Outbox
+from palpate.server_recording import Recorder
 from palpate.server_segments import ShownSegments
 from palpate.server_thresholds import ThresholdJobs
 from palpate.session import Session
+from palpate.touch_settings import TouchSettings
 
 __all__ = ["Live"]
 
@@ -31,9 +33,10 @@ IDLE_HZ = 5.0
 class Live:
     """Tells pages what is, and the session what they want."""
 
-    def __init__(self, session: Session, hello: protocol.Hello) -> None:
+    def __init__(self, session: Session, hello: protocol.Hello, recorder: Recorder) -> None:
         """Shows a session; ``hello`` is what each page is told first."""
         self.session = session
+        self.recorder = recorder
         self.segments = ShownSegments(session)
         self._hello = hello
         self._outboxes: set[Outbox] = set()
@@ -108,7 +111,7 @@ class Live:
                     await asyncio.to_thread(self._do, message)
         except msgspec.DecodeError as error:
             outbox.tell(protocol.Notice(level="error", text=f"message not understood: {error}"))
-        except PalpateError as error:
+        except (PalpateError, OSError) as error:
             outbox.tell(protocol.Notice(level="error", text=str(error)))
         except RuntimeError as error:
             outbox.tell(protocol.Notice(level="error", text=str(error)))
@@ -121,6 +124,10 @@ class Live:
                 self.session.view(right=right, up=up)
             case protocol.SegmentProperties():
                 self.segments.change(message)
+            case protocol.SegmentFeel(segment_id, feel):
+                self.session.set_feel(segment_id, **msgspec.structs.asdict(feel))
+            case protocol.RecordSession(on):
+                self._record(on=on)
             case protocol.RemoveSegment(segment_id):
                 self.session.remove_segment(segment_id)
             case protocol.ChangeSettings(settings):
@@ -131,10 +138,20 @@ class Live:
                 self.session.redo()
 
     def _change_settings(self, wanted: protocol.Settings) -> None:
-        held = self.session.settings(**msgspec.structs.asdict(wanted))
-        settings = protocol.Settings(**held)
-        self._hello = msgspec.structs.replace(self._hello, settings=settings)
-        self._from_threads.put(protocol.SettingsChanged(settings))
+        try:
+            held = self.session.settings(TouchSettings(**msgspec.structs.asdict(wanted)))
+            settings = protocol.Settings(**held)
+            self._hello = msgspec.structs.replace(self._hello, settings=settings)
+        finally:
+            # a page shows what it asked for at once: refused, it must learn what holds
+            self._from_threads.put(protocol.SettingsChanged(self._hello.settings))
+
+    def _record(self, *, on: bool) -> None:
+        if on:
+            self.recorder.start()
+        else:
+            said = self.recorder.stop()
+            self._from_threads.put(protocol.Notice(level="info", text=f"Recorded {said}."))
 
     def _make_threshold(self, wanted: protocol.Threshold) -> None:
         try:

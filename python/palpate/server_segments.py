@@ -129,6 +129,8 @@ class ShownSegments:
             voxels=state["voxels"],
             volume_ml=state["voxels"] * voxel_volume / 1000.0,
             pending=state["pending"],
+            feel=protocol.Feel(**state["feel"]),
+            pose=None,
         )
 
 

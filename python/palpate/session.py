@@ -8,7 +8,8 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, field
+from datetime import UTC, datetime
 from types import TracebackType
 from typing import Any, Literal, Self
 
@@ -17,11 +18,15 @@ from numpy.typing import NDArray
 
 from palpate import _core
 from palpate.errors import OptionError
+from palpate.package_version import package_version
+from palpate.recording import Recording
+from palpate.recording_file import FORMAT, VERSION, About, AboutScan, AboutSegment
 from palpate.scene import Scene
 from palpate.scripted_path import ScriptedPath
 from palpate.segment import Segment
+from palpate.touch_settings import TouchSettings
 
-__all__ = ["Recording", "Session", "SessionOptions"]
+__all__ = ["Session", "SessionOptions"]
 
 Point = Sequence[float] | NDArray[np.float64]
 """x, y, z [scene]."""
@@ -33,47 +38,14 @@ class SessionOptions:
 
     rate_hz: int = 1000
     """Ticks of the servo a second."""
+    device_rate_hz: int | None = None
+    """Readings of the device a second; None is the servo's rate."""
     real_time: bool = True
     """Whether time is that of the clock; else the session stands still until ``run``."""
     start: tuple[float, float, float] | None = None
     """Where the device starts [scene]; by default beside the scan."""
-    stiffness: float | None = None
-    """Of the spring between probe and device [N/mm]."""
-    damping: float | None = None
-    """Of the damper beside it [N·s/mm]."""
-    force_limit: float | None = None
-    """Largest force [N]."""
-
-
-@dataclass(frozen=True)
-class Recording:
-    """Every tick of a stretch of time, one row per tick."""
-
-    ticks: NDArray[np.uint64]
-    """Numbers of the ticks, shape [count]."""
-    times: NDArray[np.float64]
-    """Since the session's start [s], shape [count]."""
-    devices: NDArray[np.float64]
-    """Where the device was, shape [count, 3]."""
-    hands: NDArray[np.float64]
-    """Where the hand pulled it to, shape [count, 3]."""
-    positions: NDArray[np.float64]
-    """Where the probe was, shape [count, 3]."""
-    forces: NDArray[np.float64]
-    """Force of the contact, before the safety stage, shape [count, 3]."""
-    sent_forces: NDArray[np.float64]
-    """Force that the device was sent, shape [count, 3]."""
-    contacts: NDArray[np.bool_]
-    """Whether an obstacle held the probe back, shape [count]."""
-
-    def __len__(self) -> int:
-        return len(self.ticks)
-
-    @property
-    def depths(self) -> NDArray[np.float64]:
-        """How far the device was from the probe [mm], shape [count]."""
-        lengths: NDArray[np.float64] = np.linalg.norm(self.devices - self.positions, axis=1)
-        return lengths
+    touch: TouchSettings = field(default_factory=TouchSettings)
+    """How touch feels."""
 
 
 class Session:
@@ -106,17 +78,17 @@ class Session:
                 device=self.device,
                 path=path,
                 rate_hz=self.options.rate_hz,
+                device_rate_hz=self.options.device_rate_hz,
                 real_time=self.options.real_time,
                 start=self.options.start,
-                stiffness=self.options.stiffness,
-                damping=self.options.damping,
-                force_limit=self.options.force_limit,
+                settings=asdict(self.options.touch),
                 segments=[
                     (shown.segment._internal, shown.touchable, shown.segment.range)  # noqa: SLF001
                     for shown in scene
                 ],
             )
         self.ids = list(range(1, len(scene) + 1))
+        self._about: About | None = None
 
     def __enter__(self) -> Self:
         return self
@@ -137,6 +109,11 @@ class Session:
     def is_running(self) -> bool:
         """Whether it was neither stopped nor ended by itself."""
         return self._internal.is_running
+
+    @property
+    def device_limits(self) -> tuple[float, float]:
+        """The largest stiffness [N/mm] and force [N] that the device bears."""
+        return self._internal.device_limits
 
     # --- the hand -------------------------------------------------------------------------
 
@@ -166,25 +143,14 @@ class Session:
         with _given():
             self._internal.view(_triple(right), _triple(up))
 
-    def settings(
-        self,
-        *,
-        stiffness: float | None = None,
-        damping: float | None = None,
-        force_limit: float | None = None,
-    ) -> dict[str, float]:
+    def settings(self, changes: TouchSettings | None = None) -> dict[str, Any]:
         """Changes what is given, as far as the device bears it; returns what holds.
-
-        Args:
-            stiffness: Of the spring between probe and device [N/mm].
-            damping: Of the damper beside it [N·s/mm].
-            force_limit: Largest force [N].
 
         Raises:
             OptionError: A setting is out of range.
         """
         with _given():
-            return self._internal.settings(stiffness, damping, force_limit)
+            return self._internal.settings(asdict(changes or TouchSettings()))
 
     # --- segments -------------------------------------------------------------------------
 
@@ -209,6 +175,22 @@ class Session:
         """Sets whether the probe is stopped by a segment."""
         with _given():
             self._internal.set_touchable(segment_id, touchable)
+
+    def set_feel(
+        self,
+        segment_id: int,
+        *,
+        stiffness: float | None = None,
+        friction_static: float | None = None,
+        friction_kinetic: float | None = None,
+    ) -> None:
+        """Sets how the surface of a segment feels; None is as the settings of touch say.
+
+        Raises:
+            OptionError: A value is out of range.
+        """
+        with _given():
+            self._internal.set_feel(segment_id, stiffness, friction_static, friction_kinetic)
 
     def segment(self, segment_id: int, *, name: str = "segment") -> Segment:
         """Returns the voxels of a segment as they are now."""
@@ -251,14 +233,26 @@ class Session:
         return self._internal.lateness()
 
     def start_recording(self) -> None:
-        """Starts to keep every tick."""
+        """Starts to keep every tick, and all that a replay needs.
+
+        A recording that runs is thrown away. Where a change waits for the probe, it can be
+        replayed from when touch follows that change.
+        """
+        self._about = self._describe()
         self._internal.start_recording()
 
     def stop_recording(self) -> Recording:
-        """Returns the ticks kept since ``start_recording``."""
-        columns = self._internal.stop_recording()
-        names = ("tick", "time", "device", "hand", "proxy", "force", "sent_force", "contact")
-        return Recording(*(columns[name] for name in names))
+        """Returns the ticks kept since ``start_recording``; it may be called after ``stop``."""
+        ticks, tape = self._internal.stop_recording()
+        return Recording(ticks, tape=tape, about=self._about)
+
+    def let_pass(self, seconds: float) -> None:
+        """Lets time pass; without ``real_time`` the ticks are computed at once."""
+        if self.options.real_time:
+            time.sleep(seconds)
+        else:
+            with _given():
+                self._internal.run(seconds)
 
     def run(self, seconds: float) -> Recording:
         """Lets time pass and returns every tick of it.
@@ -267,12 +261,46 @@ class Session:
         same numbers every time.
         """
         self.start_recording()
-        if self.options.real_time:
-            time.sleep(seconds)
-        else:
-            with _given():
-                self._internal.run(seconds)
+        self.let_pass(seconds)
         return self.stop_recording()
+
+    def _describe(self) -> About:
+        """Says what a recording that begins now comes from."""
+        volume = self.scene.volume
+        names = {
+            segment_id: shown.name for segment_id, shown in zip(self.ids, self.scene, strict=True)
+        }
+        segments = [
+            AboutSegment(
+                id=state["id"],
+                name=names.get(state["id"], f"segment {state['id']}"),
+                touchable=state["touchable"],
+                voxels=state["voxels"],
+                range=state["range"],
+            )
+            for state in self.segments()
+        ]
+        return About(
+            format=FORMAT,
+            version=VERSION,
+            palpate=package_version(),
+            build=_core.build(),
+            recorded=datetime.now(UTC).isoformat(timespec="seconds"),
+            device=self.device,
+            rate_hz=self.options.rate_hz,
+            real_time=self.options.real_time,
+            scan=AboutScan(
+                name=volume.name,
+                modality=volume.modality,
+                unit=volume.unit,
+                dimensions=volume.dimensions,
+                spacing=volume.spacing,
+                origin=volume.origin,
+                direction=[float(cosine) for cosine in volume.direction.ravel()],
+            ),
+            segments=segments,
+            settings=self.settings(),
+        )
 
 
 def _triple(numbers: Point) -> tuple[float, float, float]:

@@ -1,11 +1,12 @@
 //! `_core.bench_touch`: timing loops for `palpate bench haptics`.
 
-use palpate_engine::bench::{Model, Report, Work, run};
+use palpate_engine::bench::{Report, Work, run};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::errors::CoreError;
 use crate::segment::PySegment;
+use crate::settings::model_named;
 use crate::volume::PyVolume;
 
 /// Most calls that one run times.
@@ -58,16 +59,6 @@ fn work_named(name: &str) -> Result<Work, CoreError> {
             "work {name:?} given; allowed: 'detection', 'proxy', 'tick'"
         ))),
     }
-}
-
-fn model_named(name: &str) -> Result<Model, CoreError> {
-    Model::named(name).ok_or_else(|| {
-        let allowed = Model::ALL.map(|model| format!("'{}'", model.name()));
-        CoreError::value(format!(
-            "contact model {name:?} given; allowed: {}",
-            allowed.join(", ")
-        ))
-    })
 }
 
 fn report_dict<'py>(py: Python<'py>, report: &Report) -> PyResult<Bound<'py, PyDict>> {

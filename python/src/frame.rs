@@ -1,19 +1,17 @@
-//! Frames, segments and recordings as the dictionaries that the package reads.
+//! Frames and segments as the dictionaries that the package reads.
 //!
 //! The keys of a frame are the fields of `protocol.State`, and two more: `notices` and
 //! `segments_version`.
 
 use glam::DVec3;
-use numpy::PyArray1;
-use palpate_engine::frame::{Frame, Notice, NoticeLevel, Rates, Safety};
+use palpate_engine::feel::Feel;
+use palpate_engine::frame::{ForceState, Frame, Notice, NoticeLevel, Rates, Safety};
 use palpate_engine::rate::Rate;
-use palpate_engine::recording::Recording;
-use palpate_engine::settings::Settings;
 use palpate_engine::simulation::SegmentState;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::arrays::{rows, triple};
+use crate::arrays::triple;
 
 /// Makes a dictionary of `name: value` pairs.
 macro_rules! dictionary {
@@ -23,6 +21,8 @@ macro_rules! dictionary {
         Ok(dictionary)
     }};
 }
+
+pub(crate) use dictionary;
 
 /// All of a frame.
 pub fn frame_dict<'py>(py: Python<'py>, frame: &Frame) -> PyResult<Bound<'py, PyDict>> {
@@ -37,6 +37,8 @@ pub fn frame_dict<'py>(py: Python<'py>, frame: &Frame) -> PyResult<Bound<'py, Py
         "device": triple(frame.device),
         "hand": triple(frame.hand),
         "proxy": triple(frame.proxy),
+        "contact_point": triple(frame.contact_point),
+        "normal": triple(frame.normal),
         "force": triple(frame.force),
         "contact": frame.contact,
         "depth": frame.depth,
@@ -46,6 +48,7 @@ pub fn frame_dict<'py>(py: Python<'py>, frame: &Frame) -> PyResult<Bound<'py, Py
         "can_redo": frame.can_redo,
         "rates": rates_dict(py, &frame.rates)?,
         "safety": safety_dict(py, frame.safety)?,
+        "recording": frame.recording,
         "samples": samples.collect::<Vec<_>>(),
         "segments_version": frame.segments_version,
         "notices": frame.notices.iter().map(notice_pair).collect::<Vec<_>>(),
@@ -60,29 +63,15 @@ pub fn segment_dict<'py>(py: Python<'py>, segment: &SegmentState) -> PyResult<Bo
         "touchable": segment.touchable,
         "pending": segment.pending,
         "range": segment.range,
+        "feel": feel_dict(py, segment.feel)?,
     )
 }
 
-/// The settings that hold.
-pub fn settings_dict(py: Python<'_>, settings: Settings) -> PyResult<Bound<'_, PyDict>> {
+fn feel_dict(py: Python<'_>, feel: Feel) -> PyResult<Bound<'_, PyDict>> {
     dictionary!(py,
-        "stiffness": settings.stiffness,
-        "damping": settings.damping,
-        "force_limit": settings.force_limit,
-    )
-}
-
-/// The columns of a recording.
-pub fn recording_dict<'py>(py: Python<'py>, recording: Recording) -> PyResult<Bound<'py, PyDict>> {
-    dictionary!(py,
-        "tick": PyArray1::from_vec(py, recording.tick),
-        "time": PyArray1::from_vec(py, recording.time),
-        "device": rows(py, &recording.device),
-        "hand": rows(py, &recording.hand),
-        "proxy": rows(py, &recording.proxy),
-        "force": rows(py, &recording.force),
-        "sent_force": rows(py, &recording.sent_force),
-        "contact": PyArray1::from_vec(py, recording.contact),
+        "stiffness": feel.stiffness,
+        "friction_static": feel.friction_static,
+        "friction_kinetic": feel.friction_kinetic,
     )
 }
 
@@ -135,9 +124,24 @@ fn safety_dict(py: Python<'_>, safety: Safety) -> PyResult<Bound<'_, PyDict>> {
         "clamped": safety.clamped,
         "slewed": safety.slewed,
         "not_finite": safety.not_finite,
+        "ramped": safety.ramped,
+        "waited": safety.waited,
+        "eased": safety.eased,
+        "damped": safety.damped,
         "watchdog": safety.watchdog,
         "violations": safety.violations,
+        "force": force_state(safety.force),
     )
+}
+
+fn force_state(state: ForceState) -> &'static str {
+    match state {
+        ForceState::On => "on",
+        ForceState::Waiting => "waiting",
+        ForceState::Ramping => "ramping",
+        ForceState::Easing => "easing",
+        ForceState::Off => "off",
+    }
 }
 
 fn notice_pair(notice: &Notice) -> (&'static str, &str) {

@@ -6,11 +6,16 @@
 
 mod arrays;
 mod bench;
+mod bench_passivity;
+mod bench_quality;
+mod bench_stress;
 mod errors;
 mod frame;
 mod phantom;
+mod recording;
 mod segment;
 mod session;
+mod settings;
 mod volume;
 
 use pyo3::prelude::*;
@@ -23,7 +28,15 @@ mod _core {
     #[pymodule_export]
     use super::bench::bench_touch;
     #[pymodule_export]
+    use super::bench_passivity::{bench_passivity, passivity_devices};
+    #[pymodule_export]
+    use super::bench_quality::{bench_touch_quality, touch_quality_cases};
+    #[pymodule_export]
+    use super::bench_stress::bench_stress;
+    #[pymodule_export]
     use super::phantom::make_phantom;
+    #[pymodule_export]
+    use super::recording::{build, replay_recording};
     #[pymodule_export]
     use super::segment::PySegment;
     #[pymodule_export]

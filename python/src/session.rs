@@ -7,6 +7,7 @@ use numpy::{PyReadonlyArray2, PyUntypedArrayMethods};
 use palpate_device::HapticDevice;
 use palpate_device::scripted::{PathSample, ScriptedDevice};
 use palpate_device::simulated::{SimulatedDevice, SimulatedSettings};
+use palpate_engine::feel::Feel;
 use palpate_engine::scene::{Properties, ThresholdRange};
 use palpate_engine::session::Session;
 use palpate_engine::session_config::{Reference, SessionConfig};
@@ -18,12 +19,17 @@ use pyo3::types::PyDict;
 
 use crate::arrays::{Triple, triple, vector};
 use crate::errors::CoreError;
-use crate::frame::{frame_dict, lateness_dict, recording_dict, segment_dict, settings_dict};
+use crate::frame::{frame_dict, lateness_dict, segment_dict};
+use crate::recording::{recording_dict, tape_dict};
 use crate::segment::PySegment;
+use crate::settings::{changed, settings_dict};
 use crate::volume::PyVolume;
 
 /// A segment to begin with: its voxels, whether it is an obstacle, the threshold that it is.
 type FirstSegment<'py> = (PyRef<'py, PySegment>, bool, Option<ThresholdRange>);
+
+/// The columns of a recording and of its tape.
+type RecordingDicts<'py> = (Bound<'py, PyDict>, Option<Bound<'py, PyDict>>);
 
 /// A voxel, (x, y, z).
 type Voxel = (i32, i32, i32);
@@ -61,8 +67,7 @@ fn note(session: &Arc<Session>) {
 impl PySession {
     #[new]
     #[pyo3(signature = (volume, *, device = "simulated", path = None, rate_hz = 1000,
-        real_time = true, start = None, stiffness = None, damping = None, force_limit = None,
-        segments = Vec::new()))]
+        device_rate_hz = None, real_time = true, start = None, settings = None, segments = Vec::new()))]
     #[expect(
         clippy::too_many_arguments,
         reason = "they are keywords in Python and options of one struct in the engine"
@@ -73,36 +78,32 @@ impl PySession {
         device: &str,
         path: Option<PyReadonlyArray2<'_, f64>>,
         rate_hz: u32,
+        device_rate_hz: Option<u32>,
         real_time: bool,
         start: Option<Triple>,
-        stiffness: Option<f64>,
-        damping: Option<f64>,
-        force_limit: Option<f64>,
+        settings: Option<&Bound<'_, PyDict>>,
         segments: Vec<FirstSegment<'_>>,
-    ) -> Result<Self, CoreError> {
+    ) -> PyResult<Self> {
         let path = path.as_ref().map(path_samples).transpose()?;
         let first_point = path.as_ref().and_then(|samples| samples.first());
         let first_point = first_point.map(|sample| sample.position);
         let (device, reference) = device_named(device, path)?;
 
-        let defaults = Settings::default();
         let mut config = SessionConfig::new(volume.grid, volume.intensities.clone(), device);
         config.reference = reference;
         config.start = start.map(vector).or(first_point);
-        config.settings = Settings {
-            stiffness: stiffness.unwrap_or(defaults.stiffness),
-            damping: damping.unwrap_or(defaults.damping),
-            force_limit: force_limit.unwrap_or(defaults.force_limit),
-        };
+        config.settings = changed(Settings::default(), settings)?;
         config.rate_hz = rate_hz;
+        config.device_rate_hz = device_rate_hz;
         config.real_time = real_time;
         config.segments = segments
             .into_iter()
             .map(|(segment, touchable, range)| {
-                (segment.segment.clone(), Properties { touchable, range })
+                (segment.segment.clone(), properties(touchable, range))
             })
             .collect();
-        let session = Arc::new(py.detach(|| Session::start(config))?);
+        let session = py.detach(|| Session::start(config));
+        let session = Arc::new(session.map_err(CoreError::from)?);
         note(&session);
         Ok(Self { session })
     }
@@ -110,6 +111,13 @@ impl PySession {
     #[getter]
     fn device(&self) -> &str {
         self.session.device_name()
+    }
+
+    /// The largest stiffness [N/mm] and force [N] that the device bears.
+    #[getter]
+    fn device_limits(&self) -> (f64, f64) {
+        let limits = self.session.device_limits();
+        (limits.max_stiffness, limits.max_force)
     }
 
     #[getter]
@@ -130,28 +138,23 @@ impl PySession {
         Ok(py.detach(|| self.session.view(vector(right), vector(up)))?)
     }
 
-    /// Changes the settings that are given; returns those that hold.
-    #[pyo3(signature = (stiffness = None, damping = None, force_limit = None))]
+    /// Changes the settings that are given by name; returns those that hold.
+    #[pyo3(signature = (changes = None))]
     fn settings<'py>(
         &self,
         py: Python<'py>,
-        stiffness: Option<f64>,
-        damping: Option<f64>,
-        force_limit: Option<f64>,
+        changes: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let held = py
-            .detach(|| {
-                let now = self.session.settings()?;
-                if stiffness.or(damping).or(force_limit).is_none() {
-                    return Ok(now);
-                }
-                self.session.set_settings(Settings {
-                    stiffness: stiffness.unwrap_or(now.stiffness),
-                    damping: damping.unwrap_or(now.damping),
-                    force_limit: force_limit.unwrap_or(now.force_limit),
-                })
-            })
+        let now = py
+            .detach(|| self.session.settings())
             .map_err(CoreError::from)?;
+        let wanted = changed(now, changes)?;
+        let held = if wanted == now {
+            now
+        } else {
+            py.detach(|| self.session.set_settings(wanted))
+                .map_err(CoreError::from)?
+        };
         settings_dict(py, held)
     }
 
@@ -165,10 +168,7 @@ impl PySession {
         undoable: bool,
     ) -> Result<u8, CoreError> {
         let voxels = segment.segment.clone();
-        let properties = Properties {
-            touchable,
-            range: threshold_range,
-        };
+        let properties = properties(touchable, threshold_range);
         let id = py.detach(|| self.session.add_segment(voxels, properties, undoable))?;
         Ok(id.0)
     }
@@ -199,6 +199,25 @@ impl PySession {
         touchable: bool,
     ) -> Result<(), CoreError> {
         Ok(py.detach(|| self.session.set_touchable(SegmentId(segment_id), touchable))?)
+    }
+
+    /// Changes how the surface of a segment feels; None is as the settings say.
+    #[pyo3(signature = (segment_id, stiffness = None, friction_static = None,
+        friction_kinetic = None))]
+    fn set_feel(
+        &self,
+        py: Python<'_>,
+        segment_id: u8,
+        stiffness: Option<f64>,
+        friction_static: Option<f64>,
+        friction_kinetic: Option<f64>,
+    ) -> Result<(), CoreError> {
+        let feel = Feel {
+            stiffness,
+            friction_static,
+            friction_kinetic,
+        };
+        Ok(py.detach(|| self.session.set_feel(SegmentId(segment_id), feel))?)
     }
 
     /// Makes a segment of a threshold of the scan as edited, or gives it to a segment.
@@ -268,9 +287,13 @@ impl PySession {
         Ok(py.detach(|| self.session.start_recording())?)
     }
 
-    fn stop_recording<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let recording = py.detach(|| self.session.stop_recording());
-        recording_dict(py, recording.unwrap_or_default())
+    /// The columns of the ticks, and those of what else a replay needs, or None.
+    fn stop_recording<'py>(&self, py: Python<'py>) -> PyResult<RecordingDicts<'py>> {
+        let (recording, tape) = py
+            .detach(|| self.session.finish_recording())
+            .unwrap_or_default();
+        let tape = tape.map(|tape| tape_dict(py, &tape)).transpose()?;
+        Ok((recording_dict(py, recording)?, tape))
     }
 
     fn run(&self, py: Python<'_>, seconds: f64) -> Result<(), CoreError> {
@@ -279,6 +302,15 @@ impl PySession {
 
     fn stop(&self, py: Python<'_>) {
         py.detach(|| self.session.stop());
+    }
+}
+
+/// What a new segment is known by.
+fn properties(touchable: bool, range: Option<ThresholdRange>) -> Properties {
+    Properties {
+        touchable,
+        range,
+        ..Properties::default()
     }
 }
 

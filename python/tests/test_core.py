@@ -93,7 +93,7 @@ def test_histogram_counts_every_voxel() -> None:
 
 
 def test_pressing_gives_stiffness_times_depth() -> None:
-    session = pressing(stiffness=0.8)
+    session = pressing(settings={"stiffness": 0.8})
     session.start_recording()
     session.run(0.8)
     frame = session.frame()
@@ -102,7 +102,7 @@ def test_pressing_gives_stiffness_times_depth() -> None:
     # the probe stays 1e-8 voxels before the face
     assert frame["depth"] == pytest.approx(PRESSED, abs=1e-6)
     assert frame["force"] == pytest.approx((0.0, -0.8 * PRESSED, 0.0), abs=1e-6)
-    columns = session.stop_recording()
+    columns, _ = session.stop_recording()
     assert columns["force"].shape == (800, 3)
     assert np.array_equal(columns["tick"], np.arange(800))
     assert not columns["contact"][:100].any()
@@ -125,9 +125,16 @@ def test_a_frame_is_what_the_protocol_says() -> None:
 
 def test_thresholds_follow_undo() -> None:
     session = pressing()
-    assert session.segments_state() == [
-        {"id": 1, "voxels": 20_000, "touchable": True, "pending": False, "range": (500.0, 2000.0)}
-    ]
+    (state,) = session.segments_state()
+    feel = state.pop("feel")
+    assert set(feel) == {"stiffness", "friction_static", "friction_kinetic"}
+    assert state == {
+        "id": 1,
+        "voxels": 20_000,
+        "touchable": True,
+        "pending": False,
+        "range": (500.0, 2000.0),
+    }
     session.fill_box(1, (0, 0, 0), (5, 5, 5), solid=True)
     assert session.segments_state()[0]["range"] is None
     assert session.segments_state()[0]["voxels"] == 20_125
@@ -174,8 +181,8 @@ forgotten = [_core.Session(scan), _core.Session(scan, real_time=False)]
 
 REFUSED: list[tuple[str, Callable[[], object]]] = [
     ("rate", lambda: pressing(rate_hz=7)),
-    ("stiffness", lambda: pressing(stiffness=-1.0)),
-    ("force limit", lambda: pressing(force_limit=float("nan"))),
+    ("stiffness", lambda: pressing(settings={"stiffness": -1.0})),
+    ("force limit", lambda: pressing(settings={"force_limit": float("nan")})),
     ("start", lambda: pressing(start=(float("inf"), 0.0, 0.0))),
     ("path", lambda: _core.Session(volume(), device="scripted", path=np.zeros((3, 3)))),
     ("path", lambda: _core.Session(volume(), device="scripted", path=np.zeros((3, 4)))),

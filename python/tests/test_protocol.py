@@ -25,7 +25,16 @@ def test_whole_numbers_of_a_browser_are_numbers() -> None:
     assert protocol.decode_from_page(packed) == protocol.Place((1.0, -2.0, 3.5))
 
 
-SETTINGS = {"stiffness": 1.0, "damping": 0.0, "force_limit": 3.0}
+SETTINGS = {
+    "model": "exact",
+    "stiffness": 1.0,
+    "damping": 0.0,
+    "friction_static": 0.2,
+    "friction_kinetic": 0.1,
+    "smoothing": True,
+    "probe_radius": 0.0,
+    "force_limit": 3.0,
+}
 
 
 @pytest.mark.parametrize(
@@ -51,6 +60,9 @@ SETTINGS = {"stiffness": 1.0, "damping": 0.0, "force_limit": 3.0}
         {"type": "change_settings", "settings": SETTINGS | {"stiffness": 0.0}},
         {"type": "change_settings", "settings": SETTINGS | {"force_limit": 41.0}},
         {"type": "change_settings", "settings": SETTINGS | {"damping": -0.1}},
+        {"type": "change_settings", "settings": SETTINGS | {"model": "chai3d"}},
+        {"type": "change_settings", "settings": SETTINGS | {"probe_radius": -1.0}},
+        {"type": "move_segment", "id": 1, "pose": [1.0] * 15},
     ],
 )
 def test_what_is_not_of_the_schema_is_refused(message: Any) -> None:

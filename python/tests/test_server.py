@@ -181,7 +181,16 @@ def test_properties_are_told_to_all_pages(server: Any) -> None:
 
 
 def test_settings_are_told_as_the_engine_holds_them(server: Any) -> None:
-    wanted = {"stiffness": 0.5, "damping": 0.0, "force_limit": 2.0}
+    wanted = {
+        "model": "exact",
+        "stiffness": 0.5,
+        "damping": 0.0,
+        "friction_static": 0.3,
+        "friction_kinetic": 0.2,
+        "smoothing": False,
+        "probe_radius": 1.5,
+        "force_limit": 2.0,
+    }
     with server.page() as page:
         page.send({"type": "change_settings", "settings": wanted})
         assert page.receive("settings_changed")["settings"] == wanted

@@ -10,6 +10,10 @@
  *   {"do": "doubleClick", "x": …, "y": …}                     in pixels of the picture
  *   {"do": "drag", "x": …, "y": …}                            left button held: turns the picture
  *   {"do": "touch", "x": …, "y": …, "depth": wheel pixels}    Shift held: move by x, y; wheel (< 0 is deeper)
+ *   {"do": "wheel", "y": …}                                   over the picture's middle (< 0 is nearer)
+ *   {"do": "click", "testid": …}                              {"do": "choose", "testid": …, "value": …} of a list
+ *   {"do": "slide", "testid": …, "value": …}                  a slider, with the mouse
+ *   {"do": "download", "testid": …, "path": …}                → {"name": of the file}
  *   {"do": "press", "key": "Escape"}, {"do": "resize", "width": …, "height": …}
  *
  * The browser is the one in CHROMIUM, with CHROMIUM_FLAGS beside the usual ones.
@@ -89,6 +93,37 @@ const actions = {
     }
     await page.keyboard.up("Shift");
     return {};
+  },
+  async wheel({ y }) {
+    const box = await picture().boundingBox();
+    await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+    await page.mouse.wheel(0, y);
+    return {};
+  },
+  async click({ testid }) {
+    await byTestId(testid).click({ timeout: 5000 });
+    return {};
+  },
+  async choose({ testid, value }) {
+    await byTestId(testid).selectOption(value, { timeout: 5000 });
+    return {};
+  },
+  async slide({ testid, value }) {
+    const slider = byTestId(testid);
+    await slider.scrollIntoViewIfNeeded();
+    const [box, low, high] = [await slider.boundingBox(), ...(await slider.evaluate(({ min, max }) => [+min, +max]))];
+    // the middle of the thumb, 14 pixels wide, stays inside of the track
+    const at = (share) => [box.x + 7 + share * (box.width - 14), box.y + box.height / 2];
+    await page.mouse.move(...at((Number(await slider.inputValue()) - low) / (high - low)));
+    await page.mouse.down();
+    await page.mouse.move(...at((value - low) / (high - low)), { steps: 8 });
+    await page.mouse.up();
+    return { value: Number(await slider.inputValue()) };
+  },
+  async download({ testid, path }) {
+    const [download] = await Promise.all([page.waitForEvent("download", { timeout: 10000 }), byTestId(testid).click()]);
+    await download.saveAs(path);
+    return { name: download.suggestedFilename() };
   },
   async press({ key }) {
     await page.keyboard.press(key);

@@ -11,6 +11,8 @@ pub struct DeviceLimits {
     pub max_force: f64,
     /// Largest force for any length of time [N]; motors grow warm above it.
     pub max_continuous_force: f64,
+    /// Its own viscous friction [N·s/mm], which eats at least that much; 0 where unknown.
+    pub damping: f64,
     /// Largest stiffness of a virtual wall that it renders without ringing [N/mm].
     pub max_stiffness: f64,
     /// Radius of the ball that its end point can reach, about the frame's origin [mm].

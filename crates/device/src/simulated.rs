@@ -28,6 +28,8 @@ pub struct SimulatedSettings {
     pub mass: f64,
     /// The device's own viscous friction [N·s/mm], >= 0.
     pub damping: f64,
+    /// The device's own dry friction [N], >= 0.
+    pub friction: f64,
     /// Spring between hand target and device [N/mm], >= 0.
     pub hand_stiffness: f64,
     /// Damping of the hand [N·s/mm], >= 0.
@@ -46,13 +48,15 @@ impl Default for SimulatedSettings {
     /// A desktop device in a relaxed hand; the reasons stand beside the figures.
     fn default() -> Self {
         let mass = 0.1;
+        // as of a Touch (4 N per m/s): above K (T/2 + t_d) = 0.0015 of the default wall
+        let damping = 0.004;
         // well below the default coupling of 1 N/mm: a quarter of the hand's way into a
         // wall is seen as depth, three quarters as the hand's own give
         let hand_stiffness = 0.3;
         Self {
             mass,
-            // as of a Touch (4 N per m/s): above K (T/2 + t_d) = 0.0015 of the default wall
-            damping: 0.004,
+            damping,
+            friction: 0.0,
             hand_stiffness,
             // critical: 2 sqrt(k m), k in N/m and the result per mm
             hand_damping: 2.0 * (1000.0 * hand_stiffness * mass).sqrt() / 1000.0,
@@ -67,6 +71,7 @@ impl Default for SimulatedSettings {
                 // grows over 43 mm. No motor grows warm here.
                 max_force: 10.0,
                 max_continuous_force: 10.0,
+                damping,
                 // three quarters of damping / (T/2 + t_d) at 1 kHz and one tick of delay:
                 // tapping gains nothing up to here, and does so at the whole of it
                 max_stiffness: 2.0,
@@ -110,6 +115,7 @@ impl SimulatedSettings {
         ];
         let not_negative = [
             ("damping [N·s/mm]", self.damping),
+            ("friction [N]", self.friction),
             ("hand_stiffness [N/mm]", self.hand_stiffness),
             ("hand_damping [N·s/mm]", self.hand_damping),
             ("encoder_step [mm]", self.encoder_step),
@@ -222,15 +228,25 @@ impl SimulatedDevice {
         // velocity in the middle of the step, solved for the terms that depend on it
         let half = 0.5 * dt / inertia;
         let resistance = s.damping + hand_damping + 0.5 * dt * stiffness;
-        let middle = (self.velocity + half * (force + pull)) / (1.0 + half * resistance);
+        let pushed = self.velocity + half * (force + pull);
+        let held = half * s.friction;
+        let before = self.kinetic_energy();
+        if pushed.length() <= held {
+            // dry friction holds it, and eats what motion there was
+            self.velocity = DVec3::ZERO;
+            self.work.lost += before;
+            return;
+        }
+        let slowed = pushed - pushed.clamp_length(held, held);
+        let middle = slowed / (1.0 + half * resistance);
 
         // the balance of energy is exact for these quantities
         let travelled = middle * dt;
-        let before = self.kinetic_energy();
         self.position += travelled;
         self.velocity = 2.0 * middle - self.velocity;
         let by_feedback = force.dot(travelled);
-        let lost = self.settings.damping * middle.dot(travelled);
+        let lost = self.settings.damping * middle.dot(travelled)
+            + self.settings.friction * travelled.length();
         self.work.by_feedback += by_feedback;
         self.work.lost += lost;
         self.work.to_hand += by_feedback - lost - (self.kinetic_energy() - before);
@@ -255,7 +271,10 @@ impl HapticDevice for SimulatedDevice {
     }
 
     fn limits(&self) -> DeviceLimits {
-        self.settings.limits
+        DeviceLimits {
+            damping: self.settings.damping,
+            ..self.settings.limits
+        }
     }
 
     fn read(&mut self, dt: f64) -> DeviceState {

@@ -27,7 +27,8 @@ use crate::session_config::{Reference, SessionConfig};
 use crate::settings::Settings;
 use crate::shared::Shared;
 use crate::simulation::{Simulation, SimulationStatus};
-use crate::touch::union_of;
+use crate::tape::TapeRecorder;
+use crate::touch_sender::touchable_of;
 
 /// A session before it runs.
 pub struct Assembly {
@@ -41,6 +42,8 @@ pub struct Assembly {
     pub shared: Arc<Shared>,
     /// Takes notices from anybody.
     pub notices: Sender<Notice>,
+    /// What is told to the servo, where it is recorded.
+    pub tape: Arc<Mutex<TapeRecorder>>,
 }
 
 /// Makes all loops of a configuration that was checked.
@@ -48,6 +51,7 @@ pub struct Assembly {
 /// # Errors
 /// Where segments do not fit the scan, or there is no free place for the probe.
 pub fn assemble(config: SessionConfig) -> Result<Assembly, SessionError> {
+    let (device_rate_hz, safety) = (config.device_rate_hz(), config.safety());
     let SessionConfig {
         grid,
         device,
@@ -65,15 +69,16 @@ pub fn assemble(config: SessionConfig) -> Result<Assembly, SessionError> {
     let channels = Channels::new(probe);
     let (notices, notice_inbox) = mpsc::channel();
     let (status, status_out) = triple_buffer(&SimulationStatus::default());
-    let (meters, rates) = meters(rate_hz);
+    let (meters, rates) = meters(device_rate_hz, rate_hz);
 
     // the loops
-    let dt = 1.0 / f64::from(rate_hz);
-    let device = DeviceLoop::new(device, channels.device, Arc::clone(&shared), dt);
+    let dt = 1.0 / f64::from(device_rate_hz);
+    let device = DeviceLoop::new(device, channels.device, Arc::clone(&shared), dt, safety);
     let start = servo_start(&scene, reference, probe, settings);
     let servo = ServoLoop::new(start, channels.servo, Arc::clone(&shared));
     let ends = (channels.simulation, status, notices.clone());
     let simulation = first_simulation(scene, settings, limits, ends, (reference, probe))?;
+    let tape = simulation.tape();
     let sources = PictureSources {
         records: channels.records,
         status: status_out,
@@ -97,6 +102,7 @@ pub fn assemble(config: SessionConfig) -> Result<Assembly, SessionError> {
         hand: channels.hand,
         shared,
         notices,
+        tape,
     })
 }
 
@@ -109,10 +115,11 @@ fn servo_start(
     let grid = *scene.voxels().grid();
     ServoStart {
         grid,
-        bits: union_of(grid.dimensions(), &scene.touchable_bits()),
+        touchable: touchable_of(scene, settings.probe_radius),
         mapping: first_mapping(reference),
         probe,
         settings,
+        feels: scene.feels(),
     }
 }
 
@@ -191,8 +198,8 @@ fn first_mapping(reference: Reference) -> Mapping {
     }
 }
 
-fn meters(rate_hz: u32) -> ([RateMeter; 4], RateReaders) {
-    let (device, device_reader) = RateMeter::new(rate_hz);
+fn meters(device_rate_hz: u32, rate_hz: u32) -> ([RateMeter; 4], RateReaders) {
+    let (device, device_reader) = RateMeter::new(device_rate_hz);
     let (servo, servo_reader) = RateMeter::new(rate_hz);
     let (simulation, simulation_reader) = RateMeter::new(SIMULATION_HZ);
     let (picture, picture_reader) = RateMeter::new(PICTURE_HZ);

@@ -79,10 +79,36 @@ pub struct Safety {
     pub slewed: u64,
     /// Forces that were not finite and became zero.
     pub not_finite: u64,
+    /// Ticks in which the force was still rising to its full share.
+    pub ramped: u64,
+    /// Ticks that waited for a small force to begin with.
+    pub waited: u64,
+    /// Ticks in which the force was eased to what the device bears for long.
+    pub eased: u64,
+    /// Ticks in which energy was taken out of the coupling.
+    pub damped: u64,
     /// Times that the watchdog took the force away.
     pub watchdog: u64,
     /// Ticks in which the probe was found in a solid voxel: never, unless the engine is wrong.
     pub violations: u64,
+    /// What stands between the contact and the hand now.
+    pub force: ForceState,
+}
+
+/// What stands between the contact and the hand.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ForceState {
+    /// Nothing does.
+    #[default]
+    On,
+    /// Forces wait for a small one to begin with.
+    Waiting,
+    /// Forces rise to their full share.
+    Ramping,
+    /// Forces are eased to what the device bears for long.
+    Easing,
+    /// No force is sent: the servo is late, or the session has ended.
+    Off,
 }
 
 /// One tick of the force plot.
@@ -109,6 +135,10 @@ pub struct Frame {
     pub hand: DVec3,
     /// Where the probe is: never inside a touchable segment.
     pub proxy: DVec3,
+    /// Where the force comes from, on the smooth surface.
+    pub contact_point: DVec3,
+    /// Out of the surface there; zero without contact.
+    pub normal: DVec3,
     /// The force sent to the device.
     pub force: DVec3,
     /// Whether an obstacle holds the probe back.
@@ -129,6 +159,8 @@ pub struct Frame {
     pub rates: Rates,
     /// Interventions and violations.
     pub safety: Safety,
+    /// Since how long every input of the servo is kept [s]; none where it is not.
+    pub recording: Option<f64>,
     /// Ticks since the frame before, thinned.
     pub samples: Vec<Sample>,
     /// Notices since the frame before.

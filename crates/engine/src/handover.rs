@@ -8,20 +8,27 @@
 
 use glam::{DMat3, DVec3};
 use palpate_device::DeviceState;
+use palpate_haptics::local_force::LocalForce;
 use palpate_volume::bit_brick::BitBrick;
-use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;
+use palpate_volume::edit::SegmentId;
 use rtrb::{Consumer, Producer, RingBuffer};
 use triple_buffer::{Input, Output, triple_buffer};
 
+use crate::feel::Feel;
+use crate::servo_state::{ServoState, TickInputs};
 use crate::settings::Settings;
+use crate::touch_occupancy::GARBAGE_PER_CHANGE;
+use crate::touchable::{Part, Touchable, union_brick, unmoved};
 
 /// Commands that may wait for the servo.
 const INBOX: usize = 4096;
 /// Old bricks and roots that may wait to be freed.
-const GARBAGE: usize = 8192;
+const GARBAGE: usize = 2 * GARBAGE_PER_CHANGE;
 /// Ticks whose records may wait for the picture: 2 s at 4 kHz.
 const RECORDS: usize = 8192;
+/// States that may wait for a recording; it asks for one at a time.
+const SNAPSHOTS: usize = 4;
 
 /// Device → servo: where the device is.
 #[derive(Clone, Copy, Debug, Default)]
@@ -43,8 +50,8 @@ pub struct ForceCommand {
     pub time: f64,
     /// Number of the tick that computed it, from 1; 0 before the first.
     pub tick: u64,
-    /// The contact's force, before the safety stage, in the device's frame [N].
-    pub force_in_device: DVec3,
+    /// The contact as the device can follow it, in the device's frame, before the safety stage.
+    pub law: LocalForce,
     /// Where a simulated hand pulls to, in the device's frame [mm].
     pub hand_in_device: DVec3,
     /// Largest force [N].
@@ -52,7 +59,7 @@ pub struct ForceCommand {
 }
 
 /// Person → servo: where the hand pulls the device to.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct HandTarget {
     /// In the scene [mm].
     pub point: DVec3,
@@ -67,8 +74,8 @@ pub enum ServoCommand {
     Root {
         /// Number of the change.
         sequence: u64,
-        /// The union of all touchable segments.
-        bits: Bits,
+        /// What is to be touched.
+        touchable: Touchable,
     },
     /// Replaces some bricks of it.
     Bricks(BrickChange),
@@ -85,6 +92,19 @@ pub enum ServoCommand {
     Turn(DMat3),
     /// New settings.
     Settings(Settings),
+    /// How the surface of a segment feels from now on.
+    Feel(SegmentId, Feel),
+    /// Asks for the servo's state at the end of this tick, from where it can be replayed.
+    Mark,
+}
+
+/// Servo → simulation: where a recording begins.
+#[derive(Clone, Copy, Debug)]
+pub struct Snapshot {
+    /// The state between two ticks. Its last command is the mark that asked for it.
+    pub state: ServoState,
+    /// Whether changes were held back, which a recording cannot begin with.
+    pub held: bool,
 }
 
 /// The bricks of one edit.
@@ -92,15 +112,40 @@ pub enum ServoCommand {
 pub struct BrickChange {
     /// Number of the change.
     pub sequence: u64,
-    /// At most [`MAX_BRICKS`], by rising index, each once.
+    /// Of the union: at most [`MAX_BRICKS`], by rising index, each once.
     pub swaps: Vec<BrickSwap<BitBrick>>,
+    /// Of the segments that it changes, at most [`MAX_BRICKS`].
+    pub parts: Vec<(SegmentId, BrickSwap<BitBrick>)>,
+}
+
+impl BrickChange {
+    /// Bricks of segments that hold them by now; what becomes of the union follows.
+    #[must_use]
+    pub fn new(
+        sequence: u64,
+        parts: &[Part],
+        changed: Vec<(SegmentId, BrickSwap<BitBrick>)>,
+    ) -> Self {
+        let mut bricks: Vec<u32> = changed.iter().map(|(_, swap)| swap.index).collect();
+        bricks.sort_unstable();
+        bricks.dedup();
+        let swaps = bricks.into_iter().map(|index| BrickSwap {
+            index,
+            brick: union_brick(unmoved(parts).map(|part| &part.bits), index),
+        });
+        Self {
+            sequence,
+            swaps: swaps.collect(),
+            parts: changed,
+        }
+    }
 }
 
 /// Servo → simulation: what is to be freed there. The fields are only ever dropped.
 #[derive(Debug)]
 pub enum Garbage {
     /// An occupancy that is no longer touched.
-    Root(Bits),
+    Root(Touchable),
     /// Bricks that are no longer touched.
     Bricks(BrickChange),
     /// A brick that was never touched.
@@ -146,6 +191,10 @@ pub struct TickRecord {
     pub hand: DVec3,
     /// Where the probe was.
     pub proxy: DVec3,
+    /// Where the force came from, on the smooth surface.
+    pub contact_point: DVec3,
+    /// Out of the surface there; zero without contact.
+    pub normal: DVec3,
     /// The force of the contact, before the safety stage.
     pub force: DVec3,
     /// The force that was last sent to the device when the tick began.
@@ -156,6 +205,10 @@ pub struct TickRecord {
     pub depth: f64,
     /// Voxels asked for.
     pub visits: u32,
+    /// What the tick was given.
+    pub inputs: TickInputs,
+    /// Number of the last command that was obeyed, in this tick or before it.
+    pub command: u64,
 }
 
 /// The device thread's ends.
@@ -184,6 +237,8 @@ pub struct ServoChannels {
     pub status: Input<ServoStatus>,
     /// To the picture.
     pub records: Producer<TickRecord>,
+    /// To the simulation.
+    pub snapshots: Producer<Snapshot>,
 }
 
 /// The simulation's ends.
@@ -195,6 +250,8 @@ pub struct SimulationChannels {
     pub garbage: Consumer<Garbage>,
     /// From the servo.
     pub status: Output<ServoStatus>,
+    /// From the servo.
+    pub snapshots: Consumer<Snapshot>,
 }
 
 /// All channels of a session.
@@ -220,7 +277,7 @@ impl Channels {
         let (forces_in, forces_out) = triple_buffer(&ForceCommand {
             time: 0.0,
             tick: 0,
-            force_in_device: DVec3::ZERO,
+            law: LocalForce::NONE,
             hand_in_device: DVec3::ZERO,
             max_force: 0.0,
         });
@@ -232,6 +289,7 @@ impl Channels {
         let (inbox_in, inbox_out) = RingBuffer::new(INBOX);
         let (garbage_in, garbage_out) = RingBuffer::new(GARBAGE);
         let (records_in, records_out) = RingBuffer::new(RECORDS);
+        let (snapshots_in, snapshots_out) = RingBuffer::new(SNAPSHOTS);
         Self {
             device: DeviceChannels {
                 samples: samples_in,
@@ -245,11 +303,13 @@ impl Channels {
                 garbage: garbage_in,
                 status: status_in,
                 records: records_in,
+                snapshots: snapshots_in,
             },
             simulation: SimulationChannels {
                 inbox: inbox_in,
                 garbage: garbage_out,
                 status: status_out,
+                snapshots: snapshots_out,
             },
             records: records_out,
             hand: hand_in,

@@ -1,7 +1,7 @@
 //! The four threads of a session that runs in real time.
 //!
-//! device and servo at the servo rate, half a tick apart, so that each finds what the other made
-//! half a tick ago; simulation at 100 Hz, picture at 60 Hz. A panic in any of them takes the
+//! device and servo at their rates, half a tick of the faster one apart, so that each finds what
+//! the other made half a tick ago; simulation at 100 Hz, picture at 60 Hz. A panic in any of them takes the
 //! force away and ends the session; the reason is kept.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -48,6 +48,15 @@ pub struct Loops {
     pub picture: (Arc<Mutex<Picture>>, RateMeter),
 }
 
+/// How fast the two real-time loops run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Paces {
+    /// Rate of the device [Hz].
+    pub device_hz: u32,
+    /// Rate of the servo [Hz].
+    pub servo_hz: u32,
+}
+
 /// The running threads.
 #[derive(Debug)]
 pub struct Live {
@@ -62,7 +71,7 @@ pub struct Live {
 struct Context {
     shared: Arc<Shared>,
     start_ns: u64,
-    rate_hz: u32,
+    paces: Paces,
     outcomes: Sender<Result<(), String>>,
 }
 
@@ -75,14 +84,14 @@ impl Live {
     pub fn start(
         loops: Loops,
         shared: Arc<Shared>,
-        rate_hz: u32,
+        paces: Paces,
     ) -> Result<(Self, Result<(), String>), SessionError> {
         let (questions, inbox) = mpsc::channel();
         let (outcomes, results) = mpsc::channel();
         let context = Context {
             shared: Arc::clone(&shared),
             start_ns: clock::now_ns() + HEAD_START_NS,
-            rate_hz,
+            paces,
             outcomes,
         };
         let live = Self {
@@ -232,15 +241,19 @@ impl Context {
 
 fn run_device((mut device, meter): (DeviceLoop, RateMeter), context: &Context) {
     context.prepare(priority::DEVICE);
-    let pacer = Pacer::new(context.rate_hz, context.start_ns);
+    let pacer = Pacer::new(context.paces.device_hz, context.start_ns);
     // `device` sends zero force when it is dropped, also when a tick panics
     context.run(pacer, meter, |now| device.step(now));
 }
 
 fn run_servo((mut servo, meter): (ServoLoop, RateMeter), context: &Context) {
     context.prepare(priority::SERVO);
-    let half_a_tick = 500_000_000 / u64::from(context.rate_hz);
-    let pacer = Pacer::new(context.rate_hz, context.start_ns + half_a_tick);
+    let Paces {
+        device_hz,
+        servo_hz,
+    } = context.paces;
+    let half_a_tick = 500_000_000 / u64::from(device_hz.max(servo_hz));
+    let pacer = Pacer::new(servo_hz, context.start_ns + half_a_tick);
     context.run(pacer, meter, |now| servo.step(now));
 }
 

@@ -8,6 +8,7 @@
 //! Frames: device (x right, y up, z toward the person) and scene (LPS), both mm.
 
 use glam::{DMat3, DVec3};
+use serde::{Deserialize, Serialize};
 
 /// Why an axis pair is no view.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -31,7 +32,7 @@ pub enum ViewError {
 }
 
 /// `scene_from_device`: a rotation, a scale and an offset.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Mapping {
     /// Columns: the device's right, up and toward-the-person axes in the scene.
     pub rotation: DMat3,

@@ -5,7 +5,7 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use crate::live::{Loops, PICTURE_HZ, SIMULATION_HZ, message_of};
+use crate::live::{Loops, PICTURE_HZ, Paces, SIMULATION_HZ, message_of};
 use crate::pacing::Start;
 use crate::picture::Picture;
 use crate::shared::Shared;
@@ -15,18 +15,22 @@ use crate::simulation::Simulation;
 pub struct Offline {
     loops: Loops,
     shared: Arc<Shared>,
+    device_hz: u64,
     rate_hz: u64,
+    device_tick: u64,
     tick: u64,
 }
 
 impl Offline {
-    /// Loops at tick 0, with a servo at `rate_hz`.
+    /// Loops at tick 0.
     #[must_use]
-    pub fn new(loops: Loops, shared: Arc<Shared>, rate_hz: u32) -> Self {
+    pub fn new(loops: Loops, shared: Arc<Shared>, paces: Paces) -> Self {
         Self {
             loops,
             shared,
-            rate_hz: u64::from(rate_hz),
+            device_hz: u64::from(paces.device_hz),
+            rate_hz: u64::from(paces.servo_hz),
+            device_tick: 0,
             tick: 0,
         }
     }
@@ -59,22 +63,20 @@ impl Offline {
         self.loops.device.0.release();
     }
 
-    /// One tick of all that is due.
+    /// One tick of the servo and of all that is due before it.
     fn step(&mut self) {
+        // the device first, where both are due
+        while self.device_tick * self.rate_hz <= self.tick * self.device_hz {
+            self.step_device();
+        }
         let now = self.tick as f64 / self.rate_hz as f64;
-        let start = Start {
-            began_ns: self.now_ns(),
-            late_ns: 0,
-            skipped: 0,
-        };
+        let start = in_time(self.tick, self.rate_hz);
         let Loops {
-            device,
             servo,
             simulation,
             picture,
+            ..
         } = &mut self.loops;
-        device.1.count(start);
-        device.0.step(now);
         servo.1.count(start);
         servo.0.step(now);
         self.tick += 1;
@@ -92,6 +94,23 @@ impl Offline {
             picture.1.count(start);
             lock(&picture.0).collect();
         }
+    }
+
+    /// One tick of the device.
+    fn step_device(&mut self) {
+        let (device, meter) = &mut self.loops.device;
+        meter.count(in_time(self.device_tick, self.device_hz));
+        device.step(self.device_tick as f64 / self.device_hz as f64);
+        self.device_tick += 1;
+    }
+}
+
+/// A tick of a loop that is never late.
+fn in_time(tick: u64, rate_hz: u64) -> Start {
+    Start {
+        began_ns: tick * 1_000_000_000 / rate_hz,
+        late_ns: 0,
+        skipped: 0,
     }
 }
 

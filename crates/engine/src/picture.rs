@@ -12,7 +12,7 @@ use glam::DVec3;
 use rtrb::Consumer;
 use triple_buffer::Output;
 
-use crate::frame::{Frame, Notice, Rates, Safety, Sample};
+use crate::frame::{ForceState, Frame, Notice, Rates, Safety, Sample};
 use crate::handover::TickRecord;
 use crate::rate::RateReader;
 use crate::recording::{MAX_TICKS, Recording};
@@ -127,6 +127,8 @@ impl Picture {
             device: latest.device,
             hand: latest.hand,
             proxy: latest.proxy,
+            contact_point: latest.contact_point,
+            normal: latest.normal,
             force,
             contact: latest.contact,
             depth: latest.depth,
@@ -137,6 +139,7 @@ impl Picture {
             segments_version: status.segments_version,
             rates: self.rates(now_ns),
             safety: self.safety(),
+            recording: self.recording.as_ref().map(Recording::seconds),
             samples: self.samples.drain(..).collect(),
             notices: self.notices.drain(..).collect(),
         }
@@ -173,10 +176,12 @@ impl Picture {
                 force: record.sent_force,
             });
         }
-        let full = self
-            .recording
-            .as_mut()
-            .is_some_and(|recording| recording.push(&record) && recording.len() == MAX_TICKS);
+        let Some(recording) = &mut self.recording else {
+            return;
+        };
+        let touched = self.sources.status.read().touched;
+        let touched = if record.contact { touched } else { 0 };
+        let full = recording.push(&record, touched) && recording.len() == MAX_TICKS;
         if full {
             self.note(Notice::warning(format!(
                 "The recording is full after {MAX_TICKS} ticks; later ones are not recorded."
@@ -215,8 +220,17 @@ impl Picture {
             clamped: counters.clamped.load(Ordering::Relaxed),
             slewed: counters.slewed.load(Ordering::Relaxed),
             not_finite: counters.not_finite.load(Ordering::Relaxed),
+            ramped: counters.ramped.load(Ordering::Relaxed),
+            waited: counters.waited.load(Ordering::Relaxed),
+            eased: counters.eased.load(Ordering::Relaxed),
+            damped: counters.damped.load(Ordering::Relaxed),
             watchdog: counters.watchdog.load(Ordering::Relaxed),
             violations: counters.violations.load(Ordering::Relaxed),
+            force: if self.sources.shared.stopping() {
+                ForceState::Off
+            } else {
+                counters.force_state()
+            },
         }
     }
 }

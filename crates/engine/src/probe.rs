@@ -1,15 +1,15 @@
-//! The probe as changes of the occupancy meet it: free, pushed, or in the way.
+//! The probe as changes of what is solid meet it: free, pushed, or in the way.
 
 use glam::IVec3;
 use palpate_haptics::admission::{Admission, admit};
 use palpate_haptics::proxy::Proxy;
-use palpate_volume::bits::Bits;
+use palpate_haptics::scene::TouchScene;
 use palpate_volume::grid::Grid;
 use palpate_volume::occupancy::Occupancy;
 
-use crate::touch_occupancy::Admit;
+use crate::body::Body;
 
-/// A point probe in its grid.
+/// The probe in the grid of the scan.
 #[derive(Debug)]
 pub struct Probe<'a> {
     /// Where the scan stands.
@@ -18,12 +18,20 @@ pub struct Probe<'a> {
     pub proxy: &'a mut Proxy,
 }
 
-impl Admit for Probe<'_> {
-    fn admit<N: Occupancy>(&mut self, old: &Bits, new: &N) -> bool {
-        admit(old, new, self.grid, self.proxy) != Admission::Held
+impl Probe<'_> {
+    /// Whether the probe is free in `new`, if need be after a push through what is free in
+    /// `old`.
+    pub fn admits<N: Occupancy>(
+        &mut self,
+        old: &TouchScene<'_, Body>,
+        new: &TouchScene<'_, N>,
+    ) -> bool {
+        admit(old.occupancy, new.occupancy, self.grid, self.proxy) != Admission::Held
     }
 
-    fn voxel(&self) -> IVec3 {
+    /// Where the probe is.
+    #[must_use]
+    pub fn voxel(&self) -> IVec3 {
         self.proxy.voxel()
     }
 }

@@ -5,9 +5,13 @@
 
 use std::collections::BTreeMap;
 
+use crate::feel::{Feel, Feels};
+use crate::touchable::Part;
+use glam::DAffine3;
 use palpate_volume::bits::Bits;
 use palpate_volume::edit::{Edit, SegmentId};
 use palpate_volume::segment::Segment;
+use palpate_volume::voxel_box::VoxelBox;
 use palpate_volume::voxels::{Voxels, VoxelsError};
 
 /// Threshold that a segment is, in physical units: low and high, both included.
@@ -20,6 +24,10 @@ pub struct Properties {
     pub touchable: bool,
     /// The threshold that it is; none once its voxels come from elsewhere.
     pub range: Option<ThresholdRange>,
+    /// How its surface feels.
+    pub feel: Feel,
+    /// Where it was moved [mm, from the scan to the scene]; none where the scan has it.
+    pub pose: Option<DAffine3>,
 }
 
 /// A change of the scene.
@@ -160,12 +168,50 @@ impl Scene {
         Ok(differs)
     }
 
+    /// How each segment feels, by its number.
+    #[must_use]
+    pub fn feels(&self) -> Feels {
+        let mut feels = Feels::default();
+        for (id, properties) in &self.properties {
+            feels.set(*id, properties.feel);
+        }
+        feels
+    }
+
+    /// Changes how the surface of a segment feels.
+    ///
+    /// # Errors
+    /// Where there is no such segment.
+    pub fn set_feel(&mut self, id: SegmentId, feel: Feel) -> Result<(), VoxelsError> {
+        let properties = self
+            .properties
+            .get_mut(&id)
+            .ok_or(VoxelsError::UnknownSegment(id.0))?;
+        properties.feel = feel;
+        Ok(())
+    }
+
     /// The bits of all obstacles.
     #[must_use]
     pub fn touchable_bits(&self) -> Vec<&Bits> {
         self.segments()
             .filter(|(_, _, properties)| properties.touchable)
             .map(|(_, segment, _)| segment.occupancy())
+            .collect()
+    }
+
+    /// All obstacles, by rising number.
+    #[must_use]
+    pub fn touchable_parts(&self) -> Vec<Part> {
+        self.segments()
+            .filter(|(_, _, properties)| properties.touchable)
+            .map(|(id, segment, properties)| Part {
+                id,
+                bits: segment.occupancy().clone(),
+                moved: properties
+                    .pose
+                    .map(|_| segment.bounding_box().unwrap_or(VoxelBox::EMPTY)),
+            })
             .collect()
     }
 

@@ -7,26 +7,30 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
 
 use glam::DVec3;
-use palpate_haptics::exact::Exact;
+use palpate_haptics::local_force::LocalForce;
 use palpate_haptics::placement::nearest_free;
 use palpate_haptics::proxy::Proxy;
-use palpate_haptics::scene::TouchScene;
-use palpate_haptics::tick::{TickInput, TickOutput, TickState, tick};
+use palpate_haptics::tick::{TickCache, TickInput, TickOutput, TickState, tick};
 use palpate_volume::bits::Bits;
 use palpate_volume::grid::Grid;
 
 use crate::device_loop::WATCHDOG_SECS;
+use crate::feel::Feels;
 use crate::handover::{
-    DeviceSample, ForceCommand, HandTarget, ServoChannels, ServoCommand, ServoStatus, TickRecord,
+    DeviceSample, ForceCommand, HandTarget, ServoChannels, ServoCommand, ServoStatus, Snapshot,
+    TickRecord,
 };
 use crate::mapping::Mapping;
 use crate::probe::Probe;
+use crate::servo_state::{ServoState, TickInputs};
 use crate::settings::Settings;
 use crate::shared::Shared;
 use crate::touch_occupancy::TouchOccupancy;
+use crate::touchable::Touchable;
+use crate::touched_surfaces::TouchedSurfaces;
 
 /// Commands obeyed per tick, at most, and one change of the occupancy.
-const MAX_COMMANDS_PER_TICK: usize = 16;
+pub const MAX_COMMANDS_PER_TICK: usize = 16;
 
 /// How far around a placement's point a free voxel is searched [voxels]. The simulation has
 /// found one; this is for changes that are still on their way.
@@ -37,32 +41,28 @@ const PLACE_REACH: i32 = 3;
 pub struct ServoStart {
     /// Where the scan stands.
     pub grid: Grid,
-    /// What is solid.
-    pub bits: Bits,
+    /// What is touched.
+    pub touchable: Touchable,
     /// `scene_from_device`.
     pub mapping: Mapping,
     /// Where the probe is, in a free voxel.
     pub probe: DVec3,
     /// Settings that the device bears.
     pub settings: Settings,
+    /// How each segment feels, by its number.
+    pub feels: Feels,
 }
 
 /// The state of the servo thread.
 #[derive(Debug)]
 pub struct ServoLoop {
     grid: Grid,
-    model: Exact,
-    state: TickState,
+    state: ServoState,
     occupancy: TouchOccupancy,
-    mapping: Mapping,
-    settings: Settings,
-    hand: DVec3,
-    /// Hand targets up to this number are older than the last placement.
-    forgotten_hand: u64,
+    cache: TickCache,
+    /// Whether the state is asked for at the end of this tick.
+    marked: bool,
     ends: Ends,
-    received: u64,
-    refused_places: u64,
-    tick: u64,
     shared: Arc<Shared>,
 }
 
@@ -75,6 +75,7 @@ struct Ends {
     inbox: rtrb::Consumer<ServoCommand>,
     status: triple_buffer::Input<ServoStatus>,
     records: rtrb::Producer<TickRecord>,
+    snapshots: rtrb::Producer<Snapshot>,
 }
 
 impl ServoLoop {
@@ -84,6 +85,31 @@ impl ServoLoop {
     /// Where the probe's start is not a point: whoever starts a session has checked it.
     #[must_use]
     pub fn new(start: ServoStart, channels: ServoChannels, shared: Arc<Shared>) -> Self {
+        let probe_in_grid = start.grid.grid_from_patient().transform_point3(start.probe);
+        let proxy = Proxy::at(probe_in_grid).expect("the probe starts at a finite point");
+        let state = ServoState {
+            touch: TickState::new(proxy),
+            mapping: start.mapping,
+            settings: start.settings,
+            feels: start.feels,
+            hand: start.probe,
+            forgotten_hand: 0,
+            received: 0,
+            refused_places: 0,
+            command: 0,
+            tick: 0,
+        };
+        Self::resume(start.grid, start.touchable, state, (channels, shared))
+    }
+
+    /// A servo that goes on from a state.
+    #[must_use]
+    pub fn resume(
+        grid: Grid,
+        touchable: Touchable,
+        state: ServoState,
+        (channels, shared): (ServoChannels, Arc<Shared>),
+    ) -> Self {
         let ServoChannels {
             samples,
             forces,
@@ -92,18 +118,14 @@ impl ServoLoop {
             garbage,
             status,
             records,
+            snapshots,
         } = channels;
-        let probe_in_grid = start.grid.grid_from_patient().transform_point3(start.probe);
-        let proxy = Proxy::at(probe_in_grid).expect("the probe starts at a finite point");
         Self {
-            grid: start.grid,
-            model: Exact::default(),
-            state: TickState { proxy },
-            occupancy: TouchOccupancy::new(start.bits, garbage),
-            mapping: start.mapping,
-            settings: start.settings,
-            hand: start.probe,
-            forgotten_hand: 0,
+            grid,
+            state,
+            occupancy: TouchOccupancy::new(touchable, garbage),
+            cache: TickCache::default(),
+            marked: false,
             ends: Ends {
                 samples,
                 forces,
@@ -111,10 +133,8 @@ impl ServoLoop {
                 inbox,
                 status,
                 records,
+                snapshots,
             },
-            received: 0,
-            refused_places: 0,
-            tick: 0,
             shared,
         }
     }
@@ -122,53 +142,71 @@ impl ServoLoop {
     /// What is solid for the probe now.
     #[must_use]
     pub fn solid(&self) -> &Bits {
-        self.occupancy.bits()
+        self.occupancy.touchable().world.bits()
     }
 
-    /// One tick at `now` [s].
+    /// One tick at `now` [s] with what device and person say by then.
     pub fn step(&mut self, now: f64) {
         let sample = *self.ends.samples.read();
-        self.follow_hand();
-        self.retry_held_changes();
-        self.obey(&sample);
-
-        let input = self.input(&sample, now);
-        let output = self.touch(&input);
-
-        self.publish_force(&output, now);
-        self.publish_status(&sample, &output);
-        self.record(&sample, &output, now);
-        self.tick += 1;
+        let hand = *self.ends.hand.read();
+        let inputs = TickInputs::new(now, &sample, hand, self.occupancy.has_room());
+        self.tick(&inputs, sample.sent_in_device);
     }
 
-    fn follow_hand(&mut self) {
-        let target = *self.ends.hand.read();
-        if target.number > self.forgotten_hand {
-            self.hand = target.point;
+    /// One tick. What comes out follows from state, inputs and waiting commands alone; the
+    /// force that was last sent to the device [N] is only noted.
+    pub fn tick(&mut self, inputs: &TickInputs, sent_in_device: DVec3) {
+        self.follow_hand(inputs.hand);
+        if inputs.has_room {
+            self.retry_held_changes();
+        }
+        self.obey(inputs);
+
+        let output = self.touch(&self.input(inputs));
+
+        self.publish_force(inputs, &output);
+        self.publish_status(inputs, &output);
+        self.record(inputs, &output, sent_in_device);
+        self.state.tick += 1;
+        self.publish_snapshot();
+    }
+
+    fn follow_hand(&mut self, target: HandTarget) {
+        if target.number > self.state.forgotten_hand {
+            self.state.hand = target.point;
         }
     }
 
     fn retry_held_changes(&mut self) {
         let mut probe = Probe {
             grid: &self.grid,
-            proxy: &mut self.state.proxy,
+            proxy: &mut self.state.touch.proxy,
         };
         self.occupancy.retry(&mut probe);
     }
 
     /// Obeys the simulation, in its order, as far as one tick allows.
-    fn obey(&mut self, sample: &DeviceSample) {
+    fn obey(&mut self, inputs: &TickInputs) {
         for _ in 0..MAX_COMMANDS_PER_TICK {
             match self.ends.inbox.peek() {
                 Ok(ServoCommand::Root { .. } | ServoCommand::Bricks(_)) => {
                     return self.follow_changes();
                 }
                 // the device must have been read once, so that it can be brought along
-                Ok(ServoCommand::Place { .. }) if sample.number == 0 => return,
-                Ok(_) => self.obey_next(sample),
+                Ok(ServoCommand::Place { .. }) if !inputs.is_read() => return,
+                // what comes after a mark is obeyed after the state is told
+                Ok(ServoCommand::Mark) => return self.obey_next(inputs),
+                Ok(_) => self.obey_next(inputs),
                 Err(_) => return,
             }
         }
+    }
+
+    /// Takes the next command.
+    fn pop(&mut self) -> Option<ServoCommand> {
+        let command = self.ends.inbox.pop().ok()?;
+        self.state.command += 1;
+        Some(command)
     }
 
     /// Takes the change that comes next, where there is room for what it replaces.
@@ -176,128 +214,185 @@ impl ServoLoop {
         if !self.occupancy.has_room() {
             return;
         }
+        let command = self.pop();
         let mut probe = Probe {
             grid: &self.grid,
-            proxy: &mut self.state.proxy,
+            proxy: &mut self.state.touch.proxy,
         };
-        match self.ends.inbox.pop() {
-            Ok(ServoCommand::Root { sequence, bits }) => {
-                self.received = sequence;
-                self.occupancy.take_root(sequence, bits, &mut probe);
+        match command {
+            Some(ServoCommand::Root {
+                sequence,
+                touchable,
+            }) => {
+                self.state.received = sequence;
+                self.occupancy.take_root(sequence, touchable, &mut probe);
             }
-            Ok(ServoCommand::Bricks(change)) => {
-                self.received = change.sequence;
+            Some(ServoCommand::Bricks(change)) => {
+                self.state.received = change.sequence;
                 self.occupancy.take_bricks(change, &mut probe);
             }
             // whoever calls has looked
-            Ok(_) | Err(_) => {}
+            Some(_) | None => {}
         }
     }
 
     /// Obeys a command that changes no occupancy.
-    fn obey_next(&mut self, sample: &DeviceSample) {
-        let device = sample.state.position;
-        match self.ends.inbox.pop() {
-            Ok(ServoCommand::Place {
+    fn obey_next(&mut self, inputs: &TickInputs) {
+        let device = inputs.position_in_device;
+        match self.pop() {
+            Some(ServoCommand::Place {
                 point,
                 hand,
                 device_too,
             }) => {
-                self.forgotten_hand = hand;
+                self.state.forgotten_hand = hand;
                 self.place(point, device_too.then_some(device));
             }
-            Ok(ServoCommand::Turn(rotation)) => self.mapping.turn(device, rotation),
-            Ok(ServoCommand::Settings(settings)) => self.settings = settings,
+            Some(ServoCommand::Turn(rotation)) => self.state.mapping.turn(device, rotation),
+            Some(ServoCommand::Settings(settings)) => self.state.settings = settings,
+            Some(ServoCommand::Feel(id, feel)) => self.state.feels.set(id, feel),
+            Some(ServoCommand::Mark) => self.marked = true,
             // changes of occupancy are taken elsewhere
-            Ok(ServoCommand::Root { .. } | ServoCommand::Bricks(_)) | Err(_) => {}
+            Some(ServoCommand::Root { .. } | ServoCommand::Bricks(_)) | None => {}
         }
     }
 
     /// Brings the probe to a free point, and the device there by moving the mapping.
     fn place(&mut self, point: DVec3, device: Option<DVec3>) {
         let point_in_grid = self.grid.grid_from_patient().transform_point3(point);
-        let bits = self.occupancy.bits();
-        let Some(proxy) = nearest_free(bits, &self.grid, point_in_grid, PLACE_REACH) else {
-            self.refused_places += 1;
+        let world = &self.occupancy.touchable().world;
+        let Some(proxy) = nearest_free(world, &self.grid, point_in_grid, PLACE_REACH) else {
+            self.state.refused_places += 1;
             return;
         };
-        self.state.proxy = proxy;
+        self.state.touch = TickState::new(proxy);
         let placed = self
             .grid
             .patient_from_grid()
             .transform_point3(proxy.point());
-        self.hand = placed;
+        self.state.hand = placed;
         if let Some(device) = device {
-            self.mapping.place(device, placed);
+            self.state.mapping.place(device, placed);
         }
     }
 
-    /// What the tick is given; a device that was not read in time has no position.
-    fn input(&self, sample: &DeviceSample, now: f64) -> TickInput {
-        let known = sample.number > 0 && now - sample.time <= WATCHDOG_SECS;
-        let device = self.device_in_scene(sample);
+    /// What touch is given; a device that was not read in time has no position.
+    fn input(&self, inputs: &TickInputs) -> TickInput {
+        let known = inputs.is_read() && inputs.time - inputs.read_at <= WATCHDOG_SECS;
+        let device = self.device_in_scene(inputs);
         TickInput {
             device_in_scene: if known { device } else { DVec3::NAN },
-            velocity_in_scene: self.mapping.velocity_to_scene(sample.state.velocity),
-            coupling: self.settings.coupling(),
+            velocity_in_scene: self
+                .state
+                .mapping
+                .velocity_to_scene(inputs.velocity_in_device),
+            damping: self.state.settings.damping,
+            smoothing: self.state.settings.smoothing,
         }
     }
 
     /// Where the device is; until it was read, where the hand is.
-    fn device_in_scene(&self, sample: &DeviceSample) -> DVec3 {
-        if sample.number == 0 {
-            return self.hand;
+    fn device_in_scene(&self, inputs: &TickInputs) -> DVec3 {
+        if !inputs.is_read() {
+            return self.state.hand;
         }
-        self.mapping.point_to_scene(sample.state.position)
+        self.state.mapping.point_to_scene(inputs.position_in_device)
     }
 
     fn touch(&mut self, input: &TickInput) -> TickOutput {
-        let scene = TouchScene::of_world(self.occupancy.bits(), &self.grid);
-        let output = tick(&scene, &self.model, input, &mut self.state);
+        self.cache.set_epoch(self.occupancy.version());
+        let surfaces = TouchedSurfaces {
+            touchable: self.occupancy.touchable(),
+            settings: &self.state.settings,
+            feels: &self.state.feels,
+        };
+        let output = tick(
+            &self.occupancy.scene(&self.grid),
+            &self.state.settings.model,
+            &surfaces,
+            input,
+            &mut self.state.touch,
+            &mut self.cache,
+        );
         if output.violation {
             self.shared.counters.violations.fetch_add(1, Relaxed);
         }
         output
     }
 
-    fn publish_force(&mut self, output: &TickOutput, now: f64) {
+    fn publish_force(&mut self, inputs: &TickInputs, output: &TickOutput) {
+        let mapping = &self.state.mapping;
         self.ends.forces.write(ForceCommand {
-            time: now,
-            tick: self.tick + 1,
-            force_in_device: self.mapping.force_to_device(output.force),
-            hand_in_device: self.mapping.point_to_device(self.hand),
-            max_force: self.settings.force_limit,
+            time: inputs.time,
+            tick: self.state.tick + 1,
+            law: law_in_device(mapping, inputs, output),
+            hand_in_device: mapping.point_to_device(self.state.hand),
+            max_force: self.state.settings.force_limit,
         });
     }
 
-    fn publish_status(&mut self, sample: &DeviceSample, output: &TickOutput) {
+    fn publish_status(&mut self, inputs: &TickInputs, output: &TickOutput) {
         self.ends.status.write(ServoStatus {
-            received: self.received,
+            received: self.state.received,
             held_root: self.occupancy.held_root(),
             held_edits: self.occupancy.held_edits(),
             skipped: self.occupancy.skipped(),
-            refused_places: self.refused_places,
-            device: self.device_in_scene(sample),
+            refused_places: self.state.refused_places,
+            device: self.device_in_scene(inputs),
             proxy: output.proxy_in_scene,
             contact: output.contact,
         });
     }
 
-    fn record(&mut self, sample: &DeviceSample, output: &TickOutput, now: f64) {
+    fn record(&mut self, inputs: &TickInputs, output: &TickOutput, sent_in_device: DVec3) {
         let recorded = self.ends.records.push(TickRecord {
-            tick: self.tick,
-            time: now,
-            device: self.device_in_scene(sample),
-            hand: self.hand,
+            tick: self.state.tick,
+            time: inputs.time,
+            device: self.device_in_scene(inputs),
+            hand: self.state.hand,
             proxy: output.proxy_in_scene,
+            contact_point: output.contact_point_in_scene,
+            normal: output.normal,
             force: output.force,
-            sent_force: self.mapping.force_to_scene(sample.sent_in_device),
+            sent_force: self.state.mapping.force_to_scene(sent_in_device),
             contact: output.contact,
             depth: output.depth,
             visits: output.visits,
+            inputs: *inputs,
+            command: self.state.command,
         });
         if recorded.is_err() {
             self.shared.counters.lost_records.fetch_add(1, Relaxed);
         }
+    }
+
+    /// Tells the state between this tick and the next, where it was asked for.
+    fn publish_snapshot(&mut self) {
+        if !self.marked {
+            return;
+        }
+        self.marked = false;
+        let snapshot = Snapshot {
+            state: self.state,
+            held: self.occupancy.holds_back(),
+        };
+        // whoever asks asks once, and takes what he asked for
+        let _ = self.ends.snapshots.push(snapshot);
+    }
+}
+
+/// The contact as the device can follow it.
+fn law_in_device(mapping: &Mapping, inputs: &TickInputs, output: &TickOutput) -> LocalForce {
+    if output.spring == DVec3::ZERO {
+        return LocalForce::held(mapping.force_to_device(output.force));
+    }
+    LocalForce {
+        device: inputs.position_in_device,
+        spring: mapping.force_to_device(output.spring),
+        normal: mapping.force_to_device(output.normal),
+        coupling: output.coupling,
+        sticks: output.sticks,
+        scale: mapping.scale,
+        held: DVec3::ZERO,
     }
 }

@@ -7,6 +7,7 @@ use std::sync::mpsc::{self, Sender};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use glam::{DVec3, IVec3};
+use palpate_device::DeviceLimits;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
 use palpate_volume::segment::Segment;
@@ -15,9 +16,10 @@ use palpate_volume::voxels::{Voxels, VoxelsError};
 use crate::assembly::{Assembly, assemble};
 use crate::clock;
 use crate::error::SessionError;
+use crate::feel::Feel;
 use crate::frame::{Frame, Notice, Rates};
 use crate::handover::HandTarget;
-use crate::live::Live;
+use crate::live::{Live, Paces};
 use crate::mapping::rotation_of_view;
 use crate::offline::Offline;
 use crate::picture::Picture;
@@ -27,6 +29,7 @@ use crate::session_config::{SessionConfig, check, check_point};
 use crate::settings::Settings;
 use crate::shared::Shared;
 use crate::simulation::{SegmentState, Simulation, checked_box};
+use crate::tape::{Tape, TapeRecorder};
 
 /// Edits of more voxels than this are built outside the simulation thread.
 const SMALL_EDIT: u64 = 1 << 20;
@@ -48,8 +51,10 @@ pub struct Session {
     hand: Mutex<(triple_buffer::Input<HandTarget>, u64)>,
     shared: Arc<Shared>,
     notices: Sender<Notice>,
+    tape: Arc<Mutex<TapeRecorder>>,
     grid: Grid,
     device_name: String,
+    device_limits: DeviceLimits,
 }
 
 impl Session {
@@ -61,22 +66,28 @@ impl Session {
         check(&config)?;
         let grid = config.grid;
         let device_name = config.device.name().to_owned();
-        let (rate_hz, real_time) = (config.rate_hz, config.real_time);
+        let device_limits = config.device.limits();
+        let real_time = config.real_time;
+        let paces = Paces {
+            device_hz: config.device_rate_hz(),
+            servo_hz: config.rate_hz,
+        };
         let Assembly {
             loops,
             picture,
             hand,
             shared,
             notices,
+            tape,
         } = assemble(config)?;
 
         let run = if real_time {
-            let (live, granted) = Live::start(loops, Arc::clone(&shared), rate_hz)?;
+            let (live, granted) = Live::start(loops, Arc::clone(&shared), paces)?;
             lock(&picture).real_time = granted.is_ok();
             tell_of_priority(&notices, &granted);
             Run::Live(live)
         } else {
-            let offline = Offline::new(loops, Arc::clone(&shared), rate_hz);
+            let offline = Offline::new(loops, Arc::clone(&shared), paces);
             Run::Offline(Box::new(Mutex::new(offline)))
         };
         Ok(Self {
@@ -85,8 +96,10 @@ impl Session {
             hand: Mutex::new((hand, 0)),
             shared,
             notices,
+            tape,
             grid,
             device_name,
+            device_limits,
         })
     }
 
@@ -94,6 +107,12 @@ impl Session {
     #[must_use]
     pub fn device_name(&self) -> &str {
         &self.device_name
+    }
+
+    /// What the device bears.
+    #[must_use]
+    pub fn device_limits(&self) -> DeviceLimits {
+        self.device_limits
     }
 
     /// Moves the target to which the hand pulls the device.
@@ -189,6 +208,14 @@ impl Session {
         self.ask(move |simulation| simulation.set_touchable(id, touchable))?
     }
 
+    /// Changes how the surface of a segment feels.
+    ///
+    /// # Errors
+    /// Where a value is out of range, there is no such segment, or the session has ended.
+    pub fn set_feel(&self, id: SegmentId, feel: Feel) -> Result<(), SessionError> {
+        self.ask(move |simulation| simulation.set_feel(id, feel))?
+    }
+
     /// Makes a segment of all voxels with low <= value <= high, or gives segment `id` these
     /// voxels; gives its number.
     ///
@@ -213,6 +240,7 @@ impl Session {
                 let properties = Properties {
                     touchable: true,
                     range: Some(range),
+                    ..Properties::default()
                 };
                 simulation.add_segment(segment, properties, true)
             }
@@ -295,14 +323,25 @@ impl Session {
     /// Where the session has ended.
     pub fn start_recording(&self) -> Result<(), SessionError> {
         self.check_running()?;
+        // ticks first, so that the tape begins among them
         self.lock_picture().start_recording();
-        Ok(())
+        self.ask(Simulation::begin_tape)
     }
 
     /// Ends the recording and gives it; none where none runs.
     #[must_use]
     pub fn stop_recording(&self) -> Option<Recording> {
-        self.lock_picture().stop_recording()
+        self.finish_recording().map(|(recording, _)| recording)
+    }
+
+    /// Ends the recording and gives its ticks, and what else a replay needs. That is missing
+    /// where a change waited for the probe all the time, and in the first tick.
+    #[must_use]
+    pub fn finish_recording(&self) -> Option<(Recording, Option<Tape>)> {
+        // ticks first, so that the tape has all that they obeyed
+        let recording = self.lock_picture().stop_recording();
+        let tape = lock(&self.tape).finish();
+        recording.map(|recording| (recording, tape))
     }
 
     /// Steps an offline session for so many seconds.

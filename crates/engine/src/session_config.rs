@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 use palpate_device::HapticDevice;
+use palpate_haptics::safety::SafetySettings;
 use palpate_volume::grid::Grid;
 use palpate_volume::intensities::Intensities;
 use palpate_volume::segment::Segment;
@@ -37,8 +38,13 @@ pub struct SessionConfig {
     pub start: Option<DVec3>,
     /// Stiffness, damping and largest force.
     pub settings: Settings,
-    /// Rate of device and servo [Hz].
+    /// Rate of the servo [Hz].
     pub rate_hz: u32,
+    /// Rate of the device [Hz]; none is the servo's.
+    pub device_rate_hz: Option<u32>,
+    /// How forces begin and how long large ones last. None is as for any device that moves
+    /// where threads run in real time, and forces at once where they do not.
+    pub safety: Option<SafetySettings>,
     /// Whether threads run in real time; else the owner steps the session.
     pub real_time: bool,
 }
@@ -56,15 +62,38 @@ impl SessionConfig {
             start: None,
             settings: Settings::default(),
             rate_hz: 1000,
+            device_rate_hz: None,
+            safety: None,
             real_time: true,
         }
     }
 }
 
+impl SessionConfig {
+    /// Rate of the device [Hz].
+    #[must_use]
+    pub fn device_rate_hz(&self) -> u32 {
+        self.device_rate_hz.unwrap_or(self.rate_hz)
+    }
+
+    /// How forces begin and how long large ones last.
+    #[must_use]
+    pub fn safety(&self) -> SafetySettings {
+        let by_pace = if self.real_time {
+            SafetySettings::default()
+        } else {
+            SafetySettings::AT_ONCE
+        };
+        self.safety.unwrap_or(by_pace)
+    }
+}
+
 /// Refuses a configuration that is not allowed.
 pub(crate) fn check(config: &SessionConfig) -> Result<(), SessionError> {
-    if !(500..=10_000).contains(&config.rate_hz) {
-        return Err(SessionError::Rate(config.rate_hz));
+    for rate_hz in [config.rate_hz, config.device_rate_hz()] {
+        if !(500..=10_000).contains(&rate_hz) {
+            return Err(SessionError::Rate(rate_hz));
+        }
     }
     config.settings.check()?;
     if let Some(start) = config.start {

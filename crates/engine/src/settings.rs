@@ -3,16 +3,30 @@
 use palpate_device::DeviceLimits;
 use palpate_haptics::coupling::Coupling;
 use palpate_haptics::safety::ForceLimits;
+use serde::{Deserialize, Serialize};
 
 use crate::frame::Notice;
+use crate::model::Model;
 
-/// Stiffness, damping and largest force of touch.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// How touch feels: the contact model, the spring, the probe and the largest force.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Settings {
-    /// Of the spring between probe and device [N/mm], > 0, at most 10.
+    /// The contact model.
+    pub model: Model,
+    /// Of the spring between probe and device [N/mm], > 0, at most 10; segments can have
+    /// their own.
     pub stiffness: f64,
     /// Of the damper beside that spring [N·s/mm], 0..=0.1.
     pub damping: f64,
+    /// Coulomb coefficient of a probe that sticks, 0..=2; segments can have their own.
+    pub friction_static: f64,
+    /// Coulomb coefficient of a probe that slides, at most the static one.
+    pub friction_kinetic: f64,
+    /// Whether the force comes from the smooth contact point; else the stairs of the voxels
+    /// are felt.
+    pub smoothing: bool,
+    /// Radius of the probe [mm]; 0 is a point.
+    pub probe_radius: f64,
     /// Largest force [N], > 0, at most 40.
     pub force_limit: f64,
 }
@@ -21,12 +35,20 @@ impl Default for Settings {
     fn default() -> Self {
         let coupling = Coupling::default();
         Self {
+            model: Model::default(),
             stiffness: coupling.stiffness,
             damping: coupling.damping,
+            friction_static: 0.0,
+            friction_kinetic: 0.0,
+            smoothing: true,
+            probe_radius: 0.0,
             force_limit: ForceLimits::default().max_force,
         }
     }
 }
+
+/// Largest radius that is taken [mm]; a scan of small voxels allows less.
+const MAX_RADIUS: f64 = 20.0;
 
 /// A setting outside its range.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -67,6 +89,24 @@ impl Settings {
                 self.damping,
                 (0.0..=0.1).contains(&self.damping),
                 "0 to 0.1",
+            ),
+            (
+                "static friction",
+                self.friction_static,
+                (0.0..=2.0).contains(&self.friction_static),
+                "0 to 2",
+            ),
+            (
+                "kinetic friction",
+                self.friction_kinetic,
+                (0.0..=self.friction_static).contains(&self.friction_kinetic),
+                "0 to the static friction",
+            ),
+            (
+                "probe radius [mm]",
+                self.probe_radius,
+                (0.0..=MAX_RADIUS).contains(&self.probe_radius),
+                "0 to 20",
             ),
             (
                 "force limit [N]",
@@ -143,6 +183,20 @@ mod tests {
                     ..good
                 },
                 "damping [N·s/mm]",
+            ),
+            (
+                Settings {
+                    friction_kinetic: 0.1,
+                    ..good
+                },
+                "kinetic friction",
+            ),
+            (
+                Settings {
+                    probe_radius: f64::INFINITY,
+                    ..good
+                },
+                "probe radius [mm]",
             ),
             (
                 Settings {

@@ -1,7 +1,9 @@
 //! What all threads of a session see: that it stops, why it failed, and its counters.
 
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
+
+use crate::frame::ForceState;
 
 /// Interventions of the safety stage and violations of the guarantees since the start.
 #[derive(Debug, Default)]
@@ -12,13 +14,49 @@ pub struct Counters {
     pub slewed: AtomicU64,
     /// Forces that were not finite and became zero.
     pub not_finite: AtomicU64,
+    /// Ticks in which the force was still rising to its full share.
+    pub ramped: AtomicU64,
+    /// Ticks that waited for a small force to begin with.
+    pub waited: AtomicU64,
+    /// Ticks in which the force was eased to what the device bears for long.
+    pub eased: AtomicU64,
+    /// Ticks in which energy was taken out of the coupling.
+    pub damped: AtomicU64,
     /// Times that the watchdog took the force away.
     pub watchdog: AtomicU64,
     /// Ticks in which the probe was found in a solid voxel.
     pub violations: AtomicU64,
+    /// What stands between the contact and the hand now, as a number.
+    force_state: AtomicU8,
     /// Ticks whose record was lost, since nobody took the records in time.
     pub lost_records: AtomicU64,
 }
+
+impl Counters {
+    /// What stands between the contact and the hand now.
+    #[must_use]
+    pub fn force_state(&self) -> ForceState {
+        let number = usize::from(self.force_state.load(Ordering::Relaxed));
+        FORCE_STATES.get(number).copied().unwrap_or(ForceState::Off)
+    }
+
+    /// Tells it.
+    pub fn set_force_state(&self, state: ForceState) {
+        let number = FORCE_STATES.iter().position(|&known| known == state);
+        self.force_state.store(
+            number.unwrap_or(FORCE_STATES.len()) as u8,
+            Ordering::Relaxed,
+        );
+    }
+}
+
+const FORCE_STATES: [ForceState; 5] = [
+    ForceState::On,
+    ForceState::Waiting,
+    ForceState::Ramping,
+    ForceState::Easing,
+    ForceState::Off,
+];
 
 /// Seen by all threads of a session.
 #[derive(Debug, Default)]

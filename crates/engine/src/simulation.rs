@@ -3,6 +3,7 @@
 //! Points in scene mm (LPS), boxes in voxels of the grid.
 
 use std::sync::mpsc::Sender;
+use std::sync::{Arc, Mutex};
 
 use glam::{DMat3, DVec3, IVec3};
 use palpate_device::DeviceLimits;
@@ -13,12 +14,14 @@ use palpate_volume::voxel_box::VoxelBox;
 use palpate_volume::voxels::{Voxels, VoxelsError};
 
 use crate::error::SessionError;
+use crate::feel::Feel;
 use crate::frame::Notice;
 use crate::handover::{ServoCommand, SimulationChannels};
 use crate::journal::Journal;
 use crate::placement::{REACH, free_point};
 use crate::scene::{Properties, Scene, Step, ThresholdRange};
 use crate::settings::Settings;
+use crate::tape::{MAX_TAPE_BYTES, TapeRecorder};
 use crate::touch_sender::TouchSender;
 use crate::touched::touched_segment;
 
@@ -52,6 +55,8 @@ pub struct SegmentState {
     pub pending: bool,
     /// The threshold that it is; none where its voxels come from elsewhere.
     pub range: Option<ThresholdRange>,
+    /// How its surface feels.
+    pub feel: Feel,
 }
 
 /// The state of the simulation thread.
@@ -67,6 +72,7 @@ pub struct Simulation {
     segments_version: u64,
     refused_places: u64,
     was_held: bool,
+    was_full: bool,
 }
 
 impl Simulation {
@@ -83,7 +89,7 @@ impl Simulation {
         Self {
             scene,
             journal: Journal::default(),
-            touch: TouchSender::new(channels),
+            touch: TouchSender::new(channels, settings.probe_radius),
             status,
             notices,
             settings: settings.within(&limits),
@@ -91,6 +97,7 @@ impl Simulation {
             segments_version: 0,
             refused_places: 0,
             was_held: false,
+            was_full: false,
         }
     }
 
@@ -117,6 +124,7 @@ impl Simulation {
                 touchable: properties.touchable,
                 pending: self.touch.is_pending(id),
                 range: properties.range,
+                feel: properties.feel,
             })
             .collect()
     }
@@ -126,7 +134,26 @@ impl Simulation {
         self.touch.exchange(&self.scene);
         self.tell_of_held_changes();
         self.tell_of_refused_places();
+        self.tell_of_full_tape();
         self.publish();
+    }
+
+    /// What is told to the servo, where it is recorded.
+    #[must_use]
+    pub fn tape(&self) -> Arc<Mutex<TapeRecorder>> {
+        Arc::clone(self.touch.tape())
+    }
+
+    /// Begins to record what is told to the servo. Where a change waits for the probe, the
+    /// recording can be replayed only from when it is followed.
+    pub fn begin_tape(&mut self) {
+        self.touch.begin_tape(&self.scene);
+        if self.touch.is_held() {
+            self.tell(Notice::info(
+                "A change waits for the probe to move out: the recording can be replayed from \
+                 then on only.",
+            ));
+        }
     }
 
     /// Adds a segment; an undoable one is taken away again by undo.
@@ -184,6 +211,19 @@ impl Simulation {
             self.touch.send_change(&self.scene, &change);
             self.publish();
         }
+        Ok(())
+    }
+
+    /// Changes how the surface of a segment feels. This changes no voxel and is not undone.
+    ///
+    /// # Errors
+    /// Where a value is out of range, or there is no such segment.
+    pub fn set_feel(&mut self, id: SegmentId, feel: Feel) -> Result<(), SessionError> {
+        feel.check()?;
+        self.scene.set_feel(id, feel)?;
+        self.segments_version += 1;
+        self.touch.send(ServoCommand::Feel(id, feel));
+        self.publish();
         Ok(())
     }
 
@@ -291,6 +331,8 @@ impl Simulation {
             self.tell(notice);
         }
         self.touch.send(ServoCommand::Settings(self.settings));
+        self.touch
+            .set_radius(&self.scene, self.settings.probe_radius);
         Ok(self.settings)
     }
 
@@ -342,6 +384,18 @@ impl Simulation {
             ));
         }
         self.refused_places = refused;
+    }
+
+    fn tell_of_full_tape(&mut self) {
+        let full = self.touch.is_tape_full();
+        if full && !self.was_full {
+            self.tell(Notice::warning(format!(
+                "The recording has no room for more changes (limit: {} MB): what comes after \
+                 this one cannot be replayed.",
+                MAX_TAPE_BYTES >> 20
+            )));
+        }
+        self.was_full = full;
     }
 
     fn publish(&mut self) {

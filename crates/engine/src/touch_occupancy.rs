@@ -6,65 +6,77 @@
 //! to be solid. Nothing here allocates or frees: bricks change places, and what is replaced goes
 //! to the garbage ring. Source: design, section 5.
 
+use arrayvec::ArrayVec;
 use glam::IVec3;
+use palpate_haptics::scene::{MAX_OBJECTS, Object, TouchScene};
 use palpate_volume::bit_brick::BitBrick;
-use palpate_volume::bits::Bits;
-use palpate_volume::brick_grid::{BRICK, BrickSwap};
-use palpate_volume::occupancy::Occupancy;
+use palpate_volume::brick_grid::BrickSwap;
+use palpate_volume::edit::SegmentId;
+use palpate_volume::grid::Grid;
 use rtrb::Producer;
 
+use crate::body::{Body, View};
 use crate::handover::{BrickChange, Garbage, MAX_BRICKS, MAX_HELD};
+use crate::patched::place_of;
+use crate::probe::Probe;
+use crate::touchable::Touchable;
 
-/// Garbage that one change can make: what every held change has in common with it, and itself.
-const GARBAGE_PER_CHANGE: usize = MAX_BRICKS * (MAX_HELD + 1) + MAX_HELD + 3;
-
-/// Decides whether the probe admits a change, and pushes it where it must.
-pub trait Admit {
-    /// Whether the probe is free in `new`, if need be after a push through voxels free in `old`.
-    fn admit<N: Occupancy>(&mut self, old: &Bits, new: &N) -> bool;
-
-    /// Where the probe is.
-    fn voxel(&self) -> IVec3;
-}
+/// Garbage that one change can make: what every held change has in common with it, in the union
+/// and in the parts, and itself.
+pub const GARBAGE_PER_CHANGE: usize = 2 * MAX_BRICKS * (MAX_HELD + 1) + MAX_HELD + 3;
 
 /// A root that is not admitted yet.
 #[derive(Debug)]
 struct HeldRoot {
     first: u64,
     last: u64,
-    bits: Bits,
+    touchable: Touchable,
 }
 
 /// The occupancy and what is held back.
 #[derive(Debug)]
 pub struct TouchOccupancy {
-    bits: Bits,
+    touchable: Touchable,
     held_root: Option<HeldRoot>,
     held: Vec<BrickChange>,
     garbage: Producer<Garbage>,
     /// Where the probe was when all that is held was last refused; none since a change.
     refused_at: Option<IVec3>,
     skipped: u64,
+    version: u64,
 }
 
 impl TouchOccupancy {
     /// An occupancy at the start.
     #[must_use]
-    pub fn new(bits: Bits, garbage: Producer<Garbage>) -> Self {
+    pub fn new(touchable: Touchable, garbage: Producer<Garbage>) -> Self {
         Self {
-            bits,
+            touchable,
             held_root: None,
             held: Vec::with_capacity(MAX_HELD),
             garbage,
             refused_at: None,
             skipped: 0,
+            version: 1,
         }
     }
 
     /// What is solid now.
     #[must_use]
-    pub fn bits(&self) -> &Bits {
-        &self.bits
+    pub fn touchable(&self) -> &Touchable {
+        &self.touchable
+    }
+
+    /// Changes with whatever is touched.
+    #[must_use]
+    pub fn version(&self) -> u64 {
+        self.version
+    }
+
+    /// What is touched, as a tick wants it.
+    #[must_use]
+    pub fn scene<'a>(&'a self, grid: &'a Grid) -> TouchScene<'a, Body> {
+        scene_of(&self.touchable, grid)
     }
 
     /// First and last number of the changes in a root held back; zeros where there is none.
@@ -91,6 +103,12 @@ impl TouchOccupancy {
         self.skipped
     }
 
+    /// Whether any change is held back.
+    #[must_use]
+    pub fn holds_back(&self) -> bool {
+        self.held_root.is_some() || !self.held.is_empty()
+    }
+
     /// Whether the garbage ring has room for whatever a new change replaces; without it no
     /// change is taken.
     #[must_use]
@@ -98,21 +116,25 @@ impl TouchOccupancy {
         self.garbage.slots() >= GARBAGE_PER_CHANGE
     }
 
-    /// Tries all that is held again, where the probe or the occupancy has moved since.
-    pub fn retry(&mut self, probe: &mut impl Admit) {
-        let nothing_held = self.held_root.is_none() && self.held.is_empty();
+    /// Tries all that is held again, where the probe or the occupancy has moved since. There
+    /// must be room for it.
+    pub fn retry(&mut self, probe: &mut Probe<'_>) {
         let nothing_new = self.refused_at == Some(probe.voxel());
-        if nothing_held || nothing_new || !self.has_room() {
+        if !self.holds_back() || nothing_new {
             return;
         }
         self.retry_root(probe);
         let mut place = 0;
         while place < self.held.len() {
-            if self.admits(&self.held[place], probe) {
-                // another takes its place
-                let change = self.held.swap_remove(place);
+            // another takes its place
+            let change = self.held.swap_remove(place);
+            if self.admits(&change, probe) {
                 self.put_bricks(change);
             } else {
+                // back to where it was
+                self.held.push(change);
+                let last = self.held.len() - 1;
+                self.held.swap(place, last);
                 place += 1;
             }
         }
@@ -120,26 +142,28 @@ impl TouchOccupancy {
     }
 
     /// Takes a new root; whatever was held is overtaken by it.
-    pub fn take_root(&mut self, sequence: u64, bits: Bits, probe: &mut impl Admit) {
+    pub fn take_root(&mut self, sequence: u64, touchable: Touchable, probe: &mut Probe<'_>) {
         let first = self.first_held().unwrap_or(sequence);
         self.forget_held_edits();
         let overtaken = self.held_root.take();
         if let Some(held) = overtaken {
-            self.dispose(Garbage::Root(held.bits));
+            self.dispose(Garbage::Root(held.touchable));
         }
-        if probe.admit(&self.bits, &bits) {
-            self.put_root(bits);
+        // what is held is something else now
+        self.refused_at = None;
+        if self.admits_root(&touchable, probe) {
+            self.put_root(touchable);
         } else {
             self.held_root = Some(HeldRoot {
                 first,
                 last: sequence,
-                bits,
+                touchable,
             });
         }
     }
 
     /// Takes the bricks of one edit, all or none.
-    pub fn take_bricks(&mut self, change: BrickChange, probe: &mut impl Admit) {
+    pub fn take_bricks(&mut self, change: BrickChange, probe: &mut Probe<'_>) {
         self.follow_in_held_root(&change);
         self.follow_in_held_edits(&change);
         if self.admits(&change, probe) {
@@ -160,12 +184,12 @@ impl TouchOccupancy {
             .min()
     }
 
-    fn retry_root(&mut self, probe: &mut impl Admit) {
+    fn retry_root(&mut self, probe: &mut Probe<'_>) {
         let Some(held) = self.held_root.take() else {
             return;
         };
-        if probe.admit(&self.bits, &held.bits) {
-            self.put_root(held.bits);
+        if self.admits_root(&held.touchable, probe) {
+            self.put_root(held.touchable);
             // the root has followed every edit that came after it
             self.forget_held_edits();
         } else {
@@ -173,12 +197,31 @@ impl TouchOccupancy {
         }
     }
 
-    fn admits(&self, change: &BrickChange, probe: &mut impl Admit) -> bool {
-        let new = Patched {
-            base: &self.bits,
-            swaps: &change.swaps,
+    fn admits_root(&self, new: &Touchable, probe: &mut Probe<'_>) -> bool {
+        let grid = probe.grid;
+        probe.admits(&scene_of(&self.touchable, grid), &scene_of(new, grid))
+    }
+
+    fn admits(&mut self, change: &BrickChange, probe: &mut Probe<'_>) -> bool {
+        let grid = probe.grid;
+        let (world, view) = self.touchable.world.with(&change.swaps);
+        let objects = &self.touchable.objects;
+        let old = TouchScene {
+            occupancy: world,
+            grid,
+            objects,
         };
-        probe.admit(&self.bits, &new)
+        let views: ArrayVec<Object<View<'_>>, MAX_OBJECTS> = objects
+            .iter()
+            .take(MAX_OBJECTS)
+            .map(|object| object.with_occupancy(object.occupancy().view(), object.bounds()))
+            .collect();
+        let new = TouchScene {
+            occupancy: &view,
+            grid,
+            objects: &views,
+        };
+        probe.admits(&old, &new)
     }
 
     /// A root held back must not bring back what a newer edit changes.
@@ -188,7 +231,12 @@ impl TouchOccupancy {
         };
         for swap in &change.swaps {
             let mut newer = swap.clone();
-            held.bits.swap(&mut newer);
+            held.touchable.world.swap(&mut newer);
+            dispose(&mut self.garbage, Garbage::Brick(newer));
+        }
+        for (id, swap) in &change.parts {
+            let mut newer = swap.clone();
+            held.touchable.swap_part(*id, &mut newer);
             dispose(&mut self.garbage, Garbage::Brick(newer));
         }
     }
@@ -203,6 +251,16 @@ impl TouchOccupancy {
                     dispose(&mut self.garbage, Garbage::Brick(newer));
                 }
             }
+            for (id, swap) in &change.parts {
+                let same = |(other, held): &&mut (SegmentId, BrickSwap<BitBrick>)| {
+                    other == id && held.index == swap.index
+                };
+                if let Some((_, held)) = held.parts.iter_mut().find(same) {
+                    let mut newer = swap.clone();
+                    std::mem::swap(held, &mut newer);
+                    dispose(&mut self.garbage, Garbage::Brick(newer));
+                }
+            }
         }
         // what is held may have become something else
         self.refused_at = None;
@@ -214,16 +272,21 @@ impl TouchOccupancy {
         }
     }
 
-    fn put_root(&mut self, bits: Bits) {
+    fn put_root(&mut self, touchable: Touchable) {
+        self.version += 1;
         self.refused_at = None;
-        let old = std::mem::replace(&mut self.bits, bits);
+        let old = std::mem::replace(&mut self.touchable, touchable);
         self.dispose(Garbage::Root(old));
     }
 
     fn put_bricks(&mut self, mut change: BrickChange) {
+        self.version += 1;
         self.refused_at = None;
         for swap in &mut change.swaps {
-            self.bits.swap(swap);
+            self.touchable.world.swap(swap);
+        }
+        for (id, swap) in &mut change.parts {
+            self.touchable.swap_part(*id, swap);
         }
         self.dispose(Garbage::Bricks(change));
     }
@@ -238,38 +301,10 @@ fn dispose(ring: &mut Producer<Garbage>, garbage: Garbage) {
     debug_assert!(disposed.is_ok(), "room was made sure of");
 }
 
-/// An occupancy as it would be with some bricks exchanged.
-struct Patched<'a> {
-    base: &'a Bits,
-    /// By rising index.
-    swaps: &'a [BrickSwap<BitBrick>],
-}
-
-impl Occupancy for Patched<'_> {
-    fn is_solid(&self, voxel: IVec3) -> bool {
-        let dimensions = self.base.dimensions().as_ivec3();
-        if voxel.cmplt(IVec3::ZERO).any() || voxel.cmpge(dimensions).any() {
-            return false;
-        }
-        let index = brick_index(self.base, voxel);
-        match place_of(self.swaps, index).and_then(|place| self.swaps.get(place)) {
-            Some(swap) => swap
-                .brick
-                .as_ref()
-                .is_some_and(|brick| brick.contains(voxel)),
-            None => self.base.is_solid(voxel),
-        }
+fn scene_of<'a>(touchable: &'a Touchable, grid: &'a Grid) -> TouchScene<'a, Body> {
+    TouchScene {
+        occupancy: &touchable.world,
+        grid,
+        objects: &touchable.objects,
     }
-}
-
-/// Where the brick of this index is among swaps by rising index.
-fn place_of(swaps: &[BrickSwap<BitBrick>], index: u32) -> Option<usize> {
-    swaps.binary_search_by_key(&index, |swap| swap.index).ok()
-}
-
-/// Place in the directory of the brick that holds a voxel of the grid.
-fn brick_index(bits: &Bits, voxel: IVec3) -> u32 {
-    let size = bits.bricks().size();
-    let brick = (voxel / BRICK).as_uvec3();
-    (brick.z * size.y + brick.y) * size.x + brick.x
 }

@@ -4,14 +4,17 @@
 //! change has a number; the servo tells which numbers it has taken and which it holds back.
 
 use std::collections::VecDeque;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;
 use palpate_volume::edit::SegmentId;
 
-use crate::handover::{BrickChange, MAX_BRICKS, ServoCommand, ServoStatus, SimulationChannels};
+use crate::handover::{
+    BrickChange, Garbage, MAX_BRICKS, ServoCommand, ServoStatus, SimulationChannels,
+};
 use crate::scene::{Scene, TouchChange};
-use crate::touch::{union_brick, union_of};
+use crate::tape::TapeRecorder;
+use crate::touchable::{Part, Touchable};
 
 /// A change that touch does not follow yet.
 #[derive(Debug)]
@@ -23,8 +26,15 @@ struct Outstanding {
 /// The simulation's end of the way to the servo.
 #[derive(Debug)]
 pub struct TouchSender {
-    channels: SimulationChannels,
+    inbox: rtrb::Producer<ServoCommand>,
+    garbage: rtrb::Consumer<Garbage>,
+    replies: triple_buffer::Output<ServoStatus>,
+    tape: Arc<Mutex<TapeRecorder>>,
+    /// Of the probe [mm].
+    radius: f64,
     backlog: VecDeque<ServoCommand>,
+    /// Commands so far, those in the backlog too.
+    commands: u64,
     sequence: u64,
     outstanding: Vec<Outstanding>,
     status: ServoStatus,
@@ -32,12 +42,23 @@ pub struct TouchSender {
 }
 
 impl TouchSender {
-    /// A way on which nothing was sent yet.
+    /// A way on which nothing was sent yet, for a probe of a radius [mm].
     #[must_use]
-    pub fn new(channels: SimulationChannels) -> Self {
+    pub fn new(channels: SimulationChannels, radius: f64) -> Self {
+        let SimulationChannels {
+            inbox,
+            garbage,
+            status,
+            snapshots,
+        } = channels;
         Self {
-            channels,
+            inbox,
+            garbage,
+            replies: status,
+            tape: Arc::new(Mutex::new(TapeRecorder::new(snapshots))),
+            radius,
             backlog: VecDeque::new(),
+            commands: 0,
             sequence: 0,
             outstanding: Vec::new(),
             status: ServoStatus::default(),
@@ -71,6 +92,32 @@ impl TouchSender {
             .any(|change| change.segments.contains(&id))
     }
 
+    /// What is told to the servo, where it is recorded.
+    #[must_use]
+    pub fn tape(&self) -> &Arc<Mutex<TapeRecorder>> {
+        &self.tape
+    }
+
+    /// Begins to record what is told to the servo, as soon as it follows all that it was told.
+    pub fn begin_tape(&mut self, scene: &Scene) {
+        self.lock_tape().want();
+        self.exchange(scene);
+    }
+
+    /// Whether the recording is full.
+    #[must_use]
+    pub fn is_tape_full(&self) -> bool {
+        self.lock_tape().is_full()
+    }
+
+    /// Changes the radius of the probe [mm], which must have been checked.
+    pub fn set_radius(&mut self, scene: &Scene, radius: f64) {
+        if self.radius != radius {
+            self.radius = radius;
+            self.send_root(scene, Vec::new());
+        }
+    }
+
     /// Sends a change of the scene.
     pub fn send_change(&mut self, scene: &Scene, change: &TouchChange) {
         match change {
@@ -85,17 +132,19 @@ impl TouchSender {
 
     /// Sends a command that changes no occupancy.
     pub fn send(&mut self, command: ServoCommand) {
+        self.commands += 1;
+        self.lock_tape().note(&command);
         self.backlog.push_back(command);
         self.flush();
     }
 
     /// Frees what the servo gave back, sends what waits and reads what it follows by now.
     pub fn exchange(&mut self, scene: &Scene) {
-        while let Ok(garbage) = self.channels.garbage.pop() {
+        while let Ok(garbage) = self.garbage.pop() {
             drop(garbage);
         }
         self.flush();
-        self.status = *self.channels.status.read();
+        self.status = *self.replies.read();
         let status = self.status;
         if status.skipped > self.skipped {
             self.skipped = status.skipped;
@@ -104,26 +153,60 @@ impl TouchSender {
         }
         self.outstanding
             .retain(|change| change.sequence > status.received || is_held(&status, change));
+        self.exchange_tape(scene);
+    }
+
+    /// Takes the state that a recording begins with, and asks for it where nothing is pending.
+    fn exchange_tape(&mut self, scene: &Scene) {
+        let mut tape = self.lock_tape();
+        tape.collect();
+        if !tape.is_wanted() || !self.outstanding.is_empty() {
+            return;
+        }
+        // the tape must wait for the mark before the servo can answer it
+        let grid = *scene.voxels().grid();
+        let parts = scene.touchable_parts();
+        tape.begin(self.commands + 1, grid, parts, self.radius);
+        drop(tape);
+        self.commands += 1;
+        self.backlog.push_back(ServoCommand::Mark);
+        self.flush();
+    }
+
+    fn lock_tape(&self) -> MutexGuard<'_, TapeRecorder> {
+        // a tape is whole even where a thread failed while it held the lock
+        self.tape.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn send_bricks(&mut self, scene: &Scene, bricks: &[u32], segments: Vec<SegmentId>) {
+        let parts = scene.touchable_parts();
+        let is_changed = |part: &&Part| segments.contains(&part.id);
+        let changed: Vec<&Part> = parts.iter().filter(is_changed).collect();
+        let moved = changed.iter().any(|part| part.moved.is_some());
+        if moved || bricks.len() * changed.len().max(1) > MAX_BRICKS {
+            return self.send_root(scene, segments);
+        }
+        let swaps = |part: &Part| {
+            let id = part.id;
+            let brick = |&index: &u32| BrickSwap {
+                index,
+                brick: part.bits.bricks().get(index).cloned(),
+            };
+            bricks.iter().map(brick).map(|swap| (id, swap)).collect()
+        };
+        let swaps: Vec<Vec<_>> = changed.into_iter().map(swaps).collect();
         let sequence = self.begin(segments);
-        let obstacles = scene.touchable_bits();
-        let swaps = bricks.iter().map(|&index| BrickSwap {
-            index,
-            brick: union_brick(&obstacles, index),
-        });
-        self.send(ServoCommand::Bricks(BrickChange {
-            sequence,
-            swaps: swaps.collect(),
-        }));
+        let change = BrickChange::new(sequence, &parts, swaps.concat());
+        self.send(ServoCommand::Bricks(change));
     }
 
     fn send_root(&mut self, scene: &Scene, segments: Vec<SegmentId>) {
-        let dimensions = scene.voxels().grid().dimensions();
-        let bits: Bits = union_of(dimensions, &scene.touchable_bits());
+        let touchable = touchable_of(scene, self.radius);
         let sequence = self.begin(segments);
-        self.send(ServoCommand::Root { sequence, bits });
+        self.send(ServoCommand::Root {
+            sequence,
+            touchable,
+        });
     }
 
     fn begin(&mut self, segments: Vec<SegmentId>) -> u64 {
@@ -137,7 +220,7 @@ impl TouchSender {
 
     fn flush(&mut self) {
         while let Some(command) = self.backlog.pop_front() {
-            if let Err(rtrb::PushError::Full(command)) = self.channels.inbox.push(command) {
+            if let Err(rtrb::PushError::Full(command)) = self.inbox.push(command) {
                 self.backlog.push_front(command);
                 return;
             }
@@ -147,6 +230,14 @@ impl TouchSender {
     fn holds(&self, change: &Outstanding) -> bool {
         is_held(&self.status, change)
     }
+}
+
+/// All that can be touched, with a probe of a radius [mm] that was checked.
+#[must_use]
+pub fn touchable_of(scene: &Scene, radius: f64) -> Touchable {
+    let grid = scene.voxels().grid();
+    Touchable::new(grid, scene.touchable_parts(), radius)
+        .expect("settings with too large a ball are refused")
 }
 
 fn is_held(status: &ServoStatus, change: &Outstanding) -> bool {

@@ -11,7 +11,7 @@ use common::*;
 use glam::{DVec3, IVec3, UVec3};
 use palpate_engine::frame::NoticeLevel;
 use palpate_engine::scene::Properties;
-use palpate_engine::touch::union_of;
+use palpate_engine::touchable::union_of;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::segment::Segment;
 use palpate_volume::voxel_box::VoxelBox;

@@ -85,6 +85,8 @@ fn change_something(
             point: random.point(0.0, 48.0),
             number: 1,
         }),
+        // a recording that begins asks the servo for its state
+        21 => simulation.begin_tape(),
         _ => {}
     }
 }

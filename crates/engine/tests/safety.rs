@@ -20,6 +20,8 @@ use palpate_engine::handover::{Channels, ForceCommand};
 use palpate_engine::session::Session;
 use palpate_engine::session_config::{Reference, SessionConfig};
 use palpate_engine::shared::Shared;
+use palpate_haptics::local_force::LocalForce;
+use palpate_haptics::safety::SafetySettings;
 
 const DIMENSIONS: UVec3 = UVec3::splat(40);
 
@@ -32,13 +34,18 @@ struct Bench {
 }
 
 impl Bench {
+    /// Forces at once.
     fn new() -> Self {
+        Self::starting(SafetySettings::AT_ONCE)
+    }
+
+    fn starting(safety: SafetySettings) -> Self {
         let seen = Seen::default();
         let shared = Arc::new(Shared::default());
         let channels = Channels::new(DVec3::ZERO);
         let probe = Box::new(Probe::at(DVec3::ZERO, &seen));
         Self {
-            device: DeviceLoop::new(probe, channels.device, Arc::clone(&shared), 1e-3),
+            device: DeviceLoop::new(probe, channels.device, Arc::clone(&shared), 1e-3, safety),
             forces: channels.servo.forces,
             shared,
             seen,
@@ -50,7 +57,7 @@ impl Bench {
         self.forces.write(ForceCommand {
             time,
             tick: 1,
-            force_in_device: force,
+            law: LocalForce::held(force),
             hand_in_device: DVec3::ZERO,
             max_force: 5.0,
         });
@@ -150,6 +157,8 @@ fn pressing(device: impl HapticDevice + 'static) -> Session {
     let block = box_segment(DIMENSIONS, IVec3::new(5, 20, 5), IVec3::new(35, 35, 35));
     let config = SessionConfig {
         real_time: true,
+        // the hand stands in the block from the start
+        safety: Some(SafetySettings::AT_ONCE),
         start: Some(DVec3::new(20.0, 15.0, 20.0)),
         ..offline(DIMENSIONS, block, Box::new(device), Reference::Scene)
     };

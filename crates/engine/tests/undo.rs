@@ -40,6 +40,7 @@ fn threshold(range: (f64, f64)) -> Properties {
     Properties {
         touchable: true,
         range: Some(range),
+        ..Properties::default()
     }
 }
 

@@ -5,10 +5,11 @@
 use crate::proxy::Proxy;
 use crate::scene::{Solid, TouchScene};
 use glam::DVec3;
+use palpate_volume::grid::Grid;
 use palpate_volume::occupancy::Occupancy;
 
 /// What the proxy met on its way to the device.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Contact {
     /// Whether a solid voxel holds the proxy back from the device.
     pub touching: bool,
@@ -22,6 +23,41 @@ pub struct Contact {
     /// changed the voxels without admission (it is left there), with the thesis' models also
     /// by the model itself.
     pub violation: bool,
+    /// The way of the proxy in this tick, from models whose forces need it.
+    pub path: Option<SlidePath>,
+}
+
+/// The way of a proxy in one tick, as the thesis measures it: in voxels, also where they are
+/// not cubes.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SlidePath {
+    /// p₂ − p₁: from where the proxy was to where it is.
+    pub moved: DVec3,
+    /// w: length of all moves.
+    pub length: f64,
+    /// N_bv: number of the border voxels that it went through.
+    pub border_voxels: u32,
+    /// w_bv: length of the moves through them.
+    pub border_length: f64,
+    /// v_bv: the sum of these moves.
+    pub border_sum: DVec3,
+}
+
+/// What a model is given to make a force of its own.
+#[derive(Clone, Copy, Debug)]
+pub struct ForceInput<'a> {
+    /// Where the scan stands.
+    pub grid: &'a Grid,
+    /// d₂: the device, grid.
+    pub device_in_grid: DVec3,
+    /// p₂: the proxy after the tick, grid.
+    pub proxy_in_grid: DVec3,
+    /// What it met.
+    pub contact: &'a Contact,
+    /// k [N/mm].
+    pub stiffness: f64,
+    /// μ, without unit.
+    pub friction: f64,
 }
 
 /// A contact model: static dispatch, no state of its own.
@@ -38,4 +74,17 @@ pub trait ContactModel {
 
     /// Most voxels that one call reads, whatever the volume.
     fn visit_bound(&self) -> u32;
+
+    /// Whether the model makes its own force; friction and the smooth contact point then have
+    /// no part in it.
+    fn has_own_force(&self) -> bool {
+        false
+    }
+
+    /// The model's own force on the device [N], along the axes of the grid in mm. None, as by
+    /// default, where the force is that of touch: from the smooth contact point, with Coulomb
+    /// friction.
+    fn own_force(&self, _input: &ForceInput<'_>) -> Option<DVec3> {
+        None
+    }
 }

@@ -9,6 +9,14 @@
 //! clocks or tools: whoever calls it owns those.
 
 pub mod admission;
+pub mod ball;
+mod ball_brick;
+mod ball_cache;
+pub mod ball_limits;
+mod ball_nearest;
+pub mod ball_probe;
+mod ball_refine;
+pub mod ball_shape;
 mod bodies;
 mod border_voxels;
 pub mod contact;
@@ -17,10 +25,13 @@ mod creep;
 mod descent;
 pub mod exact;
 mod flood;
+pub mod friction;
+pub mod local_force;
 mod many_bodies;
 pub mod middle_voxels;
 pub mod moving;
 mod node_lattice;
+pub mod passivity;
 pub mod placement;
 pub mod proxy;
 mod ray_samples;
@@ -29,6 +40,9 @@ pub mod scene;
 mod slide;
 mod slide_many;
 mod slide_window;
+pub mod smooth;
+pub mod surface;
+mod thesis_force;
 pub mod thesis_improved;
 pub mod thesis_original;
 pub mod thesis_path;

@@ -12,12 +12,34 @@
 use crate::voxel_distance::nearest_point;
 use glam::{DVec3, IVec3};
 use palpate_volume::walk::COORDINATE_LIMIT;
+use serde::{Deserialize, Serialize};
 
 /// Where the proxy is.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Place")]
 pub struct Proxy {
     voxel: IVec3,
     point: DVec3,
+}
+
+/// A proxy as a file tells it, before anybody has looked at it.
+#[derive(Deserialize)]
+struct Place {
+    voxel: IVec3,
+    point: DVec3,
+}
+
+impl TryFrom<Place> for Proxy {
+    type Error = String;
+
+    fn try_from(Place { voxel, point }: Place) -> Result<Self, String> {
+        match Self::at(point) {
+            Some(proxy) if proxy.voxel == voxel => Ok(proxy),
+            _ => Err(format!(
+                "proxy at {point} in voxel {voxel} given; allowed: a finite point in its voxel"
+            )),
+        }
+    }
 }
 
 impl Proxy {

@@ -18,10 +18,11 @@
 //! Frame: grid, in voxels. Source: R. Vlasov, thesis (2016), listing of 4.8.
 
 use crate::border_voxels::border_voxels;
-use crate::contact::{Contact, ContactModel};
+use crate::contact::{Contact, ContactModel, ForceInput};
 use crate::middle_voxels::MiddleVoxels;
 use crate::proxy::Proxy;
 use crate::scene::TouchScene;
+use crate::thesis_force::force_improved;
 use crate::thesis_path::{ThesisLimits, ThesisPath, middle};
 use glam::{DVec3, IVec3};
 use palpate_volume::occupancy::Occupancy;
@@ -53,6 +54,14 @@ impl ContactModel for ThesisImproved {
 
     fn visit_bound(&self) -> u32 {
         self.limits.visit_bound()
+    }
+
+    fn has_own_force(&self) -> bool {
+        true
+    }
+
+    fn own_force(&self, input: &ForceInput<'_>) -> Option<DVec3> {
+        Some(force_improved(input))
     }
 }
 

@@ -13,7 +13,7 @@
 //! Frame: grid. Source: R. Vlasov, thesis (2016), 4.2, 4.3, 4.8.
 
 use crate::border_voxels::BORDER_VISITS;
-use crate::contact::Contact;
+use crate::contact::{Contact, SlidePath};
 use crate::proxy::Proxy;
 use crate::ray_samples::{ENTRY_VISITS, sample_ray};
 use crate::scene::Solid;
@@ -83,8 +83,10 @@ pub(crate) struct ThesisPath<'a, O: ?Sized> {
     /// p2, and what it was when the round began.
     point: DVec3,
     last: Option<DVec3>,
-    /// w.
-    length: f64,
+    /// p1.
+    start: DVec3,
+    /// w, N_bv, w_bv and v_bv.
+    path: SlidePath,
     rounds: u32,
     contact: Contact,
 }
@@ -103,7 +105,8 @@ impl<'a, O: Occupancy + ?Sized> ThesisPath<'a, O> {
             device,
             point: proxy.point(),
             last: None,
-            length: 0.0,
+            start: proxy.point(),
+            path: SlidePath::default(),
             rounds: 0,
             contact: Contact::default(),
         })
@@ -131,7 +134,7 @@ impl<'a, O: Occupancy + ?Sized> ThesisPath<'a, O> {
 
     /// Whether p2 has not arrived and has way left.
     pub fn has_way(&self) -> bool {
-        self.point != self.device && self.length < self.limits.max_path
+        self.point != self.device && self.path.length < self.limits.max_path
     }
 
     /// Whether a slide may follow.
@@ -141,7 +144,7 @@ impl<'a, O: Occupancy + ?Sized> ThesisPath<'a, O> {
 
     /// Moves p2 straight toward d2, as far as the collision test says; true if it collides.
     pub fn move_straight(&mut self) -> bool {
-        let left = self.limits.max_path - self.length;
+        let left = self.limits.max_path - self.path.length;
         let way = self.device - self.point;
         let distance = way.length();
         let direction = way.try_normalize().unwrap_or(DVec3::ZERO);
@@ -154,7 +157,7 @@ impl<'a, O: Occupancy + ?Sized> ThesisPath<'a, O> {
             self.contact.touching = false;
             self.contact.stopped_by = None;
             if distance <= left {
-                self.length += distance;
+                self.path.length += distance;
                 self.point = self.device;
             } else {
                 self.go(direction, left);
@@ -186,14 +189,18 @@ impl<'a, O: Occupancy + ?Sized> ThesisPath<'a, O> {
     /// would end in a solid voxel, and stays. Only the end is tested, as printed.
     pub fn slide_to(&mut self, voxel: IVec3) -> bool {
         let way = middle(voxel) - self.point;
-        let moved = way.clamp_length_max(self.limits.max_path - self.length);
+        let moved = way.clamp_length_max(self.limits.max_path - self.path.length);
         let end = self.point + moved;
         self.contact.visits += 1;
         if self.occupancy.is_solid(end.floor().as_ivec3()) {
             return false;
         }
         self.point = end;
-        self.length += moved.length();
+        // every slide goes to a border voxel: what the forces call the way through them
+        self.path.length += moved.length();
+        self.path.border_length += moved.length();
+        self.path.border_sum += moved;
+        self.path.border_voxels += 1;
         self.contact.slides += 1;
         true
     }
@@ -207,12 +214,14 @@ impl<'a, O: Occupancy + ?Sized> ThesisPath<'a, O> {
             self.contact.touching = false;
             self.contact.stopped_by = None;
         }
+        self.path.moved = proxy.point() - self.start;
+        self.contact.path = Some(self.path);
         self.contact
     }
 
     fn go(&mut self, direction: DVec3, distance: f64) {
         self.point += direction * distance;
-        self.length += distance;
+        self.path.length += distance;
     }
 }
 

@@ -7,19 +7,25 @@ use std::cell::Cell;
 
 use glam::{DAffine3, DMat3, DVec3, UVec3};
 use palpate_haptics::admission::{Admission, admit, admit_scene};
+use palpate_haptics::ball::{Ball, BallShape};
+use palpate_haptics::ball_probe::ProbeSolid;
 use palpate_haptics::contact::ContactModel;
 use palpate_haptics::coupling::Coupling;
 use palpate_haptics::exact::Exact;
+use palpate_haptics::friction::FrictionState;
+use palpate_haptics::local_force::LocalForce;
 use palpate_haptics::moving::{PoseStep, step_pose};
+use palpate_haptics::passivity::Passivity;
 use palpate_haptics::placement::nearest_free;
 use palpate_haptics::proxy::Proxy;
-use palpate_haptics::safety::{ForceLimits, Safety};
+use palpate_haptics::safety::{ForceLimits, Safety, SafetySettings};
 use palpate_haptics::scene::{Object, ObjectPose, TouchScene};
+use palpate_haptics::surface::{Holders, Surface, SurfaceBlend, Uniform};
 use palpate_haptics::thesis_improved::ThesisImproved;
 use palpate_haptics::thesis_original::ThesisOriginal;
-use palpate_haptics::tick::{TickInput, TickState, tick};
+use palpate_haptics::tick::{TickCache, TickState};
 use palpate_volume::segment::Segment;
-use support::{Random, SPACINGS, grid, noise};
+use support::{Press, Random, SPACINGS, grid, noise, rub};
 
 thread_local! {
     /// Calls of the allocator by this thread.
@@ -77,7 +83,9 @@ fn ticks_admissions_and_safety_never_call_the_allocator() {
         let grid = grid(UVec3::splat(32), spacing);
         let union = [parts[0].occupancy(), parts[1].occupancy()];
         let proxy = nearest_free(&union, &grid, DVec3::splat(16.0), 9).expect("free");
-        let mut state = TickState { proxy };
+        let mut state = TickState::new(proxy);
+        let mut cache = TickCache::default();
+        let mut epoch = 1;
         let mut safety = Safety::new(ForceLimits::default());
         let mut random = Random::new(5);
         let mut both = true;
@@ -88,7 +96,7 @@ fn ticks_admissions_and_safety_never_call_the_allocator() {
                 if random.below(20) == 0 {
                     device.x = [f64::NAN, 1e300, 1e7][random.below(3)];
                 }
-                let input = TickInput {
+                let input = Press {
                     device_in_scene: device,
                     velocity_in_scene: random.direction() * 300.0,
                     coupling: Coupling::default(),
@@ -96,10 +104,11 @@ fn ticks_admissions_and_safety_never_call_the_allocator() {
                 let one = [union[0]];
                 let occupancy: &[_] = if both { &union } else { &one };
                 let scene = TouchScene::of_world(&occupancy, &grid);
-                let output = tick(&scene, &Exact::default(), &input, &mut state);
+                let output = rub(&scene, &input, &mut state, (&mut cache, epoch));
                 assert!(!output.violation);
                 safety.limit(output.force, 0.001);
 
+                epoch += 1;
                 // the second segment is switched off and, where the probe allows, on
                 let other: &[_] = if both { &one } else { &union };
                 let admission = admit(occupancy, other, &grid, &mut state.proxy);
@@ -133,6 +142,102 @@ fn the_thesis_models_never_call_the_allocator() {
     assert_eq!(calls, 0);
 }
 
+/// A ball among two sets of voxels, one of them a part of the other, that take turns.
+#[test]
+fn the_ball_never_calls_the_allocator() {
+    let [few, more] = [0.002, 0.004].map(|share| noise(48, share, 3).occupancy().clone());
+    let union = [few.clone(), more];
+    for (spacing, radius) in [(SPACINGS[0], 5.0), (SPACINGS[1], 0.7), (SPACINGS[0], 11.0)] {
+        let grid = grid(UVec3::splat(48), spacing);
+        let ball = || Ball::new(BallShape::new(radius, spacing).expect("within the window"));
+        let mut probe = ProbeSolid::new([few.clone(), few.clone()], Some(ball()));
+        let mut other = Some(union.clone());
+        let mut spare = ball();
+        let target = probe.ball().expect("a ball").shape().radius_mm();
+        let proxy = nearest_free(&probe, &grid, DVec3::splat(24.0), 40).expect("free");
+        let mut state = TickState::new(proxy);
+        let mut cache = TickCache::default();
+        let mut epoch = 1;
+        let mut random = Random::new(5);
+        let calls = allocator_calls(|| {
+            for _ in 0..2000 {
+                let input = Press {
+                    device_in_scene: random.point(-5.0, 53.0) * spacing,
+                    velocity_in_scene: DVec3::ZERO,
+                    coupling: Coupling::default(),
+                };
+                let scene = TouchScene::of_world(&probe, &grid);
+                assert!(!rub(&scene, &input, &mut state, (&mut cache, epoch)).violation);
+                probe.solid_near(state.proxy.voxel() + 1);
+
+                probe.refined(&state.proxy, random.point(-5.0, 53.0));
+
+                epoch += 1;
+                // the other voxels, where the probe allows
+                let Some(new) = other.take() else { return };
+                let changed = probe.among(&new, &mut spare);
+                let admission = admit(&probe, &changed, &grid, &mut state.proxy);
+                other = Some(if admission == Admission::Held {
+                    new
+                } else {
+                    probe.replace(new)
+                });
+
+                // and another radius
+                let radius = random.between(0.0, target);
+                let shape = probe.ball().map(|ball| ball.shape().toward(radius));
+                let Some(Ok(shape)) = shape else { return };
+                probe.admit_shape(shape, &mut spare, &grid, &mut state.proxy);
+            }
+        });
+        assert_eq!(calls, 0);
+    }
+}
+
+#[test]
+fn friction_surfaces_and_the_device_s_side_never_call_the_allocator() {
+    let solid = noise(32, 0.3, 1);
+    let grid = grid(UVec3::splat(32), SPACINGS[0]);
+    let scene = TouchScene::of_world(&solid, &grid);
+    let surface = Surface {
+        stiffness: 1.0,
+        friction_static: 0.4,
+        friction_kinetic: 0.2,
+        range: None,
+    };
+    let mut proxy = nearest_free(&solid, &grid, DVec3::splat(16.0), 9).expect("free");
+    let mut friction = FrictionState::default();
+    let mut blend = SurfaceBlend::default();
+    let mut contacts = 0;
+    let mut passivity = Passivity::default();
+    let mut safety = Safety::starting(ForceLimits::default(), SafetySettings::default());
+    let mut random = Random::new(5);
+    let calls = allocator_calls(|| {
+        for _ in 0..50_000 {
+            let device = random.point(-5.0, 37.0);
+            let target = surface.friction().target(device, 1.0, &mut friction);
+            let contact = Exact::default().advance(&scene, target, &mut proxy);
+            let point = contact.touching.then(|| proxy.point());
+            friction.remember(&surface.friction(), target, point);
+            let holders = Holders::of_contact(&scene, proxy.point(), target, contact.stopped_by);
+            blend.follow(holders.mixed(&Uniform(surface)), 0.1, 1.0, 1.0);
+            let law = LocalForce {
+                device,
+                spring: proxy.point() - device,
+                normal: (proxy.point() - device).normalize_or_zero(),
+                coupling: Coupling::default(),
+                ..LocalForce::NONE
+            };
+            passivity.observe(law.held, device, 0.0, law.energy_at(device, 10.0));
+            let force = passivity.control(law.force_at(device, target), device, 0.001);
+            safety.limit(force, 0.001);
+            contacts += u32::from(contact.touching);
+        }
+    });
+    assert_eq!(calls, 0);
+    assert!(contacts > 1000, "{contacts}");
+}
+
 /// The same among objects that move, come and go.
 #[test]
 fn ticks_pose_steps_and_admissions_among_objects_never_call_the_allocator() {
@@ -152,7 +257,8 @@ fn ticks_pose_steps_and_admissions_among_objects_never_call_the_allocator() {
     });
     let world = &solids[0];
     let proxy = Proxy::at(DVec3::splat(-2.0)).expect("a finite point");
-    let mut state = TickState { proxy };
+    let mut state = TickState::new(proxy);
+    let (mut cache, mut epoch) = (TickCache::default(), 1);
     let mut outcomes = [0; 3];
     let calls = allocator_calls(|| {
         for _ in 0..10_000 {
@@ -161,12 +267,13 @@ fn ticks_pose_steps_and_admissions_among_objects_never_call_the_allocator() {
                 grid: &grids[0],
                 objects: &objects,
             };
-            let input = TickInput {
+            let input = Press {
                 device_in_scene: random.point(-2.0, 18.0),
                 velocity_in_scene: DVec3::ZERO,
                 coupling: Coupling::default(),
             };
-            assert!(!tick(&scene, &Exact::default(), &input, &mut state).violation);
+            assert!(!rub(&scene, &input, &mut state, (&mut cache, epoch)).violation);
+            epoch += 1;
             let fewer = TouchScene {
                 objects: &objects[..2],
                 ..scene

@@ -3,7 +3,7 @@
 mod support;
 
 use glam::DVec3;
-use palpate_haptics::safety::{ForceLimits, Safety, SafetyCounters};
+use palpate_haptics::safety::{ForceLimits, ForceOff, Safety, SafetyCounters, SafetySettings};
 use proptest::prelude::*;
 use support::Random;
 
@@ -82,7 +82,8 @@ fn a_force_that_is_not_finite_becomes_none_and_is_counted() {
 fn a_release_forgets_the_force() {
     let mut safety = Safety::new(LIMITS);
     settled(&mut safety, DVec3::Z * 5.0);
-    assert_eq!(safety.release(), DVec3::ZERO);
+    assert_eq!(safety.release(ForceOff::ServoLate, DT), DVec3::ZERO);
+    assert_eq!(safety.off(), Some(ForceOff::ServoLate));
     // and what comes next grows from zero again
     assert_eq!(safety.limit(DVec3::Z * 5.0, DT), DVec3::Z);
 }
@@ -103,8 +104,20 @@ fn any_force(random: &mut Random) -> DVec3 {
 /// Guarantees 5 and 6 over a million ticks of anything.
 #[test]
 fn whatever_is_wanted_what_is_sent_is_safe() {
+    for settings in [
+        SafetySettings::AT_ONCE,
+        SafetySettings {
+            continuous_force: CONTINUOUS,
+            ..START
+        },
+    ] {
+        stay_safe(settings);
+    }
+}
+
+fn stay_safe(settings: SafetySettings) {
     let mut random = Random::new(9);
-    let mut safety = Safety::new(LIMITS);
+    let mut safety = Safety::starting(LIMITS, settings);
     let mut before = DVec3::ZERO;
     for _ in 0..1_000_000 {
         let wanted = any_force(&mut random);
@@ -167,4 +180,122 @@ fn limits_that_are_no_numbers_let_nothing_through_and_are_refused_at_the_door() 
         assert_eq!(settled(&mut Safety::new(limits), DVec3::X), DVec3::ZERO);
     }
     assert_eq!(ForceLimits::default().check(), Ok(()));
+}
+
+/// What a desktop device bears for long [N].
+const CONTINUOUS: f64 = 0.88;
+
+const START: SafetySettings = SafetySettings {
+    ramp_secs: 2.0,
+    start_below: 0.2,
+    continuous_force: f64::INFINITY,
+    continuous_secs: 5.0,
+    take_back: true,
+};
+
+#[test]
+fn after_the_first_small_force_forces_are_faded_in_over_the_ramp() {
+    let mut safety = Safety::starting(LIMITS, START);
+    assert_eq!(safety.off(), Some(ForceOff::NotStarted));
+    assert_eq!(safety.limit(DVec3::ZERO, DT), DVec3::ZERO);
+    for tick in 1..2000 {
+        let sent = safety.limit(DVec3::X * 4.0, DT);
+        // by 2 mN a tick; rounding of 2000 sums
+        assert!(
+            (sent.x - 0.002 * f64::from(tick)).abs() < 1e-9,
+            "{tick} {sent}"
+        );
+    }
+    assert_eq!(safety.off(), None);
+    safety.limit(DVec3::X * 4.0, DT);
+    assert_eq!(safety.limit(DVec3::X * 4.0, DT), DVec3::X * 4.0);
+    let counters = safety.counters();
+    assert!((1999..=2000).contains(&counters.ramped), "{counters:?}");
+    assert_eq!((counters.waited, counters.slewed), (0, 0));
+}
+
+#[test]
+fn a_hand_that_stands_in_an_obstacle_at_the_start_is_not_pushed_until_it_came_out() {
+    let mut safety = Safety::starting(LIMITS, START);
+    for _ in 0..5000 {
+        assert_eq!(safety.limit(DVec3::Y * 0.2, DT), DVec3::ZERO);
+        assert_eq!(safety.off(), Some(ForceOff::Waiting));
+    }
+    // a force that is no number is zero, and no small force
+    safety.limit(DVec3::splat(f64::NAN), DT);
+    assert_eq!(safety.off(), Some(ForceOff::NotFinite));
+    assert_eq!(safety.limit(DVec3::Y * 1e200, DT), DVec3::ZERO);
+    assert_eq!(safety.counters().waited, 5001);
+
+    safety.limit(DVec3::Y * 0.19, DT);
+    assert_eq!(safety.off(), None);
+    for _ in 0..2001 {
+        safety.limit(DVec3::Y * 3.0, DT);
+    }
+    assert_eq!(safety.sent(), DVec3::Y * 3.0);
+}
+
+#[test]
+fn a_force_above_the_continuous_one_falls_to_it_smoothly_and_comes_back_after_a_rest() {
+    let settings = SafetySettings {
+        continuous_force: CONTINUOUS,
+        ..SafetySettings::AT_ONCE
+    };
+    let limits = ForceLimits {
+        max_force: 3.3,
+        max_growth: 1000.0,
+    };
+    let mut safety = Safety::starting(limits, settings);
+    let wanted = DVec3::Z * 3.3;
+    // a second of the full force is borne, to the rounding of the clamp
+    for tick in 1..=1000 {
+        let sent = safety.limit(wanted, DT);
+        assert!(tick < 5 || (sent.z - 3.3).abs() < 1e-9, "{tick} {sent}");
+    }
+    let mut before = safety.sent();
+    for _ in 0..60_000 {
+        let sent = safety.limit(wanted, DT);
+        // it only falls, by no more than 2 N in a tenth of a second
+        assert!(
+            sent.z <= before.z + 1e-12 && before.z - sent.z < 0.02,
+            "{sent}"
+        );
+        before = sent;
+    }
+    // and within a minute comes to what can be held
+    assert!((before.z - CONTINUOUS).abs() < 0.01, "{before}");
+    assert!(safety.counters().eased > 50_000);
+    // what is below the continuous force is never touched
+    let small = DVec3::X * 0.87;
+    assert_eq!(settled(&mut safety, small), small);
+    for _ in 0..20_000 {
+        safety.limit(DVec3::ZERO, DT);
+    }
+    let sent = settled(&mut safety, wanted);
+    assert!((sent.z - 3.3).abs() < 1e-9, "{sent}");
+}
+
+#[test]
+fn a_continuous_force_that_is_no_number_lets_nothing_through() {
+    for bad in [f64::NAN, 0.0, -1.0] {
+        let settings = SafetySettings {
+            continuous_force: bad,
+            ..SafetySettings::AT_ONCE
+        };
+        let mut safety = Safety::starting(LIMITS, settings);
+        safety.limit(DVec3::X, DT);
+        assert_eq!(settled(&mut safety, DVec3::X), DVec3::ZERO);
+    }
+}
+
+#[test]
+fn each_cause_of_no_force_has_a_number_and_a_name_of_its_own() {
+    assert_eq!(ForceOff::of_number(0), None);
+    for cause in ForceOff::ALL {
+        assert_eq!(ForceOff::of_number(cause as u8), Some(cause));
+        let same = ForceOff::ALL
+            .iter()
+            .filter(|other| other.name() == cause.name());
+        assert_eq!(same.count(), 1);
+    }
 }

@@ -5,6 +5,8 @@
 //!
 //! Frame: grid. Memory: as in `bit_brick.rs`, counted from the block's own corner.
 
+use std::borrow::Borrow;
+
 use glam::IVec3;
 
 use crate::bit_brick::{BitBrick, FIRST_COLUMN};
@@ -14,9 +16,18 @@ use crate::grid::is_inside;
 
 /// The voxels from `min` on; nothing is solid outside the grid.
 pub(crate) fn block_of_bits(bits: &Bits, min: IVec3) -> BitBrick {
+    block_of_bricks(min, |corner| brick_at(bits, corner))
+}
+
+/// The voxels from `min` on, from bricks that are asked for by the first of their voxels.
+#[inline]
+pub fn block_of_bricks<B: Borrow<BitBrick>>(min: IVec3, brick: impl Fn(IVec3) -> B) -> BitBrick {
     let corner = min & !(BRICK - 1);
     let shift = min - corner;
-    let brick = |x, y, z| brick_at(bits, corner + BRICK * IVec3::new(x, y, z));
+    let brick = |x, y, z| brick(corner + BRICK * IVec3::new(x, y, z));
+    if shift == IVec3::ZERO {
+        return *brick(0, 0, 0).borrow();
+    }
 
     // along z, words come from the lower bricks first, then from the upper ones
     let low = [
@@ -51,8 +62,8 @@ fn brick_at(bits: &Bits, corner: IVec3) -> &BitBrick {
 
 /// One layer, from the layers of four bricks: x before y.
 #[inline]
-fn word_at(bricks: &[&BitBrick; 4], z: usize, shift: IVec3) -> u64 {
-    let [a, b, c, d] = bricks.map(|brick| brick.0[z & 7]);
+fn word_at<B: Borrow<BitBrick>>(bricks: &[B; 4], z: usize, shift: IVec3) -> u64 {
+    let [a, b, c, d] = std::array::from_fn(|i| bricks[i].borrow().0[z & 7]);
     let first = rows_from(a, b, shift.x);
     let second = rows_from(c, d, shift.x);
     let rows = 8 * shift.y as u32;

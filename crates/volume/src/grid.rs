@@ -6,6 +6,7 @@
 //! Memory: x fastest, then y, then z.
 
 use glam::{DAffine3, DMat3, DVec3, IVec3, UVec3};
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::voxel_box::VoxelBox;
@@ -47,12 +48,48 @@ pub enum GridError {
 }
 
 /// Dimensions of a scan and its place in the patient.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "WrittenGrid", into = "WrittenGrid")]
 pub struct Grid {
     dimensions: UVec3,
     spacing: DVec3,
     patient_from_grid: DAffine3,
     grid_from_patient: DAffine3,
+}
+
+/// A grid as files hold it, to the bit; nobody has checked it yet when it is read.
+#[derive(Serialize, Deserialize)]
+struct WrittenGrid {
+    dimensions: UVec3,
+    spacing: DVec3,
+    patient_from_grid: DAffine3,
+}
+
+impl From<Grid> for WrittenGrid {
+    fn from(grid: Grid) -> Self {
+        Self {
+            dimensions: grid.dimensions,
+            spacing: grid.spacing,
+            patient_from_grid: grid.patient_from_grid,
+        }
+    }
+}
+
+impl TryFrom<WrittenGrid> for Grid {
+    type Error = GridError;
+
+    fn try_from(written: WrittenGrid) -> Result<Self, GridError> {
+        let WrittenGrid {
+            dimensions,
+            spacing,
+            patient_from_grid,
+        } = written;
+        check_spacing(spacing)?;
+        let first = patient_from_grid.transform_point3(DVec3::splat(0.5));
+        let direction = patient_from_grid.matrix3 * DMat3::from_diagonal(spacing.recip());
+        Self::new(dimensions, spacing, first, direction)?;
+        Ok(Self::placed(dimensions, spacing, patient_from_grid))
+    }
 }
 
 impl Grid {
@@ -78,12 +115,16 @@ impl Grid {
         let axes = direction * DMat3::from_diagonal(spacing);
         let patient_from_grid =
             DAffine3::from_mat3_translation(axes, origin - axes * DVec3::splat(0.5));
-        Ok(Self {
+        Ok(Self::placed(dimensions, spacing, patient_from_grid))
+    }
+
+    fn placed(dimensions: UVec3, spacing: DVec3, patient_from_grid: DAffine3) -> Self {
+        Self {
             dimensions,
             spacing,
             patient_from_grid,
             grid_from_patient: patient_from_grid.inverse(),
-        })
+        }
     }
 
     /// Voxels along x, y and z.

@@ -7,7 +7,7 @@
 
 pub mod bit_brick;
 pub mod bits;
-mod block;
+pub mod block;
 pub mod brick_grid;
 pub mod edit;
 mod edit_builder;

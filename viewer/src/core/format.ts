@@ -33,3 +33,9 @@ export function formatBytes(bytes: number): string {
   const mega = bytes / 2 ** 20;
   return mega >= 1024 ? `${(mega / 1024).toFixed(1)} GiB` : `${mega.toFixed(0)} MiB`;
 }
+
+/** "0:07", "12:34" */
+export function formatSeconds(seconds: number): string {
+  const whole = Math.max(0, Math.floor(seconds));
+  return `${Math.floor(whole / 60).toString()}:${(whole % 60).toString().padStart(2, "0")}`;
+}

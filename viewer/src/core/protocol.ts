@@ -30,6 +30,15 @@ export type Share = number;
 /** Red, green, blue, sRGB, each 0..1. */
 export type Colour = readonly [Share, Share, Share];
 
+/** Of the spring between probe and device [N/mm]. */
+export type Stiffness = number;
+
+/** A Coulomb coefficient. */
+export type Friction = number;
+
+/** A rigid transform of the scene, row-major, shape [4, 4], translation in mm. */
+export type Pose = readonly Coordinate[];
+
 /** Counts of the scan's values in equal bins from `low` to `high`. */
 export interface Histogram {
   readonly low: Value;
@@ -61,12 +70,20 @@ export interface Scan {
   readonly warnings: readonly string[];
 }
 
+/** How the surface of a segment feels; null is as the settings of touch say. */
+export interface Feel {
+  readonly stiffness: Stiffness | null;
+  readonly friction_static: Friction | null;
+  readonly friction_kinetic: Friction | null;
+}
+
 /**
  * A segment of the scan.
  *
  * `range` holds the threshold (low, high) while the segment is just that threshold;
  * null where its voxels come from elsewhere: then they stand in `/api/labels` under
- * the segment's `id` (1..255).
+ * the segment's `id` (1..255). `pose` takes the segment from where the scan has it to
+ * where it stands; null where it was not moved.
  */
 export interface Segment {
   readonly id: SegmentId;
@@ -78,16 +95,33 @@ export interface Segment {
   readonly voxels: number;
   readonly volume_ml: number;
   readonly pending: boolean;
+  readonly feel: Feel;
+  readonly pose: Pose | null;
 }
 
 /** What a person can set about touch. */
 export interface Settings {
-  readonly stiffness: number;
+  readonly model: "exact" | "thesis-original" | "thesis-improved";
+  readonly stiffness: Stiffness;
   readonly damping: number;
+  readonly friction_static: Friction;
+  readonly friction_kinetic: Friction;
+  readonly smoothing: boolean;
+  readonly probe_radius: number;
   readonly force_limit: number;
 }
 
-/** First message of the engine: everything the page needs to draw. */
+/** What a device bears: settings that ask for more are cut to it. */
+export interface DeviceLimits {
+  readonly stiffness: Stiffness;
+  readonly force: number;
+}
+
+/**
+ * First message of the engine: everything the page needs to draw.
+ *
+ * `defaults` are the settings that the session was started with.
+ */
 export interface Hello {
   readonly type: "hello";
   readonly protocol: number;
@@ -95,7 +129,9 @@ export interface Hello {
   readonly scan: Scan;
   readonly segments: readonly Segment[];
   readonly settings: Settings;
+  readonly defaults: Settings;
   readonly device: string;
+  readonly device_limits: DeviceLimits;
 }
 
 /**
@@ -120,20 +156,32 @@ export interface Rates {
   readonly real_time: boolean;
 }
 
-/** Interventions of the safety stage and violations of the guarantees since start. */
+/**
+ * Interventions of the safety stage and violations of the guarantees since start.
+ *
+ * `force` says what stands between the contact and the hand now: "on" where nothing does.
+ */
 export interface Safety {
   readonly clamped: number;
   readonly slewed: number;
   readonly not_finite: number;
+  readonly ramped: number;
+  readonly waited: number;
+  readonly eased: number;
+  readonly damped: number;
   readonly watchdog: number;
   readonly violations: number;
+  readonly force: "on" | "waiting" | "ramping" | "easing" | "off";
 }
 
 /**
  * What is now, some 60 times a second, latest wins.
  *
  * `samples` holds the ticks since the last state, thinned to at most 250 a second:
- * rows (time, force x, force y, force z).
+ * rows (time, force x, force y, force z). `contact_point` is where the force comes from:
+ * on the smooth surface, beside `proxy`, which no solid voxel holds; `normal` points out
+ * of the surface there, and is zero without contact. `recording` says since how long every
+ * input of the servo is kept [s].
  */
 export interface State {
   readonly type: "state";
@@ -143,6 +191,8 @@ export interface State {
   readonly device: Vector;
   readonly hand: Vector;
   readonly proxy: Vector;
+  readonly contact_point: Vector;
+  readonly normal: Vector;
   readonly force: Vector;
   readonly contact: boolean;
   readonly depth: number;
@@ -152,6 +202,7 @@ export interface State {
   readonly can_redo: boolean;
   readonly rates: Rates;
   readonly safety: Safety;
+  readonly recording: number | null;
   readonly samples: readonly (readonly [number, number, number, number])[];
 }
 
@@ -213,6 +264,26 @@ export interface SegmentProperties {
   readonly touchable: boolean;
 }
 
+/** Changes how the surface of a segment feels. */
+export interface SegmentFeel {
+  readonly type: "segment_feel";
+  readonly id: SegmentId;
+  readonly feel: Feel;
+}
+
+/** Moves a segment to a pose; latest wins, and the servo goes there smoothly. */
+export interface MoveSegment {
+  readonly type: "move_segment";
+  readonly id: SegmentId;
+  readonly pose: Pose;
+}
+
+/** Begins to keep every input of the servo, or ends it: the file is at `/api/recording`. */
+export interface RecordSession {
+  readonly type: "record";
+  readonly on: boolean;
+}
+
 /** Removes a segment; undo brings it back. */
 export interface RemoveSegment {
   readonly type: "remove_segment";
@@ -250,6 +321,9 @@ export type FromPage =
   | View
   | Threshold
   | SegmentProperties
+  | SegmentFeel
+  | MoveSegment
+  | RecordSession
   | RemoveSegment
   | ChangeSettings
   | Undo
@@ -397,6 +471,12 @@ const isShare = real({ ge: 0, le: 1 });
 
 const isColour = tuple(isShare, isShare, isShare);
 
+const isStiffness = real({ gt: 0, le: 10 });
+
+const isFriction = real({ ge: 0, le: 2 });
+
+const isPose = list(isCoordinate);
+
 const isHistogram = record({
   low: isValue,
   high: isValue,
@@ -420,6 +500,12 @@ const isScan = record({
   warnings: list(text()),
 });
 
+const isFeel = record({
+  stiffness: nullable(isStiffness),
+  friction_static: nullable(isFriction),
+  friction_kinetic: nullable(isFriction),
+});
+
 const isSegment = record({
   id: isSegmentId,
   name: isName,
@@ -430,12 +516,24 @@ const isSegment = record({
   voxels: whole(),
   volume_ml: real(),
   pending: flag,
+  feel: isFeel,
+  pose: nullable(isPose),
 });
 
 const isSettings = record({
-  stiffness: real({ gt: 0, le: 10 }),
+  model: oneOf("exact", "thesis-original", "thesis-improved"),
+  stiffness: isStiffness,
   damping: real({ ge: 0, le: 0.1 }),
+  friction_static: isFriction,
+  friction_kinetic: isFriction,
+  smoothing: flag,
+  probe_radius: real({ ge: 0, le: 20 }),
   force_limit: real({ gt: 0, le: 40 }),
+});
+
+const isDeviceLimits = record({
+  stiffness: isStiffness,
+  force: real(),
 });
 
 const isHello = record({
@@ -445,7 +543,9 @@ const isHello = record({
   scan: isScan,
   segments: list(isSegment),
   settings: isSettings,
+  defaults: isSettings,
   device: text(),
+  device_limits: isDeviceLimits,
 });
 
 const isRate = record({
@@ -468,8 +568,13 @@ const isSafety = record({
   clamped: whole(),
   slewed: whole(),
   not_finite: whole(),
+  ramped: whole(),
+  waited: whole(),
+  eased: whole(),
+  damped: whole(),
   watchdog: whole(),
   violations: whole(),
+  force: oneOf("on", "waiting", "ramping", "easing", "off"),
 });
 
 const isState = record({
@@ -480,6 +585,8 @@ const isState = record({
   device: isVector,
   hand: isVector,
   proxy: isVector,
+  contact_point: isVector,
+  normal: isVector,
   force: isVector,
   contact: flag,
   depth: real(),
@@ -489,6 +596,7 @@ const isState = record({
   can_redo: flag,
   rates: isRates,
   safety: isSafety,
+  recording: nullable(real()),
   samples: list(tuple(real(), real(), real(), real())),
 });
 

@@ -10,6 +10,8 @@ import light from "./shaders/light.glsl?raw";
 import marchFrag from "./shaders/march.frag?raw";
 import markerFrag from "./shaders/marker.frag?raw";
 import markerVert from "./shaders/marker.vert?raw";
+import pathFrag from "./shaders/path.frag?raw";
+import pathVert from "./shaders/path.vert?raw";
 import segments from "./shaders/segments.glsl?raw";
 
 const precision = "precision highp float;\nprecision highp int;\nprecision highp sampler2D;\nprecision highp sampler3D;\n";
@@ -24,4 +26,5 @@ export const shaders = {
   composite: joined(compositeFrag),
   gauge: { vertex: joined(gaugeVert), fragment: joined(gaugeFrag) },
   marker: { vertex: joined(markerVert), fragment: joined(markerFrag) },
+  path: { vertex: joined(pathVert), fragment: joined(pathFrag) },
 };

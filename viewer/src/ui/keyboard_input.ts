@@ -2,6 +2,7 @@
  * Keys of the page. Arrow and page keys move the hand while they are held; letters act once.
  */
 import type { Letter } from "../core/anatomy";
+import { larger, stiffer } from "../core/touch_settings";
 import type { HandControl } from "./hand_control.svelte";
 import type { Session } from "./session.svelte";
 import type { Stage } from "./stage.svelte";
@@ -24,6 +25,14 @@ const fineSpeed = 12;
 /** A key that is only touched moves the hand as if held this long [s]. */
 const shortest = 1 / 30;
 
+/** What keys do that concerns the page as a whole. */
+export interface KeyActions {
+  readonly help: () => void;
+  readonly sound: () => void;
+  readonly guarantees: () => void;
+  readonly escape: () => void;
+}
+
 export class KeyboardInput {
   private readonly held = new Set<string>();
   private fine = false;
@@ -33,7 +42,7 @@ export class KeyboardInput {
     private readonly session: Session,
     private readonly stage: Stage,
     private readonly hand: HandControl,
-    private readonly actions: { readonly help: () => void; readonly escape: () => void },
+    private readonly actions: KeyActions,
   ) {}
 
   /** Listens until the returned function is called. */
@@ -50,7 +59,7 @@ export class KeyboardInput {
   }
 
   private press(event: KeyboardEvent): void {
-    if (typing(event.target)) {
+    if (belongsTo(event.target, event.key)) {
       return;
     }
     if (event.key in moves) {
@@ -72,6 +81,39 @@ export class KeyboardInput {
       this.stage.lookFrom(view);
       return true;
     }
+    return this.actOnTouch(key) || this.actOnPage(key, event.shiftKey);
+  }
+
+  /** Settings of touch, for a hand that does not want to leave the picture. */
+  private actOnTouch(key: string): boolean {
+    const { settings, deviceLimits } = this.session;
+    if (settings === null) {
+      return false;
+    }
+    const { stiffness, probe_radius, smoothing } = settings;
+    switch (key) {
+      case "[":
+        this.session.changeSettings({ stiffness: stiffer(stiffness, -1, deviceLimits) });
+        return true;
+      case "]":
+        this.session.changeSettings({ stiffness: stiffer(stiffness, 1, deviceLimits) });
+        return true;
+      case "-":
+        this.session.changeSettings({ probe_radius: larger(probe_radius, -1) });
+        return true;
+      case "+":
+      case "=":
+        this.session.changeSettings({ probe_radius: larger(probe_radius, 1) });
+        return true;
+      case "v":
+        this.session.changeSettings({ smoothing: !smoothing });
+        return true;
+      default:
+        return false;
+    }
+  }
+
+  private actOnPage(key: string, shift: boolean): boolean {
     switch (key) {
       case "c":
         this.stage.centreOnProbe();
@@ -79,8 +121,24 @@ export class KeyboardInput {
       case "f":
         this.stage.frameAll();
         return true;
+      case "g":
+        this.actions.guarantees();
+        return true;
+      case "n":
+        this.stage.mark({ normal: !this.stage.shown.normal });
+        return true;
+      case "p":
+        this.stage.mark({ path: !this.stage.shown.path });
+        return true;
       case "r":
-        this.stage.resetView();
+        if (shift) {
+          this.session.toggleRecording();
+        } else {
+          this.stage.resetView();
+        }
+        return true;
+      case "s":
+        this.actions.sound();
         return true;
       case "t":
         this.hand.touchMode = !this.hand.touchMode;
@@ -145,7 +203,13 @@ export class KeyboardInput {
   }
 }
 
-/** Keys belong to a control that has the focus. */
-function typing(target: EventTarget | null): boolean {
-  return target instanceof HTMLElement && target.matches("input, textarea, select, [role=slider]");
+/** Whether a key belongs to the control that has the focus: all to a text, some to a slider. */
+function belongsTo(target: EventTarget | null, key: string): boolean {
+  if (!(target instanceof HTMLElement)) {
+    return false;
+  }
+  if (target.matches("input[type=range], input[type=radio], [role=slider]")) {
+    return key in moves;
+  }
+  return target.matches("input:not([type=checkbox]), textarea, select");
 }

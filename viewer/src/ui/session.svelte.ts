@@ -2,8 +2,10 @@
  * What the page knows of the engine: scan, segments, settings, and what is now.
  */
 import { ForceHistory } from "../core/force_history";
+import { recalled, remembered, sameSettings } from "../core/touch_settings";
 import {
   PROTOCOL_VERSION,
+  type DeviceLimits,
   type FromPage,
   type Hello,
   type Notice,
@@ -14,6 +16,7 @@ import {
   type ToPage,
 } from "../core/protocol";
 import { Connection, type ConnectionState } from "../live/connection";
+import { recall, remember } from "./remembered";
 
 export interface ShownNotice {
   readonly id: number;
@@ -26,6 +29,8 @@ const plottedSeconds = 5;
 const plottedSamples = 1500;
 /** How often numbers on the page change [ms]: faster ones cannot be read. */
 const readingPace = { usual: 80, calm: 200 } as const;
+/** An answer of the engine that comes while a slider still moves waits this long [ms]. */
+const answerRest = 250;
 const noticeTime = { info: 5000, warning: 12000, error: 30000 } as const;
 
 export class Session {
@@ -35,10 +40,15 @@ export class Session {
   /** Version of the segments' voxels that are no threshold. */
   labels = $state.raw(0);
   settings = $state.raw<Settings | null>(null);
+  /** What `settings` were when the engine was started. */
+  defaults = $state.raw<Settings | null>(null);
   device = $state.raw("");
+  deviceLimits = $state.raw<DeviceLimits | null>(null);
   version = $state.raw("");
   /** What is now, at a pace that can be read. */
   live = $state.raw<State | null>(null);
+  /** Length of the recording that can be saved [s]; null where there is none. */
+  recorded = $state.raw<number | null>(null);
   notices = $state.raw<readonly ShownNotice[]>([]);
   /** How often the engine has refused something. */
   refusals = $state.raw(0);
@@ -52,6 +62,12 @@ export class Session {
   readonly history = new ForceHistory(plottedSeconds, plottedSamples);
 
   private readonly link: Connection;
+  private listeners: readonly ((state: State) => void)[] = [];
+  /** The settings as the engine has told them last. */
+  private answered: Settings | null = null;
+  private answeredAt = -Infinity;
+  private changedAt = -Infinity;
+  private askingForSettings = false;
   private readAt = 0;
   private noticeCount = 0;
 
@@ -75,6 +91,45 @@ export class Session {
 
   send(message: FromPage): void {
     this.link.send(message);
+  }
+
+  /** Calls `listener` with every state that arrives until the returned function is called. */
+  onState(listener: (state: State) => void): () => void {
+    this.listeners = [...this.listeners, listener];
+    return () => (this.listeners = this.listeners.filter((other) => other !== listener));
+  }
+
+  /** Asks for other settings, at most once a frame; they are shown at once, the engine corrects them. */
+  changeSettings(part: Partial<Settings>): void {
+    if (this.settings === null) {
+      return;
+    }
+    this.settings = { ...this.settings, ...part };
+    this.changedAt = performance.now();
+    if (!this.askingForSettings) {
+      this.askingForSettings = true;
+      requestAnimationFrame(() => {
+        this.askingForSettings = false;
+        if (this.settings !== null) {
+          this.send({ type: "change_settings", settings: this.settings });
+        }
+      });
+    }
+    setTimeout(() => {
+      this.settle();
+    }, answerRest);
+  }
+
+  /** Begins a recording, or ends it; the engine's states tell whether it runs. */
+  toggleRecording(): void {
+    this.send({ type: "record", on: (this.latest?.recording ?? null) === null });
+  }
+
+  /** Back to what the engine was started with. */
+  resetSettings(): void {
+    if (this.defaults !== null) {
+      this.changeSettings(this.defaults);
+    }
   }
 
   /** Shows a sentence for a while. */
@@ -107,7 +162,9 @@ export class Session {
         this.labels = message.labels;
         break;
       case "settings_changed":
-        this.settings = message.settings;
+        this.answered = message.settings;
+        this.answeredAt = performance.now();
+        this.settle();
         break;
       case "notice":
         this.notify(message.level, message.text);
@@ -127,21 +184,67 @@ export class Session {
       this.scan = hello.scan;
     }
     this.segments = hello.segments;
+    this.answered = hello.settings;
     this.settings = hello.settings;
+    this.defaults = hello.defaults;
     this.device = hello.device;
+    this.deviceLimits = hello.device_limits;
     this.version = hello.version;
     this.history.clear();
     this.greetings += 1;
+    this.recallSettings(hello);
+  }
+
+  /** Applies what was set at the last visit, unless the engine was already told otherwise. */
+  private recallSettings({ settings, defaults, device }: Hello): void {
+    const wanted = recalled(recall(memoryOf(device), {}), defaults);
+    if (sameSettings(settings, defaults) && !sameSettings(wanted, defaults)) {
+      this.changeSettings(wanted);
+    }
+  }
+
+  /** Shows the engine's answer once nothing moves any more, and keeps it for the next visit. */
+  private settle(): void {
+    const { answered, defaults, changedAt } = this;
+    const moving = performance.now() - changedAt < answerRest - 1;
+    if (answered === null || moving || this.answeredAt < changedAt) {
+      return;
+    }
+    if (this.settings === null || !sameSettings(answered, this.settings)) {
+      this.settings = answered;
+    }
+    if (defaults !== null) {
+      remember(memoryOf(this.device), remembered(answered, defaults));
+    }
   }
 
   private takeState(state: State): void {
+    this.followRecording(this.latest?.recording ?? null, state.recording);
     this.latest = state;
     this.history.add(state.samples);
+    for (const listener of this.listeners) {
+      listener(state);
+    }
     const now = performance.now();
     const pace = this.calm ? readingPace.calm : readingPace.usual;
-    if (now - this.readAt >= pace || state.contact !== this.live?.contact) {
+    const turned =
+      state.contact !== this.live?.contact || (state.recording === null) !== (this.live.recording === null);
+    if (now - this.readAt >= pace || turned) {
       this.live = state;
       this.readAt = now;
     }
   }
+
+  private followRecording(before: number | null, now: number | null): void {
+    if (now !== null) {
+      this.recorded = null;
+    } else if (before !== null) {
+      this.recorded = before;
+    }
+  }
+}
+
+/** Under which name settings are kept: a limit for one device is none for another. */
+function memoryOf(device: string): string {
+  return `touch.${device}`;
 }

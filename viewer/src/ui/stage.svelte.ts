@@ -20,6 +20,7 @@ import {
 } from "../core/camera";
 import { contentHull } from "../core/content_hull";
 import type { Look } from "../core/look";
+import { PathTrail } from "../core/path_trail";
 import { pickSurface, type Picked } from "../core/pick_surface";
 import type { Scan, Segment } from "../core/protocol";
 import { frameOf, type ScanVolume } from "../core/scan_volume";
@@ -27,6 +28,7 @@ import { shownRanges } from "../core/shown_segments";
 import { biasedRange } from "../core/stored_values";
 import { subsamplingStep } from "../core/subsampling";
 import type { GpuSupport } from "../gl/gpu_support";
+import type { Shown } from "../gl/markers";
 import { Picture } from "../gl/picture";
 import { downloadLabels, downloadVolume } from "../live/volume_download";
 import { recall, remember } from "./remembered";
@@ -34,6 +36,11 @@ import type { Session } from "./session.svelte";
 
 /** Most values of a scan that are taken to the GPU: 1 GiB in 16 bit. */
 const mostValues = 2 ** 29;
+
+/** How long the probe's way is shown [s], in at most how many points, how far apart [mm]. */
+const trailSeconds = 4;
+const trailPoints = 400;
+const trailSpacing = 0.1;
 
 /** A boundary at full strength changes by this share of the soft-tissue-to-bone span per mm. */
 const edgeShare = 0.2;
@@ -50,6 +57,8 @@ export class Stage {
   coarseness = $state.raw<string | null>(null);
   /** Why the scan cannot be shown. */
   failure = $state.raw<string | null>(null);
+  /** What of touch is drawn beside probe, device and force. */
+  shown = $state.raw<Shown>({ contactPoint: true, normal: true, ball: true, path: true });
   framesPerSecond = $state.raw(0);
   /** When the first picture stood on the screen [ms since the page was opened]. */
   firstPicture = $state.raw<number | null>(null);
@@ -63,6 +72,7 @@ export class Stage {
   private sentCamera: Camera | null = null;
   private sentTo = 0;
   private drawnState: object | null = null;
+  private readonly trail = new PathTrail(trailSeconds, trailPoints, trailSpacing);
   private frames = 0;
   private countedAt = 0;
   private request = 0;
@@ -73,7 +83,20 @@ export class Stage {
     private readonly session: Session,
     private readonly support: GpuSupport,
     private readonly token: string,
-  ) {}
+  ) {
+    // a long line is dear to draw again and again without a graphics card
+    this.shown = recall("shown", { ...this.shown, path: !support.software });
+    session.onState((state) => {
+      this.trail.add(state.time, state.proxy);
+    });
+  }
+
+  /** Shows or hides some of what is drawn of touch. */
+  mark(part: Partial<Shown>): void {
+    this.shown = { ...this.shown, ...part };
+    remember("shown", this.shown);
+    this.drawnState = null;
+  }
 
   /** Takes a canvas and draws on it until the returned function is called. */
   attach(canvas: HTMLCanvasElement): () => void {
@@ -313,6 +336,11 @@ export class Stage {
     this.drawnState = state;
     picture.setMarkers({
       probe: state.proxy,
+      radius: this.session.settings?.probe_radius ?? 0,
+      contactPoint: state.contact_point,
+      normal: state.normal,
+      trail: this.trail,
+      show: this.shown,
       device: state.device,
       force: state.force,
       contact: state.contact,

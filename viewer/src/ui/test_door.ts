@@ -4,9 +4,10 @@
 import type { Letter } from "../core/anatomy";
 import type { Camera } from "../core/camera";
 import type { Picked } from "../core/pick_surface";
-import type { State } from "../core/protocol";
+import type { Settings, State } from "../core/protocol";
 import type { Vec3 } from "../core/vector";
 import type { HandControl } from "./hand_control.svelte";
+import type { Hearing } from "./hearing.svelte";
 import type { Session } from "./session.svelte";
 import type { Stage } from "./stage.svelte";
 
@@ -19,7 +20,11 @@ export interface TestDoor {
   readonly finished: boolean;
   /** What is now; null before the engine has told. */
   readonly state: State | null;
+  /** As the page shows them; null before the engine has told. */
+  readonly settings: Settings | null;
   readonly camera: Camera | null;
+  /** Whether contact can be heard, and how loud it is now, 0..1. */
+  readonly sound: { readonly running: boolean; readonly level: number };
   readonly place: (point: Vec3) => void;
   readonly hand: (point: Vec3) => void;
   readonly setView: (direction: Letter) => void;
@@ -33,7 +38,7 @@ declare global {
   }
 }
 
-export function openTestDoor(session: Session, stage: Stage, hand: HandControl): void {
+export function openTestDoor(session: Session, stage: Stage, hand: HandControl, hearing: Hearing): void {
   window.palpate = {
     get firstPicture() {
       return stage.firstPicture;
@@ -46,6 +51,12 @@ export function openTestDoor(session: Session, stage: Stage, hand: HandControl):
     },
     get state() {
       return session.latest;
+    },
+    get settings() {
+      return session.settings;
+    },
+    get sound() {
+      return { running: hearing.running, level: hearing.level };
     },
     get camera() {
       return stage.camera;

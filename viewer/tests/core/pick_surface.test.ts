@@ -5,7 +5,7 @@ import { pickSurface } from "../../src/core/pick_surface";
 import { shownRanges } from "../../src/core/shown_segments";
 import { distance, normalize, subtract, type Vec3 } from "../../src/core/vector";
 import { Random } from "../random";
-import { scanOf, volumeOf } from "./volumes";
+import { scanOf, segment, volumeOf } from "./volumes";
 
 // a ball of bone, radius 12 mm, in air, its edge blurred over 2 mm
 const scan = scanOf([48, 48, 24], [1, 1, 2], [10, -30, 500]);
@@ -16,22 +16,10 @@ const volume = volumeOf(scan, ([x, y, z]) => {
   return Math.min(1000, Math.max(-1000, -1000 * (distance(point, centre) - radius)));
 });
 
-const bone = {
-  id: 1,
-  name: "bone",
-  colour: [1, 1, 1] as const,
-  visible: true,
-  touchable: true,
-  range: [0, 3000] as const,
-  voxels: 0,
-  volume_ml: 0,
-  pending: false,
-};
-
 function look(visible: boolean): Look {
   return {
     transferFunction: transferFunctionOf({ ...defaultAppearance({ softTissue: 40, bone: 250 }), softTissue: 0 }),
-    ranges: shownRanges([{ ...bone, visible }], scan),
+    ranges: shownRanges([{ ...segment, visible }], scan),
     edgeGradient: 40,
   };
 }

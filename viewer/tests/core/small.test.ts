@@ -1,7 +1,7 @@
 import { expect, test } from "vitest";
 import { contentHull } from "../../src/core/content_hull";
 import { firstView, extentOf } from "../../src/core/camera";
-import { formatBytes, formatCount, formatMillilitres, formatPoint, formatSpacing, formatValue } from "../../src/core/format";
+import { formatBytes, formatCount, formatMillilitres, formatPoint, formatSeconds, formatSpacing, formatValue } from "../../src/core/format";
 import { farthestAhead, moveInDepth, moveInView } from "../../src/core/hand";
 import { histogramPath, shareWithin } from "../../src/core/histogram";
 import { scaleBar } from "../../src/core/scale_bar";
@@ -9,7 +9,7 @@ import { rangeHolding, shownRanges } from "../../src/core/shown_segments";
 import { subsamplingStep } from "../../src/core/subsampling";
 import { distance, dot, subtract, type Vec3 } from "../../src/core/vector";
 import { Random } from "../random";
-import { scanOf, volumeOf } from "./volumes";
+import { scanOf, segment, volumeOf } from "./volumes";
 
 test("the scale bar is round, fits, and uses its room", () => {
   const random = new Random(41);
@@ -47,12 +47,11 @@ test("shares of values are counted inside the bins too", () => {
 
 test("where segments share a value the visible one wins", () => {
   const scan = scanOf([8, 8, 8], [1, 1, 1]);
-  const base = { name: "", colour: [0, 0, 0] as const, touchable: true, voxels: 0, volume_ml: 0, pending: false };
   const ranges = shownRanges(
     [
-      { ...base, id: 1, visible: false, range: [0, 100] },
-      { ...base, id: 2, visible: true, range: [50, 200] },
-      { ...base, id: 3, visible: true, range: null },
+      { ...segment, id: 1, visible: false, range: [0, 100] },
+      { ...segment, id: 2, visible: true, range: [50, 200] },
+      { ...segment, id: 3, visible: true, range: null },
     ],
     scan,
   );
@@ -94,6 +93,7 @@ test("numbers are written with units and a fixed number of digits", () => {
   expect(formatSpacing([0.703, 0.703, 2.5])).toBe("0.703 × 0.703 × 2.5 mm");
   expect(formatValue(3071)).toBe("3071");
   expect(formatValue(1288.3400000001)).toBe("1288.34");
+  expect([0, 7.99, 61, 754].map(formatSeconds)).toEqual(["0:00", "0:07", "1:01", "12:34"]);
   expect(formatBytes(15 * 2 ** 20)).toBe("15 MiB");
   expect(formatBytes(3 * 2 ** 30)).toBe("3.0 GiB");
 });

@@ -1,7 +1,7 @@
-/** Small scans for tests. */
+/** Small scans, segments and states for tests. */
 import { brickRanges, type BrickRanges } from "../../src/core/bricks";
 import { frameOf, storedDimensions, type ScanVolume } from "../../src/core/scan_volume";
-import type { Scan } from "../../src/core/protocol";
+import type { Safety, Scan, Segment, Settings } from "../../src/core/protocol";
 import type { Vec3 } from "../../src/core/vector";
 
 export function scanOf(dimensions: Vec3, spacing: Vec3, origin: Vec3 = [0, 0, 0]): Scan {
@@ -42,3 +42,43 @@ export function volumeOf(
   }
   return { frame: frameOf(scan), step, dimensions, values, bricks: brickRanges({ dimensions, values }) };
 }
+
+/** A threshold segment, as every test may change it. */
+export const segment: Segment = {
+  id: 1,
+  name: "bone",
+  colour: [1, 1, 1],
+  visible: true,
+  touchable: true,
+  range: [0, 3000],
+  voxels: 0,
+  volume_ml: 0,
+  pending: false,
+  feel: { stiffness: null, friction_static: null, friction_kinetic: null },
+  pose: null,
+};
+
+export const settings: Settings = {
+  model: "exact",
+  stiffness: 1,
+  damping: 0.001,
+  friction_static: 0,
+  friction_kinetic: 0,
+  smoothing: true,
+  probe_radius: 0,
+  force_limit: 4,
+};
+
+/** Nothing counted, nothing held back. */
+export const safety: Safety = {
+  clamped: 0,
+  slewed: 0,
+  not_finite: 0,
+  ramped: 0,
+  waited: 0,
+  eased: 0,
+  damped: 0,
+  watchdog: 0,
+  violations: 0,
+  force: "on",
+};

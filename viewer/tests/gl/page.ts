@@ -8,6 +8,7 @@ import { extentOf, lookFrom, type Camera, type Extent } from "../../src/core/cam
 import type { Letter } from "../../src/core/anatomy";
 import type { Look } from "../../src/core/look";
 import type { ScanVolume } from "../../src/core/scan_volume";
+import { PathTrail } from "../../src/core/path_trail";
 import type { TransferFunction } from "../../src/core/transfer_function";
 import { distance, type Vec3 } from "../../src/core/vector";
 import { FieldTexture, type FieldFormat } from "../../src/gl/field_texture";
@@ -17,7 +18,7 @@ import type { MarkerState } from "../../src/gl/markers";
 import { Picture } from "../../src/gl/picture";
 import { PictureTarget } from "../../src/gl/picture_target";
 import { RayMarcher } from "../../src/gl/ray_marcher";
-import { scanOf, volumeOf } from "../core/volumes";
+import { scanOf, segment, volumeOf } from "../core/volumes";
 
 export interface MarchTest {
   readonly field: "flat" | "ball" | "label";
@@ -103,8 +104,7 @@ function march(test: MarchTest): MarchResult {
   marcher.setField(field, bricksOf(volume, test.skip ?? true));
   marcher.setLook(lookOf(test));
   if (test.field === "label") {
-    const segment = { id: 7, name: "box", colour: [1, 0, 0] as const, visible: true, touchable: true };
-    const colours = labelColours([{ ...segment, range: null, voxels: 0, volume_ml: 0, pending: false }]);
+    const colours = labelColours([{ ...segment, id: 7, colour: [1, 0, 0], range: null }]);
     const ids = labelsInBox();
     const dimensions: Vec3 = [voxels, voxels, voxels];
     marcher.setLabelColours(colours);
@@ -127,8 +127,26 @@ function march(test: MarchTest): MarchResult {
   return { pixels: Array.from(halves, (half) => THREE.DataUtils.fromHalfFloat(half)), camera, extent };
 }
 
+/** Markers of a test, over those of a probe at rest in the middle. */
+export type MarkerTest = Omit<Partial<MarkerState>, "trail"> & { readonly way?: readonly Vec3[] };
+
+function stillMarkers(at: Vec3): Omit<MarkerState, "trail"> {
+  const show = { contactPoint: true, normal: true, ball: true, path: true };
+  const contact = { contact: false, contactPoint: at, normal: [0, 0, 0] as const };
+  return { probe: at, device: at, force: [0, 0, 0], radius: 0, ...contact, show, pixel: 1, fullForce: 1 };
+}
+
+/** A way of the probe through points, a tenth of a second each. */
+function trailThrough(way: readonly Vec3[]): PathTrail {
+  const trail = new PathTrail(100, 64, 0.1);
+  way.forEach((point, i) => {
+    trail.add(i / 10, point);
+  });
+  return trail;
+}
+
 /** The whole picture with markers on a canvas of its own; sRGB bytes, rows from the bottom. */
-async function screen(test: MarchTest, markers: Partial<MarkerState> | null, jitter = false): Promise<number[]> {
+async function screen(test: MarchTest, markers: MarkerTest | null, jitter = false): Promise<number[]> {
   const support = gpuSupport();
   if (support === null) {
     throw new Error("no WebGL2");
@@ -143,8 +161,7 @@ async function screen(test: MarchTest, markers: Partial<MarkerState> | null, jit
   picture.setLook(lookOf(test));
   picture.setCamera(lookFrom(test.from, extent, viewport), extent);
   if (markers !== null) {
-    const still = { probe: extent.centre, device: extent.centre, force: [0, 0, 0], contact: false } as const;
-    picture.setMarkers({ ...still, pixel: 1, fullForce: 1, ...markers });
+    picture.setMarkers({ ...stillMarkers(extent.centre), ...markers, trail: trailThrough(markers.way ?? []) });
   }
   while (!picture.quality.finished || !picture.hasPicture) {
     picture.advance(performance.now());

@@ -9,10 +9,9 @@ import { flatShare } from "../../src/core/look";
 import { throughBox } from "../../src/core/pick_surface";
 import { frameOf } from "../../src/core/scan_volume";
 import { distance, type Vec3 } from "../../src/core/vector";
-import type { MarkerState } from "../../src/gl/markers";
 import { scanOf } from "../core/volumes";
 import { openGlBrowser, type GlBrowser } from "./browser";
-import type { MarchResult, MarchTest } from "./page";
+import type { MarchResult, MarchTest, MarkerTest } from "./page";
 
 const edge = 96;
 const voxels = 48;
@@ -30,7 +29,7 @@ function march(test: MarchTest): Promise<MarchResult> {
   return browser.page.evaluate((t) => window.glTests?.march(t) ?? Promise.reject(new Error("no page")), test);
 }
 
-function screen(test: MarchTest, markers: Partial<MarkerState> | null, jitter = false): Promise<number[]> {
+function screen(test: MarchTest, markers: MarkerTest | null, jitter = false): Promise<number[]> {
   return browser.page.evaluate(
     ([t, m, j]) => window.glTests?.screen(t, m, j) ?? Promise.reject(new Error("no page")),
     [test, markers, jitter] as const,
@@ -190,6 +189,63 @@ test("the probe is plain before bone and a ghost behind it", async () => {
   expect(before).toBeGreaterThan(without + 80);
   expect(behind).toBeGreaterThan(without + 10);
   expect(behind).toBeLessThan(before - 50);
+});
+
+/** How many pixels two pictures differ in, and the box around them [pixels from the upper left]. */
+function difference(one: readonly number[], other: readonly number[]): { pixels: number; box: readonly number[] } {
+  const places = Array.from({ length: edge * edge }, (_, i) => [i % edge, Math.floor(i / edge)] as const).filter(
+    ([x, y]) => pixelAt(one, x, y).some((channel, c) => Math.abs(channel - (pixelAt(other, x, y)[c] ?? 0)) > 12),
+  );
+  const [xs, ys] = [places.map(([x]) => x), places.map(([, y]) => y)];
+  return { pixels: places.length, box: [Math.min(...xs), Math.min(...ys), Math.max(...xs), Math.max(...ys)] };
+}
+
+test("the probe's ball is drawn at its true size, and as a point without one", async () => {
+  const air: MarchTest = { ...ball, segment: "hidden" };
+  const none = await screen(air, null);
+  const point = difference(none, await screen(air, { pixel: 0.2 }));
+  const sized = difference(none, await screen(air, { pixel: 0.2, radius: 12 }));
+  const hidden = { contactPoint: true, normal: true, ball: false, path: true };
+  const unshown = difference(none, await screen(air, { pixel: 0.2, radius: 12, show: hidden }));
+  const { camera } = await march({ ...flat, from: "A" });
+  const [left = 0] = project(camera, [12, 24, 24], { width: edge, height: edge }) ?? [];
+  const [right = 0] = project(camera, [36, 24, 24], { width: edge, height: edge }) ?? [];
+  expect(unshown.pixels).toBe(point.pixels);
+  // a ball's outline is a little wider than its middle plane, and its rim covers pixels in part
+  expect(Math.abs((sized.box[2] ?? 0) - (sized.box[0] ?? 0) + 1 - (right - left))).toBeLessThan(3);
+});
+
+test("the contact's normal points out of the surface, and only in contact", async () => {
+  const air: MarchTest = { ...ball, segment: "hidden" };
+  const touching: MarkerTest = { pixel: 0.5, contact: true, contactPoint: [24, 24, 24], normal: [0, 0, 1] };
+  const without = { contactPoint: false, normal: false, ball: true, path: true };
+  const plain = await screen(air, { ...touching, show: without });
+  const up = difference(plain, await screen(air, touching)).box;
+  const left = difference(plain, await screen(air, { ...touching, normal: [-1, 0, 0] })).box;
+  const middle = edge / 2;
+  // superior is up and the patient's right is left, seen from before
+  expect(middle - (up[1] ?? 0)).toBeGreaterThan(30);
+  expect((up[3] ?? 0) - middle).toBeLessThan(10);
+  expect(middle - (left[0] ?? 0)).toBeGreaterThan(30);
+  expect((left[2] ?? 0) - middle).toBeLessThan(10);
+  const free = difference(await screen(air, { ...touching, contact: false, show: without }), await screen(air, { ...touching, contact: false }));
+  expect(free.pixels).toBe(0);
+});
+
+test("the probe's way is a line where it was, fresh at its end, faint behind bone", async () => {
+  const bone: MarchTest = { ...ball, segment: "visible" };
+  const probe: Vec3 = [44, 4, 44];
+  const across = (y: number): Vec3[] => [4, 12, 20, 28, 36, 44].map((x): Vec3 => [x, y, 24]);
+  const none = await screen(bone, { probe, device: probe });
+  const before = difference(none, await screen(bone, { probe, device: probe, way: across(6) }));
+  const behind = difference(none, await screen(bone, { probe, device: probe, way: across(44) }));
+  // 40 mm of 48 that fill nearly the whole picture
+  expect((before.box[2] ?? 0) - (before.box[0] ?? 0)).toBeGreaterThan(50);
+  expect((before.box[3] ?? 0) - (before.box[1] ?? 0)).toBeLessThan(6);
+  // in the middle the ball stands before it
+  expect(behind.pixels).toBeLessThan(0.7 * before.pixels);
+  const show = { contactPoint: true, normal: true, ball: true, path: false };
+  expect(difference(none, await screen(bone, { probe, device: probe, way: across(6), show })).pixels).toBe(0);
 });
 
 test("several jittered pictures average to the plain one", async () => {

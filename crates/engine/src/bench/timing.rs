@@ -70,7 +70,7 @@ fn reading_of_the_clock() -> f64 {
 }
 
 /// The smallest value that is not below this share of sorted ones; 0 where there are none.
-fn quantile(sorted: &[f64], share: f64) -> f64 {
+pub(super) fn quantile(sorted: &[f64], share: f64) -> f64 {
     let place = (share * sorted.len() as f64).ceil() as usize;
     sorted.get(place.saturating_sub(1)).copied().unwrap_or(0.0)
 }

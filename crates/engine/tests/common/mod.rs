@@ -12,6 +12,7 @@ use glam::{DMat3, DVec3, IVec3, UVec3};
 use palpate_device::scripted::{PathSample, ScriptedDevice};
 use palpate_device::simulated::{SimulatedDevice, SimulatedSettings};
 use palpate_device::{DeviceLimits, DeviceState, HapticDevice};
+use palpate_engine::feel::{Feel, Feels};
 use palpate_engine::frame::Notice;
 use palpate_engine::handover::{Channels, DeviceSample, HandTarget, TickRecord};
 use palpate_engine::mapping::Mapping;
@@ -22,7 +23,7 @@ use palpate_engine::session_config::{Reference, SessionConfig};
 use palpate_engine::settings::Settings;
 use palpate_engine::shared::Shared;
 use palpate_engine::simulation::{Simulation, SimulationStatus};
-use palpate_volume::bits::Bits;
+use palpate_engine::touchable::Touchable;
 use palpate_volume::grid::Grid;
 use palpate_volume::intensities::Intensities;
 use palpate_volume::segment::Segment;
@@ -32,6 +33,12 @@ use palpate_volume::voxels::Voxels;
 pub const OBSTACLE: Properties = Properties {
     touchable: true,
     range: None,
+    feel: Feel {
+        stiffness: None,
+        friction_static: None,
+        friction_kinetic: None,
+    },
+    pose: None,
 };
 
 /// Voxels of 1 mm whose grid frame is the scene.
@@ -189,10 +196,11 @@ impl Rig {
         let (status_in, status) = triple_buffer::triple_buffer(&SimulationStatus::default());
         let start = ServoStart {
             grid: grid(dimensions),
-            bits: Bits::empty(dimensions),
+            touchable: Touchable::new(&grid(dimensions), Vec::new(), 0.0).unwrap(),
             mapping: Mapping::IDENTITY,
             probe,
             settings: Settings::default(),
+            feels: Feels::default(),
         };
         Self {
             servo: ServoLoop::new(start, channels.servo, Arc::clone(&shared)),

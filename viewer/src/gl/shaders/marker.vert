@@ -1,4 +1,4 @@
-// Probe, device point, line and arrow: meshes in the scene frame [mm].
+// Probe, device point, line, arrows and contact: meshes in the scene frame [mm].
 in vec3 position;
 in vec3 normal;
 
@@ -6,12 +6,15 @@ uniform mat4 modelMatrix;
 uniform mat4 viewMatrix;
 uniform mat4 projectionMatrix;
 uniform mat3 normalMatrix;
+// what lies on a surface is drawn this far before it [mm]
+uniform float toward;
 
 out vec3 normalInView;
 out vec3 positionInView;
 
 void main() {
   vec4 inView = viewMatrix * modelMatrix * vec4(position, 1.0);
+  inView.xyz *= 1.0 - toward / max(length(inView.xyz), 1e-6);
   normalInView = normalMatrix * normal;
   positionInView = inView.xyz;
   gl_Position = projectionMatrix * inView;

@@ -1,0 +1,457 @@
+//! One run: a world, a hand, and the checker after each thing that happens.
+
+use std::ops::Range;
+
+use glam::{DVec3, IVec3};
+use palpate_haptics::contact::ContactModel;
+use palpate_haptics::placement::nearest_free;
+use palpate_haptics::proxy::Proxy;
+use palpate_haptics::safety::{ForceLimits, Safety};
+use palpate_haptics::surface::{Surface, Uniform};
+use palpate_haptics::tick::{TickCache, TickInput, TickOutput, TickState, tick};
+use palpate_volume::bits::Bits;
+use palpate_volume::grid::Grid;
+use palpate_volume::voxel_box::VoxelBox;
+use rayon::prelude::*;
+
+use super::checker::{Checker, Guarantee, Terms, Violation};
+use super::dense::Dense;
+use super::hand::{Hand, anywhere};
+use super::plan::{Plan, Terrain};
+use super::thing::{Made, Thing};
+use super::touched::{Touched, swaps_of};
+use super::world::{SIZE, World};
+use crate::bench::quality::REST_TICKS;
+use crate::bench::random::Random;
+use crate::model::Model;
+
+/// Time between ticks [s].
+const DT: f64 = 1e-3;
+/// How often edits, rests and nonsense come, per move.
+const EDITS: f64 = 1.0 / 32.0;
+const RESTS: f64 = 1.0 / 512.0;
+const NONSENSE: f64 = 1.0 / 2048.0;
+/// Ticks at rest that must be equal to the bit.
+const STILL: usize = 8;
+/// How far around a point a free place for the probe is sought [voxels].
+const START_REACH: i32 = 6;
+/// Points tried.
+const STARTS: usize = 8;
+
+/// Bone to take parts of.
+#[derive(Clone, Copy, Debug)]
+pub struct Source<'a> {
+    /// Where it stands.
+    pub grid: &'a Grid,
+    /// Its voxels.
+    pub bits: &'a Bits,
+}
+
+/// What came of some runs.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Report {
+    /// Moves that were made and checked.
+    pub moves: u64,
+    /// Of these, in contact.
+    pub contacts: u64,
+    /// Edits.
+    pub edits: u64,
+    /// The violation in the run of the lowest number.
+    pub violation: Option<Found>,
+}
+
+/// A violation and how to come to it again.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Found {
+    /// Number of the run.
+    pub run: u64,
+    /// Moves before it.
+    pub at_move: u64,
+    /// What is done in the run.
+    pub plan: Plan,
+    /// What was broken.
+    pub violation: Violation,
+}
+
+impl Report {
+    /// Two reports as one; the violation of the lower run counts.
+    #[must_use]
+    pub fn and(self, other: Self) -> Self {
+        let [a, b] = [self.violation, other.violation];
+        Self {
+            moves: self.moves + other.moves,
+            contacts: self.contacts + other.contacts,
+            edits: self.edits + other.edits,
+            violation: [a, b].into_iter().flatten().min_by_key(|found| found.run),
+        }
+    }
+}
+
+/// Runs with these numbers, on all cores.
+#[must_use]
+pub fn runs(seed: u64, numbers: Range<u64>, model: Model, bone: Option<Source<'_>>) -> Report {
+    numbers
+        .into_par_iter()
+        .map(|number| run(seed, number, model, bone))
+        .reduce(Report::default, Report::and)
+}
+
+/// The run of a number, up to its first violation.
+#[must_use]
+pub fn run(seed: u64, number: u64, model: Model, bone: Option<Source<'_>>) -> Report {
+    let mut random = Random::of_stream(seed, number);
+    let mut plan = Plan::new(number, bone.is_some(), &mut random);
+    if let (Terrain::Bone, Some(bone)) = (plan.terrain, bone) {
+        plan.spacing = bone.grid.spacing();
+    }
+    let world = World::new(&plan, bone.map(|bone| bone.bits), &mut random);
+    let grid = plan.grid();
+    Run::new(&plan, world, &grid, model, random).report(number)
+}
+
+struct Run<'a, M> {
+    plan: &'a Plan,
+    grid: &'a Grid,
+    terms: Terms,
+    touched: Touched,
+    model: M,
+    random: Random,
+    /// What edits want, be it touched already or held back.
+    wanted: Dense,
+    fixed: Dense,
+    /// Boxes of edits that may not all be touched yet.
+    unsettled: Vec<VoxelBox>,
+    checker: Checker,
+    hand: Hand,
+    surface: Uniform,
+    damping: f64,
+    smoothing: bool,
+    cache: TickCache,
+    /// Changes of what is solid.
+    epoch: u64,
+    safety: Safety,
+    last_device: DVec3,
+    report: Report,
+}
+
+impl<'a, M: ContactModel> Run<'a, M> {
+    fn new(plan: &'a Plan, world: World, grid: &'a Grid, model: M, mut random: Random) -> Self {
+        let limits = ForceLimits::default();
+        let friction = if random.share() < 0.5 { 0.0 } else { 0.5 };
+        let radius = plan.radius * grid.smallest_spacing();
+        let terms = Terms {
+            spacing: plan.spacing,
+            direction: plan.direction,
+            origin: plan.origin,
+            radius,
+            visit_bound: model.visit_bound(),
+            limits,
+            dt: DT,
+            frictionless: friction == 0.0,
+        };
+        let made: Vec<(Thing, Made)> = (0..plan.objects)
+            .map(|_| Thing::random(plan, grid, &mut random))
+            .collect();
+        let (things, made): (Vec<Thing>, Vec<Made>) = made.into_iter().unzip();
+        let touched = Touched::new(world.bits(), plan.spacing, radius, &made);
+        // without edits, all that is solid stays
+        let constant = if plan.edits {
+            &world.fixed
+        } else {
+            &world.dense
+        }
+        .clone();
+        Self {
+            plan,
+            grid,
+            terms,
+            touched,
+            model,
+            checker: Checker::new(terms, world.dense.clone(), &constant, things),
+            wanted: world.dense,
+            fixed: world.fixed,
+            unsettled: Vec::new(),
+            hand: Hand::new(&mut random),
+            surface: Uniform(Surface {
+                friction_static: friction,
+                friction_kinetic: 0.8 * friction,
+                ..Uniform::smooth(0.2 + 5.0 * random.share()).0
+            }),
+            damping: if random.share() < 0.5 { 0.0 } else { 0.01 },
+            smoothing: random.share() < 0.7,
+            cache: TickCache::default(),
+            epoch: 0,
+            safety: Safety::new(limits),
+            last_device: DVec3::ZERO,
+            random,
+            report: Report::default(),
+        }
+    }
+
+    fn report(mut self, number: u64) -> Report {
+        if let Err(violation) = self.all_moves() {
+            self.report.violation = Some(Found {
+                run: number,
+                at_move: self.report.moves,
+                plan: *self.plan,
+                violation,
+            });
+        }
+        self.report
+    }
+
+    fn all_moves(&mut self) -> Result<(), Violation> {
+        // a world may have no room for the probe
+        let Some(proxy) = (0..STARTS).find_map(|_| self.free_place()) else {
+            return Ok(());
+        };
+        let mut state = TickState::new(proxy);
+        self.last_device = proxy.point();
+        for _ in 0..self.plan.moves {
+            if self.plan.edits {
+                self.edit(&mut state.proxy)?;
+            }
+            if self.random.share() < NONSENSE {
+                self.nonsense(&mut state)?;
+            }
+            let device = self.hand.go(state.proxy.point(), &mut self.random);
+            self.go(device, &mut state)?;
+            self.report.moves += 1;
+            if self.random.share() < RESTS {
+                self.rest(device, &mut state)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// A place for the probe, free in every body.
+    fn free_place(&mut self) -> Option<Proxy> {
+        let start = anywhere(&mut self.random);
+        let scene = self.touched.scene(self.grid);
+        let proxy = nearest_free(scene.occupancy, self.grid, start, START_REACH)?;
+        let is_inside = self.wanted.index(proxy.voxel()).is_some();
+        (is_inside && self.checker.after_changes(&proxy).is_ok()).then_some(proxy)
+    }
+
+    /// One tick, checked.
+    fn go(&mut self, device: DVec3, state: &mut TickState) -> Result<TickOutput, Violation> {
+        let from = state.proxy;
+        let output = self.tick(device, state);
+        let ends = [&from, &state.proxy];
+        self.checker.after_tick(device, ends, &output)?;
+        let sent = self.safety.limit(output.force, DT);
+        self.checker.after_safety(output.force, sent)?;
+        self.report.contacts += u64::from(output.contact);
+        Ok(output)
+    }
+
+    fn tick(&mut self, device: DVec3, state: &mut TickState) -> TickOutput {
+        let device_in_scene = self.terms.in_scene(device);
+        let moved = device_in_scene - self.terms.in_scene(self.last_device);
+        self.last_device = device;
+        let scene = self.touched.scene(self.grid);
+        let input = TickInput {
+            device_in_scene,
+            velocity_in_scene: moved / DT,
+            damping: self.damping,
+            smoothing: self.smoothing,
+        };
+        self.cache.set_epoch(self.epoch);
+        let (model, surface) = (&self.model, &self.surface);
+        tick(&scene, model, surface, &input, state, &mut self.cache)
+    }
+
+    /// Guarantee 4.
+    fn rest(&mut self, device: DVec3, state: &mut TickState) -> Result<(), Violation> {
+        for _ in 0..REST_TICKS {
+            self.go(device, state)?;
+        }
+        let proxy = state.proxy;
+        let output = self.go(device, state)?;
+        for _ in 0..STILL {
+            let again = self.go(device, state)?;
+            if (again, state.proxy) != (output, proxy) {
+                return Err(Violation {
+                    guarantee: Guarantee::ComesToRest,
+                    what: format!("{output:?}, then {again:?}"),
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// An input that is none.
+    fn nonsense(&mut self, state: &mut TickState) -> Result<(), Violation> {
+        let bad = [f64::NAN, f64::INFINITY, -1e300, 1e18];
+        let bad = bad[(4.0 * self.random.share()) as usize];
+        let from = state.proxy;
+        let device = self.hand.device.with_y(bad);
+        let last_device = self.last_device;
+        let output = self.tick(device, state);
+        self.last_device = last_device;
+        self.checker.after_nonsense([&from, &state.proxy], &output)
+    }
+
+    /// Now and then: voxels under the probe or the device, set or cleared.
+    fn edit(&mut self, proxy: &mut Proxy) -> Result<(), Violation> {
+        if self.touched.holds_back() {
+            let from = *proxy;
+            self.touched.retry(self.grid, proxy);
+            self.follow(&from, proxy)?;
+        }
+        if self.random.share() < EDITS && self.touched.has_room() {
+            let from = *proxy;
+            let changed = self.change_wanted(proxy);
+            let swaps = swaps_of(self.touched.bits(), &changed, |voxel| {
+                self.wanted.is_solid(voxel)
+            });
+            self.touched.edit(swaps, self.grid, proxy);
+            self.unsettled.push(changed);
+            self.report.edits += 1;
+            self.follow(&from, proxy)?;
+        }
+        self.checker.after_changes(proxy)
+    }
+
+    /// Brings the checker up to date after one change, which may have pushed the probe.
+    fn follow(&mut self, from: &Proxy, to: &Proxy) -> Result<(), Violation> {
+        self.epoch += 1;
+        self.checker.before_change(from, to)?;
+        let all_arrived = !self.touched.holds_back();
+        let bits = self.touched.bits();
+        for changed in &self.unsettled {
+            let wanted = all_arrived.then_some(&self.wanted);
+            self.checker
+                .follow(changed, |voxel| bits.is_solid(voxel), wanted)?;
+        }
+        if all_arrived {
+            self.unsettled.clear();
+        }
+        Ok(())
+    }
+
+    /// Sets or clears a few voxels; gives the box that they lie in.
+    fn change_wanted(&mut self, proxy: &Proxy) -> VoxelBox {
+        let near = if self.random.share() < 0.5 {
+            proxy.point()
+        } else {
+            self.hand.device
+        };
+        let spread = DVec3::splat(2.0);
+        let middle = self.random.in_box(near - spread, near + spread);
+        let reach = 3.0 * self.random.share();
+        let solid = self.random.share() < 0.5;
+        let low = (middle - reach).floor().as_ivec3().max(IVec3::ZERO);
+        let high = (middle + reach)
+            .floor()
+            .as_ivec3()
+            .min(IVec3::splat(SIZE - 1));
+        let changed = VoxelBox::new(low, high + 1);
+        for voxel in changed.voxels() {
+            let is_fixed = self.fixed.is_solid(voxel);
+            let is_in = (voxel.as_dvec3() + 0.5).distance(middle) <= reach;
+            if is_in && !is_fixed {
+                self.wanted.set(voxel, solid);
+            }
+        }
+        changed
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::cell::Cell;
+
+    use palpate_haptics::contact::Contact;
+    use palpate_haptics::exact::Exact;
+    use palpate_haptics::scene::TouchScene;
+    use palpate_volume::occupancy::Occupancy;
+
+    use super::*;
+
+    /// `exact` with a fault of its own after so many calls.
+    struct Faulty<F> {
+        calls: Cell<u32>,
+        visit_bound: u32,
+        fault: F,
+    }
+
+    impl<F: Fn(u32, DVec3, &mut Proxy, &mut Contact)> ContactModel for Faulty<F> {
+        fn advance<O: Occupancy>(
+            &self,
+            scene: &TouchScene<'_, O>,
+            device: DVec3,
+            proxy: &mut Proxy,
+        ) -> Contact {
+            let mut contact = Exact::default().advance(scene, device, proxy);
+            self.calls.set(self.calls.get() + 1);
+            (self.fault)(self.calls.get(), device, proxy, &mut contact);
+            contact
+        }
+
+        fn visit_bound(&self) -> u32 {
+            self.visit_bound
+        }
+    }
+
+    /// The first promise that is broken by a fault in a run of the first walls.
+    fn broken(
+        visit_bound: u32,
+        fault: impl Fn(u32, DVec3, &mut Proxy, &mut Contact),
+    ) -> Option<Guarantee> {
+        let mut random = Random::of_stream(7, 0);
+        let plan = Plan::new(0, false, &mut random);
+        let world = World::new(&plan, None, &mut random);
+        let model = Faulty {
+            calls: Cell::new(0),
+            visit_bound,
+            fault,
+        };
+        let grid = plan.grid();
+        let report = Run::new(&plan, world, &grid, model, random).report(0);
+        report.violation.map(|found| found.violation.guarantee)
+    }
+
+    #[test]
+    fn planted_faults_are_found_by_their_number() {
+        let bound = Exact::default().visit_bound();
+        assert_eq!(broken(bound, |_, _, _, _| ()), None);
+        assert_eq!(broken(20, |_, _, _, _| ()), Some(Guarantee::BoundedWork));
+        // into the wall with the device, or through it
+        let follow = |_: u32, device: DVec3, proxy: &mut Proxy, _: &mut Contact| {
+            *proxy = Proxy::at(device).unwrap_or(*proxy);
+        };
+        let through = [Guarantee::StaysOut, Guarantee::CrossesNoWall].map(Some);
+        assert!(through.contains(&broken(bound, follow)));
+        let press = |_: u32, _: DVec3, proxy: &mut Proxy, contact: &mut Contact| {
+            if let Some(solid) = contact.stopped_by {
+                *proxy = Proxy::nearest_in(solid.voxel, proxy.point());
+            }
+        };
+        assert_eq!(broken(bound, press), Some(Guarantee::StaysOut));
+        // a contact that is none: the spring pulls the hand back to where it was
+        let sticky = |call: u32, device: DVec3, proxy: &mut Proxy, contact: &mut Contact| {
+            if !contact.touching && call > 100 {
+                let lower = device - DVec3::splat(1e-9) * f64::from(call % 2);
+                *proxy = Proxy::nearest_in(proxy.voxel(), lower);
+                contact.touching = true;
+            }
+        };
+        assert_eq!(broken(bound, sticky), Some(Guarantee::ComesToRest));
+    }
+
+    #[test]
+    fn an_edit_that_is_not_asked_for_admission_is_found() {
+        let mut random = Random::of_stream(7, 0);
+        let mut plan = Plan::new(0, false, &mut random);
+        plan.edits = true;
+        let world = World::new(&plan, None, &mut random);
+        let grid = plan.grid();
+        let mut run = Run::new(&plan, world, &grid, Exact::default(), random);
+        run.touched.careless = true;
+        let report = run.report(3);
+        let found = report.violation.unwrap();
+        assert_eq!(found.violation.guarantee, Guarantee::StaysOut);
+        assert_eq!((found.run, found.plan), (3, plan));
+    }
+}

@@ -1,0 +1,155 @@
+//! One body as the probe meets it: its voxels, and for a ball the cells that its centre cannot be in.
+//!
+//! Frame: the body's own grid. Nothing here allocates after it was made, so that the servo can
+//! exchange bricks; what is remembered of a ball's cells follows each exchange.
+
+use glam::{DVec3, IVec3};
+use palpate_haptics::ball::{Ball, BallError, BallShape};
+use palpate_volume::bit_brick::BitBrick;
+use palpate_volume::bits::Bits;
+use palpate_volume::brick_grid::BrickSwap;
+use palpate_volume::occupancy::Occupancy;
+
+use crate::patched::Patched;
+
+/// Voxels that are touched with a point or a ball.
+#[derive(Debug)]
+pub struct Body {
+    bits: Bits,
+    ball: Option<Box<Balls>>,
+}
+
+/// A ball with what it knows of these voxels.
+#[derive(Debug)]
+struct Balls {
+    /// Where its centre cannot be.
+    hard: Ball,
+    /// The same without the safe side: what the smooth force is made of.
+    soft: Ball,
+    /// For changes that are only tried.
+    trial: Ball,
+}
+
+impl Body {
+    /// These voxels, for a probe of a radius [mm]; 0 is a point.
+    ///
+    /// # Errors
+    /// Where the ball is too large for these voxels.
+    pub fn new(bits: Bits, radius: f64, spacing: DVec3) -> Result<Self, BallError> {
+        let ball = if radius > 0.0 {
+            let hard = BallShape::new(radius, spacing)?;
+            Some(Box::new(Balls {
+                hard: Ball::new(hard),
+                soft: Ball::new(BallShape::soft(radius, spacing)?),
+                trial: Ball::new(hard),
+            }))
+        } else {
+            None
+        };
+        Ok(Self { bits, ball })
+    }
+
+    /// The voxels.
+    #[must_use]
+    pub fn bits(&self) -> &Bits {
+        &self.bits
+    }
+
+    /// How far the probe reaches [voxels]; 0 for a point.
+    #[must_use]
+    pub fn reach(&self) -> IVec3 {
+        self.ball
+            .as_ref()
+            .map_or(IVec3::ZERO, |ball| ball.hard.shape().reach())
+    }
+
+    /// Exchanges one brick.
+    pub fn swap(&mut self, swap: &mut BrickSwap<BitBrick>) {
+        if let Some(ball) = &mut self.ball {
+            let changed = self.bits.bricks().box_of(swap.index);
+            ball.hard.invalidate_box(&changed);
+            ball.soft.invalidate_box(&changed);
+        }
+        self.bits.swap(swap);
+    }
+
+    /// The body as it would be with some bricks exchanged, by rising index.
+    pub fn with<'a>(&'a mut self, swaps: &'a [BrickSwap<BitBrick>]) -> (&'a Self, View<'a>) {
+        if let Some(ball) = &mut self.ball {
+            ball.trial.invalidate();
+        }
+        let body = &*self;
+        let view = View {
+            patched: Patched::new(&body.bits, swaps),
+            ball: body.ball.as_ref().map(|ball| &ball.trial),
+        };
+        (body, view)
+    }
+
+    /// The body as it is, like those with exchanged bricks.
+    #[must_use]
+    pub fn view(&self) -> View<'_> {
+        View {
+            patched: Patched::new(&self.bits, &[]),
+            ball: self.ball.as_ref().map(|ball| &ball.hard),
+        }
+    }
+
+    /// The solid voxel that the probe rests against where a voxel holds it back.
+    #[must_use]
+    pub fn solid_near(&self, voxel: IVec3) -> Option<IVec3> {
+        match &self.ball {
+            None => self.bits.is_solid(voxel).then_some(voxel),
+            Some(ball) => ball.hard.solid_near(&self.bits, voxel),
+        }
+    }
+}
+
+impl Occupancy for Body {
+    #[inline]
+    fn is_solid(&self, voxel: IVec3) -> bool {
+        match &self.ball {
+            None => self.bits.is_solid(voxel),
+            Some(ball) => ball.hard.dilate(&self.bits).is_solid(voxel),
+        }
+    }
+
+    #[inline]
+    fn block(&self, min: IVec3) -> BitBrick {
+        match &self.ball {
+            None => self.bits.block(min),
+            Some(ball) => ball.hard.dilate(&self.bits).block(min),
+        }
+    }
+
+    #[inline]
+    fn smooth_block(&self, min: IVec3) -> BitBrick {
+        match &self.ball {
+            None => self.bits.block(min),
+            Some(ball) => ball.soft.dilate(&self.bits).block(min),
+        }
+    }
+}
+
+/// A body, perhaps with some bricks exchanged.
+#[derive(Clone, Copy, Debug)]
+pub struct View<'a> {
+    patched: Patched<'a>,
+    ball: Option<&'a Ball>,
+}
+
+impl Occupancy for View<'_> {
+    fn is_solid(&self, voxel: IVec3) -> bool {
+        match self.ball {
+            None => self.patched.is_solid(voxel),
+            Some(ball) => ball.dilate(&self.patched).is_solid(voxel),
+        }
+    }
+
+    fn block(&self, min: IVec3) -> BitBrick {
+        match self.ball {
+            None => self.patched.block(min),
+            Some(ball) => ball.dilate(&self.patched).block(min),
+        }
+    }
+}

@@ -1,0 +1,343 @@
+//! What the servo was told while a recording ran, and the state that it began with.
+//!
+//! Together with the inputs of each tick ([`crate::recording`]) this is all that a replay needs.
+//! The sender notes each command as it sends it; the servo says with each tick how many commands
+//! it had obeyed by then. What a new root changes is kept brick by brick, so that a threshold
+//! that is dragged for minutes costs what it changes and not what the scan holds.
+
+use std::sync::Arc;
+
+use glam::{DMat3, DVec3, IVec3, UVec3};
+use palpate_volume::bit_brick::BitBrick;
+use palpate_volume::bits::Bits;
+use palpate_volume::brick_grid::BrickSwap;
+use palpate_volume::edit::SegmentId;
+use palpate_volume::grid::Grid;
+use palpate_volume::voxel_box::VoxelBox;
+use rtrb::Consumer;
+use serde::{Deserialize, Serialize};
+
+use crate::feel::Feel;
+use crate::handover::{ServoCommand, Snapshot};
+use crate::servo_state::ServoState;
+use crate::settings::Settings;
+use crate::touchable::Part;
+
+/// Memory for the changes of one recording, at most; a brick counts as if nobody shared it.
+pub const MAX_TAPE_BYTES: usize = 1 << 29;
+
+/// A swap with a brick of its own, whose counters fill a cache line.
+const SWAP_BYTES: usize = size_of::<PartSwap>() + 2 * size_of::<BitBrick>();
+
+/// A command, without its bricks.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum TapeCommand {
+    /// All that can be touched was replaced; the bricks are those that it changed.
+    Root {
+        /// Number of the change.
+        sequence: u64,
+        /// The segments, by rising number.
+        parts: Vec<TapePart>,
+        /// Radius of the probe [mm].
+        radius: f64,
+    },
+    /// Some bricks were replaced.
+    Bricks {
+        /// Number of the change.
+        sequence: u64,
+    },
+    /// Probe, hand and perhaps the device were brought to a point [mm].
+    Place {
+        /// Where to.
+        point: DVec3,
+        /// Hand targets up to this number were forgotten.
+        hand: u64,
+        /// Whether the device was brought there too.
+        device_too: bool,
+    },
+    /// The axes of the device were turned.
+    Turn(DMat3),
+    /// New settings.
+    Settings(Settings),
+    /// How the surface of a segment felt from then on.
+    Feel(u8, Feel),
+    /// A recording began anew.
+    Mark,
+}
+
+/// A segment that can be touched, without its voxels.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TapePart {
+    /// Which segment.
+    pub id: u8,
+    /// A box that holds its voxels where it was moved: first voxel, and one past the last.
+    pub moved: Option<(IVec3, IVec3)>,
+}
+
+impl From<&Part> for TapePart {
+    fn from(part: &Part) -> Self {
+        Self {
+            id: part.id.0,
+            moved: part.moved.map(|bounds| (bounds.min, bounds.max)),
+        }
+    }
+}
+
+/// A brick of a segment.
+pub type PartSwap = (SegmentId, BrickSwap<BitBrick>);
+
+/// A command with its bricks.
+#[derive(Clone, Debug)]
+pub struct TapeEntry {
+    /// What was to be done.
+    pub command: TapeCommand,
+    /// Bricks of a change, by rising segment and index, each once.
+    pub swaps: Vec<PartSwap>,
+}
+
+/// The state that a recording began with, and every command since.
+#[derive(Clone, Debug)]
+pub struct Tape {
+    /// Where the scan stands.
+    pub grid: Grid,
+    /// The servo's state before the tick `state.tick`, with nothing held back.
+    pub state: ServoState,
+    /// What could be touched then, by rising number.
+    pub parts: Vec<Part>,
+    /// Radius of the probe then [mm].
+    pub radius: f64,
+    /// Commands from number `state.command + 1` on, without a gap.
+    pub entries: Vec<TapeEntry>,
+    /// Whether there was no memory for the commands that came after.
+    pub is_full: bool,
+}
+
+/// Keeps a tape; shared by the simulation, which sends, and whoever wants the recording.
+#[derive(Debug)]
+pub struct TapeRecorder {
+    snapshots: Consumer<Snapshot>,
+    stage: Stage,
+    max_bytes: usize,
+}
+
+/// How far a recording is.
+#[derive(Debug)]
+enum Stage {
+    /// Nobody wants one.
+    Idle,
+    /// It begins as soon as the servo follows all changes.
+    Wanted,
+    /// All that is sent is noted.
+    Running(Box<Writer>),
+}
+
+/// What is noted.
+#[derive(Debug)]
+struct Writer {
+    /// Number of the mark.
+    mark: u64,
+    grid: Grid,
+    first: Vec<Part>,
+    radius: f64,
+    /// The servo's state at the mark, once it has told it.
+    state: Option<ServoState>,
+    /// What the servo will touch once it has obeyed all that was noted.
+    latest: Vec<Part>,
+    entries: Vec<TapeEntry>,
+    bytes: usize,
+    is_full: bool,
+}
+
+impl TapeRecorder {
+    /// A recorder that gets the servo's states here.
+    #[must_use]
+    pub fn new(snapshots: Consumer<Snapshot>) -> Self {
+        Self {
+            snapshots,
+            stage: Stage::Idle,
+            max_bytes: MAX_TAPE_BYTES,
+        }
+    }
+
+    /// Limits the memory for changes, for tests.
+    pub fn limit(&mut self, max_bytes: usize) {
+        self.max_bytes = max_bytes;
+    }
+
+    /// Asks for a tape; one that runs is thrown away.
+    pub fn want(&mut self) {
+        self.stage = Stage::Wanted;
+    }
+
+    /// Whether a tape waits for its beginning.
+    #[must_use]
+    pub fn is_wanted(&self) -> bool {
+        matches!(self.stage, Stage::Wanted)
+    }
+
+    /// Whether the running tape is full.
+    #[must_use]
+    pub fn is_full(&self) -> bool {
+        matches!(&self.stage, Stage::Running(writer) if writer.is_full)
+    }
+
+    /// Notes that the mark with this number is sent, and what will be solid by then.
+    pub fn begin(&mut self, mark: u64, grid: Grid, parts: Vec<Part>, radius: f64) {
+        self.stage = Stage::Running(Box::new(Writer {
+            mark,
+            grid,
+            first: parts.clone(),
+            radius,
+            state: None,
+            latest: parts,
+            entries: Vec::new(),
+            bytes: 0,
+            is_full: false,
+        }));
+    }
+
+    /// Notes a command that is sent after the mark.
+    pub fn note(&mut self, command: &ServoCommand) {
+        if let Stage::Running(writer) = &mut self.stage {
+            writer.note(command, self.max_bytes);
+        }
+    }
+
+    /// Takes the state that the servo was asked for.
+    pub fn collect(&mut self) {
+        while let Ok(Snapshot { state, held }) = self.snapshots.pop() {
+            match &mut self.stage {
+                Stage::Running(writer) if writer.mark == state.command => {
+                    if held {
+                        self.stage = Stage::Wanted;
+                    } else {
+                        writer.state = Some(state);
+                    }
+                }
+                // the state of a recording that was thrown away
+                _ => {}
+            }
+        }
+    }
+
+    /// Ends the recording and gives it; none where it has not begun.
+    pub fn finish(&mut self) -> Option<Tape> {
+        self.collect();
+        match std::mem::replace(&mut self.stage, Stage::Idle) {
+            Stage::Running(writer) => Some(Tape {
+                grid: writer.grid,
+                state: writer.state?,
+                parts: writer.first,
+                radius: writer.radius,
+                entries: writer.entries,
+                is_full: writer.is_full,
+            }),
+            Stage::Idle | Stage::Wanted => None,
+        }
+    }
+}
+
+impl Writer {
+    fn note(&mut self, command: &ServoCommand, max_bytes: usize) {
+        if self.is_full {
+            return;
+        }
+        let entry = self.entry(command);
+        self.bytes += size_of::<TapeEntry>() + entry.swaps.len() * SWAP_BYTES;
+        if self.bytes > max_bytes {
+            self.is_full = true;
+        } else {
+            self.entries.push(entry);
+        }
+    }
+
+    fn entry(&mut self, command: &ServoCommand) -> TapeEntry {
+        let mut swaps = Vec::new();
+        let command = match command {
+            ServoCommand::Root {
+                sequence,
+                touchable,
+            } => {
+                for part in &touchable.parts {
+                    swaps.extend(changed_bricks(&self.latest, part));
+                }
+                self.latest.clone_from(&touchable.parts);
+                TapeCommand::Root {
+                    sequence: *sequence,
+                    parts: touchable.parts.iter().map(TapePart::from).collect(),
+                    radius: touchable.radius,
+                }
+            }
+            ServoCommand::Bricks(change) => {
+                swaps.clone_from(&change.parts);
+                put(&mut self.latest, &swaps);
+                TapeCommand::Bricks {
+                    sequence: change.sequence,
+                }
+            }
+            &ServoCommand::Place {
+                point,
+                hand,
+                device_too,
+            } => TapeCommand::Place {
+                point,
+                hand,
+                device_too,
+            },
+            ServoCommand::Turn(rotation) => TapeCommand::Turn(*rotation),
+            ServoCommand::Settings(settings) => TapeCommand::Settings(*settings),
+            ServoCommand::Feel(id, feel) => TapeCommand::Feel(id.0, *feel),
+            ServoCommand::Mark => TapeCommand::Mark,
+        };
+        TapeEntry { command, swaps }
+    }
+}
+
+/// Puts bricks in the place of those that are there.
+pub fn put(parts: &mut [Part], swaps: &[PartSwap]) {
+    for (id, swap) in swaps {
+        if let Ok(place) = place_of(parts, *id) {
+            parts[place].bits.swap(&mut swap.clone());
+        }
+    }
+}
+
+/// Parts as a new root has them: those that stay keep their voxels, new ones have none yet.
+#[must_use]
+pub fn rooted(old: &[Part], new: &[TapePart], dimensions: UVec3) -> Vec<Part> {
+    let part = |part: &TapePart| {
+        let id = SegmentId(part.id);
+        let bits = match place_of(old, id) {
+            Ok(place) => old[place].bits.clone(),
+            Err(_) => Bits::empty(dimensions),
+        };
+        let moved = part.moved.map(|(min, max)| VoxelBox::new(min, max));
+        Part { id, bits, moved }
+    };
+    new.iter().map(part).collect()
+}
+
+fn place_of(parts: &[Part], id: SegmentId) -> Result<usize, usize> {
+    parts.binary_search_by_key(&id.0, |part| part.id.0)
+}
+
+/// The bricks of a part that hold other voxels than before.
+fn changed_bricks(old: &[Part], new: &Part) -> Vec<PartSwap> {
+    let old = place_of(old, new.id).ok().map(|place| &old[place].bits);
+    let before = |index| old.and_then(|bits| bits.bricks().get(index));
+    (0..)
+        .zip(new.bits.bricks().entries())
+        .filter(|(index, brick)| !is_same(before(*index), brick.as_ref()))
+        .map(|(index, brick)| {
+            let brick = brick.clone();
+            (new.id, BrickSwap { index, brick })
+        })
+        .collect()
+}
+
+fn is_same(old: Option<&Arc<BitBrick>>, new: Option<&Arc<BitBrick>>) -> bool {
+    match (old, new) {
+        (Some(old), Some(new)) => Arc::ptr_eq(old, new) || old == new,
+        (old, new) => old.is_none() && new.is_none(),
+    }
+}

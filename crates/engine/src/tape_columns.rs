@@ -1,0 +1,304 @@
+//! A tape as columns of plain numbers, as files hold it.
+//!
+//! State and commands are MessagePack with named fields, numbers to the bit; bricks are a place
+//! in the directory and eight words each, no solid voxel where there is no brick. What comes from
+//! a file is checked before anything is made of it.
+
+use palpate_haptics::ball::{BallError, BallShape};
+use palpate_haptics::scene::MAX_OBJECTS;
+use palpate_volume::bit_brick::BitBrick;
+use palpate_volume::bits::Bits;
+use palpate_volume::brick_grid::{BRICK, BrickSwap};
+use palpate_volume::edit::SegmentId;
+use palpate_volume::grid::Grid;
+use palpate_volume::voxel_box::VoxelBox;
+use serde::{Deserialize, Serialize};
+
+use crate::handover::MAX_BRICKS;
+use crate::servo_state::ServoState;
+use crate::settings::SettingsError;
+use crate::tape::{PartSwap, Tape, TapeCommand, TapeEntry, TapePart, put, rooted};
+
+/// Most voxels of a scan in a file; more are not read, so that no file can ask for all memory.
+pub const MAX_FILE_VOXELS: u64 = 1 << 33;
+
+/// Names the build that computes; see `build.rs` of this crate.
+pub const BUILD: &str = env!("PALPATE_BUILD");
+
+/// A tape by columns.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TapeColumns {
+    /// Grid and state, MessagePack.
+    pub start: Vec<u8>,
+    /// All commands, MessagePack, one after the other.
+    pub commands: Vec<u8>,
+    /// Where each command ends in `commands`.
+    pub command_ends: Vec<u64>,
+    /// Where the bricks of each command end in `bricks`.
+    pub brick_ends: Vec<u64>,
+    /// Bricks of all commands.
+    pub bricks: BrickColumns,
+    /// Bricks that were solid at the start.
+    pub solid: BrickColumns,
+}
+
+/// Bricks by columns.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct BrickColumns {
+    /// Number of the segment.
+    pub segment: Vec<u8>,
+    /// Place in the directory, x fastest.
+    pub index: Vec<u32>,
+    /// Voxels: one word per z, bit = 8 · y + x.
+    pub words: Vec<[u64; 8]>,
+}
+
+/// Why columns are no tape.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum TapeError {
+    /// The state cannot be read.
+    #[error("the state at the start cannot be read ({0})")]
+    Start(String),
+    /// A command cannot be read.
+    #[error("command {number} cannot be read ({reason})")]
+    Command {
+        /// Which one, from 0.
+        number: usize,
+        /// Why.
+        reason: String,
+    },
+    /// Settings that no session has.
+    #[error(transparent)]
+    Settings(#[from] SettingsError),
+    /// Columns of different length, or ends that do not rise.
+    #[error("its columns do not fit together")]
+    Lengths,
+    /// Too many bricks at once, or not by rising place.
+    #[error("its bricks are out of order")]
+    Bricks,
+    /// Segments out of order, or more moved ones than there can be.
+    #[error("its segments are out of order")]
+    Parts,
+    /// No such probe fits these voxels.
+    #[error(transparent)]
+    Ball(#[from] BallError),
+    /// Voxels beyond the border of the scan.
+    #[error("it has voxels outside of its scan")]
+    Outside,
+    /// More voxels than are read.
+    #[error("its scan has {given} voxels; allowed: at most {MAX_FILE_VOXELS}")]
+    TooLarge {
+        /// Voxels of the scan.
+        given: u64,
+    },
+}
+
+/// What stands in front of the commands.
+#[derive(Serialize, Deserialize)]
+struct Start {
+    grid: Grid,
+    state: ServoState,
+    parts: Vec<TapePart>,
+    radius: f64,
+    is_full: bool,
+}
+
+impl From<&Tape> for TapeColumns {
+    fn from(tape: &Tape) -> Self {
+        let mut columns = Self {
+            start: packed(&Start {
+                grid: tape.grid,
+                state: tape.state,
+                parts: tape.parts.iter().map(TapePart::from).collect(),
+                radius: tape.radius,
+                is_full: tape.is_full,
+            }),
+            ..Self::default()
+        };
+        for part in &tape.parts {
+            for (index, brick) in (0..).zip(part.bits.bricks().entries()) {
+                if let Some(brick) = brick {
+                    columns.solid.push(part.id, index, **brick);
+                }
+            }
+        }
+        for entry in &tape.entries {
+            columns.commands.extend(packed(&entry.command));
+            columns.command_ends.push(columns.commands.len() as u64);
+            for (id, swap) in &entry.swaps {
+                let brick = swap.brick.as_deref().copied();
+                columns
+                    .bricks
+                    .push(*id, swap.index, brick.unwrap_or_default());
+            }
+            columns.brick_ends.push(columns.bricks.index.len() as u64);
+        }
+        columns
+    }
+}
+
+impl TryFrom<&TapeColumns> for Tape {
+    type Error = TapeError;
+
+    fn try_from(columns: &TapeColumns) -> Result<Self, TapeError> {
+        let start: Start = rmp_serde::from_slice(&columns.start)
+            .map_err(|error| TapeError::Start(error.to_string()))?;
+        let Start {
+            grid,
+            state,
+            parts,
+            radius,
+            is_full,
+        } = start;
+        let given = grid.voxel_count() as u64;
+        if given > MAX_FILE_VOXELS {
+            return Err(TapeError::TooLarge { given });
+        }
+        state.settings.check()?;
+
+        check_parts(&parts, radius, &grid)?;
+
+        let empty = Bits::empty(grid.dimensions());
+        let mut parts = rooted(&[], &parts, grid.dimensions());
+        let solid = columns.solid.swaps(0..columns.solid.index.len(), &empty)?;
+        put(&mut parts, &solid);
+        let entries = columns.entries(&empty, &grid)?;
+        Ok(Self {
+            grid,
+            state,
+            parts,
+            radius,
+            entries,
+            is_full,
+        })
+    }
+}
+
+impl TapeColumns {
+    /// The commands for a servo that touches voxels like `bits`.
+    fn entries(&self, bits: &Bits, grid: &Grid) -> Result<Vec<TapeEntry>, TapeError> {
+        if self.command_ends.len() != self.brick_ends.len() {
+            return Err(TapeError::Lengths);
+        }
+        let commands = ranges(&self.command_ends, self.commands.len())?;
+        let bricks = ranges(&self.brick_ends, self.bricks.index.len())?;
+        let mut entries = Vec::with_capacity(commands.len());
+        for (number, (bytes, bricks)) in commands.into_iter().zip(bricks).enumerate() {
+            let command: TapeCommand =
+                rmp_serde::from_slice(&self.commands[bytes]).map_err(|error| {
+                    let reason = error.to_string();
+                    TapeError::Command { number, reason }
+                })?;
+            check(&command, bricks.len(), grid)?;
+            let swaps = self.bricks.swaps(bricks, bits)?;
+            entries.push(TapeEntry { command, swaps });
+        }
+        Ok(entries)
+    }
+}
+
+impl BrickColumns {
+    fn push(&mut self, id: SegmentId, index: u32, brick: BitBrick) {
+        self.segment.push(id.0);
+        self.index.push(index);
+        self.words.push(brick.0);
+    }
+
+    /// Some of the bricks, checked against a grid of the size of `bits`.
+    fn swaps(
+        &self,
+        range: std::ops::Range<usize>,
+        bits: &Bits,
+    ) -> Result<Vec<PartSwap>, TapeError> {
+        let count = self.index.len();
+        if self.words.len() != count || self.segment.len() != count {
+            return Err(TapeError::Lengths);
+        }
+        let index = &self.index[range.clone()];
+        let segment = &self.segment[range.clone()];
+        // strictly rising, so that each is there once
+        let places: Vec<(u8, u32)> = segment.iter().copied().zip(index.iter().copied()).collect();
+        let in_order = places.is_sorted_by(|before, after| before < after);
+        let within = index
+            .iter()
+            .all(|&index| (index as usize) < bits.bricks().len());
+        if !in_order || !within {
+            return Err(TapeError::Bricks);
+        }
+        let bricks = places.into_iter().zip(&self.words[range]);
+        bricks
+            .map(|((id, index), &words)| Ok((SegmentId(id), swap(index, BitBrick(words), bits)?)))
+            .collect()
+    }
+}
+
+/// A brick to put in its place; none of its voxels may be beyond the border.
+fn swap(index: u32, brick: BitBrick, bits: &Bits) -> Result<BrickSwap<BitBrick>, TapeError> {
+    let voxels = bits.bricks().box_of(index);
+    let inside = voxels.intersect(&VoxelBox::of_dimensions(bits.dimensions()));
+    let size = (inside.max - inside.min).as_uvec3();
+    if size.min_element() < BRICK as u32 {
+        let allowed = BitBrick::filled(size);
+        if (0..8).any(|z| brick.0[z] & !allowed.0[z] != 0) {
+            return Err(TapeError::Outside);
+        }
+    }
+    Ok(BrickSwap {
+        index,
+        brick: brick.shared(),
+    })
+}
+
+/// Refuses segments that are not by rising number, too many moved ones, and a ball too large.
+fn check_parts(parts: &[TapePart], radius: f64, grid: &Grid) -> Result<(), TapeError> {
+    let in_order = parts.is_sorted_by(|before, after| before.id < after.id);
+    let moved = parts.iter().filter(|part| part.moved.is_some()).count();
+    if !in_order || moved > MAX_OBJECTS || parts.iter().any(|part| part.id == 0) {
+        return Err(TapeError::Parts);
+    }
+    if radius != 0.0 {
+        BallShape::new(radius, grid.spacing())?;
+    }
+    Ok(())
+}
+
+/// Refuses a command that no simulation sends.
+fn check(command: &TapeCommand, bricks: usize, grid: &Grid) -> Result<(), TapeError> {
+    let allowed = match command {
+        TapeCommand::Root { parts, radius, .. } => {
+            check_parts(parts, *radius, grid)?;
+            usize::MAX
+        }
+        TapeCommand::Bricks { .. } => MAX_BRICKS,
+        TapeCommand::Settings(settings) => {
+            settings.check()?;
+            0
+        }
+        TapeCommand::Feel(_, feel) => {
+            feel.check()?;
+            0
+        }
+        TapeCommand::Place { .. } | TapeCommand::Turn(_) | TapeCommand::Mark => 0,
+    };
+    if bricks > allowed {
+        return Err(TapeError::Bricks);
+    }
+    Ok(())
+}
+
+/// The ranges between rising ends, the last of which is `length`.
+fn ranges(ends: &[u64], length: usize) -> Result<Vec<std::ops::Range<usize>>, TapeError> {
+    let last = ends.last().copied().unwrap_or(0);
+    if !ends.is_sorted() || last != length as u64 {
+        return Err(TapeError::Lengths);
+    }
+    let starts = std::iter::once(0).chain(ends.iter().copied());
+    let pairs = starts.zip(ends.iter().copied());
+    Ok(pairs
+        .map(|(start, end)| start as usize..end as usize)
+        .collect())
+}
+
+fn packed(value: &impl Serialize) -> Vec<u8> {
+    rmp_serde::to_vec_named(value).expect("numbers and names can be written")
+}

@@ -1,0 +1,169 @@
+"""``palpate bench stress``: random fast moves with every guarantee of touch checked at each.
+
+Runs are made of a seed and a number, so that a violation is told by these two and found again
+by ``--replay``. The loops and the checker run in the engine, on all cores.
+"""
+
+from __future__ import annotations
+
+import json
+import time
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any, Self, cast
+
+from palpate import _core
+from palpate.bench.goals import GOALS
+from palpate.bench.report import Row, row_of
+from palpate.errors import OptionError
+from palpate.progress import Progress, silent
+from palpate.segment import Segment
+
+__all__ = ["Found", "Plan", "again", "measure", "rows_of", "write_case"]
+
+CHUNK_SECONDS = 0.5
+"""Between two calls of the engine Ctrl-C is heard and progress shown."""
+
+MOST_RUNS = 2**32
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Which runs are made."""
+
+    seed: int
+    model: str = "exact"
+    data: str | None = None
+    """The scan; the phantom where there is none."""
+    run: int = 0
+    """The first run."""
+
+    def __post_init__(self) -> None:
+        """Refuses seeds that the engine does not know."""
+        if not (0 <= self.seed < 2**64 and 0 <= self.run < MOST_RUNS):
+            raise OptionError(f"seed {self.seed} given; allowed: 0 to {2**64 - 1}")
+
+    @classmethod
+    def of_file(cls, path: Path) -> Self:
+        """Returns the run of a violation that was written.
+
+        Raises:
+            OptionError: The file is no such case.
+        """
+        try:
+            told = json.loads(path.read_text(encoding="utf-8"))
+            data = told["data"]
+            return cls(
+                seed=int(told["seed"]),
+                model=str(told["model"]),
+                data=None if data is None else str(data),
+                run=int(told["run"]),
+            )
+        except (KeyError, TypeError, ValueError) as error:
+            raise OptionError(
+                f"{path} is no case of palpate bench stress ({error}); "
+                "allowed: a file that it wrote"
+            ) from None
+
+
+@dataclass(frozen=True)
+class Found:
+    """What came of some runs."""
+
+    plan: Plan
+    moves: int = 0
+    contacts: int = 0
+    edits: int = 0
+    seconds: float = 0.0
+    violation: dict[str, Any] | None = None
+
+    def told(self) -> str:
+        """Says what was violated."""
+        told = self.violation or {}
+        return (
+            f"guarantee {told.get('guarantee')} violated in run {told.get('run')} of seed "
+            f"{self.plan.seed} after {told.get('move')} moves: {told.get('what')}\n"
+            f"{told.get('plan')}"
+        )
+
+
+def measure(bone: Segment, plan: Plan, *, moves: int, progress: Progress = silent) -> Found:
+    """Makes runs until there are so many moves, or a violation.
+
+    Args:
+        bone: Parts of it are some of the worlds.
+        plan: Seed and model.
+        moves: Least number of moves.
+        progress: Told how far it is.
+
+    Raises:
+        OptionError: The number of moves or the model is not allowed.
+    """
+    if moves < 1:
+        raise OptionError(f"{moves} moves given; allowed: 1 or more")
+    found = Found(plan)
+    run, count = plan.run, 8
+    begun = time.monotonic()
+    while found.moves < moves and found.violation is None:
+        progress(f"{found.moves / 1e6:.1f} M moves, no violation", found.moves / moves)
+        chunk_begun = time.monotonic()
+        found = _and(found, _runs(bone, plan, run=run, count=count))
+        run += count
+        # as many runs as fit between two looks at the keyboard
+        took = time.monotonic() - chunk_begun
+        count = max(4, min(1000, round(count * CHUNK_SECONDS / max(took, 1e-3))))
+        # no more than needed, once the moves of a run are known
+        left = moves - found.moves
+        per_run = max(1, found.moves // (run - plan.run))
+        count = max(1, min(count, -(-left // per_run)))
+    return replace(found, seconds=time.monotonic() - begun)
+
+
+def again(bone: Segment, plan: Plan) -> Found:
+    """Makes one run again."""
+    begun = time.monotonic()
+    found = _and(Found(plan), _runs(bone, plan, run=plan.run, count=1))
+    return replace(found, seconds=time.monotonic() - begun)
+
+
+def _runs(bone: Segment, plan: Plan, *, run: int, count: int) -> dict[str, Any]:
+    try:
+        return _core.bench_stress(
+            plan.seed,
+            run,
+            count,
+            cast("Any", plan.model),
+            bone.volume._internal,  # noqa: SLF001
+            bone._internal,  # noqa: SLF001
+        )
+    except ValueError as error:
+        raise OptionError(str(error)) from None
+
+
+def _and(found: Found, report: dict[str, Any]) -> Found:
+    """Adds what further runs gave."""
+    return replace(
+        found,
+        moves=found.moves + report["moves"],
+        contacts=found.contacts + report["contacts"],
+        edits=found.edits + report["edits"],
+        violation=report["violation"],
+    )
+
+
+def rows_of(found: Found) -> list[Row]:
+    """Returns the figures."""
+    report = {
+        "violations": float(found.violation is not None),
+        "moves": float(found.moves),
+        "contact_share": found.contacts / max(1, found.moves),
+        "edits": float(found.edits),
+        "per_second": found.moves / max(found.seconds, 1e-9),
+    }
+    return [row_of(goal, report) for goal in GOALS["stress"]]
+
+
+def write_case(found: Found, path: Path) -> None:
+    """Writes a violation so that its run can be made again."""
+    told = {"bench": "stress", **asdict(found.plan), **(found.violation or {})}
+    path.write_text(json.dumps(told, indent=2) + "\n", encoding="utf-8")

@@ -1,0 +1,15 @@
+"""Which Palpate this is."""
+
+from __future__ import annotations
+
+from importlib.metadata import PackageNotFoundError, version
+
+__all__ = ["package_version"]
+
+
+def package_version() -> str:
+    """Returns the version of the installed package."""
+    try:
+        return version("palpate")
+    except PackageNotFoundError:
+        return "unknown"

@@ -1,0 +1,67 @@
+"""Recordings as tables for other programs: CSV, and NumPy archives with a column each.
+
+Numbers are written so that reading them gives the same bits, with "." in every country. Lengths
+mm, forces N, times s, points in the scene (LPS); the orientation is a quaternion x, y, z, w that
+takes the device's handle to the device's axes.
+"""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["write_csv", "write_npz"]
+
+Columns = dict[str, NDArray[Any]]
+
+EXPORTED: dict[str, tuple[str, ...]] = {
+    "tick": ("tick",),
+    "time": ("time_s",),
+    "device": ("device_x_mm", "device_y_mm", "device_z_mm"),
+    "proxy": ("proxy_x_mm", "proxy_y_mm", "proxy_z_mm"),
+    "orientation": ("orientation_x", "orientation_y", "orientation_z", "orientation_w"),
+    "buttons": ("buttons",),
+    "force": ("force_x_N", "force_y_N", "force_z_N"),
+    "sent_force": ("sent_x_N", "sent_y_N", "sent_z_N"),
+    "contact": ("contact",),
+    "touched": ("touched_segment",),
+}
+"""Names of columns in a recording and in a table; ``event`` stands after them."""
+
+ROWS_AT_ONCE = 10_000
+
+
+def write_csv(path: Path, ticks: Columns, events: Sequence[str]) -> None:
+    """Writes a row per tick under a line of names; contact is 0 or 1."""
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow([name for names in EXPORTED.values() for name in names] + ["event"])
+        for first in range(0, len(events), ROWS_AT_ONCE):
+            rows = slice(first, first + ROWS_AT_ONCE)
+            columns = [_numbers(ticks[name][rows]) for name in EXPORTED]
+            parts = zip(*columns, events[rows], strict=True)
+            writer.writerows([*_flat(part[:-1]), part[-1]] for part in parts)
+
+
+def write_npz(path: Path, ticks: Columns, events: Sequence[str]) -> None:
+    """Writes arrays under the names of a recording's columns, and ``event``."""
+    columns = {name: ticks[name] for name in EXPORTED}
+    with path.open("wb") as file:
+        np.savez_compressed(
+            file, allow_pickle=False, event=np.asarray(list(events), dtype=np.str_), **columns
+        )
+
+
+def _numbers(column: NDArray[Any]) -> list[Any]:
+    """Returns Python's numbers, whose text gives the same bits again."""
+    numbers: list[Any] = (column.astype(np.uint8) if column.dtype == bool else column).tolist()
+    return numbers
+
+
+def _flat(parts: Sequence[Any]) -> list[Any]:
+    return [number for part in parts for number in (part if isinstance(part, list) else (part,))]

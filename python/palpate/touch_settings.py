@@ -1,0 +1,33 @@
+"""How touch feels: the contact model, the spring, friction, the probe and the largest force."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+__all__ = ["ContactModel", "TouchSettings"]
+
+ContactModel = Literal["exact", "thesis-original", "thesis-improved"]
+"""Contact models by name; ``exact`` is the one to use, the others are for comparison."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class TouchSettings:
+    """Settings of touch; what is None stays as it is, at first the engine's own choice."""
+
+    model: ContactModel | None = None
+    """What moves the probe over the voxels."""
+    stiffness: float | None = None
+    """Of the spring between probe and device [N/mm], more than 0, at most 10."""
+    damping: float | None = None
+    """Of the damper beside it [N·s/mm], 0 to 0.1."""
+    friction_static: float | None = None
+    """Coulomb coefficient of a probe that sticks, 0 to 2."""
+    friction_kinetic: float | None = None
+    """Coulomb coefficient of a probe that slides, at most the static one."""
+    smoothing: bool | None = None
+    """Whether the force comes from the smooth surface; else the voxels' stairs are felt."""
+    probe_radius: float | None = None
+    """Radius of the probe [mm]; 0 is a point."""
+    force_limit: float | None = None
+    """Largest force [N], more than 0, at most 40."""

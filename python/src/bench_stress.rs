@@ -1,0 +1,64 @@
+//! `_core.bench_stress`: for `palpate bench stress`.
+
+use palpate_engine::bench::Model;
+use palpate_engine::bench::stress::{Report, Source, runs};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::errors::CoreError;
+use crate::segment::PySegment;
+use crate::settings::model_named;
+use crate::volume::PyVolume;
+
+/// Makes runs `first` to `first + count` of a seed, on all cores, in parts of this bone.
+#[pyfunction]
+#[pyo3(signature = (seed, first, count, model, volume = None, segment = None))]
+pub fn bench_stress<'py>(
+    py: Python<'py>,
+    seed: u64,
+    first: u64,
+    count: u64,
+    model: &str,
+    volume: Option<&PyVolume>,
+    segment: Option<&PySegment>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let model = model_named(model)?;
+    let end = first.checked_add(count).ok_or_else(|| {
+        CoreError::value(format!("{count} runs from {first} given; allowed: 64 bits"))
+    })?;
+    let report = py.detach(|| {
+        let bone = volume.zip(segment).map(|(volume, segment)| Source {
+            grid: &volume.grid,
+            bits: segment.segment.occupancy(),
+        });
+        runs(seed, first..end, model, bone)
+    });
+    report_dict(py, model, &report)
+}
+
+fn report_dict<'py>(
+    py: Python<'py>,
+    model: Model,
+    report: &Report,
+) -> PyResult<Bound<'py, PyDict>> {
+    let dictionary = PyDict::new(py);
+    for (name, value) in [
+        ("moves", report.moves),
+        ("contacts", report.contacts),
+        ("edits", report.edits),
+    ] {
+        dictionary.set_item(name, value)?;
+    }
+    let found = report.violation.as_ref().map(|found| {
+        let told = PyDict::new(py);
+        told.set_item("run", found.run)?;
+        told.set_item("move", found.at_move)?;
+        told.set_item("model", model.name())?;
+        told.set_item("guarantee", found.violation.guarantee as u8)?;
+        told.set_item("what", &found.violation.what)?;
+        told.set_item("plan", format!("{:?}", found.plan))?;
+        PyResult::Ok(told)
+    });
+    dictionary.set_item("violation", found.transpose()?)?;
+    Ok(dictionary)
+}
