@@ -145,7 +145,6 @@ fn time_tick(grid: &Grid, solid: &Bits, model: &impl ContactModel, stroke: &Stro
         velocity_in_scene: DVec3::ZERO,
         damping: Settings::default().damping,
         smoothing: true,
-        settling: 0.0,
     };
     // with friction, as bone has it
     let surface = Uniform(Surface {

@@ -38,9 +38,6 @@ pub const MAX_COMMANDS_PER_TICK: usize = 16;
 /// found one; this is for changes that are still on their way.
 const PLACE_REACH: i32 = 3;
 
-/// Ticks over which a hand at rest feels that settings were changed.
-const SETTLING_TICKS: u32 = 200;
-
 /// What a servo begins with.
 #[derive(Debug)]
 pub struct ServoStart {
@@ -100,7 +97,6 @@ impl ServoLoop {
             settings: start.settings,
             feels: start.feels,
             poses: MovedPoses::default(),
-            settling: 0,
             hand: start.probe,
             forgotten_hand: 0,
             received: 0,
@@ -180,7 +176,6 @@ impl ServoLoop {
         self.publish_status(inputs, &output);
         self.record(inputs, &output, sent_in_device);
         self.state.tick += 1;
-        self.state.settling = self.state.settling.saturating_sub(1);
         self.publish_snapshot();
     }
 
@@ -270,14 +265,8 @@ impl ServoLoop {
                 self.place(point, device_too.then_some(device));
             }
             Some(ServoCommand::Turn(rotation)) => self.state.mapping.turn(device, rotation),
-            Some(ServoCommand::Settings(settings)) => {
-                self.state.settings = settings;
-                self.state.settling = SETTLING_TICKS;
-            }
-            Some(ServoCommand::Feel(id, feel)) => {
-                self.state.feels.set(id, feel);
-                self.state.settling = SETTLING_TICKS;
-            }
+            Some(ServoCommand::Settings(settings)) => self.state.settings = settings,
+            Some(ServoCommand::Feel(id, feel)) => self.state.feels.set(id, feel),
             Some(ServoCommand::Pose(id, target)) => {
                 let touchable = self.occupancy.touchable();
                 self.state.poses.lead(id, target, &self.grid, touchable);
@@ -319,11 +308,6 @@ impl ServoLoop {
                 .velocity_to_scene(inputs.velocity_in_device),
             damping: self.state.settings.damping,
             smoothing: self.state.settings.smoothing,
-            settling: if self.state.settling > 0 {
-                1.0 / f64::from(SETTLING_TICKS)
-            } else {
-                0.0
-            },
         }
     }
 

@@ -29,8 +29,6 @@ pub struct ServoState {
     pub feels: Feels,
     /// Where moved segments stand and go.
     pub poses: MovedPoses,
-    /// Ticks in which a resting hand still feels that settings were changed.
-    pub settling: u32,
     /// Where the hand pulls the device to [mm].
     pub hand: DVec3,
     /// Hand targets up to this number are older than the last placement.

@@ -257,7 +257,7 @@ impl SurfaceBlend {
         };
         // a new contact begins as it is; `max` keeps a way that is none from counting
         let share = if self.touching {
-            (way / Self::full_change(depth, h)).max(0.0)
+            (way / h.max(3.0 * depth)).max(0.0)
         } else {
             f64::INFINITY
         };
@@ -266,11 +266,6 @@ impl SurfaceBlend {
         self.slip.follow(wanted.friction.slip, share);
         self.touching = true;
         self.feel()
-    }
-
-    /// The way of the hand [mm] over which a full change is felt.
-    pub(crate) fn full_change(depth: f64, h: f64) -> f64 {
-        h.max(3.0 * depth)
     }
 
     /// What the contact felt like in the last tick; none without contact.

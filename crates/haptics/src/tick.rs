@@ -34,9 +34,6 @@ pub struct TickInput {
     pub damping: f64,
     /// Whether the force comes from the smooth contact point; else stairs are felt.
     pub smoothing: bool,
-    /// Share of a full change of what the surface feels like that a resting hand feels, too:
-    /// more than 0 only while settings that were just changed come into force.
-    pub settling: f64,
 }
 
 /// All that changes from tick to tick. A recording begins with it, so that whatever stands here
@@ -239,9 +236,7 @@ impl<O: Occupancy, M: ContactModel, S: Surfaces> Tick<'_, O, M, S> {
             .feel(state, &contact, to, smooth.normal, touches)
             .or(was);
         let wanted = wanted.filter(|_| contact.touching || touches);
-        let depth = smooth.depth_mm;
-        let way = way + self.input.settling * SurfaceBlend::full_change(depth, h);
-        let feel = state.blend.follow(wanted, way, depth, h);
+        let feel = state.blend.follow(wanted, way, smooth.depth_mm, h);
         let friction = feel.map_or(Friction::NONE, |feel| feel.friction);
         let point = touches.then_some(target + smooth.offset);
         state.friction.remember(&friction, target, point);

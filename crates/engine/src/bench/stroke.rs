@@ -138,7 +138,6 @@ fn slide_from(
             damping: 0.0,
             // the depth is that of the hard proxy
             smoothing: false,
-            settling: 0.0,
         };
         let model = Exact::default();
         let output = tick(&scene, &model, &surface, &input, &mut state, &mut cache);

@@ -250,7 +250,6 @@ impl Press {
             velocity_in_scene: self.velocity_in_scene,
             damping: self.coupling.damping,
             smoothing,
-            settling: 0.0,
         }
     }
 }

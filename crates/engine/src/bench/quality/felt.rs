@@ -100,7 +100,6 @@ fn feel<'a, M: ContactModel + 'a>(
             velocity_in_scene: DVec3::ZERO,
             damping: 0.0,
             smoothing,
-            settling: 0.0,
         };
         let surface = Uniform::smooth(STIFFNESS);
         let output = tick(&scene, &model, &surface, &input, &mut state, &mut cache);

@@ -255,7 +255,6 @@ impl<'a, M: ContactModel> Run<'a, M> {
             velocity_in_scene: moved / DT,
             damping: self.damping,
             smoothing: self.smoothing,
-            settling: 0.0,
         };
         self.cache.set_epoch(self.epoch);
         let (model, surface) = (&self.model, &self.surface);
