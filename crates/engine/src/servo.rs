@@ -249,8 +249,14 @@ impl ServoLoop {
                 self.place(point, device_too.then_some(device));
             }
             Some(ServoCommand::Turn(rotation)) => self.state.mapping.turn(device, rotation),
-            Some(ServoCommand::Settings(settings)) => self.state.settings = settings,
-            Some(ServoCommand::Feel(id, feel)) => self.state.feels.set(id, feel),
+            Some(ServoCommand::Settings(settings)) => {
+                self.state.settings = settings;
+                self.state.touch.blend.tell();
+            }
+            Some(ServoCommand::Feel(id, feel)) => {
+                self.state.feels.set(id, feel);
+                self.state.touch.blend.tell();
+            }
             Some(ServoCommand::Mark) => self.marked = true,
             // changes of occupancy are taken elsewhere
             Some(ServoCommand::Root { .. } | ServoCommand::Bricks(_)) | None => {}
