@@ -265,8 +265,14 @@ impl ServoLoop {
                 self.place(point, device_too.then_some(device));
             }
             Some(ServoCommand::Turn(rotation)) => self.state.mapping.turn(device, rotation),
-            Some(ServoCommand::Settings(settings)) => self.state.settings = settings,
-            Some(ServoCommand::Feel(id, feel)) => self.state.feels.set(id, feel),
+            Some(ServoCommand::Settings(settings)) => {
+                self.state.settings = settings;
+                self.state.touch.blend.tell();
+            }
+            Some(ServoCommand::Feel(id, feel)) => {
+                self.state.feels.set(id, feel);
+                self.state.touch.blend.tell();
+            }
             Some(ServoCommand::Pose(id, target)) => {
                 let touchable = self.occupancy.touchable();
                 self.state.poses.lead(id, target, &self.grid, touchable);
