@@ -363,8 +363,10 @@ def test_contact_is_heard_once_a_person_has_asked_for_it(page: Browser) -> None:
     page.wait("window.palpate.sound.running", seconds=10.0)
     assert page.read("window.palpate.sound.level") == 0.0
 
-    page.read("window.__loudest = 0; void setInterval(() => { window.__loudest ="
-              " Math.max(window.__loudest, window.palpate.sound.level); }, 10)")
+    page.read(
+        "window.__loudest = 0; void setInterval(() => { window.__loudest ="
+        " Math.max(window.__loudest, window.palpate.sound.level); }, 10)"
+    )
     press(page, depth=8.0)
     page.wait("window.__loudest > 0.001", seconds=10.0)
     # at rest it is quiet again
@@ -389,10 +391,14 @@ def test_a_gamepad_is_found_moves_the_hand_and_rumbles_in_contact(page: Browser)
     page.read("void (window.__pad.buttons[7] = {pressed: true, value: 1})")
     page.wait("window.palpate.state.contact && window.palpate.state.depth > 1")
     page.read("void (window.__pad.buttons[7] = {pressed: false, value: 0})")
-    page.wait("window.__effects.some(effect => effect.kind === 'dual-rumble'"
-              " && effect.strongMagnitude > 0)")
-    strengths = page.read("window.__effects.flatMap(effect => effect.kind === 'reset' ? [] :"
-                          " [effect.strongMagnitude, effect.weakMagnitude])")
+    page.wait(
+        "window.__effects.some(effect => effect.kind === 'dual-rumble'"
+        " && effect.strongMagnitude > 0)"
+    )
+    strengths = page.read(
+        "window.__effects.flatMap(effect => effect.kind === 'reset' ? [] :"
+        " [effect.strongMagnitude, effect.weakMagnitude])"
+    )
     assert 0.0 <= min(strengths) <= max(strengths) <= 1.0
 
     # the lower button takes the hand from the sticks, and they turn the picture

@@ -402,3 +402,27 @@ def bench_stress(  # one per option of the command line
         write_case(found, case)
         typer.echo(f"again: palpate bench stress --replay {case}")
     return 1
+
+
+@bench.command("servo")
+def bench_servo(
+    *,
+    seconds: Annotated[float, typer.Option(help="Time of each case [s].")] = 10.0,
+    json_file: Annotated[
+        Path | None, typer.Option("--json", help="Write the figures to this file.")
+    ] = None,
+) -> None:
+    """Measure how late the ticks of the servo begin, at rest and with all cores busy."""
+    from palpate.bench.report import print_rows, write_rows
+    from palpate.bench.servo import measure, rows_of, told
+
+    with Display() as display:
+        found = measure(seconds, display)
+    for one in found:
+        typer.echo(told(one) + "\n")
+    rows = rows_of(found)
+    print_rows("servo", rows)
+    if not all(one.real_time for one in found):
+        warn("no real-time priority here; allowed: as root, or with ulimit -r 70")
+    if json_file is not None:
+        write_rows("servo", rows, json_file)

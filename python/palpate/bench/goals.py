@@ -133,6 +133,29 @@ def _quality(
     )
 
 
+RATES = (1000, 2000, 4000)
+"""Rates of the servo [Hz]."""
+LOADS = (False, True)
+"""Whether all cores are busy besides."""
+
+
+def servo_case(rate: int, load: bool) -> str:  # noqa: FBT001  # a pair
+    """Returns the name of a case of the servo."""
+    return f"{rate / 1000:g} kHz, {'all cores busy' if load else 'at rest'}"
+
+
+def _servo(case: str, *, late: float | None) -> tuple[Goal, ...]:
+    """Returns what is told of the servo; only 1 kHz has a goal."""
+    return (
+        Goal(case, "median", "p50_ms", 1e3, "µs", None, "lower"),
+        Goal(case, "p99", "p99_ms", 1e3, "µs", None, "lower"),
+        Goal(case, "p99.9", "p999_ms", 1e3, "µs", None, "lower"),
+        Goal(case, "max", "max_ms", 1e3, "µs", None, "lower"),
+        Goal(case, "more than 2 ms late", "late_share", 100.0, "%", late, "lower"),
+        Goal(case, "fell out", "missed_share", 100.0, "%", None, "lower"),
+    )
+
+
 GOALS: dict[str, tuple[Goal, ...]] = {
     "haptics": (
         _rate(DETECTION, 15.0),
@@ -161,6 +184,12 @@ GOALS: dict[str, tuple[Goal, ...]] = {
         Goal(RANDOM, "in contact", "contact_share", 100.0, "%", None, "higher"),
         Goal(RANDOM, "edits", "edits", 1e-6, "M", None, "higher"),
         Goal(RANDOM, "rate", "per_second", 1e-6, "M/s", None, "higher"),
+    ),
+    "servo": tuple(
+        row
+        for load in LOADS
+        for rate in RATES
+        for row in _servo(servo_case(rate, load), late=0.1 if rate == 1000 else None)
     ),
 }
 """Rows of each benchmark, in the order of its table."""
