@@ -94,12 +94,18 @@ LAG = {"plane below 10°": 0.5, "plane": 0.5, "sphere": 0.5, "torus": 1.5}
 """Largest lag of the force point [h]."""
 
 
+def quality_case(touch: Touch, body: str, grid: str, *, stroke: tuple[float, float]) -> str:
+    """Returns the name of a case of touch-quality."""
+    depth, step = stroke
+    return f"{touch}: {body}, {grid}, {depth:g} h deep, {step:g} h a move"
+
+
 def _quality(
     touch: Touch, body: str, grid: str, *, stroke: tuple[float, float]
 ) -> tuple[Goal, ...]:
     """Returns what is told of a body; only ``exact`` has goals."""
-    depth, step = stroke
-    case = f"{touch}: {body}, {grid}, {depth:g} h deep, {step:g} h a move"
+    depth, _ = stroke
+    case = quality_case(touch, body, grid, stroke=stroke)
 
     told_well = body in TOLD_WELL
     mean, most = DIRECTION[grid] if told_well else (None, None)
