@@ -157,9 +157,10 @@ test-browser: setup ## a real scan in a real browser: picture, contact, force
 # --- figures ----------------------------------------------------------------------------
 
 .PHONY: bench
-bench: setup bench-page ## measure everything: the page, Rust benchmarks, `palpate bench haptics`
+bench: setup bench-page ## measure everything: the page, Rust benchmarks, `palpate bench haptics` and `passivity`
 	cargo bench --locked --package palpate-benches
 	$(BIN)/palpate bench haptics
+	$(BIN)/palpate bench passivity
 
 SCANS ?= $(addprefix $(or $(PALPATE_DATA),../shared/data)/,cthead_stanford/CThead.mha amos_0336/amos_0336.mhd)
 

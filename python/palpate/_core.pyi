@@ -10,10 +10,12 @@ __all__ = [
     "Segment",
     "Session",
     "Volume",
+    "bench_passivity",
     "bench_stress",
     "bench_touch",
     "bench_touch_quality",
     "build",
+    "passivity_devices",
     "phantom",
     "replay_recording",
     "touch_quality_cases",
@@ -101,6 +103,7 @@ class Session:
         device: Literal["simulated", "scripted"] = "simulated",
         path: NDArray[np.float64] | None = None,
         rate_hz: int = 1000,
+        device_rate_hz: int | None = None,
         real_time: bool = True,
         start: _Triple | None = None,
         settings: Mapping[str, Any] | None = None,
@@ -112,7 +115,9 @@ class Session:
             volume: The scan.
             device: The simulated device with a hand, or one that follows ``path``.
             path: Rows (time, x, y, z), shape [count, 4], times rising; scene [mm].
-            rate_hz: Ticks of device and servo a second, 500 to 10000.
+            rate_hz: Ticks of the servo a second, 500 to 10000.
+            device_rate_hz: Readings of the device a second, 500 to 10000; None is the servo's
+                rate.
             real_time: Whether threads run by the clock, with real-time priority where the
                 system grants it; else the session stands still until ``run``.
             start: Where probe, device and hand begin; None is in front of the scan, or where
@@ -272,6 +277,32 @@ def bench_touch(
         ``count``, ``per_second`` (timed all together), ``median_ns``, ``p99_ns``, ``p999_ns``,
         ``max_ns`` (single calls), ``contact_share``, ``mean_visits`` (voxels read per call),
         ``mean_step`` (way per update in h; length of the rays in voxels).
+
+    Raises:
+        ValueError: The segment has no surface, or something given is not allowed.
+    """
+
+def passivity_devices() -> list[str]:
+    """Names of the devices of ``bench_passivity``, in the order of their report."""
+
+def bench_passivity(
+    device: str,
+    rate_hz: int,
+    seconds: float,
+    search_seconds: float,
+    wall: tuple[Volume, Segment] | None = None,
+) -> dict[str, float]:
+    """Presses, taps and slides with a simulated device on a flat wall, or on a segment.
+
+    ``seconds`` are shared by the three motions, at the stiffness that the device begins with;
+    ``search_seconds`` is the length of each motion while the largest stiffness is searched.
+
+    Returns:
+        ``stiffness`` (where the device begins), ``to_hand`` (net energy given to the hand, the
+        worst of the motions), ``of_one_contact`` (largest gain of one contact),
+        ``largest_force``, ``contact_share``, ``damped`` (ticks in which energy was taken
+        back), ``violations``, ``largest_stiffness`` (passive without taking back), ``bound``
+        (of sampling and delay, for any hand). N, mm, N·mm.
 
     Raises:
         ValueError: The segment has no surface, or something given is not allowed.

@@ -332,6 +332,41 @@ def bench_haptics(
         plot_haptics(rows, plot)
 
 
+@bench.command("passivity")
+def bench_passivity(
+    *,
+    data: Annotated[
+        Path | None, typer.Option(help="Scan to touch; by default the phantom.")
+    ] = None,
+    seconds: Annotated[float, typer.Option(help="Simulated time of each run.")] = 60.0,
+    device: Annotated[
+        list[str] | None, typer.Option(help="A device, again for more; by default all.")
+    ] = None,
+    json_file: Annotated[
+        Path | None, typer.Option("--json", help="Write the figures to this file.")
+    ] = None,
+) -> None:
+    """Measure whether touch gives the hand energy, and the stiffest wall that does not."""
+    from palpate.bench.passivity import DEVICES, measure, print_table
+    from palpate.bench.report import write_rows
+    from palpate.errors import OptionError
+    from palpate.io import read
+    from palpate.phantom_scan import phantom
+
+    for name in device or ():
+        if name not in DEVICES:
+            raise OptionError(f"device {name!r} given; allowed: {', '.join(DEVICES)}")
+    devices = [name for name in DEVICES if not device or name in device]
+    with quiet_libraries(), Display() as display:
+        display("loading the scan", None)
+        volume = phantom().volume if data is None else read(data, progress=display)
+        bone = volume.offered_bone()
+        rows = measure(bone, seconds=seconds, devices=devices, progress=display)
+    print_table(rows)
+    if json_file is not None:
+        write_rows("passivity", rows, json_file)
+
+
 @bench.command("touch-quality")
 def bench_touch_quality(
     *,

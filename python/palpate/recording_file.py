@@ -70,8 +70,10 @@ TAPE: dict[str, tuple[str, int]] = {
     "commands": ("|u1", 0),
     "command_ends": ("<u8", 0),
     "brick_ends": ("<u8", 0),
+    "brick_segment": ("|u1", 0),
     "brick_index": ("<u4", 0),
     "brick_words": ("<u8", 8),
+    "solid_segment": ("|u1", 0),
     "solid_index": ("<u4", 0),
     "solid_words": ("<u8", 8),
 }

@@ -38,6 +38,8 @@ class SessionOptions:
 
     rate_hz: int = 1000
     """Ticks of the servo a second."""
+    device_rate_hz: int | None = None
+    """Readings of the device a second; None is the servo's rate."""
     real_time: bool = True
     """Whether time is that of the clock; else the session stands still until ``run``."""
     start: tuple[float, float, float] | None = None
@@ -76,6 +78,7 @@ class Session:
                 device=self.device,
                 path=path,
                 rate_hz=self.options.rate_hz,
+                device_rate_hz=self.options.device_rate_hz,
                 real_time=self.options.real_time,
                 start=self.options.start,
                 settings=asdict(self.options.touch),

@@ -6,6 +6,7 @@
 
 mod arrays;
 mod bench;
+mod bench_passivity;
 mod bench_quality;
 mod bench_stress;
 mod errors;
@@ -26,6 +27,8 @@ mod _core {
 
     #[pymodule_export]
     use super::bench::bench_touch;
+    #[pymodule_export]
+    use super::bench_passivity::{bench_passivity, passivity_devices};
     #[pymodule_export]
     use super::bench_quality::{bench_touch_quality, touch_quality_cases};
     #[pymodule_export]

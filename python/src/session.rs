@@ -67,7 +67,7 @@ fn note(session: &Arc<Session>) {
 impl PySession {
     #[new]
     #[pyo3(signature = (volume, *, device = "simulated", path = None, rate_hz = 1000,
-        real_time = true, start = None, settings = None, segments = Vec::new()))]
+        device_rate_hz = None, real_time = true, start = None, settings = None, segments = Vec::new()))]
     #[expect(
         clippy::too_many_arguments,
         reason = "they are keywords in Python and options of one struct in the engine"
@@ -78,6 +78,7 @@ impl PySession {
         device: &str,
         path: Option<PyReadonlyArray2<'_, f64>>,
         rate_hz: u32,
+        device_rate_hz: Option<u32>,
         real_time: bool,
         start: Option<Triple>,
         settings: Option<&Bound<'_, PyDict>>,
@@ -93,6 +94,7 @@ impl PySession {
         config.start = start.map(vector).or(first_point);
         config.settings = changed(Settings::default(), settings)?;
         config.rate_hz = rate_hz;
+        config.device_rate_hz = device_rate_hz;
         config.real_time = real_time;
         config.segments = segments
             .into_iter()

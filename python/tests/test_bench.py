@@ -8,10 +8,12 @@ from typing import Any
 
 import palpate
 import pytest
-from palpate import OptionError, Scene
+from palpate import OptionError, Scene, _core  # noqa: TID251  # the table is held against it
 from palpate.bench import plots, servo, stress
-from palpate.bench.goals import GOALS, STROKES, TOUCHES
+from palpate.bench.goals import DEFAULT_STIFFNESS, GOALS, STROKES, TOUCHES
 from palpate.bench.haptics import measure
+from palpate.bench.passivity import measure as rub_rows
+from palpate.bench.passivity import rub
 from palpate.bench.quality import all_cases, feel
 from palpate.bench.report import Row, print_rows, row_of, write_rows
 
@@ -341,3 +343,54 @@ def test_a_plot_that_cannot_be_made_is_refused_before_measuring(
     monkeypatch.setattr(plots, "find_spec", lambda _: None)
     with pytest.raises(OptionError, match="pip install palpate"):
         plots.check_plot(tmp_path / "a.png")
+
+
+# --- passivity ---------------------------------------------------------------------------
+
+
+def test_every_device_wall_and_rate_has_its_goals() -> None:
+    table = {(row.case, row.metric): row for row in GOALS["passivity"]}
+    assert len(table) == len(GOALS["passivity"]), "a row stands twice"
+    assert list(DEFAULT_STIFFNESS) == _core.passivity_devices()
+    for device, stiffness in DEFAULT_STIFFNESS.items():
+        for wall in ("flat wall", "bone"):
+            for rate in (1, 2, 4):
+                case = f"{device}, {rate} kHz, {wall}"
+                energy = table[case, "net energy to the hand"]
+                assert (energy.goal, energy.better) == (0.0, "lower")
+                # what a device begins with must be passive
+                assert table[case, "largest passive"].goal == stiffness
+
+
+def test_the_goal_of_stiffness_is_what_the_device_begins_with() -> None:
+    for device, stiffness in DEFAULT_STIFFNESS.items():
+        told = rub(device, 1000, seconds=3.0, search_seconds=1.0)
+        assert told["stiffness"] == stiffness, device
+
+
+def test_a_device_gives_no_energy_on_a_wall_and_on_a_ball(ball_scene: Scene) -> None:
+    ball = next(iter(ball_scene)).segment
+    rows = rub_rows(ball, seconds=6.0, devices=["simulated"])
+    assert {row.met for row in rows if row.metric == "net energy to the hand"} == {True}
+    assert {row.met for row in rows if row.metric == "largest passive"} == {True}
+    assert all(row.value > 5.0 for row in rows if row.metric == "in contact")
+
+
+@pytest.mark.parametrize(
+    ("device", "rate", "seconds"),
+    [("knife", 1000, 3.0), ("Touch", 10, 3.0), ("Touch", 1000, float("nan"))],
+)
+def test_runs_that_are_not_allowed_are_refused(device: str, rate: int, seconds: float) -> None:
+    with pytest.raises(OptionError, match="allowed"):
+        rub(device, rate, seconds=seconds, search_seconds=1.0)
+
+
+def test_the_command_of_passivity_writes_its_file(tmp_path: Path) -> None:
+    from palpate.cli import run
+
+    file = tmp_path / "p.json"
+    options = ["--seconds", "3", "--device", "Touch", "--json", str(file)]
+    assert run(["bench", "passivity", *options]) == 0
+    rows = json.loads(file.read_text())["rows"]
+    assert len(rows) == len(GOALS["passivity"]) // len(DEFAULT_STIFFNESS)
+    assert run(["bench", "passivity", "--device", "knife"]) == 2

@@ -126,6 +126,17 @@ def test_a_recording_has_a_row_for_every_tick(ball_scene: Scene) -> None:
     assert recording.positions.shape == (2000, 3)
 
 
+def test_a_device_may_be_read_faster_than_the_servo_runs(ball_scene: Scene) -> None:
+    options = SessionOptions(real_time=False, rate_hz=1000, device_rate_hz=4000)
+    with Session(ball_scene, options=options) as session:
+        recording = session.run(0.5)
+        rates = session.frame()["rates"]
+    assert len(recording) == 500
+    assert rates["device"]["asked_hz"] == 4000.0
+    # four readings for each tick of the servo, the first together
+    assert rates["device"]["ticks"] == 4 * rates["servo"]["ticks"] - 3
+
+
 def test_the_simulated_device_follows_its_hand(ball_scene: Scene) -> None:
     options = SessionOptions(real_time=False, start=(20.0, 20.0, 36.0))
     with Session(ball_scene, options=options) as session:

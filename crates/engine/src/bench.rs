@@ -24,9 +24,10 @@ use palpate_haptics::exact::Exact;
 use palpate_haptics::proxy::Proxy;
 use palpate_haptics::safety::{ForceLimits, Safety};
 use palpate_haptics::scene::TouchScene;
+use palpate_haptics::surface::{Surface, Uniform};
 use palpate_haptics::thesis_improved::ThesisImproved;
 use palpate_haptics::thesis_original::ThesisOriginal;
-use palpate_haptics::tick::{TickInput, TickState, tick};
+use palpate_haptics::tick::{TickCache, TickInput, TickState, tick};
 use palpate_volume::bits::Bits;
 use palpate_volume::first_solid::first_solid;
 use palpate_volume::grid::Grid;
@@ -142,25 +143,34 @@ fn time_tick(grid: &Grid, solid: &Bits, model: &impl ContactModel, stroke: &Stro
     let input = |device: DVec3| TickInput {
         device_in_scene: device,
         velocity_in_scene: DVec3::ZERO,
-        coupling: Settings::default().coupling(),
+        damping: Settings::default().damping,
+        smoothing: true,
     };
-    let first_state = || TickState {
-        proxy: first_proxy(grid, stroke),
-    };
+    // with friction, as bone has it
+    let surface = Uniform(Surface {
+        friction_static: 0.3,
+        friction_kinetic: 0.2,
+        ..Uniform::smooth(Settings::default().stiffness).0
+    });
+    let first_state = || TickState::new(first_proxy(grid, stroke));
     let timing = Timing::of(stroke.device.len(), || {
         let mut state = first_state();
+        let mut cache = TickCache::default();
         let mut safety = Safety::new(ForceLimits::default());
         let scene = &scene;
         move |call: usize| {
-            let output = tick(scene, model, &input(stroke.device[call]), &mut state);
+            let input = input(stroke.device[call]);
+            let output = tick(scene, model, &surface, &input, &mut state, &mut cache);
             black_box(safety.limit(output.force, 1e-3));
             output.contact
         }
     });
 
     let mut state = first_state();
+    let mut cache = TickCache::default();
     let updates = stroke.device.iter().map(|device| {
-        let output = tick(&scene, model, &input(*device), &mut state);
+        let input = input(*device);
+        let output = tick(&scene, model, &surface, &input, &mut state, &mut cache);
         (output.contact, output.visits)
     });
     report(timing, grid, stroke, updates)

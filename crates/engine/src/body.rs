@@ -4,7 +4,7 @@
 //! exchange bricks; what is remembered of a ball's cells follows each exchange.
 
 use glam::{DVec3, IVec3};
-use palpate_haptics::ball::{Ball, BallError, BallShape, Dilated};
+use palpate_haptics::ball::{Ball, BallError, BallShape};
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;
@@ -103,15 +103,6 @@ impl Body {
             Some(ball) => ball.hard.solid_near(&self.bits, voxel),
         }
     }
-
-    /// What the smooth force is made of.
-    #[must_use]
-    pub fn soft(&self) -> Soft<'_> {
-        match &self.ball {
-            None => Soft::Point(&self.bits),
-            Some(ball) => Soft::Ball(ball.soft.dilate(&self.bits)),
-        }
-    }
 }
 
 impl Occupancy for Body {
@@ -130,31 +121,12 @@ impl Occupancy for Body {
             Some(ball) => ball.hard.dilate(&self.bits).block(min),
         }
     }
-}
-
-/// What the smooth force is made of: the voxels, or where a ball's centre meets them.
-#[derive(Debug)]
-pub enum Soft<'a> {
-    /// The voxels of a body.
-    Point(&'a Bits),
-    /// Where the centre of a ball is within its radius of a voxel's middle.
-    Ball(Dilated<'a, Bits>),
-}
-
-impl Occupancy for Soft<'_> {
-    #[inline]
-    fn is_solid(&self, voxel: IVec3) -> bool {
-        match self {
-            Self::Point(bits) => bits.is_solid(voxel),
-            Self::Ball(cells) => cells.is_solid(voxel),
-        }
-    }
 
     #[inline]
-    fn block(&self, min: IVec3) -> BitBrick {
-        match self {
-            Self::Point(bits) => bits.block(min),
-            Self::Ball(cells) => cells.block(min),
+    fn smooth_block(&self, min: IVec3) -> BitBrick {
+        match &self.ball {
+            None => self.bits.block(min),
+            Some(ball) => ball.soft.dilate(&self.bits).block(min),
         }
     }
 }

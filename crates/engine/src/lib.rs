@@ -43,3 +43,4 @@ pub mod touch_occupancy;
 pub mod touch_sender;
 pub mod touchable;
 pub mod touched;
+pub mod touched_surfaces;

@@ -65,6 +65,10 @@ impl ContactModel for Model {
         }
     }
 
+    fn has_own_force(&self) -> bool {
+        *self != Self::Exact
+    }
+
     fn own_force(&self, input: &ForceInput<'_>) -> Option<DVec3> {
         match self {
             Self::Exact => Exact::default().own_force(input),

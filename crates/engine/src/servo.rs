@@ -10,7 +10,7 @@ use glam::DVec3;
 use palpate_haptics::local_force::LocalForce;
 use palpate_haptics::placement::nearest_free;
 use palpate_haptics::proxy::Proxy;
-use palpate_haptics::tick::{TickInput, TickOutput, TickState, tick};
+use palpate_haptics::tick::{TickCache, TickInput, TickOutput, TickState, tick};
 use palpate_volume::bits::Bits;
 use palpate_volume::grid::Grid;
 
@@ -27,6 +27,7 @@ use crate::settings::Settings;
 use crate::shared::Shared;
 use crate::touch_occupancy::TouchOccupancy;
 use crate::touchable::Touchable;
+use crate::touched_surfaces::TouchedSurfaces;
 
 /// Commands obeyed per tick, at most, and one change of the occupancy.
 pub const MAX_COMMANDS_PER_TICK: usize = 16;
@@ -58,6 +59,7 @@ pub struct ServoLoop {
     grid: Grid,
     state: ServoState,
     occupancy: TouchOccupancy,
+    cache: TickCache,
     /// Whether the state is asked for at the end of this tick.
     marked: bool,
     ends: Ends,
@@ -86,7 +88,7 @@ impl ServoLoop {
         let probe_in_grid = start.grid.grid_from_patient().transform_point3(start.probe);
         let proxy = Proxy::at(probe_in_grid).expect("the probe starts at a finite point");
         let state = ServoState {
-            touch: TickState { proxy },
+            touch: TickState::new(proxy),
             mapping: start.mapping,
             settings: start.settings,
             feels: start.feels,
@@ -122,6 +124,7 @@ impl ServoLoop {
             grid,
             state,
             occupancy: TouchOccupancy::new(touchable, garbage),
+            cache: TickCache::default(),
             marked: false,
             ends: Ends {
                 samples,
@@ -262,7 +265,7 @@ impl ServoLoop {
             self.state.refused_places += 1;
             return;
         };
-        self.state.touch.proxy = proxy;
+        self.state.touch = TickState::new(proxy);
         let placed = self
             .grid
             .patient_from_grid()
@@ -283,7 +286,8 @@ impl ServoLoop {
                 .state
                 .mapping
                 .velocity_to_scene(inputs.velocity_in_device),
-            coupling: self.state.settings.coupling(),
+            damping: self.state.settings.damping,
+            smoothing: self.state.settings.smoothing,
         }
     }
 
@@ -296,9 +300,20 @@ impl ServoLoop {
     }
 
     fn touch(&mut self, input: &TickInput) -> TickOutput {
-        let scene = self.occupancy.scene(&self.grid);
-        let model = &self.state.settings.model;
-        let output = tick(&scene, model, input, &mut self.state.touch);
+        self.cache.set_epoch(self.occupancy.version());
+        let surfaces = TouchedSurfaces {
+            touchable: self.occupancy.touchable(),
+            settings: &self.state.settings,
+            feels: &self.state.feels,
+        };
+        let output = tick(
+            &self.occupancy.scene(&self.grid),
+            &self.state.settings.model,
+            &surfaces,
+            input,
+            &mut self.state.touch,
+            &mut self.cache,
+        );
         if output.violation {
             self.shared.counters.violations.fetch_add(1, Relaxed);
         }

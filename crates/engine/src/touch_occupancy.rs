@@ -43,6 +43,7 @@ pub struct TouchOccupancy {
     /// Where the probe was when all that is held was last refused; none since a change.
     refused_at: Option<IVec3>,
     skipped: u64,
+    version: u64,
 }
 
 impl TouchOccupancy {
@@ -56,6 +57,7 @@ impl TouchOccupancy {
             garbage,
             refused_at: None,
             skipped: 0,
+            version: 1,
         }
     }
 
@@ -63,6 +65,12 @@ impl TouchOccupancy {
     #[must_use]
     pub fn touchable(&self) -> &Touchable {
         &self.touchable
+    }
+
+    /// Changes with whatever is touched.
+    #[must_use]
+    pub fn version(&self) -> u64 {
+        self.version
     }
 
     /// What is touched, as a tick wants it.
@@ -265,12 +273,14 @@ impl TouchOccupancy {
     }
 
     fn put_root(&mut self, touchable: Touchable) {
+        self.version += 1;
         self.refused_at = None;
         let old = std::mem::replace(&mut self.touchable, touchable);
         self.dispose(Garbage::Root(old));
     }
 
     fn put_bricks(&mut self, mut change: BrickChange) {
+        self.version += 1;
         self.refused_at = None;
         for swap in &mut change.swaps {
             self.touchable.world.swap(swap);

@@ -8,59 +8,27 @@
 mod common;
 
 use common::grid;
-use glam::{DVec3, UVec3};
+use glam::UVec3;
 use palpate_device::simulated::SimulatedSettings;
 use palpate_engine::bench::passivity::{
-    Case, DEVICES, Motion, Wall, largest_passive_stiffness, passive_bound, rub,
+    Case, DEVICES, FlatWall, Motion, Wall, device_named, device_names, largest_passive_stiffness,
+    passive_bound, report, rub,
 };
-use palpate_engine::settings::Settings;
-use palpate_volume::bits::Bits;
-use palpate_volume::grid::Grid;
 use palpate_volume::segment::Segment;
 
 /// Device and servo [Hz].
 const RATES: [(u32, u32); 4] = [(4000, 1000), (1000, 4000), (1000, 1000), (4000, 4000)];
 
-struct Floor {
-    grid: Grid,
-    solid: Bits,
-}
-
-impl Floor {
-    fn new() -> Self {
-        let dimensions = UVec3::new(48, 48, 32);
-        let segment = Segment::from_fn(dimensions, |voxel| voxel.z < 16);
-        Self {
-            grid: grid(dimensions),
-            solid: segment.occupancy().clone(),
-        }
-    }
-
-    fn wall(&self) -> Wall<'_> {
-        Wall {
-            grid: &self.grid,
-            solid: &self.solid,
-            point: DVec3::new(24.3, 24.6, 16.0),
-            outward: DVec3::Z,
-        }
-    }
-}
-
 fn case(device: SimulatedSettings, (device_hz, servo_hz): (u32, u32), motion: Motion) -> Case {
     Case {
-        device,
-        device_hz,
         servo_hz,
-        settings: Settings::default().within(&device.limits),
-        motion,
-        seconds: 10.0,
-        take_back: true,
+        ..Case::of(&device, device_hz, motion, 10.0)
     }
 }
 
 #[test]
 fn at_all_rates_pressing_tapping_and_sliding_give_the_hand_no_energy() {
-    let floor = Floor::new();
+    let floor = FlatWall::default();
     for rates in RATES {
         for motion in Motion::ALL {
             let case = case(SimulatedSettings::default(), rates, motion);
@@ -82,7 +50,7 @@ fn at_all_rates_pressing_tapping_and_sliding_give_the_hand_no_energy() {
 /// A wall as stiff as the device bears at all: K (T/2 + t_d) = 0.003 of 0.004 N·s/mm at 1 kHz.
 #[test]
 fn the_stiffest_wall_that_the_device_bears_is_passive_at_all_rates_too() {
-    let floor = Floor::new();
+    let floor = FlatWall::default();
     let device = SimulatedSettings::default();
     for rates in RATES {
         for motion in Motion::ALL {
@@ -102,7 +70,7 @@ fn the_stiffest_wall_that_the_device_bears_is_passive_at_all_rates_too() {
 /// A servo that handed over forces would hold each for four ticks of the device.
 #[test]
 fn a_device_four_times_as_fast_as_the_servo_feels_no_steps() {
-    let floor = Floor::new();
+    let floor = FlatWall::default();
     for motion in Motion::ALL {
         let step = |rates| {
             let case = case(SimulatedSettings::default(), rates, motion);
@@ -121,7 +89,7 @@ fn a_device_four_times_as_fast_as_the_servo_feels_no_steps() {
 
 #[test]
 fn two_runs_are_equal_to_the_bit() {
-    let floor = Floor::new();
+    let floor = FlatWall::default();
     let case = Case {
         seconds: 2.0,
         ..case(SimulatedSettings::default(), (4000, 1000), Motion::Tap)
@@ -133,7 +101,7 @@ fn two_runs_are_equal_to_the_bit() {
 /// Five times the default, and twice what is passive at 1 kHz: each tap is thrown back.
 #[test]
 fn beyond_the_passive_stiffness_the_controller_takes_energy_back_without_steps() {
-    let floor = Floor::new();
+    let floor = FlatWall::default();
     for (rates, stiffness) in [
         ((1000, 1000), 5.0),
         ((4000, 1000), 5.0),
@@ -162,7 +130,7 @@ fn beyond_the_passive_stiffness_the_controller_takes_energy_back_without_steps()
 
 #[test]
 fn every_device_of_the_table_is_passive_at_the_default_stiffness_and_bears_more() {
-    let floor = Floor::new();
+    let floor = FlatWall::default();
     let wall = floor.wall();
     for device in DEVICES {
         for rate in [1000, 4000] {
@@ -181,7 +149,7 @@ fn every_device_of_the_table_is_passive_at_the_default_stiffness_and_bears_more(
 
 #[test]
 fn the_largest_passive_stiffness_lies_near_the_bound_of_sampling_and_delay() {
-    let floor = Floor::new();
+    let floor = FlatWall::default();
     let device = SimulatedSettings::default();
     let mut case = case(device, (1000, 1000), Motion::Press);
     case.seconds = 3.0;
@@ -215,4 +183,19 @@ fn on_real_looking_bone_sliding_gives_no_energy_either() {
             assert!(outcome.to_hand <= 0.0, "{rates:?} {motion:?} {outcome:?}");
         }
     }
+}
+
+#[test]
+fn a_report_tells_the_worst_of_the_motions() {
+    let floor = FlatWall::default();
+    let device = device_named("simulated").unwrap();
+    let told = report(&floor.wall(), &device, 1000, (6.0, 1.0));
+    assert_eq!(told.stiffness, 1.0);
+    assert!(told.to_hand < 0.0 && told.of_one_contact < 0.0, "{told:?}");
+    assert!(told.largest_stiffness > told.stiffness, "{told:?}");
+    assert_eq!((told.damped, told.violations), (0, 0));
+    for name in device_names() {
+        assert!(device_named(name).unwrap().check().is_ok(), "{name}");
+    }
+    assert_eq!(device_named("knife"), None);
 }

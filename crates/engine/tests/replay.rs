@@ -11,6 +11,7 @@ use std::time::{Duration, Instant};
 
 use common::*;
 use glam::{DMat3, DVec3, IVec3, UVec3};
+use palpate_engine::feel::Feel;
 use palpate_engine::handover::HandTarget;
 use palpate_engine::recording::Recording;
 use palpate_engine::replay::{ReplayEnd, ReplayError, Replayed, replay};
@@ -107,14 +108,28 @@ impl Recorder {
                 simulation.turn(DMat3::from_rotation_z(angle));
             }
             19 => {
+                let friction = random.between(0.0, 0.8);
+                let radius = random.between(-2.0, 2.0).max(0.0);
                 let settings = Settings {
                     stiffness: random.between(0.1, 0.9),
                     damping: random.between(0.0, 0.01),
+                    friction_static: friction,
+                    friction_kinetic: friction * random.share(),
+                    smoothing: random.below(2) == 0,
+                    probe_radius: radius,
                     ..Settings::default()
                 };
                 simulation.set_settings(settings).unwrap();
             }
-            20 => rig.hand.write(HandTarget {
+            20 => {
+                let feel = Feel {
+                    stiffness: Some(random.between(0.1, 0.9)),
+                    friction_static: Some(random.share()),
+                    friction_kinetic: Some(0.0),
+                };
+                simulation.set_feel(id, feel).unwrap();
+            }
+            21 => rig.hand.write(HandTarget {
                 point: random.point(0.0, 48.0),
                 number: random.below(5),
             }),

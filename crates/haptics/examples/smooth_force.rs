@@ -11,8 +11,8 @@ use palpate_haptics::contact::ContactModel;
 use palpate_haptics::exact::Exact;
 use palpate_haptics::proxy::Proxy;
 use palpate_haptics::scene::TouchScene;
-use palpate_haptics::smooth::blur::BlurField;
-use palpate_haptics::smooth::{SmoothState, Smoother};
+use palpate_haptics::smooth::cache::SmoothCache;
+use palpate_haptics::smooth::{SmoothInput, SmoothState, Smoother};
 use palpate_volume::grid::Grid;
 use palpate_volume::segment::Segment;
 use std::time::Instant;
@@ -50,28 +50,30 @@ fn follow(figures: &mut Figures, body: &Segment, grid: &Grid, path: &Path, depth
     let mut proxy = Proxy::at((first + normal * 5.0 * h) / spacing).expect("finite");
     let smoother = Smoother::default();
     let mut state = SmoothState::default();
-    let mut field = BlurField::default();
+    let mut cache = SmoothCache::default();
+    let scene = TouchScene::of_world(body.occupancy(), grid);
     let mut before = DVec3::ZERO;
     let mut depths: [Vec<f64>; 3] = Default::default();
     for (update, &(foot, normal)) in path.iter().enumerate() {
         let device = (foot - normal * depth * h) / spacing;
-        Exact::default().advance(
-            &TouchScene::of_world(body.occupancy(), grid),
-            device,
-            &mut proxy,
-        );
+        let met = Exact::default().advance(&scene, device, &mut proxy);
         let clock = Instant::now();
-        field.prepare(body.occupancy(), grid, 0, proxy.point());
-        let contact = smoother.contact_point(&field, grid, &proxy, device, &mut state);
+        let fields = cache.near(&scene, 0, &proxy);
+        let input = SmoothInput {
+            proxy: &proxy,
+            device_in_grid: device,
+            contact: &met,
+        };
+        let contact = smoother.contact_point(&fields, grid, &input, &mut state);
         figures.seconds += clock.elapsed().as_secs_f64();
         let device = device * spacing;
         let points = [
             proxy.point() * spacing,
-            device + contact.target,
+            contact.unlimited_in_grid * spacing,
             contact.point_in_grid * spacing,
         ];
         if update < 60 {
-            before = contact.target;
+            before = contact.unlimited_in_grid * spacing - device;
             continue;
         }
         for (i, point) in points.into_iter().enumerate() {
@@ -85,8 +87,8 @@ fn follow(figures: &mut Figures, body: &Segment, grid: &Grid, path: &Path, depth
         figures.far = figures
             .far
             .max(((points[1] - points[0]) / spacing).length());
-        figures.step = figures.step.max((contact.target - before).length() / h);
-        before = contact.target;
+        figures.step = figures.step.max((points[1] - device - before).length() / h);
+        before = points[1] - device;
         figures.limited += f64::from(u8::from((points[1] - points[2]).length() > 1e-9));
         figures.weight += contact.weight;
         figures.samples += f64::from(contact.samples);

@@ -75,6 +75,12 @@ pub trait ContactModel {
     /// Most voxels that one call reads, whatever the volume.
     fn visit_bound(&self) -> u32;
 
+    /// Whether the model makes its own force; friction and the smooth contact point then have
+    /// no part in it.
+    fn has_own_force(&self) -> bool {
+        false
+    }
+
     /// The model's own force on the device [N], along the axes of the grid in mm. None, as by
     /// default, where the force is that of touch: from the smooth contact point, with Coulomb
     /// friction.

@@ -234,7 +234,7 @@ impl Safety {
         if begun >= self.settings.ramp_secs {
             return 1.0;
         }
-        (begun / self.settings.ramp_secs).max(0.0).min(1.0)
+        (begun / self.settings.ramp_secs).max(0.0)
     }
 
     /// The largest force that is sent now [N].

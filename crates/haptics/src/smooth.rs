@@ -1,177 +1,255 @@
 //! The smooth contact point beside the hard proxy: where the force comes from.
 //!
-//! Frame: grid at the door; inside, mm along the axes of the grid.
+//! The hard proxy stands on the stairs of voxels; a force from there would turn with every
+//! step. The smooth point lies on the surface of the blurred voxels (`blur.rs`), or on that
+//! of the intensities that a threshold made them from, near the proxy and on its side; the
+//! force pulls the device there. Where the blur tells nothing (a rod or a gap of one or two
+//! voxels), the point goes over into the proxy.
+//!
+//! Contact: the force begins where the device comes under the smooth surface, whether or not
+//! the hard proxy is held there yet, and grows from zero with the depth below it.
+//!
+//! No step: whatever happens to the proxy, the way from device to contact point changes in a
+//! tick by no more than the hand's own move and a tenth of the smallest spacing. So a contact
+//! that is lost at once, as over an edge, fades within some ticks.
+//!
+//! Frames: points in the world's grid; vectors in mm along its axes. Closed, like a tick.
+//! Source: `docs/decisions/smooth-force.md` has the measurements.
 
 pub mod blur;
+pub mod cache;
+mod descent;
 pub mod field;
+mod half_spaces;
 mod window;
 
+use crate::contact::Contact;
 use crate::proxy::Proxy;
-use blur::BlurField;
+use cache::NearFields;
+use descent::{Query, descend};
 use field::Field;
 use glam::DVec3;
 use palpate_volume::grid::Grid;
+use serde::{Deserialize, Serialize};
 
-/// How the smooth point is found.
+/// How the smooth contact point is found. A cell is two voxels long on cubes, and about as
+/// long as the thickest side of a voxel where slices are thick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Smoother {
-    /// Most samples of a field per tick.
+    /// Without it the contact point is the hard proxy: stairs can be felt.
+    pub enabled: bool,
+    /// Most steps.
     pub max_steps: u32,
-    /// Converged: the last step was shorter [h].
+    /// The longest step [cells].
+    pub longest_step: f64,
+    /// A step shorter than this is the last [cells].
     pub tolerance: f64,
-    /// Longest step [cells].
-    pub trust: f64,
     /// Farthest from the proxy [cells].
     pub reach: f64,
-    /// On or off.
-    pub enabled: bool,
+    /// The proxy's distance from the smooth surface [cells]: up to where that is believed, and
+    /// from where on not at all.
+    pub trusted: [f64; 2],
+    /// How far apart the surfaces of both kernels may be [cells] for the wide one to count.
+    pub agreed_depth: [f64; 2],
+    /// How much their normals may differ (chord).
+    pub agreed_turn: [f64; 2],
+    /// Curvature is measured between normals so far to each side [cells].
+    pub baseline: f64,
+    /// The pull of the wide kernel [cells]: up to where it may be that of stairs, and from where
+    /// on it is that of a bent surface and is undone.
+    pub curved: [f64; 2],
+    /// It is undone up to this [cells].
+    pub largest_correction: f64,
+    /// Change of the way from device to contact point in a tick, beyond that of the hand
+    /// [smallest spacings].
+    pub largest_change: f64,
 }
 
 impl Default for Smoother {
     fn default() -> Self {
         Self {
-            max_steps: 8,
-            tolerance: 1e-3,
-            trust: 0.75,
-            reach: 1.25,
             enabled: true,
+            max_steps: 6,
+            longest_step: 0.75,
+            tolerance: 3e-3,
+            // the proxy is up to three voxels behind (docs/decisions/sliding.md)
+            reach: 1.5,
+            // on a plane the proxy is at most half a voxel's diagonal below the surface
+            trusted: [0.75, 1.25],
+            agreed_depth: [0.25, 0.45],
+            agreed_turn: [0.2, 0.4],
+            baseline: 1.0,
+            curved: [0.05, 0.12],
+            largest_correction: 0.5,
+            largest_change: 0.1,
         }
     }
 }
 
 /// What changes from tick to tick.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SmoothState {
-    /// From the device to the contact point [mm], grid axes.
-    offset: DVec3,
-    device: DVec3,
-    started: bool,
+    last: Option<Last>,
 }
 
-/// The smooth contact.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// The last tick.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Last {
+    /// Grid.
+    device: DVec3,
+    /// From the device to the contact point [mm].
+    offset: DVec3,
+    /// The stairs are felt in full: what they do is no longer limited.
+    stairs: bool,
+}
+
+/// Where the force comes from.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SmoothContact {
-    /// Grid frame.
+    /// The contact point, in the world's grid; the device where there is no force.
     pub point_in_grid: DVec3,
-    /// Outward; mm axes of the grid.
+    /// From the device to it [mm], along the axes of the grid: stiffness makes it the force.
+    pub offset: DVec3,
+    /// Its direction; zero where there is no force.
     pub normal: DVec3,
-    /// From the device to the point.
+    /// Its length [mm].
     pub depth_mm: f64,
-    /// Share of the smooth point beside the proxy.
+    /// Share of the smooth point in it; the rest is that of the proxy.
     pub weight: f64,
-    /// Before the limit.
-    pub target: DVec3,
-    /// Samples taken.
+    /// Where the contact point would be, were its changes not limited.
+    pub unlimited_in_grid: DVec3,
+    /// Samples of fields taken.
     pub samples: u32,
 }
 
 impl Smoother {
-    /// The contact point for this tick.
-    pub fn contact_point(
+    /// The contact point of this tick, from the fields near the proxy. A device that is not a
+    /// point is no contact.
+    pub fn contact_point<F: Field>(
         &self,
-        field: &BlurField,
+        fields: &NearFields<'_, F>,
         grid: &Grid,
-        proxy: &Proxy,
-        device_in_grid: DVec3,
+        tick: &SmoothInput<'_>,
         state: &mut SmoothState,
     ) -> SmoothContact {
+        let device = tick.device_in_grid;
         let spacing = grid.spacing();
-        let h = grid.smallest_spacing();
-        let device = device_in_grid * spacing;
-        let hard = proxy.point() * spacing;
-        let (smooth, weight, samples) = self.descend(field, spacing, hard, device);
-        let target = (smooth - device) * weight + (hard - device) * (1.0 - weight);
+        let hard = (tick.proxy.point() - device) * spacing;
+        if !hard.is_finite() {
+            state.last = None;
+            return SmoothContact::none(tick.proxy.point());
+        }
 
-        // never a step of the force beyond the hand's motion and a tenth of a voxel
-        let moved = if state.started {
-            (device_in_grid - state.device) * spacing
-        } else {
-            DVec3::ZERO
-        };
-        let allowed = moved.length() + 0.1 * h;
-        let change = target - state.offset;
-        let offset = if change.length() <= allowed {
-            target
-        } else {
-            state.offset + change * (allowed / change.length())
-        };
-        *state = SmoothState {
+        let (target, weight, samples) = self.target(fields, spacing, tick);
+        let target = pushing(target, hard);
+        let limited = self.limited(grid, device, target, state);
+        let offset = pushing(limited, hard);
+        state.last = Some(Last {
+            device,
             offset,
-            device: device_in_grid,
-            started: true,
-        };
+            stairs: !self.enabled && offset == target,
+        });
         SmoothContact {
-            point_in_grid: device_in_grid + offset / spacing,
+            point_in_grid: device + offset / spacing,
+            offset,
             normal: offset.normalize_or_zero(),
             depth_mm: offset.length(),
             weight,
-            target,
+            unlimited_in_grid: device + target / spacing,
             samples,
         }
     }
 
-    fn descend(
+    /// The way from the device to where the contact point should be [mm]; the share of the
+    /// smooth point in it; samples.
+    fn target<F: Field>(
         &self,
-        field: &BlurField,
+        fields: &NearFields<'_, F>,
         spacing: DVec3,
-        hard: DVec3,
-        device: DVec3,
+        tick: &SmoothInput<'_>,
     ) -> (DVec3, f64, u32) {
-        let sigma = field.sigma() * spacing;
-        let cell = field.cell() * spacing;
-        let mut at = hard;
-        let mut last = DVec3::ZERO;
-        let mut ease = 1.0;
-        let mut weight = 1.0;
-        for sample in 0..self.max_steps {
-            let here = field.sample(at / spacing);
-            let gradient = here.gradient / spacing;
-            let steepness = gradient.length();
-            if steepness * sigma.min_element() < 1e-3 {
-                return (at, if sample == 0 { 0.0 } else { weight }, sample + 1);
-            }
-            let outward = -gradient / steepness;
-            let sigma_n = (sigma * outward).length();
-            let ratio = (here.value - 0.5) / (steepness * sigma_n);
-            let depth = sigma_n * ratio / (1.0 + ratio * ratio / 3.0).sqrt();
-            if sample == 0 {
-                let far = depth.abs() / (cell * outward).length();
-                weight = 1.0 - smoothstep((far - 0.6) / 0.5);
-                if weight == 0.0 {
-                    return (at, 0.0, 1);
-                }
-            }
-            // onto the tangent plane, as near to the device as the free side allows
-            let under = depth - outward.dot(device - at);
-            let goal = device + outward * under.max(0.0);
-            let mut step = goal - at;
-            let length = (step / cell).length();
-            if length > self.trust {
-                step *= self.trust / length;
-            }
-            if step.dot(last) < 0.0 {
-                ease *= 0.5;
-            }
-            step *= ease;
-            let from_hard = at + step - hard;
-            let distance = (from_hard / cell).length();
-            let next = if distance > self.reach {
-                hard + from_hard * (self.reach / distance)
-            } else {
-                at + step
-            };
-            let moved = next - at;
-            at = next;
-            last = moved;
-            if moved.length() < self.tolerance * spacing.min_element() {
-                return (at, weight, sample + 1);
-            }
+        let [device, proxy] = [tick.device_in_grid, tick.proxy.point()].map(|p| p * spacing);
+        let hard = if tick.contact.touching {
+            proxy - device
+        } else {
+            DVec3::ZERO
+        };
+        if !self.enabled || fields.iter().next().is_none() {
+            return (hard, 0.0, 0);
         }
-        (at, weight, self.max_steps)
+        let held_by = tick.contact.stopped_by.map(|solid| solid.body);
+        let query = Query {
+            device,
+            proxy,
+            held_by: held_by.filter(|_| tick.contact.touching),
+        };
+        let found = descend(self, fields, &query);
+        let target = hard.lerp(found.point - device, found.weight);
+        (target, found.weight, found.samples)
+    }
+
+    /// The way there as far as one tick may go.
+    fn limited(&self, grid: &Grid, device: DVec3, target: DVec3, state: &SmoothState) -> DVec3 {
+        let Some(last) = state.last else {
+            return target.clamp_length_max(self.largest_change * grid.smallest_spacing());
+        };
+        if last.stairs && !self.enabled {
+            return target;
+        }
+        let moved = ((device - last.device) * grid.spacing()).length();
+        let allowed = moved + self.largest_change * grid.smallest_spacing();
+        let change = target - last.offset;
+        if change.length() <= allowed {
+            target
+        } else {
+            last.offset + change.clamp_length_max(allowed)
+        }
     }
 }
 
-fn smoothstep(x: f64) -> f64 {
-    let x = x.clamp(0.0, 1.0);
-    x * x * (3.0 - 2.0 * x)
+/// What a tick knows when it asks for the contact point.
+#[derive(Clone, Copy, Debug)]
+pub struct SmoothInput<'a> {
+    /// The hard proxy, after its moves.
+    pub proxy: &'a Proxy,
+    /// The device, or the target that friction leads the proxy to; grid.
+    pub device_in_grid: DVec3,
+    /// What the proxy met.
+    pub contact: &'a Contact,
+}
+
+impl SmoothContact {
+    /// No force.
+    fn none(point: DVec3) -> Self {
+        Self {
+            point_in_grid: point,
+            offset: DVec3::ZERO,
+            normal: DVec3::ZERO,
+            depth_mm: 0.0,
+            weight: 0.0,
+            unlimited_in_grid: point,
+            samples: 0,
+        }
+    }
+}
+
+/// A way without what of it leads away from the proxy: no force pulls into an obstacle.
+fn pushing(offset: DVec3, hard: DVec3) -> DVec3 {
+    let along = offset.dot(hard);
+    if along >= 0.0 {
+        return offset;
+    }
+    // by a trace more, so that rounding leaves no pull
+    let rest = offset - hard * (along / hard.length_squared() * (1.0 + 1e-9));
+    if rest.dot(hard) >= 0.0 {
+        rest
+    } else {
+        DVec3::ZERO
+    }
+}
+
+/// 0 up to `low`, 1 from `high` on, and without a kink between.
+fn smooth_step(low: f64, high: f64, value: f64) -> f64 {
+    let share = ((value - low) / (high - low)).clamp(0.0, 1.0);
+    share * share * (3.0 - 2.0 * share)
 }

@@ -6,8 +6,8 @@
 //! weights are squared direction cosines of the force. Friction is mixed the same way.
 //!
 //! **Blended**: by the way that the hand moves, never in time. A full change takes one voxel
-//! length h, or twice the depth where that is more, so that the force never changes faster
-//! than half of what pressing in does; a hand at rest has a force that is constant to the bit.
+//! length h, or three depths where that is more, so that the force never changes faster than
+//! by a third of what pressing in does; a hand at rest has a force that is constant to the bit.
 //! A probe that comes from a soft segment to a hard one, both pressed equally deep, gets a
 //! stiffer spring that nobody has stretched: the passivity controller of the device thread
 //! takes that energy back.
@@ -91,6 +91,19 @@ pub trait Surfaces {
 /// The same surface everywhere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Uniform(pub Surface);
+
+impl Uniform {
+    /// A surface without friction; stiffness in N/mm.
+    #[must_use]
+    pub fn smooth(stiffness: f64) -> Self {
+        Self(Surface {
+            stiffness,
+            friction_static: 0.0,
+            friction_kinetic: 0.0,
+            range: None,
+        })
+    }
+}
 
 impl Surfaces for Uniform {
     fn surface_of(&self, _solid: Solid) -> Surface {
@@ -244,7 +257,7 @@ impl SurfaceBlend {
         };
         // a new contact begins as it is; `max` keeps a way that is none from counting
         let share = if self.touching {
-            (way / h.max(2.0 * depth)).max(0.0)
+            (way / h.max(3.0 * depth)).max(0.0)
         } else {
             f64::INFINITY
         };

@@ -56,6 +56,10 @@ impl ContactModel for ThesisImproved {
         self.limits.visit_bound()
     }
 
+    fn has_own_force(&self) -> bool {
+        true
+    }
+
     fn own_force(&self, input: &ForceInput<'_>) -> Option<DVec3> {
         Some(force_improved(input))
     }

@@ -1,14 +1,25 @@
 //! One tick of touch: the device's place in, the proxy's place and the force out.
 //!
+//! Friction leads the contact model to a target beside the device; the model moves the proxy
+//! there by legal moves; the smooth contact point beside the proxy, and what the surface feels
+//! like there, give the spring; the coupling makes the force of it. A model with a force of
+//! its own is led to the device, and asked for its force.
+//!
 //! Frames: `scene` [mm] at the door, `grid` inside; the scene's frame is the patient frame
-//! of its scan. The force has scene axes [N] and has not passed the safety stage yet.
-//! Closed: no allocation, lock, log or panic; the work is bounded by the contact model.
+//! of its scan. Lengths between points are mm along the axes of the grid. The force has scene
+//! axes [N] and has not passed the safety stage yet. Closed: no allocation, lock, log or
+//! panic; the work is bounded by the contact model.
 
-use crate::contact::ContactModel;
+use crate::contact::{Contact, ContactModel, ForceInput};
 use crate::coupling::Coupling;
+use crate::friction::{Friction, FrictionState};
 use crate::proxy::Proxy;
-use crate::scene::TouchScene;
+use crate::scene::{Solid, TouchScene};
+use crate::smooth::cache::SmoothCache;
+use crate::smooth::{SmoothInput, SmoothState, Smoother};
+use crate::surface::{Feel, Holders, SurfaceBlend, Surfaces};
 use glam::DVec3;
+use palpate_volume::first_solid::{Outcome, first_solid_bounded};
 use palpate_volume::occupancy::Occupancy;
 use serde::{Deserialize, Serialize};
 
@@ -19,8 +30,10 @@ pub struct TickInput {
     pub device_in_scene: DVec3,
     /// Its velocity [mm/s], scene axes.
     pub velocity_in_scene: DVec3,
-    /// The spring between device and proxy.
-    pub coupling: Coupling,
+    /// Of the damper beside the spring [N·s/mm].
+    pub damping: f64,
+    /// Whether the force comes from the smooth contact point; else stairs are felt.
+    pub smoothing: bool,
 }
 
 /// All that changes from tick to tick. A recording begins with it, so that whatever stands here
@@ -29,6 +42,47 @@ pub struct TickInput {
 pub struct TickState {
     /// The proxy.
     pub proxy: Proxy,
+    /// Where the probe sticks.
+    pub friction: FrictionState,
+    /// Where the force came from.
+    pub smooth: SmoothState,
+    /// What the surface felt like.
+    pub blend: SurfaceBlend,
+    /// Where the device was, grid; none before the first tick, or where it had no place.
+    pub device: Option<DVec3>,
+}
+
+impl TickState {
+    /// A proxy that has touched nothing yet.
+    #[must_use]
+    pub fn new(proxy: Proxy) -> Self {
+        Self {
+            proxy,
+            friction: FrictionState::default(),
+            smooth: SmoothState::default(),
+            blend: SurfaceBlend::default(),
+            device: None,
+        }
+    }
+
+    /// Forgets the contact: after a jump of the proxy, or a device without a place.
+    pub fn forget_contact(&mut self) {
+        *self = Self::new(self.proxy);
+    }
+}
+
+/// What ticks keep beside their state, so as not to work it out again: it changes no result.
+#[derive(Clone, Debug, Default)]
+pub struct TickCache {
+    fields: SmoothCache,
+    epoch: u64,
+}
+
+impl TickCache {
+    /// Tells a number that changes with every voxel and every body.
+    pub fn set_epoch(&mut self, epoch: u64) {
+        self.epoch = epoch;
+    }
 }
 
 /// What a tick gives.
@@ -49,9 +103,11 @@ pub struct TickOutput {
     pub coupling: Coupling,
     /// Whether the contact point stays where it is along the surface.
     pub sticks: bool,
-    /// Whether a solid voxel holds the proxy back.
+    /// The solid voxel that holds the proxy back, if one does.
+    pub held_by: Option<Solid>,
+    /// Whether something holds the proxy back, or pushes the device.
     pub contact: bool,
-    /// Way from proxy to device [mm] in a contact, else 0.
+    /// Way from contact point to device [mm] in a contact, else 0.
     pub depth: f64,
     /// Voxels read.
     pub visits: u32,
@@ -66,42 +122,264 @@ pub struct TickOutput {
 pub fn tick<O: Occupancy>(
     scene: &TouchScene<'_, O>,
     model: &impl ContactModel,
+    surfaces: &impl Surfaces,
     input: &TickInput,
     state: &mut TickState,
+    cache: &mut TickCache,
 ) -> TickOutput {
-    let grid = scene.grid;
-    let scene_from_grid = grid.patient_from_grid();
-
-    // toward the device, in the grid
-    let device = grid
-        .grid_from_patient()
-        .transform_point3(input.device_in_scene);
-    let contact = model.advance(scene, device, &mut state.proxy);
-
-    // the spring, in the scene; from the difference, so that rounding stays relative to it
-    let proxy_from_device = if contact.touching {
-        scene_from_grid.transform_vector3(state.proxy.point() - device)
-    } else {
-        DVec3::ZERO
+    let grid_from_scene = scene.grid.grid_from_patient();
+    let device = grid_from_scene.transform_point3(input.device_in_scene);
+    let tick = Tick {
+        scene,
+        model,
+        surfaces,
+        input,
+        device,
     };
-    let proxy_in_scene = scene_from_grid.transform_point3(state.proxy.point());
-    TickOutput {
-        proxy_in_scene,
-        contact_point_in_scene: proxy_in_scene,
-        normal: proxy_from_device.normalize_or_zero(),
-        force: finite(
-            input
-                .coupling
-                .force(proxy_from_device, finite(input.velocity_in_scene)),
-        ),
-        spring: proxy_from_device,
-        coupling: input.coupling,
-        sticks: false,
-        contact: contact.touching,
-        depth: proxy_from_device.length(),
-        visits: contact.visits,
-        violation: contact.violation,
+    if Proxy::at(device).is_none() {
+        state.forget_contact();
+        return tick.output(state, &Contact::default(), &Felt::NOTHING);
     }
+    let (contact, felt) = if model.has_own_force() {
+        tick.touch_as_printed(state)
+    } else {
+        tick.touch(state, cache)
+    };
+    state.device = Some(device);
+    tick.output(state, &contact, &felt)
+}
+
+/// What a tick works with.
+struct Tick<'a, O, M, S> {
+    scene: &'a TouchScene<'a, O>,
+    model: &'a M,
+    surfaces: &'a S,
+    input: &'a TickInput,
+    /// Grid.
+    device: DVec3,
+}
+
+/// What is felt, along the axes of the grid in mm.
+#[derive(Clone, Copy, Debug)]
+struct Felt {
+    /// From the device to the contact point.
+    spring: DVec3,
+    /// Out of the surface, of length 1.
+    normal: DVec3,
+    stiffness: f64,
+    sticks: bool,
+    /// Of a model with a force of its own [N].
+    own_force: Option<DVec3>,
+}
+
+impl Felt {
+    const NOTHING: Self = Self {
+        spring: DVec3::ZERO,
+        normal: DVec3::ZERO,
+        stiffness: 0.0,
+        sticks: false,
+        own_force: None,
+    };
+}
+
+impl<O: Occupancy, M: ContactModel, S: Surfaces> Tick<'_, O, M, S> {
+    fn touch(&self, state: &mut TickState, cache: &mut TickCache) -> (Contact, Felt) {
+        let spacing = self.scene.grid.spacing();
+        let h = self.scene.grid.smallest_spacing();
+        let device = self.device * spacing;
+
+        // to where friction holds the probe, or past it where nothing is in the way there
+        let was = state.blend.feel();
+        let friction = was.map_or(Friction::NONE, |feel| feel.friction);
+        let mut target = friction.target(device, h, &mut state.friction);
+        let advance = |to: DVec3, proxy: &mut Proxy| {
+            let to = if to == device {
+                self.device
+            } else {
+                to / spacing
+            };
+            (self.model.advance(self.scene, to, proxy), to)
+        };
+        let (mut contact, mut to) = advance(target, &mut state.proxy);
+        if !contact.touching && target != device {
+            state.friction.forget();
+            target = device;
+            let visits = contact.visits;
+            (contact, to) = advance(target, &mut state.proxy);
+            contact.visits += visits;
+        }
+
+        if contact.violation {
+            state.forget_contact();
+            return (contact, Felt::NOTHING);
+        }
+
+        // the smooth point beside it
+        let smoother = Smoother {
+            enabled: self.input.smoothing,
+            ..Smoother::default()
+        };
+        let fields = cache.fields.near(self.scene, cache.epoch, &state.proxy);
+        let asked = SmoothInput {
+            proxy: &state.proxy,
+            device_in_grid: to,
+            contact: &contact,
+        };
+        let smooth = smoother.contact_point(&fields, self.scene.grid, &asked, &mut state.smooth);
+        let touches = smooth.offset != DVec3::ZERO;
+
+        // what the surface feels like there
+        let way = state
+            .device
+            .map_or(0.0, |last| ((self.device - last) * spacing).length());
+        let wanted = self
+            .feel(state, &contact, to, smooth.normal, touches)
+            .or(was);
+        let wanted = wanted.filter(|_| contact.touching || touches);
+        let feel = state.blend.follow(wanted, way, smooth.depth_mm, h);
+        let friction = feel.map_or(Friction::NONE, |feel| feel.friction);
+        let point = touches.then_some(target + smooth.offset);
+        state.friction.remember(&friction, target, point);
+
+        let felt = Felt {
+            spring: point.map_or(DVec3::ZERO, |point| point - device),
+            normal: smooth.normal,
+            stiffness: feel.map_or(0.0, |feel| feel.stiffness),
+            sticks: target != device && !state.friction.is_slipping(),
+            own_force: None,
+        };
+        (contact, felt)
+    }
+
+    /// What holds the proxy back, or where nothing does yet, what is under the smooth surface.
+    fn feel(
+        &self,
+        state: &TickState,
+        contact: &Contact,
+        to: DVec3,
+        normal: DVec3,
+        touches: bool,
+    ) -> Option<Feel> {
+        let point = state.proxy.point();
+        if contact.touching {
+            let holders = Holders::of_contact(self.scene, point, to, contact.stopped_by);
+            return holders.mixed(self.surfaces);
+        }
+        if !touches {
+            return None;
+        }
+        let below =
+            point - normal * BELOW / self.scene.grid.spacing() * self.scene.grid.smallest_spacing();
+        let mut holders = Holders::default();
+        holders.add(solid_between(self.scene, point, below)?, 1.0);
+        holders.mixed(self.surfaces)
+    }
+
+    /// A model with a force of its own, as it is printed.
+    fn touch_as_printed(&self, state: &mut TickState) -> (Contact, Felt) {
+        let spacing = self.scene.grid.spacing();
+        state.forget_contact();
+        let contact = self
+            .model
+            .advance(self.scene, self.device, &mut state.proxy);
+        if !contact.touching {
+            return (contact, Felt::NOTHING);
+        }
+        let point = state.proxy.point();
+        let holders = Holders::of_contact(self.scene, point, self.device, contact.stopped_by);
+        let feel = holders.mixed(self.surfaces).or_else(|| {
+            // the models know no faces that hold them
+            let mut holders = Holders::default();
+            holders.add(contact.stopped_by?, 1.0);
+            holders.mixed(self.surfaces)
+        });
+        let stiffness = feel.map_or(0.0, |feel| feel.stiffness);
+        let own_force = self.model.own_force(&ForceInput {
+            grid: self.scene.grid,
+            device_in_grid: self.device,
+            proxy_in_grid: point,
+            contact: &contact,
+            stiffness,
+            friction: feel.map_or(0.0, |feel| feel.friction.slip),
+        });
+        let spring = (point - self.device) * spacing;
+        let felt = Felt {
+            spring,
+            normal: spring.normalize_or_zero(),
+            stiffness,
+            sticks: false,
+            own_force,
+        };
+        (contact, felt)
+    }
+
+    /// In the scene; from differences, so that rounding stays relative to them.
+    fn output(&self, state: &TickState, contact: &Contact, felt: &Felt) -> TickOutput {
+        let grid = self.scene.grid;
+        let scene_from_grid = grid.patient_from_grid();
+        let to_scene = |vector: DVec3| scene_from_grid.transform_vector3(vector / grid.spacing());
+        let coupling = Coupling {
+            stiffness: felt.stiffness,
+            damping: self.input.damping,
+        };
+        let spring = to_scene(felt.spring);
+        let proxy_in_scene = scene_from_grid.transform_point3(state.proxy.point());
+        let touches = contact.touching || felt.spring != DVec3::ZERO;
+        let force = match felt.own_force {
+            Some(force) => to_scene(force),
+            None => coupling.force(spring, finite(self.input.velocity_in_scene)),
+        };
+        TickOutput {
+            proxy_in_scene,
+            contact_point_in_scene: if felt.spring == DVec3::ZERO {
+                proxy_in_scene
+            } else {
+                self.input.device_in_scene + spring
+            },
+            normal: to_scene(felt.normal),
+            force: finite(force),
+            spring: if felt.own_force.is_some() {
+                DVec3::ZERO
+            } else {
+                spring
+            },
+            coupling,
+            sticks: felt.sticks,
+            held_by: contact.stopped_by,
+            contact: touches,
+            depth: spring.length(),
+            visits: contact.visits,
+            violation: contact.violation,
+        }
+    }
+}
+
+/// How far below the proxy the smooth surface can be [smallest spacings].
+const BELOW: f64 = 3.0;
+/// Voxels on that way, of any body.
+const BELOW_VISITS: u32 = 16;
+
+/// The first solid voxel between two points of the world's grid: of the world, then of objects.
+fn solid_between<O: Occupancy>(scene: &TouchScene<'_, O>, from: DVec3, to: DVec3) -> Option<Solid> {
+    let hit = |occupancy: &O, from: DVec3, to: DVec3| match first_solid_bounded(
+        occupancy,
+        from,
+        to,
+        BELOW_VISITS,
+    )
+    .outcome
+    {
+        Outcome::Hit(hit) => Some(hit.voxel),
+        _ => None,
+    };
+    if let Some(voxel) = hit(scene.occupancy, from, to) {
+        return Some(Solid::of_world(voxel));
+    }
+    (1..).zip(scene.objects).find_map(|(body, object)| {
+        let [from, to] = [from, to].map(|point| object.pose().to_object(point));
+        let voxel = hit(object.occupancy(), from, to)?;
+        Some(Solid { body, voxel })
+    })
 }
 
 /// Zero for a vector that is not finite.

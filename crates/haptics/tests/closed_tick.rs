@@ -12,13 +12,17 @@ use palpate_haptics::ball_probe::ProbeSolid;
 use palpate_haptics::contact::ContactModel;
 use palpate_haptics::coupling::Coupling;
 use palpate_haptics::exact::Exact;
+use palpate_haptics::friction::FrictionState;
+use palpate_haptics::local_force::LocalForce;
+use palpate_haptics::passivity::Passivity;
 use palpate_haptics::placement::nearest_free;
-use palpate_haptics::safety::{ForceLimits, Safety};
+use palpate_haptics::safety::{ForceLimits, Safety, SafetySettings};
 use palpate_haptics::scene::TouchScene;
+use palpate_haptics::surface::{Holders, Surface, SurfaceBlend, Uniform};
 use palpate_haptics::thesis_improved::ThesisImproved;
 use palpate_haptics::thesis_original::ThesisOriginal;
-use palpate_haptics::tick::{TickInput, TickState, tick};
-use support::{Random, SPACINGS, grid, noise};
+use palpate_haptics::tick::{TickCache, TickState};
+use support::{Press, Random, SPACINGS, grid, noise, rub};
 
 thread_local! {
     /// Calls of the allocator by this thread.
@@ -76,7 +80,9 @@ fn ticks_admissions_and_safety_never_call_the_allocator() {
         let grid = grid(UVec3::splat(32), spacing);
         let union = [parts[0].occupancy(), parts[1].occupancy()];
         let proxy = nearest_free(&union, &grid, DVec3::splat(16.0), 9).expect("free");
-        let mut state = TickState { proxy };
+        let mut state = TickState::new(proxy);
+        let mut cache = TickCache::default();
+        let mut epoch = 1;
         let mut safety = Safety::new(ForceLimits::default());
         let mut random = Random::new(5);
         let mut both = true;
@@ -87,7 +93,7 @@ fn ticks_admissions_and_safety_never_call_the_allocator() {
                 if random.below(20) == 0 {
                     device.x = [f64::NAN, 1e300, 1e7][random.below(3)];
                 }
-                let input = TickInput {
+                let input = Press {
                     device_in_scene: device,
                     velocity_in_scene: random.direction() * 300.0,
                     coupling: Coupling::default(),
@@ -95,10 +101,11 @@ fn ticks_admissions_and_safety_never_call_the_allocator() {
                 let one = [union[0]];
                 let occupancy: &[_] = if both { &union } else { &one };
                 let scene = TouchScene::of_world(&occupancy, &grid);
-                let output = tick(&scene, &Exact::default(), &input, &mut state);
+                let output = rub(&scene, &input, &mut state, (&mut cache, epoch));
                 assert!(!output.violation);
                 safety.limit(output.force, 0.001);
 
+                epoch += 1;
                 // the second segment is switched off and, where the probe allows, on
                 let other: &[_] = if both { &one } else { &union };
                 let admission = admit(occupancy, other, &grid, &mut state.proxy);
@@ -145,21 +152,24 @@ fn the_ball_never_calls_the_allocator() {
         let mut spare = ball();
         let target = probe.ball().expect("a ball").shape().radius_mm();
         let proxy = nearest_free(&probe, &grid, DVec3::splat(24.0), 40).expect("free");
-        let mut state = TickState { proxy };
+        let mut state = TickState::new(proxy);
+        let mut cache = TickCache::default();
+        let mut epoch = 1;
         let mut random = Random::new(5);
         let calls = allocator_calls(|| {
             for _ in 0..2000 {
-                let input = TickInput {
+                let input = Press {
                     device_in_scene: random.point(-5.0, 53.0) * spacing,
                     velocity_in_scene: DVec3::ZERO,
                     coupling: Coupling::default(),
                 };
                 let scene = TouchScene::of_world(&probe, &grid);
-                assert!(!tick(&scene, &Exact::default(), &input, &mut state).violation);
+                assert!(!rub(&scene, &input, &mut state, (&mut cache, epoch)).violation);
                 probe.solid_near(state.proxy.voxel() + 1);
 
                 probe.refined(&state.proxy, random.point(-5.0, 53.0));
 
+                epoch += 1;
                 // the other voxels, where the probe allows
                 let Some(new) = other.take() else { return };
                 let changed = probe.among(&new, &mut spare);
@@ -179,4 +189,48 @@ fn the_ball_never_calls_the_allocator() {
         });
         assert_eq!(calls, 0);
     }
+}
+
+#[test]
+fn friction_surfaces_and_the_device_s_side_never_call_the_allocator() {
+    let solid = noise(32, 0.3, 1);
+    let grid = grid(UVec3::splat(32), SPACINGS[0]);
+    let scene = TouchScene::of_world(&solid, &grid);
+    let surface = Surface {
+        stiffness: 1.0,
+        friction_static: 0.4,
+        friction_kinetic: 0.2,
+        range: None,
+    };
+    let mut proxy = nearest_free(&solid, &grid, DVec3::splat(16.0), 9).expect("free");
+    let mut friction = FrictionState::default();
+    let mut blend = SurfaceBlend::default();
+    let mut contacts = 0;
+    let mut passivity = Passivity::default();
+    let mut safety = Safety::starting(ForceLimits::default(), SafetySettings::default());
+    let mut random = Random::new(5);
+    let calls = allocator_calls(|| {
+        for _ in 0..50_000 {
+            let device = random.point(-5.0, 37.0);
+            let target = surface.friction().target(device, 1.0, &mut friction);
+            let contact = Exact::default().advance(&scene, target, &mut proxy);
+            let point = contact.touching.then(|| proxy.point());
+            friction.remember(&surface.friction(), target, point);
+            let holders = Holders::of_contact(&scene, proxy.point(), target, contact.stopped_by);
+            blend.follow(holders.mixed(&Uniform(surface)), 0.1, 1.0, 1.0);
+            let law = LocalForce {
+                device,
+                spring: proxy.point() - device,
+                normal: (proxy.point() - device).normalize_or_zero(),
+                coupling: Coupling::default(),
+                ..LocalForce::NONE
+            };
+            passivity.observe(law.held, device, 0.0, law.energy_at(device, 10.0));
+            let force = passivity.control(law.force_at(device, target), device, 0.001);
+            safety.limit(force, 0.001);
+            contacts += u32::from(contact.touching);
+        }
+    });
+    assert_eq!(calls, 0);
+    assert!(contacts > 1000, "{contacts}");
 }

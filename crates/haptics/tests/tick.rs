@@ -9,10 +9,10 @@ use palpate_haptics::exact::Exact;
 use palpate_haptics::placement::nearest_free;
 use palpate_haptics::safety::{ForceLimits, Safety};
 use palpate_haptics::scene::TouchScene;
-use palpate_haptics::tick::{TickInput, TickOutput, TickState, tick};
+use palpate_haptics::tick::{TickOutput, TickState};
 use palpate_volume::grid::Grid;
 use palpate_volume::occupancy::Occupancy;
-use support::{Body, Random, noise};
+use support::{Body, Press, Random, noise, press};
 
 const SIZE: u32 = 32;
 
@@ -28,8 +28,8 @@ fn turned_grid() -> Grid {
     .expect("a valid grid")
 }
 
-fn input(device_in_scene: DVec3, stiffness: f64) -> TickInput {
-    TickInput {
+fn input(device_in_scene: DVec3, stiffness: f64) -> Press {
+    Press {
         device_in_scene,
         velocity_in_scene: DVec3::ZERO,
         coupling: Coupling {
@@ -41,7 +41,7 @@ fn input(device_in_scene: DVec3, stiffness: f64) -> TickInput {
 
 fn start(occupancy: &impl Occupancy, grid: &Grid) -> TickState {
     let proxy = nearest_free(occupancy, grid, DVec3::splat(16.0), 40).expect("a free voxel");
-    TickState { proxy }
+    TickState::new(proxy)
 }
 
 #[test]
@@ -56,7 +56,9 @@ fn on_a_turned_floor_the_force_is_its_normal_times_stiffness_and_depth() {
 
     for depth in [0.5, 2.0, 7.5] {
         let device = surface - normal * depth;
-        let output = tick(&scene, &Exact::default(), &input(device, 1.5), &mut state);
+        // a new contact grows by a tenth of a voxel per tick
+        let mut step = || press(&scene, &Exact::default(), &input(device, 1.5), &mut state);
+        let output = (0..120).map(|_| step()).last().expect("120 ticks");
         // a skin of 1e-8 voxels of 2.5 mm and the rounding of a scene 1 m from zero
         assert!(
             (output.force - normal * 1.5 * depth).length() < 1e-7,
@@ -69,7 +71,7 @@ fn on_a_turned_floor_the_force_is_its_normal_times_stiffness_and_depth() {
 
     // back out: nothing is left of it
     let device = surface + normal;
-    let output = tick(&scene, &Exact::default(), &input(device, 1.5), &mut state);
+    let output = press(&scene, &Exact::default(), &input(device, 1.5), &mut state);
     assert_eq!(
         (output.force, output.contact, output.depth),
         (DVec3::ZERO, false, 0.0)
@@ -101,7 +103,7 @@ fn any_input_gives_a_force_that_never_pulls_and_leaves_the_probe_outside() {
     for _ in 0..200_000 {
         device += random.direction() * 10.0 * random.between(0.0, 1.0).powi(2);
         device = device.clamp(DVec3::splat(-1.0), DVec3::splat(30.0));
-        let mut input = TickInput {
+        let mut input = Press {
             device_in_scene: grid.patient_from_grid().transform_point3(device),
             velocity_in_scene: random.direction() * random.between(0.0, 2000.0),
             coupling: Coupling {
@@ -118,7 +120,7 @@ fn any_input_gives_a_force_that_never_pulls_and_leaves_the_probe_outside() {
             _ => {}
         }
 
-        let output = tick(&scene, &model, &input, &mut state);
+        let output = press(&scene, &model, &input, &mut state);
         assert!(!output.violation && !solid.is_solid(state.proxy.voxel()));
         assert!(output.visits <= model.visit_bound());
         assert!(output.force.is_finite() && output.proxy_in_scene.is_finite());
@@ -129,7 +131,7 @@ fn any_input_gives_a_force_that_never_pulls_and_leaves_the_probe_outside() {
             contacts += 1;
             // along the spring and outward; compared as directions, so that 1e300 N does not
             // overflow; rounding of places 1 m from zero turns a micrometre by 1e-7
-            let outward = output.proxy_in_scene - input.device_in_scene;
+            let outward = output.contact_point_in_scene - input.device_in_scene;
             if outward.length() > 1e-3 && output.force != DVec3::ZERO {
                 let direction = output.force / output.force.abs().max_element();
                 let cosine = direction.normalize().dot(outward.normalize());
@@ -149,13 +151,13 @@ fn input_that_is_no_place_sends_no_force_and_moves_nothing() {
     let deep = grid
         .patient_from_grid()
         .transform_point3(DVec3::new(15.0, 15.0, 8.0));
-    tick(&scene, &Exact::default(), &input(deep, 1.0), &mut state);
+    press(&scene, &Exact::default(), &input(deep, 1.0), &mut state);
     let held = state;
     for bad in [f64::NAN, f64::NEG_INFINITY, 1e300] {
         let place = DVec3::new(bad, 0.0, 0.0);
-        let output = tick(&scene, &Exact::default(), &input(place, 1.0), &mut state);
+        let output = press(&scene, &Exact::default(), &input(place, 1.0), &mut state);
         assert_eq!((output.force, output.contact), (DVec3::ZERO, false));
-        assert_eq!(state, held);
+        assert_eq!(state.proxy, held.proxy);
     }
 }
 
@@ -166,7 +168,7 @@ fn a_probe_found_inside_is_reported_without_any_force() {
     let full = Body(|_: IVec3| true);
     let mut state = start(&empty, &grid);
     let scene = TouchScene::of_world(&full, &grid);
-    let output = tick(
+    let output = press(
         &scene,
         &Exact::default(),
         &input(DVec3::ZERO, 1.0),
@@ -188,7 +190,7 @@ fn with_all_at_rest_place_and_force_stay_to_the_bit() {
         let device = grid
             .patient_from_grid()
             .transform_point3(random.point(0.0, f64::from(SIZE)));
-        let mut step = || tick(&scene, &Exact::default(), &input(device, 1.0), &mut state);
+        let mut step = || press(&scene, &Exact::default(), &input(device, 1.0), &mut state);
         // the stated number of ticks, see tests/exact.rs
         let rested = (0..16).map(|_| step()).last().expect("16 ticks");
         let bits = |output: &TickOutput| {

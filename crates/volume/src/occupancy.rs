@@ -23,6 +23,13 @@ pub trait Occupancy {
     fn block(&self, min: IVec3) -> BitBrick {
         BitBrick::from_fn(UVec3::splat(8), |offset| self.is_solid(min + offset))
     }
+
+    /// The same for the smooth surface that is felt. It differs where what is solid errs to the
+    /// safe side, as the cells do in which the middle of a ball cannot be.
+    #[inline]
+    fn smooth_block(&self, min: IVec3) -> BitBrick {
+        self.block(min)
+    }
 }
 
 impl Occupancy for Bits {
@@ -114,6 +121,11 @@ impl<O: Occupancy + ?Sized> Occupancy for &O {
     #[inline]
     fn block(&self, min: IVec3) -> BitBrick {
         (**self).block(min)
+    }
+
+    #[inline]
+    fn smooth_block(&self, min: IVec3) -> BitBrick {
+        (**self).smooth_block(min)
     }
 }
 

@@ -9,7 +9,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-__all__ = ["GOALS", "STROKES", "TOUCHES", "Goal", "Touch"]
+__all__ = [
+    "DEFAULT_STIFFNESS",
+    "FLAT_WALL",
+    "GOALS",
+    "RATES_KHZ",
+    "STROKES",
+    "TOUCHES",
+    "WALLS",
+    "Goal",
+    "Touch",
+]
 
 
 @dataclass(frozen=True)
@@ -162,6 +172,44 @@ def _servo(case: str, *, late: float | None) -> tuple[Goal, ...]:
     )
 
 
+FLAT_WALL = "flat wall"
+BONE = "bone"
+WALLS = (FLAT_WALL, BONE)
+RATES_KHZ = (1, 2, 4)
+"""Rates of device and servo [kHz]."""
+
+DEFAULT_STIFFNESS = {
+    "simulated": 1.0,
+    "Touch": 0.4,
+    "Omni": 0.7,
+    "Desktop": 1.0,
+    "Premium 1.5": 0.8,
+    "Premium 3.0": 1.0,
+    "omega": 1.0,
+    "sigma.7": 1.0,
+    "lambda.7": 1.0,
+    "delta.3": 1.0,
+    "Falcon": 1.0,
+}
+"""What each device begins with [N/mm]: the default of touch, or what the device bears at most."""
+
+
+def _passivity(device: str, rate_khz: int, wall: str) -> tuple[Goal, ...]:
+    """Returns what is told of a device on a wall."""
+    case = f"{device}, {rate_khz} kHz, {wall}"
+    least = DEFAULT_STIFFNESS[device]
+    return (
+        Goal(case, "net energy to the hand", "to_hand", 1.0, "N·mm", 0.0, "lower"),
+        Goal(case, "largest gain of a contact", "of_one_contact", 1.0, "N·mm", None, "lower"),
+        Goal(case, "solid ticks", "violations", 1.0, "1", 0.0, "lower"),
+        Goal(case, "in contact", "contact_share", 100.0, "%", None, "higher"),
+        Goal(case, "taken back", "damped", 1.0, "ticks", None, "lower"),
+        Goal(case, "stiffness", "stiffness", 1.0, "N/mm", None, "higher"),
+        Goal(case, "largest passive", "largest_stiffness", 1.0, "N/mm", least, "higher"),
+        Goal(case, "bound", "bound", 1.0, "N/mm", least, "higher"),
+    )
+
+
 GOALS: dict[str, tuple[Goal, ...]] = {
     "haptics": (
         _rate(DETECTION, 15.0),
@@ -183,6 +231,13 @@ GOALS: dict[str, tuple[Goal, ...]] = {
         for stroke in STROKES
         for body in BODIES
         for goal in _quality(touch, body, grid, stroke=stroke)
+    ),
+    "passivity": tuple(
+        goal
+        for device in DEFAULT_STIFFNESS
+        for wall in WALLS
+        for rate in RATES_KHZ
+        for goal in _passivity(device, rate, wall)
     ),
     "stress": (
         Goal(RANDOM, "violations", "violations", 1.0, "1", 0.0, "lower"),

@@ -11,17 +11,18 @@ mod devices;
 mod motion;
 mod watched;
 
-pub use devices::{DEVICES, DeviceModel};
+pub use devices::{DEVICES, DeviceModel, device_named, device_names};
 pub use motion::Motion;
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use glam::DVec3;
+use glam::{DMat3, DVec3, UVec3};
 use palpate_device::simulated::{SimulatedDevice, SimulatedSettings};
 use palpate_haptics::safety::SafetySettings;
 use palpate_volume::bits::Bits;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
+use palpate_volume::segment::Segment;
 
 use crate::device_loop::DeviceLoop;
 use crate::feel::Feels;
@@ -40,6 +41,8 @@ use super::stroke::touched_point;
 const HEIGHT: f64 = 10.0;
 /// A hand is out of the wall for at least this long at the end [s].
 const END: f64 = 0.5;
+/// Places on a solid that are looked at.
+const PLACES: usize = 16;
 /// Largest stiffness that settings take [N/mm].
 const STIFFEST: f64 = 10.0;
 
@@ -67,16 +70,57 @@ impl<'a> Wall<'a> {
         Touchable::new(self.grid, vec![part], 0.0).expect("a point fits anywhere")
     }
 
-    /// A place on a solid that is met from outside; none where there is no surface.
+    /// A place on a solid that is met from outside, of some the one on which a hand slides in
+    /// contact the longest; none where there is no surface.
     #[must_use]
     pub fn on(grid: &'a Grid, solid: &'a Bits, seed: u64) -> Option<Self> {
-        let touch = touched_point(grid, solid, &mut Random(seed))?;
-        Some(Self {
+        let mut random = Random(seed);
+        let places = (0..PLACES).filter_map(|_| touched_point(grid, solid, &mut random));
+        let walls = places.map(|touch| Self {
             grid,
             solid,
             point: touch.free,
             outward: (touch.free - touch.solid).normalize(),
-        })
+        });
+        let slide = Case::of(&SimulatedSettings::default(), 1000, Motion::Slide, 5.0);
+        walls
+            .map(|wall| (rub(&wall, &slide).contact_share, wall))
+            .max_by(|a, b| a.0.total_cmp(&b.0))
+            .map(|(_, wall)| wall)
+    }
+}
+
+/// A flat wall of voxels of 1 mm, along the axes.
+#[derive(Debug)]
+pub struct FlatWall {
+    grid: Grid,
+    solid: Bits,
+}
+
+impl Default for FlatWall {
+    fn default() -> Self {
+        let dimensions = UVec3::new(48, 48, 32);
+        let grid = Grid::new(dimensions, DVec3::ONE, DVec3::splat(0.5), DMat3::IDENTITY)
+            .expect("voxels of 1 mm are a grid");
+        let segment = Segment::from_fn(dimensions, |voxel| voxel.z < 16);
+        Self {
+            grid,
+            solid: segment.occupancy().clone(),
+        }
+    }
+}
+
+impl FlatWall {
+    /// Its middle.
+    #[must_use]
+    pub fn wall(&self) -> Wall<'_> {
+        Wall {
+            grid: &self.grid,
+            solid: &self.solid,
+            // no whole number of voxels from anything
+            point: DVec3::new(24.3, 24.6, 16.0),
+            outward: DVec3::Z,
+        }
     }
 }
 
@@ -97,6 +141,22 @@ pub struct Case {
     pub seconds: f64,
     /// Whether energy from nowhere is taken back.
     pub take_back: bool,
+}
+
+impl Case {
+    /// A device at its default stiffness, servo and device at one rate [Hz].
+    #[must_use]
+    pub fn of(device: &SimulatedSettings, rate_hz: u32, motion: Motion, seconds: f64) -> Self {
+        Self {
+            device: *device,
+            device_hz: rate_hz,
+            servo_hz: rate_hz,
+            settings: Settings::default().within(&device.limits),
+            motion,
+            seconds,
+            take_back: true,
+        }
+    }
 }
 
 /// What came of it.
@@ -237,6 +297,59 @@ pub fn largest_passive_stiffness(wall: &Wall<'_>, case: &Case) -> f64 {
         }
     }
     below
+}
+
+/// What one device does on one wall at one rate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Report {
+    /// The default stiffness that the device bears [N/mm].
+    pub stiffness: f64,
+    /// Net energy given to the hand at it, the worst of the motions [N·mm].
+    pub to_hand: f64,
+    /// Largest gain of one contact at it, of all motions [N·mm].
+    pub of_one_contact: f64,
+    /// Largest force at it [N].
+    pub largest_force: f64,
+    /// Share of the time in contact, of all motions.
+    pub contact_share: f64,
+    /// Ticks in which the passivity controller acted.
+    pub damped: u64,
+    /// Ticks in which the probe was found in a solid voxel.
+    pub violations: u64,
+    /// The largest stiffness that is passive without the controller [N/mm].
+    pub largest_stiffness: f64,
+    /// The bound of sampling and delay for any hand [N/mm].
+    pub bound: f64,
+}
+
+/// Rubs a wall for so many seconds, shared by the motions, and searches the largest passive
+/// stiffness with motions of `search_seconds` each.
+#[must_use]
+pub fn report(
+    wall: &Wall<'_>,
+    device: &SimulatedSettings,
+    rate_hz: u32,
+    (seconds, search_seconds): (f64, f64),
+) -> Report {
+    let each = seconds / Motion::ALL.len() as f64;
+    let outcomes = Motion::ALL.map(|motion| rub(wall, &Case::of(device, rate_hz, motion, each)));
+    let largest = |of: fn(&Outcome) -> f64| outcomes.iter().map(of).fold(f64::MIN, f64::max);
+    let case = Case::of(device, rate_hz, Motion::Press, search_seconds);
+    Report {
+        stiffness: case.settings.stiffness,
+        to_hand: largest(|outcome| outcome.to_hand),
+        of_one_contact: largest(|outcome| outcome.of_one_contact),
+        largest_force: largest(|outcome| outcome.largest_force),
+        contact_share: outcomes
+            .iter()
+            .map(|outcome| outcome.contact_share)
+            .sum::<f64>()
+            / outcomes.len() as f64,
+        damped: outcomes.iter().map(|outcome| outcome.damped).sum(),
+        violations: outcomes.iter().map(|outcome| outcome.violations).sum(),
+        largest_stiffness: largest_passive_stiffness(wall, &case),
+        bound: passive_bound(device, rate_hz),
+    }
 }
 
 /// The stiffness [N/mm] below which a sampled wall with delay is passive for any hand: the

@@ -4,11 +4,11 @@
 //! the surface and keeps the depth. Nothing is repeated. Frame: scene [mm].
 
 use glam::DVec3;
-use palpate_haptics::coupling::Coupling;
 use palpate_haptics::exact::Exact;
 use palpate_haptics::proxy::Proxy;
 use palpate_haptics::scene::TouchScene;
-use palpate_haptics::tick::{TickInput, TickOutput, TickState, tick};
+use palpate_haptics::surface::Uniform;
+use palpate_haptics::tick::{TickCache, TickInput, TickOutput, TickState, tick};
 use palpate_volume::bits::Bits;
 use palpate_volume::first_solid::first_solid;
 use palpate_volume::grid::Grid;
@@ -120,9 +120,9 @@ fn slide_from(
 ) -> Stroke {
     let scene = TouchScene::of_world(solid, grid);
     let proxy = Proxy::at(grid.grid_from_patient().transform_point3(start.free));
-    let mut state = TickState {
-        proxy: proxy.expect("the start is next to a voxel of the grid"),
-    };
+    let mut state = TickState::new(proxy.expect("the start is next to a voxel of the grid"));
+    let surface = Uniform::smooth(1.0);
+    let mut cache = TickCache::default();
     let mut hand = Hand::new(start, grid.smallest_spacing(), random);
     let mut stroke = Stroke {
         start: start.free,
@@ -135,9 +135,12 @@ fn slide_from(
         let input = TickInput {
             device_in_scene: hand.device,
             velocity_in_scene: DVec3::ZERO,
-            coupling: Coupling::default(),
+            damping: 0.0,
+            // the depth is that of the hard proxy
+            smoothing: false,
         };
-        let output = tick(&scene, &Exact::default(), &input, &mut state);
+        let model = Exact::default();
+        let output = tick(&scene, &model, &surface, &input, &mut state, &mut cache);
         stroke.device.push(hand.device);
         stroke.probe.push(output.proxy_in_scene);
         contacts += usize::from(output.contact);

@@ -1,176 +1,294 @@
-//! Blurred occupancy: value and gradient at any point near the proxy.
+//! Blurred occupancy around the proxy: value and gradient at any point.
 //!
-//! Cells of some voxels are counted, pairs of neighbouring cells are averaged along each
-//! axis, and a quadratic B-spline through those nodes gives a field with a continuous
-//! gradient. With cells of m voxels the kernel has σ² = m²(1/12 + 1/4 + 1/4) voxels².
+//! Solid voxels are counted in cells (`window.rs`); a tent over three cells along each axis
+//! makes the nodes of the narrow kernel, the same tent twice more those of the wide one; a
+//! quadratic B-spline through the nodes gives a field with a continuous gradient. Tents
+//! vanish where the lattice of cells would alias, so that the field hardly knows where cells
+//! begin. With cells of m voxels, σ² = (10 m² − 1)/12 and (22 m² − 1)/12 voxels²: for m = 2
+//! that is σ 1.80 and 2.69 voxels.
 //!
-//! Frame: grid. Source: Unser, "Splines: a perfect fit for signal and image processing",
-//! IEEE Signal Processing Magazine 16 (1999).
+//! Beyond the window the outermost cells go on; that is felt only where the wide kernel is
+//! used more than a cell away from the proxy.
+//!
+//! Frame: grid. Memory: `[z][y]`, then along x eight narrow nodes and eight wide ones.
+//! Source: Unser, "Splines: a perfect fit for signal and image processing", IEEE Signal
+//! Processing Magazine 16 (1999).
 
-use super::field::{Field, FieldSample};
-use super::window::{CELLS, CellCounts, CellShape, cell_counts};
-use glam::{DVec3, IVec3};
-use palpate_volume::grid::Grid;
+use super::field::{Field, FieldSample, Kernel, Level};
+use super::window::{CELLS, CellCounts, CellShape, Window};
+use glam::{DVec3, IVec3, Vec3};
 use palpate_volume::occupancy::Occupancy;
 
-/// Node values of one window; `[z][y][x]`, node k between the cells k − 1 and k.
-type Nodes = [[[f32; 8]; 8]; 8];
+/// Nodes of one row: eight of each kernel, and four zeros that are read with the last ones.
+type Row = [f32; 20];
+type Nodes = [[Row; 8]; 8];
 
-/// The node that is nearest to the proxy.
-const MIDDLE: i32 = CELLS / 2;
+/// Where the nodes of each kernel begin in a row.
+const FINE: usize = 0;
+const WIDE: usize = 8;
 
 /// A blurred window.
 #[derive(Clone, Debug)]
 pub struct BlurField {
-    shape: CellShape,
-    /// First cell, in cells of the grid.
-    first: IVec3,
-    epoch: u64,
-    valid: bool,
+    window: Window,
     any_solid: bool,
-    voxels: DVec3,
+    kernel: Kernel,
+    /// Cells per voxel, and the first node in cells.
+    scale: DVec3,
+    first: DVec3,
     nodes: Nodes,
 }
 
-impl Default for BlurField {
-    fn default() -> Self {
+impl BlurField {
+    /// The field of nothing at all.
+    pub(crate) fn empty() -> Self {
         Self {
-            shape: CellShape { log: [1; 3] },
-            first: IVec3::ZERO,
-            epoch: 0,
-            valid: false,
+            window: Window::NONE,
             any_solid: false,
-            voxels: DVec3::splat(2.0),
-            nodes: [[[0.0; 8]; 8]; 8],
+            kernel: kernel_of(DVec3::ONE),
+            scale: DVec3::ONE,
+            first: DVec3::ZERO,
+            nodes: [[[0.0; 20]; 8]; 8],
         }
     }
-}
 
-/// Cells for a grid: as near to cubes as powers of two get them, two voxels along its
-/// finest axis, or as long as a voxel along its coarsest where that is more.
-pub(crate) fn cell_shape(spacing: DVec3) -> CellShape {
-    let length = spacing.max_element().max(2.0 * spacing.min_element());
-    let log = |h: f64| (length / h).log2().round().clamp(0.0, 2.0) as u32;
-    CellShape {
-        log: spacing.to_array().map(log),
+    /// Whether this is the field that [`Self::around`] makes for a point of the same solid.
+    pub(crate) fn is_around(&self, point: DVec3, spacing: DVec3) -> bool {
+        let shape = CellShape::for_spacing(spacing);
+        self.window
+            .is_for(shape, first_cell(point, shape), floor(point))
     }
-}
 
-impl BlurField {
-    /// The field around a free voxel.
-    pub fn prepare(
+    /// Makes it the field around a point in a free voxel. Where that voxel is solid, nothing
+    /// can be told apart, and the field is that of nothing.
+    pub(crate) fn around(
         &mut self,
         occupancy: &(impl Occupancy + ?Sized),
-        grid: &Grid,
-        epoch: u64,
         point: DVec3,
+        spacing: DVec3,
     ) {
-        let shape = cell_shape(grid.spacing());
-        let voxels = shape.voxels();
-        let from = point.floor().as_ivec3();
-        let first = (point / voxels.as_dvec3()).round().as_ivec3() - MIDDLE;
-        if self.valid && self.epoch == epoch && self.first == first && self.shape == shape {
-            return;
+        let shape = CellShape::for_spacing(spacing);
+        let first = first_cell(point, shape);
+        let counts = self.window.read(occupancy, shape, first, floor(point));
+        let cell = shape.voxels().as_dvec3();
+        if cell != self.kernel.cell {
+            self.kernel = kernel_of(cell);
+            self.scale = cell.recip();
         }
-        let counts = cell_counts(occupancy, shape, first * voxels, from);
-        *self = Self {
-            shape,
-            first,
-            epoch,
-            valid: true,
-            any_solid: counts.is_some(),
-            voxels: voxels.as_dvec3(),
-            nodes: self.nodes,
-        };
+        // nodes stand in the middles of cells
+        self.first = first.as_dvec3() + 0.5;
+        self.any_solid = counts.is_some();
         if let Some(counts) = counts {
-            self.nodes = nodes(&counts, shape.volume());
+            fill_nodes(&counts, shape, &mut self.nodes);
         }
     }
 
-    /// Size of a cell [voxels].
-    pub fn cell(&self) -> DVec3 {
-        self.voxels
-    }
-
-    /// Standard deviation of the kernel along each axis [voxels].
-    pub fn sigma(&self) -> DVec3 {
-        (self.voxels * self.voxels * (10.0 / 12.0) - 1.0 / 12.0).map(f64::sqrt)
+    /// Whether there is any surface in it.
+    pub(crate) fn any_solid(&self) -> bool {
+        self.any_solid
     }
 }
 
-/// Tents over 3×3×3 cells.
-fn nodes(counts: &CellCounts, volume: i32) -> Nodes {
-    let scale = 1.0 / (64 * volume) as f32;
-    const LOW: u64 = 0x00ff_00ff_00ff_00ff;
-    let mut nodes = [[[0.0; 8]; 8]; 8];
-    // even and odd cells along x apart, 16 bits each
-    let row = |z: usize, y: usize| {
-        let c = counts[z][y];
-        let (left, right) = (c << 8, c >> 8);
-        let even = (left & LOW) + 2 * (c & LOW) + (right & LOW);
-        let odd = (left >> 8 & LOW) + 2 * (c >> 8 & LOW) + (right >> 8 & LOW);
-        [even, odd]
-    };
-    let rows: [[[u64; 2]; 8]; 8] = std::array::from_fn(|z| std::array::from_fn(|y| row(z, y)));
-    for z in 1..7 {
-        let flat: [[u64; 2]; 8] = std::array::from_fn(|y| {
-            std::array::from_fn(|i| rows[z - 1][y][i] + 2 * rows[z][y][i] + rows[z + 1][y][i])
-        });
-        for y in 1..7 {
-            let sum: [u64; 2] =
-                std::array::from_fn(|i| flat[y - 1][i] + 2 * flat[y][i] + flat[y + 1][i]);
-            nodes[z][y] =
-                std::array::from_fn(|x| (sum[x & 1] >> (16 * (x >> 1)) & 0xffff) as f32 * scale);
+/// The first cell of the window whose node 3 or 4 is the next to a point, by its number.
+fn first_cell(point: DVec3, shape: CellShape) -> IVec3 {
+    // cells are numbered from the middle of a cell to the middle of the next
+    let halves = floor(point * 2.0) - shape.voxels();
+    shape.cell_of_half(halves) - (CELLS / 2 - 1)
+}
+
+/// The whole numbers below those of a point; quicker than what the processors of all targets
+/// have an instruction for.
+fn floor(point: DVec3) -> IVec3 {
+    let toward_zero = point.as_ivec3();
+    let above = toward_zero.as_dvec3().cmpgt(point);
+    toward_zero
+        - IVec3::select(
+            glam::BVec3::new(above.x, above.y, above.z),
+            IVec3::ONE,
+            IVec3::ZERO,
+        )
+}
+
+/// Shares of solid voxels, 0 to almost 2¹⁶: eight along x side by side in one register.
+type Shares = [[[u16; 8]; 8]; 8];
+
+/// Nodes of both kernels.
+fn fill_nodes(counts: &CellCounts, shape: CellShape, nodes: &mut Nodes) {
+    // as large as a full cell may become without overflow
+    let unit = (0x1_0000 / shape.volume() - 1) as u16;
+    let scale = 1.0 / (f32::from(unit) * shape.volume() as f32);
+    let mut shares = [[[0; 8]; 8]; 8];
+    for (layer, counts) in shares.iter_mut().zip(counts) {
+        for (row, counts) in layer.iter_mut().zip(counts) {
+            *row = counts.to_le_bytes().map(|count| u16::from(count) * unit);
         }
     }
-    nodes
+    blur_by_tent(&mut shares);
+    let fine = shares;
+    blur_by_tent(&mut shares);
+    blur_by_tent(&mut shares);
+    for z in 0..8 {
+        for y in 0..8 {
+            let row = &mut nodes[z][y];
+            for x in 0..8 {
+                row[FINE + x] = f32::from(fine[z][y][x]) * scale;
+                row[WIDE + x] = f32::from(shares[z][y][x]) * scale;
+            }
+        }
+    }
+}
+
+/// A tent of ¼, ½, ¼ along each axis; beyond the border the outermost values go on.
+fn blur_by_tent(shares: &mut Shares) {
+    for layer in shares.iter_mut() {
+        for row in layer.iter_mut() {
+            let [first, .., last] = *row;
+            let left = std::array::from_fn(|x| if x > 0 { row[x - 1] } else { first });
+            let right = std::array::from_fn(|x| if x < 7 { row[x + 1] } else { last });
+            *row = tent(left, *row, right);
+        }
+        *layer = tent_of_rows(layer);
+    }
+    for y in 0..8 {
+        let column = tent_of_rows(&std::array::from_fn(|z| shares[z][y]));
+        for (layer, row) in shares.iter_mut().zip(column) {
+            layer[y] = row;
+        }
+    }
+}
+
+/// The same across eight rows.
+fn tent_of_rows(rows: &[[u16; 8]; 8]) -> [[u16; 8]; 8] {
+    std::array::from_fn(|i| tent(rows[i.saturating_sub(1)], rows[i], rows[(i + 1).min(7)]))
+}
+
+/// ¼, ½, ¼ of three rows, rounded up; one instruction for each mean of eight numbers.
+#[inline]
+fn tent(before: [u16; 8], row: [u16; 8], after: [u16; 8]) -> [u16; 8] {
+    let mean = |a: u16, b: u16| ((u32::from(a) + u32::from(b) + 1) >> 1) as u16;
+    std::array::from_fn(|x| mean(mean(before[x], after[x]), row[x]))
+}
+
+/// Cells and widths of both kernels.
+fn kernel_of(cell: DVec3) -> Kernel {
+    let sigma = |share: f64| ((share * cell * cell - 1.0) / 12.0).map(f64::sqrt);
+    Kernel {
+        cell,
+        fine: sigma(10.0),
+        wide: sigma(22.0),
+    }
+}
+
+/// Which nodes a point is between, and their weights.
+struct Place {
+    /// The first of three nodes along each axis.
+    first: [usize; 3],
+    /// Weights of the three along each axis, and their slopes.
+    weights: [[[f32; 3]; 2]; 3],
+}
+
+/// Four nodes along x side by side, of which the last has no weight.
+type Four = [f32; 4];
+
+impl BlurField {
+    #[inline]
+    fn place(&self, point: DVec3) -> Place {
+        // NaN becomes a node, too; nothing reads outside the window
+        let place = (point * self.scale - self.first).as_vec3();
+        let place = place.clamp(Vec3::splat(0.5), Vec3::splat(6.49)).to_array();
+        let node = place.map(|place| (place + 0.5) as i32);
+        Place {
+            first: node.map(|node| (node - 1).clamp(0, 5) as usize),
+            weights: std::array::from_fn(|axis| weights(place[axis] - node[axis] as f32)),
+        }
+    }
+
+    /// Sums over y and z: of the values, and of their changes along y and along z; `kind` is
+    /// where the nodes of a kernel begin in a row.
+    #[inline]
+    fn sums(&self, place: &Place, kind: usize) -> [Four; 3] {
+        let [x, y, z] = place.first;
+        let [_, [wy, dy], [wz, dz]] = &place.weights;
+        let four = |c: usize, b: usize| -> Four {
+            let row = &self.nodes[z + c][y + b];
+            std::array::from_fn(|a| row[kind + x + a])
+        };
+        let weighted = |weights: &[f32; 3], rows: [Four; 3]| -> Four {
+            let [first, second, third] = rows;
+            std::array::from_fn(|a| {
+                weights[0] * first[a] + weights[1] * second[a] + weights[2] * third[a]
+            })
+        };
+        let column = |b: usize| [four(0, b), four(1, b), four(2, b)];
+        let columns = [column(0), column(1), column(2)];
+        let values = columns.map(|column| weighted(wz, column));
+        let along_z = columns.map(|column| weighted(dz, column));
+        [
+            weighted(wy, values),
+            weighted(dy, values),
+            weighted(wy, along_z),
+        ]
+    }
+
+    /// What is left to do along x.
+    #[inline]
+    fn gradient(&self, place: &Place, [value, along_y, along_z]: &[Four; 3]) -> DVec3 {
+        let [values, slopes] = &place.weights[0];
+        let gradient = Vec3::new(
+            dot(value, slopes),
+            dot(along_y, values),
+            dot(along_z, values),
+        );
+        gradient.as_dvec3() * self.scale
+    }
+
+    #[inline]
+    fn level(&self, place: &Place, sums: &[Four; 3]) -> Level {
+        Level {
+            value: f64::from(dot(&sums[0], &place.weights[0][0])),
+            gradient: self.gradient(place, sums),
+        }
+    }
+}
+
+#[inline]
+fn dot(four: &Four, weights: &[f32; 3]) -> f32 {
+    four[0] * weights[0] + four[1] * weights[1] + four[2] * weights[2]
 }
 
 impl Field for BlurField {
+    #[inline]
     fn sample(&self, point: DVec3) -> FieldSample {
         if !self.any_solid {
             return FieldSample::default();
         }
-        let t = point / self.voxels - self.first.as_dvec3() - 0.5;
-        let t = t.clamp(DVec3::splat(1.5), DVec3::splat(5.499));
-        let node = (t + 0.5).floor();
-        let [i, j, k] = node.as_ivec3().to_array().map(|i| (i - 1) as usize & 7);
-        let [[wx, dx], [wy, dy], [wz, dz]] = (t - node).as_vec3().to_array().map(weights);
-
-        // rows of four along x, the fourth for nothing
-        let mut value = [0.0_f32; 4];
-        let mut along_y = [0.0_f32; 4];
-        let mut along_z = [0.0_f32; 4];
-        let i = i.min(4);
-        for (b, layer) in self.nodes.iter().skip(k).take(3).enumerate() {
-            for (a, row) in layer.iter().skip(j).take(3).enumerate() {
-                let Some(row) = row.get(i..i + 4) else {
-                    continue;
-                };
-                let (v, y, z) = (wy[a] * wz[b], dy[a] * wz[b], wy[a] * dz[b]);
-                for x in 0..4 {
-                    value[x] += v * row[x];
-                    along_y[x] += y * row[x];
-                    along_z[x] += z * row[x];
-                }
-            }
-        }
-        let dot =
-            |row: [f32; 4], w: [f32; 3]| f64::from(row[0] * w[0] + row[1] * w[1] + row[2] * w[2]);
-        let gradient = DVec3::new(dot(value, dx), dot(along_y, wx), dot(along_z, wx));
+        let place = self.place(point);
         FieldSample {
-            value: dot(value, wx),
-            gradient: gradient / self.voxels,
+            fine: self.level(&place, &self.sums(&place, FINE)),
+            wide: self.level(&place, &self.sums(&place, WIDE)),
         }
+    }
+
+    #[inline]
+    fn wide_gradient(&self, point: DVec3) -> DVec3 {
+        if !self.any_solid {
+            return DVec3::ZERO;
+        }
+        let place = self.place(point);
+        self.gradient(&place, &self.sums(&place, WIDE))
+    }
+
+    fn kernel(&self) -> &Kernel {
+        &self.kernel
     }
 }
 
-/// Weights of the quadratic B-spline at −1, 0, 1 for a place of −½..½ from the middle, and
-/// their derivatives.
-fn weights(t: f32) -> [[f32; 3]; 2] {
-    let (low, high) = (0.5 - t, 0.5 + t);
+/// Weights of three nodes for a place of −½..=½ from the middle one, and their slopes.
+#[inline]
+fn weights(place: f32) -> [[f32; 3]; 2] {
+    let (low, high) = (0.5 - place, 0.5 + place);
     [
-        [0.5 * low * low, 0.75 - t * t, 0.5 * high * high],
-        [-low, -2.0 * t, high],
+        [0.5 * low * low, 0.75 - place * place, 0.5 * high * high],
+        [-low, -2.0 * place, high],
     ]
 }

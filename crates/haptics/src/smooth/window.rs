@@ -7,72 +7,161 @@
 //!
 //! Frame: grid. Memory: layers of rows along x, packed in words; a word holds whole rows.
 
-use glam::IVec3;
+use glam::{DVec3, IVec3};
 use palpate_volume::occupancy::Occupancy;
+use std::f64::consts::SQRT_2;
 
 /// Cells along each axis of a window.
 pub(crate) const CELLS: i32 = 8;
-/// Words of the largest window: 4×4×4 voxels a cell.
-const MAX_WORDS: usize = 512;
+/// Words of the largest window, of cells of 4×4×1 voxels.
+const MAX_WORDS: usize = 128;
 /// Most passes of the flood, up and down each; ways that wind more are cut short, and what
 /// lies beyond counts as filled.
 const MAX_PASSES: usize = 12;
 
-/// Which cells a window has.
+/// How many voxels a cell has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct CellShape {
-    /// Voxels along each axis of a cell: the power of two, 0, 1 or 2.
-    pub(crate) log: [u32; 3],
+    /// Along each axis, as a power of two: 0, 1 or 2.
+    log: [u32; 3],
 }
 
 impl CellShape {
+    /// Cells as near to cubes as powers of two get them: two voxels along the finest axis, or
+    /// as long as a voxel of the coarsest where that is more. So none has more than 16 voxels.
+    pub(crate) fn for_spacing(spacing: DVec3) -> Self {
+        let length = spacing.max_element().max(2.0 * spacing.min_element());
+        // the power of two next to a ratio, without a logarithm
+        let log = |spacing: f64| {
+            let ratio = length / spacing;
+            u32::from(ratio >= SQRT_2) + u32::from(ratio >= 2.0 * SQRT_2)
+        };
+        Self {
+            log: spacing.to_array().map(log),
+        }
+    }
+
     /// Voxels along each axis of a cell.
     pub(crate) fn voxels(self) -> IVec3 {
         IVec3::from_array(self.log.map(|log| 1 << log))
     }
 
-    /// Solid voxels of a full cell.
+    /// The cell, by its number, that holds a place in half voxels.
+    pub(crate) fn cell_of_half(self, halves: IVec3) -> IVec3 {
+        let [x, y, z] = self.log;
+        IVec3::new(
+            halves.x >> (x + 1),
+            halves.y >> (y + 1),
+            halves.z >> (z + 1),
+        )
+    }
+
+    /// Voxels of a cell.
     pub(crate) fn volume(self) -> i32 {
         1 << self.log.iter().sum::<u32>()
     }
 
-    /// Voxels along x, a power of two.
+    /// Voxels along x of a window, as a power of two.
     fn log_width(self) -> u32 {
         3 + self.log[0]
     }
 
     /// Words of a layer.
     fn layer(self) -> usize {
-        1 << (self.log_width() + 3 + self.log[1] - 6)
+        1 << (self.log[0] + self.log[1])
     }
 
     /// Layers.
     fn layers(self) -> usize {
         8 << self.log[2]
     }
+
+    /// Words of a window.
+    fn words(self) -> usize {
+        (self.layer() * self.layers()).min(MAX_WORDS)
+    }
 }
 
 /// Solid voxels per cell: one word for each z and y, one byte for each x.
 pub(crate) type CellCounts = [[u64; 8]; 8];
 
-/// Counts the solid voxels of each cell from voxel `min` on, where all that `from` does not
-/// reach through faces is solid. None where every voxel of the window is free.
-pub(crate) fn cell_counts(
-    occupancy: &(impl Occupancy + ?Sized),
+/// Which voxels of a window are reached from the proxy's.
+#[derive(Clone, Debug)]
+pub(crate) struct Window {
     shape: CellShape,
-    min: IVec3,
-    from: IVec3,
-) -> Option<CellCounts> {
-    let mut free = [0_u64; MAX_WORDS];
-    let words = shape.layer() * shape.layers();
-    let free = free.get_mut(..words)?;
-    if !read_free(occupancy, shape, min, free) {
-        return None;
+    /// The first cell, by its number.
+    first: IVec3,
+    /// Where the flood began; none where there is no window.
+    seed: Option<IVec3>,
+    /// Whether it came to its end, so that each voxel reached would have led to the same.
+    complete: bool,
+    reached: [u64; MAX_WORDS],
+}
+
+impl Window {
+    /// No window.
+    pub(crate) const NONE: Self = Self {
+        shape: CellShape { log: [0; 3] },
+        first: IVec3::ZERO,
+        seed: None,
+        complete: false,
+        reached: [0; MAX_WORDS],
+    };
+
+    /// Whether reading this window again would give the same.
+    pub(crate) fn is_for(&self, shape: CellShape, first: IVec3, seed: IVec3) -> bool {
+        let Some(old_seed) = self.seed else {
+            return false;
+        };
+        let same_place = self.shape == shape && self.first == first;
+        same_place && (old_seed == seed || self.complete && self.is_reached(seed))
     }
-    let mut reached = [0_u64; MAX_WORDS];
-    let reached = reached.get_mut(..words)?;
-    flood(shape, free, reached, from - min);
-    Some(count(shape, reached))
+
+    /// Reads the window from cell `first` on and counts the solid voxels of its cells, where
+    /// all that `seed` does not reach through faces is solid. None where every voxel of it is
+    /// free, and where the seed itself is solid.
+    pub(crate) fn read(
+        &mut self,
+        occupancy: &(impl Occupancy + ?Sized),
+        shape: CellShape,
+        first: IVec3,
+        seed: IVec3,
+    ) -> Option<CellCounts> {
+        (self.shape, self.first, self.seed) = (shape, first, Some(seed));
+        let mut free = [0_u64; MAX_WORDS];
+        let min = first * shape.voxels();
+        let any_solid = read_free(occupancy, shape, min, &mut free);
+        if !any_solid {
+            self.reached = free;
+            self.complete = true;
+            return None;
+        }
+        self.reached = [0; MAX_WORDS];
+        let (word, bit) = self.place_of(seed)?;
+        if free[word] & bit == 0 {
+            self.complete = false;
+            return None;
+        }
+        self.reached[word] = bit;
+        let words = shape.words();
+        self.complete = flood(shape, &free[..words], &mut self.reached[..words]);
+        Some(count(shape, &self.reached[..words]))
+    }
+
+    fn is_reached(&self, voxel: IVec3) -> bool {
+        self.place_of(voxel)
+            .is_some_and(|(word, bit)| self.reached[word] & bit != 0)
+    }
+
+    /// Word and bit of a voxel of the grid; none outside.
+    fn place_of(&self, voxel: IVec3) -> Option<(usize, u64)> {
+        let size = CELLS * self.shape.voxels();
+        let offset = voxel - self.first * self.shape.voxels();
+        let inside = offset.cmpge(IVec3::ZERO).all() && offset.cmplt(size).all();
+        let bit = (offset.y << self.shape.log_width() | offset.x) as usize;
+        let word = offset.z as usize * self.shape.layer() + bit / 64;
+        (inside && word < MAX_WORDS).then_some((word, 1 << (bit % 64)))
+    }
 }
 
 /// Reads the free voxels; false where all are.
@@ -88,7 +177,7 @@ fn read_free(
         for block_y in 0..my {
             for block_x in 0..mx {
                 let corner = min + 8 * IVec3::new(block_x, block_y, block_z);
-                let block = occupancy.block(corner);
+                let block = occupancy.smooth_block(corner);
                 for (z, word) in block.0.into_iter().enumerate() {
                     any_solid |= word;
                     let layer = (8 * block_z as usize + z) * shape.layer();
@@ -150,6 +239,16 @@ impl Rows {
         }
     }
 
+    /// The last row of a word in the place of the first.
+    fn last_to_first(&self, word: u64) -> u64 {
+        word >> (64 - (1_u32 << self.log_width))
+    }
+
+    /// The first row of a word in the place of the last.
+    fn first_to_last(&self, word: u64) -> u64 {
+        word << (64 - (1_u32 << self.log_width))
+    }
+
     /// All of `free` that `seed` reaches along the rows and from row to row of a word.
     fn grown(&self, seed: u64, free: u64) -> u64 {
         let seed = seed & free;
@@ -182,63 +281,47 @@ impl Rows {
     }
 }
 
-/// The free voxels that the voxel at `from`, counted from the corner, reaches through faces.
-fn flood(shape: CellShape, free: &[u64], reached: &mut [u64], from: IVec3) {
+/// Grows what is reached to all free voxels that are connected to it through faces; false
+/// where there was no end to it.
+fn flood(shape: CellShape, free: &[u64], reached: &mut [u64]) -> bool {
     let rows = Rows::new(shape.log_width());
-    let (layer, log_width) = (shape.layer(), shape.log_width());
-    let last_row = 64 - (1_u32 << log_width);
-    let row_words = layer;
-
-    let bit = (from.y << log_width | from.x) as usize;
-    let start = from.z as usize * layer + bit / 64;
-    if let Some(word) = reached.get_mut(start) {
-        *word = 1 << (bit % 64);
-    }
-
+    let layer = shape.layer();
     let words = free.len().min(reached.len());
-    let feed = |reached: &[u64], i: usize, up: bool| {
-        let at = |i: usize| reached.get(i).copied().unwrap_or(0);
-        let in_layer = i % row_words;
-        let mut seed = at(i);
-        if up {
-            if in_layer > 0 {
-                seed |= at(i - 1) >> last_row;
-            }
-            if i >= layer {
-                seed |= at(i - layer);
-            }
-        } else {
-            if in_layer + 1 < row_words {
-                seed |= at(i + 1) << last_row;
-            }
-            seed |= at(i + layer);
-        }
-        seed
-    };
     for _ in 0..MAX_PASSES {
         let mut changed = 0;
+        // up, each word fed by the rows and layers before it
         for i in 0..words {
-            let before = reached[i];
-            if before == free[i] {
-                continue;
-            }
-            let grown = rows.grown(feed(reached, i, true), free[i]);
-            changed |= grown ^ before;
+            let in_layer = i & (layer - 1);
+            let row = if in_layer > 0 { reached[i - 1] } else { 0 };
+            let below = if i >= layer { reached[i - layer] } else { 0 };
+            let seed = reached[i] | rows.last_to_first(row) | below;
+            let grown = rows.grown(seed, free[i]);
+            changed |= grown ^ reached[i];
             reached[i] = grown;
         }
+        // and down again
         for i in (0..words).rev() {
-            let before = reached[i];
-            if before == free[i] {
-                continue;
-            }
-            let grown = rows.grown(feed(reached, i, false), free[i]);
-            changed |= grown ^ before;
+            let in_layer = i & (layer - 1);
+            let row = if in_layer + 1 < layer {
+                reached[i + 1]
+            } else {
+                0
+            };
+            let above = if i + layer < words {
+                reached[i + layer]
+            } else {
+                0
+            };
+            let seed = reached[i] | rows.first_to_last(row) | above;
+            let grown = rows.grown(seed, free[i]);
+            changed |= grown ^ reached[i];
             reached[i] = grown;
         }
         if changed == 0 {
-            return;
+            return true;
         }
     }
+    false
 }
 
 /// Set bits of a byte in groups of 1, 2 or 4, each sum in a byte of its own.

@@ -5,9 +5,12 @@
 use glam::{DMat3, DVec3, IVec3, UVec3};
 use palpate_haptics::ball::{Ball, BallShape};
 use palpate_haptics::contact::{Contact, ContactModel};
+use palpate_haptics::coupling::Coupling;
 use palpate_haptics::exact::Exact;
 use palpate_haptics::proxy::Proxy;
 use palpate_haptics::scene::TouchScene;
+use palpate_haptics::surface::{Surface, Uniform};
+use palpate_haptics::tick::{TickCache, TickInput, TickOutput, TickState, tick};
 use palpate_volume::grid::Grid;
 use palpate_volume::occupancy::Occupancy;
 use palpate_volume::segment::Segment;
@@ -162,4 +165,59 @@ pub fn advance(
     let contact = Exact::default().advance(&scene, device, proxy);
     assert!(!contact.violation && !occupancy.is_solid(proxy.voxel()));
     contact
+}
+
+/// What a tick is given where the surface is the same everywhere and stairs are felt.
+#[derive(Clone, Copy, Debug)]
+pub struct Press {
+    pub device_in_scene: DVec3,
+    pub velocity_in_scene: DVec3,
+    pub coupling: Coupling,
+}
+
+/// A tick without friction and without smoothing.
+pub fn press<O: Occupancy>(
+    scene: &TouchScene<'_, O>,
+    model: &impl ContactModel,
+    press: &Press,
+    state: &mut TickState,
+) -> TickOutput {
+    let surface = Uniform::smooth(press.coupling.stiffness);
+    let input = press.input(false);
+    tick(
+        scene,
+        model,
+        &surface,
+        &input,
+        state,
+        &mut TickCache::default(),
+    )
+}
+
+/// A tick with friction, the surface smooth in every second epoch.
+pub fn rub<O: Occupancy>(
+    scene: &TouchScene<'_, O>,
+    press: &Press,
+    state: &mut TickState,
+    (cache, epoch): (&mut TickCache, u64),
+) -> TickOutput {
+    let surface = Uniform(Surface {
+        friction_static: 0.4,
+        friction_kinetic: 0.3,
+        ..Uniform::smooth(press.coupling.stiffness).0
+    });
+    cache.set_epoch(epoch);
+    let input = press.input(epoch % 2 == 0);
+    tick(scene, &Exact::default(), &surface, &input, state, cache)
+}
+
+impl Press {
+    fn input(&self, smoothing: bool) -> TickInput {
+        TickInput {
+            device_in_scene: self.device_in_scene,
+            velocity_in_scene: self.velocity_in_scene,
+            damping: self.coupling.damping,
+            smoothing,
+        }
+    }
 }

@@ -127,3 +127,23 @@ impl DeviceModel {
         }
     }
 }
+
+/// What the device of sessions without a real one is called.
+const SIMULATED: &str = "simulated";
+
+/// Names of all devices: those of the table, and the one of sessions without a real one.
+#[must_use]
+pub fn device_names() -> Vec<&'static str> {
+    let table = DEVICES.iter().map(|device| device.name);
+    [SIMULATED].into_iter().chain(table).collect()
+}
+
+/// The device of this name in a relaxed hand, if there is one.
+#[must_use]
+pub fn device_named(name: &str) -> Option<SimulatedSettings> {
+    if name == SIMULATED {
+        return Some(SimulatedSettings::default());
+    }
+    let device = DEVICES.iter().find(|device| device.name == name)?;
+    Some(device.settings())
+}

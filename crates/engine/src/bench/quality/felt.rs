@@ -2,13 +2,13 @@
 
 use glam::DVec3;
 use palpate_haptics::contact::ContactModel;
-use palpate_haptics::coupling::Coupling;
 use palpate_haptics::exact::Exact;
 use palpate_haptics::proxy::Proxy;
 use palpate_haptics::scene::TouchScene;
+use palpate_haptics::surface::Uniform;
 use palpate_haptics::thesis_improved::ThesisImproved;
 use palpate_haptics::thesis_original::ThesisOriginal;
-use palpate_haptics::tick::{TickInput, TickState, tick};
+use palpate_haptics::tick::{TickCache, TickInput, TickState, tick};
 use palpate_volume::bits::Bits;
 use palpate_volume::grid::Grid;
 
@@ -74,9 +74,10 @@ impl Touch {
     #[must_use]
     pub fn start<'a>(self, solid: &'a Bits, grid: &'a Grid, start: DVec3) -> Feel<'a> {
         match self {
-            Self::Exact | Self::Stairs => feel(Exact::default(), solid, grid, start),
-            Self::ThesisOriginal => feel(ThesisOriginal::default(), solid, grid, start),
-            Self::ThesisImproved => feel(ThesisImproved::default(), solid, grid, start),
+            Self::Exact => feel(Exact::default(), true, solid, grid, start),
+            Self::Stairs => feel(Exact::default(), false, solid, grid, start),
+            Self::ThesisOriginal => feel(ThesisOriginal::default(), false, solid, grid, start),
+            Self::ThesisImproved => feel(ThesisImproved::default(), false, solid, grid, start),
         }
     }
 }
@@ -84,29 +85,28 @@ impl Touch {
 /// A spring without damper between the hand and the proxy of a contact model.
 fn feel<'a, M: ContactModel + 'a>(
     model: M,
+    smoothing: bool,
     solid: &'a Bits,
     grid: &'a Grid,
     start: DVec3,
 ) -> Feel<'a> {
     let scene = TouchScene::of_world(solid, grid);
     let start = grid.grid_from_patient().transform_point3(start);
-    let mut state = TickState {
-        proxy: Proxy::at(start).expect("a hand starts beside the body"),
-    };
+    let mut state = TickState::new(Proxy::at(start).expect("a hand starts beside the body"));
+    let mut cache = TickCache::default();
     Box::new(move |device| {
         let input = TickInput {
             device_in_scene: device,
             velocity_in_scene: DVec3::ZERO,
-            coupling: Coupling {
-                stiffness: STIFFNESS,
-                damping: 0.0,
-            },
+            damping: 0.0,
+            smoothing,
         };
-        let output = tick(&scene, &model, &input, &mut state);
+        let surface = Uniform::smooth(STIFFNESS);
+        let output = tick(&scene, &model, &surface, &input, &mut state, &mut cache);
         Felt {
             force: output.force,
             proxy: output.proxy_in_scene,
-            force_point: output.proxy_in_scene,
+            force_point: output.contact_point_in_scene,
             contact: output.contact,
         }
     })

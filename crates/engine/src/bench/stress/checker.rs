@@ -434,6 +434,7 @@ mod tests {
             spring: DVec3::X * force,
             coupling: Coupling::default(),
             sticks: false,
+            held_by: None,
             contact: true,
             depth: 0.0,
             visits: 100,

@@ -4,11 +4,11 @@ use std::ops::Range;
 
 use glam::{DVec3, IVec3};
 use palpate_haptics::contact::ContactModel;
-use palpate_haptics::coupling::Coupling;
 use palpate_haptics::placement::nearest_free;
 use palpate_haptics::proxy::Proxy;
 use palpate_haptics::safety::{ForceLimits, Safety};
-use palpate_haptics::tick::{TickInput, TickOutput, TickState, tick};
+use palpate_haptics::surface::{Surface, Uniform};
+use palpate_haptics::tick::{TickCache, TickInput, TickOutput, TickState, tick};
 use palpate_volume::bits::Bits;
 use palpate_volume::grid::Grid;
 use palpate_volume::voxel_box::VoxelBox;
@@ -123,7 +123,12 @@ struct Run<'a, M> {
     unsettled: Vec<VoxelBox>,
     checker: Checker,
     hand: Hand,
-    coupling: Coupling,
+    surface: Uniform,
+    damping: f64,
+    smoothing: bool,
+    cache: TickCache,
+    /// Changes of what is solid.
+    epoch: u64,
     safety: Safety,
     last_device: DVec3,
     report: Report,
@@ -132,6 +137,7 @@ struct Run<'a, M> {
 impl<'a, M: ContactModel> Run<'a, M> {
     fn new(plan: &'a Plan, world: World, grid: &'a Grid, model: M, mut random: Random) -> Self {
         let limits = ForceLimits::default();
+        let friction = if random.share() < 0.5 { 0.0 } else { 0.5 };
         let radius = plan.radius * grid.smallest_spacing();
         let terms = Terms {
             spacing: plan.spacing,
@@ -141,7 +147,7 @@ impl<'a, M: ContactModel> Run<'a, M> {
             visit_bound: model.visit_bound(),
             limits,
             dt: DT,
-            frictionless: true,
+            frictionless: friction == 0.0,
         };
         let made: Vec<(Thing, Made)> = (0..plan.objects)
             .map(|_| Thing::random(plan, grid, &mut random))
@@ -166,10 +172,15 @@ impl<'a, M: ContactModel> Run<'a, M> {
             fixed: world.fixed,
             unsettled: Vec::new(),
             hand: Hand::new(&mut random),
-            coupling: Coupling {
-                stiffness: 0.2 + 5.0 * random.share(),
-                damping: if random.share() < 0.5 { 0.0 } else { 0.01 },
-            },
+            surface: Uniform(Surface {
+                friction_static: friction,
+                friction_kinetic: 0.8 * friction,
+                ..Uniform::smooth(0.2 + 5.0 * random.share()).0
+            }),
+            damping: if random.share() < 0.5 { 0.0 } else { 0.01 },
+            smoothing: random.share() < 0.7,
+            cache: TickCache::default(),
+            epoch: 0,
             safety: Safety::new(limits),
             last_device: DVec3::ZERO,
             random,
@@ -194,7 +205,7 @@ impl<'a, M: ContactModel> Run<'a, M> {
         let Some(proxy) = (0..STARTS).find_map(|_| self.free_place()) else {
             return Ok(());
         };
-        let mut state = TickState { proxy };
+        let mut state = TickState::new(proxy);
         self.last_device = proxy.point();
         for _ in 0..self.plan.moves {
             if self.plan.edits {
@@ -244,9 +255,12 @@ impl<'a, M: ContactModel> Run<'a, M> {
         let input = TickInput {
             device_in_scene,
             velocity_in_scene: moved / DT,
-            coupling: self.coupling,
+            damping: self.damping,
+            smoothing: self.smoothing,
         };
-        tick(&scene, &self.model, &input, state)
+        self.cache.set_epoch(self.epoch);
+        let (model, surface) = (&self.model, &self.surface);
+        tick(&scene, model, surface, &input, state, &mut self.cache)
     }
 
     /// Guarantee 4.
@@ -303,6 +317,7 @@ impl<'a, M: ContactModel> Run<'a, M> {
 
     /// Brings the checker up to date after one change, which may have pushed the probe.
     fn follow(&mut self, from: &Proxy, to: &Proxy) -> Result<(), Violation> {
+        self.epoch += 1;
         self.checker.before_change(from, to)?;
         let all_arrived = !self.touched.holds_back();
         let bits = self.touched.bits();

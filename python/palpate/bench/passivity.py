@@ -1,0 +1,107 @@
+"""``palpate bench passivity``: whether touch gives the hand energy.
+
+Simulated devices with the limits, damping, encoder steps and delay of real ones press, tap and
+slide on a flat wall and on the bone of a scan, each at the stiffness that it begins with; then
+the largest stiffness is searched at which no contact gains anything. The loops are those of a
+session, with device and servo at one rate, and run in the engine, in simulated time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from palpate import _core
+from palpate.bench.goals import DEFAULT_STIFFNESS, FLAT_WALL, GOALS, RATES_KHZ, WALLS
+from palpate.bench.report import Row, row_of
+from palpate.errors import OptionError
+from palpate.progress import Progress, silent
+from palpate.segment import Segment
+
+__all__ = ["DEVICES", "measure", "print_table", "rub"]
+
+DEVICES = tuple(DEFAULT_STIFFNESS)
+"""Names of the devices."""
+
+SEARCH_SECONDS = 3.0
+"""Length of each motion while the largest stiffness is searched."""
+
+WIDTH = 120
+"""Letters that a line of the table takes."""
+
+
+def measure(
+    bone: Segment,
+    *,
+    seconds: float = 60.0,
+    devices: Sequence[str] = DEVICES,
+    progress: Progress = silent,
+) -> list[Row]:
+    """Measures devices on a flat wall and on a segment.
+
+    Args:
+        bone: What is touched beside the wall.
+        seconds: Length of each run, a third for each motion.
+        devices: Which devices.
+        progress: Told which case is measured.
+
+    Raises:
+        OptionError: The segment has no surface, or something given is not allowed.
+    """
+    reports: dict[str, dict[str, float]] = {}
+    count = len(devices) * len(WALLS) * len(RATES_KHZ)
+    for device in devices:
+        for wall in WALLS:
+            for rate in RATES_KHZ:
+                case = f"{device}, {rate} kHz, {wall}"
+                progress(f"rubbing: {case}", len(reports) / count)
+                segment = None if wall == FLAT_WALL else bone
+                reports[case] = rub(device, 1000 * rate, seconds=seconds, segment=segment)
+    goals = [goal for goal in GOALS["passivity"] if goal.case in reports]
+    return [row_of(goal, reports[goal.case]) for goal in goals]
+
+
+def rub(
+    device: str,
+    rate_hz: int,
+    *,
+    seconds: float,
+    search_seconds: float = SEARCH_SECONDS,
+    segment: Segment | None = None,
+) -> dict[str, float]:
+    """Returns the engine's figures of one device at one rate, on a flat wall or a segment.
+
+    Raises:
+        OptionError: The segment has no surface, or something given is not allowed.
+    """
+    wall = None
+    if segment is not None:
+        wall = (segment.volume._internal, segment._internal)  # noqa: SLF001
+    try:
+        return _core.bench_passivity(device, rate_hz, seconds, search_seconds, wall)
+    except ValueError as error:
+        raise OptionError(str(error)) from None
+
+
+def print_table(rows: Iterable[Row]) -> None:
+    """Prints a line for each case; figures that miss their goal are red."""
+    from rich.console import Console
+    from rich.table import Table
+
+    cases: dict[str, list[Row]] = {}
+    for row in rows:
+        cases.setdefault(row.case, []).append(row)
+    table = Table(title="passivity", title_justify="left", box=None, padding=(0, 1))
+    table.add_column("")
+    for row in next(iter(cases.values()), []):
+        heading = "\n".join(row.metric.rsplit(" ", 1))
+        table.add_column(f"{heading}\n{row.unit}", justify="right")
+    for case, figures in cases.items():
+        table.add_row(case, *map(_figure, figures))
+    console = Console()
+    console.width = max(console.width, WIDTH)
+    console.print(table)
+
+
+def _figure(row: Row) -> str:
+    told = f"{row.value:.3g}"
+    return f"[red]{told}[/red]" if row.met is False else told
