@@ -4,18 +4,17 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Any
 
 import palpate
 import pytest
 from palpate import OptionError, Scene, _core  # noqa: TID251  # the table is held against it
-from palpate.bench import plots, servo, stress
+from palpate.bench import stress
 from palpate.bench.goals import DEFAULT_STIFFNESS, GOALS, STROKES, TOUCHES
 from palpate.bench.haptics import measure
 from palpate.bench.passivity import measure as rub_rows
 from palpate.bench.passivity import rub
 from palpate.bench.quality import all_cases, feel
-from palpate.bench.report import Row, print_rows, row_of, write_rows
+from palpate.bench.report import Row, print_rows, write_rows
 
 NAMED = {
     ("detection only", "rate"): (15.0, "M/s", "higher"),
@@ -240,109 +239,6 @@ def test_what_is_no_stress_is_refused(tmp_path: Path, ball_scene: Scene) -> None
         with pytest.raises(OptionError, match="allowed: a file that it wrote"):
             stress.Plan.of_file(bad)
     assert run(["bench", "stress", "--replay", str(tmp_path / "none.json")]) == 2
-
-
-# --- servo -------------------------------------------------------------------------------
-
-
-def lateness(**changes: Any) -> servo.Lateness:
-    """A thousand ticks, most of them below 50 µs."""
-    told: dict[str, Any] = {
-        "case": "1 kHz, at rest",
-        "real_time": True,
-        "ticks": 1000,
-        "missed": 0,
-        "late": 1,
-        "ends_us": (50, 100, 2000),
-        "counts": (980, 15, 4, 1),
-        "worst_ms": 3.0,
-    }
-    return servo.Lateness(**{**told, **changes})
-
-
-def test_quantiles_of_lateness_lie_in_their_bins() -> None:
-    one = lateness()
-    assert one.quantile_ms(0.5) == pytest.approx(0.05 * 500 / 980)
-    assert 0.05 < one.quantile_ms(0.99) <= 0.1
-    assert 0.1 < one.quantile_ms(0.997) <= 2.0
-    assert 2.0 <= one.quantile_ms(0.9999) <= 3.0
-    assert one.quantile_ms(1.0) == 3.0
-    # no quantile is later than the latest
-    assert lateness(counts=(1000, 0, 0, 0), worst_ms=0.02).quantile_ms(0.99) < 0.02
-    assert one.report()["late_share"] == pytest.approx(0.001)
-    assert lateness(missed=1000, late=200).report()["late_share"] == pytest.approx(0.1)
-
-
-def test_a_histogram_shows_every_bin_and_every_late_tick() -> None:
-    lines = servo.told(lateness()).splitlines()
-    assert lines[0] == "1 kHz, at rest, with real-time priority: 1000 ticks"
-    assert [line.split()[-2:] for line in lines[3:]] == [["4", "█"], ["1", "█"]]
-    assert "without real-time" in servo.told(lateness(real_time=False))
-
-
-def test_the_servo_has_its_goal_at_1_khz_where_it_had_priority() -> None:
-    table = {(row.case, row.metric): row.goal for row in GOALS["servo"]}
-    for case in ("1 kHz, at rest", "1 kHz, all cores busy"):
-        assert table[case, "more than 2 ms late"] == 0.1
-    found = [
-        lateness(case=case, real_time=case.startswith("1"))
-        for case in dict.fromkeys(row.case for row in GOALS["servo"])
-    ]
-    goals = {row.case: row.goal for row in servo.rows_of(found) if row.metric.startswith("more")}
-    assert goals["1 kHz, at rest"] == 0.1
-    without = [lateness(case=one.case, real_time=False) for one in found]
-    assert all(row.goal is None for row in servo.rows_of(without))
-
-
-def test_the_servo_command_measures_every_rate_with_and_without_load(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    from palpate.cli import run
-
-    path = tmp_path / "servo.json"
-    assert run(["bench", "servo", "--seconds", "0.3", "--json", str(path)]) == 0
-    rows = json.loads(path.read_text())["rows"]
-    assert len(rows) == len(GOALS["servo"])
-    figures = {(row["case"], row["metric"]): row["value"] for row in rows}
-    for case in dict(figures):
-        figure = [figures[case[0], metric] for metric in ("median", "p99", "p99.9", "max")]
-        assert figure == sorted(figure)
-    assert "4 kHz, all cores busy" in capsys.readouterr().out
-    assert run(["bench", "servo", "--seconds", "0"]) == 2
-
-
-# --- plots -------------------------------------------------------------------------------
-
-
-def quality_rows() -> list[Row]:
-    """A figure for every goal, as if it had been measured."""
-    return [row_of(goal, {goal.key: 1.0}) for goal in GOALS["touch-quality"]]
-
-
-@pytest.mark.parametrize("name", ["a.png", "a.svg"])
-def test_plots_are_pictures(tmp_path: Path, name: str) -> None:
-    begins = {".png": b"\x89PNG", ".svg": b"<?xml"}[Path(name).suffix]
-    for plot, rows in (
-        (plots.plot_quality, quality_rows()),
-        # only one way of touch was measured
-        (plots.plot_quality, [row for row in quality_rows() if row.case.startswith("exact")]),
-        (plots.plot_haptics, [row_of(goal, {goal.key: 1.0}) for goal in GOALS["haptics"]]),
-    ):
-        plot(rows, tmp_path / name)
-        assert (tmp_path / name).read_bytes().startswith(begins)
-        assert (tmp_path / name).stat().st_size > 10_000
-
-
-def test_a_plot_that_cannot_be_made_is_refused_before_measuring(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    plots.check_plot(None)
-    plots.check_plot(tmp_path / "a.PNG")
-    with pytest.raises(OptionError, match="allowed: a file that ends in"):
-        plots.check_plot(tmp_path / "a.xyz")
-    monkeypatch.setattr(plots, "find_spec", lambda _: None)
-    with pytest.raises(OptionError, match="pip install palpate"):
-        plots.check_plot(tmp_path / "a.png")
 
 
 # --- passivity ---------------------------------------------------------------------------

@@ -251,6 +251,7 @@ impl ServoLoop {
             Some(ServoCommand::Turn(rotation)) => self.state.mapping.turn(device, rotation),
             Some(ServoCommand::Settings(settings)) => self.state.settings = settings,
             Some(ServoCommand::Feel(id, feel)) => self.state.feels.set(id, feel),
+            Some(ServoCommand::Pose(_, _)) => {}
             Some(ServoCommand::Mark) => self.marked = true,
             // changes of occupancy are taken elsewhere
             Some(ServoCommand::Root { .. } | ServoCommand::Bricks(_)) | None => {}
@@ -337,6 +338,7 @@ impl ServoLoop {
             held_root: self.occupancy.held_root(),
             held_edits: self.occupancy.held_edits(),
             skipped: self.occupancy.skipped(),
+            stopped: [0; 4],
             refused_places: self.state.refused_places,
             device: self.device_in_scene(inputs),
             proxy: output.proxy_in_scene,

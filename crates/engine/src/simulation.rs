@@ -5,8 +5,10 @@
 use std::sync::mpsc::Sender;
 use std::sync::{Arc, Mutex};
 
-use glam::{DMat3, DVec3, IVec3};
+use glam::{DAffine3, DMat3, DVec3, IVec3};
 use palpate_device::DeviceLimits;
+use palpate_haptics::ball::{BallError, BallShape};
+use palpate_haptics::scene::{MAX_OBJECTS, ObjectPose};
 use palpate_volume::edit::{Edit, SegmentId};
 use palpate_volume::grid::Grid;
 use palpate_volume::segment::Segment;
@@ -57,6 +59,8 @@ pub struct SegmentState {
     pub range: Option<ThresholdRange>,
     /// How its surface feels.
     pub feel: Feel,
+    /// Where it was moved [mm, from the scan to the scene]; none where the scan has it.
+    pub pose: Option<DAffine3>,
 }
 
 /// The state of the simulation thread.
@@ -125,6 +129,7 @@ impl Simulation {
                 pending: self.touch.is_pending(id),
                 range: properties.range,
                 feel: properties.feel,
+                pose: properties.pose,
             })
             .collect()
     }
@@ -223,6 +228,27 @@ impl Simulation {
         self.scene.set_feel(id, feel)?;
         self.segments_version += 1;
         self.touch.send(ServoCommand::Feel(id, feel));
+        self.publish();
+        Ok(())
+    }
+
+    /// Moves a segment; touch goes there smoothly. Moves of one segment after the other count
+    /// as one for undo.
+    ///
+    /// # Errors
+    /// Where the pose is no rigid motion, there is no such segment, or too many are moved.
+    pub fn move_segment(&mut self, id: SegmentId, pose: DAffine3) -> Result<(), SessionError> {
+        let grid = self.voxels().grid();
+        ObjectPose::new(grid, grid, pose)?;
+        let is_new = self.scene.properties_of(id).pose.is_none();
+        if is_new && self.scene.moved_count() >= MAX_OBJECTS {
+            return Err(SessionError::TooManyMoved);
+        }
+        let goes_on = self.journal.newest().and_then(Step::moves) == Some(id);
+        let inverse = self.perform(Step::Move { id, pose })?;
+        if !goes_on || self.journal.can_redo() {
+            self.journal.done(inverse, 0);
+        }
         self.publish();
         Ok(())
     }
@@ -326,6 +352,7 @@ impl Simulation {
     /// Where one of them is out of range.
     pub fn set_settings(&mut self, settings: Settings) -> Result<Settings, SessionError> {
         settings.check()?;
+        check_radius(settings.probe_radius, self.voxels().grid())?;
         self.settings = settings.within(&self.limits);
         if let Some(notice) = self.settings.notice_of_limits(&settings) {
             self.tell(notice);
@@ -415,6 +442,17 @@ impl Simulation {
         // without a picture nobody reads notices any more
         let _ = self.notices.send(notice);
     }
+}
+
+/// Refuses a ball that is too large for the voxels of a grid.
+///
+/// # Errors
+/// [`BallError`] says what fits.
+pub fn check_radius(radius: f64, grid: &Grid) -> Result<(), BallError> {
+    if radius > 0.0 {
+        BallShape::new(radius, grid.spacing())?;
+    }
+    Ok(())
 }
 
 /// The voxels of a grid from `low` up to, but without, `high`.

@@ -127,6 +127,11 @@ impl TouchSender {
             }
             TouchChange::Bricks(_, segments) => self.send_root(scene, segments.clone()),
             TouchChange::All(id) => self.send_root(scene, vec![*id]),
+            TouchChange::Pose(id, pose) => self.send(ServoCommand::Pose(*id, *pose)),
+            TouchChange::FirstPose(id, pose) => {
+                self.send_root(scene, vec![*id]);
+                self.send(ServoCommand::Pose(*id, *pose));
+            }
         }
     }
 

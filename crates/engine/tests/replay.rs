@@ -82,7 +82,7 @@ impl Recorder {
         } else {
             self.rig.tick_at(self.device)
         };
-        assert!(self.recording.push(&record, 0));
+        self.recording.push(&record, 0);
     }
 
     fn change_something(&mut self) {
@@ -320,7 +320,7 @@ fn copy_row(from: &Recording, row: usize, to: &mut Recording) {
         command: from.command[row],
         ..TickRecord::default()
     };
-    assert!(to.push(&record, from.touched[row]));
+    to.push(&record, from.touched[row]);
 }
 
 #[test]

@@ -8,11 +8,14 @@
 //!
 //! Frame: grid; distances in mm. Closed, like a tick: the search runs on the stack.
 
+use crate::bodies::{Bodies, Visits};
 use crate::proxy::Proxy;
+use crate::scene::TouchScene;
 use crate::voxel_distance::squared_distance;
 use glam::{DVec3, IVec3};
 use palpate_volume::grid::Grid;
 use palpate_volume::occupancy::Occupancy;
+use std::cell::Cell;
 
 /// How far the proxy can be pushed along each axis [voxels].
 pub const PUSH_REACH: i32 = 7;
@@ -23,6 +26,9 @@ const VOXELS: usize = (EDGE * EDGE * EDGE) as usize;
 
 /// Most voxels that one admission reads, in either occupancy.
 pub const ADMISSION_VISITS: u32 = 2 * VOXELS as u32;
+
+/// The same with objects near; where they are used up the change is held.
+pub const SCENE_ADMISSION_VISITS: u32 = 65_536;
 
 /// What became of a change.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,42 +54,127 @@ pub fn admit<A: Occupancy + ?Sized, B: Occupancy + ?Sized>(
     if !new.is_solid(proxy.voxel()) {
         return Admission::Free;
     }
-    let Some(voxel) = nearest_escape(old, new, grid.spacing(), proxy) else {
+    let place = |voxel: IVec3| {
+        let distance = squared_distance(voxel, proxy.point(), grid.spacing());
+        (!new.is_solid(voxel)).then_some((distance, voxel))
+    };
+    let step = |_, voxel: IVec3| {
+        if old.is_solid(voxel) {
+            Step::Never
+        } else {
+            Step::Open
+        }
+    };
+    let Some(voxel) = nearest_escape(proxy.voxel(), grid.spacing(), place, step) else {
         return Admission::Held;
     };
     *proxy = Proxy::nearest_in(voxel, proxy.point());
     Admission::Pushed { voxel }
 }
 
-/// The voxel free in `new` that fewest steps reach, face to face through voxels free in
-/// `old`; of those as near as the longest side of a voxel, the nearest in mm.
-fn nearest_escape(
-    old: &(impl Occupancy + ?Sized),
-    new: &(impl Occupancy + ?Sized),
+/// The same for a whole scene: whatever changes in it, objects added, removed or filled, or
+/// the radius of the probe for which they were made. Both scenes have one world grid.
+///
+/// Where objects are near, the probe goes by steps of one voxel of the world, each walked in
+/// every body that was there before, to the nearest place that is free in all that are there
+/// after. An object that moves is better asked about step by step (`moving.rs`).
+pub fn admit_scene<A: Occupancy, B: Occupancy>(
+    old: &TouchScene<'_, A>,
+    new: &TouchScene<'_, B>,
+    proxy: &mut Proxy,
+) -> Admission {
+    let spacing = old.grid.spacing();
+    let reach = spacing * f64::from(PUSH_REACH + 2);
+    let at = proxy.point() * spacing;
+    let before = Bodies::near_box(old, at - reach, at + reach);
+    let after = Bodies::near_box(new, at - reach, at + reach);
+    if before.is_world_only() && after.is_world_only() {
+        return admit(old.occupancy, new.occupancy, old.grid, proxy);
+    }
+    if after.solid_at(proxy.point()).is_none() {
+        return Admission::Free;
+    }
+
+    // the probe's own place in each voxel, and steps from one to the next
+    let start = *proxy;
+    let point_in = |voxel: IVec3| start.point() + (voxel - start.voxel()).as_dvec3();
+    let visits = Cell::new(Visits::new(SCENE_ADMISSION_VISITS));
+    let is_free = |from: DVec3, to: DVec3| {
+        let mut left = visits.get();
+        let free = before.is_free(from, to, &mut left);
+        visits.set(left);
+        free
+    };
+    let place = |voxel: IVec3| {
+        let here = point_in(voxel);
+        let nearest = Proxy::nearest_in(voxel, start.point()).point();
+        let can_stand = |point: DVec3| {
+            after.solid_at(point).is_none() && (point == here || is_free(here, point))
+        };
+        let point = [nearest, here]
+            .into_iter()
+            .find(|&point| can_stand(point))?;
+        Some((after.squared_distance(point, start.point()), point))
+    };
+    let step = |from: IVec3, to: IVec3| {
+        if before.solid_at(point_in(to)).is_some() {
+            Step::Never
+        } else if is_free(point_in(from), point_in(to)) {
+            Step::Open
+        } else {
+            Step::NotFromHere
+        }
+    };
+    let escape = nearest_escape(start.voxel(), spacing, place, step);
+    let Some(escaped) = escape.and_then(Proxy::at) else {
+        return Admission::Held;
+    };
+    *proxy = escaped;
+    Admission::Pushed {
+        voxel: escaped.voxel(),
+    }
+}
+
+/// The place that fewest open steps from voxel to voxel reach, face to face; of
+/// those as near as the longest side of a voxel, the nearest by the squared distance [mm²] that
+/// `place` gives with it.
+fn nearest_escape<P>(
+    start: IVec3,
     spacing: DVec3,
-    proxy: &Proxy,
-) -> Option<IVec3> {
-    let mut search = Search::new(proxy.voxel());
-    let mut best: Option<(f64, IVec3)> = None;
+    place: impl Fn(IVec3) -> Option<(f64, P)>,
+    step: impl Fn(IVec3, IVec3) -> Step,
+) -> Option<P> {
+    let mut search = Search::new(start);
+    let mut best: Option<(f64, P)> = None;
     let mut steps_left = spacing.max_element() / spacing.min_element();
     while !search.is_done() && steps_left >= 1.0 {
         // all voxels that are one step further than those before
         for _ in 0..search.waiting() {
             let Some(voxel) = search.next() else { break };
-            let distance = squared_distance(voxel, proxy.point(), spacing);
-            let nearer = best.is_none_or(|(nearest, _)| distance < nearest);
-            if nearer && !new.is_solid(voxel) {
-                best = Some((distance, voxel));
+            if let Some(found) = place(voxel)
+                && best.as_ref().is_none_or(|(nearest, _)| found.0 < *nearest)
+            {
+                best = Some(found);
             }
             for face in FACES {
-                search.reach(voxel + face, |voxel| !old.is_solid(voxel));
+                search.reach(voxel + face, |next| step(voxel, next));
             }
         }
         if best.is_some() {
             steps_left -= 1.0;
         }
     }
-    best.map(|(_, voxel)| voxel)
+    best.map(|(_, place)| place)
+}
+
+/// Whether a step from one voxel to the next can be taken.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Step {
+    Open,
+    /// Something stands between the two.
+    NotFromHere,
+    /// Nobody can stand there.
+    Never,
 }
 
 const FACES: [IVec3; 6] = [
@@ -114,7 +205,7 @@ impl Search {
             head: 0,
             tail: 0,
         };
-        search.reach(start, |_| true);
+        search.reach(start, |_| Step::Open);
         search
     }
 
@@ -138,8 +229,8 @@ impl Search {
         Some(self.min + offset)
     }
 
-    /// Queues a voxel of the window that is seen for the first time and free.
-    fn reach(&mut self, voxel: IVec3, free: impl Fn(IVec3) -> bool) {
+    /// Queues a voxel of the window that is seen for the first time and open.
+    fn reach(&mut self, voxel: IVec3, step: impl Fn(IVec3) -> Step) {
         let offset = voxel - self.min;
         let inside = offset.cmpge(IVec3::ZERO).all() && offset.cmplt(IVec3::splat(EDGE)).all();
         if !inside {
@@ -153,8 +244,11 @@ impl Search {
         if *word & mark != 0 {
             return;
         }
-        *word |= mark;
-        if free(voxel)
+        let step = step(voxel);
+        if step != Step::NotFromHere {
+            *word |= mark;
+        }
+        if step == Step::Open
             && let Some(place) = self.queue.get_mut(self.tail)
         {
             *place = index as u16;

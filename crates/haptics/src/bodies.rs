@@ -28,6 +28,10 @@ impl Visits {
         }
     }
 
+    pub(crate) fn left(&self) -> u32 {
+        self.left
+    }
+
     pub(crate) fn used(&self) -> u32 {
         self.used
     }
@@ -102,12 +106,23 @@ impl<'a, O> Bodies<'a, O> {
         Self::near_box(scene, device * spacing - reach, device * spacing + reach)
     }
 
+    /// The same without one object.
+    pub(crate) fn without(self, index: usize) -> Self {
+        let mark = u32::try_from(index)
+            .ok()
+            .and_then(|index| 1_u32.checked_shl(index));
+        Self {
+            near: self.near & !mark.unwrap_or(0),
+            ..self
+        }
+    }
+
     pub(crate) fn is_world_only(&self) -> bool {
         self.near == 0
     }
 
     /// Numbers of the bodies that are near: the world, then objects.
-    pub(crate) fn numbers(&self) -> impl Iterator<Item = u8> + use<O> {
+    pub(crate) fn numbers(&self) -> impl Iterator<Item = u8> + Clone + use<O> {
         let near = self.near;
         let is_near = move |place: &u8| near >> place & 1 == 1;
         std::iter::once(0).chain(
@@ -150,6 +165,13 @@ impl<'a, O> Bodies<'a, O> {
         })
     }
 
+    /// Unit vectors along a body's axes [mm, along the world's axes].
+    pub(crate) fn axes(&self, body: u8) -> [DVec3; 3] {
+        let map = self.world_from_body(body).matrix3;
+        let spacing = self.scene.grid.spacing();
+        [map.x_axis, map.y_axis, map.z_axis].map(|axis| (axis * spacing).normalize_or_zero())
+    }
+
     /// Way between two points of the world's grid, squared [mm²].
     #[inline]
     pub(crate) fn squared_distance(&self, a: DVec3, b: DVec3) -> f64 {
@@ -163,12 +185,8 @@ impl<'a, O> Bodies<'a, O> {
     /// Outward normal of a voxel's face [mm, along the world's axes].
     fn normal(&self, body: u8, face: Face) -> DVec3 {
         let outward = face.normal().as_dvec3();
-        let Some(object) = self.object(body) else {
-            return outward;
-        };
-        // the gradient of the object's coordinate across the face
-        let gradient = object.pose().object_from_world().matrix3.transpose() * outward;
-        (gradient / self.scene.grid.spacing()).normalize_or_zero()
+        self.object(body)
+            .map_or(outward, |object| object.pose().normal_in_world(outward))
     }
 
     /// Whether a body can have solid voxels in a parallelepiped of its grid, given by two

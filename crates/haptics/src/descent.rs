@@ -102,7 +102,7 @@ pub(crate) fn descend<O: Occupancy>(
 }
 
 /// The point a skin before a hit, where it is free as well.
-fn before<O: Occupancy>(
+pub(crate) fn before<O: Occupancy>(
     bodies: &Bodies<'_, O>,
     from: DVec3,
     goal: DVec3,
@@ -120,7 +120,7 @@ fn before<O: Occupancy>(
 
 /// The faces that hold a point.
 #[derive(Clone, Copy, Debug)]
-struct Faces {
+pub(crate) struct Faces {
     normals: [DVec3; MAX_FACES],
     count: usize,
     /// The point has not moved since the first of them was met.
@@ -150,7 +150,7 @@ impl Faces {
     }
 
     /// Adds a face; false where it is known already, or one too many.
-    fn add(&mut self, normal: DVec3) -> bool {
+    pub(crate) fn add(&mut self, normal: DVec3) -> bool {
         // 1e-10: the angle of a rounding error, as its square
         let known = self
             .normals()
@@ -165,7 +165,7 @@ impl Faces {
     }
 
     /// After a move: forgets the faces that it led away from.
-    fn keep_along(&mut self, way: DVec3) {
+    pub(crate) fn keep_along(&mut self, way: DVec3) {
         let old = *self;
         self.count = 0;
         self.are_fresh = false;
@@ -184,7 +184,7 @@ impl Faces {
 
     /// The vector nearest to `wanted` that leads into none of the faces: its projection on
     /// the cone that they leave open, found among those on no face, on one, and on two.
-    fn allowed(&self, wanted: DVec3) -> DVec3 {
+    pub(crate) fn allowed(&self, wanted: DVec3) -> DVec3 {
         let normals = self.normals();
         let tolerance = -1e-12 * wanted.length();
         let is_allowed = |way: DVec3| normals.iter().all(|normal| normal.dot(way) >= tolerance);

@@ -64,9 +64,10 @@ pub(crate) fn advance<O: Occupancy>(
             bodies,
             from: best.point,
             device,
+            met: best.met,
             most_visits,
         };
-        let Some(nearer) = slide.find(best.met, &mut visits) else {
+        let Some(nearer) = slide.find(&mut visits) else {
             break;
         };
         best = nearer;

@@ -2,8 +2,8 @@
 //!
 //! The nodes stand at equal steps along the axes of one body, and the proxy is one of them. A
 //! node is open where it lies in a solid voxel of no body. Ways lead from node to node along
-//! the axes; that nothing stands between two of them is only assumed here, and whoever takes
-//! a way has to walk it.
+//! the axes; that nothing stands between two of them is assumed until whoever takes a way and
+//! walks it finds otherwise.
 //!
 //! Frame: the world's grid; memory as in a brick: one word per z, bit y·8 + x.
 
@@ -31,6 +31,8 @@ pub(crate) struct NodeLattice {
     pub steps: [DVec3; 3],
     /// Open nodes.
     pub open: [u64; 8],
+    /// Steps that something stands in, by the node from which they go up along x, y, z.
+    pub blocked: [[u64; 8]; 3],
 }
 
 /// Ways from the proxy to every node that can be reached: those at each number of steps.
@@ -79,9 +81,37 @@ impl NodeLattice {
         true
     }
 
-    /// Closes one node.
-    pub(crate) fn close(&mut self, node: IVec3) {
-        clear(&mut self.open, node);
+    /// Closes the step between two neighbours.
+    pub(crate) fn block(&mut self, from: IVec3, to: IVec3) {
+        let axis = (to - from).abs().max_position();
+        let lower = from.min(to);
+        if let Some(word) = self.blocked[axis].get_mut(lower.z as usize) {
+            *word |= 1 << ((lower.y & 7) * 8 + (lower.x & 7));
+        }
+    }
+
+    /// Whether nothing is known to stand between two neighbours.
+    fn is_passable(&self, from: IVec3, to: IVec3) -> bool {
+        let axis = (to - from).abs().max_position();
+        !has(&self.blocked[axis], from.min(to))
+    }
+
+    /// The open nodes beside a front that were not reached before.
+    fn next_front(&self, front: &[u64; 8], reached: &[u64; 8]) -> [u64; 8] {
+        let [x, y, z] = &self.blocked;
+        std::array::from_fn(|k| {
+            let layer = front[k];
+            // up from a node that is not blocked, or down to one
+            let mut beside = (layer & !RIGHT & !x[k]) << 1 | (layer & !LEFT) >> 1 & !x[k];
+            beside |= (layer & !y[k]) << 8 | layer >> 8 & !y[k];
+            if k > 0 {
+                beside |= front[k - 1] & !z[k - 1];
+            }
+            if k < 7 {
+                beside |= front[k + 1] & !z[k];
+            }
+            beside & self.open[k] & !reached[k]
+        })
     }
 
     /// Finds the shortest ways from the proxy through open nodes.
@@ -100,27 +130,13 @@ impl NodeLattice {
             for z in 0..8 {
                 reached[z] |= front[z];
             }
-            front = next_front(&front, &self.open, reached);
+            front = self.next_front(&front, reached);
             if front == [0; 8] {
                 break;
             }
         }
         ways
     }
-}
-
-/// The open nodes beside a front that were not reached before.
-fn next_front(front: &[u64; 8], open: &[u64; 8], reached: &[u64; 8]) -> [u64; 8] {
-    std::array::from_fn(|z| {
-        let below = if z > 0 { front[z - 1] } else { 0 };
-        let above = if z < 7 { front[z + 1] } else { 0 };
-        (beside(front[z]) | below | above) & open[z] & !reached[z]
-    })
-}
-
-/// The four neighbours in a layer, without wrapping from row to row.
-fn beside(layer: u64) -> u64 {
-    ((layer & !RIGHT) << 1) | ((layer & !LEFT) >> 1) | (layer << 8) | (layer >> 8)
 }
 
 /// A way, from the node beside the proxy to the one that was asked for.
@@ -139,7 +155,7 @@ impl Way {
 
 impl Ways {
     /// The way to a node that was reached.
-    pub(crate) fn to(&self, node: IVec3) -> Option<Way> {
+    pub(crate) fn to(&self, lattice: &NodeLattice, node: IVec3) -> Option<Way> {
         let steps = self.fronts.iter().position(|front| has(front, node))?;
         let mut way = Way {
             nodes: [IVec3::ZERO; MAX_STEPS],
@@ -153,7 +169,7 @@ impl Ways {
             at = STEPS
                 .into_iter()
                 .map(|step| at + step)
-                .find(|&near| has(front, near))?;
+                .find(|&near| has(front, near) && lattice.is_passable(near, at))?;
         }
         Some(way)
     }

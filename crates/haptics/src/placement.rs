@@ -3,6 +3,7 @@
 //! Frame: grid; distances in mm. Not part of a tick: it reads up to (2 r + 1)³ voxels.
 
 use crate::proxy::Proxy;
+use crate::scene::TouchScene;
 use crate::voxel_distance::squared_distance;
 use glam::{DVec3, IVec3};
 use palpate_volume::grid::Grid;
@@ -21,29 +22,75 @@ pub fn nearest_free(
     if !occupancy.is_solid(proxy.voxel()) {
         return Some(proxy);
     }
-
-    // shell by shell; each voxel of shell r is at least (r - 1) voxels away
     let spacing = grid.spacing();
-    let mut best: Option<(f64, IVec3)> = None;
-    for shell in 1..=radius.max(0) {
-        let least = f64::from(shell - 1) * spacing.min_element();
-        if best.is_some_and(|(distance, _)| distance <= least * least) {
+    let voxel = search_shells(proxy.voxel(), spacing, radius, |voxel, nearest| {
+        let distance = squared_distance(voxel, point, spacing);
+        (distance < nearest && !occupancy.is_solid(voxel)).then_some((distance, voxel))
+    })?;
+    Some(Proxy::nearest_in(voxel, point))
+}
+
+/// The same among objects: at the nearest of some points of each voxel of the world (its
+/// nearest, and 3×3×3 in its inside) that is free in every body. So it can miss gaps thinner
+/// than a third of a voxel.
+pub fn nearest_free_in<O: Occupancy>(
+    scene: &TouchScene<'_, O>,
+    point: DVec3,
+    radius: i32,
+) -> Option<Proxy> {
+    let proxy = Proxy::at(point)?;
+    if scene.solid_at(point).is_none() {
+        return Some(proxy);
+    }
+    let spacing = scene.grid.spacing();
+    let found = search_shells(proxy.voxel(), spacing, radius, |voxel, nearest| {
+        if squared_distance(voxel, point, spacing) >= nearest || scene.occupancy.is_solid(voxel) {
+            return None;
+        }
+        let inside = (0..27).map(|i| {
+            let third = IVec3::new(i % 3, i / 3 % 3, i / 9).as_dvec3();
+            voxel.as_dvec3() + (third + 0.5) / 3.0
+        });
+        std::iter::once(Proxy::nearest_in(voxel, point).point())
+            .chain(inside)
+            .filter(|&place| scene.solid_at(place).is_none())
+            .map(|place| (((place - point) * spacing).length_squared(), place))
+            .min_by(|a, b| a.0.total_cmp(&b.0))
+            .filter(|(distance, _)| *distance < nearest)
+    })?;
+    Proxy::at(found)
+}
+
+/// Visits voxels in order of their distance, more or less, as long as one can be nearer than the
+/// best; `nearer` gives its squared distance [mm²] and place if it is nearer than what it is given.
+fn search_shells<P>(
+    start: IVec3,
+    spacing: DVec3,
+    radius: i32,
+    nearer: impl Fn(IVec3, f64) -> Option<(f64, P)>,
+) -> Option<P> {
+    // shell by shell; each voxel of shell r is at least (r - 1) voxels away
+    let mut best: Option<(f64, P)> = None;
+    for shell in 0..=radius.max(0) {
+        let nearest = |best: &Option<(f64, P)>| best.as_ref().map_or(f64::INFINITY, |best| best.0);
+        let least = f64::from(shell - 1).max(0.0) * spacing.min_element();
+        if nearest(&best) <= least * least {
             break;
         }
         visit_shell(shell, |offset| {
-            let voxel = proxy.voxel() + offset;
-            let distance = squared_distance(voxel, point, spacing);
-            let nearer = best.is_none_or(|(nearest, _)| distance < nearest);
-            if nearer && !occupancy.is_solid(voxel) {
-                best = Some((distance, voxel));
+            if let Some(found) = nearer(start + offset, nearest(&best)) {
+                best = Some(found);
             }
         });
     }
-    best.map(|(_, voxel)| Proxy::nearest_in(voxel, point))
+    best.map(|(_, place)| place)
 }
 
-/// All offsets with a largest component of `shell` > 0.
+/// All offsets with a largest component of `shell`.
 fn visit_shell(shell: i32, mut visit: impl FnMut(IVec3)) {
+    if shell == 0 {
+        return visit(IVec3::ZERO);
+    }
     for z in -shell..=shell {
         for y in -shell..=shell {
             let on_face = z.abs() == shell || y.abs() == shell;

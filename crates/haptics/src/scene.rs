@@ -252,6 +252,14 @@ impl ObjectPose {
         self.object_from_world.transform_point3(point_in_world)
     }
 
+    /// The outward normal of a voxel's face, given in the object's grid, as a unit vector along
+    /// the axes of the world's grid [mm].
+    pub(crate) fn normal_in_world(&self, normal: DVec3) -> DVec3 {
+        // the gradient of the object's coordinate across the face
+        let gradient = self.object_from_world.matrix3.transpose() * normal;
+        (gradient / self.world_spacing).normalize_or_zero()
+    }
+
     /// The voxel of the object that holds a point of the world's grid.
     #[inline]
     pub fn voxel_at(&self, point_in_world: DVec3) -> IVec3 {
@@ -260,7 +268,7 @@ impl ObjectPose {
 }
 
 /// Refuses what is not a rotation and a translation.
-fn check_rigid(pose: &DAffine3) -> Result<(), PoseError> {
+pub(crate) fn check_rigid(pose: &DAffine3) -> Result<(), PoseError> {
     let axes = pose.matrix3;
     if !pose.is_finite() {
         return Err(PoseError::NotFinite(*pose));
@@ -287,7 +295,7 @@ fn farthest(map: &DAffine3, voxels: VoxelBox) -> f64 {
 }
 
 /// The corners of a box of voxels.
-fn corners(voxels: VoxelBox) -> [DVec3; 8] {
+pub(crate) fn corners(voxels: VoxelBox) -> [DVec3; 8] {
     let [min, max] = [voxels.min.as_dvec3(), voxels.max.as_dvec3()];
     std::array::from_fn(|i| {
         let high = |axis: usize| i >> axis & 1 == 1;

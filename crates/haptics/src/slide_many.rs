@@ -1,14 +1,15 @@
 //! One slide of the proxy among several bodies: to a node that brings it nearer.
 //!
 //! First the voxels of each body that was met, as in `slide.rs`: the window of that body's own
-//! lattice, so that the stairs of one body are climbed as if it were alone. Then a lattice of
-//! half the smallest spacing, for creases where the stairs of two bodies meet. A way is taken
-//! only if each of its legs was walked free in every body, and if, after a descent from its
-//! end, the device is nearer than before by more than rounding.
+//! lattice, so that the stairs of one body are climbed as if it were alone. Then, between the
+//! stairs of two bodies, by feeling along their faces (`creep.rs`). A way is taken only if each
+//! of its legs was walked free in every body, and if, after a descent from its end, the device
+//! is nearer than before by more than rounding.
 //!
 //! Frame: the world's grid, lengths in mm.
 
 use crate::bodies::{Bodies, Visits};
+use crate::creep::creep;
 use crate::descent::{Descent, descend};
 use crate::node_lattice::{NODES, NodeLattice, Way, clear};
 use crate::slide_window::{LayerDistances, SlideWindow};
@@ -20,10 +21,10 @@ use palpate_volume::occupancy::Occupancy;
 /// spacings: what is less is rounding, and the proxy stays.
 pub(crate) const LEAST_GAIN: f64 = 1e-5;
 
-/// Steps of the lattice for creases, in smallest spacings.
-const FINE_STEP: f64 = 0.5;
 /// Ways tried in one lattice.
-const TRIES: u32 = 3;
+const TRIES: u32 = 4;
+/// The same where it is felt for, so that it is no crawl.
+const CREEP_GAIN: f64 = 0.02;
 
 /// A slide to be found.
 #[derive(Debug)]
@@ -31,30 +32,35 @@ pub(crate) struct Slide<'a, 'b, O> {
     pub bodies: &'a Bodies<'b, O>,
     pub from: DVec3,
     pub device: DVec3,
+    /// The bodies that were met there, as bits.
+    pub met: u32,
     /// Most voxels of the first leg of a descent.
     pub most_visits: u32,
 }
 
 impl<O: Occupancy> Slide<'_, '_, O> {
-    /// A place that is strictly nearer to the device, by the lattices of the bodies in `met`.
-    pub(crate) fn find(&self, met: u32, visits: &mut Visits) -> Option<Descent> {
-        let is_met = |body: &u8| met >> body & 1 == 1;
-        let found = self
-            .bodies
-            .numbers()
-            .filter(is_met)
-            .find_map(|body| self.along_voxels(body, visits));
-        found.or_else(|| {
-            self.bodies
-                .numbers()
-                .filter(is_met)
-                .find_map(|body| self.along_crease(body, visits))
-        })
+    /// A place that is strictly nearer to the device.
+    pub(crate) fn find(&self, visits: &mut Visits) -> Option<Descent> {
+        let is_met = |body: &u8| self.met >> body & 1 == 1;
+        let mut met = self.bodies.numbers().filter(is_met);
+        let found = met.find_map(|body| self.along_voxels(body, visits));
+        if found.is_some() || self.met.count_ones() < 2 {
+            return found;
+        }
+        let limit = self.limit(CREEP_GAIN);
+        let place = creep(self.bodies, self.from, self.device, self.met, limit, visits)?;
+        Some(descend(
+            self.bodies,
+            place,
+            self.device,
+            self.most_visits,
+            visits,
+        ))
     }
 
     /// Distance that has to be undercut, squared [mm²].
-    fn limit(&self) -> f64 {
-        let gain = LEAST_GAIN * self.bodies.smallest_spacing();
+    fn limit(&self, gain: f64) -> f64 {
+        let gain = gain * self.bodies.smallest_spacing();
         let here = self.bodies.squared_distance(self.from, self.device).sqrt();
         (here - gain).max(0.0).powi(2)
     }
@@ -76,33 +82,9 @@ impl<O: Occupancy> Slide<'_, '_, O> {
             start,
             steps: [axes.x_axis, axes.y_axis, axes.z_axis],
             open,
+            blocked: [[0; 8]; 3],
         };
         self.best_of(lattice, &distances, Some(body), visits)
-    }
-
-    /// In a fine lattice along a body's axes, by the distance to the nodes themselves.
-    fn along_crease(&self, body: u8, visits: &mut Visits) -> Option<Descent> {
-        let [from, device] = [self.from, self.device].map(|point| self.bodies.to_body(body, point));
-        let spacing = self.bodies.spacing(body);
-        let step = FINE_STEP * self.bodies.smallest_spacing() / spacing;
-        // nodes stand in for voxels: the window is that of the device in steps
-        let way = (device - from) / step;
-        let window = SlideWindow::new(IVec3::ZERO, way + 0.5);
-        let start = -window.min;
-        let distances =
-            LayerDistances::of_points(from - start.as_dvec3() * step, step, device, spacing);
-        let axes = self.bodies.world_from_body(body).matrix3;
-        let lattice = NodeLattice {
-            origin: self.from,
-            start,
-            steps: [
-                axes.x_axis * step.x,
-                axes.y_axis * step.y,
-                axes.z_axis * step.z,
-            ],
-            open: window.usable(),
-        };
-        self.best_of(lattice, &distances, None, visits)
     }
 
     /// Takes the ways to the nearest nodes that are near enough, until one leads nearer.
@@ -113,7 +95,7 @@ impl<O: Occupancy> Slide<'_, '_, O> {
         voxels_of: Option<u8>,
         visits: &mut Visits,
     ) -> Option<Descent> {
-        let limit = self.limit();
+        let limit = self.limit(LEAST_GAIN);
         let mut nearer = distances.nearer(&lattice.open, limit);
         clear(&mut nearer, lattice.start);
         if nearer == [0; 8] {
@@ -136,11 +118,11 @@ impl<O: Occupancy> Slide<'_, '_, O> {
             let ways = lattice.ways();
             let candidates = common(&common(&nearer, &lattice.open), &ways.reached);
             let node = distances.nearest(&candidates)?;
-            let way = ways.to(node)?;
+            let way = ways.to(&lattice, node)?;
             match self.take(&lattice, &way, voxels_of, visits) {
                 Taken::Nearer(descent) => return Some(descent),
                 Taken::NotNearer => clear(&mut nearer, node),
-                Taken::Blocked(node) => lattice.close(node),
+                Taken::Blocked { from, to } => lattice.block(from, to),
             }
         }
         None
@@ -159,14 +141,18 @@ impl<O: Occupancy> Slide<'_, '_, O> {
             return Taken::NotNearer;
         };
         let mut at = lattice.point(last);
-        if !self.bodies.is_free(self.from, at, visits) {
-            at = self.from;
+        if !self.bodies.is_free(lattice.origin, at, visits) {
+            at = lattice.origin;
+            let mut before = lattice.start;
             for &node in way.nodes() {
                 let next = lattice.point(node);
                 if !self.bodies.is_free(at, next, visits) {
-                    return Taken::Blocked(node);
+                    return Taken::Blocked {
+                        from: before,
+                        to: node,
+                    };
                 }
-                at = next;
+                (at, before) = (next, node);
             }
         }
 
@@ -181,7 +167,7 @@ impl<O: Occupancy> Slide<'_, '_, O> {
         }
         let descent = descend(self.bodies, at, self.device, self.most_visits, visits);
         let distance = self.bodies.squared_distance(descent.point, self.device);
-        if descent.arrived || distance < self.limit() {
+        if descent.arrived || distance < self.limit(LEAST_GAIN) {
             Taken::Nearer(descent)
         } else {
             Taken::NotNearer
@@ -193,8 +179,11 @@ impl<O: Occupancy> Slide<'_, '_, O> {
 enum Taken {
     Nearer(Descent),
     NotNearer,
-    /// Something stands before this node.
-    Blocked(IVec3),
+    /// Something stands between these nodes.
+    Blocked {
+        from: IVec3,
+        to: IVec3,
+    },
 }
 
 fn common(a: &[u64; 8], b: &[u64; 8]) -> [u64; 8] {

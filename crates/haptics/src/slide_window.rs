@@ -44,11 +44,6 @@ impl SlideWindow {
         }
     }
 
-    /// Its usable voxels, free or not.
-    pub(crate) fn usable(&self) -> [u64; 8] {
-        self.outside(&BitBrick::EMPTY)
-    }
-
     /// Its free and usable voxels.
     #[inline]
     pub(crate) fn free(&self, occupancy: &(impl Occupancy + ?Sized)) -> [u64; 8] {
@@ -97,21 +92,6 @@ impl LayerDistances {
             x: layers(min.x, device.x, spacing.x),
             y: layers(min.y, device.y, spacing.y),
             z: layers(min.z, device.z, spacing.z),
-        }
-    }
-
-    /// The same to points: layers `step` apart from `first` on [voxels].
-    pub(crate) fn of_points(first: DVec3, step: DVec3, device: DVec3, spacing: DVec3) -> Self {
-        let layers = |axis: usize| {
-            std::array::from_fn(|i| {
-                let off = first[axis] + i as f64 * step[axis] - device[axis];
-                (off * spacing[axis]).powi(2)
-            })
-        };
-        Self {
-            x: layers(0),
-            y: layers(1),
-            z: layers(2),
         }
     }
 

@@ -2,16 +2,16 @@
 
 mod support;
 
-use glam::{DVec3, IVec3, UVec3};
-use palpate_haptics::admission::{Admission, PUSH_REACH, admit};
+use glam::{DAffine3, DVec3, IVec3, UVec3};
+use palpate_haptics::admission::{Admission, PUSH_REACH, admit, admit_scene};
 use palpate_haptics::contact::ContactModel;
 use palpate_haptics::exact::Exact;
 use palpate_haptics::placement::nearest_free;
 use palpate_haptics::proxy::Proxy;
-use palpate_haptics::scene::TouchScene;
+use palpate_haptics::scene::{Object, ObjectPose, TouchScene};
 use palpate_volume::occupancy::Occupancy;
 use palpate_volume::segment::Segment;
-use support::{Body, Components, Random, SPACINGS, grid, noise};
+use support::{Body, Components, Random, SPACINGS, grid, noise, rotation};
 
 const SIZE: u32 = 24;
 
@@ -161,4 +161,116 @@ fn changed(
             solid.is_solid(voxel)
         }
     })
+}
+
+/// Changes of whole scenes under a moving probe: objects come and go, are turned at once, and
+/// their voxels change. What is admitted leaves it free in all, on a way that was free in all.
+#[test]
+fn changes_of_objects_never_put_the_probe_inside() {
+    let mut random = Random::new(12);
+    let mut counts = [0; 3];
+    let size = UVec3::splat(16);
+    let solids: Vec<Segment> = (0..6).map(|i| noise(16, 0.25, i)).collect();
+    let parts: Vec<_> = solids
+        .iter()
+        .map(|solid| Components::of(solid, size))
+        .collect();
+    let references: Vec<&Segment> = solids.iter().collect();
+    for spacing in SPACINGS {
+        let world_grid = grid(size, spacing);
+        let mut chosen = (0, Vec::new());
+        let mut proxy = Proxy::at(DVec3::splat(-1.0)).expect("a finite point");
+        for _ in 0..6_000 {
+            let objects: Vec<_> = chosen.1.clone();
+            let old = TouchScene {
+                occupancy: &references[chosen.0],
+                grid: &world_grid,
+                objects: &objects,
+            };
+            let device = random.point(0.0, 16.0);
+            Exact::default().advance(&old, device, &mut proxy);
+            assert_eq!(old.solid_at(proxy.point()), None);
+
+            // the world, or what is in it, becomes another
+            let mut new = chosen.clone();
+            match random.below(4) {
+                0 => new.0 = random.below(2),
+                1 => new.1.truncate(1),
+                _ => {
+                    let body = 2 + random.below(4);
+                    let own = grid(size, SPACINGS[body % 2] * 0.8);
+                    let place = random.point(4.0, 12.0) * spacing;
+                    let turn = rotation(&mut random);
+                    let middle = DVec3::splat(8.0) * own.spacing();
+                    let pose = DAffine3::from_mat3_translation(turn, place - turn * middle);
+                    let pose = ObjectPose::new(&own, &world_grid, pose).expect("rigid");
+                    new.1
+                        .push(Object::new(&solids[body], &own, own.bounds(), pose));
+                    new.1.truncate(3);
+                }
+            }
+            let after = TouchScene {
+                occupancy: &references[new.0],
+                grid: &world_grid,
+                objects: &new.1,
+            };
+            let before = proxy;
+            match admit_scene(&old, &after, &mut proxy) {
+                Admission::Free => {
+                    counts[0] += 1;
+                    assert_eq!(proxy, before);
+                }
+                Admission::Pushed { voxel } => {
+                    counts[1] += 1;
+                    assert_eq!(proxy.voxel(), voxel);
+                    // through what was connected in every body that was there
+                    let [from, to] = [before, proxy].map(|p| parts[chosen.0].label(p.voxel()));
+                    assert!(from != 0 && from == to);
+                    for object in old.objects {
+                        let body = solids
+                            .iter()
+                            .position(|s| std::ptr::eq(s, *object.occupancy()));
+                        let part = &parts[body.expect("one of the solids")];
+                        let [from, to] =
+                            [before, proxy].map(|p| part.label(object.pose().voxel_at(p.point())));
+                        assert!(from != 0 && from == to);
+                    }
+                }
+                Admission::Held => {
+                    counts[2] += 1;
+                    assert_eq!(proxy, before);
+                    continue;
+                }
+            }
+            assert_eq!(after.solid_at(proxy.point()), None);
+            chosen = new;
+        }
+    }
+    println!("free, pushed, held: {counts:?}");
+    assert!(counts.iter().all(|&count| count > 20), "{counts:?}");
+}
+
+#[test]
+fn changes_of_objects_far_away_are_those_of_the_world_alone() {
+    let solids = [noise(16, 0.3, 1), noise(16, 0.5, 2)];
+    let grid = grid(UVec3::splat(16), DVec3::ONE);
+    let pose = DAffine3::from_translation(DVec3::splat(200.0));
+    let pose = ObjectPose::new(&grid, &grid, pose).expect("rigid");
+    let objects = [Object::new(solids[0].clone(), &grid, grid.bounds(), pose)];
+    let mut random = Random::new(3);
+    for _ in 0..2000 {
+        let start = Proxy::at(random.point(-1.0, 17.0)).expect("a finite point");
+        let mut proxies = [start; 2];
+        let [old, new] = [0, 1].map(|i| TouchScene::of_world(&solids[i], &grid));
+        let new = TouchScene {
+            objects: &objects,
+            ..new
+        };
+        let admissions = [
+            admit(&solids[0], &solids[1], &grid, &mut proxies[0]),
+            admit_scene(&old, &new, &mut proxies[1]),
+        ];
+        assert_eq!(admissions[0], admissions[1]);
+        assert_eq!(proxies[0], proxies[1]);
+    }
 }

@@ -5,8 +5,8 @@ mod support;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
-use glam::{DVec3, UVec3};
-use palpate_haptics::admission::{Admission, admit};
+use glam::{DAffine3, DMat3, DVec3, UVec3};
+use palpate_haptics::admission::{Admission, admit, admit_scene};
 use palpate_haptics::ball::{Ball, BallShape};
 use palpate_haptics::ball_probe::ProbeSolid;
 use palpate_haptics::contact::ContactModel;
@@ -14,14 +14,17 @@ use palpate_haptics::coupling::Coupling;
 use palpate_haptics::exact::Exact;
 use palpate_haptics::friction::FrictionState;
 use palpate_haptics::local_force::LocalForce;
+use palpate_haptics::moving::{PoseStep, step_pose};
 use palpate_haptics::passivity::Passivity;
 use palpate_haptics::placement::nearest_free;
+use palpate_haptics::proxy::Proxy;
 use palpate_haptics::safety::{ForceLimits, Safety, SafetySettings};
-use palpate_haptics::scene::TouchScene;
+use palpate_haptics::scene::{Object, ObjectPose, TouchScene};
 use palpate_haptics::surface::{Holders, Surface, SurfaceBlend, Uniform};
 use palpate_haptics::thesis_improved::ThesisImproved;
 use palpate_haptics::thesis_original::ThesisOriginal;
 use palpate_haptics::tick::{TickCache, TickState};
+use palpate_volume::segment::Segment;
 use support::{Press, Random, SPACINGS, grid, noise, rub};
 
 thread_local! {
@@ -233,4 +236,62 @@ fn friction_surfaces_and_the_device_s_side_never_call_the_allocator() {
     });
     assert_eq!(calls, 0);
     assert!(contacts > 1000, "{contacts}");
+}
+
+/// The same among objects that move, come and go.
+#[test]
+fn ticks_pose_steps_and_admissions_among_objects_never_call_the_allocator() {
+    let size = UVec3::splat(16);
+    let solids: Vec<Segment> = (0..4).map(|seed| noise(16, 0.2, seed)).collect();
+    let grids = SPACINGS.map(|spacing| grid(size, spacing));
+    let mut random = Random::new(5);
+    let pose = |random: &mut Random, turn: f64| {
+        let rotation = DMat3::from_axis_angle(random.direction(), turn);
+        let middle = DVec3::splat(8.0) * SPACINGS[1];
+        let pose = DAffine3::from_mat3_translation(rotation, middle - rotation * middle);
+        ObjectPose::new(&grids[1], &grids[0], pose).expect("rigid")
+    };
+    let mut objects: [Object<&Segment>; 3] = std::array::from_fn(|i| {
+        let pose = pose(&mut random, i as f64);
+        Object::new(&solids[i + 1], &grids[1], grids[1].bounds(), pose)
+    });
+    let world = &solids[0];
+    let proxy = Proxy::at(DVec3::splat(-2.0)).expect("a finite point");
+    let mut state = TickState::new(proxy);
+    let mut cache = TickCache::default();
+    let mut epoch = 1;
+    let mut outcomes = [0; 3];
+    let calls = allocator_calls(|| {
+        for _ in 0..10_000 {
+            let scene = TouchScene {
+                occupancy: &world,
+                grid: &grids[0],
+                objects: &objects,
+            };
+            let input = Press {
+                device_in_scene: random.point(-2.0, 18.0),
+                velocity_in_scene: DVec3::ZERO,
+                coupling: Coupling::default(),
+            };
+            epoch += 1;
+            assert!(!rub(&scene, &input, &mut state, (&mut cache, epoch)).violation);
+            let fewer = TouchScene {
+                objects: &objects[..2],
+                ..scene
+            };
+            let before = state.proxy;
+            if admit_scene(&fewer, &scene, &mut state.proxy) != Admission::Free {
+                state.proxy = before;
+            }
+            let turn = random.between(0.0, 1.0);
+            let next = pose(&mut random, turn);
+            let step = step_pose(&scene, 0, &next, &mut state.proxy);
+            outcomes[step as usize] += 1;
+            if step != PoseStep::Held {
+                objects[0].set_pose(next);
+            }
+        }
+    });
+    assert_eq!(calls, 0);
+    assert!(outcomes.iter().all(|&count| count > 0), "{outcomes:?}");
 }

@@ -13,14 +13,12 @@ use palpate_volume::grid::Grid;
 use palpate_volume::occupancy::Occupancy;
 use palpate_volume::segment::Segment;
 use palpate_volume::voxel_box::VoxelBox;
-use support::{Body, Components, Random, SPACINGS, grid, noise};
+use support::{
+    Body, Components, Random, SPACINGS, grid, nearest_outside, noise, open_normals, rotation,
+};
 
 /// Any body: tests mix them in one scene.
 type AnyBody<'a> = &'a dyn Occupancy;
-
-fn rotation(random: &mut Random) -> DMat3 {
-    DMat3::from_axis_angle(random.direction(), random.between(-3.0, 3.0))
-}
 
 /// An object whose middle stands at a point of the scene [mm].
 fn object<'a>(
@@ -414,33 +412,6 @@ fn press(planes: usize, spacings: [DVec3; 3], with_world: bool, random: &mut Ran
     }
     figures.lags.sort_by(f64::total_cmp);
     figures
-}
-
-/// Normals that point up and differ by 40° at least.
-fn open_normals(count: usize, random: &mut Random) -> Vec<DVec3> {
-    let mut normals: Vec<DVec3> = Vec::new();
-    while normals.len() < count {
-        let normal = (random.direction() + DVec3::Z).normalize_or_zero();
-        if normal.z > 0.1 && normals.iter().all(|other| other.dot(normal) < 0.76) {
-            normals.push(normal);
-        }
-    }
-    normals
-}
-
-/// The point nearest to `device` outside half spaces whose planes pass zero.
-/// Source: Dykstra, "An algorithm for restricted least squares regression", JASA 78 (1983).
-fn nearest_outside(normals: &[DVec3], device: DVec3) -> DVec3 {
-    let mut point = device;
-    let mut corrections = vec![DVec3::ZERO; normals.len()];
-    for _ in 0..20_000 {
-        for (normal, correction) in normals.iter().zip(&mut corrections) {
-            let back = point + *correction;
-            point = back - *normal * normal.dot(back).min(0.0);
-            *correction = back - point;
-        }
-    }
-    point
 }
 
 /// On one plane, in wedges of two and in corners of three, all askew to one another: as near

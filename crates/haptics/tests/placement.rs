@@ -2,11 +2,12 @@
 
 mod support;
 
-use glam::{DVec3, IVec3, UVec3};
-use palpate_haptics::placement::nearest_free;
+use glam::{DAffine3, DVec3, IVec3, UVec3};
+use palpate_haptics::placement::{nearest_free, nearest_free_in};
+use palpate_haptics::scene::{Object, ObjectPose, TouchScene};
 use palpate_volume::occupancy::Occupancy;
 use palpate_volume::voxel_box::VoxelBox;
-use support::{Body, Random, SPACINGS, grid, noise};
+use support::{Body, Random, SPACINGS, grid, noise, rotation};
 
 #[test]
 fn a_free_point_is_its_own_place() {
@@ -56,4 +57,37 @@ fn nothing_is_found_where_all_is_solid_or_the_point_is_none() {
         let point = DVec3::new(0.5, bad, 0.5);
         assert_eq!(nearest_free(&solid, &grid, point, 6), None);
     }
+}
+
+#[test]
+fn among_objects_the_place_found_is_free_in_all_and_as_near_as_voxels_allow() {
+    let solids = [noise(20, 0.7, 1), noise(20, 0.7, 2)];
+    let world_grid = grid(UVec3::splat(20), DVec3::ONE);
+    let own = grid(UVec3::splat(20), DVec3::splat(1.2));
+    let mut random = Random::new(8);
+    let turn = rotation(&mut random);
+    let pose =
+        DAffine3::from_mat3_translation(turn, DVec3::splat(10.0) - turn * DVec3::splat(12.0));
+    let pose = ObjectPose::new(&own, &world_grid, pose).expect("rigid");
+    let objects = [Object::new(solids[1].clone(), &own, own.bounds(), pose)];
+    let scene = TouchScene {
+        occupancy: &solids[0],
+        grid: &world_grid,
+        objects: &objects,
+    };
+    for _ in 0..300 {
+        let point = random.point(0.0, 20.0);
+        let found = nearest_free_in(&scene, point, 40).expect("outside is free");
+        assert_eq!(scene.solid_at(found.point()), None);
+        // no random point that is free is nearer by more than a third of a voxel's diagonal
+        let distance = found.point().distance(point);
+        for _ in 0..200 {
+            let other = point + random.direction() * random.between(0.0, 1.0) * (distance - 0.6);
+            assert!(distance <= 0.6 || scene.solid_at(other).is_some());
+        }
+    }
+    let full = [Body(|_: IVec3| true)];
+    let scene = TouchScene::of_world(&full, &world_grid);
+    assert_eq!(nearest_free_in(&scene, DVec3::ONE, 5), None);
+    assert_eq!(nearest_free_in(&scene, DVec3::NAN, 5), None);
 }

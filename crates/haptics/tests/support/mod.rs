@@ -65,6 +65,38 @@ impl Random {
     }
 }
 
+/// A rotation by some angle about some axis.
+pub fn rotation(random: &mut Random) -> DMat3 {
+    DMat3::from_axis_angle(random.direction(), random.between(-3.0, 3.0))
+}
+
+/// Normals that point up and differ by 40° at least.
+pub fn open_normals(count: usize, random: &mut Random) -> Vec<DVec3> {
+    let mut normals: Vec<DVec3> = Vec::new();
+    while normals.len() < count {
+        let normal = (random.direction() + DVec3::Z).normalize_or_zero();
+        if normal.z > 0.1 && normals.iter().all(|other| other.dot(normal) < 0.76) {
+            normals.push(normal);
+        }
+    }
+    normals
+}
+
+/// The point nearest to `device` outside half spaces whose planes pass zero.
+/// Source: Dykstra, "An algorithm for restricted least squares regression", JASA 78 (1983).
+pub fn nearest_outside(normals: &[DVec3], device: DVec3) -> DVec3 {
+    let mut point = device;
+    let mut corrections = vec![DVec3::ZERO; normals.len()];
+    for _ in 0..20_000 {
+        for (normal, correction) in normals.iter().zip(&mut corrections) {
+            let back = point + *correction;
+            point = back - *normal * normal.dot(back).min(0.0);
+            *correction = back - point;
+        }
+    }
+    point
+}
+
 /// Voxels solid with a probability, independently.
 pub fn noise(size: u32, share: f64, seed: u128) -> Segment {
     let mut random = Random::new(seed);
