@@ -239,6 +239,8 @@ def test_what_is_no_stress_is_refused(tmp_path: Path, ball_scene: Scene) -> None
         with pytest.raises(OptionError, match="allowed: a file that it wrote"):
             stress.Plan.of_file(bad)
     assert run(["bench", "stress", "--replay", str(tmp_path / "none.json")]) == 2
+
+
 # --- passivity ---------------------------------------------------------------------------
 
 

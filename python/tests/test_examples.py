@@ -27,6 +27,10 @@ def test_bone_of_the_phantom_is_felt() -> None:
     assert "the probe stayed outside the bone" in run("feel_bone.py")
 
 
+def test_a_session_is_recorded_kept_and_replayed() -> None:
+    assert "every bit is the same" in run("replay_session.py")
+
+
 @pytest.mark.data
 @pytest.mark.parametrize(
     ("name", "threshold"),

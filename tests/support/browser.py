@@ -10,7 +10,7 @@ import signal
 import subprocess
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -121,12 +121,17 @@ NO_PRIORITY = ("setpriv", "--bounding-set=-sys_nice", "--inh-caps=-sys_nice", "-
 """Starts a command without the right to ask for real-time priority."""
 
 
+TOOL = (ROOT / ".venv" / "bin" / "palpate",)
+"""The command line tool."""
+
+
 @contextmanager
-def palpate(*arguments: str | Path, real_time: bool = True) -> Iterator[Command]:
+def palpate(
+    *arguments: str | Path, real_time: bool = True, tool: Sequence[str | Path] = TOOL
+) -> Iterator[Command]:
     """Runs the command line tool until the address is printed, and to its end."""
-    tool = ROOT / ".venv" / "bin" / "palpate"
     process = subprocess.Popen(
-        [*(() if real_time else NO_PRIORITY), tool, *arguments, "--no-browser"],
+        [*(() if real_time else NO_PRIORITY), *tool, *arguments, "--no-browser"],
         env=os.environ | {"PYTHONUNBUFFERED": "1"},
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,

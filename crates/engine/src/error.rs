@@ -1,5 +1,7 @@
 //! What can go wrong in a session.
 
+use palpate_haptics::ball::BallError;
+use palpate_haptics::scene::{MAX_OBJECTS, PoseError};
 use palpate_volume::voxels::VoxelsError;
 
 use crate::mapping::ViewError;
@@ -66,6 +68,15 @@ pub enum SessionError {
     /// A stretch of time that is none, or a real session asked to compute one.
     #[error("{0} s given; allowed: 0 to 3600 s")]
     Duration(f64),
+    /// A pose that is no rigid motion.
+    #[error(transparent)]
+    Pose(#[from] PoseError),
+    /// No more segments can be moved.
+    #[error("{MAX_OBJECTS} segments are moved already; allowed: at most as many")]
+    TooManyMoved,
+    /// A ball that does not fit the scan's voxels.
+    #[error(transparent)]
+    Ball(#[from] BallError),
     /// Only an offline session is stepped by its owner.
     #[error("this session runs in real time; allowed: run() of a session with real_time off")]
     NotOffline,

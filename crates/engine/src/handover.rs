@@ -6,7 +6,7 @@
 //!
 //! Frames: `_in_device` is the device's own, all else is the scene; mm, N, s.
 
-use glam::{DMat3, DVec3};
+use glam::{DAffine3, DMat3, DVec3};
 use palpate_device::DeviceState;
 use palpate_haptics::local_force::LocalForce;
 use palpate_volume::bit_brick::BitBrick;
@@ -92,6 +92,8 @@ pub enum ServoCommand {
     Turn(DMat3),
     /// New settings.
     Settings(Settings),
+    /// Where a moved segment is to go, a rigid motion [mm].
+    Pose(SegmentId, DAffine3),
     /// How the surface of a segment feels from now on.
     Feel(SegmentId, Feel),
     /// Asks for the servo's state at the end of this tick, from where it can be replayed.
@@ -168,6 +170,8 @@ pub struct ServoStatus {
     pub held_edits: [u64; MAX_HELD],
     /// Edits that were not even held, since too many are.
     pub skipped: u64,
+    /// Moved segments that the probe keeps from where they are to go, one bit for each number.
+    pub stopped: [u64; 4],
     /// Placements refused, since there was no free voxel near the point.
     pub refused_places: u64,
     /// Where the device is.
@@ -176,6 +180,8 @@ pub struct ServoStatus {
     pub proxy: DVec3,
     /// Whether an obstacle holds the probe back.
     pub contact: bool,
+    /// The segment that is touched; 0 where there is none.
+    pub touched: u8,
 }
 
 /// Servo → picture: one tick.

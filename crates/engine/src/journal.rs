@@ -49,6 +49,12 @@ impl<S> Journal<S> {
         self.push_undo(inverse, bytes);
     }
 
+    /// The newest change that can be taken back.
+    #[must_use]
+    pub fn newest(&self) -> Option<&S> {
+        self.undo.back().map(|(step, _)| step)
+    }
+
     /// The step that takes the newest change back.
     pub fn pop_undo(&mut self) -> Option<S> {
         let (step, bytes) = self.undo.pop_back()?;

@@ -66,6 +66,8 @@ pub struct Picture {
     samples: VecDeque<Sample>,
     notices: VecDeque<Notice>,
     recording: Option<Recording>,
+    /// Longest recording, in ticks.
+    max_ticks: usize,
     lost_before_recording: u64,
     failure_shown: bool,
 }
@@ -87,6 +89,7 @@ impl Picture {
             samples: VecDeque::with_capacity(MAX_SAMPLES),
             notices: VecDeque::new(),
             recording: None,
+            max_ticks: MAX_TICKS,
             lost_before_recording: 0,
             failure_shown: false,
         }
@@ -145,6 +148,11 @@ impl Picture {
         }
     }
 
+    /// Limits the length of recordings [ticks], for tests.
+    pub fn limit_recordings(&mut self, max_ticks: usize) {
+        self.max_ticks = max_ticks;
+    }
+
     /// Begins a new recording; one that runs is thrown away.
     pub fn start_recording(&mut self) {
         // what came before does not belong to it
@@ -179,12 +187,15 @@ impl Picture {
         let Some(recording) = &mut self.recording else {
             return;
         };
+        if recording.len() >= self.max_ticks {
+            return;
+        }
         let touched = self.sources.status.read().touched;
-        let touched = if record.contact { touched } else { 0 };
-        let full = recording.push(&record, touched) && recording.len() == MAX_TICKS;
-        if full {
+        recording.push(&record, if record.contact { touched } else { 0 });
+        if recording.len() == self.max_ticks {
             self.note(Notice::warning(format!(
-                "The recording is full after {MAX_TICKS} ticks; later ones are not recorded."
+                "The recording is full after {} ticks; later ones are not recorded.",
+                self.max_ticks
             )));
         }
     }

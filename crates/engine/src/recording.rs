@@ -128,11 +128,8 @@ impl Recording {
         }
     }
 
-    /// Appends a tick in which a segment was touched, or 0; false where the recording is full.
-    pub fn push(&mut self, record: &TickRecord, touched: u8) -> bool {
-        if self.len() >= MAX_TICKS {
-            return false;
-        }
+    /// Appends a tick in which a segment was touched, or 0.
+    pub fn push(&mut self, record: &TickRecord, touched: u8) {
         self.tick.push(record.tick);
         self.time.push(record.time);
         self.device.push(record.device);
@@ -153,6 +150,5 @@ impl Recording {
         self.hand_target.push(inputs.hand.point);
         self.hand_number.push(inputs.hand.number);
         self.has_room.push(inputs.has_room);
-        true
     }
 }

@@ -249,6 +249,7 @@ impl<'a> Player<'a> {
             },
             TapeCommand::Turn(rotation) => ServoCommand::Turn(rotation),
             TapeCommand::Settings(settings) => ServoCommand::Settings(settings),
+            TapeCommand::Pose(id, pose) => ServoCommand::Pose(SegmentId(id), pose),
             TapeCommand::Feel(id, feel) => ServoCommand::Feel(SegmentId(id), feel),
             TapeCommand::Mark => ServoCommand::Mark,
         })

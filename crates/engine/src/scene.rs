@@ -63,10 +63,17 @@ pub enum Step {
         /// Which segment.
         id: SegmentId,
     },
+    /// Moves a segment.
+    Move {
+        /// Which segment.
+        id: SegmentId,
+        /// Where to [mm, from the scan to the scene]; a rigid motion.
+        pose: DAffine3,
+    },
 }
 
 /// What a step changes of the occupancy of touchable segments.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum TouchChange {
     /// Nothing.
     Nothing,
@@ -74,6 +81,10 @@ pub enum TouchChange {
     Bricks(Vec<u32>, Vec<SegmentId>),
     /// Anything, of this segment.
     All(SegmentId),
+    /// Where this segment stands, which was moved before.
+    Pose(SegmentId, DAffine3),
+    /// That this segment is moved from now on, and where to.
+    FirstPose(SegmentId, DAffine3),
 }
 
 impl Step {
@@ -89,6 +100,15 @@ impl Step {
     pub fn inserted(&self) -> Option<SegmentId> {
         match self {
             Self::Insert { id, .. } => Some(*id),
+            _ => None,
+        }
+    }
+
+    /// The segment that the step moves, if it does.
+    #[must_use]
+    pub fn moves(&self) -> Option<SegmentId> {
+        match self {
+            Self::Move { id, .. } => Some(*id),
             _ => None,
         }
     }
@@ -112,7 +132,7 @@ impl Step {
                 bits * 128 + edit.intensities.len() * 1040
             }
             Self::Replace { segment, .. } | Self::Insert { segment, .. } => segment.memory_bytes(),
-            Self::Remove { .. } => 0,
+            Self::Remove { .. } | Self::Move { .. } => 0,
         }
     }
 }
@@ -229,7 +249,39 @@ impl Scene {
                 properties,
             } => self.insert(id, segment, properties),
             Step::Remove { id } => self.remove(id),
+            Step::Move { id, pose } => self.move_to(id, pose),
         }
+    }
+
+    /// A segment that was moved once stays a body of its own, also where it is taken back.
+    fn move_to(
+        &mut self,
+        id: SegmentId,
+        pose: DAffine3,
+    ) -> Result<(Step, TouchChange), VoxelsError> {
+        let properties = self
+            .properties
+            .get_mut(&id)
+            .ok_or(VoxelsError::UnknownSegment(id.0))?;
+        let before = properties.pose.replace(pose);
+        let touchable = properties.touchable;
+        let inverse = Step::Move {
+            id,
+            pose: before.unwrap_or(DAffine3::IDENTITY),
+        };
+        let change = match before {
+            _ if !touchable => TouchChange::Nothing,
+            None => TouchChange::FirstPose(id, pose),
+            Some(_) => TouchChange::Pose(id, pose),
+        };
+        Ok((inverse, change))
+    }
+
+    /// Number of segments that were moved.
+    #[must_use]
+    pub fn moved_count(&self) -> usize {
+        let poses = self.properties.values().map(|properties| properties.pose);
+        poses.flatten().count()
     }
 
     fn edit(

@@ -6,7 +6,7 @@
 use std::sync::mpsc::{self, Sender};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use glam::{DVec3, IVec3};
+use glam::{DAffine3, DVec3, IVec3};
 use palpate_device::DeviceLimits;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
@@ -206,6 +206,16 @@ impl Session {
     /// Where there is no such segment or the session has ended.
     pub fn set_touchable(&self, id: SegmentId, touchable: bool) -> Result<(), SessionError> {
         self.ask(move |simulation| simulation.set_touchable(id, touchable))?
+    }
+
+    /// Moves a segment to a pose [mm, from the scan to the scene]; touch goes there smoothly, and
+    /// stops where the probe is pinched.
+    ///
+    /// # Errors
+    /// Where the pose is no rigid motion, there is no such segment, too many are moved, or the
+    /// session has ended.
+    pub fn move_segment(&self, id: SegmentId, pose: DAffine3) -> Result<(), SessionError> {
+        self.ask(move |simulation| simulation.move_segment(id, pose))?
     }
 
     /// Changes how the surface of a segment feels.

@@ -10,6 +10,7 @@ use palpate_volume::segment::Segment;
 use crate::error::SessionError;
 use crate::scene::Properties;
 use crate::settings::Settings;
+use crate::simulation::check_radius;
 
 /// Farthest point that a session takes [mm].
 const POINT_LIMIT: f64 = 1e6;
@@ -96,6 +97,7 @@ pub(crate) fn check(config: &SessionConfig) -> Result<(), SessionError> {
         }
     }
     config.settings.check()?;
+    check_radius(config.settings.probe_radius, &config.grid)?;
     if let Some(start) = config.start {
         check_point("start", start)?;
     }

@@ -5,8 +5,10 @@
 use std::sync::mpsc::Sender;
 use std::sync::{Arc, Mutex};
 
-use glam::{DMat3, DVec3, IVec3};
+use glam::{DAffine3, DMat3, DVec3, IVec3};
 use palpate_device::DeviceLimits;
+use palpate_haptics::ball::{BallError, BallShape};
+use palpate_haptics::scene::{MAX_OBJECTS, ObjectPose};
 use palpate_volume::edit::{Edit, SegmentId};
 use palpate_volume::grid::Grid;
 use palpate_volume::segment::Segment;
@@ -22,8 +24,7 @@ use crate::placement::{REACH, free_point};
 use crate::scene::{Properties, Scene, Step, ThresholdRange};
 use crate::settings::Settings;
 use crate::tape::{MAX_TAPE_BYTES, TapeRecorder};
-use crate::touch_sender::TouchSender;
-use crate::touched::touched_segment;
+use crate::touch_sender::{TouchSender, touchable_of};
 
 /// What the picture shows of the simulation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -57,6 +58,8 @@ pub struct SegmentState {
     pub range: Option<ThresholdRange>,
     /// How its surface feels.
     pub feel: Feel,
+    /// Where it was moved [mm, from the scan to the scene]; none where the scan has it.
+    pub pose: Option<DAffine3>,
 }
 
 /// The state of the simulation thread.
@@ -72,6 +75,7 @@ pub struct Simulation {
     segments_version: u64,
     refused_places: u64,
     was_held: bool,
+    was_stopped: bool,
     was_full: bool,
 }
 
@@ -97,6 +101,7 @@ impl Simulation {
             segments_version: 0,
             refused_places: 0,
             was_held: false,
+            was_stopped: false,
             was_full: false,
         }
     }
@@ -125,6 +130,7 @@ impl Simulation {
                 pending: self.touch.is_pending(id),
                 range: properties.range,
                 feel: properties.feel,
+                pose: properties.pose,
             })
             .collect()
     }
@@ -227,6 +233,27 @@ impl Simulation {
         Ok(())
     }
 
+    /// Moves a segment; touch goes there smoothly. Moves of one segment after the other count
+    /// as one for undo.
+    ///
+    /// # Errors
+    /// Where the pose is no rigid motion, there is no such segment, or too many are moved.
+    pub fn move_segment(&mut self, id: SegmentId, pose: DAffine3) -> Result<(), SessionError> {
+        let grid = self.voxels().grid();
+        ObjectPose::new(grid, grid, pose)?;
+        let is_new = self.scene.properties_of(id).pose.is_none();
+        if is_new && self.scene.moved_count() >= MAX_OBJECTS {
+            return Err(SessionError::TooManyMoved);
+        }
+        let goes_on = self.journal.newest().and_then(Step::moves) == Some(id);
+        let inverse = self.perform(Step::Move { id, pose })?;
+        if !goes_on || self.journal.can_redo() {
+            self.journal.done(inverse, 0);
+        }
+        self.publish();
+        Ok(())
+    }
+
     /// Makes all voxels of a box solid or free in one segment, and in that one only.
     ///
     /// # Errors
@@ -294,8 +321,8 @@ impl Simulation {
         device_too: bool,
     ) -> Result<DVec3, SessionError> {
         let grid = *self.voxels().grid();
-        let obstacles = self.scene.touchable_bits();
-        let free = free_point(&obstacles, &grid, point).ok_or(SessionError::NoFreeVoxel {
+        let touchable = touchable_of(&self.scene, self.settings.probe_radius);
+        let free = free_point(&touchable.scene(&grid), point).ok_or(SessionError::NoFreeVoxel {
             point,
             reach: REACH,
         })?;
@@ -326,6 +353,7 @@ impl Simulation {
     /// Where one of them is out of range.
     pub fn set_settings(&mut self, settings: Settings) -> Result<Settings, SessionError> {
         settings.check()?;
+        check_radius(settings.probe_radius, self.voxels().grid())?;
         self.settings = settings.within(&self.limits);
         if let Some(notice) = self.settings.notice_of_limits(&settings) {
             self.tell(notice);
@@ -374,6 +402,15 @@ impl Simulation {
             ));
         }
         self.was_held = held;
+
+        let stopped = self.touch.is_stopped();
+        if stopped && !self.was_stopped {
+            self.tell(Notice::warning(
+                "A segment stops on its way: it would pinch the probe. It goes on once the probe \
+                 is out.",
+            ));
+        }
+        self.was_stopped = stopped;
     }
 
     fn tell_of_refused_places(&mut self) {
@@ -399,10 +436,9 @@ impl Simulation {
     }
 
     fn publish(&mut self) {
-        let touched = touched_segment(&self.scene, self.touch.status());
         let status = SimulationStatus {
             edit: self.voxels().edit_number(),
-            touched: touched.map_or(0, |id| id.0),
+            touched: self.touch.status().touched,
             pending: self.touch.pending(),
             can_undo: self.journal.can_undo(),
             can_redo: self.journal.can_redo(),
@@ -415,6 +451,17 @@ impl Simulation {
         // without a picture nobody reads notices any more
         let _ = self.notices.send(notice);
     }
+}
+
+/// Refuses a ball that is too large for the voxels of a grid.
+///
+/// # Errors
+/// [`BallError`] says what fits.
+pub fn check_radius(radius: f64, grid: &Grid) -> Result<(), BallError> {
+    if radius > 0.0 {
+        BallShape::new(radius, grid.spacing())?;
+    }
+    Ok(())
 }
 
 /// The voxels of a grid from `low` up to, but without, `high`.

@@ -7,7 +7,7 @@
 
 use std::sync::Arc;
 
-use glam::{DMat3, DVec3, IVec3, UVec3};
+use glam::{DAffine3, DMat3, DVec3, IVec3, UVec3};
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;
@@ -59,6 +59,8 @@ pub enum TapeCommand {
     Turn(DMat3),
     /// New settings.
     Settings(Settings),
+    /// A moved segment was to go there.
+    Pose(u8, DAffine3),
     /// How the surface of a segment felt from then on.
     Feel(u8, Feel),
     /// A recording began anew.
@@ -286,6 +288,7 @@ impl Writer {
             },
             ServoCommand::Turn(rotation) => TapeCommand::Turn(*rotation),
             ServoCommand::Settings(settings) => TapeCommand::Settings(*settings),
+            ServoCommand::Pose(id, pose) => TapeCommand::Pose(id.0, *pose),
             ServoCommand::Feel(id, feel) => TapeCommand::Feel(id.0, *feel),
             ServoCommand::Mark => TapeCommand::Mark,
         };

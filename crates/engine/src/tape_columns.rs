@@ -5,7 +5,7 @@
 //! a file is checked before anything is made of it.
 
 use palpate_haptics::ball::{BallError, BallShape};
-use palpate_haptics::scene::MAX_OBJECTS;
+use palpate_haptics::scene::{MAX_OBJECTS, ObjectPose, PoseError};
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::{BRICK, BrickSwap};
@@ -76,6 +76,9 @@ pub enum TapeError {
     /// Too many bricks at once, or not by rising place.
     #[error("its bricks are out of order")]
     Bricks,
+    /// A pose that is no rigid motion.
+    #[error(transparent)]
+    Pose(#[from] PoseError),
     /// Segments out of order, or more moved ones than there can be.
     #[error("its segments are out of order")]
     Parts,
@@ -272,6 +275,10 @@ fn check(command: &TapeCommand, bricks: usize, grid: &Grid) -> Result<(), TapeEr
         TapeCommand::Bricks { .. } => MAX_BRICKS,
         TapeCommand::Settings(settings) => {
             settings.check()?;
+            0
+        }
+        TapeCommand::Pose(_, pose) => {
+            ObjectPose::new(grid, grid, *pose)?;
             0
         }
         TapeCommand::Feel(_, feel) => {

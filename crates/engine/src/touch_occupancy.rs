@@ -8,6 +8,7 @@
 
 use arrayvec::ArrayVec;
 use glam::IVec3;
+use palpate_haptics::proxy::Proxy;
 use palpate_haptics::scene::{MAX_OBJECTS, Object, TouchScene};
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::brick_grid::BrickSwap;
@@ -17,6 +18,7 @@ use rtrb::Producer;
 
 use crate::body::{Body, View};
 use crate::handover::{BrickChange, Garbage, MAX_BRICKS, MAX_HELD};
+use crate::moved_poses::MovedPoses;
 use crate::patched::place_of;
 use crate::probe::Probe;
 use crate::touchable::Touchable;
@@ -76,7 +78,7 @@ impl TouchOccupancy {
     /// What is touched, as a tick wants it.
     #[must_use]
     pub fn scene<'a>(&'a self, grid: &'a Grid) -> TouchScene<'a, Body> {
-        scene_of(&self.touchable, grid)
+        self.touchable.scene(grid)
     }
 
     /// First and last number of the changes in a root held back; zeros where there is none.
@@ -176,6 +178,19 @@ impl TouchOccupancy {
         }
     }
 
+    /// Takes a step of each segment that moves, as far as the probe admits it. A root held back
+    /// follows, so that it is asked for with the segments where they stand.
+    pub fn step_poses(&mut self, poses: &mut MovedPoses, grid: &Grid, proxy: &mut Proxy) {
+        if !poses.is_moving() {
+            return;
+        }
+        poses.step(&mut self.touchable, grid, proxy);
+        if let Some(held) = &mut self.held_root {
+            poses.place(&mut held.touchable, grid);
+        }
+        self.refused_at = None;
+    }
+
     /// The oldest change that is held back.
     fn first_held(&self) -> Option<u64> {
         let edits = self.held.iter().map(|change| change.sequence);
@@ -199,7 +214,7 @@ impl TouchOccupancy {
 
     fn admits_root(&self, new: &Touchable, probe: &mut Probe<'_>) -> bool {
         let grid = probe.grid;
-        probe.admits(&scene_of(&self.touchable, grid), &scene_of(new, grid))
+        probe.admits(&self.touchable.scene(grid), &new.scene(grid))
     }
 
     fn admits(&mut self, change: &BrickChange, probe: &mut Probe<'_>) -> bool {
@@ -299,12 +314,4 @@ impl TouchOccupancy {
 fn dispose(ring: &mut Producer<Garbage>, garbage: Garbage) {
     let disposed = ring.push(garbage);
     debug_assert!(disposed.is_ok(), "room was made sure of");
-}
-
-fn scene_of<'a>(touchable: &'a Touchable, grid: &'a Grid) -> TouchScene<'a, Body> {
-    TouchScene {
-        occupancy: &touchable.world,
-        grid,
-        objects: &touchable.objects,
-    }
 }

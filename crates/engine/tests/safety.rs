@@ -15,13 +15,13 @@ use glam::{DVec3, IVec3, UVec3};
 use palpate_device::HapticDevice;
 use palpate_engine::device_loop::{DeviceLoop, WATCHDOG_SECS};
 use palpate_engine::error::SessionError;
-use palpate_engine::frame::NoticeLevel;
+use palpate_engine::frame::{ForceState, NoticeLevel};
 use palpate_engine::handover::{Channels, ForceCommand};
 use palpate_engine::session::Session;
 use palpate_engine::session_config::{Reference, SessionConfig};
 use palpate_engine::shared::Shared;
 use palpate_haptics::local_force::LocalForce;
-use palpate_haptics::safety::SafetySettings;
+use palpate_haptics::safety::{ForceOff, SafetySettings};
 
 const DIMENSIONS: UVec3 = UVec3::splat(40);
 
@@ -284,4 +284,92 @@ fn a_panic_in_an_offline_session_sends_zero_too() {
     assert!(error.to_string().contains("cable pulled"), "{error}");
     assert_eq!(seen.last(), DVec3::ZERO);
     assert!(seen.forces().iter().any(|force| force.length() > 1.9));
+}
+
+/// What the page shows of the force, tick by tick.
+#[test]
+fn at_the_start_the_force_waits_ramps_and_is_on_and_each_is_counted() {
+    let mut bench = Bench::starting(SafetySettings {
+        ramp_secs: 0.1,
+        ..SafetySettings::default()
+    });
+    let counters = Arc::clone(&bench.shared);
+    let state = || counters.counters.force_state();
+    bench.device.step(0.0);
+    assert_eq!(state(), ForceState::Waiting);
+
+    // the hand stands in an obstacle
+    let wanted = DVec3::Y * 2.0;
+    for tick in 1..50 {
+        bench.want(wanted, f64::from(tick) * 1e-3);
+        bench.device.step(f64::from(tick) * 1e-3);
+        assert_eq!(
+            (bench.seen.last(), state()),
+            (DVec3::ZERO, ForceState::Waiting)
+        );
+    }
+    // it comes out, and goes in again
+    bench.want(DVec3::ZERO, 0.050);
+    bench.device.step(0.050);
+    for tick in 51..150 {
+        bench.want(wanted, f64::from(tick) * 1e-3);
+        bench.device.step(f64::from(tick) * 1e-3);
+        // what is told is how the next force will be
+        assert_eq!(state() == ForceState::Ramping, tick < 149, "{tick}");
+        let share = f64::from(tick - 50) / 100.0;
+        // rounding of sums of the step
+        assert!((bench.seen.last().y - 2.0 * share).abs() < 1e-9);
+    }
+    bench.want(wanted, 0.151);
+    bench.device.step(0.151);
+    assert_eq!((bench.seen.last(), state()), (wanted, ForceState::On));
+
+    let count =
+        |counter: &std::sync::atomic::AtomicU64| counter.load(std::sync::atomic::Ordering::Relaxed);
+    let counters = &counters.counters;
+    assert_eq!((count(&counters.waited), count(&counters.ramped)), (49, 99));
+    // late: off, whatever stood before
+    bench.device.step(0.2);
+    assert_eq!(counters.force_state(), ForceState::Off);
+    assert_eq!(bench.device.off(), Some(ForceOff::ServoLate));
+}
+
+#[test]
+fn sessions_in_real_time_ramp_their_forces_and_stepped_ones_begin_at_once() {
+    let block = box_segment(DIMENSIONS, IVec3::new(5, 20, 5), IVec3::new(35, 35, 35));
+    let mut config = offline(DIMENSIONS, block, simulated(), Reference::View);
+    assert_eq!(config.safety(), SafetySettings::AT_ONCE);
+    config.real_time = true;
+    assert_eq!(config.safety(), SafetySettings::default());
+    assert_eq!(config.device_rate_hz(), config.rate_hz);
+    config.device_rate_hz = Some(100);
+    assert!(matches!(
+        Session::start(config),
+        Err(SessionError::Rate(100))
+    ));
+}
+
+/// Two sessions of the same hand, the device read four times as often as the servo runs.
+#[test]
+fn a_stepped_session_with_unequal_rates_is_equal_to_the_bit() {
+    let records = [(); 2].map(|()| {
+        let block = box_segment(DIMENSIONS, IVec3::new(5, 20, 5), IVec3::new(35, 35, 35));
+        let config = SessionConfig {
+            device_rate_hz: Some(4000),
+            start: Some(DVec3::new(20.0, 15.0, 20.0)),
+            ..offline(DIMENSIONS, block, simulated(), Reference::View)
+        };
+        let session = started(config);
+        session.start_recording().unwrap();
+        session.hand(DVec3::new(22.0, 24.0, 20.0)).unwrap();
+        session.run(0.5).unwrap();
+        let recording = session.stop_recording().unwrap();
+        assert!(recording.contact.iter().any(|contact| *contact));
+        assert_eq!(
+            session.rates().device.ticks,
+            4 * session.rates().servo.ticks - 3
+        );
+        recording
+    });
+    assert_eq!(records[0], records[1]);
 }

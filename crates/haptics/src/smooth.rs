@@ -30,6 +30,7 @@ use descent::{Query, descend};
 use field::Field;
 use glam::DVec3;
 use palpate_volume::grid::Grid;
+use palpate_volume::walk::COORDINATE_LIMIT;
 use serde::{Deserialize, Serialize};
 
 /// How the smooth contact point is found. A cell is two voxels long on cubes, and about as
@@ -41,25 +42,25 @@ pub struct Smoother {
     /// Most steps.
     pub max_steps: u32,
     /// The longest step [cells].
-    pub longest_step: f64,
+    pub longest_step: f32,
     /// A step shorter than this is the last [cells].
-    pub tolerance: f64,
+    pub tolerance: f32,
     /// Farthest from the proxy [cells].
-    pub reach: f64,
+    pub reach: f32,
     /// The proxy's distance from the smooth surface [cells]: up to where that is believed, and
     /// from where on not at all.
-    pub trusted: [f64; 2],
+    pub trusted: [f32; 2],
     /// How far apart the surfaces of both kernels may be [cells] for the wide one to count.
-    pub agreed_depth: [f64; 2],
+    pub agreed_depth: [f32; 2],
     /// How much their normals may differ (chord).
-    pub agreed_turn: [f64; 2],
+    pub agreed_turn: [f32; 2],
     /// Curvature is measured between normals so far to each side [cells].
-    pub baseline: f64,
+    pub baseline: f32,
     /// The pull of the wide kernel [cells]: up to where it may be that of stairs, and from where
     /// on it is that of a bent surface and is undone.
-    pub curved: [f64; 2],
+    pub curved: [f32; 2],
     /// It is undone up to this [cells].
-    pub largest_correction: f64,
+    pub largest_correction: f32,
     /// Change of the way from device to contact point in a tick, beyond that of the hand
     /// [smallest spacings].
     pub largest_change: f64,
@@ -135,7 +136,9 @@ impl Smoother {
         let device = tick.device_in_grid;
         let spacing = grid.spacing();
         let hard = (tick.proxy.point() - device) * spacing;
-        if !hard.is_finite() {
+        // written so that NaN is refused
+        let reach = DVec3::splat(COORDINATE_LIMIT);
+        if !device.abs().cmple(reach).all() {
             state.last = None;
             return SmoothContact::none(tick.proxy.point());
         }
@@ -179,12 +182,13 @@ impl Smoother {
         }
         let held_by = tick.contact.stopped_by.map(|solid| solid.body);
         let query = Query {
-            device,
             proxy,
+            device: device - proxy,
             held_by: held_by.filter(|_| tick.contact.touching),
         };
         let found = descend(self, fields, &query);
-        let target = hard.lerp(found.point - device, found.weight);
+        let smooth = (proxy - device) + found.point;
+        let target = hard.lerp(smooth, found.weight);
         (target, found.weight, found.samples)
     }
 
@@ -248,8 +252,8 @@ fn pushing(offset: DVec3, hard: DVec3) -> DVec3 {
     }
 }
 
-/// 0 up to `low`, 1 from `high` on, and without a kink between.
-fn smooth_step(low: f64, high: f64, value: f64) -> f64 {
+/// 0 up to the first limit, 1 from the second on, and without a kink between.
+fn smooth_step([low, high]: [f32; 2], value: f32) -> f32 {
     let share = ((value - low) / (high - low)).clamp(0.0, 1.0);
     share * share * (3.0 - 2.0 * share)
 }

@@ -131,7 +131,7 @@ fn any_input_gives_a_force_that_never_pulls_and_leaves_the_probe_outside() {
             contacts += 1;
             // along the spring and outward; compared as directions, so that 1e300 N does not
             // overflow; rounding of places 1 m from zero turns a micrometre by 1e-7
-            let outward = output.proxy_in_scene - input.device_in_scene;
+            let outward = output.contact_point_in_scene - input.device_in_scene;
             if outward.length() > 1e-3 && output.force != DVec3::ZERO {
                 let direction = output.force / output.force.abs().max_element();
                 let cosine = direction.normalize().dot(outward.normalize());

@@ -56,7 +56,7 @@ const planeRadius = 13;
 
 /** How far a marker reaches beyond its points [pixels]. */
 export const markerMargin = 20;
-const ghostOpacity = 0.3;
+const usualGhost = 0.3;
 
 const accent = srgbFromHex("#5cc8ff");
 const pale = srgbFromHex("#dff3ff");
@@ -69,10 +69,14 @@ class Marker {
   private readonly colour = new THREE.Vector3();
   private readonly toward = { value: 0 };
 
-  /** @param side which is seen: of a closed shape the front, of a flat one both. */
+  /**
+   * @param ghost how much of the opacity is left behind something.
+   * @param side which is seen: of a closed shape the front, of a flat one both.
+   */
   constructor(
     geometry: THREE.BufferGeometry,
     opacity: number,
+    ghostOpacity = usualGhost,
     private readonly side: THREE.Side = THREE.FrontSide,
   ) {
     const solid = new THREE.Mesh(geometry, this.material(opacity, THREE.LessEqualDepth, opacity === 1));
@@ -148,9 +152,9 @@ export class Markers {
   private readonly line = new Marker(cylinder(), 0.8);
   private readonly shaft = new Marker(cylinder(), 1);
   private readonly head = new Marker(cone(), 1);
-  private readonly ball = new Marker(new THREE.IcosahedronGeometry(1, 5), 0.42);
+  private readonly ball = new Marker(new THREE.IcosahedronGeometry(1, 5), 0.42, 0.55);
   private readonly dot = new Marker(new THREE.IcosahedronGeometry(1, 3), 1);
-  private readonly plane = new Marker(ring(), 0.5, THREE.DoubleSide);
+  private readonly plane = new Marker(ring(), 0.5, usualGhost, THREE.DoubleSide);
   private readonly normalShaft = new Marker(cylinder(), 1);
   private readonly normalHead = new Marker(cone(), 1);
   private readonly gauge = new ForceGauge(amber);

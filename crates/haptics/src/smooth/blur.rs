@@ -16,7 +16,7 @@
 
 use super::field::{Field, FieldSample, Kernel, Level};
 use super::window::{CELLS, CellCounts, CellShape, Window};
-use glam::{DVec3, IVec3, Vec3};
+use glam::{DVec3, IVec3, Vec3A};
 use palpate_volume::occupancy::Occupancy;
 
 /// Nodes of one row: eight of each kernel, and four zeros that are read with the last ones.
@@ -32,31 +32,33 @@ const WIDE: usize = 8;
 pub struct BlurField {
     window: Window,
     any_solid: bool,
+    spacing: DVec3,
+    shape: CellShape,
     kernel: Kernel,
-    /// Cells per voxel, and the first node in cells.
-    scale: DVec3,
-    first: DVec3,
     nodes: Nodes,
 }
 
 impl BlurField {
     /// The field of nothing at all.
     pub(crate) fn empty() -> Self {
+        let spacing = DVec3::ONE;
+        let shape = CellShape::for_spacing(spacing);
         Self {
             window: Window::NONE,
             any_solid: false,
-            kernel: kernel_of(DVec3::ONE),
-            scale: DVec3::ONE,
-            first: DVec3::ZERO,
+            spacing,
+            shape,
+            kernel: kernel_of(shape),
             nodes: [[[0.0; 20]; 8]; 8],
         }
     }
 
     /// Whether this is the field that [`Self::around`] makes for a point of the same solid.
     pub(crate) fn is_around(&self, point: DVec3, spacing: DVec3) -> bool {
-        let shape = CellShape::for_spacing(spacing);
-        self.window
-            .is_for(shape, first_cell(point, shape), floor(point))
+        self.spacing == spacing
+            && self
+                .window
+                .is_for(self.shape, first_cell(point, self.shape), floor(point))
     }
 
     /// Makes it the field around a point in a free voxel. Where that voxel is solid, nothing
@@ -67,19 +69,16 @@ impl BlurField {
         point: DVec3,
         spacing: DVec3,
     ) {
-        let shape = CellShape::for_spacing(spacing);
-        let first = first_cell(point, shape);
-        let counts = self.window.read(occupancy, shape, first, floor(point));
-        let cell = shape.voxels().as_dvec3();
-        if cell != self.kernel.cell {
-            self.kernel = kernel_of(cell);
-            self.scale = cell.recip();
+        if self.spacing != spacing {
+            self.spacing = spacing;
+            self.shape = CellShape::for_spacing(spacing);
+            self.kernel = kernel_of(self.shape);
         }
-        // nodes stand in the middles of cells
-        self.first = first.as_dvec3() + 0.5;
+        let first = first_cell(point, self.shape);
+        let counts = self.window.read(occupancy, self.shape, first, floor(point));
         self.any_solid = counts.is_some();
         if let Some(counts) = counts {
-            fill_nodes(&counts, shape, &mut self.nodes);
+            fill_nodes(&counts, self.shape, &mut self.nodes);
         }
     }
 
@@ -124,15 +123,18 @@ fn fill_nodes(counts: &CellCounts, shape: CellShape, nodes: &mut Nodes) {
         }
     }
     blur_by_tent(&mut shares);
-    let fine = shares;
+    put_nodes(&shares, scale, FINE, nodes);
     blur_by_tent(&mut shares);
     blur_by_tent(&mut shares);
-    for z in 0..8 {
-        for y in 0..8 {
-            let row = &mut nodes[z][y];
-            for x in 0..8 {
-                row[FINE + x] = f32::from(fine[z][y][x]) * scale;
-                row[WIDE + x] = f32::from(shares[z][y][x]) * scale;
+    put_nodes(&shares, scale, WIDE, nodes);
+}
+
+/// Writes the nodes of one kernel.
+fn put_nodes(shares: &Shares, scale: f32, kind: usize, nodes: &mut Nodes) {
+    for (layer, shares) in nodes.iter_mut().zip(shares) {
+        for (row, shares) in layer.iter_mut().zip(shares) {
+            for (node, share) in row.iter_mut().skip(kind).zip(shares) {
+                *node = f32::from(*share) * scale;
             }
         }
     }
@@ -158,6 +160,7 @@ fn blur_by_tent(shares: &mut Shares) {
 }
 
 /// The same across eight rows.
+#[inline]
 fn tent_of_rows(rows: &[[u16; 8]; 8]) -> [[u16; 8]; 8] {
     std::array::from_fn(|i| tent(rows[i.saturating_sub(1)], rows[i], rows[(i + 1).min(7)]))
 }
@@ -169,11 +172,14 @@ fn tent(before: [u16; 8], row: [u16; 8], after: [u16; 8]) -> [u16; 8] {
     std::array::from_fn(|x| mean(mean(before[x], after[x]), row[x]))
 }
 
-/// Cells and widths of both kernels.
-fn kernel_of(cell: DVec3) -> Kernel {
-    let sigma = |share: f64| ((share * cell * cell - 1.0) / 12.0).map(f64::sqrt);
+/// Widths of both kernels in cells.
+fn kernel_of(shape: CellShape) -> Kernel {
+    let cell = shape.voxels().as_dvec3();
+    let sigma = |share: f64| {
+        let variance = (share - (cell * cell).recip()) / 12.0;
+        variance.map(f64::sqrt).as_vec3a()
+    };
     Kernel {
-        cell,
         fine: sigma(10.0),
         wide: sigma(22.0),
     }
@@ -187,22 +193,25 @@ struct Place {
     weights: [[[f32; 3]; 2]; 3],
 }
 
+impl Place {
+    #[inline]
+    fn of(point: Vec3A) -> Self {
+        // NaN becomes a node, too; nothing reads outside the window
+        let point = point
+            .clamp(Vec3A::splat(0.5), Vec3A::splat(6.49))
+            .to_array();
+        let node = point.map(|point| (point + 0.5) as i32);
+        Self {
+            first: node.map(|node| (node - 1).clamp(0, 5) as usize),
+            weights: std::array::from_fn(|axis| weights(point[axis] - node[axis] as f32)),
+        }
+    }
+}
+
 /// Four nodes along x side by side, of which the last has no weight.
 type Four = [f32; 4];
 
 impl BlurField {
-    #[inline]
-    fn place(&self, point: DVec3) -> Place {
-        // NaN becomes a node, too; nothing reads outside the window
-        let place = (point * self.scale - self.first).as_vec3();
-        let place = place.clamp(Vec3::splat(0.5), Vec3::splat(6.49)).to_array();
-        let node = place.map(|place| (place + 0.5) as i32);
-        Place {
-            first: node.map(|node| (node - 1).clamp(0, 5) as usize),
-            weights: std::array::from_fn(|axis| weights(place[axis] - node[axis] as f32)),
-        }
-    }
-
     /// Sums over y and z: of the values, and of their changes along y and along z; `kind` is
     /// where the nodes of a kernel begin in a row.
     #[inline]
@@ -232,20 +241,19 @@ impl BlurField {
 
     /// What is left to do along x.
     #[inline]
-    fn gradient(&self, place: &Place, [value, along_y, along_z]: &[Four; 3]) -> DVec3 {
+    fn gradient(&self, place: &Place, [value, along_y, along_z]: &[Four; 3]) -> Vec3A {
         let [values, slopes] = &place.weights[0];
-        let gradient = Vec3::new(
+        Vec3A::new(
             dot(value, slopes),
             dot(along_y, values),
             dot(along_z, values),
-        );
-        gradient.as_dvec3() * self.scale
+        )
     }
 
     #[inline]
     fn level(&self, place: &Place, sums: &[Four; 3]) -> Level {
         Level {
-            value: f64::from(dot(&sums[0], &place.weights[0][0])),
+            value: dot(&sums[0], &place.weights[0][0]),
             gradient: self.gradient(place, sums),
         }
     }
@@ -258,11 +266,11 @@ fn dot(four: &Four, weights: &[f32; 3]) -> f32 {
 
 impl Field for BlurField {
     #[inline]
-    fn sample(&self, point: DVec3) -> FieldSample {
+    fn sample(&self, point: Vec3A) -> FieldSample {
         if !self.any_solid {
             return FieldSample::default();
         }
-        let place = self.place(point);
+        let place = Place::of(point);
         FieldSample {
             fine: self.level(&place, &self.sums(&place, FINE)),
             wide: self.level(&place, &self.sums(&place, WIDE)),
@@ -270,16 +278,25 @@ impl Field for BlurField {
     }
 
     #[inline]
-    fn wide_gradient(&self, point: DVec3) -> DVec3 {
+    fn wide_gradient(&self, point: Vec3A) -> Vec3A {
         if !self.any_solid {
-            return DVec3::ZERO;
+            return Vec3A::ZERO;
         }
-        let place = self.place(point);
+        let place = Place::of(point);
         self.gradient(&place, &self.sums(&place, WIDE))
     }
 
     fn kernel(&self) -> &Kernel {
         &self.kernel
+    }
+
+    fn cell(&self) -> DVec3 {
+        self.shape.voxels().as_dvec3()
+    }
+
+    fn first_node(&self) -> DVec3 {
+        // nodes stand in the middles of cells
+        self.window.first().as_dvec3() + 0.5
     }
 }
 

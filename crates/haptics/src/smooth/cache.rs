@@ -8,7 +8,7 @@ use super::blur::BlurField;
 use super::field::Field;
 use crate::proxy::Proxy;
 use crate::scene::{MAX_OBJECTS, TouchScene};
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DMat3, DVec3};
 use palpate_volume::occupancy::Occupancy;
 
 /// Bodies that one contact point respects: a corner of three faces.
@@ -40,16 +40,37 @@ impl Default for SmoothCache {
 #[derive(Debug)]
 pub struct PlacedField<'a, F> {
     /// The field.
-    pub field: &'a F,
+    pub(crate) field: &'a F,
     /// 0 for the world, else the place of the object in its scene plus one.
-    pub body: u8,
-    /// Takes points in mm along the axes of the world's grid, from its corner on, to the grid
-    /// of the field.
-    pub field_from_world_mm: DAffine3,
-    /// Size of its voxels [mm].
-    pub spacing: DVec3,
-    /// The shortest edge of its cells [mm].
-    pub cell_length: f64,
+    pub(crate) body: u8,
+    /// Takes mm along the axes of the world's grid, from its corner on, to the field's nodes.
+    pub(crate) nodes_from_mm: DAffine3,
+    /// From a node to the next, along each axis of the body [mm].
+    pub(crate) cell: DVec3,
+}
+
+impl<'a, F: Field> PlacedField<'a, F> {
+    /// A field of a body whose grid has voxels of `spacing` [mm]; `grid_from_mm` takes mm along
+    /// the axes of the world's grid, from its corner on, to the grid of the body.
+    pub fn new(field: &'a F, body: u8, spacing: DVec3, grid_from_mm: DAffine3) -> Self {
+        let cell = field.cell();
+        let per_cell = cell.recip();
+        let axes = grid_from_mm.matrix3;
+        let nodes_from_mm = DAffine3 {
+            matrix3: DMat3::from_cols(
+                axes.x_axis * per_cell,
+                axes.y_axis * per_cell,
+                axes.z_axis * per_cell,
+            ),
+            translation: grid_from_mm.translation * per_cell - field.first_node(),
+        };
+        Self {
+            field,
+            body,
+            nodes_from_mm,
+            cell: cell * spacing,
+        }
+    }
 }
 
 impl<F> Clone for PlacedField<'_, F> {
@@ -86,13 +107,15 @@ impl<'a, F> NearFields<'a, F> {
 struct Near {
     place: usize,
     body: u8,
-    field_from_world_mm: DAffine3,
     spacing: DVec3,
-    value: f64,
+    grid_from_mm: DAffine3,
+    /// The proxy in the grid of the body.
+    proxy: DVec3,
 }
 
 impl SmoothCache {
-    /// The fields of the bodies that are solid near the proxy: the three that reach it most.
+    /// The fields of the bodies that are solid near the proxy; where those are more than three,
+    /// the three that reach it most.
     pub fn near<O: Occupancy>(
         &mut self,
         scene: &TouchScene<'_, O>,
@@ -101,25 +124,28 @@ impl SmoothCache {
     ) -> NearFields<'_, BlurField> {
         let spacing = scene.grid.spacing();
         let point = proxy.point();
+        let world_from_mm = DAffine3::from_scale(spacing.recip());
         let mut near = [None; MAX_FIELDS];
 
         // the world, in the older of its two fields where neither is the right one
         let is_world = |&place: &usize| {
             self.epochs[place] == epoch && self.fields[place].is_around(point, spacing)
         };
-        let place = [self.world, 1 - self.world].into_iter().find(is_world);
-        self.world = place.unwrap_or(1 - self.world);
-        self.refresh(self.world, epoch, scene.occupancy, point, spacing);
-        let world_from_mm = DAffine3::from_scale(spacing.recip());
+        match [self.world, 1 - self.world].into_iter().find(is_world) {
+            Some(place) => self.world = place,
+            None => {
+                self.world = 1 - self.world;
+                self.refresh(self.world, epoch, scene.occupancy, point, spacing);
+            }
+        }
         self.insert(
             &mut near,
-            point,
             Near {
                 place: self.world,
                 body: 0,
-                field_from_world_mm: world_from_mm,
                 spacing,
-                value: 0.0,
+                grid_from_mm: world_from_mm,
+                proxy: point,
             },
         );
 
@@ -130,30 +156,45 @@ impl SmoothCache {
             if apart.length() > WINDOW_REACH * object.spacing().max_element() {
                 continue;
             }
-            let at = object.pose().to_object(point);
-            let place = 2 + number;
-            self.refresh(place, epoch, object.occupancy(), at, object.spacing());
-            self.insert(
-                &mut near,
-                at,
-                Near {
-                    place,
-                    body: number as u8 + 1,
-                    field_from_world_mm: *object.pose().object_from_world() * world_from_mm,
-                    spacing: object.spacing(),
-                    value: 0.0,
-                },
-            );
+            let new = Near {
+                place: 2 + number,
+                body: number as u8 + 1,
+                spacing: object.spacing(),
+                grid_from_mm: *object.pose().object_from_world() * world_from_mm,
+                proxy: object.pose().to_object(point),
+            };
+            self.refresh(new.place, epoch, object.occupancy(), new.proxy, new.spacing);
+            self.insert(&mut near, new);
         }
 
         let fields = &self.fields;
-        NearFields::new(near.into_iter().flatten().map(|near| PlacedField {
-            field: &fields[near.place],
-            body: near.body,
-            field_from_world_mm: near.field_from_world_mm,
-            spacing: near.spacing,
-            cell_length: (fields[near.place].kernel().cell * near.spacing).min_element(),
+        NearFields::new(near.into_iter().flatten().map(|near| {
+            let field = &fields[near.place];
+            PlacedField::new(field, near.body, near.spacing, near.grid_from_mm)
         }))
+    }
+
+    /// Puts a field among those that reach the proxy most, if it does.
+    fn insert(&self, near: &mut [Option<Near>; MAX_FIELDS], mut new: Near) {
+        if !self.fields[new.place].any_solid() {
+            return;
+        }
+        if let Some(free) = near.iter_mut().find(|near| near.is_none()) {
+            *free = Some(new);
+            return;
+        }
+        for near in near.iter_mut().flatten() {
+            if self.value(near) < self.value(&new) {
+                std::mem::swap(near, &mut new);
+            }
+        }
+    }
+
+    /// The level of a field at the proxy.
+    fn value(&self, near: &Near) -> f32 {
+        let field = &self.fields[near.place];
+        let place = near.proxy / field.cell() - field.first_node();
+        field.sample(place.as_vec3a()).wide.value
     }
 
     /// Makes the field at a place the one around a point of a body's grid.
@@ -169,25 +210,6 @@ impl SmoothCache {
         if self.epochs[place] != epoch || !field.is_around(point, spacing) {
             field.around(occupancy, point, spacing);
             self.epochs[place] = epoch;
-        }
-    }
-
-    /// Puts a field among those that reach the proxy, at a point of its grid, most.
-    fn insert(&self, near: &mut [Option<Near>; MAX_FIELDS], point: DVec3, mut new: Near) {
-        let field = &self.fields[new.place];
-        if !field.any_solid() {
-            return;
-        }
-        new.value = field.sample(point).wide.value;
-        for old in near {
-            match old {
-                Some(old) if old.value >= new.value => {}
-                Some(old) => std::mem::swap(old, &mut new),
-                None => {
-                    *old = Some(new);
-                    return;
-                }
-            }
         }
     }
 }

@@ -1,16 +1,17 @@
 //! A smooth field whose level is the surface: near 1 inside a body, near 0 outside.
 //!
-//! Frame: the grid of the body, in voxels.
+//! Frame: the field's own *nodes*: its window has eight along each axis, numbered from 0, one
+//! apart. They are few and near, so that single precision is plenty.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3A};
 
 /// A field of one width at a point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Level {
     /// 0..=1; the surface is where it is ½.
-    pub value: f64,
-    /// Change per voxel along each axis of the grid.
-    pub gradient: DVec3,
+    pub value: f32,
+    /// Change per node along each axis.
+    pub gradient: Vec3A,
 }
 
 /// A field at a point, blurred by two kernels.
@@ -22,27 +23,31 @@ pub struct FieldSample {
     pub wide: Level,
 }
 
-/// How wide a field's kernels are, along each axis [voxels].
+/// How wide a field's kernels are, along each axis [nodes]: standard deviations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Kernel {
-    /// Edges of the cells that the field is made of.
-    pub cell: DVec3,
-    /// Standard deviation of the narrow kernel.
-    pub fine: DVec3,
-    /// Standard deviation of the wide kernel.
-    pub wide: DVec3,
+    /// Of the narrow kernel.
+    pub fine: Vec3A,
+    /// Of the wide kernel.
+    pub wide: Vec3A,
 }
 
 /// What a smooth contact point is found on.
 pub trait Field {
-    /// The field at a point of its grid. Both levels have continuous gradients.
-    fn sample(&self, point_in_grid: DVec3) -> FieldSample;
+    /// The field at a point. Both levels have continuous gradients.
+    fn sample(&self, point_in_nodes: Vec3A) -> FieldSample;
 
     /// The gradient of the wide level alone.
-    fn wide_gradient(&self, point_in_grid: DVec3) -> DVec3 {
-        self.sample(point_in_grid).wide.gradient
+    fn wide_gradient(&self, point_in_nodes: Vec3A) -> Vec3A {
+        self.sample(point_in_nodes).wide.gradient
     }
 
     /// Its kernels.
     fn kernel(&self) -> &Kernel;
+
+    /// From a node to the next, along each axis of the grid of its body [voxels].
+    fn cell(&self) -> DVec3;
+
+    /// Node 0 in that grid, counted in such steps.
+    fn first_node(&self) -> DVec3;
 }

@@ -108,6 +108,11 @@ impl Window {
         reached: [0; MAX_WORDS],
     };
 
+    /// The first cell, by its number.
+    pub(crate) fn first(&self) -> IVec3 {
+        self.first
+    }
+
     /// Whether reading this window again would give the same.
     pub(crate) fn is_for(&self, shape: CellShape, first: IVec3, seed: IVec3) -> bool {
         let Some(old_seed) = self.seed else {

@@ -14,7 +14,7 @@ use super::felt::{Feel, Felt, STIFFNESS};
 use crate::bench::timing::quantile;
 
 /// Ticks after which a hand at rest must feel a force that stays to the bit.
-pub const REST_TICKS: usize = 16;
+pub const REST_TICKS: usize = 64;
 /// Ticks of each rest, and rests in each stroke.
 const REST: usize = REST_TICKS + 64;
 const RESTS: usize = 8;

@@ -230,7 +230,9 @@ impl<'a, M: ContactModel> Run<'a, M> {
         let scene = self.touched.scene(self.grid);
         let proxy = nearest_free(scene.occupancy, self.grid, start, START_REACH)?;
         let is_inside = self.wanted.index(proxy.voxel()).is_some();
-        (is_inside && self.checker.after_changes(&proxy).is_ok()).then_some(proxy)
+        // touch keeps a ball a little farther from an object than it has to
+        let is_free = is_inside && scene.solid_at(proxy.point()).is_none();
+        (is_free && self.checker.after_changes(&proxy).is_ok()).then_some(proxy)
     }
 
     /// One tick, checked.
