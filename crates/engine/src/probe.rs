@@ -1,7 +1,7 @@
 //! The probe as changes of what is solid meet it: free, pushed, or in the way.
 
 use glam::IVec3;
-use palpate_haptics::admission::{Admission, admit};
+use palpate_haptics::admission::{Admission, admit_scene};
 use palpate_haptics::proxy::Proxy;
 use palpate_haptics::scene::TouchScene;
 use palpate_volume::grid::Grid;
@@ -26,7 +26,7 @@ impl Probe<'_> {
         old: &TouchScene<'_, Body>,
         new: &TouchScene<'_, N>,
     ) -> bool {
-        admit(old.occupancy, new.occupancy, self.grid, self.proxy) != Admission::Held
+        admit_scene(old, new, self.proxy) != Admission::Held
     }
 
     /// Where the probe is.
