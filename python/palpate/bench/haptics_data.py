@@ -140,10 +140,11 @@ def skin(volume: Volume) -> NDArray[np.bool_]:
     for number, layer in enumerate(body):
         filled = sitk.BinaryFillhole(sitk.GetImageFromArray(layer.astype(np.uint8)))
         body[number] = sitk.GetArrayFromImage(filled) != 0
-    filled = sitk.GetImageFromArray(body.astype(np.uint8))
-    filled.SetSpacing(volume.spacing)
+    outside = sitk.GetImageFromArray((~body).astype(np.uint8))
+    outside.SetSpacing(volume.spacing)
+    # from the middle of a voxel to that of the nearest one outside
     depth = sitk.SignedMaurerDistanceMap(
-        filled, insideIsPositive=True, squaredDistance=False, useImageSpacing=True
+        outside, insideIsPositive=False, squaredDistance=False, useImageSpacing=True
     )
     return body & (sitk.GetArrayFromImage(depth) <= SKIN_MM)
 
