@@ -2,7 +2,6 @@
 
 use std::sync::Mutex;
 
-use glam::UVec3;
 use palpate_engine::bench::{Embedded, Ground, Report, Timing, TouchBench, Work, compare};
 use palpate_volume::phantom::bones;
 use pyo3::prelude::*;
