@@ -134,6 +134,7 @@ impl PyTouchBench {
     }
 
     /// Times one call for each update of its path.
+    #[pyo3(signature = (work, model = "exact"))]
     fn run<'py>(&self, py: Python<'py>, work: &str, model: &str) -> PyResult<Bound<'py, PyDict>> {
         let work = work_named(work)?;
         let model = model_named(model)?;
