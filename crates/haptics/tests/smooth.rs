@@ -13,6 +13,7 @@ use palpate_haptics::smooth::{SmoothContact, SmoothInput, SmoothState, Smoother}
 use palpate_volume::bits::Bits;
 use palpate_volume::grid::Grid;
 use palpate_volume::intensities::Intensities;
+use palpate_volume::overlay::Overlay;
 use palpate_volume::segment::Segment;
 use palpate_volume::threshold::threshold;
 use palpate_volume::voxel_box::VoxelBox;
@@ -642,13 +643,7 @@ fn intensities_take_the_stairs_from_planes_of_any_slope() {
             let turn = turned(about_x, about_y);
             let scan = scan_of_plane(&grid, turn);
             let solid = threshold(&scan, None, THRESHOLD, f64::INFINITY);
-            let known = ThresholdShares {
-                scan: &scan,
-                overlay: None,
-                low: THRESHOLD,
-                high: f64::INFINITY,
-                outside: 0.0,
-            };
+            let known = ThresholdShares::new(&scan, None, [THRESHOLD, f64::INFINITY], 0.0);
             let path = plane_path(turn, h);
             let [bits, intensities] =
                 [None, Some(known)].map(|known| follow_with(&grid, &solid, &path, 2.0, known));
@@ -685,13 +680,7 @@ fn a_voxel_tells_its_share_where_its_value_agrees_with_its_bit() {
     // 0, 100, 400, 900 along x
     let values: Vec<i16> = (0..64_i16).map(|i| 100 * (i % 4) * (i % 4)).collect();
     let scan = Intensities::new(dimensions, values, 1.0, 0.0).expect("one value per voxel");
-    let known = ThresholdShares {
-        scan: &scan,
-        overlay: None,
-        low: 300.0,
-        high: 1e9,
-        outside: 0.0,
-    };
+    let known = ThresholdShares::new(&scan, None, [300.0, 1e9], 0.0);
     let at = |x| IVec3::new(x, 1, 1);
     // 200 below and 100 above the limit, where the values rise by 200 and 400 per voxel
     assert_eq!(known.share(at(1), false), Some(0.0));
@@ -699,13 +688,15 @@ fn a_voxel_tells_its_share_where_its_value_agrees_with_its_bit() {
     // edited by hand: the bit counts
     assert_eq!(known.share(at(2), false), None);
     assert_eq!(known.share(at(1), true), None);
+    // with an empty overlay, and with a slope below zero, all is as without
+    let overlay = Overlay::empty(dimensions);
+    let known = ThresholdShares::new(&scan, Some(&overlay), [300.0, 1e9], 0.0);
+    assert_eq!(known.share(at(2), true), Some(0.75));
+    let falling = Intensities::new(dimensions, scan.values().clone(), -1.0, 0.0).expect("valid");
+    let known = ThresholdShares::new(&falling, None, [-1e9, -300.0], 0.0);
+    assert_eq!(known.share(at(2), true), Some(0.75));
     // nothing rises where all is the same
     let flat = Intensities::new(dimensions, vec![7; 64], 1.0, 0.0).expect("one value per voxel");
-    let known = ThresholdShares {
-        scan: &flat,
-        low: 7.0,
-        high: 7.0,
-        ..known
-    };
+    let known = ThresholdShares::new(&flat, None, [7.0, 7.0], 0.0);
     assert_eq!(known.share(at(1), true), None);
 }

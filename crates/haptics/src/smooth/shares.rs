@@ -36,30 +36,78 @@ impl Shares for NoShares {
     }
 }
 
-/// A segment made by a threshold: solid from `low` to `high`, in physical values.
+/// A segment made by a threshold: solid from a lowest to a highest value.
 #[derive(Clone, Copy, Debug)]
 pub struct ThresholdShares<'a> {
-    /// The scan.
-    pub scan: &'a Intensities,
-    /// What matter edits have put over it.
-    pub overlay: Option<&'a Overlay>,
-    /// Smallest solid value.
-    pub low: f64,
-    /// Largest solid value.
-    pub high: f64,
-    /// The value outside the grid, such as that of air.
-    pub outside: f64,
+    scan: &'a Intensities,
+    overlay: Option<&'a Overlay>,
+    /// Limits, and the value outside the grid, as stored.
+    low: f32,
+    high: f32,
+    outside: f32,
+    /// From a voxel to the next along each axis in memory.
+    strides: [usize; 3],
 }
 
-impl ThresholdShares<'_> {
-    /// How far a value is within the limits; negative outside of them.
-    fn within(&self, voxel: IVec3) -> f64 {
-        let stored = match self.overlay {
-            Some(overlay) => overlay.stored(self.scan, voxel),
-            None => self.scan.stored(voxel),
+impl<'a> ThresholdShares<'a> {
+    /// A threshold on a scan under what matter edits have put over it; without such edits the
+    /// overlay is best left out, since looking there takes time. `limits` and the value
+    /// `outside` the grid, such as that of air, are physical.
+    pub fn new(
+        scan: &'a Intensities,
+        overlay: Option<&'a Overlay>,
+        limits: [f64; 2],
+        outside: f64,
+    ) -> Self {
+        let stored = |value: f64| ((value - scan.intercept()) / scan.slope()) as f32;
+        let [first, second] = limits.map(stored);
+        let [nx, ny] = [scan.dimensions().x as usize, scan.dimensions().y as usize];
+        Self {
+            scan,
+            overlay,
+            // a negative slope turns them around
+            low: first.min(second),
+            high: first.max(second),
+            outside: stored(outside),
+            strides: [1, nx, nx * ny],
+        }
+    }
+
+    /// How far a stored value is within the limits; negative outside of them.
+    fn within(&self, stored: f32) -> f32 {
+        (stored - self.low).min(self.high - stored)
+    }
+
+    /// A voxel and its neighbours before and after it along each axis, within the limits.
+    fn around(&self, voxel: IVec3) -> (f32, [[f32; 2]; 3]) {
+        let last = self.scan.dimensions().as_ivec3() - 1;
+        let inner = voxel.cmpgt(IVec3::ZERO).all() && voxel.cmplt(last).all();
+        if inner && self.overlay.is_none() {
+            let [x, y, z] = voxel.to_array().map(|i| i as usize);
+            let [_, row, layer] = self.strides;
+            let place = z * layer + y * row + x;
+            let values = self.scan.values();
+            let at = |place: usize| {
+                let stored = values.get(place).map_or(self.outside, |&v| f32::from(v));
+                self.within(stored)
+            };
+            return (
+                at(place),
+                self.strides
+                    .map(|stride| [at(place - stride), at(place + stride)]),
+            );
+        }
+        let at = |voxel: IVec3| {
+            let stored = match self.overlay {
+                Some(overlay) => overlay.stored(self.scan, voxel),
+                None => self.scan.stored(voxel),
+            };
+            self.within(stored.map_or(self.outside, f32::from))
         };
-        let value = stored.map_or(self.outside, |stored| self.scan.physical(stored));
-        (value - self.low).min(self.high - value)
+        (
+            at(voxel),
+            [IVec3::X, IVec3::Y, IVec3::Z].map(|axis| [at(voxel - axis), at(voxel + axis)]),
+        )
     }
 }
 
@@ -67,18 +115,15 @@ impl Shares for ThresholdShares<'_> {
     const ANY: bool = true;
 
     fn share(&self, voxel: IVec3, solid: bool) -> Option<f32> {
-        let here = self.within(voxel);
+        let (here, around) = self.around(voxel);
         if solid != (here >= 0.0) {
             return None;
         }
         // a plane through the voxel at distance d leaves the share ½ + d over the voxel's
         // width across it, which is the sum of its normal's parts; and d is the value over
         // the slope
-        let slope: f64 = IVec3::AXES
-            .into_iter()
-            .map(|axis| 0.5 * (self.within(voxel + axis) - self.within(voxel - axis)).abs())
-            .sum();
-        let share = 0.5 + here / slope;
-        share.is_finite().then(|| share.clamp(0.0, 1.0) as f32)
+        let [x, y, z] = around.map(|[before, after]| 0.5 * (after - before).abs());
+        let share = 0.5 + here / (x + y + z);
+        share.is_finite().then(|| share.clamp(0.0, 1.0))
     }
 }
