@@ -25,5 +25,7 @@ export default defineConfig({
     include: ["tests/**/*.test.ts"],
     // browser tests of two files at once would compete for the same two cores
     fileParallelism: false,
+    // pictures are drawn by the CPU, which may be busy with something else
+    testTimeout: 60_000,
   },
 });

@@ -33,6 +33,7 @@ EVENTS = {
     "Turn": "view",
     "Settings": "settings",
     "Feel": "feel",
+    "Pose": "move",
     "Mark": "recording",
 }
 """What a person calls the engine's commands; others keep their own name."""

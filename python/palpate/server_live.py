@@ -11,6 +11,7 @@ from contextlib import suppress
 from queue import SimpleQueue
 
 import msgspec
+import numpy as np
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from palpate import protocol
@@ -124,6 +125,8 @@ class Live:
                 self.session.view(right=right, up=up)
             case protocol.SegmentProperties():
                 self.segments.change(message)
+            case protocol.MoveSegment(segment_id, pose):
+                self.session.move_segment(segment_id, np.reshape(pose, (4, 4)))
             case protocol.SegmentFeel(segment_id, feel):
                 self.session.set_feel(segment_id, **msgspec.structs.asdict(feel))
             case protocol.RecordSession(on):

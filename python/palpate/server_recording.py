@@ -43,7 +43,7 @@ class Recorder:
         self._lock = Lock()
         self._folder: TemporaryDirectory[str] | None = None
         self._running = False
-        self._file: Path | None = None
+        self._files: list[Path] = []
         self._finished = 0
 
     @property
@@ -51,15 +51,10 @@ class Recorder:
         """Whether ticks are kept now."""
         return self._running
 
-    @property
-    def file(self) -> Path | None:
-        """The last finished recording; None where there is none."""
-        return self._file
-
     def newest(self) -> Path | None:
         """Returns the last finished recording; one that is being written is waited for."""
         with self._lock:
-            return self._file
+            return self._files[-1] if self._files else None
 
     @property
     def file_name(self) -> str:
@@ -95,21 +90,23 @@ class Recorder:
             self._finished += 1
             file = Path(self._folder.name) / f"{self._finished}{ENDING}"
             recording.save(file)
-            # whoever is being sent the one before has it open
-            if self._file is not None:
-                self._file.unlink(missing_ok=True)
-            self._file = file
+            self._files.append(file)
+            # the one before may be on its way to a page
+            for old in self._files[:-2]:
+                old.unlink(missing_ok=True)
+            del self._files[:-2]
             return summary(recording)
 
     def keep(self, target: Path) -> None:
         """Copies the last finished recording to a place of its own."""
-        if self._file is not None:
-            shutil.copyfile(self._file, target)
+        file = self.newest()
+        if file is not None:
+            shutil.copyfile(file, target)
 
     def close(self) -> None:
         """Removes the files that were not kept."""
         with self._lock:
-            self._file = None
+            self._files.clear()
             if self._folder is not None:
                 self._folder.cleanup()
                 self._folder = None

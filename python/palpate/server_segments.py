@@ -130,7 +130,7 @@ class ShownSegments:
             volume_ml=state["voxels"] * voxel_volume / 1000.0,
             pending=state["pending"],
             feel=protocol.Feel(**state["feel"]),
-            pose=None,
+            pose=state["pose"],
         )
 
 

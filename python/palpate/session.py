@@ -176,6 +176,21 @@ class Session:
         with _given():
             self._internal.set_touchable(segment_id, touchable)
 
+    def move_segment(self, segment_id: int, pose: NDArray[np.float64]) -> None:
+        """Moves a segment from where the scan has it to a pose; touch goes there smoothly.
+
+        Args:
+            segment_id: Which segment.
+            pose: A rigid transform of the scene as a homogeneous matrix, shape [4, 4] [mm].
+
+        Raises:
+            OptionError: The pose has scale, shear or numbers that are none, or 16 segments are
+                moved already.
+        """
+        with _given():
+            matrix = np.ascontiguousarray(pose, dtype=np.float64)
+            self._internal.move_segment(segment_id, matrix)
+
     def set_feel(
         self,
         segment_id: int,

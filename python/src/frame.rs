@@ -64,7 +64,16 @@ pub fn segment_dict<'py>(py: Python<'py>, segment: &SegmentState) -> PyResult<Bo
         "pending": segment.pending,
         "range": segment.range,
         "feel": feel_dict(py, segment.feel)?,
+        "pose": segment.pose.map(|pose| rows_of(pose)),
     )
+}
+
+/// A homogeneous matrix by rows, sixteen numbers.
+fn rows_of(transform: glam::DAffine3) -> Vec<f64> {
+    glam::DMat4::from(transform)
+        .transpose()
+        .to_cols_array()
+        .to_vec()
 }
 
 fn feel_dict(py: Python<'_>, feel: Feel) -> PyResult<Bound<'_, PyDict>> {

@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, Mutex, PoisonError, Weak};
 
-use glam::IVec3;
+use glam::{DAffine3, IVec3};
 use numpy::{PyReadonlyArray2, PyUntypedArrayMethods};
 use palpate_device::HapticDevice;
 use palpate_device::scripted::{PathSample, ScriptedDevice};
@@ -220,6 +220,17 @@ impl PySession {
         Ok(py.detach(|| self.session.set_feel(SegmentId(segment_id), feel))?)
     }
 
+    /// Moves a segment to a pose, a homogeneous matrix, shape [4, 4] [mm].
+    fn move_segment(
+        &self,
+        py: Python<'_>,
+        segment_id: u8,
+        pose: PyReadonlyArray2<'_, f64>,
+    ) -> Result<(), CoreError> {
+        let pose = affine(&pose)?;
+        Ok(py.detach(|| self.session.move_segment(SegmentId(segment_id), pose))?)
+    }
+
     /// Makes a segment of a threshold of the scan as edited, or gives it to a segment.
     #[pyo3(signature = (low, high, segment_id = None))]
     fn threshold(
@@ -303,6 +314,30 @@ impl PySession {
     fn stop(&self, py: Python<'_>) {
         py.detach(|| self.session.stop());
     }
+}
+
+/// The transform of a homogeneous matrix.
+fn affine(matrix: &PyReadonlyArray2<'_, f64>) -> Result<DAffine3, CoreError> {
+    let shape = matrix.shape();
+    if shape != [4, 4] {
+        return Err(CoreError::value(format!(
+            "pose of shape {shape:?} given; allowed: [4, 4]"
+        )));
+    }
+    let rows = matrix.as_array();
+    let column = |axis: usize| vector((rows[[0, axis]], rows[[1, axis]], rows[[2, axis]]));
+    let last = [rows[[3, 0]], rows[[3, 1]], rows[[3, 2]], rows[[3, 3]]];
+    if last != [0.0, 0.0, 0.0, 1.0] {
+        return Err(CoreError::value(format!(
+            "pose with the last row {last:?} given; allowed: 0, 0, 0, 1"
+        )));
+    }
+    Ok(DAffine3::from_cols(
+        column(0),
+        column(1),
+        column(2),
+        column(3),
+    ))
 }
 
 /// What a new segment is known by.

@@ -44,6 +44,20 @@ def test_a_page_records_what_it_does_and_fetches_the_file(server: Any, tmp_path:
     assert any("edit" in event for event in recording.events)
 
 
+def test_a_file_that_is_being_written_is_waited_for(server: Any, tmp_path: Path) -> None:
+    with server.page() as page:
+        for _ in range(3):
+            page.send({"type": "record", "on": True})
+            page.receive("state", until=lambda m: m["recording"] is not None)
+            started = page.receive("state", until=lambda m: (m["recording"] or 0.0) > 0.1)["time"]
+            page.send({"type": "record", "on": False})
+            page.receive("state", until=lambda m: m["recording"] is None)
+            # at once, before the notice that it is there
+            file = tmp_path / "fetched"
+            file.write_bytes(server.get("/api/recording").content)
+            assert Recording.load(file).times[-1] >= started
+
+
 def test_only_one_recording_runs_at_a_time(server: Any) -> None:
     with server.page() as first, server.page() as second:
         first.send({"type": "record", "on": True})
@@ -67,17 +81,19 @@ def test_the_newest_recording_is_kept_until_the_end(ball_scene: Scene, tmp_path:
         recorder = Recorder(session)
         recorder.close()
         files = []
-        for seconds in (0.1, 0.2):
+        for seconds in (0.1, 0.15, 0.2):
             recorder.start()
             session.let_pass(seconds)
             assert f"({1000 * seconds:.0f} ticks)" in recorder.stop()
-            assert recorder.file is not None
-            files.append(recorder.file)
-        assert not files[0].exists()
+            file = recorder.newest()
+            assert file is not None
+            files.append(file)
+        # the one before the last may be on its way to a page
+        assert [file.exists() for file in files] == [False, True, True]
         recorder.keep(tmp_path / "kept")
         recorder.close()
-        assert not files[1].parent.exists()
-        assert recorder.file is None
+        assert not files[2].parent.exists()
+        assert recorder.newest() is None
     assert len(Recording.load(tmp_path / "kept")) == 200
     with pytest.raises(OptionError, match="no recording runs"):
         recorder.stop()

@@ -62,7 +62,7 @@ pub fn assemble(config: SessionConfig) -> Result<Assembly, SessionError> {
     let limits = device.limits();
     let settings = config.settings.within(&limits);
     let scene = scene_of(grid, config.intensities, config.segments)?;
-    let probe = first_point(&scene, config.start)?;
+    let probe = first_point(&scene, config.start, settings.probe_radius)?;
 
     // what connects the loops
     let shared = Arc::new(Shared::default());
@@ -140,10 +140,11 @@ fn first_simulation(
 }
 
 /// A free place for the probe: the start, or the free voxel nearest to it.
-fn first_point(scene: &Scene, start: Option<DVec3>) -> Result<DVec3, SessionError> {
+fn first_point(scene: &Scene, start: Option<DVec3>, radius: f64) -> Result<DVec3, SessionError> {
     let grid = scene.voxels().grid();
     let point = start.unwrap_or_else(|| in_front_of(grid));
-    free_point(&scene.touchable_bits(), grid, point).ok_or(SessionError::NoFreeVoxel {
+    let touchable = touchable_of(scene, radius);
+    free_point(&touchable.scene(grid), point).ok_or(SessionError::NoFreeVoxel {
         point,
         reach: REACH,
     })

@@ -180,6 +180,8 @@ pub struct ServoStatus {
     pub proxy: DVec3,
     /// Whether an obstacle holds the probe back.
     pub contact: bool,
+    /// The segment that is touched; 0 where there is none.
+    pub touched: u8,
 }
 
 /// Servo → picture: one tick.

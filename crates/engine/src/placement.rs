@@ -1,7 +1,8 @@
 //! Where the probe can be placed: at a point, or in the free voxel nearest to it.
 
 use glam::DVec3;
-use palpate_haptics::placement::nearest_free;
+use palpate_haptics::placement::nearest_free_in;
+use palpate_haptics::scene::TouchScene;
 use palpate_volume::grid::Grid;
 use palpate_volume::occupancy::Occupancy;
 
@@ -11,19 +12,22 @@ pub const REACH: i32 = 64;
 /// The free point nearest to `point` [mm], the point itself where it is free; none where no
 /// voxel within reach is.
 #[must_use]
-pub fn free_point(
-    occupancy: &(impl Occupancy + ?Sized),
-    grid: &Grid,
-    point: DVec3,
-) -> Option<DVec3> {
+pub fn free_point<O: Occupancy>(scene: &TouchScene<'_, O>, point: DVec3) -> Option<DVec3> {
+    let grid = scene.grid;
     let point_in_grid = grid.grid_from_patient().transform_point3(point);
-    let probe = nearest_free(occupancy, grid, point_in_grid, REACH)?;
+    let probe = nearest_free_in(scene, point_in_grid, REACH)?;
     if probe.point() == point_in_grid {
         return Some(point);
     }
-    // the middle of the voxel: no rounding on the way to mm and back leaves it
+    // the middle of the voxel, where that is free too: no rounding on the way to mm and back
+    // leaves it
     let middle = probe.voxel().as_dvec3() + 0.5;
-    Some(grid.patient_from_grid().transform_point3(middle))
+    let free = if scene.solid_at(middle).is_none() {
+        middle
+    } else {
+        probe.point()
+    };
+    Some(grid.patient_from_grid().transform_point3(free))
 }
 
 /// In front of a scan: half a scan's width before its front side, in the middle of its other
@@ -74,7 +78,10 @@ mod tests {
         let grid = grid();
         let empty = Bits::empty(grid.dimensions());
         let point = DVec3::new(-4.123, 9.7, 111.1);
-        assert_eq!(free_point(&empty, &grid, point), Some(point));
+        assert_eq!(
+            free_point(&TouchScene::of_world(&empty, &grid), point),
+            Some(point)
+        );
     }
 
     #[test]
@@ -84,7 +91,7 @@ mod tests {
         let wall = Segment::from_fn(grid.dimensions(), |voxel| voxel.x < 30);
         let to_patient = |point| grid.patient_from_grid().transform_point3(point);
         let inside = to_patient(DVec3::new(27.2, 10.4, 9.1));
-        let free = free_point(&wall, &grid, inside).unwrap();
+        let free = free_point(&TouchScene::of_world(&wall, &grid), inside).unwrap();
         let expected = to_patient(DVec3::new(30.5, 10.5, 9.5));
         // rounding of coordinates of some hundred mm
         assert!(free.distance(expected) < 1e-9, "{free} {expected}");
@@ -95,7 +102,10 @@ mod tests {
         let dimensions = UVec3::splat(200);
         let grid = Grid::new(dimensions, DVec3::ONE, DVec3::ZERO, DMat3::IDENTITY).unwrap();
         let full = Segment::from_fn(dimensions, |_| true);
-        assert_eq!(free_point(&full, &grid, DVec3::splat(100.0)), None);
+        assert_eq!(
+            free_point(&TouchScene::of_world(&full, &grid), DVec3::splat(100.0)),
+            None
+        );
     }
 
     #[test]

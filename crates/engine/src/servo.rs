@@ -8,8 +8,9 @@ use std::sync::atomic::Ordering::Relaxed;
 
 use glam::DVec3;
 use palpate_haptics::local_force::LocalForce;
-use palpate_haptics::placement::nearest_free;
+use palpate_haptics::placement::nearest_free_in;
 use palpate_haptics::proxy::Proxy;
+use palpate_haptics::scene::Solid;
 use palpate_haptics::tick::{TickCache, TickInput, TickOutput, TickState, tick};
 use palpate_volume::bits::Bits;
 use palpate_volume::grid::Grid;
@@ -21,6 +22,7 @@ use crate::handover::{
     TickRecord,
 };
 use crate::mapping::Mapping;
+use crate::moved_poses::MovedPoses;
 use crate::probe::Probe;
 use crate::servo_state::{ServoState, TickInputs};
 use crate::settings::Settings;
@@ -60,6 +62,8 @@ pub struct ServoLoop {
     state: ServoState,
     occupancy: TouchOccupancy,
     cache: TickCache,
+    /// The segment that is touched; 0 where there is none.
+    touched: u8,
     /// Whether the state is asked for at the end of this tick.
     marked: bool,
     ends: Ends,
@@ -92,6 +96,7 @@ impl ServoLoop {
             mapping: start.mapping,
             settings: start.settings,
             feels: start.feels,
+            poses: MovedPoses::default(),
             hand: start.probe,
             forgotten_hand: 0,
             received: 0,
@@ -106,7 +111,7 @@ impl ServoLoop {
     #[must_use]
     pub fn resume(
         grid: Grid,
-        touchable: Touchable,
+        mut touchable: Touchable,
         state: ServoState,
         (channels, shared): (ServoChannels, Arc<Shared>),
     ) -> Self {
@@ -120,11 +125,13 @@ impl ServoLoop {
             records,
             snapshots,
         } = channels;
+        state.poses.place(&mut touchable, &grid);
         Self {
             grid,
             state,
             occupancy: TouchOccupancy::new(touchable, garbage),
             cache: TickCache::default(),
+            touched: 0,
             marked: false,
             ends: Ends {
                 samples,
@@ -161,6 +168,7 @@ impl ServoLoop {
             self.retry_held_changes();
         }
         self.obey(inputs);
+        self.move_segments();
 
         let output = self.touch(&self.input(inputs));
 
@@ -183,6 +191,13 @@ impl ServoLoop {
             proxy: &mut self.state.touch.proxy,
         };
         self.occupancy.retry(&mut probe);
+    }
+
+    /// Takes a step of each segment that moves.
+    fn move_segments(&mut self) {
+        let proxy = &mut self.state.touch.proxy;
+        self.occupancy
+            .step_poses(&mut self.state.poses, &self.grid, proxy);
     }
 
     /// Obeys the simulation, in its order, as far as one tick allows.
@@ -222,8 +237,9 @@ impl ServoLoop {
         match command {
             Some(ServoCommand::Root {
                 sequence,
-                touchable,
+                mut touchable,
             }) => {
+                self.state.poses.place(&mut touchable, &self.grid);
                 self.state.received = sequence;
                 self.occupancy.take_root(sequence, touchable, &mut probe);
             }
@@ -249,9 +265,18 @@ impl ServoLoop {
                 self.place(point, device_too.then_some(device));
             }
             Some(ServoCommand::Turn(rotation)) => self.state.mapping.turn(device, rotation),
-            Some(ServoCommand::Settings(settings)) => self.state.settings = settings,
-            Some(ServoCommand::Feel(id, feel)) => self.state.feels.set(id, feel),
-            Some(ServoCommand::Pose(_, _)) => {}
+            Some(ServoCommand::Settings(settings)) => {
+                self.state.settings = settings;
+                self.state.touch.blend.tell();
+            }
+            Some(ServoCommand::Feel(id, feel)) => {
+                self.state.feels.set(id, feel);
+                self.state.touch.blend.tell();
+            }
+            Some(ServoCommand::Pose(id, target)) => {
+                let touchable = self.occupancy.touchable();
+                self.state.poses.lead(id, target, &self.grid, touchable);
+            }
             Some(ServoCommand::Mark) => self.marked = true,
             // changes of occupancy are taken elsewhere
             Some(ServoCommand::Root { .. } | ServoCommand::Bricks(_)) | None => {}
@@ -261,8 +286,8 @@ impl ServoLoop {
     /// Brings the probe to a free point, and the device there by moving the mapping.
     fn place(&mut self, point: DVec3, device: Option<DVec3>) {
         let point_in_grid = self.grid.grid_from_patient().transform_point3(point);
-        let world = &self.occupancy.touchable().world;
-        let Some(proxy) = nearest_free(world, &self.grid, point_in_grid, PLACE_REACH) else {
+        let scene = self.occupancy.scene(&self.grid);
+        let Some(proxy) = nearest_free_in(&scene, point_in_grid, PLACE_REACH) else {
             self.state.refused_places += 1;
             return;
         };
@@ -315,6 +340,14 @@ impl ServoLoop {
             &mut self.state.touch,
             &mut self.cache,
         );
+        let touchable = self.occupancy.touchable();
+        let owner = |solid: Solid| touchable.owner(solid.body, solid.voxel);
+        self.touched = match output.held_by {
+            _ if !output.contact => 0,
+            Some(solid) => owner(solid).map_or(0, |id| id.0),
+            // under the smooth surface, but not held back yet
+            None => self.touched,
+        };
         if output.violation {
             self.shared.counters.violations.fetch_add(1, Relaxed);
         }
@@ -338,11 +371,12 @@ impl ServoLoop {
             held_root: self.occupancy.held_root(),
             held_edits: self.occupancy.held_edits(),
             skipped: self.occupancy.skipped(),
-            stopped: [0; 4],
+            stopped: self.state.poses.stopped(),
             refused_places: self.state.refused_places,
             device: self.device_in_scene(inputs),
             proxy: output.proxy_in_scene,
             contact: output.contact,
+            touched: self.touched,
         });
     }
 

@@ -13,6 +13,7 @@ use serde::{Deserialize, Serialize};
 use crate::feel::Feels;
 use crate::handover::{DeviceSample, HandTarget};
 use crate::mapping::Mapping;
+use crate::moved_poses::MovedPoses;
 use crate::settings::Settings;
 
 /// All that changes from tick to tick, besides what is solid.
@@ -26,6 +27,8 @@ pub struct ServoState {
     pub settings: Settings,
     /// How each segment feels.
     pub feels: Feels,
+    /// Where moved segments stand and go.
+    pub poses: MovedPoses,
     /// Where the hand pulls the device to [mm].
     pub hand: DVec3,
     /// Hand targets up to this number are older than the last placement.

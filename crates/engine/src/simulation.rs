@@ -24,8 +24,7 @@ use crate::placement::{REACH, free_point};
 use crate::scene::{Properties, Scene, Step, ThresholdRange};
 use crate::settings::Settings;
 use crate::tape::{MAX_TAPE_BYTES, TapeRecorder};
-use crate::touch_sender::TouchSender;
-use crate::touched::touched_segment;
+use crate::touch_sender::{TouchSender, touchable_of};
 
 /// What the picture shows of the simulation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -76,6 +75,7 @@ pub struct Simulation {
     segments_version: u64,
     refused_places: u64,
     was_held: bool,
+    was_stopped: bool,
     was_full: bool,
 }
 
@@ -101,6 +101,7 @@ impl Simulation {
             segments_version: 0,
             refused_places: 0,
             was_held: false,
+            was_stopped: false,
             was_full: false,
         }
     }
@@ -320,8 +321,8 @@ impl Simulation {
         device_too: bool,
     ) -> Result<DVec3, SessionError> {
         let grid = *self.voxels().grid();
-        let obstacles = self.scene.touchable_bits();
-        let free = free_point(&obstacles, &grid, point).ok_or(SessionError::NoFreeVoxel {
+        let touchable = touchable_of(&self.scene, self.settings.probe_radius);
+        let free = free_point(&touchable.scene(&grid), point).ok_or(SessionError::NoFreeVoxel {
             point,
             reach: REACH,
         })?;
@@ -401,6 +402,15 @@ impl Simulation {
             ));
         }
         self.was_held = held;
+
+        let stopped = self.touch.is_stopped();
+        if stopped && !self.was_stopped {
+            self.tell(Notice::warning(
+                "A segment stops on its way: it would pinch the probe. It goes on once the probe \
+                 is out.",
+            ));
+        }
+        self.was_stopped = stopped;
     }
 
     fn tell_of_refused_places(&mut self) {
@@ -426,10 +436,9 @@ impl Simulation {
     }
 
     fn publish(&mut self) {
-        let touched = touched_segment(&self.scene, self.touch.status());
         let status = SimulationStatus {
             edit: self.voxels().edit_number(),
-            touched: touched.map_or(0, |id| id.0),
+            touched: self.touch.status().touched,
             pending: self.touch.pending(),
             can_undo: self.journal.can_undo(),
             can_redo: self.journal.can_redo(),

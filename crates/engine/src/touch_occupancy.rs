@@ -9,6 +9,7 @@
 use arrayvec::ArrayVec;
 use glam::IVec3;
 use palpate_haptics::moving::{PoseStep, step_pose};
+use palpate_haptics::proxy::Proxy;
 use palpate_haptics::scene::{MAX_OBJECTS, Object, ObjectPose, TouchScene};
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::brick_grid::BrickSwap;
@@ -18,6 +19,7 @@ use rtrb::Producer;
 
 use crate::body::{Body, View};
 use crate::handover::{BrickChange, Garbage, MAX_BRICKS, MAX_HELD};
+use crate::moved_poses::MovedPoses;
 use crate::patched::place_of;
 use crate::probe::Probe;
 use crate::touchable::Touchable;
@@ -77,7 +79,7 @@ impl TouchOccupancy {
     /// What is touched, as a tick wants it.
     #[must_use]
     pub fn scene<'a>(&'a self, grid: &'a Grid) -> TouchScene<'a, Body> {
-        scene_of(&self.touchable, grid)
+        self.touchable.scene(grid)
     }
 
     /// First and last number of the changes in a root held back; zeros where there is none.
@@ -177,16 +179,34 @@ impl TouchOccupancy {
         }
     }
 
-    /// Moves an object by one step, if the probe admits it; it may be pushed.
-    pub fn step_pose(&mut self, place: usize, new: &ObjectPose, probe: &mut Probe<'_>) -> PoseStep {
+    /// Moves an object of any grid by one step, if the probe admits it; it may be pushed.
+    pub(crate) fn step_pose(
+        &mut self,
+        place: usize,
+        new: &ObjectPose,
+        probe: &mut Probe<'_>,
+    ) -> PoseStep {
         let step = step_pose(&self.scene(probe.grid), place, new, probe.proxy);
         if step != PoseStep::Held
             && let Some(object) = self.touchable.objects.get_mut(place)
         {
             object.set_pose(*new);
-            self.version += 1;
+            self.refused_at = None;
         }
         step
+    }
+
+    /// Takes a step of each segment that moves, as far as the probe admits it. A root held back
+    /// follows, so that it is asked for with the segments where they stand.
+    pub fn step_poses(&mut self, poses: &mut MovedPoses, grid: &Grid, proxy: &mut Proxy) {
+        if !poses.is_moving() {
+            return;
+        }
+        poses.step(&mut self.touchable, grid, proxy);
+        if let Some(held) = &mut self.held_root {
+            poses.place(&mut held.touchable, grid);
+        }
+        self.refused_at = None;
     }
 
     /// The oldest change that is held back.
@@ -212,7 +232,7 @@ impl TouchOccupancy {
 
     fn admits_root(&self, new: &Touchable, probe: &mut Probe<'_>) -> bool {
         let grid = probe.grid;
-        probe.admits(&scene_of(&self.touchable, grid), &scene_of(new, grid))
+        probe.admits(&self.touchable.scene(grid), &new.scene(grid))
     }
 
     fn admits(&mut self, change: &BrickChange, probe: &mut Probe<'_>) -> bool {
@@ -312,12 +332,4 @@ impl TouchOccupancy {
 fn dispose(ring: &mut Producer<Garbage>, garbage: Garbage) {
     let disposed = ring.push(garbage);
     debug_assert!(disposed.is_ok(), "room was made sure of");
-}
-
-fn scene_of<'a>(touchable: &'a Touchable, grid: &'a Grid) -> TouchScene<'a, Body> {
-    TouchScene {
-        occupancy: &touchable.world,
-        grid,
-        objects: &touchable.objects,
-    }
 }

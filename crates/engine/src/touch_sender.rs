@@ -72,10 +72,15 @@ impl TouchSender {
         &self.status
     }
 
-    /// Number of changes that touch does not follow yet.
+    /// Number of changes that touch does not follow yet, moves that the probe stops among them.
     #[must_use]
     pub fn pending(&self) -> usize {
-        self.outstanding.len()
+        let stopped = self
+            .status
+            .stopped
+            .iter()
+            .map(|bits| bits.count_ones() as usize);
+        self.outstanding.len() + stopped.sum::<usize>()
     }
 
     /// Whether the servo holds a change back, since the probe is in its way.
@@ -87,9 +92,15 @@ impl TouchSender {
     /// Whether a change of this segment is among the pending ones.
     #[must_use]
     pub fn is_pending(&self, id: SegmentId) -> bool {
-        self.outstanding
-            .iter()
-            .any(|change| change.segments.contains(&id))
+        let is_stopped = self.status.stopped[usize::from(id.0 / 64)] >> (id.0 % 64) & 1 == 1;
+        let mut outstanding = self.outstanding.iter();
+        is_stopped || outstanding.any(|change| change.segments.contains(&id))
+    }
+
+    /// Whether the probe keeps a moved segment from where it is to go.
+    #[must_use]
+    pub fn is_stopped(&self) -> bool {
+        self.status.stopped != [0; 4]
     }
 
     /// What is told to the servo, where it is recorded.
@@ -241,8 +252,10 @@ impl TouchSender {
 #[must_use]
 pub fn touchable_of(scene: &Scene, radius: f64) -> Touchable {
     let grid = scene.voxels().grid();
-    Touchable::new(grid, scene.touchable_parts(), radius)
-        .expect("settings with too large a ball are refused")
+    let mut touchable = Touchable::new(grid, scene.touchable_parts(), radius)
+        .expect("settings with too large a ball are refused");
+    touchable.put_objects(grid, |id| scene.properties_of(id).pose);
+    touchable
 }
 
 fn is_held(status: &ServoStatus, change: &Outstanding) -> bool {

@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 use glam::{DAffine3, UVec3};
 use palpate_haptics::ball::BallError;
-use palpate_haptics::scene::{Object, ObjectPose};
+use palpate_haptics::scene::{Object, ObjectPose, TouchScene};
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;
@@ -80,6 +80,27 @@ impl Touchable {
             objects,
             radius,
         })
+    }
+
+    /// What is touched, as ticks and placements want it.
+    #[must_use]
+    pub fn scene<'a>(&'a self, grid: &'a Grid) -> TouchScene<'a, Body> {
+        TouchScene {
+            occupancy: &self.world,
+            grid,
+            objects: &self.objects,
+        }
+    }
+
+    /// Puts objects where their segments stand; without a rigid pose they stay.
+    pub fn put_objects(&mut self, grid: &Grid, pose_of: impl Fn(SegmentId) -> Option<DAffine3>) {
+        for place in 0..self.objects.len() {
+            let pose = self.object_ids().nth(place).and_then(&pose_of);
+            let pose = pose.and_then(|pose| ObjectPose::new(grid, grid, pose).ok());
+            if let Some(pose) = pose {
+                self.objects[place].set_pose(pose);
+            }
+        }
     }
 
     /// Numbers of the moved segments, in the order of the objects.

@@ -199,3 +199,39 @@ fn a_report_tells_the_worst_of_the_motions() {
     }
     assert_eq!(device_named("knife"), None);
 }
+
+/// Stick, slip, and the law that the device follows meanwhile.
+#[test]
+fn with_friction_pressing_tapping_and_sliding_give_the_hand_no_energy_either() {
+    let floor = FlatWall::default();
+    let dimensions = UVec3::splat(64);
+    let ball = Segment::from_fn(dimensions, |voxel| {
+        (voxel.as_dvec3() + 0.5 - 32.0).length() < 22.0
+    });
+    let grid = grid(dimensions);
+    let ball = Wall::on(&grid, ball.occupancy(), 3).expect("a surface");
+    for (name, wall) in [("floor", floor.wall()), ("ball", ball)] {
+        for rates in RATES {
+            for motion in Motion::ALL {
+                let mut rough = case(SimulatedSettings::default(), rates, motion);
+                rough.settings.friction_static = 0.5;
+                rough.settings.friction_kinetic = 0.3;
+                let smooth = rub(&wall, &case(SimulatedSettings::default(), rates, motion));
+                let rubbed = rub(&wall, &rough);
+                println!("{name} {rates:?} {motion:?} {rubbed:?}");
+                assert!(rubbed.is_passive(&rough), "{name} {rates:?} {rubbed:?}");
+                assert_eq!(rubbed.violations, 0);
+                // friction costs, and nothing has to be taken back for it
+                let costs_more = rubbed.to_hand < 1.5 * smooth.to_hand;
+                assert!(
+                    costs_more || motion != Motion::Slide,
+                    "{rubbed:?} {smooth:?}"
+                );
+                assert_eq!(rubbed.damped, 0, "{name} {rates:?} {motion:?} {rubbed:?}");
+                // and makes no steps: 0.05 N at most were seen, where a tap meets the ball
+                let steps_apart = rubbed.largest_step - smooth.largest_step;
+                assert!(steps_apart < 0.06, "{name} {rates:?} {rubbed:?} {smooth:?}");
+            }
+        }
+    }
+}

@@ -10,7 +10,7 @@ mod common;
 use std::time::{Duration, Instant};
 
 use common::*;
-use glam::{DMat3, DVec3, IVec3, UVec3};
+use glam::{DAffine3, DMat3, DVec3, IVec3, UVec3};
 use palpate_engine::feel::Feel;
 use palpate_engine::handover::HandTarget;
 use palpate_engine::recording::Recording;
@@ -128,6 +128,11 @@ impl Recorder {
                     friction_kinetic: Some(0.0),
                 };
                 simulation.set_feel(id, feel).unwrap();
+            }
+            22 => {
+                let turn = DMat3::from_rotation_z(random.between(-0.4, 0.4));
+                let pose = DAffine3::from_mat3_translation(turn, random.point(-4.0, 4.0));
+                simulation.move_segment(id, pose).unwrap();
             }
             21 => rig.hand.write(HandTarget {
                 point: random.point(0.0, 48.0),
@@ -251,8 +256,10 @@ fn a_flipped_bit_in_an_input_makes_the_replay_differ() {
     // so is one in a command
     let mut other = tape.clone();
     for entry in &mut other.entries {
-        if let TapeCommand::Settings(settings) = &mut entry.command {
-            flip(&mut settings.stiffness);
+        match &mut entry.command {
+            TapeCommand::Settings(settings) => flip(&mut settings.stiffness),
+            TapeCommand::Feel(_, feel) => feel.stiffness.iter_mut().for_each(flip),
+            _ => {}
         }
     }
     assert!(!replay(&recording, &other).unwrap().is_equal());
@@ -407,6 +414,45 @@ fn a_recording_can_be_begun_again_and_again() {
         let tape = tape.lock().unwrap().finish().unwrap();
         assert_equal(&replay(&recorder.recording, &tape).unwrap());
     }
+}
+
+/// What touch remembers of a contact (where it sticks, where the force came from, what the surface
+/// felt like) is in the recording's first state; what the servo only keeps at hand is not needed.
+#[test]
+fn a_recording_can_begin_in_the_midst_of_a_contact() {
+    let mut rig = Rig::new(DIMENSIONS, DVec3::new(20.0, 10.0, 20.0));
+    let block = box_segment(DIMENSIONS, IVec3::new(5, 20, 5), IVec3::new(43, 35, 43));
+    rig.simulation.add_segment(block, OBSTACLE, false).unwrap();
+    let rough = Settings {
+        friction_static: 0.6,
+        friction_kinetic: 0.4,
+        ..Settings::default()
+    };
+    rig.simulation.set_settings(rough).unwrap();
+    // presses, then slides on in a curve
+    let device = |tick: u32| {
+        let (across, deep) = (0.01 * f64::from(tick), (0.01 * f64::from(tick)).min(3.0));
+        DVec3::new(14.0 + across, 19.0 + deep, 22.0 + across.sin())
+    };
+    for tick in 0..600 {
+        rig.tick_at(device(tick));
+        if tick % 10 == 0 {
+            rig.simulation.step();
+        }
+    }
+    rig.simulation.begin_tape();
+    let mut recording = Recording::default();
+    for tick in 600..1_800 {
+        recording.push(&rig.tick_at(device(tick)), 0);
+    }
+    assert!(recording.contact.iter().all(|touches| *touches));
+    let tape = rig.simulation.tape().lock().unwrap().finish().unwrap();
+    assert_equal(&replay(&recording, &tape).unwrap());
+
+    // a state that has forgotten the contact is another one
+    let mut other = tape;
+    other.state.touch.forget_contact();
+    assert!(!replay(&recording, &other).unwrap().is_equal());
 }
 
 /// Goes back and forth in the front of a block.

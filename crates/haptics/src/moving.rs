@@ -18,6 +18,7 @@ use palpate_volume::first_solid::{Outcome, first_solid_bounded};
 use palpate_volume::grid::Grid;
 use palpate_volume::occupancy::Occupancy;
 use palpate_volume::voxel_box::VoxelBox;
+use serde::{Deserialize, Serialize};
 
 /// Most voxels that one step of a pose reads.
 pub const POSE_STEP_VISITS: u32 = 16_384;
@@ -193,7 +194,7 @@ impl<O: Occupancy> Step<'_, O> {
 /// No tick turns it so far that a solid point leaves the chord of its way by more than half of
 /// the smallest side of the object's voxels; where the ticks asked for are too few there are
 /// more. The last pose is the target to the bit.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PoseMotion {
     target: DAffine3,
     /// The middle of the object in its own scene, and in the scene at both ends [mm].

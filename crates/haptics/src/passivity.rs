@@ -6,8 +6,9 @@
 //! since; together they may never exceed what the device's own friction has eaten. What does
 //! exceed is taken back on the way out: the force is smaller by the excess over a short way.
 //! A wall within the limit of Colgate & Schenkel, b > K (T/2 + t_d), has no excess, and nothing
-//! is done to it. Energy that the surface has eaten (friction of the probe) is credit; no more
-//! of it is kept than a small store, so that a long rub pays for no later kick.
+//! is done to it. Energy that a contact has eaten is credit; no more of it is kept than the
+//! spring holds now, so that a long rub pays for no later kick, and forces whose spring is not
+//! exactly what they were made of (smoothed, on rough bodies) are not held against the hand.
 //!
 //! Nothing changes at rest: the controller acts only where the device moves outward.
 //!
@@ -19,8 +20,8 @@
 
 use glam::DVec3;
 
-/// Credit that is kept [N·mm]: what rounding and the steps of voxels shuffle to and fro.
-const MOST_CREDIT: f64 = 0.05;
+/// Credit that is kept without a spring [N·mm]: what rounding and encoders shuffle to and fro.
+const LEAST_CREDIT: f64 = 0.05;
 /// Way over which an excess is taken back [mm].
 const TAKE_BACK_WAY: f64 = 0.2;
 /// Damping by which it is taken back, at most [N·s/mm]: below half of m/T for an arm of 45 g at
@@ -40,13 +41,15 @@ pub struct Passivity {
 
 impl Passivity {
     /// Observes one tick: the motors' force [N] while the device moved by `moved` [mm], what
-    /// its own friction ate meanwhile, and what the spring holds now [N·mm].
+    /// its own friction ate meanwhile, and what the spring holds now [N·mm]. What friction eats
+    /// where no force acts was paid by the hand, and counts for no contact.
     pub fn observe(&mut self, acting: DVec3, moved: DVec3, eaten: f64, stored: f64) {
+        let eaten = if acting == DVec3::ZERO { 0.0 } else { eaten };
         let given = acting.dot(moved) + (stored - self.stored) - eaten;
         self.stored = stored;
         // a reading that is no number is none
         if given.is_finite() {
-            self.excess = (self.excess + given).max(-MOST_CREDIT);
+            self.excess = (self.excess + given).max(-LEAST_CREDIT - stored);
         } else {
             *self = Self {
                 acted: self.acted,

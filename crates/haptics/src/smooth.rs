@@ -30,6 +30,7 @@ use descent::{Query, descend};
 use field::Field;
 use glam::DVec3;
 use palpate_volume::grid::Grid;
+use palpate_volume::walk::COORDINATE_LIMIT;
 use serde::{Deserialize, Serialize};
 
 /// How the smooth contact point is found. A cell is two voxels long on cubes, and about as
@@ -135,7 +136,9 @@ impl Smoother {
         let device = tick.device_in_grid;
         let spacing = grid.spacing();
         let hard = (tick.proxy.point() - device) * spacing;
-        if !hard.is_finite() {
+        // written so that NaN is refused
+        let reach = DVec3::splat(COORDINATE_LIMIT);
+        if !device.abs().cmple(reach).all() {
             state.last = None;
             return SmoothContact::none(tick.proxy.point());
         }

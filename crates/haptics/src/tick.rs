@@ -188,7 +188,7 @@ impl<O: Occupancy, M: ContactModel, S: Surfaces> Tick<'_, O, M, S> {
         let h = self.scene.grid.smallest_spacing();
         let device = self.device * spacing;
 
-        // to where friction holds the probe, or past it where nothing is in the way there
+        // to where friction holds the probe
         let was = state.blend.feel();
         let friction = was.map_or(Friction::NONE, |feel| feel.friction);
         let mut target = friction.target(device, h, &mut state.friction);
@@ -201,31 +201,38 @@ impl<O: Occupancy, M: ContactModel, S: Surfaces> Tick<'_, O, M, S> {
             (self.model.advance(self.scene, to, proxy), to)
         };
         let (mut contact, mut to) = advance(target, &mut state.proxy);
-        if !contact.touching && target != device {
-            state.friction.forget();
-            target = device;
-            let visits = contact.visits;
-            (contact, to) = advance(target, &mut state.proxy);
-            contact.visits += visits;
-        }
-
-        if contact.violation {
-            state.forget_contact();
-            return (contact, Felt::NOTHING);
-        }
 
         // the smooth point beside it
         let smoother = Smoother {
             enabled: self.input.smoothing,
             ..Smoother::default()
         };
-        let fields = cache.fields.near(self.scene, cache.epoch, &state.proxy);
-        let asked = SmoothInput {
-            proxy: &state.proxy,
-            device_in_grid: to,
-            contact: &contact,
+        let mut smoothed = |contact: &Contact, to: DVec3, state: &mut TickState| {
+            let fields = cache.fields.near(self.scene, cache.epoch, &state.proxy);
+            let asked = SmoothInput {
+                proxy: &state.proxy,
+                device_in_grid: to,
+                contact,
+            };
+            smoother.contact_point(&fields, self.scene.grid, &asked, &mut state.smooth)
         };
-        let smooth = smoother.contact_point(&fields, self.scene.grid, &asked, &mut state.smooth);
+        let smooth_before = state.smooth;
+        let mut smooth = smoothed(&contact, to, state);
+
+        // past where friction holds it, where neither is in the way there
+        if !contact.touching && smooth.offset == DVec3::ZERO && target != device {
+            state.friction.forget();
+            state.smooth = smooth_before;
+            target = device;
+            let visits = contact.visits;
+            (contact, to) = advance(target, &mut state.proxy);
+            contact.visits += visits;
+            smooth = smoothed(&contact, to, state);
+        }
+        if contact.violation {
+            state.forget_contact();
+            return (contact, Felt::NOTHING);
+        }
         let touches = smooth.offset != DVec3::ZERO;
 
         // what the surface feels like there
@@ -245,7 +252,7 @@ impl<O: Occupancy, M: ContactModel, S: Surfaces> Tick<'_, O, M, S> {
             spring: point.map_or(DVec3::ZERO, |point| point - device),
             normal: smooth.normal,
             stiffness: feel.map_or(0.0, |feel| feel.stiffness),
-            sticks: target != device && !state.friction.is_slipping(),
+            sticks: touches && friction.stick > 0.0 && !state.friction.is_slipping(),
             own_force: None,
         };
         (contact, felt)

@@ -258,8 +258,7 @@ fn ticks_pose_steps_and_admissions_among_objects_never_call_the_allocator() {
     let world = &solids[0];
     let proxy = Proxy::at(DVec3::splat(-2.0)).expect("a finite point");
     let mut state = TickState::new(proxy);
-    let mut cache = TickCache::default();
-    let mut epoch = 1;
+    let (mut cache, mut epoch) = (TickCache::default(), 1);
     let mut outcomes = [0; 3];
     let calls = allocator_calls(|| {
         for _ in 0..10_000 {
@@ -273,8 +272,8 @@ fn ticks_pose_steps_and_admissions_among_objects_never_call_the_allocator() {
                 velocity_in_scene: DVec3::ZERO,
                 coupling: Coupling::default(),
             };
-            epoch += 1;
             assert!(!rub(&scene, &input, &mut state, (&mut cache, epoch)).violation);
+            epoch += 1;
             let fewer = TouchScene {
                 objects: &objects[..2],
                 ..scene

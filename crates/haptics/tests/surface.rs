@@ -182,6 +182,30 @@ fn a_hand_at_rest_feels_the_same_to_the_bit_whatever_is_beneath_it() {
 }
 
 #[test]
+fn a_surface_that_is_set_anew_comes_to_a_hand_at_rest_within_a_quarter_second_and_stays() {
+    let mut blend = SurfaceBlend::default();
+    blend.follow(Some(feel(&LIVER)), 0.3, 1.0, 1.0);
+    blend.tell();
+    let mut last = LIVER.stiffness;
+    for tick in 1..=256 {
+        let now = blend
+            .follow(Some(feel(&BONE)), 0.0, 1.0, 1.0)
+            .expect("contact");
+        // a step of the 256, and rounding of their sum
+        assert!(
+            now.stiffness - last <= BONE.stiffness / 256.0 + 1e-12,
+            "{tick}"
+        );
+        last = now.stiffness;
+    }
+    assert_eq!(blend.feel(), Some(feel(&BONE)));
+
+    // once there, crossing to another segment is by the way again
+    blend.follow(Some(feel(&LIVER)), 0.0, 1.0, 1.0);
+    assert_eq!(blend.feel(), Some(feel(&BONE)));
+}
+
+#[test]
 fn without_contact_all_is_forgotten_and_a_new_one_begins_as_it_is() {
     let mut blend = SurfaceBlend::default();
     blend.follow(Some(feel(&BONE)), 0.1, 0.0, 1.0);

@@ -239,7 +239,7 @@ fn goal(at: Vec3A, surfaces: &Surfaces, device: Vec3A) -> Vec3A {
     let mut count = 0;
     for (plane, surface) in planes.iter_mut().zip(surfaces.iter().flatten()) {
         *plane = HalfSpace {
-            outward: surface.outward.as_dvec3(),
+            outward: surface.outward.as_dvec3().normalize(),
             offset: f64::from(surface.depth),
         };
         count += 1;
@@ -306,8 +306,8 @@ impl<'a, F: Field> Seen<'a, F> {
     /// distance; the root keeps it right, within a tenth, up to 1.5 σ on either side.
     #[inline]
     fn plane(&self, level: &Level, sigma: Vec3A) -> Option<(Vec3A, f32)> {
-        // written so that NaN is refused
-        if !(level.gradient.length_squared() > FLATTEST * FLATTEST) {
+        let steepness = level.gradient.length_squared();
+        if steepness.is_nan() || steepness <= FLATTEST * FLATTEST {
             return None;
         }
         let gradient = self.gradient_from_nodes * level.gradient;

@@ -21,7 +21,7 @@ impl HalfSpace {
 }
 
 /// How far under a plane a point may be and still count as free [mm]; rounding.
-const SLACK: f64 = 1e-9;
+const SLACK: f64 = 1e-7;
 /// Planes count as parallel where the volume between their normals is less.
 const PARALLEL: f64 = 1e-6;
 
