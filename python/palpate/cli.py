@@ -133,6 +133,7 @@ Threshold = Annotated[
 Segments = Annotated[Path | None, typer.Option(help="Label map: each label becomes a segment.")]
 Port = Annotated[int, typer.Option(help="Port of 127.0.0.1; 0 takes a free one.")]
 Browser = Annotated[bool, typer.Option(help="Open the page, where there is a display.")]
+Plot = Annotated[Path | None, typer.Option(help="Draw the figures: .png, .svg or .pdf.")]
 Rate = Annotated[int, typer.Option(help="Servo ticks a second: 1000 or 4000.")]
 
 
@@ -309,14 +310,17 @@ def bench_haptics(
     json_file: Annotated[
         Path | None, typer.Option("--json", help="Write the figures to this file.")
     ] = None,
+    plot: Plot = None,
     count: Annotated[int, typer.Option(help="Calls of each case.")] = 1_000_000,
 ) -> None:
     """Measure touch: contact detection alone, and the full update."""
     from palpate.bench.haptics import measure
+    from palpate.bench.plots import check_plot, plot_haptics
     from palpate.bench.report import print_rows, write_rows
     from palpate.io import read
     from palpate.phantom_scan import phantom
 
+    check_plot(plot)
     with quiet_libraries(), Display() as display:
         display("loading the scan", None)
         volume = phantom().volume if data is None else read(data, progress=display)
@@ -324,6 +328,8 @@ def bench_haptics(
     print_rows(f"haptics on the bone of {volume.name}", rows)
     if json_file is not None:
         write_rows("haptics", rows, json_file)
+    if plot is not None:
+        plot_haptics(rows, plot)
 
 
 @bench.command("passivity")
@@ -371,9 +377,11 @@ def bench_touch_quality(
     json_file: Annotated[
         Path | None, typer.Option("--json", help="Write the figures to this file.")
     ] = None,
+    plot: Plot = None,
 ) -> None:
     """Measure how well touch tells bodies whose shape is known exactly."""
     from palpate.bench.goals import TOUCHES
+    from palpate.bench.plots import check_plot, plot_quality
     from palpate.bench.quality import measure, print_tables
     from palpate.bench.report import write_rows
     from palpate.errors import OptionError
@@ -382,11 +390,14 @@ def bench_touch_quality(
         if name not in TOUCHES:
             raise OptionError(f"way of touch {name!r} given; allowed: {', '.join(TOUCHES)}")
     touches = [name for name in TOUCHES if not touch or name in touch]
+    check_plot(plot)
     with Display() as display:
         rows = measure(touches=touches, progress=display)
     print_tables(rows)
     if json_file is not None:
         write_rows("touch-quality", rows, json_file)
+    if plot is not None:
+        plot_quality(rows, plot)
 
 
 @bench.command("stress")
@@ -437,3 +448,27 @@ def bench_stress(  # one per option of the command line
         write_case(found, case)
         typer.echo(f"again: palpate bench stress --replay {case}")
     return 1
+
+
+@bench.command("servo")
+def bench_servo(
+    *,
+    seconds: Annotated[float, typer.Option(help="Time of each case [s].")] = 10.0,
+    json_file: Annotated[
+        Path | None, typer.Option("--json", help="Write the figures to this file.")
+    ] = None,
+) -> None:
+    """Measure how late the ticks of the servo begin, at rest and with all cores busy."""
+    from palpate.bench.report import print_rows, write_rows
+    from palpate.bench.servo import measure, rows_of, told
+
+    with Display() as display:
+        found = measure(seconds, display)
+    for one in found:
+        typer.echo(told(one) + "\n")
+    rows = rows_of(found)
+    print_rows("servo", rows)
+    if not all(one.real_time for one in found):
+        warn("no real-time priority here; allowed: as root, or with ulimit -r 70")
+    if json_file is not None:
+        write_rows("servo", rows, json_file)

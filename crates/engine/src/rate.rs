@@ -12,7 +12,10 @@ use crate::pacing::Start;
 pub const LATE_NS: u64 = 2_000_000;
 
 /// Upper ends of the lateness histogram's bins [µs]; the last bin holds all that is later.
-pub const LATENESS_BINS_US: [u64; 9] = [20, 50, 100, 200, 500, 1_000, 2_000, 5_000, 10_000];
+pub const LATENESS_BINS_US: [u64; 21] = [
+    5, 10, 15, 20, 30, 50, 70, 100, 150, 200, 300, 500, 700, 1_000, 1_500, 2_000, 3_000, 5_000,
+    7_000, 10_000, 20_000,
+];
 
 const BIN_COUNT: usize = LATENESS_BINS_US.len() + 1;
 
@@ -188,7 +191,8 @@ mod tests {
         // one tick more or less may fall into the second
         assert!((rate.hz - 1000.0).abs() <= 1.0, "{rate:?}");
         assert_eq!((rate.ticks, rate.late, rate.missed), (3000, 0, 0));
-        assert_eq!(rate.lateness[0], 3000);
+        // 10 µs late, each of them
+        assert_eq!(rate.lateness[1], 3000);
     }
 
     #[test]

@@ -10,7 +10,7 @@ mod common;
 use std::time::{Duration, Instant};
 
 use common::*;
-use glam::{DMat3, DVec3, IVec3, UVec3};
+use glam::{DAffine3, DMat3, DVec3, IVec3, UVec3};
 use palpate_engine::feel::Feel;
 use palpate_engine::handover::HandTarget;
 use palpate_engine::recording::Recording;
@@ -128,6 +128,11 @@ impl Recorder {
                     friction_kinetic: Some(0.0),
                 };
                 simulation.set_feel(id, feel).unwrap();
+            }
+            22 => {
+                let turn = DMat3::from_rotation_z(random.between(-0.4, 0.4));
+                let pose = DAffine3::from_mat3_translation(turn, random.point(-4.0, 4.0));
+                simulation.move_segment(id, pose).unwrap();
             }
             21 => rig.hand.write(HandTarget {
                 point: random.point(0.0, 48.0),
@@ -251,8 +256,10 @@ fn a_flipped_bit_in_an_input_makes_the_replay_differ() {
     // so is one in a command
     let mut other = tape.clone();
     for entry in &mut other.entries {
-        if let TapeCommand::Settings(settings) = &mut entry.command {
-            flip(&mut settings.stiffness);
+        match &mut entry.command {
+            TapeCommand::Settings(settings) => flip(&mut settings.stiffness),
+            TapeCommand::Feel(_, feel) => feel.stiffness.iter_mut().for_each(flip),
+            _ => {}
         }
     }
     assert!(!replay(&recording, &other).unwrap().is_equal());

@@ -404,7 +404,7 @@ fn a_cold_cache_gives_the_same_to_the_bit() {
             }
             cold.cache = SmoothCache::default();
             heading = (heading + random.direction() * 0.3).normalize();
-            device = device + heading * 0.2;
+            device += heading * 0.2;
             // about the surface
             let [low, high] = [DVec3::new(4.0, 4.0, 20.0), DVec3::new(44.0, 44.0, 29.0)];
             device = device.clamp(low * spacing, high * spacing);

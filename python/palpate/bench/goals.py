@@ -104,12 +104,18 @@ LAG = {"plane below 10°": 0.5, "plane": 0.5, "sphere": 0.5, "torus": 1.5}
 """Largest lag of the force point [h]."""
 
 
+def quality_case(touch: Touch, body: str, grid: str, *, stroke: tuple[float, float]) -> str:
+    """Returns the name of a case of touch-quality."""
+    depth, step = stroke
+    return f"{touch}: {body}, {grid}, {depth:g} h deep, {step:g} h a move"
+
+
 def _quality(
     touch: Touch, body: str, grid: str, *, stroke: tuple[float, float]
 ) -> tuple[Goal, ...]:
     """Returns what is told of a body; only ``exact`` has goals."""
-    depth, step = stroke
-    case = f"{touch}: {body}, {grid}, {depth:g} h deep, {step:g} h a move"
+    depth, _ = stroke
+    case = quality_case(touch, body, grid, stroke=stroke)
 
     told_well = body in TOLD_WELL
     mean, most = DIRECTION[grid] if told_well else (None, None)
@@ -140,6 +146,29 @@ def _quality(
             "higher" if metric == "in contact" else "lower",
         )
         for metric, key, unit, goal in rows
+    )
+
+
+RATES = (1000, 2000, 4000)
+"""Rates of the servo [Hz]."""
+LOADS = (False, True)
+"""Whether all cores are busy besides."""
+
+
+def servo_case(rate: int, load: bool) -> str:  # noqa: FBT001  # a pair
+    """Returns the name of a case of the servo."""
+    return f"{rate / 1000:g} kHz, {'all cores busy' if load else 'at rest'}"
+
+
+def _servo(case: str, *, late: float | None) -> tuple[Goal, ...]:
+    """Returns what is told of the servo; only 1 kHz has a goal."""
+    return (
+        Goal(case, "median", "p50_ms", 1e3, "µs", None, "lower"),
+        Goal(case, "p99", "p99_ms", 1e3, "µs", None, "lower"),
+        Goal(case, "p99.9", "p999_ms", 1e3, "µs", None, "lower"),
+        Goal(case, "max", "max_ms", 1e3, "µs", None, "lower"),
+        Goal(case, "more than 2 ms late", "late_share", 100.0, "%", late, "lower"),
+        Goal(case, "fell out", "missed_share", 100.0, "%", None, "lower"),
     )
 
 
@@ -216,6 +245,12 @@ GOALS: dict[str, tuple[Goal, ...]] = {
         Goal(RANDOM, "in contact", "contact_share", 100.0, "%", None, "higher"),
         Goal(RANDOM, "edits", "edits", 1e-6, "M", None, "higher"),
         Goal(RANDOM, "rate", "per_second", 1e-6, "M/s", None, "higher"),
+    ),
+    "servo": tuple(
+        row
+        for load in LOADS
+        for rate in RATES
+        for row in _servo(servo_case(rate, load), late=0.1 if rate == 1000 else None)
     ),
 }
 """Rows of each benchmark, in the order of its table."""

@@ -91,7 +91,7 @@ def print_table(rows: Iterable[Row]) -> None:
     for row in rows:
         cases.setdefault(row.case, []).append(row)
     table = Table(title="passivity", title_justify="left", box=None, padding=(0, 1))
-    table.add_column("")
+    table.add_column("", no_wrap=True)
     for row in next(iter(cases.values()), []):
         heading = "\n".join(row.metric.rsplit(" ", 1))
         table.add_column(f"{heading}\n{row.unit}", justify="right")

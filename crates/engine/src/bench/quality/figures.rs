@@ -14,7 +14,7 @@ use super::felt::{Feel, Felt, STIFFNESS};
 use crate::bench::timing::quantile;
 
 /// Ticks after which a hand at rest must feel a force that stays to the bit.
-pub const REST_TICKS: usize = 16;
+pub const REST_TICKS: usize = 64;
 /// Ticks of each rest, and rests in each stroke.
 const REST: usize = REST_TICKS + 64;
 const RESTS: usize = 8;
@@ -213,7 +213,8 @@ impl Stroke<'_> {
         // how the force follows the hand
         if let Some((last_device, last)) = self.last {
             let change = (felt.force - last.force).length() / STIFFNESS;
-            let beyond = (change - device.distance(last_device)) / self.h;
+            // 1e-9 is rounding
+            let beyond = (change - device.distance(last_device)) / self.h - 1e-9;
             self.tally.worst.force_step = self.tally.worst.force_step.max(beyond);
         }
         self.last = Some((device, felt));

@@ -1,0 +1,170 @@
+"""``palpate bench servo``: how late the ticks of the real servo thread begin.
+
+A session on the built-in phantom runs at each rate, at rest and beside processes that keep all
+cores busy, while the hand is led in circles through the bone. Lateness is counted by the thread
+itself, in bins; quantiles are read off between the ends of a bin.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from typing import Any
+
+from palpate.bench.goals import GOALS, LOADS, RATES, servo_case
+from palpate.bench.report import Row, row_of
+from palpate.errors import OptionError
+from palpate.phantom_scan import phantom
+from palpate.progress import Progress, silent
+from palpate.scene import Scene
+from palpate.session import Session, SessionOptions
+
+__all__ = ["Lateness", "measure", "rows_of", "told"]
+
+LEAST_SECONDS = 0.1
+MOST_SECONDS = 3600.0
+HAND_RATE = 60.0
+"""Hand targets a second, as a page sends them."""
+BAR = 40
+"""Letters of the longest bar of a histogram."""
+
+
+@dataclass(frozen=True)
+class Lateness:
+    """How late the servo was in one case."""
+
+    case: str
+    real_time: bool
+    """Whether the threads had real-time priority."""
+    ticks: int
+    missed: int
+    late: int
+    """Ticks that began more than 2 ms late, or fell out when that late."""
+    ends_us: tuple[int, ...]
+    """Upper ends of the bins [µs]; one more bin holds the rest."""
+    counts: tuple[int, ...]
+    worst_ms: float
+
+    def quantile_ms(self, share: float) -> float:
+        """Returns the lateness [ms] that this share of the ticks keeps below."""
+        ends = [*(end / 1000.0 for end in self.ends_us), math.inf]
+        begins = [0.0, *ends[:-1]]
+        left = share * sum(self.counts)
+        for begin, end, count in zip(begins, ends, self.counts, strict=True):
+            if count and left <= count:
+                top = min(end, self.worst_ms)
+                return min(self.worst_ms, begin + max(0.0, top - begin) * left / count)
+            left -= count
+        return self.worst_ms
+
+    def report(self) -> dict[str, float]:
+        """Returns the figures that rows are made of."""
+        return {
+            "p50_ms": self.quantile_ms(0.5),
+            "p99_ms": self.quantile_ms(0.99),
+            "p999_ms": self.quantile_ms(0.999),
+            "max_ms": self.worst_ms,
+            "late_share": self.late / max(1, self.ticks + self.missed),
+            "missed_share": self.missed / max(1, self.ticks + self.missed),
+        }
+
+
+def measure(seconds: float, progress: Progress = silent) -> list[Lateness]:
+    """Measures every rate and load, each for so long [s].
+
+    Raises:
+        OptionError: The time is not allowed.
+    """
+    if not LEAST_SECONDS <= seconds <= MOST_SECONDS:
+        raise OptionError(
+            f"{seconds:g} s given; allowed: {LEAST_SECONDS:g} to {MOST_SECONDS:g} s of each case"
+        )
+    progress("making the phantom", None)
+    made = phantom()
+    scene = Scene(made.volume)
+    scene.add(made.volume.offered_bone())
+    cases = list(itertools.product(LOADS, RATES))
+    found = []
+    for done, (load, rate) in enumerate(cases):
+        progress(f"{servo_case(rate, load)}, {seconds:g} s", done / len(cases))
+        with _busy(os.cpu_count() or 1 if load else 0):
+            found.append(_watch(scene, rate, load=load, seconds=seconds))
+    return found
+
+
+def _watch(scene: Scene, rate: int, *, load: bool, seconds: float) -> Lateness:
+    options = SessionOptions(rate_hz=rate)
+    with Session(scene, options=options) as session:
+        half = [count / 2.0 for count in scene.volume.dimensions]
+        x, y, z = (scene.volume.patient_from_grid @ [*half, 1.0])[:3].tolist()
+        ends, step = time.monotonic() + seconds, 0
+        while time.monotonic() < ends:
+            angle = step * math.tau / 80.0
+            session.hand((x + 40.0 * math.cos(angle), y, z + 40.0 * math.sin(angle)))
+            time.sleep(1.0 / HAND_RATE)
+            step += 1
+        servo = session.lateness()["servo"]
+        real_time = bool(session.frame()["rates"]["real_time"])
+    return _lateness(servo_case(rate, load), servo, real_time=real_time)
+
+
+def _lateness(case: str, servo: dict[str, Any], *, real_time: bool) -> Lateness:
+    return Lateness(
+        case=case,
+        real_time=real_time,
+        ticks=servo["ticks"],
+        missed=servo["missed"],
+        late=servo["late"],
+        ends_us=tuple(servo["lateness_bins_us"]),
+        counts=tuple(servo["lateness"]),
+        worst_ms=servo["worst_ever_ms"],
+    )
+
+
+@contextmanager
+def _busy(count: int) -> Iterator[None]:
+    """Keeps so many cores busy."""
+    command = [sys.executable, "-c", "while True: pass"]
+    processes = [subprocess.Popen(command) for _ in range(count)]  # noqa: S603  # ourselves
+    try:
+        if processes:
+            # until they have started and really work
+            time.sleep(0.5)
+        yield
+    finally:
+        for process in processes:
+            process.kill()
+        for process in processes:
+            process.wait()
+
+
+def rows_of(found: Sequence[Lateness]) -> list[Row]:
+    """Returns the figures; without real-time priority nothing is held against a goal."""
+    by_case = {one.case: one for one in found}
+    rows = []
+    for goal in GOALS["servo"]:
+        one = by_case[goal.case]
+        row = row_of(goal, one.report())
+        rows.append(row if one.real_time else replace(row, goal=None))
+    return rows
+
+
+def told(one: Lateness) -> str:
+    """Returns the histogram of a case as text."""
+    priority = "with" if one.real_time else "without"
+    names = [f"≤ {end / 1000:g} ms" for end in one.ends_us]
+    names.append(f"> {one.ends_us[-1] / 1000:g} ms")
+    most = max(one.counts, default=0)
+    lines = [f"{one.case}, {priority} real-time priority: {one.ticks} ticks"]
+    for name, count in zip(names, one.counts, strict=True):
+        # a bar of one letter for a single tick: the rare ones are what counts
+        bar = "█" * math.ceil(BAR * count / most) if count else ""
+        lines.append(f"{name:>10} {count:>9} {bar}".rstrip())
+    return "\n".join(lines)
