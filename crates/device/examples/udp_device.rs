@@ -13,8 +13,11 @@ use palpate_device::{DeviceLimits, DeviceState, HapticDevice, saturated};
 pub struct UdpDevice {
     /// Connected, and told not to block.
     pub socket: UdpSocket,
+    /// What it can bear.
     pub limits: DeviceLimits,
+    /// Differences of positions, smoothed.
     pub velocity: VelocityEstimate,
+    /// Read last.
     pub state: DeviceState,
 }
 
