@@ -8,8 +8,9 @@
 
 use arrayvec::ArrayVec;
 use glam::IVec3;
+use palpate_haptics::moving::{PoseStep, step_pose};
 use palpate_haptics::proxy::Proxy;
-use palpate_haptics::scene::{MAX_OBJECTS, Object, TouchScene};
+use palpate_haptics::scene::{MAX_OBJECTS, Object, ObjectPose, TouchScene};
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::brick_grid::BrickSwap;
 use palpate_volume::edit::SegmentId;
@@ -176,6 +177,23 @@ impl TouchOccupancy {
             self.skipped += 1;
             self.dispose(Garbage::Bricks(change));
         }
+    }
+
+    /// Moves an object of any grid by one step, if the probe admits it; it may be pushed.
+    pub(crate) fn step_pose(
+        &mut self,
+        place: usize,
+        new: &ObjectPose,
+        probe: &mut Probe<'_>,
+    ) -> PoseStep {
+        let step = step_pose(&self.scene(probe.grid), place, new, probe.proxy);
+        if step != PoseStep::Held
+            && let Some(object) = self.touchable.objects.get_mut(place)
+        {
+            object.set_pose(*new);
+            self.refused_at = None;
+        }
+        step
     }
 
     /// Takes a step of each segment that moves, as far as the probe admits it. A root held back

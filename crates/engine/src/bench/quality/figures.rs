@@ -213,7 +213,8 @@ impl Stroke<'_> {
         // how the force follows the hand
         if let Some((last_device, last)) = self.last {
             let change = (felt.force - last.force).length() / STIFFNESS;
-            let beyond = (change - device.distance(last_device)) / self.h;
+            // 1e-9 is rounding
+            let beyond = (change - device.distance(last_device)) / self.h - 1e-9;
             self.tally.worst.force_step = self.tally.worst.force_step.max(beyond);
         }
         self.last = Some((device, felt));

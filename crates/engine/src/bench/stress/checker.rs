@@ -2,7 +2,7 @@
 //!
 //! Frames: the world's grid; the scene [mm] where a name says so.
 
-use glam::{DMat3, DVec3, IVec3};
+use glam::{DAffine3, DMat3, DVec3, IVec3};
 use palpate_haptics::proxy::Proxy;
 use palpate_haptics::safety::ForceLimits;
 use palpate_haptics::tick::TickOutput;
@@ -37,6 +37,13 @@ pub struct Violation {
     pub guarantee: Guarantee,
     /// How.
     pub what: String,
+}
+
+impl Violation {
+    fn of_object(mut self, number: usize) -> Self {
+        self.what += &format!(" in the grid of object {number}");
+        self
+    }
 }
 
 /// Makes an `Err` of a violation where something does not hold.
@@ -117,6 +124,13 @@ impl Checker {
     /// A change of voxels that is about to be followed left the probe where it was, or pushed
     /// it along voxels that were free before.
     pub fn before_change(&mut self, from: &Proxy, to: &Proxy) -> Result<(), Violation> {
+        self.push(from, to)?;
+        let distance = ((to.point() - from.point()) * self.terms.spacing).length();
+        self.way_past_things(from.point(), distance, [from, to])
+    }
+
+    /// A push among the world's voxels as they are.
+    fn push(&mut self, from: &Proxy, to: &Proxy) -> Result<(), Violation> {
         let ends = [from.voxel(), to.voxel()];
         let Terms {
             spacing, radius, ..
@@ -162,7 +176,8 @@ impl Checker {
     ) -> Result<(), Violation> {
         self.where_it_is(to)?;
         self.way(device, from, to)?;
-        self.way_past_things(device, from, to)?;
+        let distance = ((from.point() - device) * self.terms.spacing).length();
+        self.way_past_things(device, distance, [from, to])?;
         self.work(output)?;
         self.pull(device, to, output)
     }
@@ -227,39 +242,51 @@ impl Checker {
         hold(is_way, Guarantee::CrossesNoWall, told)
     }
 
-    /// Guarantee 2 in the grid of each object.
+    /// Guarantee 2 in the grid of each object, for a way that keeps within a distance [mm] of
+    /// a point of the world.
     fn way_past_things(
         &mut self,
-        device: DVec3,
-        from: &Proxy,
-        to: &Proxy,
+        middle: DVec3,
+        distance: f64,
+        [from, to]: [&Proxy; 2],
     ) -> Result<(), Violation> {
-        let Terms {
-            spacing, radius, ..
-        } = self.terms;
-        let reach = ((from.point() - device) * spacing).length() + WINDOW * self.widest();
+        let reach = distance + WINDOW * self.widest();
+        let radius = self.terms.radius;
         let Self { things, finder, .. } = self;
         for (number, thing) in things.iter().enumerate() {
-            let ends = [from, to].map(|proxy| thing.to_own(proxy.point()).floor().as_ivec3());
-            if ends[0] == ends[1] {
-                continue;
-            }
-            let told = || format!("from {} to {} in object {number}", ends[0], ends[1]);
-            let [part, other] = ends.map(|voxel| thing.part(voxel));
-            hold(part == other, Guarantee::CrossesNoWall, told)?;
-            // near its border a way may lead around outside of it, where nobody looked
-            let device = thing.to_own(device);
-            let known = [ends[0], ends[1], device.floor().as_ivec3()];
-            if !known.iter().all(|&voxel| thing.is_inside(voxel, radius)) {
-                continue;
-            }
-            let is_way = finder.is_way(&thing.dense, ends, EVERYWHERE, |cell| {
-                let way = (cell.as_dvec3() + 0.5 - device) * thing.spacing;
-                way.length() <= reach && is_free(&thing.dense, cell, thing.spacing, radius)
-            });
-            hold(is_way, Guarantee::CrossesNoWall, told)?;
+            let ends = [from, to].map(|proxy| thing.to_own(proxy.point()));
+            let middle = thing.to_own(middle);
+            way_past(thing, ends, (middle, reach), (finder, radius))
+                .map_err(|violation| violation.of_object(number))?;
         }
         Ok(())
+    }
+
+    /// An object moved by one step, as a rigid motion tells, and may have pushed the probe.
+    pub fn after_pose(
+        &mut self,
+        number: usize,
+        rigid: &DAffine3,
+        [from, to]: [&Proxy; 2],
+    ) -> Result<(), Violation> {
+        // past all that stands still, and past the object that moved
+        let old = self.things[number].clone();
+        self.things[number].set_pose(rigid);
+        let new = &self.things[number];
+        let ends = [old.to_own(from.point()), new.to_own(to.point())];
+        let reach = ((ends[1] - ends[0]) * new.spacing).length() + WINDOW * self.widest();
+        let radius = self.terms.radius;
+        way_past(new, ends, (ends[0], reach), (&mut self.finder, radius))
+            .map_err(|violation| violation.of_object(number))?;
+        if from != to {
+            let moved = std::mem::replace(&mut self.things[number], Thing::nowhere());
+            let distance = ((to.point() - from.point()) * self.terms.spacing).length();
+            let past_others = self.way_past_things(from.point(), distance, [from, to]);
+            self.things[number] = moved;
+            past_others?;
+            self.push(from, to)?;
+        }
+        self.where_it_is(to)
     }
 
     /// The diagonal of the widest voxel [mm].
@@ -354,6 +381,33 @@ impl Checker {
             told,
         )
     }
+}
+
+/// Guarantee 2 in the grid of one object, between two points of it, for a way that keeps within
+/// `reach` [mm] of its `middle`.
+fn way_past(
+    thing: &Thing,
+    ends: [DVec3; 2],
+    (middle, reach): (DVec3, f64),
+    (finder, radius): (&mut Finder, f64),
+) -> Result<(), Violation> {
+    let ends = ends.map(|point| point.floor().as_ivec3());
+    if ends[0] == ends[1] {
+        return Ok(());
+    }
+    let told = || format!("from {} to {}", ends[0], ends[1]);
+    let [part, other] = ends.map(|voxel| thing.part(voxel));
+    hold(part == other, Guarantee::CrossesNoWall, told)?;
+    // near its border a way may lead around outside of it, where nobody looked
+    let known = [ends[0], ends[1], middle.floor().as_ivec3()];
+    if !known.iter().all(|&voxel| thing.is_inside(voxel, radius)) {
+        return Ok(());
+    }
+    let is_way = finder.is_way(&thing.dense, ends, EVERYWHERE, |cell| {
+        let way = (cell.as_dvec3() + 0.5 - middle) * thing.spacing;
+        way.length() <= reach && is_free(&thing.dense, cell, thing.spacing, radius)
+    });
+    hold(is_way, Guarantee::CrossesNoWall, told)
 }
 
 /// Whether the middle of the probe may be anywhere in a cell.

@@ -46,6 +46,8 @@ pub struct Plan {
     pub radius: f64,
     /// Objects, each with its own grid and pose.
     pub objects: u32,
+    /// Whether they move.
+    pub motion: bool,
     /// Whether voxels are set and cleared under the probe.
     pub edits: bool,
     /// Moves.
@@ -56,7 +58,7 @@ pub struct Plan {
 const TURNS: u64 = 20;
 
 /// Moves of a run. A world takes a millisecond or two to make, some 1000 moves.
-const MOVES: u32 = 20_000;
+const MOVES: u32 = 10_000;
 
 impl Plan {
     /// The plan of a run; `has_bone` says whether there is some.
@@ -64,10 +66,11 @@ impl Plan {
     pub fn new(number: u64, has_bone: bool, random: &mut Random) -> Self {
         let turn = number % TURNS;
         let terrain = terrain(turn, has_bone, random);
-        // rounds of all kinds: bare, with edits, with objects
-        let round = number / TURNS % 3;
-        let edits = round == 1;
-        let objects = if round == 2 { 1 + (turn % 3) as u32 } else { 0 };
+        // rounds of all kinds: bare, with edits, with objects, with all of it
+        let round = number / TURNS % 4;
+        let edits = round % 2 == 1;
+        let motion = round == 3;
+        let objects = if round >= 2 { 1 + (turn % 3) as u32 } else { 0 };
         let radius = radius(turn);
         Self {
             terrain,
@@ -76,10 +79,11 @@ impl Plan {
             origin: random.in_box(DVec3::splat(-500.0), DVec3::splat(500.0)),
             radius,
             objects,
+            motion,
             edits,
             // balls and objects take several times as long to move
             moves: if radius > 0.0 || objects > 0 {
-                MOVES / 8
+                MOVES / 4
             } else {
                 MOVES
             },

@@ -4,9 +4,11 @@ use std::ops::Range;
 
 use glam::{DVec3, IVec3};
 use palpate_haptics::contact::ContactModel;
+use palpate_haptics::moving::{PoseMotion, PoseStep};
 use palpate_haptics::placement::nearest_free;
 use palpate_haptics::proxy::Proxy;
 use palpate_haptics::safety::{ForceLimits, Safety};
+use palpate_haptics::scene::ObjectPose;
 use palpate_haptics::surface::{Surface, Uniform};
 use palpate_haptics::tick::{TickCache, TickInput, TickOutput, TickState, tick};
 use palpate_volume::bits::Bits;
@@ -21,7 +23,6 @@ use super::plan::{Plan, Terrain};
 use super::thing::{Made, Thing};
 use super::touched::{Touched, swaps_of};
 use super::world::{SIZE, World};
-use crate::bench::quality::REST_TICKS;
 use crate::bench::random::Random;
 use crate::model::Model;
 
@@ -31,6 +32,10 @@ const DT: f64 = 1e-3;
 const EDITS: f64 = 1.0 / 32.0;
 const RESTS: f64 = 1.0 / 512.0;
 const NONSENSE: f64 = 1.0 / 2048.0;
+/// Ticks after which the proxy rests.
+const PROXY_RESTS: usize = 16;
+/// Ticks after which the force does, and those that its way takes besides.
+const FORCE_RESTS: usize = 64;
 /// Ticks at rest that must be equal to the bit.
 const STILL: usize = 8;
 /// How far around a point a free place for the probe is sought [voxels].
@@ -121,6 +126,8 @@ struct Run<'a, M> {
     fixed: Dense,
     /// Boxes of edits that may not all be touched yet.
     unsettled: Vec<VoxelBox>,
+    made: Vec<Made>,
+    motions: Vec<Option<PoseMotion>>,
     checker: Checker,
     hand: Hand,
     surface: Uniform,
@@ -144,7 +151,8 @@ impl<'a, M: ContactModel> Run<'a, M> {
             direction: plan.direction,
             origin: plan.origin,
             radius,
-            visit_bound: model.visit_bound(),
+            // to where friction holds the probe, and to the device
+            visit_bound: 2 * model.visit_bound(),
             limits,
             dt: DT,
             frictionless: friction == 0.0,
@@ -171,6 +179,8 @@ impl<'a, M: ContactModel> Run<'a, M> {
             wanted: world.dense,
             fixed: world.fixed,
             unsettled: Vec::new(),
+            motions: vec![None; made.len()],
+            made,
             hand: Hand::new(&mut random),
             surface: Uniform(Surface {
                 friction_static: friction,
@@ -210,6 +220,9 @@ impl<'a, M: ContactModel> Run<'a, M> {
         for _ in 0..self.plan.moves {
             if self.plan.edits {
                 self.edit(&mut state.proxy)?;
+            }
+            if self.plan.motion {
+                self.move_objects(&mut state.proxy)?;
             }
             if self.random.share() < NONSENSE {
                 self.nonsense(&mut state)?;
@@ -263,20 +276,69 @@ impl<'a, M: ContactModel> Run<'a, M> {
         tick(&scene, model, surface, &input, state, &mut self.cache)
     }
 
-    /// Guarantee 4.
+    /// Guarantee 4: the proxy rests soon; the force follows it by a tenth of the smallest
+    /// spacing in each tick, and so rests after as many as its way is long.
     fn rest(&mut self, device: DVec3, state: &mut TickState) -> Result<(), Violation> {
-        for _ in 0..REST_TICKS {
-            self.go(device, state)?;
+        let h = self.grid.smallest_spacing();
+        let mut output = self.go(device, state)?;
+        for _ in 1..PROXY_RESTS {
+            output = self.go(device, state)?;
         }
         let proxy = state.proxy;
-        let output = self.go(device, state)?;
-        for _ in 0..STILL {
+        let depth = ((proxy.point() - device) * self.terms.spacing).length();
+        let force_rests =
+            ((output.spring.length() + depth) / (0.1 * h)).ceil() as usize + FORCE_RESTS;
+        let mut still = 0;
+        for tick in 0.. {
             let again = self.go(device, state)?;
-            if (again, state.proxy) != (output, proxy) {
+            still = if again == output { still + 1 } else { 0 };
+            if state.proxy != proxy || (still == 0 && tick > force_rests) {
                 return Err(Violation {
                     guarantee: Guarantee::ComesToRest,
                     what: format!("{output:?}, then {again:?}"),
                 });
+            }
+            if still == STILL {
+                break;
+            }
+            output = again;
+        }
+        Ok(())
+    }
+
+    /// Each object goes on along its way; one that is held waits, and then goes elsewhere.
+    fn move_objects(&mut self, proxy: &mut Proxy) -> Result<(), Violation> {
+        for place in 0..self.made.len() {
+            let made = &mut self.made[place];
+            let motion = match self.motions[place].filter(|motion| !motion.is_done()) {
+                Some(motion) => motion,
+                None => {
+                    let target = made.pose_near(&made.rigid, self.grid, &mut self.random);
+                    let ticks = (200.0 * self.random.share() * self.random.share()) as u32;
+                    PoseMotion::new(&made.grid, made.bounds, made.rigid, target, ticks)
+                        .expect("poses near rigid ones are rigid")
+                }
+            };
+            self.motions[place] = Some(motion);
+            let rigid = motion.next_pose();
+            let Ok(pose) = ObjectPose::new(&made.grid, self.grid, rigid) else {
+                self.motions[place] = None;
+                continue;
+            };
+            let from = *proxy;
+            let step = self.touched.step_pose(place, &pose, self.grid, proxy);
+            if step == PoseStep::Held {
+                // soon somewhere else
+                if self.random.share() < 0.1 {
+                    self.motions[place] = None;
+                }
+            } else {
+                made.rigid = rigid;
+                if let Some(motion) = &mut self.motions[place] {
+                    motion.advance();
+                }
+                self.epoch += 1;
+                self.checker.after_pose(place, &rigid, [&from, proxy])?;
             }
         }
         Ok(())

@@ -27,6 +27,7 @@ pub struct Thing {
     pub spacing: DVec3,
     /// Numbers of the parts of space that it leaves free; 1 is outside.
     parts: Vec<u32>,
+    scene_from_world: DAffine3,
     /// Takes points of the world's grid to its own.
     own_from_world: DAffine3,
 }
@@ -42,6 +43,8 @@ pub struct Made {
     pub bounds: VoxelBox,
     /// Where it stands.
     pub pose: ObjectPose,
+    /// The same as a rigid motion: LPS mm of its own to those of the scene.
+    pub rigid: DAffine3,
 }
 
 impl Thing {
@@ -66,14 +69,46 @@ impl Thing {
             grid,
             bounds: VoxelBox::new(IVec3::splat(MARGIN), IVec3::splat(SIZE - MARGIN)),
             pose,
+            rigid,
         };
-        let thing = Self {
+        let mut thing = Self {
             parts: dense.parts(),
             dense,
             spacing,
-            own_from_world: own_from_world(plan, spacing, &rigid),
+            scene_from_world: DAffine3::from_mat3_translation(
+                plan.direction * DMat3::from_diagonal(plan.spacing),
+                plan.origin - plan.direction * (plan.spacing * 0.5),
+            ),
+            own_from_world: DAffine3::IDENTITY,
         };
+        thing.set_pose(&rigid);
         (thing, made)
+    }
+
+    /// Nothing at all, in the place of an object that is left out.
+    pub fn nowhere() -> Self {
+        Self {
+            dense: Dense::from_fn(IVec3::ZERO, |_| false),
+            spacing: DVec3::ONE,
+            parts: Vec::new(),
+            scene_from_world: DAffine3::IDENTITY,
+            own_from_world: DAffine3::IDENTITY,
+        }
+    }
+
+    /// Puts it somewhere else: out of the world's grid, into the scene, into the object's scene,
+    /// into its grid, whose first voxel has its middle at zero.
+    pub fn set_pose(&mut self, scene_from_object_scene: &DAffine3) {
+        let turn = scene_from_object_scene.matrix3;
+        let back = turn.transpose();
+        let object_scene_from_scene =
+            DAffine3::from_mat3_translation(back, -(back * scene_from_object_scene.translation));
+        let own_from_object_scene = DAffine3::from_mat3_translation(
+            DMat3::from_diagonal(self.spacing.recip()),
+            DVec3::splat(0.5),
+        );
+        self.own_from_world =
+            own_from_object_scene * object_scene_from_scene * self.scene_from_world;
     }
 
     /// A point of the world in the object's grid.
@@ -92,24 +127,6 @@ impl Thing {
     pub fn part(&self, voxel: IVec3) -> u32 {
         self.dense.index(voxel).map_or(1, |index| self.parts[index])
     }
-}
-
-/// The checker's own map: out of the world's grid, into the scene, into the object's scene,
-/// into its grid, whose first voxel has its middle at zero.
-fn own_from_world(plan: &Plan, spacing: DVec3, scene_from_object_scene: &DAffine3) -> DAffine3 {
-    let scene_from_world = DAffine3::from_mat3_translation(
-        plan.direction * DMat3::from_diagonal(plan.spacing),
-        plan.origin - plan.direction * (plan.spacing * 0.5),
-    );
-    let DAffine3 {
-        matrix3: turn,
-        translation,
-    } = *scene_from_object_scene;
-    let back = turn.transpose();
-    let object_scene_from_scene = DAffine3::from_mat3_translation(back, -(back * translation));
-    let own_from_object_scene =
-        DAffine3::from_mat3_translation(DMat3::from_diagonal(spacing.recip()), DVec3::splat(0.5));
-    own_from_object_scene * object_scene_from_scene * scene_from_world
 }
 
 fn random_voxels(random: &mut Random) -> Dense {
@@ -139,6 +156,19 @@ fn random_voxels(random: &mut Random) -> Dense {
             let share = 0.02 + 0.4 * random.share();
             Dense::from_fn(size, |voxel| within(voxel) && random.share() < share)
         }
+    }
+}
+
+impl Made {
+    /// A pose not far from this one, of the same object.
+    pub fn pose_near(&self, from: &DAffine3, world: &Grid, random: &mut Random) -> DAffine3 {
+        let angle = random.share() * random.share();
+        let turn = DMat3::from_axis_angle(random.direction(), angle);
+        let way = random.direction() * 12.0 * random.share() * world.smallest_spacing();
+        let middle = self.grid.spacing() * (DVec3::splat(f64::from(SIZE) / 2.0) - 0.5);
+        let axes = turn * from.matrix3;
+        let middle_in_scene = from.transform_point3(middle) + way;
+        DAffine3::from_mat3_translation(axes, middle_in_scene - axes * middle)
     }
 }
 

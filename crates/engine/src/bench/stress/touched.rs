@@ -3,8 +3,9 @@
 //! Frame: the world's grid.
 
 use glam::{DVec3, IVec3, UVec3};
+use palpate_haptics::moving::PoseStep;
 use palpate_haptics::proxy::Proxy;
-use palpate_haptics::scene::{Object, TouchScene};
+use palpate_haptics::scene::{Object, ObjectPose, TouchScene};
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;
@@ -103,6 +104,18 @@ impl Touched {
     pub fn retry(&mut self, grid: &Grid, proxy: &mut Proxy) {
         self.occupancy.retry(&mut Probe { grid, proxy });
         self.clear();
+    }
+
+    /// Moves an object by one step, if it is admitted.
+    pub fn step_pose(
+        &mut self,
+        place: usize,
+        new: &ObjectPose,
+        grid: &Grid,
+        proxy: &mut Proxy,
+    ) -> PoseStep {
+        self.occupancy
+            .step_pose(place, new, &mut Probe { grid, proxy })
     }
 
     fn clear(&mut self) {
