@@ -13,8 +13,11 @@ use palpate_device::{DeviceLimits, DeviceState, HapticDevice, saturated};
 pub struct UdpDevice {
     /// Connected, and told not to block.
     pub socket: UdpSocket,
+    /// What it bears.
     pub limits: DeviceLimits,
+    /// Of its positions.
     pub velocity: VelocityEstimate,
+    /// What was read last.
     pub state: DeviceState,
 }
 

@@ -22,8 +22,10 @@ impl ContactModel for HardStop {
         // every voxel on the way is read, so that no wall is missed
         let most = self.visit_bound();
         let way = first_solid_bounded(scene.occupancy, proxy.point(), device, most);
-        let mut contact = Contact::default();
-        contact.visits = way.visits;
+        let mut contact = Contact {
+            visits: way.visits,
+            ..Contact::default()
+        };
         match way.outcome {
             Outcome::Free => *proxy = Proxy::at(device).unwrap_or(*proxy),
             Outcome::OutOfVisits { voxel, .. } => *proxy = Proxy::nearest_in(voxel, device),
