@@ -2,7 +2,6 @@
 
 use std::sync::Mutex;
 
-use glam::UVec3;
 use palpate_engine::bench::{Embedded, Ground, Report, Timing, TouchBench, Work, compare};
 use palpate_volume::phantom::bones;
 use pyo3::prelude::*;
@@ -73,7 +72,7 @@ impl PyGround {
             })
             .collect::<Result<_, _>>()?;
         Ok(Self {
-            ground: Ground::new(volume.grid.clone(), bits),
+            ground: Ground::new(volume.grid, bits),
         })
     }
 

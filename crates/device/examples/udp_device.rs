@@ -13,11 +13,11 @@ use palpate_device::{DeviceLimits, DeviceState, HapticDevice, saturated};
 pub struct UdpDevice {
     /// Connected, and told not to block.
     pub socket: UdpSocket,
-    /// What it can bear.
+    /// What it bears.
     pub limits: DeviceLimits,
-    /// Differences of positions, smoothed.
+    /// Of its positions.
     pub velocity: VelocityEstimate,
-    /// Read last.
+    /// What was read last.
     pub state: DeviceState,
 }
 
