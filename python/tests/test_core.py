@@ -232,19 +232,21 @@ def test_the_phantom_is_the_same_for_the_same_seed() -> None:
         _core.phantom((60_000, 60_000, 60_000), 1)
 
 
-@pytest.mark.parametrize("work", ["detection", "proxy", "tick"])
+@pytest.mark.parametrize("work", ["detection, 4 voxels", "proxy", "tick"])
 def test_the_benchmark_reports_what_it_timed(work: str) -> None:
     scan = volume()
     bone = scan.threshold(500.0, 2000.0)
-    report = _core.bench_touch(scan, bone, work, 5000, 1)  # type: ignore[arg-type]
+    report = _core.TouchBench(_core.Ground(scan, [bone]), 0.0, 5000, 1).run(work)
     assert report["per_second"] > 0.0
     assert report["median_ns"] <= report["p999_ns"] <= report["max_ns"]
-    if work != "detection":
+    if "detection" not in work:
         assert report["contact_share"] >= 0.95
         assert report["mean_step"] == pytest.approx(0.2)
     empty = scan.threshold(5000.0, 6000.0)
     with pytest.raises(ValueError, match="surface"):
-        _core.bench_touch(scan, empty, "proxy", 10, 1)
+        _core.TouchBench(_core.Ground(scan, [empty]), 0.0, 10, 1)
+    with pytest.raises(ValueError, match="allowed: 1 to 255"):
+        _core.Ground(scan, [])
 
 
 @pytest.mark.parametrize("work", ["proxy", "tick"])
@@ -253,10 +255,11 @@ def test_the_benchmark_times_each_contact_model_on_the_same_path(
 ) -> None:
     scan = volume()
     bone = scan.threshold(500.0, 2000.0)
-    exact = _core.bench_touch(scan, bone, work, 2000, 1)
-    original = _core.bench_touch(scan, bone, work, 2000, 1, "thesis-original")
-    improved = _core.bench_touch(scan, bone, work, 2000, 1, "thesis-improved")
+    bench = _core.TouchBench(_core.Ground(scan, [bone]), 0.0, 2000, 1)
+    exact = bench.run(work)
+    original = bench.run(work, "thesis-original")
+    improved = bench.run(work, "thesis-improved")
     assert exact["mean_step"] == original["mean_step"] == improved["mean_step"]
     assert len({report["mean_visits"] for report in (exact, original, improved)}) == 3
     with pytest.raises(ValueError, match='contact model "thesis" given; allowed'):
-        _core.bench_touch(scan, bone, work, 10, 1, "thesis")  # type: ignore[arg-type]
+        bench.run(work, "thesis")  # type: ignore[arg-type]

@@ -146,7 +146,8 @@ def skin(volume: Volume) -> NDArray[np.bool_]:
     depth = sitk.SignedMaurerDistanceMap(
         outside, insideIsPositive=False, squaredDistance=False, useImageSpacing=True
     )
-    return body & (sitk.GetArrayFromImage(depth) <= SKIN_MM)
+    outermost: NDArray[np.bool_] = body & (sitk.GetArrayFromImage(depth) <= SKIN_MM)
+    return outermost
 
 
 def _file(name: str) -> Path:
