@@ -7,12 +7,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
+    "Ground",
     "Segment",
     "Session",
+    "TouchBench",
     "Volume",
+    "bench_embedded",
     "bench_passivity",
     "bench_stress",
-    "bench_touch",
     "bench_touch_quality",
     "build",
     "passivity_devices",
@@ -261,28 +263,74 @@ def replay_recording(recording: _Columns, tape: _Columns) -> dict[str, Any]:
 def phantom(dimensions: _Voxel, seed: int) -> tuple[Volume, NDArray[np.uint8], dict[str, int]]:
     """Makes the built-in trunk: the scan, its labels and the number of each part by name."""
 
-def bench_touch(
-    volume: Volume,
-    segment: Segment,
-    work: Literal["detection", "proxy", "tick"],
-    count: int,
-    seed: int,
-    model: Literal["exact", "thesis-original", "thesis-improved"] = "exact",
-) -> dict[str, float]:
-    """Times ``count`` calls on a segment; the same seed gives the same calls.
+class Ground:
+    """Segments of one scan that are touched together, for ``TouchBench``."""
 
-    ``detection`` traverses rays 4 voxels long near the surface that meet nothing (a few fewer
-    than ``count``), ``proxy`` is the contact model alone, ``tick`` the complete tick with
-    coupling and safety stage, both with the device pressing and sliding 0.2 h per update.
-    Every contact model gets the same path; detection has none.
+    def __init__(self, volume: Volume, segments: Sequence[Segment]) -> None:
+        """Takes 1 to 255 segments.
+
+        Raises:
+            ValueError: A segment is of another size, or there are too many.
+        """
+
+    @staticmethod
+    def phantom(dimensions: _Voxel) -> Ground:
+        """Makes the bones of the phantom, by their labels, without its values."""
+
+    def embedded(self, dimensions: _Voxel) -> Ground:
+        """Returns the same voxels in the middle of a larger scan, at the same place."""
+
+    @property
+    def dimensions(self) -> _Voxel: ...
+
+class TouchBench:
+    """A probe that presses and slides over a ground, 0.2 h per update."""
+
+    def __init__(self, ground: Ground, radius: float, count: int, seed: int) -> None:
+        """Makes its path of ``count`` updates; the same seed makes the same one.
+
+        Args:
+            ground: What is touched.
+            radius: Of the probe, in smallest spacings h; 0 is a point.
+            count: Updates.
+            seed: Of the path.
+
+        Raises:
+            ValueError: There is no surface, or something given is not allowed.
+        """
+
+    def run(
+        self, work: str, model: Literal["exact", "thesis-original", "thesis-improved"] = "exact"
+    ) -> dict[str, float]:
+        """Times one call for each update.
+
+        Args:
+            work: "detection, 1 voxel", "... 4 voxels", "... 10 voxels": traversals of rays near
+                the surface that meet nothing (a few fewer than updates). "proxy": the contact
+                model alone. "tick", "tick, no smoothing", "tick, no friction": the servo's tick
+                with coupling, owner of the voxel and safety stage.
+            model: Every contact model gets the same path; those of the thesis a point only.
+
+        Returns:
+            ``count``, ``per_second`` (timed all together), ``median_ns``, ``p99_ns``,
+            ``p999_ns``, ``max_ns`` (single calls), ``contact_share``, ``mean_visits`` (voxels
+            read per call), ``mean_step`` (way per update in h; length of rays in voxels).
+
+        Raises:
+            ValueError: Something given is not allowed.
+        """
+
+def bench_embedded(
+    small: Ground, large: Ground, work: str, count: int, cold_count: int, seed: int
+) -> dict[str, Any]:
+    """Times a point on the same path in both, by turns, and single cold updates.
 
     Returns:
-        ``count``, ``per_second`` (timed all together), ``median_ns``, ``p99_ns``, ``p999_ns``,
-        ``max_ns`` (single calls), ``contact_share``, ``mean_visits`` (voxels read per call),
-        ``mean_step`` (way per update in h; length of the rays in voxels).
+        ``small_per_second``, ``large_per_second``, ``ratio``, ``contact_share``, and as of
+        ``TouchBench.run`` the times of ``small_cold`` and ``large_cold``.
 
     Raises:
-        ValueError: The segment has no surface, or something given is not allowed.
+        ValueError: There is no surface, or something given is not allowed.
     """
 
 def passivity_devices() -> list[str]:

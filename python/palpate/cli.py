@@ -305,27 +305,26 @@ app.add_typer(bench, name="bench")
 def bench_haptics(
     *,
     data: Annotated[
-        Path | None, typer.Option(help="Scan to touch; by default the phantom.")
+        list[str] | None,
+        typer.Option(help="A data set by name, or a scan; again for more; by default all."),
     ] = None,
     json_file: Annotated[
         Path | None, typer.Option("--json", help="Write the figures to this file.")
     ] = None,
     plot: Plot = None,
-    count: Annotated[int, typer.Option(help="Calls of each case.")] = 1_000_000,
+    count: Annotated[int | None, typer.Option(help="Calls of each case.")] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="Few calls: rough figures.")] = False,
 ) -> None:
-    """Measure touch: contact detection alone, and the full update."""
-    from palpate.bench.haptics import measure
+    """Measure touch: contact detection alone, the hard proxy, and the complete tick."""
+    from palpate.bench import haptics
     from palpate.bench.plots import check_plot, plot_haptics
-    from palpate.bench.report import print_rows, write_rows
-    from palpate.io import read
-    from palpate.phantom_scan import phantom
+    from palpate.bench.report import write_rows
 
     check_plot(plot)
+    effort = haptics.effort(count=count, quick=quick)
     with quiet_libraries(), Display() as display:
-        display("loading the scan", None)
-        volume = phantom().volume if data is None else read(data, progress=display)
-        rows = measure(volume.offered_bone(), count=count, progress=display)
-    print_rows(f"haptics on the bone of {volume.name}", rows)
+        rows = haptics.measure(data or (), effort, progress=display)
+    haptics.print_tables(rows)
     if json_file is not None:
         write_rows("haptics", rows, json_file)
     if plot is not None:

@@ -1,10 +1,15 @@
-//! `_core.bench_touch`: timing loops for `palpate bench haptics`.
+//! `_core.Ground`, `_core.TouchBench`, `_core.bench_embedded`: for `palpate bench haptics`.
 
-use palpate_engine::bench::{Report, Work, run};
+use std::sync::Mutex;
+
+use glam::UVec3;
+use palpate_engine::bench::{Embedded, Ground, Report, Timing, TouchBench, Work, compare};
+use palpate_volume::phantom::bones;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::errors::CoreError;
+use crate::phantom::checked_dimensions;
 use crate::segment::PySegment;
 use crate::settings::model_named;
 use crate::volume::PyVolume;
@@ -12,67 +17,214 @@ use crate::volume::PyVolume;
 /// Most calls that one run times.
 const MAX_COUNT: usize = 10_000_000;
 
-/// Times `count` calls of `work` on a segment, with the contact model of a name.
+/// Most segments, as in a scene.
+const MAX_SEGMENTS: usize = 255;
+
+/// What can be timed, by name.
+const WORKS: [(&str, Work); 7] = [
+    ("detection, 1 voxel", Work::Detection { length: 1.0 }),
+    ("detection, 4 voxels", Work::Detection { length: 4.0 }),
+    ("detection, 10 voxels", Work::Detection { length: 10.0 }),
+    ("proxy", Work::Proxy),
+    ("tick", Work::TICK),
+    (
+        "tick, no smoothing",
+        Work::Tick {
+            smoothing: false,
+            friction: true,
+        },
+    ),
+    (
+        "tick, no friction",
+        Work::Tick {
+            smoothing: true,
+            friction: false,
+        },
+    ),
+];
+
+/// Segments of one scan that are touched together.
+#[pyclass(name = "Ground", module = "palpate._core", frozen)]
+pub struct PyGround {
+    ground: Ground,
+}
+
+#[pymethods]
+impl PyGround {
+    #[new]
+    fn new(volume: &PyVolume, segments: Vec<PyRef<'_, PySegment>>) -> Result<Self, CoreError> {
+        if !(1..=MAX_SEGMENTS).contains(&segments.len()) {
+            return Err(CoreError::value(format!(
+                "{} segments given; allowed: 1 to {MAX_SEGMENTS}",
+                segments.len()
+            )));
+        }
+        let allowed = volume.grid.dimensions();
+        let bits = segments
+            .iter()
+            .map(|segment| {
+                let given = segment.segment.dimensions();
+                if given == allowed {
+                    return Ok(segment.segment.occupancy().clone());
+                }
+                Err(CoreError::value(format!(
+                    "segment of {given} voxels given; allowed: those of the volume, {allowed}"
+                )))
+            })
+            .collect::<Result<_, _>>()?;
+        Ok(Self {
+            ground: Ground::new(volume.grid.clone(), bits),
+        })
+    }
+
+    /// The bones of the phantom, by their labels.
+    #[staticmethod]
+    fn phantom(py: Python<'_>, dimensions: (u32, u32, u32)) -> PyResult<Self> {
+        let dimensions = checked_dimensions(dimensions)?;
+        let (grid, bits) = py.detach(|| bones(dimensions)).map_err(CoreError::from)?;
+        Ok(Self {
+            ground: Ground::new(grid, vec![bits]),
+        })
+    }
+
+    /// The same voxels in the middle of a larger scan.
+    fn embedded(&self, py: Python<'_>, dimensions: (u32, u32, u32)) -> PyResult<Self> {
+        let dimensions = checked_dimensions(dimensions)?;
+        let least = self.ground.grid.dimensions();
+        if dimensions.cmplt(least).any() {
+            return Err(CoreError::value(format!(
+                "{dimensions} voxels given; allowed: {least} or more"
+            ))
+            .into());
+        }
+        let ground = py
+            .detach(|| self.ground.embedded(dimensions))
+            .map_err(CoreError::from)?;
+        Ok(Self { ground })
+    }
+
+    #[getter]
+    fn dimensions(&self) -> (u32, u32, u32) {
+        self.ground.grid.dimensions().into()
+    }
+}
+
+/// A probe that presses and slides over a ground.
+#[pyclass(name = "TouchBench", module = "palpate._core", frozen)]
+pub struct PyTouchBench {
+    bench: Mutex<TouchBench>,
+}
+
+#[pymethods]
+impl PyTouchBench {
+    #[new]
+    fn new(
+        py: Python<'_>,
+        ground: &PyGround,
+        radius: f64,
+        count: usize,
+        seed: u64,
+    ) -> PyResult<Self> {
+        let count = checked_count(count)?;
+        let bench = py
+            .detach(|| TouchBench::new(&ground.ground, radius, count, seed))
+            .map_err(CoreError::from)?;
+        Ok(Self {
+            bench: Mutex::new(bench),
+        })
+    }
+
+    /// Times one call for each update of its path.
+    fn run<'py>(&self, py: Python<'py>, work: &str, model: &str) -> PyResult<Bound<'py, PyDict>> {
+        let work = work_named(work)?;
+        let model = model_named(model)?;
+        let report = py
+            .detach(|| {
+                let bench = self.bench.lock().expect("no run panics");
+                bench.run(work, model)
+            })
+            .map_err(CoreError::from)?;
+        report_dict(py, &report)
+    }
+}
+
+/// The same body and path in a small and a large scan.
 #[pyfunction]
-#[pyo3(signature = (volume, segment, work, count, seed, model = "exact"))]
-pub fn bench_touch<'py>(
+pub fn bench_embedded<'py>(
     py: Python<'py>,
-    volume: &PyVolume,
-    segment: &PySegment,
+    small: &PyGround,
+    large: &PyGround,
     work: &str,
     count: usize,
+    cold_count: usize,
     seed: u64,
-    model: &str,
 ) -> PyResult<Bound<'py, PyDict>> {
     let work = work_named(work)?;
-    let model = model_named(model)?;
-    if !(1..=MAX_COUNT).contains(&count) {
-        return Err(
-            CoreError::value(format!("{count} calls given; allowed: 1 to {MAX_COUNT}")).into(),
-        );
-    }
-    let given = segment.segment.dimensions();
-    let allowed = volume.grid.dimensions();
-    if given != allowed {
-        return Err(CoreError::value(format!(
-            "segment of {given} voxels given; allowed: those of the volume, {allowed}"
-        ))
-        .into());
-    }
-    let report = py
-        .detach(|| {
-            let solid = segment.segment.occupancy();
-            run(&volume.grid, solid, work, model, count, seed)
-        })
-        .ok_or_else(|| {
-            CoreError::value("segment without a surface given; allowed: one that can be touched")
-        })?;
-    report_dict(py, &report)
+    let counts = [checked_count(count)?, checked_count(cold_count)?];
+    let grounds = [&small.ground, &large.ground];
+    let embedded = py
+        .detach(|| compare(grounds, work, counts, seed))
+        .map_err(CoreError::from)?;
+    embedded_dict(py, &embedded)
 }
 
 fn work_named(name: &str) -> Result<Work, CoreError> {
-    match name {
-        "detection" => Ok(Work::Detection),
-        "proxy" => Ok(Work::Proxy),
-        "tick" => Ok(Work::Tick),
-        _ => Err(CoreError::value(format!(
-            "work {name:?} given; allowed: 'detection', 'proxy', 'tick'"
-        ))),
+    let found = WORKS.iter().find(|(known, _)| *known == name);
+    found.map(|(_, work)| *work).ok_or_else(|| {
+        let allowed = WORKS.map(|(known, _)| format!("'{known}'"));
+        CoreError::value(format!(
+            "work {name:?} given; allowed: {}",
+            allowed.join(", ")
+        ))
+    })
+}
+
+fn checked_count(count: usize) -> Result<usize, CoreError> {
+    if (1..=MAX_COUNT).contains(&count) {
+        return Ok(count);
     }
+    Err(CoreError::value(format!(
+        "{count} calls given; allowed: 1 to {MAX_COUNT}"
+    )))
 }
 
 fn report_dict<'py>(py: Python<'py>, report: &Report) -> PyResult<Bound<'py, PyDict>> {
-    let dictionary = PyDict::new(py);
-    dictionary.set_item("count", report.timing.count)?;
+    let dictionary = timing_dict(py, &report.timing)?;
     for (name, value) in [
-        ("per_second", report.timing.per_second),
-        ("median_ns", report.timing.median_ns),
-        ("p99_ns", report.timing.p99_ns),
-        ("p999_ns", report.timing.p999_ns),
-        ("max_ns", report.timing.max_ns),
         ("contact_share", report.contact_share),
         ("mean_visits", report.mean_visits),
         ("mean_step", report.mean_step),
+    ] {
+        dictionary.set_item(name, value)?;
+    }
+    Ok(dictionary)
+}
+
+fn embedded_dict<'py>(py: Python<'py>, embedded: &Embedded) -> PyResult<Bound<'py, PyDict>> {
+    let dictionary = PyDict::new(py);
+    let ratio = embedded.large_per_second / embedded.small_per_second;
+    for (name, value) in [
+        ("small_per_second", embedded.small_per_second),
+        ("large_per_second", embedded.large_per_second),
+        ("ratio", ratio),
+        ("contact_share", embedded.contact_share),
+    ] {
+        dictionary.set_item(name, value)?;
+    }
+    dictionary.set_item("small_cold", timing_dict(py, &embedded.small_cold)?)?;
+    dictionary.set_item("large_cold", timing_dict(py, &embedded.large_cold)?)?;
+    Ok(dictionary)
+}
+
+fn timing_dict<'py>(py: Python<'py>, timing: &Timing) -> PyResult<Bound<'py, PyDict>> {
+    let dictionary = PyDict::new(py);
+    dictionary.set_item("count", timing.count)?;
+    for (name, value) in [
+        ("per_second", timing.per_second),
+        ("median_ns", timing.median_ns),
+        ("p99_ns", timing.p99_ns),
+        ("p999_ns", timing.p999_ns),
+        ("max_ns", timing.max_ns),
     ] {
         dictionary.set_item(name, value)?;
     }

@@ -5,6 +5,7 @@
 
 use palpate_device::scripted::PathError;
 use palpate_device::simulated::SettingsError;
+use palpate_engine::bench::BenchError;
 use palpate_engine::error::SessionError;
 use palpate_volume::grid::GridError;
 use palpate_volume::intensities::IntensitiesError;
@@ -61,6 +62,7 @@ macro_rules! value_errors {
 }
 
 value_errors!(
+    BenchError,
     GridError,
     IntensitiesError,
     SegmentError,

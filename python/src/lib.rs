@@ -26,7 +26,7 @@ mod _core {
     use pyo3::prelude::*;
 
     #[pymodule_export]
-    use super::bench::bench_touch;
+    use super::bench::{PyGround, PyTouchBench, bench_embedded};
     #[pymodule_export]
     use super::bench_passivity::{bench_passivity, passivity_devices};
     #[pymodule_export]

@@ -23,18 +23,7 @@ pub fn make_phantom(
     dimensions: (u32, u32, u32),
     seed: u64,
 ) -> PyResult<Phantom<'_>> {
-    let dimensions = UVec3::from(dimensions);
-    let voxels = dimensions
-        .to_array()
-        .map(u128::from)
-        .iter()
-        .product::<u128>();
-    if voxels > u128::from(MAX_VOXELS) {
-        return Err(CoreError::value(format!(
-            "phantom of {dimensions} voxels given; allowed: {MAX_VOXELS} in all"
-        ))
-        .into());
-    }
+    let dimensions = checked_dimensions(dimensions)?;
     let made = py
         .detach(|| phantom::phantom(dimensions, seed))
         .map_err(CoreError::from)?;
@@ -51,4 +40,16 @@ pub fn make_phantom(
         intensities: made.intensities,
     };
     Ok((volume, PyArray3::from_owned_array(py, labels), names))
+}
+
+/// Dimensions (x, y, z) of not too many voxels.
+pub fn checked_dimensions(dimensions: (u32, u32, u32)) -> Result<UVec3, CoreError> {
+    let dimensions = UVec3::from(dimensions);
+    let counts = dimensions.to_array().map(u128::from);
+    if counts.iter().product::<u128>() <= u128::from(MAX_VOXELS) {
+        return Ok(dimensions);
+    }
+    Err(CoreError::value(format!(
+        "phantom of {dimensions} voxels given; allowed: {MAX_VOXELS} in all"
+    )))
 }

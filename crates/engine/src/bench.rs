@@ -1,8 +1,15 @@
-//! Timing of touch on a real segment, for `palpate bench haptics`.
+//! Timing of touch on real segments, for `palpate bench haptics`.
+//!
+//! What is timed is what the servo runs: the same bodies ([`Touchable`]), the same tick with
+//! friction, smoothing and safety stage, the owner of the touched voxel looked up as there.
+//! Every contact model gets the path on which `exact` presses and slides.
 //!
 //! Budgets (design, section 8): detection of rays 4 voxels long at least 15 M/s, the hard proxy
-//! pressing and sliding at least 2 M/s (1 M/s on CThead in the first version).
+//! at least 2 M/s, the complete tick 1, 0.4 and 0.15 M/s for a point, balls of 1 and 2 voxels,
+//! and a ball of 5, with 99.9 % within 20 µs.
 
+mod embedded;
+mod ground;
 pub mod passivity;
 pub mod quality;
 mod random;
@@ -12,6 +19,8 @@ mod stroke;
 mod timing;
 
 pub use crate::model::Model;
+pub use embedded::{Embedded, compare};
+pub use ground::Ground;
 pub use rays::free_rays;
 pub use stroke::{DEPTH, STEP, Stroke, stroke};
 pub use timing::Timing;
@@ -19,30 +28,49 @@ pub use timing::Timing;
 use std::hint::black_box;
 
 use glam::DVec3;
+use palpate_haptics::ball::{BallError, BallShape};
+use palpate_haptics::ball_limits::ball_limits;
 use palpate_haptics::contact::ContactModel;
 use palpate_haptics::exact::Exact;
 use palpate_haptics::proxy::Proxy;
 use palpate_haptics::safety::{ForceLimits, Safety};
-use palpate_haptics::scene::TouchScene;
-use palpate_haptics::surface::{Surface, Uniform};
 use palpate_haptics::thesis_improved::ThesisImproved;
 use palpate_haptics::thesis_original::ThesisOriginal;
 use palpate_haptics::tick::{TickCache, TickInput, TickState, tick};
-use palpate_volume::bits::Bits;
 use palpate_volume::first_solid::first_solid;
 use palpate_volume::grid::Grid;
 
+use crate::feel::Feels;
 use crate::settings::Settings;
+use crate::touchable::Touchable;
+use crate::touched_surfaces::TouchedSurfaces;
 
 /// What is timed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Work {
-    /// One traversal of a ray 4 voxels long that meets nothing.
-    Detection,
+    /// One traversal of a ray that meets nothing: of `exact` the traversal alone, of the
+    /// thesis' models a move of the proxy over that way, which is theirs.
+    Detection {
+        /// Length of the ray [voxels].
+        length: f64,
+    },
     /// The contact model alone, the device pressing and sliding.
     Proxy,
-    /// A complete tick: frames, contact model, coupling and safety stage.
-    Tick,
+    /// A complete tick: frames, friction, contact model, smooth point, coupling, safety stage.
+    Tick {
+        /// Whether the force comes from the smooth contact point.
+        smoothing: bool,
+        /// Whether bone is rough.
+        friction: bool,
+    },
+}
+
+impl Work {
+    /// The tick as it is.
+    pub const TICK: Self = Self::Tick {
+        smoothing: true,
+        friction: true,
+    };
 }
 
 /// What came out.
@@ -52,150 +80,226 @@ pub struct Report {
     pub timing: Timing,
     /// Share of the updates in contact; 0 for detection.
     pub contact_share: f64,
-    /// Voxels read per call, on average.
+    /// Voxels read per call, on average; 0 where the model's own detection is timed.
     pub mean_visits: f64,
-    /// Length of the device's moves in smallest spacings, on average; 4 voxels for detection.
+    /// Length of the device's moves in smallest spacings, on average; of rays in voxels.
     pub mean_step: f64,
 }
 
-/// Times `count` calls on a solid; none where it has no surface to touch. The same seed gives
-/// the same calls: every model gets the device path on which `exact` presses and slides.
-/// Detection is the traversal, whatever the model.
-#[must_use]
-pub fn run(
-    grid: &Grid,
-    solid: &Bits,
-    work: Work,
-    model: Model,
-    count: usize,
+/// Why nothing can be timed.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum BenchError {
+    /// Nothing to touch.
+    #[error("segments without a surface given; allowed: some that can be touched")]
+    NoSurface,
+    /// Not a probe.
+    #[error(transparent)]
+    Ball(#[from] BallError),
+    /// The thesis knows no balls.
+    #[error("{0} with a ball given; allowed: a point, which is all that the thesis has")]
+    PointsOnly(&'static str),
+}
+
+/// A probe that presses and slides over a ground: the same seed gives the same path.
+#[derive(Debug)]
+pub struct TouchBench {
+    grid: Grid,
+    touchable: Touchable,
+    exact: Exact,
+    stroke: Stroke,
     seed: u64,
-) -> Option<Report> {
-    let stroke = stroke(grid, solid, count, seed)?;
-    let report = match (work, model) {
-        (Work::Detection, _) => time_detection(grid, solid, &stroke, seed),
-        (_, Model::Exact) => time_model(grid, solid, work, &Exact::default(), &stroke),
-        (_, Model::ThesisOriginal) => {
-            time_model(grid, solid, work, &ThesisOriginal::default(), &stroke)
-        }
-        (_, Model::ThesisImproved) => {
-            time_model(grid, solid, work, &ThesisImproved::default(), &stroke)
-        }
-    };
-    Some(report)
 }
 
-fn time_model(
-    grid: &Grid,
-    solid: &Bits,
-    work: Work,
-    model: &impl ContactModel,
-    stroke: &Stroke,
-) -> Report {
-    if work == Work::Tick {
-        time_tick(grid, solid, model, stroke)
-    } else {
-        time_proxy(grid, solid, model, stroke)
+impl TouchBench {
+    /// A path of `count` updates for a probe of a radius [smallest spacings]; 0 is a point. A
+    /// ball presses as deep as a point, measured from its own surface.
+    ///
+    /// # Errors
+    /// Where there is no surface to touch, or the ball is too large.
+    pub fn new(ground: &Ground, radius: f64, count: usize, seed: u64) -> Result<Self, BenchError> {
+        let grid = ground.grid.clone();
+        let radius_mm = radius * grid.smallest_spacing();
+        let touchable = Touchable::new(&grid, ground.parts(), radius_mm)?;
+        let exact = if radius_mm > 0.0 {
+            Exact {
+                limits: ball_limits(&BallShape::new(radius_mm, grid.spacing())?),
+            }
+        } else {
+            Exact::default()
+        };
+        let stroke =
+            stroke(&grid, &touchable.world, &exact, count, seed).ok_or(BenchError::NoSurface)?;
+        Ok(Self {
+            grid,
+            touchable,
+            exact,
+            stroke,
+            seed,
+        })
     }
-}
 
-fn time_detection(grid: &Grid, solid: &Bits, stroke: &Stroke, seed: u64) -> Report {
-    let rays = free_rays(grid, solid, stroke, seed);
-    let timing = Timing::of(rays.len(), || {
-        let rays = &rays;
-        move |call: usize| {
-            let (start, end) = rays[call];
-            black_box(first_solid(solid, start, end)).is_some()
+    /// Times a call for each update of the path.
+    ///
+    /// # Errors
+    /// Where a model of the thesis shall have a ball.
+    pub fn run(&self, work: Work, model: Model) -> Result<Report, BenchError> {
+        let is_point = self.touchable.radius == 0.0;
+        match model {
+            Model::Exact => Ok(self.time(work, &self.exact)),
+            _ if !is_point => Err(BenchError::PointsOnly(model.name())),
+            Model::ThesisOriginal => Ok(self.time(work, &ThesisOriginal::default())),
+            Model::ThesisImproved => Ok(self.time(work, &ThesisImproved::default())),
         }
-    });
-    let visits: u64 = rays.iter().map(|ray| rays::visits(*ray)).sum();
-    Report {
-        timing,
-        contact_share: 0.0,
-        mean_visits: visits as f64 / rays.len().max(1) as f64,
-        mean_step: rays::LENGTH,
     }
-}
 
-fn time_proxy(grid: &Grid, solid: &Bits, model: &impl ContactModel, stroke: &Stroke) -> Report {
-    let scene = TouchScene::of_world(solid, grid);
-    let grid_from_scene = grid.grid_from_patient();
-    let path: Vec<DVec3> = stroke
-        .device
-        .iter()
-        .map(|point| grid_from_scene.transform_point3(*point))
-        .collect();
-    let timing = Timing::of(path.len(), || {
-        let mut proxy = first_proxy(grid, stroke);
-        let (path, scene) = (&path, &scene);
-        move |call: usize| model.advance(scene, path[call], &mut proxy).touching
-    });
+    fn time(&self, work: Work, model: &impl ContactModel) -> Report {
+        match work {
+            Work::Detection { length } if model.has_own_force() => self.time_moves(model, length),
+            Work::Detection { length } => self.time_traversals(length),
+            Work::Proxy => self.time_proxy(model),
+            Work::Tick {
+                smoothing,
+                friction,
+            } => self.time_tick(model, smoothing, friction),
+        }
+    }
 
-    let mut proxy = first_proxy(grid, stroke);
-    let updates = path.iter().map(|device| {
-        let contact = model.advance(&scene, *device, &mut proxy);
-        (contact.touching, contact.visits)
-    });
-    report(timing, grid, stroke, updates)
-}
+    fn time_traversals(&self, length: f64) -> Report {
+        let solid = &self.touchable.world;
+        let rays = free_rays(&self.grid, solid, &self.stroke, length, self.seed);
+        let timing = Timing::of(rays.len(), || {
+            let rays = &rays;
+            move |call: usize| {
+                let (start, end) = rays[call];
+                black_box(first_solid(solid, start, end)).is_some()
+            }
+        });
+        let visits: u64 = rays.iter().map(|ray| rays::visits(*ray)).sum();
+        Report {
+            timing,
+            contact_share: 0.0,
+            mean_visits: visits as f64 / rays.len().max(1) as f64,
+            mean_step: length,
+        }
+    }
 
-fn time_tick(grid: &Grid, solid: &Bits, model: &impl ContactModel, stroke: &Stroke) -> Report {
-    let scene = TouchScene::of_world(solid, grid);
-    let input = |device: DVec3| TickInput {
-        device_in_scene: device,
-        velocity_in_scene: DVec3::ZERO,
-        damping: Settings::default().damping,
-        smoothing: true,
-    };
-    // with friction, as bone has it
-    let surface = Uniform(Surface {
-        friction_static: 0.3,
-        friction_kinetic: 0.2,
-        ..Uniform::smooth(Settings::default().stiffness).0
-    });
-    let first_state = || TickState::new(first_proxy(grid, stroke));
-    let timing = Timing::of(stroke.device.len(), || {
-        let mut state = first_state();
+    /// Detection as a model does it by itself: its proxy goes along each ray.
+    fn time_moves(&self, model: &impl ContactModel, length: f64) -> Report {
+        let scene = self.touchable.scene(&self.grid);
+        let rays = free_rays(&self.grid, scene.occupancy, &self.stroke, length, self.seed);
+        let moves: Vec<(Proxy, DVec3)> = rays
+            .iter()
+            .filter_map(|(start, end)| Some((Proxy::at(*start)?, *end)))
+            .collect();
+        let timing = Timing::of(moves.len(), || {
+            let (moves, scene) = (&moves, &scene);
+            move |call: usize| {
+                let (mut proxy, end) = moves[call];
+                let contact = model.advance(scene, end, &mut proxy);
+                black_box(proxy);
+                contact.touching
+            }
+        });
+        Report {
+            timing,
+            contact_share: 0.0,
+            mean_visits: 0.0,
+            mean_step: length,
+        }
+    }
+
+    fn time_proxy(&self, model: &impl ContactModel) -> Report {
+        let scene = self.touchable.scene(&self.grid);
+        let grid_from_scene = self.grid.grid_from_patient();
+        let path: Vec<DVec3> = self
+            .stroke
+            .device
+            .iter()
+            .map(|point| grid_from_scene.transform_point3(*point))
+            .collect();
+        let timing = Timing::of(path.len(), || {
+            let mut proxy = self.first_proxy();
+            let (path, scene) = (&path, &scene);
+            move |call: usize| model.advance(scene, path[call], &mut proxy).touching
+        });
+
+        let mut proxy = self.first_proxy();
+        let updates = path.iter().map(|device| {
+            let contact = model.advance(&scene, *device, &mut proxy);
+            (contact.touching, contact.visits)
+        });
+        self.report(timing, updates)
+    }
+
+    fn time_tick(&self, model: &impl ContactModel, smoothing: bool, friction: bool) -> Report {
+        let scene = self.touchable.scene(&self.grid);
+        let (friction_static, friction_kinetic) = if friction { (0.3, 0.2) } else { (0.0, 0.0) };
+        let settings = Settings {
+            friction_static,
+            friction_kinetic,
+            ..Settings::default()
+        };
+        let feels = Feels::default();
+        let surfaces = TouchedSurfaces {
+            touchable: &self.touchable,
+            settings: &settings,
+            feels: &feels,
+        };
+        let input = |call: usize| TickInput {
+            device_in_scene: self.stroke.device[call],
+            velocity_in_scene: DVec3::ZERO,
+            damping: settings.damping,
+            smoothing,
+        };
+        let count = self.stroke.device.len();
+        let timing = Timing::of(count, || {
+            let mut state = TickState::new(self.first_proxy());
+            let mut cache = TickCache::default();
+            let mut safety = Safety::new(ForceLimits::default());
+            let (scene, surfaces, input) = (&scene, &surfaces, &input);
+            move |call: usize| {
+                let input = input(call);
+                let output = tick(scene, model, surfaces, &input, &mut state, &mut cache);
+                // as the servo and the device thread do after it
+                let held_by = output.held_by;
+                black_box(held_by.and_then(|at| self.touchable.owner(at.body, at.voxel)));
+                black_box(safety.limit(output.force, 1e-3));
+                output.contact
+            }
+        });
+
+        let mut state = TickState::new(self.first_proxy());
         let mut cache = TickCache::default();
-        let mut safety = Safety::new(ForceLimits::default());
-        let scene = &scene;
-        move |call: usize| {
-            let input = input(stroke.device[call]);
-            let output = tick(scene, model, &surface, &input, &mut state, &mut cache);
-            black_box(safety.limit(output.force, 1e-3));
-            output.contact
+        let updates = (0..count).map(|call| {
+            let input = input(call);
+            let output = tick(&scene, model, &surfaces, &input, &mut state, &mut cache);
+            (output.contact, output.visits)
+        });
+        self.report(timing, updates)
+    }
+
+    fn first_proxy(&self) -> Proxy {
+        let grid_from_scene = self.grid.grid_from_patient();
+        Proxy::at(grid_from_scene.transform_point3(self.stroke.start))
+            .expect("a stroke begins at a free point near its solid")
+    }
+
+    /// The report on a model whose updates are given as contact and voxels read.
+    fn report(
+        &self,
+        timing: Timing,
+        updates: impl ExactSizeIterator<Item = (bool, u32)>,
+    ) -> Report {
+        let count = updates.len().max(1) as f64;
+        let (contacts, visits) =
+            updates.fold((0_u64, 0_u64), |(contacts, sum), (contact, visits)| {
+                (contacts + u64::from(contact), sum + u64::from(visits))
+            });
+        Report {
+            timing,
+            contact_share: contacts as f64 / count,
+            mean_visits: visits as f64 / count,
+            mean_step: self.stroke.mean_step() / self.grid.smallest_spacing(),
         }
-    });
-
-    let mut state = first_state();
-    let mut cache = TickCache::default();
-    let updates = stroke.device.iter().map(|device| {
-        let input = input(*device);
-        let output = tick(&scene, model, &surface, &input, &mut state, &mut cache);
-        (output.contact, output.visits)
-    });
-    report(timing, grid, stroke, updates)
-}
-
-fn first_proxy(grid: &Grid, stroke: &Stroke) -> Proxy {
-    let point_in_grid = grid.grid_from_patient().transform_point3(stroke.start);
-    Proxy::at(point_in_grid).expect("a stroke begins at a free point near its solid")
-}
-
-/// The report on a model whose updates are given as contact and voxels read.
-fn report(
-    timing: Timing,
-    grid: &Grid,
-    stroke: &Stroke,
-    updates: impl ExactSizeIterator<Item = (bool, u32)>,
-) -> Report {
-    let count = updates.len().max(1) as f64;
-    let (contacts, visits) = updates.fold((0_u64, 0_u64), |(contacts, sum), (contact, visits)| {
-        (contacts + u64::from(contact), sum + u64::from(visits))
-    });
-    Report {
-        timing,
-        contact_share: contacts as f64 / count,
-        mean_visits: visits as f64 / count,
-        mean_step: stroke.mean_step() / grid.smallest_spacing(),
     }
 }

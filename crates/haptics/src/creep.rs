@@ -16,16 +16,19 @@ use palpate_volume::occupancy::Occupancy;
 
 /// Length of a step, in smallest spacings.
 const STEP: f64 = 0.5;
-/// Steps are scaled by this, the second only where the first lead to few places: out of a pit
-/// narrower than they are.
-const SCALES: [f64; 2] = [1.0, 0.3];
+/// The same where these lead to few places: out of a pit narrower than they are.
+const SMALL: f64 = 0.3;
 const FEW_PLACES: usize = 24;
+/// And over thick slices, in parts of their thickness.
+const WIDE: f64 = 0.6;
+/// Steps to all sides: six for each of three bodies.
+const STEPS: usize = 18;
 /// Side of a cell, in steps.
 const CELL: f64 = 0.8;
 /// Cells along the edge of the grid: 3.2 smallest spacings to each side.
 const EDGE: i32 = 16;
 /// Most places looked at.
-const PLACES: usize = 256;
+const PLACES: usize = 96;
 /// How often a cell without a place is aimed at.
 const AIMS: usize = 2;
 /// Legs of a step: one, and on along a face and a crease.
@@ -43,31 +46,45 @@ pub(crate) fn creep<O: Occupancy>(
     limit: f64,
     visits: &mut Visits,
 ) -> Option<DVec3> {
-    for scale in SCALES {
+    let h = bodies.smallest_spacing();
+    let is_met = |body: &u8| met >> body & 1 == 1;
+    let widest = bodies
+        .numbers()
+        .filter(is_met)
+        .map(|body| bodies.spacing(body).max_element())
+        .fold(h, f64::max);
+    let mut search = |scale: f64| {
+        let length = STEP * scale * h;
         let search = Search {
             bodies,
             device,
-            met,
             limit,
-            step: STEP * scale * bodies.smallest_spacing(),
+            length,
+            steps: steps_of(bodies, met, length),
         };
-        match search.run(from, visits) {
-            Found::Nearer(point) => return Some(point),
-            Found::Places(count) if count < FEW_PLACES => {}
-            Found::Places(_) | Found::OutOfVisits => return None,
-        }
+        search.run(from, visits)
+    };
+    let scale = match search(1.0) {
+        Found::Nearer(point) => return Some(point),
+        Found::OutOfVisits => return None,
+        Found::Places(count) if count < FEW_PLACES => SMALL,
+        Found::Places(_) if widest >= 2.0 * h => WIDE * widest / h,
+        Found::Places(_) => return None,
+    };
+    match search(scale) {
+        Found::Nearer(point) => Some(point),
+        Found::Places(_) | Found::OutOfVisits => None,
     }
-    None
 }
 
 /// A search with steps of one length.
 struct Search<'a, 'b, O> {
     bodies: &'a Bodies<'b, O>,
     device: DVec3,
-    met: u32,
     limit: f64,
-    /// [mm]
-    step: f64,
+    /// Of a step [mm].
+    length: f64,
+    steps: [DVec3; STEPS],
 }
 
 /// What a search has found.
@@ -81,34 +98,39 @@ enum Found {
 impl<O: Occupancy> Search<'_, '_, O> {
     fn run(&self, from: DVec3, visits: &mut Visits) -> Found {
         let spacing = self.bodies.scene.grid.spacing();
-        let mut places = Places::new(from, spacing / (CELL * self.step));
-        let mut next = 0;
-        while let Some(place) = places.get(next) {
-            next += 1;
-            for step in self.steps() {
-                if !places.wants(place + step / spacing) {
+        let mut places = Places::new(from, spacing / (CELL * self.length));
+        while let Some(place) = places.next() {
+            for step in self.steps {
+                if step == DVec3::ZERO || !places.wants(place + step / spacing) {
                     continue;
                 }
                 let Some(point) = step_along(self.bodies, place, step, visits) else {
                     return Found::OutOfVisits;
                 };
-                if self.bodies.squared_distance(point, self.device) < self.limit {
+                let distance = self.bodies.squared_distance(point, self.device);
+                if distance < self.limit {
                     return Found::Nearer(point);
                 }
-                places.add(point);
+                places.add(point, distance);
             }
         }
         Found::Places(places.count)
     }
+}
 
-    /// A step up and down each axis of the bodies met [mm].
-    fn steps(&self) -> impl Iterator<Item = DVec3> {
-        let is_met = |body: &u8| self.met >> body & 1 == 1;
-        let bodies = self.bodies.numbers().filter(is_met);
-        bodies
-            .flat_map(|body| self.bodies.axes(body))
-            .flat_map(|axis| [axis * self.step, axis * -self.step])
+/// A step up and down each axis of the bodies met [mm]; zeros where fewer were met.
+fn steps_of<O: Occupancy>(bodies: &Bodies<'_, O>, met: u32, length: f64) -> [DVec3; STEPS] {
+    let is_met = |body: &u8| met >> body & 1 == 1;
+    let axes = bodies
+        .numbers()
+        .filter(is_met)
+        .flat_map(|body| bodies.axes(body));
+    let both = axes.flat_map(|axis| [axis * length, axis * -length]);
+    let mut steps = [DVec3::ZERO; STEPS];
+    for (place, step) in steps.iter_mut().zip(both) {
+        *place = step;
     }
+    steps
 }
 
 /// A step [mm], and where a face is in the way, on along it; none without visits.
@@ -144,9 +166,11 @@ fn step_along<O: Occupancy>(
     Some(at)
 }
 
-/// The places reached, in order, one per cell.
+/// The places reached, one per cell.
 struct Places {
     points: [DVec3; PLACES],
+    /// Squared distances to the device [mm²]; infinity where a place was left already.
+    distances: [f64; PLACES],
     count: usize,
     /// Cells with a place, and cells that were aimed at once, twice.
     taken: Cells,
@@ -160,18 +184,28 @@ impl Places {
     fn new(origin: DVec3, scale: DVec3) -> Self {
         let mut places = Self {
             points: [origin; PLACES],
+            distances: [f64::INFINITY; PLACES],
             count: 0,
             taken: Cells::EMPTY,
             aims: [Cells::EMPTY; AIMS],
             origin,
             scale,
         };
-        places.add(origin);
+        places.add(origin, 0.0);
         places
     }
 
-    fn get(&self, place: usize) -> Option<DVec3> {
-        self.points.get(..self.count)?.get(place).copied()
+    /// The place nearest to the device that was not left yet: so a pit is left by its lowest
+    /// rim first.
+    fn next(&mut self) -> Option<DVec3> {
+        let known = self.distances.get(..self.count)?;
+        let waiting = known
+            .iter()
+            .enumerate()
+            .filter(|(_, distance)| distance.is_finite());
+        let (place, _) = waiting.min_by(|a, b| a.1.total_cmp(b.1))?;
+        *self.distances.get_mut(place)? = f64::INFINITY;
+        self.points.get(place).copied()
     }
 
     /// Whether a step toward a point is worth its walk: its cell is near, has no place yet,
@@ -185,12 +219,15 @@ impl Places {
     }
 
     /// Adds a place in a cell without one.
-    fn add(&mut self, point: DVec3) {
+    fn add(&mut self, point: DVec3, distance: f64) {
         if let Some(cell) = self.cell(point)
             && let Some(place) = self.points.get_mut(self.count)
             && self.taken.add(cell)
         {
             *place = point;
+            if let Some(place) = self.distances.get_mut(self.count) {
+                *place = distance;
+            }
             self.count += 1;
         }
     }

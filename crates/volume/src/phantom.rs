@@ -23,8 +23,11 @@ use rayon::prelude::*;
 
 pub use tissue::{NAMES, Tissue};
 
+use crate::bit_brick::BitBrick;
+use crate::bits::Bits;
 use crate::grid::{Grid, GridError};
 use crate::intensities::Intensities;
+use crate::voxel_box::VoxelBox;
 use noise::noise;
 use part::{Part, all_parts, list_visible, paint};
 
@@ -57,10 +60,7 @@ pub struct Phantom {
 /// # Errors
 /// Where no grid has these dimensions.
 pub fn phantom(dimensions: UVec3, seed: u64) -> Result<Phantom, GridError> {
-    let spacing = FIELD_OF_VIEW / dimensions.max(UVec3::ONE).as_dvec3();
-    let origin = (spacing - FIELD_OF_VIEW) / 2.0;
-    let grid = Grid::new(dimensions, spacing, origin, DMat3::IDENTITY)?;
-
+    let grid = trunk_grid(dimensions)?;
     let (values, labels) = Painter::new(&grid, seed).paint_all();
     let intensities = Intensities::new(dimensions, values, 1.0, 0.0)
         .expect("one value per voxel of a grid that was accepted");
@@ -70,6 +70,24 @@ pub fn phantom(dimensions: UVec3, seed: u64) -> Result<Phantom, GridError> {
         labels,
         names: NAMES,
     })
+}
+
+/// The bones alone, by their labels: also of dimensions whose values would take gigabytes.
+///
+/// # Errors
+/// Where no grid has these dimensions.
+pub fn bones(dimensions: UVec3) -> Result<(Grid, Bits), GridError> {
+    let grid = trunk_grid(dimensions)?;
+    let painter = Painter::new(&grid, 0);
+    let bits = Bits::from_bricks(dimensions, |brick| painter.bones_in(brick));
+    Ok((grid, bits))
+}
+
+/// Where a phantom of these dimensions stands.
+fn trunk_grid(dimensions: UVec3) -> Result<Grid, GridError> {
+    let spacing = FIELD_OF_VIEW / dimensions.max(UVec3::ONE).as_dvec3();
+    let origin = (spacing - FIELD_OF_VIEW) / 2.0;
+    Grid::new(dimensions, spacing, origin, DMat3::IDENTITY)
 }
 
 /// Turns the parts into voxels.
@@ -122,6 +140,22 @@ impl Painter {
                 labels[index - start] = tissue as u8;
             }
         }
+    }
+
+    /// Which voxels of a brick are bone; those beyond the border are not.
+    fn bones_in(&self, brick: VoxelBox) -> BitBrick {
+        let [first, end] = [brick.min, brick.max].map(|corner| corner.as_uvec3());
+        let corners = (self.centre(first), self.centre(end - 1));
+        let mut visible = Vec::new();
+        list_visible(&self.parts, corners, self.blur(), &mut visible);
+        if visible.is_empty() {
+            return BitBrick::EMPTY;
+        }
+        BitBrick::from_fn(end - first, |offset| {
+            let voxel = first + offset.as_uvec3();
+            let (_, tissue) = paint(&visible, self.centre(voxel), self.blur());
+            tissue.is_bone()
+        })
     }
 
     /// First voxels of the blocks of a layer.

@@ -312,3 +312,23 @@ fn dimensions_of_no_grid_are_refused() {
     assert!(phantom(UVec3::new(70_000, 8, 8), 1).is_err());
     assert!(phantom(UVec3::ONE, 1).is_ok());
 }
+
+#[test]
+fn its_bones_alone_are_those_of_its_labels() {
+    let dimensions = glam::UVec3::new(67, 41, 90);
+    let whole = phantom(dimensions, 1).unwrap();
+    let (grid, bits) = palpate_volume::phantom::bones(dimensions).unwrap();
+    assert_eq!(grid, whole.grid);
+    for (voxel, tissue, _) in voxels(&whole) {
+        let bone = matches!(
+            tissue,
+            Tissue::Ribs
+                | Tissue::Sternum
+                | Tissue::Spine
+                | Tissue::Pelvis
+                | Tissue::Shoulders
+                | Tissue::Femurs
+        );
+        assert_eq!(bits.is_solid(voxel), bone, "{voxel} {tissue:?}");
+    }
+}

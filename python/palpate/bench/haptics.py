@@ -1,65 +1,256 @@
 """``palpate bench haptics``: contact detection alone, the contact model, the complete tick.
 
-Each works on the bone of a scan, warm, with a path that presses and slides 0.2 voxels per
-update and repeats no sample; detection traverses rays of exactly 4 voxels near the surface
-that meet nothing. The loops run in the engine, on one thread.
+Each works on bones of scans and of the phantom, warm, with a path that presses and slides 0.2 h
+per update and repeats no sample; detection goes along rays of 1, 4 and 10 voxels near the surface
+that meet nothing. The loops run in the engine, on one thread, on what the servo touches.
 
-"hard proxy" is the contact model ``exact``; the thesis' models as printed follow the same
-path in the same run, and the ratio is that of calls per second.
+"hard proxy" is the contact model alone; "complete tick" adds smoothing, friction, coupling and
+the safety stage. The thesis' models as printed follow the same path in the same run; they have
+points only, so balls are of ``exact`` alone. Radii are in h, the smallest spacing; a ball presses
+as deep as a point, measured from its own surface. A ratio is that of calls per second.
 """
 
 from __future__ import annotations
 
-from typing import Literal
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, cast
 
 from palpate import _core
-from palpate.bench.goals import DETECTION, GOALS, IMPROVED, ORIGINAL, PROXY, RATIO, TICK
+from palpate.bench.goals import (
+    EMBEDDED,
+    EMBEDDED_ROWS,
+    EMBEDDED_WORKS,
+    EXACT,
+    GROUNDS,
+    IMPROVED,
+    PUBLISHED,
+    RADII,
+    RATIO,
+    TOUCH_CASES,
+    WORKS,
+    Goal,
+    TouchCase,
+    haptics_rows,
+)
+from palpate.bench.haptics_data import (
+    EMBEDDED_IN,
+    SOURCES,
+    MissingDataError,
+    Source,
+    cthead_bone,
+    ground_of,
+)
 from palpate.bench.report import Row, row_of
 from palpate.errors import OptionError
+from palpate.io import read
 from palpate.progress import Progress, silent
 from palpate.segment import Segment
 
-__all__ = ["measure"]
-
-Work = Literal["detection", "proxy", "tick"]
-Model = Literal["exact", "thesis-original", "thesis-improved"]
-
-WORK: dict[str, tuple[Work, Model]] = {
-    DETECTION: ("detection", "exact"),
-    PROXY: ("proxy", "exact"),
-    IMPROVED: ("proxy", "thesis-improved"),
-    ORIGINAL: ("proxy", "thesis-original"),
-    TICK: ("tick", "exact"),
-}
-"""What the engine calls each case; those that are compared follow each other."""
+__all__ = [
+    "Effort",
+    "effort",
+    "measure",
+    "measure_embedded",
+    "measure_ground",
+    "print_tables",
+    "published",
+    "sources",
+]
 
 SEED = 1
 
+COUNT = 300_000
+QUICK_COUNT = 2_000
+COLD_COUNT = 300
+QUICK_COLD_COUNT = 10
 
-def measure(bone: Segment, *, count: int, progress: Progress = silent) -> list[Row]:
-    """Measures touch on a segment.
+SEPARATOR = ": "
+LEFT_OUT = "left out"
+PUBLISHED_BY_OTHERS = "published"
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How much is measured."""
+
+    count: int = COUNT
+    """Calls of each case."""
+    cold_count: int = COLD_COUNT
+    """Cold random starts."""
+
+
+def effort(*, count: int | None, quick: bool) -> Effort:
+    """Returns how much is measured: little, much, or so many calls of each case."""
+    usual = Effort(QUICK_COUNT, QUICK_COLD_COUNT) if quick else Effort()
+    return usual if count is None else replace(usual, count=count)
+
+
+def sources(names: Sequence[str]) -> tuple[Source, ...]:
+    """Returns the data sets of these names, all where there is none; a path is a scan's.
+
+    Raises:
+        OptionError: It is neither a name nor a path.
+    """
+    known = {source.name: source for source in SOURCES}
+    found = []
+    for name in names:
+        if name == EMBEDDED:
+            continue
+        if name not in known and not Path(name).exists():
+            allowed = ", ".join((*GROUNDS, EMBEDDED))
+            raise OptionError(f"data {name!r} given; allowed: the path of a scan, or {allowed}")
+        found.append(known.get(name) or _scan(Path(name)))
+    return tuple(found) if names else SOURCES
+
+
+def _scan(path: Path) -> Source:
+    return Source(f"bone of {path.name}", lambda: ground_of(read(path).offered_bone()))
+
+
+def measure(names: Sequence[str], amount: Effort, *, progress: Progress = silent) -> list[Row]:
+    """Measures touch on data sets, and the embedded body where that is among them.
 
     Args:
-        bone: What is touched.
+        names: Which; none is all. What is not there is left out with a row that says so.
+        amount: How much.
+        progress: Told what is measured.
+    """
+    rows: list[Row] = []
+    for source in sources(names):
+        progress(f"loading {source.name}", None)
+        try:
+            ground = source.load()
+        except MissingDataError as error:
+            rows.append(_left_out(source.name, error))
+            continue
+        rows += measure_ground(source.name, ground, amount.count, progress=progress)
+    if not names or EMBEDDED in names:
+        try:
+            rows += measure_embedded(cthead_bone(), amount, progress=progress)
+        except MissingDataError as error:
+            rows.append(_left_out(EMBEDDED, error))
+    return rows + published()
+
+
+def measure_ground(
+    name: str, ground: _core.Ground | Segment, count: int, *, progress: Progress = silent
+) -> list[Row]:
+    """Measures all cases on one ground.
+
+    Args:
+        name: What it is called.
+        ground: What is touched.
         count: Calls of each case.
         progress: Told which case is measured.
 
     Raises:
-        OptionError: The segment has no surface, or the count is not allowed.
+        OptionError: There is no surface, or the count is not allowed.
     """
-    reports = {}
-    for done, (case, (work, model)) in enumerate(WORK.items()):
-        progress(f"measuring {case}", done / len(WORK))
-        try:
-            reports[case] = _core.bench_touch(
-                bone.volume._internal,  # noqa: SLF001
-                bone._internal,  # noqa: SLF001
-                work,
-                count,
-                SEED,
-                model,
+    touched = ground_of(ground) if isinstance(ground, Segment) else ground
+    reports: dict[TouchCase, dict[str, float]] = {}
+    try:
+        for radius in RADII:
+            progress(f"{name}: a path for r {radius}", None)
+            bench = _core.TouchBench(touched, float(radius), count, SEED)
+            for case in TOUCH_CASES:
+                if case.radius == radius:
+                    progress(f"{name}: {case.name}", len(reports) / len(TOUCH_CASES))
+                    reports[case] = bench.run(WORKS[case.work], cast("Any", case.model))
+    except ValueError as error:
+        raise OptionError(str(error)) from None
+    for case, report in reports.items():
+        beside = reports.get(TouchCase(case.work, IMPROVED, case.radius))
+        if beside is not None:
+            report[RATIO] = report["per_second"] / beside["per_second"]
+    told = {f"{name}{SEPARATOR}{case.name}": report for case, report in reports.items()}
+    return [row_of(goal, told[goal.case]) for goal in haptics_rows(name)]
+
+
+def measure_embedded(
+    small: _core.Ground, amount: Effort, *, progress: Progress = silent
+) -> list[Row]:
+    """Measures the same body and path in its own scan and amid a large one.
+
+    Raises:
+        OptionError: There is no surface, or the count is not allowed.
+    """
+    reports: dict[str, dict[str, float]] = {}
+    progress(f"making {EMBEDDED}", None)
+    try:
+        large = small.embedded(EMBEDDED_IN)
+        for done, work in enumerate(EMBEDDED_WORKS):
+            progress(f"{EMBEDDED}: {work}", done / len(EMBEDDED_WORKS))
+            report = _core.bench_embedded(
+                small, large, WORKS[work], amount.count, amount.cold_count, SEED
             )
-        except ValueError as error:
-            raise OptionError(str(error)) from None
-    reports[PROXY][RATIO] = reports[PROXY]["per_second"] / reports[IMPROVED]["per_second"]
-    return [row_of(goal, reports[goal.case]) for goal in GOALS["haptics"]]
+            reports[f"{EMBEDDED}: {work}"] = report
+            for size, key in (("small", "small_cold"), ("1024³", "large_cold")):
+                reports[f"{EMBEDDED}: hard proxy, cold random starts, {size}"] = report[key]
+    except ValueError as error:
+        raise OptionError(str(error)) from None
+    return [row_of(goal, reports[goal.case]) for goal in EMBEDDED_ROWS]
+
+
+def published() -> list[Row]:
+    """Returns what others tell of other machines."""
+    return [
+        row_of(
+            Goal(f"{PUBLISHED_BY_OTHERS}: {case}", "rate", "rate", 1.0, "M/s", None, "higher"),
+            {"rate": rate},
+        )
+        for case, rate in PUBLISHED
+    ]
+
+
+def _left_out(name: str, error: MissingDataError) -> Row:
+    """Returns the row of a data set that is not there, of which nothing was timed."""
+    return Row(name, f"{LEFT_OUT}: no {error} (PALPATE_DATA)", 0.0, "calls", None, "higher")
+
+
+# --- tables ------------------------------------------------------------------------------
+
+WIDTH = 132
+"""Letters that a line of the table takes."""
+
+EXPLAINED = (
+    "Times in µs; red misses its goal. r and h in the smallest spacing; balls are of "
+    f"{EXACT} only, for the thesis has points."
+)
+
+
+def print_tables(rows: Iterable[Row]) -> None:
+    """Prints a table for each ground: a line per case."""
+    from rich.console import Console
+    from rich.table import Table
+
+    grounds: dict[str, dict[str, list[Row]]] = {}
+    for row in rows:
+        ground, _, case = row.case.partition(SEPARATOR)
+        grounds.setdefault(ground, {}).setdefault(case, []).append(row)
+    console = Console()
+    console.width = max(console.width, WIDTH)
+    for ground, cases in grounds.items():
+        metrics = list(dict.fromkeys(row.metric for told in cases.values() for row in told))
+        table = Table(title=ground, title_justify="left", box=None, padding=(0, 1))
+        table.add_column("", no_wrap=True)
+        units = {row.metric: row.unit for told in cases.values() for row in told}
+        for metric in metrics:
+            head = metric.replace("ratio to ", "ratio to\n")
+            table.add_column(f"{head}\n{units[metric]}", justify="right")
+        for case, told in cases.items():
+            figures = {row.metric: _figure(row) for row in told}
+            table.add_row(case, *(figures.get(metric, "") for metric in metrics))
+        console.print(table)
+        console.print()
+    console.print(EXPLAINED)
+
+
+def _figure(row: Row) -> str:
+    told = f"{row.value:.3g}"
+    if row.goal is None:
+        return told
+    sign = "≥" if row.better == "higher" else "≤"
+    told = f"{told} ({sign} {row.goal:g})"
+    return f"[red]{told}[/red]" if row.met is False else told

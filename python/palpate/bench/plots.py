@@ -71,11 +71,13 @@ def check_plot(path: Path | None) -> None:
 
 
 def plot_haptics(rows: Iterable[Row], path: Path) -> None:
-    """Draws updates a second and the times of single updates, a line per case."""
+    """Draws updates a second and the times of single ones, of the first ground: a line per case."""
     by_case: dict[str, dict[str, Row]] = {}
     for row in rows:
         by_case.setdefault(row.case, {})[row.metric] = row
-    cases = [case for case, figures in by_case.items() if "rate" in figures]
+    timed = [case for case, figures in by_case.items() if {"rate", "median"} <= figures.keys()]
+    ground = timed[0].partition(": ")[0] if timed else ""
+    cases = [case for case in timed if case.startswith(f"{ground}: ")]
     figure = _figure(10.0, 1.3 + 0.42 * len(cases))
     left, right = figure.subplots(1, 2, sharey=True)
     places = range(len(cases))

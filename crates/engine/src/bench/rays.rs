@@ -1,18 +1,16 @@
-//! Rays for detection alone: exactly 4 voxels long, near the surface, none of them meets it.
+//! Rays for detection alone: of exactly one length, near the surface, none of them meets it.
 //!
 //! They begin around a probe that slides over the surface, as those of a contact model do.
 //! Frame: grid.
 
 use glam::DVec3;
-use palpate_volume::bits::Bits;
 use palpate_volume::first_solid::{Outcome, first_solid_bounded};
 use palpate_volume::grid::Grid;
+use palpate_volume::occupancy::Occupancy;
 
 use super::random::Random;
 use super::stroke::Stroke;
 
-/// Length of every ray [voxels].
-pub const LENGTH: f64 = 4.0;
 /// Farthest start from the probe along each axis [voxels].
 const SPREAD: f64 = 2.0;
 /// Directions tried per update.
@@ -21,23 +19,33 @@ const TRIES: usize = 16;
 /// A ray from start to end.
 pub type Ray = (DVec3, DVec3);
 
-/// At most one ray for each update of a stroke; where the surface is all around there is none.
+/// At most one ray of a length [voxels] for each update of a stroke; where the surface is all
+/// around there is none.
 #[must_use]
-pub fn free_rays(grid: &Grid, solid: &Bits, stroke: &Stroke, seed: u64) -> Vec<Ray> {
+pub fn free_rays(
+    grid: &Grid,
+    solid: &impl Occupancy,
+    stroke: &Stroke,
+    length: f64,
+    seed: u64,
+) -> Vec<Ray> {
     let mut random = Random(!seed);
     let grid_from_scene = grid.grid_from_patient();
     stroke
         .probe
         .iter()
-        .filter_map(|probe| free_ray(solid, grid_from_scene.transform_point3(*probe), &mut random))
+        .filter_map(|probe| {
+            let probe = grid_from_scene.transform_point3(*probe);
+            free_ray(solid, probe, length, &mut random)
+        })
         .collect()
 }
 
-fn free_ray(solid: &Bits, probe: DVec3, random: &mut Random) -> Option<Ray> {
+fn free_ray(solid: &impl Occupancy, probe: DVec3, length: f64, random: &mut Random) -> Option<Ray> {
     (0..TRIES).find_map(|_| {
         let spread = DVec3::splat(SPREAD);
         let start = random.in_box(probe - spread, probe + spread);
-        let end = start + random.direction() * LENGTH;
+        let end = start + random.direction() * length;
         let traversal = first_solid_bounded(solid, start, end, u32::MAX);
         (traversal.outcome == Outcome::Free).then_some((start, end))
     })

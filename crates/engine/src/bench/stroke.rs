@@ -9,16 +9,17 @@ use palpate_haptics::proxy::Proxy;
 use palpate_haptics::scene::TouchScene;
 use palpate_haptics::surface::Uniform;
 use palpate_haptics::tick::{TickCache, TickInput, TickOutput, TickState, tick};
-use palpate_volume::bits::Bits;
 use palpate_volume::first_solid::first_solid;
 use palpate_volume::grid::Grid;
+use palpate_volume::occupancy::Occupancy;
 use palpate_volume::voxel_box::VoxelBox;
 
 use super::random::Random;
 
 /// Way of the device per update, in smallest spacings.
 pub const STEP: f64 = 0.2;
-/// How deep it presses, in smallest spacings.
+/// How deep it presses, in smallest spacings: a ball with its own surface, which is as deep as
+/// its middle lies behind where it may be.
 pub const DEPTH: f64 = 1.5;
 
 /// Share of the updates that must be in contact.
@@ -54,14 +55,20 @@ impl Stroke {
 /// A stroke of `count` updates over a solid: the first of some that is in contact nearly always,
 /// else the best; none where there is no surface.
 #[must_use]
-pub fn stroke(grid: &Grid, solid: &Bits, count: usize, seed: u64) -> Option<Stroke> {
+pub fn stroke(
+    grid: &Grid,
+    solid: &impl Occupancy,
+    model: &Exact,
+    count: usize,
+    seed: u64,
+) -> Option<Stroke> {
     let mut random = Random(seed);
     let mut best: Option<Stroke> = None;
     for _ in 0..TRIES {
         let Some(start) = touched_point(grid, solid, &mut random) else {
             continue;
         };
-        let tried = slide_from(grid, solid, start, count, &mut random);
+        let tried = slide_from((grid, solid, model), start, count, &mut random);
         if tried.contact_share >= CONTACT_SHARE {
             return Some(tried);
         }
@@ -85,7 +92,11 @@ pub(super) struct Touch {
 }
 
 /// A place at the surface that is met from outside.
-pub(super) fn touched_point(grid: &Grid, solid: &Bits, random: &mut Random) -> Option<Touch> {
+pub(super) fn touched_point(
+    grid: &Grid,
+    solid: &impl Occupancy,
+    random: &mut Random,
+) -> Option<Touch> {
     let bounds = VoxelBox::of_dimensions(grid.dimensions());
     let (low, high) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
     let middle = (low + high) * 0.5;
@@ -112,8 +123,7 @@ pub(super) fn touched_point(grid: &Grid, solid: &Bits, random: &mut Random) -> O
 }
 
 fn slide_from(
-    grid: &Grid,
-    solid: &Bits,
+    (grid, solid, model): (&Grid, &impl Occupancy, &Exact),
     start: Touch,
     count: usize,
     random: &mut Random,
@@ -139,8 +149,7 @@ fn slide_from(
             // the depth is that of the hard proxy
             smoothing: false,
         };
-        let model = Exact::default();
-        let output = tick(&scene, &model, &surface, &input, &mut state, &mut cache);
+        let output = tick(&scene, model, &surface, &input, &mut state, &mut cache);
         stroke.device.push(hand.device);
         stroke.probe.push(output.proxy_in_scene);
         contacts += usize::from(output.contact);

@@ -34,18 +34,28 @@ impl Timing {
 
         let mut call = prepare();
         let clock_ns = reading_of_the_clock();
-        let mut times: Vec<f64> = (0..count)
+        let times = (0..count)
             .map(|number| {
                 let start = Instant::now();
                 black_box(call(number));
                 (start.elapsed().as_nanos() as f64 - clock_ns).max(0.0)
             })
             .collect();
+        Self {
+            per_second: count as f64 / all.max(1e-9),
+            ..Self::of_times(times)
+        }
+    }
+
+    /// Of single calls [ns] alone; how many a second is what their mean tells.
+    pub fn of_times(mut times: Vec<f64>) -> Self {
         times.sort_by(f64::total_cmp);
         let at = |share: f64| quantile(&times, share);
+        let count = times.len();
+        let all_ns = times.iter().sum::<f64>();
         Self {
             count,
-            per_second: count as f64 / all.max(1e-9),
+            per_second: 1e9 * count as f64 / all_ns.max(1.0),
             median_ns: at(0.5),
             p99_ns: at(0.99),
             p999_ns: at(0.999),

@@ -87,7 +87,7 @@ pub fn open_normals(count: usize, random: &mut Random) -> Vec<DVec3> {
 pub fn nearest_outside(normals: &[DVec3], device: DVec3) -> DVec3 {
     let mut point = device;
     let mut corrections = vec![DVec3::ZERO; normals.len()];
-    for _ in 0..20_000 {
+    for _ in 0..2_000 {
         for (normal, correction) in normals.iter().zip(&mut corrections) {
             let back = point + *correction;
             point = back - *normal * normal.dot(back).min(0.0);

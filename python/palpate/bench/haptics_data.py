@@ -1,0 +1,156 @@
+"""What ``palpate bench haptics`` touches: bones of scans, of the phantom, of a whole chest.
+
+Scans lie in the folder ``PALPATE_DATA``, by default ``../shared/data``; one that is not there
+is left out, and told. ``r`` and ``h`` are counted in the smallest spacing of each.
+"""
+
+from __future__ import annotations
+
+import csv
+import os
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate import _core
+from palpate.bench.goals import CHEST, HEAD, LARGE, MANY, TORSO, TRUNK
+from palpate.io import read
+from palpate.segment import Segment
+from palpate.simpleitk import simpleitk
+from palpate.volume import Volume
+
+__all__ = ["EMBEDDED_IN", "SOURCES", "MissingDataError", "Source", "ground_of", "skin"]
+
+CTHEAD = "cthead_stanford/CThead.mha"
+AMOS = "amos_0336/amos_0336.mhd"
+LIDC = "lidc0001_totalseg/cxr.nii.gz"
+LIDC_LABELS = "lidc0001_totalseg/mask.nii.gz"
+LIDC_NAMES = "lidc0001_totalseg/structures.csv"
+
+CTHEAD_BONE = 1351.0
+"""CThead is not in HU; bone is what is above 1350."""
+
+BODY_HU = -300.0
+"""Between air and skin."""
+
+SKIN_MM = 3.0
+
+BONES = (
+    *("sacrum", "vertebrae", "humerus", "scapula", "clavicula", "femur", "hip"),
+    *("skull", "rib", "sternum", "carpal"),
+)
+"""How the names of bones begin among the structures of LIDC."""
+
+EMBEDDED_IN = (1024, 1024, 1024)
+
+
+class MissingDataError(Exception):
+    """A file of a data set is not there; says which."""
+
+
+def folder() -> Path:
+    """Returns the folder of the scans, whether or not it is there."""
+    return Path(os.environ.get("PALPATE_DATA") or "../shared/data")
+
+
+@dataclass(frozen=True)
+class Source:
+    """A data set, loaded when it is its turn."""
+
+    name: str
+    load: Callable[[], _core.Ground]
+
+
+def ground_of(*segments: Segment) -> _core.Ground:
+    """Returns what is touched, of segments of one scan."""
+    volume = segments[0].volume
+    return _core.Ground(
+        volume._internal,  # noqa: SLF001
+        [segment._internal for segment in segments],  # noqa: SLF001
+    )
+
+
+def cthead_bone() -> _core.Ground:
+    """Returns the bone of the thesis' small head."""
+    return ground_of(read(_file(CTHEAD)).threshold(CTHEAD_BONE))
+
+
+def amos_bone() -> _core.Ground:
+    """Returns bone as it is offered."""
+    return ground_of(read(_file(AMOS)).offered_bone())
+
+
+def lidc_bone() -> _core.Ground:
+    """Returns bone as it is offered."""
+    return ground_of(read(_file(LIDC)).offered_bone())
+
+
+def lidc_bones_and_skin() -> _core.Ground:
+    """Returns each labelled bone and the skin, as segments of their own."""
+    volume = read(_file(LIDC))
+    sitk = simpleitk()
+    labels = sitk.GetArrayFromImage(sitk.ReadImage(str(_file(LIDC_LABELS))))
+    with _file(LIDC_NAMES).open(encoding="utf-8", newline="") as names:
+        numbers = {row["structure"]: int(row["id"]) for row in csv.DictReader(names)}
+    bones = [
+        volume.segment(labels == number, name=name)
+        for name, number in numbers.items()
+        if name.startswith(BONES)
+    ]
+    bones = [bone for bone in bones if bone.voxel_count > 0]
+    return ground_of(*bones, volume.segment(skin(volume), name="skin"))
+
+
+def phantom_torso() -> _core.Ground:
+    """Returns the phantom's bones at the size of the thesis' torso, slices first."""
+    return _core.Ground.phantom((512, 512, 520))
+
+
+def phantom_1024() -> _core.Ground:
+    """Returns the phantom's bones at the largest size."""
+    return _core.Ground.phantom((1024, 1024, 1024))
+
+
+SOURCES = (
+    Source(HEAD, cthead_bone),
+    Source(TRUNK, amos_bone),
+    Source(CHEST, lidc_bone),
+    Source(MANY, lidc_bones_and_skin),
+    Source(TORSO, phantom_torso),
+    Source(LARGE, phantom_1024),
+)
+"""In the order of their report."""
+
+
+def skin(volume: Volume) -> NDArray[np.bool_]:
+    """Returns the outer 3 mm of the largest body component, shape as the volume's.
+
+    Air inside counts to the body, slice by slice: airways open where the scan ends. Where the
+    scan cuts the body there is no skin.
+    """
+    sitk = simpleitk()
+    solid = volume.array * volume.slope + volume.intercept > BODY_HU
+    image = sitk.GetImageFromArray(solid.astype(np.uint8))
+    image.SetSpacing(volume.spacing)
+    parts = sitk.RelabelComponent(sitk.ConnectedComponent(image), sortByObjectSize=True)
+    body = sitk.GetArrayFromImage(parts) == 1
+    for number, layer in enumerate(body):
+        filled = sitk.BinaryFillhole(sitk.GetImageFromArray(layer.astype(np.uint8)))
+        body[number] = sitk.GetArrayFromImage(filled) != 0
+    outside = sitk.GetImageFromArray((~body).astype(np.uint8))
+    outside.SetSpacing(volume.spacing)
+    # from the middle of a voxel to that of the nearest one outside
+    depth = sitk.SignedMaurerDistanceMap(
+        outside, insideIsPositive=False, squaredDistance=False, useImageSpacing=True
+    )
+    return body & (sitk.GetArrayFromImage(depth) <= SKIN_MM)
+
+
+def _file(name: str) -> Path:
+    path = folder() / name
+    if not path.is_file():
+        raise MissingDataError(name)
+    return path
