@@ -157,10 +157,13 @@ test-browser: setup ## a real scan in a real browser: picture, contact, force
 # --- figures ----------------------------------------------------------------------------
 
 .PHONY: bench
-bench: setup bench-page ## measure everything: the page, Rust benchmarks, `palpate bench haptics` and `passivity`
+bench: setup bench-page ## measure everything: the page, Rust benchmarks, all of `palpate bench`
 	cargo bench --locked --package palpate-benches
 	$(BIN)/palpate bench haptics
 	$(BIN)/palpate bench passivity
+	$(BIN)/palpate bench touch-quality
+	$(BIN)/palpate bench stress --moves 100000000
+	$(BIN)/palpate bench servo
 
 SCANS ?= $(addprefix $(or $(PALPATE_DATA),../shared/data)/,cthead_stanford/CThead.mha amos_0336/amos_0336.mhd)
 

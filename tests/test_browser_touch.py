@@ -101,12 +101,12 @@ def press(page: Browser, *, depth: float = 3.0, x: float = MIDDLE) -> dict[str, 
 
 
 def settled(page: Browser) -> dict[str, Any]:
-    """Returns the state once device and proxy have moved less than 0.01 mm in 0.2 s."""
+    """Returns the state once device, proxy [mm] and force [N] change less than 0.01 in 0.3 s."""
     page.read("void (window.__last = undefined)")
     page.wait(
-        "(() => { const { device, proxy } = window.palpate.state, at = performance.now();"
-        " const now = [...device, ...proxy], last = window.__last;"
-        " if (last !== undefined && at - last.at < 200) return false;"
+        "(() => { const { device, proxy, force } = window.palpate.state, at = performance.now();"
+        " const now = [...device, ...proxy, ...force], last = window.__last;"
+        " if (last !== undefined && at - last.at < 300) return false;"
         " window.__last = { at, now };"
         " return last !== undefined && Math.hypot(...now.map((c, i) => c - last.now[i])) < 0.01;"
         " })()",

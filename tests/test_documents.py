@@ -39,6 +39,16 @@ def test_every_decision_is_listed() -> None:
     assert listed == {page.name for page in folder.glob("*.md")} - {"README.md"}
 
 
+def test_tests_named_for_the_promises_of_touch_exist() -> None:
+    text = (ROOT / "docs" / "algorithms" / "touch.md").read_text(encoding="utf-8")
+    promises = text.partition("## What is promised")[2].partition("## ")[0]
+    # names of tests are sentences: three words at least
+    named = re.findall(r"`((?:[a-z0-9]+_){2,}[a-z0-9]+)`", promises)
+    sources = [file.read_text(encoding="utf-8") for file in ROOT.glob("crates/*/tests/*.rs")]
+    assert len(named) > 15, "the page names no tests: has its form changed?"
+    assert [name for name in named if not any(f"fn {name}()" in text for text in sources)] == []
+
+
 def test_tests_named_in_the_thesis_map_exist() -> None:
     text = (ROOT / "docs" / "thesis-map.md").read_text(encoding="utf-8")
     proofs = re.findall(r"`([\w/]+\.(?:rs|py))`: ((?:`\w+`(?:, )?)+)", text)
@@ -55,3 +65,22 @@ def test_the_python_example_of_the_readme_runs(tmp_path: Path) -> None:
     assert blocks
     for block in blocks:
         subprocess.run([sys.executable, "-c", block], cwd=tmp_path, check=True, timeout=60)
+
+
+EXAMPLES = {
+    "adding-a-contact-model.md": "crates/haptics/examples/simple_model.rs",
+    "adding-a-device.md": "crates/device/examples/udp_device.rs",
+}
+"""Pages that show a whole file; tests of its crate run it."""
+
+
+@pytest.mark.parametrize(("page", "file"), EXAMPLES.items(), ids=list(EXAMPLES))
+def test_examples_on_a_page_are_the_files_they_name(page: str, file: str) -> None:
+    text = (ROOT / "docs" / "algorithms" / page).read_text(encoding="utf-8")
+    source = (ROOT / file).read_text(encoding="utf-8")
+    assert f"`{file}`" in text
+    assert re.findall(r"```rust\n(.*?)```", text, re.DOTALL) == [source]
+
+    # what a page shows fits on one: comments and empty lines do not count
+    code = [line for line in source.splitlines() if re.match(r"\s*(?!//)\S", line)]
+    assert len(code) < 60

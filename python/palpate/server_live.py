@@ -123,22 +123,27 @@ class Live:
                 self.session.place(point)
             case protocol.View(right, up):
                 self.session.view(right=right, up=up)
-            case protocol.SegmentProperties():
-                self.segments.change(message)
-            case protocol.MoveSegment(segment_id, pose):
-                self.session.move_segment(segment_id, np.reshape(pose, (4, 4)))
-            case protocol.SegmentFeel(segment_id, feel):
-                self.session.set_feel(segment_id, **msgspec.structs.asdict(feel))
             case protocol.RecordSession(on):
                 self._record(on=on)
-            case protocol.RemoveSegment(segment_id):
-                self.session.remove_segment(segment_id)
             case protocol.ChangeSettings(settings):
                 self._change_settings(settings)
             case protocol.Undo():
                 self.session.undo()
             case protocol.Redo():
                 self.session.redo()
+            case _:
+                self._do_to_segment(message)
+
+    def _do_to_segment(self, message: protocol.FromPage) -> None:
+        match message:
+            case protocol.SegmentProperties():
+                self.segments.change(message)
+            case protocol.MoveSegment(segment_id, pose):
+                self.session.move_segment(segment_id, np.reshape(pose, (4, 4)))
+            case protocol.SegmentFeel(segment_id, feel):
+                self.session.set_feel(segment_id, **msgspec.structs.asdict(feel))
+            case protocol.RemoveSegment(segment_id):
+                self.session.remove_segment(segment_id)
 
     def _change_settings(self, wanted: protocol.Settings) -> None:
         try:

@@ -72,7 +72,7 @@ impl PyGround {
             })
             .collect::<Result<_, _>>()?;
         Ok(Self {
-            ground: Ground::new(volume.grid.clone(), bits),
+            ground: Ground::new(volume.grid, bits),
         })
     }
 

@@ -64,7 +64,7 @@ pub fn segment_dict<'py>(py: Python<'py>, segment: &SegmentState) -> PyResult<Bo
         "pending": segment.pending,
         "range": segment.range,
         "feel": feel_dict(py, segment.feel)?,
-        "pose": segment.pose.map(|pose| rows_of(pose)),
+        "pose": segment.pose.map(rows_of),
     )
 }
 

@@ -21,6 +21,8 @@ def state(tick: int, samples: int = 4) -> protocol.State:
         device=ZERO,
         hand=ZERO,
         proxy=ZERO,
+        contact_point=ZERO,
+        normal=ZERO,
         force=ZERO,
         contact=False,
         depth=0.0,
@@ -29,7 +31,8 @@ def state(tick: int, samples: int = 4) -> protocol.State:
         can_undo=False,
         can_redo=False,
         rates=protocol.Rates(RATE, RATE, RATE, RATE, real_time=False),
-        safety=protocol.Safety(0, 0, 0, 0, 0),
+        safety=protocol.Safety(0, 0, 0, 0, 0, 0, 0, 0, 0, "on"),
+        recording=None,
         samples=[(tick + i / 1000, 0.0, 0.0, 0.0) for i in range(samples)],
     )
 

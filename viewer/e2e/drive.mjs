@@ -64,7 +64,9 @@ const actions = {
     return { value: (await byTestId(testid).textContent({ timeout: 5000 }))?.trim() ?? "" };
   },
   async screenshot({ path, testid }) {
-    await (testid === undefined ? page : byTestId(testid)).screenshot({ path });
+    // of an element only what it draws itself: nothing that lies over the picture, or passes by
+    const style = testid === undefined ? "" : `main > :not([data-testid="${testid}"]) { visibility: hidden !important }`;
+    await (testid === undefined ? page : byTestId(testid)).screenshot({ path, style });
     return {};
   },
   async doubleClick({ x, y }) {

@@ -117,7 +117,7 @@ impl TouchBench {
     /// # Errors
     /// Where there is no surface to touch, or the ball is too large.
     pub fn new(ground: &Ground, radius: f64, count: usize, seed: u64) -> Result<Self, BenchError> {
-        let grid = ground.grid.clone();
+        let grid = ground.grid;
         let radius_mm = radius * grid.smallest_spacing();
         let touchable = Touchable::new(&grid, ground.parts(), radius_mm)?;
         let exact = if radius_mm > 0.0 {

@@ -179,6 +179,23 @@ impl TouchOccupancy {
         }
     }
 
+    /// Moves an object of any grid by one step, if the probe admits it; it may be pushed.
+    pub(crate) fn step_pose(
+        &mut self,
+        place: usize,
+        new: &ObjectPose,
+        probe: &mut Probe<'_>,
+    ) -> PoseStep {
+        let step = step_pose(&self.scene(probe.grid), place, new, probe.proxy);
+        if step != PoseStep::Held
+            && let Some(object) = self.touchable.objects.get_mut(place)
+        {
+            object.set_pose(*new);
+            self.refused_at = None;
+        }
+        step
+    }
+
     /// Takes a step of each segment that moves, as far as the probe admits it. A root held back
     /// follows, so that it is asked for with the segments where they stand.
     pub fn step_poses(&mut self, poses: &mut MovedPoses, grid: &Grid, proxy: &mut Proxy) {
@@ -190,18 +207,6 @@ impl TouchOccupancy {
             poses.place(&mut held.touchable, grid);
         }
         self.refused_at = None;
-    }
-
-    /// Moves an object by one step, if the probe admits it; it may be pushed.
-    pub fn step_pose(&mut self, place: usize, new: &ObjectPose, probe: &mut Probe<'_>) -> PoseStep {
-        let step = step_pose(&self.scene(probe.grid), place, new, probe.proxy);
-        if step != PoseStep::Held
-            && let Some(object) = self.touchable.objects.get_mut(place)
-        {
-            object.set_pose(*new);
-            self.version += 1;
-        }
-        step
     }
 
     /// The oldest change that is held back.

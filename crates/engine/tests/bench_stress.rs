@@ -11,7 +11,7 @@ use palpate_engine::bench::stress::{Guarantee, Source, Terrain, run, runs};
 use palpate_volume::grid::Grid;
 use palpate_volume::segment::Segment;
 
-/// All kinds of runs: bare, with edits, with objects; in bumpy matter.
+/// All kinds of runs: bare, with edits, with objects, with objects that move; in bumpy matter.
 #[test]
 fn no_random_move_breaks_a_promise() {
     let size = UVec3::splat(80);
@@ -25,11 +25,11 @@ fn no_random_move_breaks_a_promise() {
         grid: &grid,
         bits: bumps.occupancy(),
     };
-    let report = runs(11, 0..60, Model::Exact, Some(bone));
+    let report = runs(11, 0..80, Model::Exact, Some(bone));
     assert_eq!(report.violation, None);
-    assert!(report.moves >= 600_000, "{report:?}");
+    assert!(report.moves >= 300_000, "{report:?}");
     assert!(report.contacts >= report.moves / 4, "{report:?}");
-    assert!(report.edits >= 8_000, "{report:?}");
+    assert!(report.edits >= 5_000, "{report:?}");
 }
 
 /// What their errata say of them: they cross thin walls and enter solid voxels.

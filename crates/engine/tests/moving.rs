@@ -1,5 +1,10 @@
 //! Segments that are moved while they are touched, balls, and feels, through a whole session.
 
+#![allow(
+    clippy::unwrap_used,
+    reason = "helpers of tests may fail a test, as the tests themselves"
+)]
+
 mod common;
 
 use common::{OBSTACLE, Random, Rig, box_segment, sponge};

@@ -49,6 +49,7 @@ struct Figures {
     /// Of single updates.
     seconds: Vec<f64>,
     visits: u64,
+    most_visits: u32,
 }
 
 /// One path below the planes, which all pass zero; the first body is the world if asked.
@@ -117,6 +118,7 @@ fn follow(spacings: &[DVec3], in_world: bool, random: &mut Random, figures: &mut
         let contact = Exact::default().advance(&scene, device / spacings[0], &mut proxy);
         figures.seconds.push(clock.elapsed().as_secs_f64());
         figures.visits += u64::from(contact.visits);
+        figures.most_visits = figures.most_visits.max(contact.visits);
         assert!(scene.solid_at(proxy.point()).is_none());
         if proxy != before || update < 50 {
             stood_since = device;
@@ -149,7 +151,7 @@ fn main() {
         ("0.7×0.7×2.5 mm", [SPACINGS[1]; 3]),
     ];
     println!(
-        "bodies | planes | world holds one | lag [h] mean / 95 % / largest | stood [h] | µs median / 99 % | voxels | jitter"
+        "bodies | planes | world holds one | lag [h] mean / 95 % / largest | stood [h] | µs median / 99 % | voxels mean / most | jitter"
     );
     for (name, spacings) in kinds {
         for planes in 1..=3 {
@@ -164,13 +166,14 @@ fn main() {
                 figures.seconds.sort_by(f64::total_cmp);
                 let mean = lags.iter().sum::<f64>() / lags.len() as f64;
                 println!(
-                    "{name} | {planes} | {in_world} | {mean:.2} / {:.2} / {:.2} | {:.1} | {:.1} / {:.1} | {} | {}",
+                    "{name} | {planes} | {in_world} | {mean:.2} / {:.2} / {:.2} | {:.1} | {:.1} / {:.1} | {} / {} | {}",
                     lags[lags.len() * 95 / 100],
                     lags[lags.len() - 1],
                     figures.stood,
                     1e6 * figures.seconds[figures.seconds.len() / 2],
                     1e6 * figures.seconds[figures.seconds.len() * 99 / 100],
                     figures.visits / figures.seconds.len() as u64,
+                    figures.most_visits,
                     figures.jitter
                 );
             }

@@ -15,6 +15,7 @@ use palpate_haptics::exact::Exact;
 use palpate_haptics::proxy::Proxy;
 use palpate_haptics::scene::TouchScene;
 use palpate_haptics::smooth::cache::SmoothCache;
+use palpate_haptics::smooth::shares::ThresholdShares;
 use palpate_haptics::smooth::{SmoothInput, SmoothState, Smoother};
 use palpate_volume::bits::Bits;
 use palpate_volume::first_solid::first_solid;
@@ -146,9 +147,14 @@ fn main() {
                 black_box(Exact::default().advance(scene, path[update], &mut proxy));
             }
         });
-        let tick = |cache: &mut SmoothCache, proxy: &mut Proxy, device, state: &mut SmoothState| {
+        let known = ThresholdShares::new(&scan, None, [BONE, f64::INFINITY], 0.0);
+        let tick = |cache: &mut SmoothCache, proxy: &mut Proxy, device, state: &mut _, by_bits| {
             let met = Exact::default().advance(&scene, device, proxy);
-            let fields = cache.near(&scene, 1, proxy);
+            let fields = if by_bits {
+                cache.near(&scene, 1, proxy)
+            } else {
+                cache.near_with(&scene, 1, proxy, &known)
+            };
             let input = SmoothInput {
                 proxy,
                 device_in_grid: device,
@@ -157,13 +163,21 @@ fn main() {
             let contact = Smoother::default().contact_point(&fields, &grid, &input, state);
             (met, contact)
         };
-        let both = time(|| {
-            let (mut proxy, mut state) = (first, SmoothState::default());
-            let mut cache = SmoothCache::default();
-            let path = &path;
-            move |update: usize| {
-                black_box(tick(&mut cache, &mut proxy, path[update], &mut state));
-            }
+        let [bits, intensities] = [true, false].map(|by_bits| {
+            time(|| {
+                let (mut proxy, mut state) = (first, SmoothState::default());
+                let mut cache = SmoothCache::default();
+                let path = &path;
+                move |update: usize| {
+                    black_box(tick(
+                        &mut cache,
+                        &mut proxy,
+                        path[update],
+                        &mut state,
+                        by_bits,
+                    ));
+                }
+            })
         });
 
         let mut cache = SmoothCache::default();
@@ -177,7 +191,7 @@ fn main() {
         let [mut limited, mut touching, mut weight, mut samples] = [0.0; 4];
         for device in &path {
             let clock = Instant::now();
-            let (met, contact) = tick(&mut cache, &mut proxy, *device, &mut state);
+            let (met, contact) = tick(&mut cache, &mut proxy, *device, &mut state, true);
             times.push(clock.elapsed().as_secs_f64() * 1e6);
             let hard = (proxy.point() - *device) * SPACING;
             let now = [hard, contact.offset];
@@ -209,9 +223,10 @@ fn main() {
             share(samples),
         );
         println!(
-            "hard proxy {:.0} ns, with the smooth point {:.0} ns; single ticks, median, 95 %, 99.9 %, max {:.2?} µs",
+            "hard proxy {:.0} ns, with the smooth point {:.0} ns, by intensities {:.0} ns; single ticks, median, 95 %, 99.9 %, max {:.2?} µs",
             hard * 1e9,
-            both * 1e9,
+            bits * 1e9,
+            intensities * 1e9,
             quantiles(times)
         );
         for (name, turns, changes) in [

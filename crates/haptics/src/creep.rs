@@ -16,10 +16,11 @@ use palpate_volume::occupancy::Occupancy;
 
 /// Length of a step, in smallest spacings.
 const STEP: f64 = 0.5;
-/// Steps are scaled by this, the second only where the first lead to few places: out of a pit
-/// narrower than they are.
-const SCALES: [f64; 2] = [1.0, 0.3];
+/// The same where these lead to few places: out of a pit narrower than they are.
+const SMALL: f64 = 0.3;
 const FEW_PLACES: usize = 24;
+/// And over thick slices, in parts of their thickness.
+const WIDE: f64 = 0.6;
 /// Steps to all sides: six for each of three bodies.
 const STEPS: usize = 18;
 /// Side of a cell, in steps.
@@ -45,8 +46,15 @@ pub(crate) fn creep<O: Occupancy>(
     limit: f64,
     visits: &mut Visits,
 ) -> Option<DVec3> {
-    for scale in SCALES {
-        let length = STEP * scale * bodies.smallest_spacing();
+    let h = bodies.smallest_spacing();
+    let is_met = |body: &u8| met >> body & 1 == 1;
+    let widest = bodies
+        .numbers()
+        .filter(is_met)
+        .map(|body| bodies.spacing(body).max_element())
+        .fold(h, f64::max);
+    let mut search = |scale: f64| {
+        let length = STEP * scale * h;
         let search = Search {
             bodies,
             device,
@@ -54,13 +62,19 @@ pub(crate) fn creep<O: Occupancy>(
             length,
             steps: steps_of(bodies, met, length),
         };
-        match search.run(from, visits) {
-            Found::Nearer(point) => return Some(point),
-            Found::Places(count) if count < FEW_PLACES => {}
-            Found::Places(_) | Found::OutOfVisits => return None,
-        }
+        search.run(from, visits)
+    };
+    let scale = match search(1.0) {
+        Found::Nearer(point) => return Some(point),
+        Found::OutOfVisits => return None,
+        Found::Places(count) if count < FEW_PLACES => SMALL,
+        Found::Places(_) if widest >= 2.0 * h => WIDE * widest / h,
+        Found::Places(_) => return None,
+    };
+    match search(scale) {
+        Found::Nearer(point) => Some(point),
+        Found::Places(_) | Found::OutOfVisits => None,
     }
-    None
 }
 
 /// A search with steps of one length.

@@ -19,9 +19,8 @@ use palpate_volume::occupancy::Occupancy;
 /// Visits of straight moves are this many times those of the world alone: each is walked in
 /// every body, and a skin before a face is walked once more.
 const WALKS: u32 = 4;
-/// Voxels that one slide may read: a look at every node in eight bodies, for each of two
-/// lattices.
-const SLIDE_VISITS: u32 = 8192;
+/// Voxels that slides may read, each on average.
+const SLIDE_VISITS: u32 = 2048;
 
 /// Most voxels that one call reads, whatever the number of bodies; where they are used up the
 /// proxy stays where it has got to.

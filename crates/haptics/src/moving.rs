@@ -30,7 +30,7 @@ const SKIN: f64 = 1e-6;
 /// Tries of one way of carrying: straight, along a face, along a crease, and further.
 const TURNS: u32 = 6;
 /// A probe that slides along other bodies is pushed this many times as far as the object moves
-/// at most: wedges narrower than some 30° pinch it.
+/// at most: wedges narrower than some 15° pinch it.
 const MOST_SLIDE: f64 = 4.0;
 
 /// What became of one step of a pose.

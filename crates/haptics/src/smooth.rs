@@ -21,6 +21,7 @@ pub mod cache;
 mod descent;
 pub mod field;
 mod half_spaces;
+pub mod shares;
 mod window;
 
 use crate::contact::Contact;

@@ -110,7 +110,7 @@ fn no_random_move_enters_a_solid_voxel_of_any_body_or_crosses_one() {
             let size = UVec3::splat(SIZE);
             let world_grid = grid(size, spacing);
             let bodies: Vec<Segment> = (0..4).map(|i| noise(SIZE, share, 10 * i + 1)).collect();
-            for _ in 0..20 {
+            for _ in 0..17 {
                 let middle = DVec3::splat(f64::from(SIZE) * 0.5) * spacing;
                 let objects: Vec<_> = bodies[1..]
                     .iter()

@@ -15,7 +15,8 @@
 //! Processing Magazine 16 (1999).
 
 use super::field::{Field, FieldSample, Kernel, Level};
-use super::window::{CELLS, CellCounts, CellShape, Window};
+use super::shares::Shares;
+use super::window::{CELLS, CellCounts, CellShape, SurfaceVoxel, Window};
 use glam::{DVec3, IVec3, Vec3A};
 use palpate_volume::occupancy::Occupancy;
 
@@ -61,13 +62,15 @@ impl BlurField {
                 .is_for(self.shape, first_cell(point, self.shape), floor(point))
     }
 
-    /// Makes it the field around a point in a free voxel. Where that voxel is solid, nothing
+    /// Makes it the field around a point in a free voxel, with what is known of the shares of
+    /// voxels at the surface. Where that voxel is solid, nothing
     /// can be told apart, and the field is that of nothing.
-    pub(crate) fn around(
+    pub(crate) fn around<K: Shares>(
         &mut self,
         occupancy: &(impl Occupancy + ?Sized),
         point: DVec3,
         spacing: DVec3,
+        known: &K,
     ) {
         if self.spacing != spacing {
             self.spacing = spacing;
@@ -75,11 +78,34 @@ impl BlurField {
             self.kernel = kernel_of(self.shape);
         }
         let first = first_cell(point, self.shape);
-        let counts = self.window.read(occupancy, self.shape, first, floor(point));
+        let unit = unit_of(self.shape);
+        let mut corrections = [[[0_i32; 8]; 8]; 8];
+        let correct = |at: SurfaceVoxel| {
+            if let Some(share) = known.share(at.voxel, at.solid) {
+                let [x, y, z] = at.cell.map(|cell| cell & 7);
+                let beyond = share - f32::from(u8::from(at.solid));
+                corrections[z][y][x] += (beyond * f32::from(unit)) as i32;
+            }
+        };
+        let counts = self.window.read(
+            occupancy,
+            self.shape,
+            first,
+            floor(point),
+            K::ANY.then_some(correct),
+        );
         self.any_solid = counts.is_some();
-        if let Some(counts) = counts {
-            fill_nodes(&counts, self.shape, &mut self.nodes);
+        let Some(counts) = counts else { return };
+        let mut shares = shares_of(&counts, unit);
+        if K::ANY {
+            let full = i32::from(unit) * self.shape.volume();
+            let shares = shares.iter_mut().flatten().flatten();
+            for (share, correction) in shares.zip(corrections.iter().flatten().flatten()) {
+                *share = (i32::from(*share) + correction).clamp(0, full) as u16;
+            }
         }
+        let scale = 1.0 / (f32::from(unit) * self.shape.volume() as f32);
+        fill_nodes(shares, scale, &mut self.nodes);
     }
 
     /// Whether there is any surface in it.
@@ -109,19 +135,19 @@ fn floor(point: DVec3) -> IVec3 {
 }
 
 /// Shares of solid voxels, 0 to almost 2¹⁶: eight along x side by side in one register.
-type Shares = [[[u16; 8]; 8]; 8];
+type CellShares = [[[u16; 8]; 8]; 8];
+
+/// The share of one voxel in a cell: as large as it may be without overflow.
+fn unit_of(shape: CellShape) -> u16 {
+    (0x1_0000 / shape.volume() - 1) as u16
+}
+
+fn shares_of(counts: &CellCounts, unit: u16) -> CellShares {
+    counts.map(|layer| layer.map(|row| row.to_le_bytes().map(|count| u16::from(count) * unit)))
+}
 
 /// Nodes of both kernels.
-fn fill_nodes(counts: &CellCounts, shape: CellShape, nodes: &mut Nodes) {
-    // as large as a full cell may become without overflow
-    let unit = (0x1_0000 / shape.volume() - 1) as u16;
-    let scale = 1.0 / (f32::from(unit) * shape.volume() as f32);
-    let mut shares = [[[0; 8]; 8]; 8];
-    for (layer, counts) in shares.iter_mut().zip(counts) {
-        for (row, counts) in layer.iter_mut().zip(counts) {
-            *row = counts.to_le_bytes().map(|count| u16::from(count) * unit);
-        }
-    }
+fn fill_nodes(mut shares: CellShares, scale: f32, nodes: &mut Nodes) {
     blur_by_tent(&mut shares);
     put_nodes(&shares, scale, FINE, nodes);
     blur_by_tent(&mut shares);
@@ -130,7 +156,7 @@ fn fill_nodes(counts: &CellCounts, shape: CellShape, nodes: &mut Nodes) {
 }
 
 /// Writes the nodes of one kernel.
-fn put_nodes(shares: &Shares, scale: f32, kind: usize, nodes: &mut Nodes) {
+fn put_nodes(shares: &CellShares, scale: f32, kind: usize, nodes: &mut Nodes) {
     for (layer, shares) in nodes.iter_mut().zip(shares) {
         for (row, shares) in layer.iter_mut().zip(shares) {
             for (node, share) in row.iter_mut().skip(kind).zip(shares) {
@@ -141,7 +167,7 @@ fn put_nodes(shares: &Shares, scale: f32, kind: usize, nodes: &mut Nodes) {
 }
 
 /// A tent of ¼, ½, ¼ along each axis; beyond the border the outermost values go on.
-fn blur_by_tent(shares: &mut Shares) {
+fn blur_by_tent(shares: &mut CellShares) {
     for layer in shares.iter_mut() {
         for row in layer.iter_mut() {
             let [first, .., last] = *row;

@@ -6,6 +6,7 @@
 
 use super::blur::BlurField;
 use super::field::Field;
+use super::shares::{NoShares, Shares};
 use crate::proxy::Proxy;
 use crate::scene::{MAX_OBJECTS, TouchScene};
 use glam::{DAffine3, DMat3, DVec3};
@@ -122,6 +123,18 @@ impl SmoothCache {
         epoch: u64,
         proxy: &Proxy,
     ) -> NearFields<'_, BlurField> {
+        self.near_with(scene, epoch, proxy, &NoShares)
+    }
+
+    /// The same, with what is known of the shares of voxels at the surface of the world; the
+    /// epoch tells changes of that, too.
+    pub fn near_with<O: Occupancy>(
+        &mut self,
+        scene: &TouchScene<'_, O>,
+        epoch: u64,
+        proxy: &Proxy,
+        world: &impl Shares,
+    ) -> NearFields<'_, BlurField> {
         let spacing = scene.grid.spacing();
         let point = proxy.point();
         let world_from_mm = DAffine3::from_scale(spacing.recip());
@@ -135,7 +148,8 @@ impl SmoothCache {
             Some(place) => self.world = place,
             None => {
                 self.world = 1 - self.world;
-                self.refresh(self.world, epoch, scene.occupancy, point, spacing);
+                self.epochs[self.world] = epoch;
+                self.fields[self.world].around(scene.occupancy, point, spacing, world);
             }
         }
         self.insert(
@@ -208,7 +222,7 @@ impl SmoothCache {
     ) {
         let field = &mut self.fields[place];
         if self.epochs[place] != epoch || !field.is_around(point, spacing) {
-            field.around(occupancy, point, spacing);
+            field.around(occupancy, point, spacing, &NoShares);
             self.epochs[place] = epoch;
         }
     }

@@ -85,6 +85,17 @@ impl CellShape {
 /// Solid voxels per cell: one word for each z and y, one byte for each x.
 pub(crate) type CellCounts = [[u64; 8]; 8];
 
+/// A voxel on either side of the surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct SurfaceVoxel {
+    /// In the grid.
+    pub(crate) voxel: IVec3,
+    /// Its cell in the window: x, y, z.
+    pub(crate) cell: [usize; 3],
+    /// On which side it is.
+    pub(crate) solid: bool,
+}
+
 /// Which voxels of a window are reached from the proxy's.
 #[derive(Clone, Debug)]
 pub(crate) struct Window {
@@ -123,14 +134,16 @@ impl Window {
     }
 
     /// Reads the window from cell `first` on and counts the solid voxels of its cells, where
-    /// all that `seed` does not reach through faces is solid. None where every voxel of it is
-    /// free, and where the seed itself is solid.
+    /// all that `seed` does not reach through faces is solid; tells the voxels on both sides of
+    /// the surface to `at_surface`. None where every voxel of the window is free, and where the
+    /// seed itself is solid.
     pub(crate) fn read(
         &mut self,
         occupancy: &(impl Occupancy + ?Sized),
         shape: CellShape,
         first: IVec3,
         seed: IVec3,
+        mut at_surface: Option<impl FnMut(SurfaceVoxel)>,
     ) -> Option<CellCounts> {
         (self.shape, self.first, self.seed) = (shape, first, Some(seed));
         let mut free = [0_u64; MAX_WORDS];
@@ -150,7 +163,65 @@ impl Window {
         self.reached[word] = bit;
         let words = shape.words();
         self.complete = flood(shape, &free[..words], &mut self.reached[..words]);
+        if let Some(at_surface) = &mut at_surface {
+            self.visit_surface(&free[..words], at_surface);
+        }
         Some(count(shape, &self.reached[..words]))
+    }
+
+    /// Tells the voxels that are reached next to solid ones, and solid ones next to those that
+    /// are reached; of the cells inside the window, since the others hardly count.
+    fn visit_surface(&self, free: &[u64], tell: &mut impl FnMut(SurfaceVoxel)) {
+        let shape = self.shape;
+        let rows = Rows::new(shape.log_width());
+        let layer = shape.layer();
+        let min = self.first * shape.voxels();
+        let words = free.len();
+        let reached = |i: usize| self.reached[i];
+        for (i, &free) in free.iter().enumerate() {
+            let in_layer = i & (layer - 1);
+            let here = reached(i);
+            let [solid, open] = [!here, here];
+            // what is next to a voxel of the other kind; beyond the window nothing is
+            let beside = |kind: fn(u64) -> u64| {
+                let word = kind(here);
+                let mut near = rows.spread(word);
+                if in_layer > 0 {
+                    near |= rows.last_to_first(kind(reached(i - 1)));
+                }
+                if in_layer + 1 < layer {
+                    near |= rows.first_to_last(kind(reached(i + 1)));
+                }
+                if i >= layer {
+                    near |= kind(reached(i - layer));
+                }
+                if i + layer < words {
+                    near |= kind(reached(i + layer));
+                }
+                near
+            };
+            let mut left = open & beside(|word| !word) | solid & !free & beside(|word| word);
+            while left != 0 {
+                let bit = left.trailing_zeros();
+                left &= left - 1;
+                let in_rows = in_layer as i32 * 64 + bit as i32;
+                let width = 1 << shape.log_width();
+                let offset = IVec3::new(
+                    in_rows & (width - 1),
+                    in_rows >> shape.log_width(),
+                    (i / layer) as i32,
+                );
+                let cell = shape.cell_of_half(2 * offset);
+                let inside = cell.cmpge(IVec3::ONE).all() && cell.cmplt(IVec3::splat(7)).all();
+                if inside {
+                    tell(SurfaceVoxel {
+                        voxel: min + offset,
+                        cell: cell.to_array().map(|cell| cell as usize),
+                        solid: solid >> bit & 1 == 1,
+                    });
+                }
+            }
+        }
     }
 
     fn is_reached(&self, voxel: IVec3) -> bool {
@@ -242,6 +313,13 @@ impl Rows {
             not_first: !first,
             not_last: !(first << (width - 1)),
         }
+    }
+
+    /// The neighbours of voxels in a word, along the rows and from row to row.
+    fn spread(&self, word: u64) -> u64 {
+        let row = 1_u32 << self.log_width;
+        let along = (word & self.not_last) << 1 | (word & self.not_first) >> 1;
+        along | word << row | word >> row
     }
 
     /// The last row of a word in the place of the first.

@@ -102,8 +102,11 @@ pub fn cases_where(wanted: impl Fn(&str) -> bool) -> Vec<Case> {
 
 type Strokes = Vec<(Body, Vec<DVec3>)>;
 
+/// A body's name, and how a hand is led over it.
+type Led = (&'static str, fn(&Lead) -> Strokes);
+
 /// Bodies by name, and how the device is led on each.
-const BODIES: [(&str, fn(&Lead) -> Strokes); 13] = [
+const BODIES: [Led; 13] = [
     ("plane below 10°", |lead| lead.planes(&FLAT)),
     ("plane", |lead| lead.planes(&TILTED)),
     ("sphere", |lead| lead.one(ball(None), Lead::on_ball)),

@@ -58,7 +58,7 @@ pub struct Plan {
 const TURNS: u64 = 20;
 
 /// Moves of a run. A world takes a millisecond or two to make, some 1000 moves.
-const MOVES: u32 = 20_000;
+const MOVES: u32 = 10_000;
 
 impl Plan {
     /// The plan of a run; `has_bone` says whether there is some.
@@ -83,7 +83,7 @@ impl Plan {
             edits,
             // balls and objects take several times as long to move
             moves: if radius > 0.0 || objects > 0 {
-                MOVES / 8
+                MOVES / 4
             } else {
                 MOVES
             },

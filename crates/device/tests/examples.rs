@@ -1,0 +1,62 @@
+//! The example of `docs/algorithms/adding-a-device.md` does what the page says.
+
+#[path = "../examples/udp_device.rs"]
+mod udp_device;
+
+use std::net::UdpSocket;
+use std::time::Duration;
+
+use glam::DVec3;
+use palpate_device::simulated::SimulatedSettings;
+use palpate_device::velocity_estimate::VelocityEstimate;
+use palpate_device::{DeviceLimits, DeviceState, HapticDevice};
+use udp_device::UdpDevice;
+
+/// A device and the other end of its line.
+fn connected() -> (UdpDevice, UdpSocket) {
+    let [ours, theirs] = [(); 2].map(|()| UdpSocket::bind("127.0.0.1:0").expect("a port"));
+    let address = |socket: &UdpSocket| socket.local_addr().expect("an address");
+    ours.connect(address(&theirs)).expect("a line");
+    theirs.connect(address(&ours)).expect("a line");
+    ours.set_nonblocking(true)
+        .expect("a socket that never waits");
+    // so that a lost force fails the test and does not hang it
+    let patience = Some(Duration::from_secs(10));
+    theirs.set_read_timeout(patience).expect("a time limit");
+    let device = UdpDevice {
+        socket: ours,
+        limits: DeviceLimits {
+            max_force: 3.0,
+            ..SimulatedSettings::default().limits
+        },
+        velocity: VelocityEstimate::new(DVec3::ZERO, 0.0),
+        state: DeviceState::default(),
+    };
+    (device, theirs)
+}
+
+#[test]
+fn the_example_of_a_device_runs() {
+    udp_device::main();
+}
+
+#[test]
+fn the_example_reads_the_newest_place_and_sends_no_more_than_it_bears() {
+    let (mut device, theirs) = connected();
+    assert_eq!(device.read(0.001).position, DVec3::ZERO);
+
+    for text in ["0.5 0 0", "0.01 0 0.02", "no place"] {
+        theirs.send(text.as_bytes()).expect("sent");
+    }
+    let expected = DVec3::new(10.0, 20.0, 0.0);
+    // the system delivers as fast as it likes
+    let mut reads = (0..100_000).map(|_| device.read(0.001));
+    let arrived = reads.find(|state| state.position == expected);
+    let state = arrived.expect("the newest place");
+    assert!(state.velocity.is_finite() && device.name() == "udp");
+
+    device.write(DVec3::Z * 99.0, DVec3::ZERO);
+    let mut text = [0; 96];
+    let length = theirs.recv(&mut text).expect("a force");
+    assert_eq!(&text[..length], b"0 -3 0");
+}
