@@ -58,7 +58,10 @@ fn a_thin_segment_over_the_probe_pushes_it_out() {
     // pushed through the nearest face, y = 10, and felt from there
     assert!(record.contact);
     assert!((record.proxy.y - 10.0).abs() < 1e-6, "{}", record.proxy);
-    assert!((record.depth - 2.4).abs() < 1e-6);
+    // the force comes by a tenth of a voxel per tick, up to the smooth surface of a flat face
+    assert!(record.depth <= 0.1 + 1e-9, "{}", record.depth);
+    let record = (0..40).map(|_| rig.tick_at(probe)).last().unwrap();
+    assert!((record.depth - 2.4).abs() < 1e-6, "{}", record.depth);
     assert_eq!(rig.violations(), 0);
 }
 
