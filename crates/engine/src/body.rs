@@ -5,6 +5,8 @@
 
 use glam::{DVec3, IVec3};
 use palpate_haptics::ball::{Ball, BallError, BallShape};
+use palpate_haptics::ball_limits::ball_limits;
+use palpate_haptics::exact::ExactLimits;
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;
@@ -61,6 +63,15 @@ impl Body {
         self.ball
             .as_ref()
             .map_or(IVec3::ZERO, |ball| ball.hard.shape().reach())
+    }
+
+    /// How much work a tick of `exact` may do with this probe.
+    #[must_use]
+    pub fn limits(&self) -> ExactLimits {
+        match &self.ball {
+            None => ExactLimits::default(),
+            Some(ball) => ball_limits(ball.hard.shape()),
+        }
     }
 
     /// Exchanges one brick.

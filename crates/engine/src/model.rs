@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use palpate_haptics::contact::{Contact, ContactModel, ForceInput};
-use palpate_haptics::exact::Exact;
+use palpate_haptics::exact::{Exact, ExactLimits};
 use palpate_haptics::proxy::Proxy;
 use palpate_haptics::scene::TouchScene;
 use palpate_haptics::thesis_improved::ThesisImproved;
@@ -43,37 +43,58 @@ impl Model {
     }
 }
 
-impl ContactModel for Model {
+/// A contact model with the work that `exact` may do in a tick, which depends on the probe.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LimitedModel {
+    /// Which model.
+    pub model: Model,
+    /// Of `exact`; the thesis' models have their own.
+    pub limits: ExactLimits,
+}
+
+impl LimitedModel {
+    fn exact(&self) -> Exact {
+        Exact {
+            limits: self.limits,
+        }
+    }
+}
+
+impl ContactModel for LimitedModel {
     fn advance<O: Occupancy>(
         &self,
         scene: &TouchScene<'_, O>,
         device_in_grid: DVec3,
         proxy: &mut Proxy,
     ) -> Contact {
-        match self {
-            Self::Exact => Exact::default().advance(scene, device_in_grid, proxy),
-            Self::ThesisOriginal => ThesisOriginal::default().advance(scene, device_in_grid, proxy),
-            Self::ThesisImproved => ThesisImproved::default().advance(scene, device_in_grid, proxy),
+        match self.model {
+            Model::Exact => self.exact().advance(scene, device_in_grid, proxy),
+            Model::ThesisOriginal => {
+                ThesisOriginal::default().advance(scene, device_in_grid, proxy)
+            }
+            Model::ThesisImproved => {
+                ThesisImproved::default().advance(scene, device_in_grid, proxy)
+            }
         }
     }
 
     fn visit_bound(&self) -> u32 {
-        match self {
-            Self::Exact => Exact::default().visit_bound(),
-            Self::ThesisOriginal => ThesisOriginal::default().visit_bound(),
-            Self::ThesisImproved => ThesisImproved::default().visit_bound(),
+        match self.model {
+            Model::Exact => self.exact().visit_bound(),
+            Model::ThesisOriginal => ThesisOriginal::default().visit_bound(),
+            Model::ThesisImproved => ThesisImproved::default().visit_bound(),
         }
     }
 
     fn has_own_force(&self) -> bool {
-        *self != Self::Exact
+        self.model != Model::Exact
     }
 
     fn own_force(&self, input: &ForceInput<'_>) -> Option<DVec3> {
-        match self {
-            Self::Exact => Exact::default().own_force(input),
-            Self::ThesisOriginal => ThesisOriginal::default().own_force(input),
-            Self::ThesisImproved => ThesisImproved::default().own_force(input),
+        match self.model {
+            Model::Exact => self.exact().own_force(input),
+            Model::ThesisOriginal => ThesisOriginal::default().own_force(input),
+            Model::ThesisImproved => ThesisImproved::default().own_force(input),
         }
     }
 }

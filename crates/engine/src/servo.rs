@@ -22,6 +22,7 @@ use crate::handover::{
     TickRecord,
 };
 use crate::mapping::Mapping;
+use crate::model::LimitedModel;
 use crate::moved_poses::MovedPoses;
 use crate::probe::Probe;
 use crate::servo_state::{ServoState, TickInputs};
@@ -332,9 +333,13 @@ impl ServoLoop {
             settings: &self.state.settings,
             feels: &self.state.feels,
         };
+        let model = LimitedModel {
+            model: self.state.settings.model,
+            limits: self.occupancy.touchable().world.limits(),
+        };
         let output = tick(
             &self.occupancy.scene(&self.grid),
-            &self.state.settings.model,
+            &model,
             &surfaces,
             input,
             &mut self.state.touch,

@@ -3,7 +3,10 @@
 use std::ops::Range;
 
 use glam::{DVec3, IVec3};
+use palpate_haptics::ball::BallShape;
+use palpate_haptics::ball_limits::ball_limits;
 use palpate_haptics::contact::ContactModel;
+use palpate_haptics::exact::ExactLimits;
 use palpate_haptics::moving::{PoseMotion, PoseStep};
 use palpate_haptics::placement::nearest_free;
 use palpate_haptics::proxy::Proxy;
@@ -24,7 +27,7 @@ use super::thing::{Made, Thing};
 use super::touched::{Touched, swaps_of};
 use super::world::{SIZE, World};
 use crate::bench::random::Random;
-use crate::model::Model;
+use crate::model::{LimitedModel, Model};
 
 /// Time between ticks [s].
 const DT: f64 = 1e-3;
@@ -111,6 +114,12 @@ pub fn run(seed: u64, number: u64, model: Model, bone: Option<Source<'_>>) -> Re
     }
     let world = World::new(&plan, bone.map(|bone| bone.bits), &mut random);
     let grid = plan.grid();
+    let radius = plan.radius * grid.smallest_spacing();
+    let limits = BallShape::new(radius, grid.spacing())
+        .ok()
+        .filter(|_| radius > 0.0)
+        .map_or_else(ExactLimits::default, |shape| ball_limits(&shape));
+    let model = LimitedModel { model, limits };
     Run::new(&plan, world, &grid, model, random).report(number)
 }
 
