@@ -219,8 +219,13 @@ impl<O: Occupancy, M: ContactModel, S: Surfaces> Tick<'_, O, M, S> {
         let smooth_before = state.smooth;
         let mut smooth = smoothed(&contact, to, state);
 
-        // past where friction holds it, where neither is in the way there
-        if !contact.touching && smooth.offset == DVec3::ZERO && target != device {
+        // past where friction holds it, where neither is in the way there. Only with a move of
+        // the hand: a contact that fades while it rests must not let the probe jump
+        let way = state.device.map_or(f64::INFINITY, |last| {
+            ((self.device - last) * spacing).length()
+        });
+        let is_lost = !contact.touching && smooth.offset == DVec3::ZERO;
+        if is_lost && target != device && way > 0.0 {
             state.friction.forget();
             state.smooth = smooth_before;
             target = device;
@@ -236,9 +241,6 @@ impl<O: Occupancy, M: ContactModel, S: Surfaces> Tick<'_, O, M, S> {
         let touches = smooth.offset != DVec3::ZERO;
 
         // what the surface feels like there
-        let way = state
-            .device
-            .map_or(0.0, |last| ((self.device - last) * spacing).length());
         let wanted = self
             .feel(state, &contact, to, smooth.normal, touches)
             .or(was);
@@ -246,7 +248,9 @@ impl<O: Occupancy, M: ContactModel, S: Surfaces> Tick<'_, O, M, S> {
         let feel = state.blend.follow(wanted, way, smooth.depth_mm, h);
         let friction = feel.map_or(Friction::NONE, |feel| feel.friction);
         let point = touches.then_some(target + smooth.offset);
-        state.friction.remember(&friction, target, point);
+        if touches || way > 0.0 {
+            state.friction.remember(&friction, target, point);
+        }
 
         let felt = Felt {
             spring: point.map_or(DVec3::ZERO, |point| point - device),
