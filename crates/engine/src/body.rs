@@ -121,7 +121,7 @@ impl Occupancy for Body {
     fn is_solid(&self, voxel: IVec3) -> bool {
         match &self.ball {
             None => self.bits.is_solid(voxel),
-            Some(ball) => ball.hard.dilate(&self.bits).is_solid(voxel),
+            Some(ball) => ball.is_blocked(&self.bits, voxel),
         }
     }
 
@@ -129,7 +129,7 @@ impl Occupancy for Body {
     fn block(&self, min: IVec3) -> BitBrick {
         match &self.ball {
             None => self.bits.block(min),
-            Some(ball) => ball.hard.dilate(&self.bits).block(min),
+            Some(ball) => ball.block(&self.bits, min),
         }
     }
 
@@ -137,8 +137,26 @@ impl Occupancy for Body {
     fn smooth_block(&self, min: IVec3) -> BitBrick {
         match &self.ball {
             None => self.bits.block(min),
-            Some(ball) => ball.soft.dilate(&self.bits).block(min),
+            Some(ball) => ball.smooth_block(&self.bits, min),
         }
+    }
+}
+
+/// Not put into the loops that ask: those of a point stay short.
+impl Balls {
+    #[inline(never)]
+    fn is_blocked(&self, bits: &Bits, voxel: IVec3) -> bool {
+        self.hard.dilate(bits).is_solid(voxel)
+    }
+
+    #[inline(never)]
+    fn block(&self, bits: &Bits, min: IVec3) -> BitBrick {
+        self.hard.dilate(bits).block(min)
+    }
+
+    #[inline(never)]
+    fn smooth_block(&self, bits: &Bits, min: IVec3) -> BitBrick {
+        self.soft.dilate(bits).block(min)
     }
 }
 

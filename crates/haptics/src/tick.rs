@@ -15,7 +15,7 @@ use crate::coupling::Coupling;
 use crate::friction::{Friction, FrictionState};
 use crate::proxy::Proxy;
 use crate::scene::{Solid, TouchScene};
-use crate::smooth::cache::SmoothCache;
+use crate::smooth::cache::{NearFields, SmoothCache};
 use crate::smooth::{SmoothInput, SmoothState, Smoother};
 use crate::surface::{Feel, Holders, SurfaceBlend, Surfaces};
 use glam::DVec3;
@@ -208,7 +208,11 @@ impl<O: Occupancy, M: ContactModel, S: Surfaces> Tick<'_, O, M, S> {
             ..Smoother::default()
         };
         let mut smoothed = |contact: &Contact, to: DVec3, state: &mut TickState| {
-            let fields = cache.fields.near(self.scene, cache.epoch, &state.proxy);
+            let fields = if smoother.enabled {
+                cache.fields.near(self.scene, cache.epoch, &state.proxy)
+            } else {
+                NearFields::new([])
+            };
             let asked = SmoothInput {
                 proxy: &state.proxy,
                 device_in_grid: to,
