@@ -386,8 +386,15 @@ def test_contact_is_heard_once_a_person_has_asked_for_it(page: Browser) -> None:
         "window.__loudest = 0; void setInterval(() => { window.__loudest ="
         " Math.max(window.__loudest, window.palpate.sound.level); }, 10)"
     )
-    press(page, depth=8.0)
-    page.wait("window.__loudest > 0.001", seconds=10.0)
+    # a sound of some 50 ms falls between two looks where software GL draws a slow picture: tap
+    # again
+    for _ in range(6):
+        press(page, depth=8.0)
+        if page.read("window.__loudest") > 0.001:
+            break
+        page.read(f"window.palpate.hand({[MIDDLE, SURFACE - 6.0, MIDDLE]})")
+        page.wait("!window.palpate.state.contact")
+    assert page.read("window.__loudest") > 0.001
     # at rest it is quiet again
     page.wait("window.palpate.sound.level < 1e-4", seconds=10.0)
     page.do("click", testid="sound")
