@@ -169,21 +169,6 @@ def target_on_bone(oracle: Oracle) -> Points:
     return np.array([x, front[z, x], z]) * oracle.spacing + oracle.origin
 
 
-def settled(page: Browser) -> dict[str, Any]:
-    """Returns the state once the device moves no more than 0.05 mm in 0.2 s."""
-    still = (
-        "(() => { const now = window.palpate.state.device, at = performance.now();"
-        " const last = window.__last ?? { at: 0, device: [1e9, 0, 0] };"
-        " if (at - last.at < 200) return false;"
-        " window.__last = { at, device: now };"
-        " return Math.hypot(...now.map((c, i) => c - last.device[i])) < 0.05; })()"
-    )
-    page.read("void (window.__last = undefined)")
-    page.wait(still, seconds=20.0)
-    state: dict[str, Any] = page.read("window.palpate.state")
-    return state
-
-
 def check_contact(opened: Opened, state: dict[str, Any]) -> None:
     """Compares a state in contact with the file: a free voxel, force = stiffness × depth."""
     proxy, device = np.array(state["proxy"]), np.array(state["device"])
@@ -220,7 +205,7 @@ def test_the_mouse_presses_on_bone_slides_and_retreats(opened: Opened) -> None:
         y=height / 2 - float(offset @ np.array(camera["up"])) / size,
     )
     page.wait(f"String(window.palpate.state.proxy) !== {before!r}")
-    placed = settled(page)
+    placed = page.settled()
     sideways = (np.array(placed["proxy"]) - point)[[0, 2]]
     assert np.abs(sideways).max() < 5.0, "the probe stands before what was clicked"
     assert not oracle.is_bone(placed["proxy"])
@@ -231,7 +216,7 @@ def test_the_mouse_presses_on_bone_slides_and_retreats(opened: Opened) -> None:
         if page.read("window.palpate.state.depth") > 1.0:
             break
         page.do("touch", depth=-80, steps=2)
-    pressed = settled(page)
+    pressed = page.settled()
     check_contact(opened, pressed)
     assert page.text("contact") == "contact"
     assert float(page.text("force")) > 1.0
@@ -239,7 +224,7 @@ def test_the_mouse_presses_on_bone_slides_and_retreats(opened: Opened) -> None:
 
     # sideways it slides over the bone, and never enters it
     page.do("touch", x=25, y=0)
-    slid = settled(page)
+    slid = page.settled()
     assert not oracle.is_bone(slid["proxy"])
     moved = np.array(slid["device"]) - np.array(pressed["device"])
     assert moved[0] > 1.0, "right on the screen is the patient's left in a view from before"
@@ -249,7 +234,7 @@ def test_the_mouse_presses_on_bone_slides_and_retreats(opened: Opened) -> None:
     away = (np.array(slid["proxy"]) - [0.0, 30.0, 0.0]).tolist()
     page.read(f"window.palpate.hand({away})")
     page.wait("window.palpate.state.contact === false", seconds=10.0)
-    free = settled(page)
+    free = page.settled()
     assert free["force"] == [0.0, 0.0, 0.0]
     assert page.text("contact") == "free"
     assert float(page.text("force")) == 0.0

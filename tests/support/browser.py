@@ -67,6 +67,25 @@ class Browser:
         """Waits until an expression in the page is true."""
         self.do("wait", seconds=seconds, **{"for": expression})
 
+    def settled(self) -> dict[str, Any]:
+        """Returns the state once device, proxy [mm] and force [N] change < 0.01 in 300 ticks.
+
+        Ticks are counted instead of the page's time: a page that shows an old state for a while
+        looks at rest too.
+        """
+        self.read("void (window.__last = undefined)")
+        self.wait(
+            "(() => { const { tick, device, proxy, force } = window.palpate.state;"
+            " const now = [...device, ...proxy, ...force], last = window.__last;"
+            " if (last !== undefined && tick - last.tick < 300) return false;"
+            " window.__last = { tick, now };"
+            " return last !== undefined"
+            " && Math.hypot(...now.map((c, i) => c - last.now[i])) < 0.01; })()",
+            seconds=20.0,
+        )
+        state: dict[str, Any] = self.read("window.palpate.state")
+        return state
+
     def finish(self) -> None:
         """Waits until the picture of the present view is as fine as it gets."""
         # a change of the view is taken up by the next frame
