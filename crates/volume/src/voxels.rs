@@ -108,6 +108,31 @@ impl Voxels {
         threshold(&self.intensities, Some(&self.overlay), low, high)
     }
 
+    /// Stored values of a box, edits included, x fastest; the box must lie in the grid.
+    pub fn stored_in(&self, region: &VoxelBox) -> Vec<i16> {
+        let stored = |voxel| self.stored(voxel).unwrap_or_default();
+        region.voxels().map(stored).collect()
+    }
+
+    /// For each voxel of a box, x fastest, the last of these segments that has it; else 0.
+    pub fn labels_in(&self, region: &VoxelBox, labelled: &[SegmentId]) -> Vec<u8> {
+        let mut labels = vec![0; region.voxel_count() as usize];
+        for &id in labelled {
+            let Some(segment) = self.segment(id) else {
+                continue;
+            };
+            if segment.bounding_box().unwrap_or(VoxelBox::EMPTY).intersect(region).is_empty() {
+                continue;
+            }
+            for (label, voxel) in labels.iter_mut().zip(region.voxels()) {
+                if segment.contains(voxel) {
+                    *label = id.0;
+                }
+            }
+        }
+        labels
+    }
+
     /// All segments, by rising number.
     pub fn segments(&self) -> impl Iterator<Item = (SegmentId, &Segment)> {
         self.segments.iter().map(|(&id, segment)| (id, segment))

@@ -1,0 +1,234 @@
+//! The surfaces of the segments that are shown as such, and what changed in the picture since it
+//! was last asked for.
+//!
+//! News come from the simulation in order. What an edit changes in voxels and in surfaces goes
+//! out together, so that the page shows both in one frame. All news that wait are taken at once:
+//! on a slow machine surfaces follow several edits in one go (thesis 5.2.2).
+//! Frame: patient, LPS mm.
+
+use std::collections::{BTreeMap, VecDeque};
+use std::sync::Arc;
+
+use palpate_surface::block::PatchId;
+use palpate_surface::segment_surface::{PatchChange, SegmentSurface};
+use palpate_surface::settings::{PATCH_CELLS, SurfaceSettings};
+use palpate_surface::voxel_source::VoxelSource;
+use palpate_volume::bits::Bits;
+use palpate_volume::edit::SegmentId;
+use palpate_volume::grid::Grid;
+use palpate_volume::voxel_box::VoxelBox;
+
+use crate::packed_patch::{Lattice, PackedPatch};
+use crate::scene_news::{EditNews, SceneNews};
+
+/// What changed in the surface of a segment.
+#[derive(Clone, Debug, Default)]
+pub struct SurfaceChange {
+    /// Whether all patches that were told before are to be forgotten.
+    pub whole: bool,
+    /// Patches that are gone.
+    pub dropped: Vec<PatchId>,
+    /// Patches that are new or other ones.
+    pub patches: Vec<(PatchId, Arc<PackedPatch>)>,
+}
+
+/// What changed in the picture at once.
+#[derive(Clone, Debug, Default)]
+pub struct PictureChange {
+    /// The newest edit in it.
+    pub edit: u64,
+    /// Boxes of voxels with their stored values and labels.
+    pub voxels: Vec<VoxelChange>,
+    /// Surfaces, by segment.
+    pub surfaces: BTreeMap<SegmentId, SurfaceChange>,
+}
+
+/// New voxels of a box.
+#[derive(Clone, Debug)]
+pub struct VoxelChange {
+    /// The box.
+    pub region: VoxelBox,
+    /// Stored values, x fastest; none where they stay as they are.
+    pub stored: Option<Vec<i16>>,
+    /// Numbers of segments, x fastest; none where they stay as they are.
+    pub labels: Option<Vec<u8>>,
+}
+
+/// A segment that is shown as a surface.
+#[derive(Debug)]
+struct Shown {
+    bits: Bits,
+    surface: SegmentSurface,
+    lattice: Lattice,
+    packed: BTreeMap<PatchId, Arc<PackedPatch>>,
+    /// The box of voxels that the surface does not follow yet.
+    dirty: VoxelBox,
+    change: SurfaceChange,
+}
+
+/// All surfaces of a scan.
+#[derive(Debug)]
+pub struct Surfaces {
+    grid: Grid,
+    shown: BTreeMap<SegmentId, Shown>,
+    next: PictureChange,
+    changes: VecDeque<PictureChange>,
+}
+
+impl Surfaces {
+    /// No segment of a scan on this grid is shown as a surface.
+    #[must_use]
+    pub fn new(grid: Grid) -> Self {
+        Self {
+            grid,
+            shown: BTreeMap::new(),
+            next: PictureChange::default(),
+            changes: VecDeque::new(),
+        }
+    }
+
+    /// Takes news; [`Self::follow`] makes what they change.
+    pub fn take(&mut self, news: SceneNews) {
+        match news {
+            SceneNews::Edit(edit) => self.take_edit(edit),
+            SceneNews::Segment(id, Some(bits)) => self.take_segment(id, bits),
+            SceneNews::Segment(id, None) => self.hide(id),
+            SceneNews::Show(id, None) => self.hide(id),
+            SceneNews::Show(id, Some((settings, bits))) => self.show(id, settings, bits),
+        }
+    }
+
+    /// Makes the surfaces follow all news that were taken.
+    pub fn follow(&mut self) {
+        for (&id, shown) in &mut self.shown {
+            shown.follow();
+            let change = std::mem::take(&mut shown.change);
+            if !change.is_empty() {
+                self.next.surfaces.insert(id, change);
+            }
+        }
+        let change = std::mem::take(&mut self.next);
+        if !(change.voxels.is_empty() && change.surfaces.is_empty()) {
+            self.changes.push_back(change);
+        }
+    }
+
+    /// What changed since the call before, oldest first.
+    pub fn changes(&mut self) -> Vec<PictureChange> {
+        self.changes.drain(..).collect()
+    }
+
+    /// All surfaces as they are, for whoever has seen none of the changes.
+    #[must_use]
+    pub fn whole(&self) -> PictureChange {
+        let surfaces = self.shown.iter().map(|(&id, shown)| {
+            let change = SurfaceChange {
+                whole: true,
+                dropped: Vec::new(),
+                patches: shown.patches(),
+            };
+            (id, change)
+        });
+        PictureChange {
+            surfaces: surfaces.collect(),
+            ..PictureChange::default()
+        }
+    }
+
+    fn take_edit(&mut self, news: EditNews) {
+        let EditNews {
+            edit,
+            dirty,
+            segments,
+            stored,
+            labels,
+        } = news;
+        for (id, mut swaps) in segments {
+            let Some(shown) = self.shown.get_mut(&id) else {
+                continue;
+            };
+            swaps.iter_mut().for_each(|swap| shown.bits.swap(swap));
+            shown.dirty = shown.dirty.union(&dirty);
+        }
+        self.next.edit = edit;
+        if stored.is_some() || labels.is_some() {
+            self.next.voxels.push(VoxelChange {
+                region: dirty,
+                stored,
+                labels,
+            });
+        }
+    }
+
+    fn take_segment(&mut self, id: SegmentId, bits: Bits) {
+        let Some(shown) = self.shown.get_mut(&id) else {
+            return;
+        };
+        shown.dirty = shown.dirty.union(&shown.bits.difference(&bits));
+        shown.bits = bits;
+    }
+
+    fn show(&mut self, id: SegmentId, settings: SurfaceSettings, bits: Bits) {
+        let Ok(surface) = SegmentSurface::new(&self.grid, settings) else {
+            // the simulation has refused such settings
+            return;
+        };
+        let edge = f64::from((PATCH_CELLS + 2) * i32::from(settings.step));
+        let longest = edge * self.grid.spacing().length();
+        let shown = Shown {
+            bits,
+            lattice: Lattice::new(surface.origin(), longest),
+            surface,
+            packed: BTreeMap::new(),
+            dirty: self.grid.bounds(),
+            change: SurfaceChange {
+                whole: true,
+                ..SurfaceChange::default()
+            },
+        };
+        self.shown.insert(id, shown);
+    }
+
+    fn hide(&mut self, id: SegmentId) {
+        if self.shown.remove(&id).is_some() {
+            let gone = SurfaceChange {
+                whole: true,
+                ..SurfaceChange::default()
+            };
+            self.next.surfaces.insert(id, gone);
+        }
+    }
+}
+
+impl Shown {
+    fn follow(&mut self) {
+        let dirty = std::mem::replace(&mut self.dirty, VoxelBox::EMPTY);
+        if dirty.is_empty() {
+            return;
+        }
+        for PatchChange { id, patch } in self.surface.update(&VoxelSource::of_bits(&self.bits), &dirty) {
+            match patch.and_then(|patch| self.lattice.pack(&patch)) {
+                Some(packed) => {
+                    let packed = Arc::new(packed);
+                    self.packed.insert(id, Arc::clone(&packed));
+                    self.change.patches.push((id, packed));
+                }
+                None => {
+                    self.packed.remove(&id);
+                    self.change.dropped.push(id);
+                }
+            }
+        }
+    }
+
+    fn patches(&self) -> Vec<(PatchId, Arc<PackedPatch>)> {
+        let shared = |(&id, patch): (&PatchId, &Arc<PackedPatch>)| (id, Arc::clone(patch));
+        self.packed.iter().map(shared).collect()
+    }
+}
+
+impl SurfaceChange {
+    fn is_empty(&self) -> bool {
+        !self.whole && self.dropped.is_empty() && self.patches.is_empty()
+    }
+}
