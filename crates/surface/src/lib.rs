@@ -1,0 +1,23 @@
+//! Surfaces of segments: triangles that follow the voxels, patch by patch.
+//!
+//! Depends on `palpate-volume` only and knows nothing of pictures, threads or files. Lengths are
+//! mm along the patient's axes (LPS); frames are those of `docs/conventions.md`.
+
+mod block;
+pub mod cell_table;
+mod field;
+mod frame;
+mod march;
+pub mod mesh;
+pub mod patch;
+mod place;
+mod samples;
+pub mod segment_surface;
+pub mod settings;
+mod voxel_source;
+
+pub use block::PatchId;
+pub use patch::{Bounds, Patch};
+pub use segment_surface::{PatchChange, SegmentSurface};
+pub use settings::{Limits, SettingsError, SmoothingMode, SurfaceSettings};
+pub use voxel_source::VoxelSource;

@@ -1,0 +1,258 @@
+//! The surface of a segment, patch by patch, that follows its edits.
+//!
+//! The first extraction is an update of everything: the same code. Every patch is a function of
+//! the bits around it, whatever was there before and on however many threads, so an update gives
+//! what a fresh extraction would, to the bit.
+//! Source: thesis 5.2.2. There, borders are extended before smoothing and cut after it; here
+//! vertices keep to their edge, so that nothing needs to be cut.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use glam::{DVec3, IVec3};
+use palpate_volume::grid::Grid;
+use palpate_volume::voxel_box::VoxelBox;
+use rayon::prelude::*;
+
+use crate::block::{Blocks, PARTS, PatchId, patch_id};
+use crate::field::{Blur, FieldScratch, Zeros};
+use crate::frame::Frame;
+use crate::march::{MarchScratch, march};
+use crate::patch::{Bounds, Patch};
+use crate::place::Midpoints;
+use crate::samples::{Samples, is_uniform};
+use crate::settings::{SettingsError, SmoothingMode, SurfaceSettings};
+use crate::voxel_source::VoxelSource;
+
+/// A patch that is new, or another one than before, or gone.
+#[derive(Clone, Debug)]
+pub struct PatchChange {
+    /// Which one.
+    pub id: PatchId,
+    /// What it is now; none where nothing of the surface is left there.
+    pub patch: Option<Arc<Patch>>,
+}
+
+/// The surface of a segment. A clone shares the patches.
+#[derive(Clone, Debug)]
+pub struct SegmentSurface {
+    settings: SurfaceSettings,
+    grid: Grid,
+    extraction: Arc<Extraction>,
+    patches: BTreeMap<PatchId, Arc<Patch>>,
+}
+
+impl SegmentSurface {
+    /// No patches yet: an update with the box of the whole grid makes them.
+    ///
+    /// # Errors
+    /// Where the settings make no surface.
+    pub fn new(grid: &Grid, settings: SurfaceSettings) -> Result<Self, SettingsError> {
+        settings.check()?;
+        Ok(Self {
+            settings,
+            grid: *grid,
+            extraction: Arc::new(Extraction::new(grid, settings)),
+            patches: BTreeMap::new(),
+        })
+    }
+
+    /// How it is made.
+    pub fn settings(&self) -> &SurfaceSettings {
+        &self.settings
+    }
+
+    /// From where positions are counted [patient, LPS mm]: where the grid frame is zero.
+    pub fn origin(&self) -> DVec3 {
+        self.grid.patient_from_grid().translation
+    }
+
+    /// All patches, by their number.
+    pub fn patches(&self) -> impl ExactSizeIterator<Item = (PatchId, &Arc<Patch>)> {
+        self.patches.iter().map(|(&id, patch)| (id, patch))
+    }
+
+    /// The smallest box of all vertices [mm from the origin]; none without a surface.
+    pub fn bounds(&self) -> Option<Bounds> {
+        let bounds = self.patches.values().filter_map(|patch| patch.bounds());
+        bounds.reduce(Bounds::union)
+    }
+
+    /// Area [mm²].
+    pub fn area(&self) -> f64 {
+        self.patches.values().map(|patch| patch.area()).sum()
+    }
+
+    /// Volume enclosed [mm³].
+    pub fn volume(&self) -> f64 {
+        self.patches.values().map(|patch| patch.volume()).sum()
+    }
+
+    /// Makes the patches again that a change of the voxels in `dirty` can have changed, in
+    /// parallel; returns those that differ, by rising number.
+    ///
+    /// # Panics
+    /// Where the voxels are those of another grid.
+    pub fn update(&mut self, voxels: &VoxelSource<'_>, dirty: &VoxelBox) -> Vec<PatchChange> {
+        assert_eq!(
+            voxels.bits.dimensions(),
+            self.grid.dimensions(),
+            "voxels of another grid"
+        );
+        let extraction = &self.extraction;
+        let blocks = extraction.blocks.touched_by(*dirty, &self.settings);
+        let made: Vec<Vec<(PatchId, Patch)>> = blocks
+            .par_iter()
+            .map_init(Scratch::default, |scratch, &block| {
+                extraction.patches_of(voxels, block, scratch)
+            })
+            .collect();
+
+        let mut changes = Vec::new();
+        for (block, made) in blocks.into_iter().zip(made) {
+            self.exchange(block, made, &mut changes);
+        }
+        changes.sort_by_key(|change| change.id);
+        changes
+    }
+
+    /// Puts the patches of a block in the place of the old ones.
+    fn exchange(
+        &mut self,
+        block: IVec3,
+        made: Vec<(PatchId, Patch)>,
+        changes: &mut Vec<PatchChange>,
+    ) {
+        for part in 0..=PARTS {
+            let id = patch_id(block, part);
+            if !made.iter().any(|(new, _)| *new == id) && self.patches.remove(&id).is_some() {
+                changes.push(PatchChange { id, patch: None });
+            }
+        }
+        for (id, patch) in made {
+            if self.patches.get(&id).is_some_and(|old| **old == patch) {
+                continue;
+            }
+            let patch = Arc::new(patch);
+            self.patches.insert(id, Arc::clone(&patch));
+            changes.push(PatchChange {
+                id,
+                patch: Some(patch),
+            });
+        }
+    }
+}
+
+/// What a thread keeps between patches.
+#[derive(Debug, Default)]
+struct Scratch {
+    samples: Samples,
+    field: FieldScratch,
+    march: MarchScratch,
+}
+
+/// All that turns voxels into patches and never changes.
+#[derive(Debug)]
+struct Extraction {
+    settings: SurfaceSettings,
+    blocks: Blocks,
+    frame: Frame,
+    midpoints: Midpoints,
+    blur: Blur,
+}
+
+impl Extraction {
+    fn new(grid: &Grid, settings: SurfaceSettings) -> Self {
+        let frame = Frame::new(grid);
+        Self {
+            settings,
+            blocks: Blocks::new(grid.dimensions(), i32::from(settings.step)),
+            frame,
+            midpoints: Midpoints::new(&frame),
+            blur: Blur::new(grid.spacing(), settings.smoothing),
+        }
+    }
+
+    /// The patches of a block: none, one, or one for each octant that has a surface.
+    fn patches_of(
+        &self,
+        voxels: &VoxelSource<'_>,
+        block: IVec3,
+        scratch: &mut Scratch,
+    ) -> Vec<(PatchId, Patch)> {
+        let Some(whole) = self.patch_of(voxels, (block, 0), scratch) else {
+            return Vec::new();
+        };
+        let most = self.settings.most_vertices;
+        if most.is_none_or(|most| whole.vertices.len() <= most as usize) {
+            return vec![(patch_id(block, 0), whole)];
+        }
+        (1..=PARTS)
+            .filter_map(|part| {
+                let patch = self.patch_of(voxels, (block, part), scratch)?;
+                Some((patch_id(block, part), patch))
+            })
+            .collect()
+    }
+
+    /// The surface in a block or an octant of it.
+    fn patch_of(
+        &self,
+        voxels: &VoxelSource<'_>,
+        (block, part): (IVec3, u8),
+        scratch: &mut Scratch,
+    ) -> Option<Patch> {
+        let step = i32::from(self.settings.step);
+        let own = self.blocks.samples_of(block, part)?;
+        if is_uniform(voxels.bits, step, own) {
+            return None;
+        }
+        let Scratch {
+            samples,
+            field,
+            march: scratch,
+        } = scratch;
+        let margin = self.settings.margin();
+        let first = block.x * crate::settings::PATCH_CELLS;
+        samples.load(voxels.bits, step, own.dilate(margin), first);
+
+        let limits = self.settings.limits.filter(|_| voxels.values.is_some());
+        let step_mm = f64::from(step);
+        let patch = if self.settings.smoothing == 0 && limits.is_none() {
+            march(
+                samples,
+                own,
+                (&self.frame, step_mm, &self.midpoints),
+                scratch,
+            )
+        } else {
+            let active = samples.crossed(own)?;
+            let alone = self.settings.mode == SmoothingMode::Local && self.settings.smoothing > 0;
+            if alone {
+                samples.isolate(own);
+            }
+            let nearest = |sample: IVec3| {
+                if alone {
+                    sample.clamp(own.min, own.max - 1)
+                } else {
+                    sample
+                }
+            };
+            let field = field.smooth(&self.blur, active, |sample| match limits {
+                None if samples.is_solid(sample) => 0.5,
+                None => -0.5,
+                Some(limits) => {
+                    let sample = nearest(sample);
+                    voxels.depth(limits, step, (sample, samples.is_solid(sample)))
+                }
+            });
+            let zeros = Zeros {
+                field,
+                frame: &self.frame,
+                keep_thin: self.settings.smoothing > 0,
+            };
+            march(samples, own, (&self.frame, step_mm, &zeros), scratch)
+        };
+        (!patch.is_empty()).then_some(patch)
+    }
+}
