@@ -26,7 +26,9 @@ use crate::servo::{ServoLoop, ServoStart};
 use crate::session_config::{Reference, SessionConfig};
 use crate::settings::Settings;
 use crate::shared::Shared;
-use crate::simulation::{Simulation, SimulationStatus};
+use crate::simulation::{PictureEnds, Simulation, SimulationStatus};
+use crate::surface_loop::SurfaceLoop;
+use crate::surfaces::Surfaces;
 use crate::tape::TapeRecorder;
 use crate::touch_sender::touchable_of;
 
@@ -36,6 +38,8 @@ pub struct Assembly {
     pub loops: Loops,
     /// What is shown.
     pub picture: Arc<Mutex<Picture>>,
+    /// Segments shown as surfaces, and what changed in the picture.
+    pub surfaces: Arc<Mutex<Surfaces>>,
     /// Where the hand pulls to.
     pub hand: Input<HandTarget>,
     /// What all threads see.
@@ -68,6 +72,7 @@ pub fn assemble(config: SessionConfig) -> Result<Assembly, SessionError> {
     let shared = Arc::new(Shared::default());
     let channels = Channels::new(probe);
     let (notices, notice_inbox) = mpsc::channel();
+    let (news, news_inbox) = mpsc::channel();
     let (status, status_out) = triple_buffer(&SimulationStatus::default());
     let (meters, rates) = meters(device_rate_hz, rate_hz);
 
@@ -76,8 +81,15 @@ pub fn assemble(config: SessionConfig) -> Result<Assembly, SessionError> {
     let device = DeviceLoop::new(device, channels.device, Arc::clone(&shared), dt, safety);
     let start = servo_start(&scene, reference, probe, settings);
     let servo = ServoLoop::new(start, channels.servo, Arc::clone(&shared));
-    let ends = (channels.simulation, status, notices.clone());
-    let simulation = first_simulation(scene, settings, limits, ends, (reference, probe))?;
+    let surfaces = Arc::new(Mutex::new(Surfaces::new(grid)));
+    let ends = (status, notices.clone(), news);
+    let simulation = first_simulation(
+        scene,
+        (settings, limits),
+        channels.simulation,
+        ends,
+        (reference, probe),
+    )?;
     let tape = simulation.tape();
     let sources = PictureSources {
         records: channels.records,
@@ -97,8 +109,10 @@ pub fn assemble(config: SessionConfig) -> Result<Assembly, SessionError> {
             servo: (servo, servo_meter),
             simulation: (simulation, simulation_meter),
             picture: (Arc::clone(&picture), picture_meter),
+            surfaces: SurfaceLoop::new(news_inbox, Arc::clone(&surfaces)),
         },
         picture,
+        surfaces,
         hand: channels.hand,
         shared,
         notices,
@@ -126,12 +140,12 @@ fn servo_start(
 /// A simulation that brings the device to the probe, where the device is not in the scene.
 fn first_simulation(
     scene: Scene,
-    settings: Settings,
-    limits: DeviceLimits,
-    (channels, status, notices): (SimulationChannels, Input<SimulationStatus>, Sender<Notice>),
+    (settings, limits): (Settings, DeviceLimits),
+    channels: SimulationChannels,
+    ends: PictureEnds,
     (reference, probe): (Reference, DVec3),
 ) -> Result<Simulation, SessionError> {
-    let mut simulation = Simulation::new(scene, settings, limits, channels, status, notices);
+    let mut simulation = Simulation::new(scene, settings, limits, channels, ends);
     if reference == Reference::View {
         simulation.place(probe, 0, true)?;
     }

@@ -86,6 +86,9 @@ pub enum SessionError {
     /// Settings out of range.
     #[error(transparent)]
     Settings(#[from] SettingsError),
+    /// Settings that make no surface.
+    #[error(transparent)]
+    Surface(#[from] palpate_surface::settings::SettingsError),
     /// View axes that are none.
     #[error(transparent)]
     View(#[from] ViewError),

@@ -155,6 +155,8 @@ pub struct Frame {
     pub can_redo: bool,
     /// Rises with each change of a segment's voxels or of the list of segments.
     pub segments_version: u64,
+    /// Rises with each change of voxels that no [`crate::surfaces::PictureChange`] tells.
+    pub voxels_version: u64,
     /// The pace of each thread.
     pub rates: Rates,
     /// Interventions and violations.

@@ -1,7 +1,8 @@
-//! The four threads of a session that runs in real time.
+//! The threads of a session that runs in real time.
 //!
 //! device and servo at their rates, half a tick of the faster one apart, so that each finds what
-//! the other made half a tick ago; simulation at 100 Hz, picture at 60 Hz. A panic in any of them takes the
+//! the other made half a tick ago; simulation at 100 Hz, picture at 60 Hz; surfaces
+//! follow the voxels as fast as they can. A panic in any of them takes the
 //! force away and ends the session; the reason is kept.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -20,6 +21,7 @@ use crate::rate::RateMeter;
 use crate::servo::ServoLoop;
 use crate::shared::Shared;
 use crate::simulation::Simulation;
+use crate::surface_loop::SurfaceLoop;
 
 /// Rate of the simulation thread [Hz].
 pub const SIMULATION_HZ: u32 = 100;
@@ -46,6 +48,8 @@ pub struct Loops {
     pub simulation: (Simulation, RateMeter),
     /// The picture and its meter.
     pub picture: (Arc<Mutex<Picture>>, RateMeter),
+    /// The surfaces.
+    pub surfaces: SurfaceLoop,
 }
 
 /// How fast the two real-time loops run.
@@ -96,7 +100,7 @@ impl Live {
         };
         let live = Self {
             questions: Mutex::new(questions),
-            threads: Mutex::new(Vec::with_capacity(4)),
+            threads: Mutex::new(Vec::with_capacity(5)),
             shared,
             start_ns: context.start_ns,
         };
@@ -105,6 +109,7 @@ impl Live {
             servo,
             simulation,
             picture,
+            surfaces,
         } = loops;
 
         let [for_device, for_servo, for_simulation, for_picture] =
@@ -116,6 +121,8 @@ impl Live {
             run_simulation(simulation, &inbox, &for_simulation);
         })?;
         live.spawn("picture", move || run_picture(picture, &for_picture))?;
+        let shared = Arc::clone(&live.shared);
+        live.spawn("surface", move || run_surfaces(&surfaces, &shared))?;
 
         let granted = outcome_of_both(&results);
         Ok((live, granted))
@@ -277,6 +284,13 @@ fn run_simulation(
             Err(RecvTimeoutError::Disconnected) => return,
         }
     }
+}
+
+/// Surfaces see the end of the session after so long, where nothing changes.
+const SURFACE_PATIENCE: Duration = Duration::from_millis(100);
+
+fn run_surfaces(surfaces: &SurfaceLoop, shared: &Shared) {
+    while !shared.stopping() && surfaces.wait(SURFACE_PATIENCE) {}
 }
 
 fn run_picture((picture, meter): (Arc<Mutex<Picture>>, RateMeter), context: &Context) {

@@ -75,6 +75,7 @@ impl Offline {
             servo,
             simulation,
             picture,
+            surfaces,
             ..
         } = &mut self.loops;
         servo.1.count(start);
@@ -93,6 +94,7 @@ impl Offline {
         {
             picture.1.count(start);
             lock(&picture.0).collect();
+            surfaces.step();
         }
     }
 

@@ -8,6 +8,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use glam::{DAffine3, DVec3, IVec3};
 use palpate_device::DeviceLimits;
+use palpate_surface::settings::SurfaceSettings;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
 use palpate_volume::segment::Segment;
@@ -29,6 +30,7 @@ use crate::session_config::{SessionConfig, check, check_point};
 use crate::settings::Settings;
 use crate::shared::Shared;
 use crate::simulation::{SegmentState, Simulation, checked_box};
+use crate::surfaces::{PictureChange, Surfaces};
 use crate::tape::{Tape, TapeRecorder};
 
 /// Edits of more voxels than this are built outside the simulation thread.
@@ -48,6 +50,7 @@ enum Run {
 pub struct Session {
     run: Run,
     picture: Arc<Mutex<Picture>>,
+    surfaces: Arc<Mutex<Surfaces>>,
     hand: Mutex<(triple_buffer::Input<HandTarget>, u64)>,
     shared: Arc<Shared>,
     notices: Sender<Notice>,
@@ -75,6 +78,7 @@ impl Session {
         let Assembly {
             loops,
             picture,
+            surfaces,
             hand,
             shared,
             notices,
@@ -93,6 +97,7 @@ impl Session {
         Ok(Self {
             run,
             picture,
+            surfaces,
             hand: Mutex::new((hand, 0)),
             shared,
             notices,
@@ -224,6 +229,42 @@ impl Session {
     /// Where a value is out of range, there is no such segment, or the session has ended.
     pub fn set_feel(&self, id: SegmentId, feel: Feel) -> Result<(), SessionError> {
         self.ask(move |simulation| simulation.set_feel(id, feel))?
+    }
+
+    /// Shows a segment as a surface made in this way, or as none.
+    ///
+    /// # Errors
+    /// Where the settings make no surface, there is no such segment, or the session has ended.
+    pub fn show_surface(
+        &self,
+        id: SegmentId,
+        settings: Option<SurfaceSettings>,
+    ) -> Result<(), SessionError> {
+        self.ask(move |simulation| simulation.show_surface(id, settings))?
+    }
+
+    /// Names the segments that the picture shows by their labels, the last of several on top.
+    ///
+    /// # Errors
+    /// Where the session has ended.
+    pub fn set_labelled(&self, labelled: Vec<SegmentId>) -> Result<(), SessionError> {
+        self.ask(move |simulation| simulation.set_labelled(labelled))
+    }
+
+    /// What changed in voxels and surfaces since the call before, oldest first; never waits.
+    #[must_use]
+    pub fn picture_changes(&self) -> Vec<PictureChange> {
+        // while surfaces are made there is nothing new yet
+        self.surfaces
+            .try_lock()
+            .map(|mut surfaces| surfaces.changes())
+            .unwrap_or_default()
+    }
+
+    /// All surfaces as they are now; waits until they follow the voxels.
+    #[must_use]
+    pub fn whole_surfaces(&self) -> PictureChange {
+        lock(&self.surfaces).whole()
     }
 
     /// Makes a segment of all voxels with low <= value <= high, or gives segment `id` these

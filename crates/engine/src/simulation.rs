@@ -9,6 +9,7 @@ use glam::{DAffine3, DMat3, DVec3, IVec3};
 use palpate_device::DeviceLimits;
 use palpate_haptics::ball::{BallError, BallShape};
 use palpate_haptics::scene::{MAX_OBJECTS, ObjectPose};
+use palpate_surface::settings::SurfaceSettings;
 use palpate_volume::edit::{Edit, SegmentId};
 use palpate_volume::grid::Grid;
 use palpate_volume::segment::Segment;
@@ -22,6 +23,7 @@ use crate::handover::{ServoCommand, SimulationChannels};
 use crate::journal::Journal;
 use crate::placement::{REACH, free_point};
 use crate::scene::{Properties, Scene, Step, ThresholdRange};
+use crate::scene_news::SceneNews;
 use crate::settings::Settings;
 use crate::tape::{MAX_TAPE_BYTES, TapeRecorder};
 use crate::touch_sender::{TouchSender, touchable_of};
@@ -41,6 +43,8 @@ pub struct SimulationStatus {
     pub can_redo: bool,
     /// Rises with each change of a segment's voxels or of the list of segments.
     pub segments_version: u64,
+    /// Rises with each change of voxels that the picture is not told box by box.
+    pub voxels_version: u64,
 }
 
 /// A segment as the session holds it.
@@ -62,6 +66,13 @@ pub struct SegmentState {
     pub pose: Option<DAffine3>,
 }
 
+/// Where the simulation tells what is shown: its status, sentences, and changes of voxels.
+pub type PictureEnds = (
+    triple_buffer::Input<SimulationStatus>,
+    Sender<Notice>,
+    Sender<SceneNews>,
+);
+
 /// The state of the simulation thread.
 #[derive(Debug)]
 pub struct Simulation {
@@ -70,9 +81,13 @@ pub struct Simulation {
     touch: TouchSender,
     status: triple_buffer::Input<SimulationStatus>,
     notices: Sender<Notice>,
+    news: Sender<SceneNews>,
+    /// Segments that the picture shows by their labels.
+    labelled: Vec<SegmentId>,
     settings: Settings,
     limits: DeviceLimits,
     segments_version: u64,
+    voxels_version: u64,
     refused_places: u64,
     was_held: bool,
     was_stopped: bool,
@@ -87,8 +102,7 @@ impl Simulation {
         settings: Settings,
         limits: DeviceLimits,
         channels: SimulationChannels,
-        status: triple_buffer::Input<SimulationStatus>,
-        notices: Sender<Notice>,
+        (status, notices, news): PictureEnds,
     ) -> Self {
         Self {
             scene,
@@ -96,9 +110,12 @@ impl Simulation {
             touch: TouchSender::new(channels, settings.probe_radius),
             status,
             notices,
+            news,
+            labelled: Vec::new(),
             settings: settings.within(&limits),
             limits,
             segments_version: 0,
+            voxels_version: 0,
             refused_places: 0,
             was_held: false,
             was_stopped: false,
@@ -231,6 +248,28 @@ impl Simulation {
         self.touch.send(ServoCommand::Feel(id, feel));
         self.publish();
         Ok(())
+    }
+
+    /// Shows a segment as a surface, or as none; this changes no voxel and is not undone.
+    ///
+    /// # Errors
+    /// Where the settings make no surface, or there is no such segment.
+    pub fn show_surface(
+        &mut self,
+        id: SegmentId,
+        settings: Option<SurfaceSettings>,
+    ) -> Result<(), SessionError> {
+        settings.as_ref().map_or(Ok(()), SurfaceSettings::check)?;
+        let segment = self.voxels().segment(id);
+        let segment = segment.ok_or(VoxelsError::UnknownSegment(id.0))?;
+        let shown = settings.map(|settings| (settings, segment.occupancy().clone()));
+        self.tell_picture(SceneNews::Show(id, shown));
+        Ok(())
+    }
+
+    /// Names the segments that the picture shows by their labels: edits tell of these.
+    pub fn set_labelled(&mut self, labelled: Vec<SegmentId>) {
+        self.labelled = labelled;
     }
 
     /// Moves a segment; touch goes there smoothly. Moves of one segment after the other count
@@ -376,6 +415,10 @@ impl Simulation {
         let (inverse, change) = self.scene.perform(step)?;
         self.touch.send_change(&self.scene, &change);
         self.segments_version += 1;
+        if let Some(news) = SceneNews::of(&inverse, &self.scene, &self.labelled) {
+            self.voxels_version += u64::from(news.needs_labels());
+            self.tell_picture(news);
+        }
         Ok(inverse)
     }
 
@@ -443,8 +486,14 @@ impl Simulation {
             can_undo: self.journal.can_undo(),
             can_redo: self.journal.can_redo(),
             segments_version: self.segments_version,
+            voxels_version: self.voxels_version,
         };
         self.status.write(status);
+    }
+
+    fn tell_picture(&self, news: SceneNews) {
+        // without a picture nobody draws any more
+        let _ = self.news.send(news);
     }
 
     fn tell(&self, notice: Notice) {

@@ -9,10 +9,8 @@
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 
-use palpate_surface::block::PatchId;
-use palpate_surface::segment_surface::{PatchChange, SegmentSurface};
 use palpate_surface::settings::{PATCH_CELLS, SurfaceSettings};
-use palpate_surface::voxel_source::VoxelSource;
+use palpate_surface::{PatchChange, PatchId, SegmentSurface, VoxelSource};
 use palpate_volume::bits::Bits;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
@@ -72,6 +70,8 @@ pub struct Surfaces {
     grid: Grid,
     shown: BTreeMap<SegmentId, Shown>,
     next: PictureChange,
+    /// Whether anybody ever asked: else nothing is kept.
+    watched: bool,
     changes: VecDeque<PictureChange>,
 }
 
@@ -83,6 +83,7 @@ impl Surfaces {
             grid,
             shown: BTreeMap::new(),
             next: PictureChange::default(),
+            watched: false,
             changes: VecDeque::new(),
         }
     }
@@ -108,13 +109,14 @@ impl Surfaces {
             }
         }
         let change = std::mem::take(&mut self.next);
-        if !(change.voxels.is_empty() && change.surfaces.is_empty()) {
+        if self.watched && !(change.voxels.is_empty() && change.surfaces.is_empty()) {
             self.changes.push_back(change);
         }
     }
 
-    /// What changed since the call before, oldest first.
+    /// What changed since the call before, oldest first; the first call begins to watch.
     pub fn changes(&mut self) -> Vec<PictureChange> {
+        self.watched = true;
         self.changes.drain(..).collect()
     }
 

@@ -209,8 +209,8 @@ impl Rig {
                 Settings::default(),
                 limits(),
                 channels.simulation,
-                status_in,
-                notices,
+                // nobody draws: the news end here
+                (status_in, notices, mpsc::channel().0),
             ),
             device: channels.device.samples,
             forces: channels.device.forces,
