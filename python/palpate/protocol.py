@@ -49,6 +49,18 @@ Stiffness = Annotated[float, msgspec.Meta(gt=0.0, le=10.0)]
 Friction = Annotated[float, msgspec.Meta(ge=0.0, le=2.0)]
 """A Coulomb coefficient."""
 
+ShownAs = Literal["volume", "surface", "both"]
+"""Whether a segment is drawn from its voxels, as a surface, or in both ways."""
+
+SmoothingDegree = Annotated[int, msgspec.Meta(ge=0, le=20)]
+"""How often the vertices of a surface are moved to the mean of their neighbours."""
+
+Index = Annotated[int, msgspec.Meta(ge=-(2**31), lt=2**31)]
+"""A voxel's or a patch's place along one axis."""
+
+GridPlace = tuple[Index, Index, Index]
+"""A voxel or a patch of a grid, along x, y, z."""
+
 Pose = Annotated[list[Coordinate], msgspec.Meta(min_length=16, max_length=16)]
 """A rigid transform of the scene, row-major, shape [4, 4], translation in mm."""
 
@@ -106,7 +118,8 @@ class Segment(msgspec.Struct, frozen=True):
     ``range`` holds the threshold (low, high) while the segment is just that threshold;
     null where its voxels come from elsewhere: then they stand in ``/api/labels`` under
     the segment's ``id`` (1..255). ``pose`` takes the segment from where the scan has it to
-    where it stands; null where it was not moved.
+    where it stands; null where it was not moved. ``opacity``, ``smoothing`` and
+    ``wireframe`` are those of its surface.
     """
 
     id: SegmentId
@@ -120,6 +133,10 @@ class Segment(msgspec.Struct, frozen=True):
     pending: bool
     feel: Feel
     pose: Pose | None
+    shown_as: ShownAs
+    opacity: Share
+    smoothing: SmoothingDegree
+    wireframe: bool
 
 
 class Settings(msgspec.Struct, frozen=True):
@@ -237,6 +254,55 @@ class Segments(Message, frozen=True, tag="segments"):
     labels: int
 
 
+class SurfacePatch(msgspec.Struct, frozen=True):
+    """One patch of a segment's surface, where the scan has the segment (before its pose).
+
+    ``index`` is its place in the grid of patches. ``origin`` is the lower corner and ``size``
+    the edges of the box that its vertices lie in: position = origin + u16 / 65535 * size.
+
+    ``vertices`` are x, y, z as little-endian uint16 each; ``normals`` x, y, z and a byte that
+    means nothing as int8 each, unit = int8 / 127; ``triangles`` three vertex numbers each,
+    little-endian uint16, or uint32 where there are more than 65536 vertices, counter-clockwise
+    as seen from outside.
+    """
+
+    index: GridPlace
+    origin: Vector
+    size: Vector
+    vertices: bytes
+    normals: bytes
+    triangles: bytes
+
+
+class SegmentSurface(msgspec.Struct, frozen=True):
+    """What changes in the surface of a segment: patches that are new or gone.
+
+    ``whole`` forgets all patches that were sent before.
+    """
+
+    id: SegmentId
+    whole: bool
+    dropped: list[GridPlace]
+    patches: list[SurfacePatch]
+
+
+class Changed(Message, frozen=True, tag="changed"):
+    """All that one edit changes in the picture: shown in one and the same frame.
+
+    ``low`` and ``high`` are the box of voxels whose values or labels are sent, half open;
+    empty where only surfaces change. ``stored`` holds the stored values of the box as
+    little-endian int16, ``labels`` the number of each voxel's segment as uint8, both with x
+    fastest; null where they stay as they are.
+    """
+
+    edit: int
+    low: GridPlace
+    high: GridPlace
+    stored: bytes | None
+    labels: bytes | None
+    surfaces: list[SegmentSurface]
+
+
 class SettingsChanged(Message, frozen=True, tag="settings_changed"):
     """The settings as the engine holds them."""
 
@@ -250,7 +316,7 @@ class Notice(Message, frozen=True, tag="notice"):
     text: str
 
 
-ToPage = Hello | State | Segments | SettingsChanged | Notice
+ToPage = Hello | State | Segments | Changed | SettingsChanged | Notice
 
 # --- page -> engine -------------------------------------------------------------------
 
@@ -291,6 +357,10 @@ class SegmentProperties(Message, frozen=True, tag="segment_properties"):
     colour: Colour
     visible: bool
     touchable: bool
+    shown_as: ShownAs
+    opacity: Share
+    smoothing: SmoothingDegree
+    wireframe: bool
 
 
 class SegmentFeel(Message, frozen=True, tag="segment_feel"):

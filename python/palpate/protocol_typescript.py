@@ -118,6 +118,10 @@ const flag: Check = (value, path) => {
   expect(typeof value === "boolean", path, "true or false");
 };
 
+const bytes: Check = (value, path) => {
+  expect(value instanceof Uint8Array, path, "bytes");
+};
+
 function oneOf(...allowed: readonly string[]): Check {
   return (value, path) => {
     expect(allowed.includes(value as string), path, `one of ${allowed.join(", ")}`);
@@ -287,7 +291,7 @@ def _many_types(item: str) -> str:
 
 
 TYPES = Dialect(
-    leaves={int: "number", float: "number", str: "string", bool: "boolean"},
+    leaves={int: "number", float: "number", str: "string", bool: "boolean", bytes: "Uint8Array"},
     name=lambda name: name,
     bounded=lambda leaf, _: leaf,
     literal=" | ".join,
@@ -303,7 +307,7 @@ def _bounded_check(leaf: str, bounds: dict[str, float]) -> str:
 
 
 CHECKS = Dialect(
-    leaves={int: "whole()", float: "real()", str: "text()", bool: "flag"},
+    leaves={int: "whole()", float: "real()", str: "text()", bool: "flag", bytes: "bytes"},
     name=lambda name: f"is{name}",
     bounded=_bounded_check,
     literal=lambda values: f"oneOf({', '.join(values)})",

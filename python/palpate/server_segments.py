@@ -5,7 +5,7 @@ Names and colours are kept when a segment is removed, since undo may bring it ba
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from threading import Lock
 from typing import Any
 
@@ -20,13 +20,21 @@ from palpate.session import Session
 __all__ = ["ShownSegments"]
 
 
-@dataclass
+DEFAULT_SMOOTHING = 10
+"""Degree that takes the steps of voxels away and keeps what is larger than a few of them."""
+
+
+@dataclass(frozen=True)
 class Look:
-    """How a segment is shown."""
+    """How a segment is shown; opacity, smoothing and wireframe are those of its surface."""
 
     name: str
     colour: tuple[float, float, float]
-    visible: bool
+    visible: bool = True
+    shown_as: protocol.ShownAs = "volume"
+    opacity: float = 1.0
+    smoothing: int = DEFAULT_SMOOTHING
+    wireframe: bool = False
 
 
 class ShownSegments:
@@ -64,7 +72,16 @@ class ShownSegments:
     def change(self, wanted: protocol.SegmentProperties) -> None:
         """Changes how a segment looks and whether it can be touched."""
         self._session.set_touchable(wanted.id, touchable=wanted.touchable)
-        self._set_look(wanted.id, Look(wanted.name, wanted.colour, wanted.visible))
+        look = Look(
+            name=wanted.name,
+            colour=wanted.colour,
+            visible=wanted.visible,
+            shown_as=wanted.shown_as,
+            opacity=wanted.opacity,
+            smoothing=wanted.smoothing,
+            wireframe=wanted.wireframe,
+        )
+        self._set_look(wanted.id, look)
 
     def threshold(self, wanted: protocol.Threshold) -> None:
         """Makes a segment of a range of values, or changes one.
@@ -75,11 +92,10 @@ class ShownSegments:
         segment = self._session.scene.volume.threshold(wanted.low, wanted.high, name=wanted.name)
         if wanted.id is None:
             segment_id = self._session.add_segment(segment)
-            self._set_look(segment_id, Look(wanted.name, _colour_of(segment_id), visible=True))
+            self._set_look(segment_id, Look(wanted.name, _colour_of(segment_id)))
         else:
             self._session.replace_segment(wanted.id, segment)
-            old = self._look_of(wanted.id)
-            self._set_look(wanted.id, Look(wanted.name, old.colour, old.visible))
+            self._set_look(wanted.id, replace(self._look_of(wanted.id), name=wanted.name))
 
     def labels(self) -> NDArray[np.uint8]:
         """Returns the number of each voxel's segment, for visible segments without a range."""
@@ -97,7 +113,7 @@ class ShownSegments:
 
     def _look_of(self, segment_id: int) -> Look:
         # a program beside the page may have added it
-        other = Look(f"segment {segment_id}", _colour_of(segment_id), visible=True)
+        other = Look(f"segment {segment_id}", _colour_of(segment_id))
         return self._looks.get(segment_id, other)
 
     def _make_message(self, segments_version: int) -> protocol.Segments:
@@ -113,11 +129,7 @@ class ShownSegments:
 
     def _segment(self, state: dict[str, Any]) -> protocol.Segment:
         segment_id = state["id"]
-        look = self._looks.get(segment_id)
-        if look is None:
-            look = Look(
-                f"segment {segment_id}", PALETTE[(segment_id - 1) % len(PALETTE)], visible=True
-            )
+        look = self._look_of(segment_id)
         voxel_volume = self._session.scene.volume.voxel_volume
         return protocol.Segment(
             id=segment_id,
@@ -131,6 +143,10 @@ class ShownSegments:
             pending=state["pending"],
             feel=protocol.Feel(**state["feel"]),
             pose=state["pose"],
+            shown_as=look.shown_as,
+            opacity=look.opacity,
+            smoothing=look.smoothing,
+            wireframe=look.wireframe,
         )
 
 

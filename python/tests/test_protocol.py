@@ -37,6 +37,20 @@ SETTINGS = {
 }
 
 
+PROPERTIES = {
+    "type": "segment_properties",
+    "id": 1,
+    "name": "bone",
+    "colour": [1, 1, 1],
+    "visible": True,
+    "touchable": True,
+    "shown_as": "both",
+    "opacity": 0.5,
+    "smoothing": 20,
+    "wireframe": True,
+}
+
+
 @pytest.mark.parametrize(
     "message",
     [
@@ -63,6 +77,11 @@ SETTINGS = {
         {"type": "change_settings", "settings": SETTINGS | {"model": "chai3d"}},
         {"type": "change_settings", "settings": SETTINGS | {"probe_radius": -1.0}},
         {"type": "move_segment", "id": 1, "pose": [1.0] * 15},
+        PROPERTIES | {"shown_as": "mesh"},
+        PROPERTIES | {"opacity": 1.1},
+        PROPERTIES | {"smoothing": 21},
+        PROPERTIES | {"smoothing": 0.5},
+        PROPERTIES | {"wireframe": 1},
     ],
 )
 def test_what_is_not_of_the_schema_is_refused(message: Any) -> None:
@@ -82,3 +101,27 @@ def test_bytes_that_are_no_message_never_pass(packed: bytes) -> None:
 def test_messages_to_the_page_carry_their_type() -> None:
     packed = protocol.encode_to_page(protocol.Notice(level="info", text="hello"))
     assert msgspec.msgpack.decode(packed) == {"type": "notice", "level": "info", "text": "hello"}
+
+
+def test_the_looks_of_a_surface_pass() -> None:
+    packed = msgspec.msgpack.encode(PROPERTIES)
+    assert isinstance(protocol.decode_from_page(packed), protocol.SegmentProperties)
+
+
+def test_the_bytes_of_a_patch_are_sent_as_they_are() -> None:
+    patch = protocol.SurfacePatch(
+        index=(0, -1, 2),
+        origin=(0.0, 0.0, 0.0),
+        size=(1.0, 1.0, 1.0),
+        vertices=bytes(range(18)),
+        normals=bytes(12),
+        triangles=bytes([0, 0, 1, 0, 2, 0]),
+    )
+    surface = protocol.SegmentSurface(id=1, whole=True, dropped=[(1, 1, 1)], patches=[patch])
+    changed = protocol.Changed(
+        edit=7, low=(0, 0, 0), high=(0, 0, 0), stored=None, labels=None, surfaces=[surface]
+    )
+    sent = msgspec.msgpack.decode(protocol.encode_to_page(changed))
+    assert sent["type"] == "changed"
+    assert sent["surfaces"][0]["patches"][0]["vertices"] == bytes(range(18))
+    assert sent["stored"] is None

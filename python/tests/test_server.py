@@ -13,6 +13,9 @@ from palpate import protocol
 from palpate.errors import OptionError
 from palpate.server import bind
 
+SURFACE_LOOK = {"shown_as": "volume", "opacity": 1.0, "smoothing": 10, "wireframe": False}
+"""How a surface looks as long as nobody says otherwise."""
+
 
 def voxels(server: Any, route: str, kind: str) -> np.ndarray:
     answer = server.get(route)
@@ -56,7 +59,7 @@ def test_labels_hold_edited_segments_while_they_are_visible(server: Any) -> None
         np.testing.assert_array_equal(voxels(server, "/api/labels", "u1"), expected)
 
         hidden = {"type": "segment_properties", "id": 1, "name": "ball", "colour": [1, 0, 0]}
-        page.send(hidden | {"visible": False, "touchable": True})
+        page.send(hidden | SURFACE_LOOK | {"visible": False, "touchable": True})
         page.receive("segments", until=lambda m: m["labels"] > after["labels"])
         assert not voxels(server, "/api/labels", "u1").any()
 
@@ -173,11 +176,33 @@ def test_a_drag_of_a_threshold_ends_at_its_last_position(server: Any) -> None:
 def test_properties_are_told_to_all_pages(server: Any) -> None:
     with server.page() as first, server.page() as second:
         change = {"type": "segment_properties", "id": 1, "name": "stone", "colour": [0, 0.5, 1]}
-        first.send(change | {"visible": True, "touchable": False})
+        first.send(change | SURFACE_LOOK | {"visible": True, "touchable": False})
         for page in (first, second):
             told = page.receive("segments", until=lambda m: m["segments"][0]["name"] == "stone")
             assert told["segments"][0]["colour"] == [0.0, 0.5, 1.0]
             assert told["segments"][0]["touchable"] is False
+
+
+def test_how_a_surface_looks_is_kept_with_its_segment(server: Any) -> None:
+    wanted = {"shown_as": "both", "opacity": 0.4, "smoothing": 3, "wireframe": True}
+    change = {"type": "segment_properties", "id": 1, "name": "ball", "colour": [1, 0, 0]}
+    with server.page() as page:
+        page.send(change | wanted | {"visible": True, "touchable": True})
+        page.receive("segments", until=lambda m: m["segments"][0]["shown_as"] == "both")
+        # another threshold is still the same segment
+        threshold = {"type": "threshold", "id": 1, "name": "stone", "low": 50.0, "high": 200.0}
+        page.send(threshold)
+        told = page.receive("segments", until=lambda m: m["segments"][0]["name"] == "stone")
+    with server.page() as later:
+        hello = later.receive("hello")
+    for segment in (told["segments"][0], hello["segments"][0]):
+        assert {name: segment[name] for name in wanted} == wanted
+
+
+def test_a_new_segment_is_shown_from_its_voxels(server: Any) -> None:
+    with server.page() as page:
+        segment = page.receive("hello")["segments"][0]
+    assert {name: segment[name] for name in SURFACE_LOOK} == SURFACE_LOOK
 
 
 def test_settings_are_told_as_the_engine_holds_them(server: Any) -> None:

@@ -36,6 +36,18 @@ export type Stiffness = number;
 /** A Coulomb coefficient. */
 export type Friction = number;
 
+/** Whether a segment is drawn from its voxels, as a surface, or in both ways. */
+export type ShownAs = "volume" | "surface" | "both";
+
+/** How often the vertices of a surface are moved to the mean of their neighbours. */
+export type SmoothingDegree = number;
+
+/** A voxel's or a patch's place along one axis. */
+export type Index = number;
+
+/** A voxel or a patch of a grid, along x, y, z. */
+export type GridPlace = readonly [Index, Index, Index];
+
 /** A rigid transform of the scene, row-major, shape [4, 4], translation in mm. */
 export type Pose = readonly Coordinate[];
 
@@ -83,7 +95,8 @@ export interface Feel {
  * `range` holds the threshold (low, high) while the segment is just that threshold;
  * null where its voxels come from elsewhere: then they stand in `/api/labels` under
  * the segment's `id` (1..255). `pose` takes the segment from where the scan has it to
- * where it stands; null where it was not moved.
+ * where it stands; null where it was not moved. `opacity`, `smoothing` and
+ * `wireframe` are those of its surface.
  */
 export interface Segment {
   readonly id: SegmentId;
@@ -97,6 +110,10 @@ export interface Segment {
   readonly pending: boolean;
   readonly feel: Feel;
   readonly pose: Pose | null;
+  readonly shown_as: ShownAs;
+  readonly opacity: Share;
+  readonly smoothing: SmoothingDegree;
+  readonly wireframe: boolean;
 }
 
 /** What a person can set about touch. */
@@ -213,6 +230,56 @@ export interface Segments {
   readonly labels: number;
 }
 
+/**
+ * One patch of a segment's surface, where the scan has the segment (before its pose).
+ *
+ * `index` is its place in the grid of patches. `origin` is the lower corner and `size`
+ * the edges of the box that its vertices lie in: position = origin + u16 / 65535 * size.
+ *
+ * `vertices` are x, y, z as little-endian uint16 each; `normals` x, y, z and a byte that
+ * means nothing as int8 each, unit = int8 / 127; `triangles` three vertex numbers each,
+ * little-endian uint16, or uint32 where there are more than 65536 vertices, counter-clockwise
+ * as seen from outside.
+ */
+export interface SurfacePatch {
+  readonly index: GridPlace;
+  readonly origin: Vector;
+  readonly size: Vector;
+  readonly vertices: Uint8Array;
+  readonly normals: Uint8Array;
+  readonly triangles: Uint8Array;
+}
+
+/**
+ * What changes in the surface of a segment: patches that are new or gone.
+ *
+ * `whole` forgets all patches that were sent before.
+ */
+export interface SegmentSurface {
+  readonly id: SegmentId;
+  readonly whole: boolean;
+  readonly dropped: readonly GridPlace[];
+  readonly patches: readonly SurfacePatch[];
+}
+
+/**
+ * All that one edit changes in the picture: shown in one and the same frame.
+ *
+ * `low` and `high` are the box of voxels whose values or labels are sent, half open;
+ * empty where only surfaces change. `stored` holds the stored values of the box as
+ * little-endian int16, `labels` the number of each voxel's segment as uint8, both with x
+ * fastest; null where they stay as they are.
+ */
+export interface Changed {
+  readonly type: "changed";
+  readonly edit: number;
+  readonly low: GridPlace;
+  readonly high: GridPlace;
+  readonly stored: Uint8Array | null;
+  readonly labels: Uint8Array | null;
+  readonly surfaces: readonly SegmentSurface[];
+}
+
 /** The settings as the engine holds them. */
 export interface SettingsChanged {
   readonly type: "settings_changed";
@@ -262,6 +329,10 @@ export interface SegmentProperties {
   readonly colour: Colour;
   readonly visible: boolean;
   readonly touchable: boolean;
+  readonly shown_as: ShownAs;
+  readonly opacity: Share;
+  readonly smoothing: SmoothingDegree;
+  readonly wireframe: boolean;
 }
 
 /** Changes how the surface of a segment feels. */
@@ -311,6 +382,7 @@ export type ToPage =
   | Hello
   | State
   | Segments
+  | Changed
   | SettingsChanged
   | Notice;
 
@@ -409,6 +481,10 @@ const flag: Check = (value, path) => {
   expect(typeof value === "boolean", path, "true or false");
 };
 
+const bytes: Check = (value, path) => {
+  expect(value instanceof Uint8Array, path, "bytes");
+};
+
 function oneOf(...allowed: readonly string[]): Check {
   return (value, path) => {
     expect(allowed.includes(value as string), path, `one of ${allowed.join(", ")}`);
@@ -475,6 +551,14 @@ const isStiffness = real({ gt: 0, le: 10 });
 
 const isFriction = real({ ge: 0, le: 2 });
 
+const isShownAs = oneOf("volume", "surface", "both");
+
+const isSmoothingDegree = whole({ ge: 0, le: 20 });
+
+const isIndex = whole({ ge: -2147483648, lt: 2147483648 });
+
+const isGridPlace = tuple(isIndex, isIndex, isIndex);
+
 const isPose = list(isCoordinate);
 
 const isHistogram = record({
@@ -518,6 +602,10 @@ const isSegment = record({
   pending: flag,
   feel: isFeel,
   pose: nullable(isPose),
+  shown_as: isShownAs,
+  opacity: isShare,
+  smoothing: isSmoothingDegree,
+  wireframe: flag,
 });
 
 const isSettings = record({
@@ -606,6 +694,32 @@ const isSegments = record({
   labels: whole(),
 });
 
+const isSurfacePatch = record({
+  index: isGridPlace,
+  origin: isVector,
+  size: isVector,
+  vertices: bytes,
+  normals: bytes,
+  triangles: bytes,
+});
+
+const isSegmentSurface = record({
+  id: isSegmentId,
+  whole: flag,
+  dropped: list(isGridPlace),
+  patches: list(isSurfacePatch),
+});
+
+const isChanged = record({
+  type: oneOf("changed"),
+  edit: whole(),
+  low: isGridPlace,
+  high: isGridPlace,
+  stored: nullable(bytes),
+  labels: nullable(bytes),
+  surfaces: list(isSegmentSurface),
+});
+
 const isSettingsChanged = record({
   type: oneOf("settings_changed"),
   settings: isSettings,
@@ -621,6 +735,7 @@ const TO_PAGE: ReadonlyMap<string, Check> = new Map([
   ["hello", isHello],
   ["state", isState],
   ["segments", isSegments],
+  ["changed", isChanged],
   ["settings_changed", isSettingsChanged],
   ["notice", isNotice],
 ]);

@@ -8,6 +8,7 @@ import { project, type Camera, type Extent, type Viewport } from "../core/camera
 import type { Look } from "../core/look";
 import type { Segment } from "../core/protocol";
 import type { ScanVolume } from "../core/scan_volume";
+import type { SurfaceChange } from "../core/surface_patches";
 import type { Vec3 } from "../core/vector";
 import { Compositor } from "./compositor";
 import { FieldTexture, fieldFormatFor, type FieldFormat } from "./field_texture";
@@ -17,6 +18,7 @@ import { byteTexture, labelColours } from "./lookup_textures";
 import { markerMargin, Markers, type MarkerState } from "./markers";
 import { RayMarcher } from "./ray_marcher";
 import { Refiner } from "./refiner";
+import { Surfaces } from "./surfaces";
 import { ThreeCamera } from "./three_camera";
 
 export interface PictureOptions {
@@ -33,6 +35,7 @@ export class Picture {
   private readonly compositor = new Compositor();
   private readonly markers = new Markers();
   private readonly camera = new ThreeCamera();
+  private readonly surfaces: Surfaces;
   private readonly refiner: Refiner;
   private readonly options: PictureOptions;
   private field: FieldTexture | null = null;
@@ -63,7 +66,8 @@ export class Picture {
     });
     this.renderer.autoClear = false;
     this.renderer.outputColorSpace = THREE.SRGBColorSpace;
-    this.refiner = new Refiner(this.renderer, new GpuClock(this.gl), this.marcher, {
+    this.surfaces = new Surfaces(this.marcher, support.halfFloatTarget);
+    this.refiner = new Refiner(this.renderer, new GpuClock(this.gl), this.marcher, this.surfaces, {
       software: support.software,
       halfFloat: support.halfFloatTarget,
     });
@@ -94,6 +98,7 @@ export class Picture {
     this.field = new FieldTexture(volume, this.options.format ?? fieldFormatFor(this.options.support));
     this.ready = false;
     this.marcher.setField(this.field, bricks);
+    this.surfaces.setFrame(volume.frame);
     this.refiner.restart();
   }
 
@@ -114,6 +119,18 @@ export class Picture {
     this.colours?.dispose();
     this.colours = labelColours(segments);
     this.marcher.setLabelColours(this.colours);
+    this.refiner.restart();
+  }
+
+  /** How segments are shown; their surfaces come by `change`. */
+  setSegments(segments: readonly Segment[]): void {
+    this.setLabelColours(segments);
+    this.surfaces.setSegments(segments);
+    this.refiner.restart();
+  }
+
+  setSurfaces(changes: readonly SurfaceChange[]): void {
+    this.surfaces.apply(changes);
     this.refiner.restart();
   }
 
@@ -153,6 +170,7 @@ export class Picture {
       this.shownCamera = this.view.camera;
       this.marcher.setCamera(this.view.camera, this.view.extent, aspect);
       this.camera.update(this.view.camera, this.view.extent, aspect);
+      this.surfaces.setCamera(this.view.camera, this.camera.camera);
     }
     if (this.refiner.advance(now) || this.screenStale) {
       this.drawScreen(null);
@@ -164,6 +182,7 @@ export class Picture {
   dispose(): void {
     this.refiner.dispose();
     this.marcher.dispose();
+    this.surfaces.dispose();
     this.compositor.dispose();
     this.markers.dispose();
     this.field?.dispose();

@@ -10,13 +10,14 @@ export class PictureTarget {
   width = 1;
   height = 1;
 
-  constructor(halfFloat: boolean) {
+  /** @param depthType of the depth's texels. */
+  constructor(halfFloat: boolean, depthType: THREE.TextureDataType = THREE.UnsignedIntType) {
     this.target = new THREE.WebGLRenderTarget(1, 1, {
       type: halfFloat ? THREE.HalfFloatType : THREE.UnsignedByteType,
       minFilter: THREE.LinearFilter,
       magFilter: THREE.LinearFilter,
       generateMipmaps: false,
-      depthTexture: new THREE.DepthTexture(1, 1, THREE.UnsignedIntType),
+      depthTexture: new THREE.DepthTexture(1, 1, depthType),
     });
   }
 

@@ -17,6 +17,7 @@ import { FullscreenPass } from "./fullscreen_pass";
 import { byteTexture, transferTexture } from "./lookup_textures";
 import type { PictureTarget } from "./picture_target";
 import { shaders } from "./shaders";
+import type { SurfaceLayers } from "./surface_layers";
 
 /** Threshold segments that can be drawn at once. In sync with `shaders/segments.glsl`. */
 const mostRanges = 16;
@@ -71,8 +72,24 @@ function marchUniforms() {
     brickTexture: { value: null as THREE.Texture | null },
     brickScale: { value: vector() },
     brickOffset: { value: vector() },
+    surfaceColour: { value: null as THREE.Texture | null },
+    surfaceDepth: { value: null as THREE.Texture | null },
+    surfaceLead: { value: 0 },
+    layerColour: { value: [] as THREE.Texture[] },
+    layerDepth: { value: [] as THREE.Texture[] },
   };
 }
+
+type MarchUniforms = ReturnType<typeof marchUniforms>;
+type FieldUniform =
+  | "fieldTexture"
+  | "dimensions"
+  | "textureScale"
+  | "textureOffset"
+  | "sampleStep"
+  | "spacing"
+  | "slope"
+  | "labelTexture";
 
 export class RayMarcher {
   private readonly uniforms = marchUniforms();
@@ -83,6 +100,8 @@ export class RayMarcher {
   private look: Look | null = null;
   private step = 1;
   private format = "FIELD_RG8";
+  /** Translucent layers of surfaces; -1 where there are no surfaces at all. */
+  private layers = -1;
 
   /** Shows another scan. */
   setField(field: FieldTexture, bricks: BrickRanges): void {
@@ -96,6 +115,7 @@ export class RayMarcher {
     u.spacing.value.set(...frame.spacing);
     u.sampleStep.value.setScalar(step);
     u.slope.value = frame.rescale.slope;
+    u.surfaceLead.value = smallestSpacing(frame) * step;
     // texel centres stand at half numbers: see core/scan_volume.ts
     const first = 0.5 - 0.5 / step;
     u.textureScale.value.set(...inverted(scale(dimensions, step)));
@@ -161,6 +181,29 @@ export class RayMarcher {
     u.clip.value.set(near, far);
   }
 
+  /** Surfaces of triangles that stand in the picture; null where there are none. */
+  setSurfaces(surfaces: SurfaceLayers | null): void {
+    const u = this.uniforms;
+    u.surfaceColour.value = surfaces?.opaque.target.texture ?? null;
+    u.surfaceDepth.value = surfaces?.opaque.target.depthTexture ?? null;
+    u.layerColour.value = surfaces?.translucent.map(({ target }) => target.texture) ?? [];
+    u.layerDepth.value = surfaces?.translucent.flatMap(({ target }) => target.depthTexture ?? []) ?? [];
+    const layers = surfaces?.translucent.length ?? -1;
+    if (layers !== this.layers) {
+      this.layers = layers;
+      this.compile();
+    }
+  }
+
+  /** What other shaders need to read the scan as this one does (`field.glsl`). */
+  get fieldUniforms(): Pick<MarchUniforms, FieldUniform> {
+    return this.uniforms;
+  }
+
+  get fieldDefines(): Readonly<Record<string, string>> {
+    return { [this.format]: "", ...(this.labelled === null ? {} : { LABELS: "" }) };
+  }
+
   /** Draws rows of a level of the picture. */
   draw(renderer: THREE.WebGLRenderer, target: PictureTarget, quality: MarchQuality, shift: Shift): void {
     if (this.frame === null) {
@@ -194,7 +237,8 @@ export class RayMarcher {
   /** Chooses the shader's variant. */
   private compile(): void {
     const { material } = this.pass;
-    material.defines = { [this.format]: "", ...(this.labelled === null ? {} : { LABELS: "" }) };
+    const surfaces = this.layers < 0 ? { LAYERS: "0" } : { SURFACES: "", LAYERS: String(this.layers) };
+    material.defines = { ...this.fieldDefines, ...surfaces };
     material.needsUpdate = true;
   }
 
@@ -226,6 +270,6 @@ function texelCoordinates(low: number, high: number, texels: number): readonly [
 }
 
 /** Over the viewer's left shoulder. */
-function keyLight(camera: Camera): Vec3 {
+export function keyLight(camera: Camera): Vec3 {
   return normalize(add(add(scale(camera.right, -0.45), scale(camera.up, 0.65)), scale(camera.back, 0.75)));
 }

@@ -1,13 +1,15 @@
 /**
  * Draws the cached picture in pieces that fit into the time there is: at once and coarse
  * while the view moves; then, at rest, level by level in strips of rows; last, where the
- * GPU is quick, several shifted pictures averaged for smooth edges.
+ * GPU is quick, several shifted pictures averaged for smooth edges. Surfaces are drawn with
+ * each level before its first strip.
  */
 import type * as THREE from "three";
 import { levelsAfter, Pace } from "../core/pace";
 import type { GpuClock } from "./gpu_clock";
 import { PictureTarget } from "./picture_target";
 import type { RayMarcher, Shift } from "./ray_marcher";
+import type { Surfaces } from "./surfaces";
 
 export interface RefinerOptions {
   readonly software: boolean;
@@ -44,6 +46,7 @@ export class Refiner {
     private readonly renderer: THREE.WebGLRenderer,
     private readonly clock: GpuClock,
     private readonly marcher: RayMarcher,
+    private readonly surfaces: Surfaces,
     private readonly options: RefinerOptions,
   ) {
     this.shown = new PictureTarget(options.halfFloat);
@@ -126,6 +129,7 @@ export class Refiner {
   private drawMoving(now: number): void {
     const divisor = this.pace.movingDivisor(this.pixels(1));
     this.working.useLevel(divisor);
+    this.drawSurfaces(divisor, [0, 0, 0]);
     this.drawRows(0, this.working.height, this.steps.moving, [0, 0, 0]);
     this.swap(divisor);
     this.stale = false;
@@ -138,6 +142,9 @@ export class Refiner {
   private drawStrip(): boolean {
     const level = this.levels[0] ?? 1;
     this.working.useLevel(level);
+    if (this.row === 0) {
+      this.drawSurfaces(level, [0, 0, 0]);
+    }
     const to = Math.min(this.working.height, this.row + this.pace.stripRows(this.working.width, this.working.height));
     this.drawRows(this.row, to, this.steps.resting, [0, 0, 0]);
     this.row = to;
@@ -158,12 +165,18 @@ export class Refiner {
     const shift: Shift = [halton(count, 2) - 0.5, halton(count, 3) - 0.5, count];
     const { shown, working } = this;
     this.working = shown;
+    this.drawSurfaces(1, shift);
     this.marcher.blend = 1 / count;
     this.drawRows(0, shown.height, this.steps.resting, shift);
     this.marcher.blend = null;
     this.working = working;
     this.pass = count;
     return true;
+  }
+
+  /** Draws the surfaces of a level, which the ray caster reads with every strip of it. */
+  private drawSurfaces(divisor: number, shift: Shift): void {
+    this.surfaces.draw(this.renderer, this.working, divisor, shift);
   }
 
   private drawRows(from: number, to: number, stepsPerVoxel: number, shift: Shift): void {

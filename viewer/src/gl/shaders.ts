@@ -10,9 +10,14 @@ import light from "./shaders/light.glsl?raw";
 import marchFrag from "./shaders/march.frag?raw";
 import markerFrag from "./shaders/marker.frag?raw";
 import markerVert from "./shaders/marker.vert?raw";
+import openness from "./shaders/openness.glsl?raw";
+import ownSegment from "./shaders/own_segment.glsl?raw";
 import pathFrag from "./shaders/path.frag?raw";
 import pathVert from "./shaders/path.vert?raw";
 import segments from "./shaders/segments.glsl?raw";
+import surfaceFrag from "./shaders/surface.frag?raw";
+import surfaceVert from "./shaders/surface.vert?raw";
+import surfaces from "./shaders/surfaces.glsl?raw";
 
 const precision = "precision highp float;\nprecision highp int;\nprecision highp sampler2D;\nprecision highp sampler3D;\n";
 
@@ -22,9 +27,10 @@ function joined(...parts: readonly string[]): string {
 
 export const shaders = {
   fullscreen: joined(fullscreenVert),
-  march: joined(field, segments, light, marchFrag),
+  march: joined(field, segments, surfaces, light, openness, marchFrag),
   composite: joined(compositeFrag),
   gauge: { vertex: joined(gaugeVert), fragment: joined(gaugeFrag) },
   marker: { vertex: joined(markerVert), fragment: joined(markerFrag) },
+  surface: { vertex: joined(surfaceVert), fragment: joined(field, ownSegment, light, openness, surfaceFrag) },
   path: { vertex: joined(pathVert), fragment: joined(pathFrag) },
 };

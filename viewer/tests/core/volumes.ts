@@ -56,6 +56,10 @@ export const segment: Segment = {
   pending: false,
   feel: { stiffness: null, friction_static: null, friction_kinetic: null },
   pose: null,
+  shown_as: "volume",
+  opacity: 1,
+  smoothing: 10,
+  wireframe: false,
 };
 
 export const settings: Settings = {

@@ -10,6 +10,8 @@ import type { Look } from "../../src/core/look";
 import type { ScanVolume } from "../../src/core/scan_volume";
 import { PathTrail } from "../../src/core/path_trail";
 import type { TransferFunction } from "../../src/core/transfer_function";
+import type { Segment } from "../../src/core/protocol";
+import { decodeSurface } from "../../src/core/surface_patches";
 import { distance, type Vec3 } from "../../src/core/vector";
 import { FieldTexture, type FieldFormat } from "../../src/gl/field_texture";
 import { gpuSupport } from "../../src/gl/gpu_support";
@@ -18,6 +20,7 @@ import type { MarkerState } from "../../src/gl/markers";
 import { Picture } from "../../src/gl/picture";
 import { PictureTarget } from "../../src/gl/picture_target";
 import { RayMarcher } from "../../src/gl/ray_marcher";
+import { ballSurface } from "../core/ball_surface";
 import { scanOf, segment, volumeOf } from "../core/volumes";
 
 export interface MarchTest {
@@ -145,8 +148,37 @@ function trailThrough(way: readonly Vec3[]): PathTrail {
   return trail;
 }
 
-/** The whole picture with markers on a canvas of its own; sRGB bytes, rows from the bottom. */
-async function screen(test: MarchTest, markers: MarkerTest | null, jitter = false): Promise<number[]> {
+/** A picture of the page on a canvas of its own, with what a test does to it. */
+export interface ScreenTest {
+  readonly scan: MarchTest;
+  readonly markers?: MarkerTest;
+  readonly jitter?: boolean;
+  /** Surfaces of balls, as segments look them. */
+  readonly surfaces?: readonly SurfaceTest[];
+}
+
+export interface SurfaceTest {
+  readonly centre: Vec3;
+  readonly radius: number;
+  /** Patches that the ball is cut into. */
+  readonly sectors: number;
+  readonly look: Partial<Segment>;
+}
+
+function showSurfaces(picture: Picture, surfaces: readonly SurfaceTest[]): void {
+  const segments = surfaces.map(({ look }, i) => ({ ...segment, shown_as: "surface" as const, id: i + 1, ...look }));
+  picture.setSegments(segments);
+  picture.setSurfaces(
+    surfaces.map(({ centre, radius, sectors }, i) => decodeSurface(ballSurface(i + 1, centre, radius, sectors))),
+  );
+}
+
+/** The whole picture with markers; sRGB bytes, rows from the bottom. */
+function screen(test: MarchTest, markers: MarkerTest | null, jitter = false): Promise<number[]> {
+  return show({ scan: test, jitter, ...(markers === null ? {} : { markers }) });
+}
+
+async function show({ scan: test, markers, jitter = false, surfaces = [] }: ScreenTest): Promise<number[]> {
   const support = gpuSupport();
   if (support === null) {
     throw new Error("no WebGL2");
@@ -160,7 +192,8 @@ async function screen(test: MarchTest, markers: MarkerTest | null, jitter = fals
   picture.setScan(volume, bricksOf(volume, true));
   picture.setLook(lookOf(test));
   picture.setCamera(lookFrom(test.from, extent, viewport), extent);
-  if (markers !== null) {
+  showSurfaces(picture, surfaces);
+  if (markers !== undefined) {
     picture.setMarkers({ ...stillMarkers(extent.centre), ...markers, trail: trailThrough(markers.way ?? []) });
   }
   while (!picture.quality.finished || !picture.hasPicture) {
@@ -177,8 +210,8 @@ async function screen(test: MarchTest, markers: MarkerTest | null, jitter = fals
 
 declare global {
   interface Window {
-    glTests?: { march: typeof march; screen: typeof screen };
+    glTests?: { march: typeof march; screen: typeof screen; show: typeof show };
   }
 }
 
-window.glTests = { march, screen };
+window.glTests = { march, screen, show };

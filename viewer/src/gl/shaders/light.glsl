@@ -1,5 +1,5 @@
 // Light of the picture: a key light over the viewer's left shoulder, a soft sky and ground.
-// All vectors are unit vectors along the grid's axes in mm. Colours are linear.
+// All vectors are unit vectors in mm, in one and the same frame. Colours are linear.
 // Source: Blinn, "Models of light reflection", SIGGRAPH (1977); the cone sampling of
 // occlusion follows Hernell et al., "Local ambient occlusion", IEEE TVCG 16 (2010).
 

@@ -3,7 +3,8 @@
 //
 // Positions run in grid coordinates, lengths along the ray in mm. Tissue is post-classified
 // and post-shaded; its opacity is corrected for the step. Visible segments are surfaces,
-// found to 1/32 of a step; where tissue becomes opaque, steps are quartered. Bricks that hold
+// found to 1/32 of a step; where tissue becomes opaque, steps are quartered. Surfaces of
+// triangles stand in the ray at their depth (surfaces.glsl). Bricks that hold
 // nothing drawn are leapt over in whole steps, so that skipping changes no pixel.
 // Source: Engel et al., "Real-Time Volume Graphics" (2006), ch. 4, 8; Levoy, "Display of
 // surfaces from volume data", IEEE CG&A 8 (1988) for the weight of boundaries.
@@ -18,7 +19,6 @@ uniform vec3 eye;
 uniform vec3 forward;
 uniform vec3 across;
 uniform vec3 upward;
-uniform vec2 clip;
 // length of a step [mm]; 1 where the start is jittered
 uniform float stepLength;
 uniform float jitter;
@@ -104,30 +104,6 @@ vec3 surfaceNormal(vec3 grid, int segment) {
   return gradientAt(grid);
 }
 
-// Share of the sky seen from a surface: four cones about the normal and one along it.
-float openness(vec3 grid, vec3 normal, int segment) {
-  vec3 side = normalize(abs(normal.z) < 0.9 ? cross(normal, vec3(0, 0, 1)) : cross(normal, vec3(1, 0, 0)));
-  vec3 other = cross(normal, side);
-  float covered = 0.0;
-  for (int cone = 0; cone < 5; ++cone) {
-    vec2 tilt = cone == 0 ? vec2(0.0) : vec2(cone == 1 ? 1.0 : cone == 2 ? -1.0 : 0.0, cone == 3 ? 1.0 : cone == 4 ? -1.0 : 0.0);
-    vec3 direction = normalize(normal + 1.1 * (tilt.x * side + tilt.y * other)) / spacing;
-    float hit = 0.0;
-    float away = 2.2;
-    for (int i = 0; i < 4; ++i) {
-      vec3 place = grid + direction * away;
-      bool inside = all(greaterThan(place, vec3(0.0))) && all(lessThan(place, dimensions));
-      if (inside && segmentAt(place, biasedAt(place)) == segment) {
-        // what is far away covers less
-        hit = max(hit, 1.0 - float(i) * 0.2);
-      }
-      away *= 1.9;
-    }
-    covered += hit;
-  }
-  return 1.0 - 0.17 * covered;
-}
-
 // Unit vector, turned to the viewer; `instead` where there is no direction.
 vec3 facing(vec3 vector, vec3 toEye, vec3 instead) {
   float size = length(vector);
@@ -141,12 +117,6 @@ float noise(vec2 pixel) {
   return fract(52.9829189 * fract(dot(pixel, vec2(0.06711056, 0.00583715))));
 }
 
-float windowDepth(float viewDepth) {
-  float near = clip.x;
-  float far = clip.y;
-  return clamp(far * (viewDepth - near) / (viewDepth * (far - near)), 0.0, 1.0);
-}
-
 void main() {
   // the ray, per mm: along the grid's axes in mm and in voxels
   vec2 place = (gl_FragCoord.xy + shift.xy) / pictureSize * 2.0 - 1.0;
@@ -158,6 +128,8 @@ void main() {
 
   vec3 face;
   vec2 span = throughScan(inGrid, face);
+  Layers layers = layersOnRay(stretch);
+  span.y = min(span.y, layers.end);
   float start = jitter > 0.5 ? noise(gl_FragCoord.xy + 5.588238 * shift.z) : 0.5;
   float t = span.x + start * stepLength;
   vec3 light = vec3(0.0);
@@ -183,6 +155,7 @@ void main() {
       bool cut = t - stepLength <= span.x;
       t = cut ? span.x : refinedEntry(inGrid, t - stepLength, t, segment);
       grid = eye + inGrid * t;
+      passLayers(layers, t, light, clarity, depth);
       vec3 normal = cut ? face : facing(surfaceNormal(grid, segment), toEye, toEye);
       light += clarity * litSurface(segmentColour(segment), normal, toEye, openness(grid, normal, segment));
       clarity = 0.0;
@@ -209,12 +182,18 @@ void main() {
     }
     fine = opaque ? quarters : max(0, fine - 1);
     float h = fine > 0 ? 0.25 * stepLength : stepLength;
+    passLayers(layers, t, light, clarity, depth);
     float opacity = 1.0 - exp(-extinction * h);
     vec3 normal = facing(gradient, toEye, toEye);
     light += clarity * opacity * litTissue(tissue.rgb, normal, toEye, boundary);
     clarity *= 1.0 - opacity;
     depth = depth < 0.0 && clarity < 0.5 ? t : depth;
     t += h;
+  }
+
+  if (clarity > clearEnough) {
+    passLayers(layers, farAway, light, clarity, depth);
+    endAtSurface(layers, light, clarity, depth);
   }
 
   // what early termination left out would have looked like the rest

@@ -11,7 +11,7 @@ uniform int rangeCount;
 
 #ifdef LABELS
 uniform sampler3D labelTexture;
-// colour of each id (linear), alpha 1 where it is visible
+// colour of each id (linear); alpha 1 where its voxels are drawn, 0.5 where nothing is
 uniform sampler2D labelColours;
 
 int labelAt(vec3 grid) {
@@ -35,9 +35,11 @@ int segmentAt(vec3 grid, float value) {
   }
 #ifdef LABELS
   int label = labelAt(grid);
-  if (label > 0 && texelFetch(labelColours, ivec2(label, 0), 0).a > 0.5) {
+  float drawn = label > 0 ? texelFetch(labelColours, ivec2(label, 0), 0).a : 0.0;
+  if (drawn > 0.75) {
     return RANGES + label;
   }
+  found = drawn > 0.25 ? -1 : found;
 #endif
   return found;
 }
@@ -49,4 +51,8 @@ vec3 segmentColour(int segment) {
   }
 #endif
   return rangeColours[segment - 1];
+}
+
+bool insideSegment(vec3 grid, int segment) {
+  return segmentAt(grid, biasedAt(grid)) == segment;
 }

@@ -1,0 +1,131 @@
+/**
+ * The surface of one segment on the GPU: a mesh for each patch, with its vertices as they
+ * arrived (shares of the patch's box), so that a patch is exchanged without touching others.
+ */
+import * as THREE from "three";
+import { columnMajor, linearColumnMajor, type Affine } from "../core/affine";
+import { linearFromSrgb } from "../core/colour";
+import type { Segment } from "../core/protocol";
+import type { ScanFrame } from "../core/scan_volume";
+import { biasedRange } from "../core/stored_values";
+import type { Patch, SurfaceChange } from "../core/surface_patches";
+import { shaders } from "./shaders";
+
+/** The ball around the unit cube, in which every patch's vertices lie. */
+const unitBall = new THREE.Sphere(new THREE.Vector3(0.5, 0.5, 0.5), Math.sqrt(3) / 2);
+
+const nowhere: Affine = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0];
+
+export class SurfaceMesh {
+  /** Stands where the segment stands. */
+  readonly group = new THREE.Group();
+  private readonly meshes = new Map<string, THREE.Mesh<THREE.BufferGeometry, THREE.RawShaderMaterial>>();
+  private readonly own = {
+    colour: { value: new THREE.Vector3() },
+    opacity: { value: 1 },
+    bare: { value: 0 },
+    ownRange: { value: new THREE.Vector2(1, 0) },
+    ownLabel: { value: 0 },
+    gridFromPosed: { value: new THREE.Matrix4() },
+    posedFromSurface: { value: new THREE.Matrix3() },
+    gridAxesFromSurface: { value: new THREE.Matrix3() },
+  };
+  private readonly material: THREE.RawShaderMaterial;
+
+  /** @param shared uniforms of all surfaces. */
+  constructor(shared: Readonly<Record<string, THREE.IUniform>>) {
+    this.material = new THREE.RawShaderMaterial({
+      glslVersion: THREE.GLSL3,
+      vertexShader: shaders.surface.vertex,
+      fragmentShader: shaders.surface.fragment,
+      uniforms: { ...shared, ...this.own },
+      side: THREE.DoubleSide,
+      blending: THREE.NoBlending,
+    });
+    this.group.matrixAutoUpdate = false;
+  }
+
+  get translucent(): boolean {
+    return this.own.opacity.value < 1;
+  }
+
+  get empty(): boolean {
+    return this.meshes.size === 0;
+  }
+
+  apply({ whole, dropped, patches }: SurfaceChange): void {
+    for (const key of whole ? [...this.meshes.keys()] : dropped) {
+      this.drop(key);
+    }
+    for (const patch of patches) {
+      this.drop(patch.key);
+      if (patch.triangles.length > 0) {
+        this.add(patch);
+      }
+    }
+  }
+
+  /** Shows the segment as the list of segments says. */
+  setSegment(segment: Segment, frame: ScanFrame): void {
+    const { own } = this;
+    own.colour.value.set(...linearFromSrgb(segment.colour));
+    own.opacity.value = segment.opacity;
+    own.bare.value = segment.wireframe ? 1 : 0;
+    this.material.wireframe = segment.wireframe;
+    own.ownLabel.value = segment.range === null ? segment.id : 0;
+    const range = segment.range === null ? ([1, 0] as const) : biasedRange(segment.range[0], segment.range[1], frame.rescale);
+    own.ownRange.value.set(...range);
+    this.stand(segment.pose ?? nowhere, frame);
+  }
+
+  /** Chooses the shader's variant. */
+  compile(defines: Readonly<Record<string, string>>): void {
+    const wanted = { ...defines, ...(this.translucent ? { TRANSLUCENT: "" } : {}) };
+    const { material } = this;
+    if (Object.keys(wanted).join() !== Object.keys(material.defines ?? {}).join()) {
+      material.defines = wanted;
+      material.needsUpdate = true;
+    }
+  }
+
+  dispose(): void {
+    for (const key of [...this.meshes.keys()]) {
+      this.drop(key);
+    }
+    this.material.dispose();
+  }
+
+  private stand(pose: readonly number[], { gridFromScene, axes }: ScanFrame): void {
+    const { group, own } = this;
+    group.matrix.fromArray(columnMajor(pose));
+    const gridFromSurface = new THREE.Matrix4().fromArray(columnMajor(gridFromScene));
+    own.gridFromPosed.value.copy(group.matrix).invert().premultiply(gridFromSurface);
+    own.posedFromSurface.value.fromArray(linearColumnMajor(pose));
+    const [x, y, z] = axes;
+    own.gridAxesFromSurface.value.set(...x, ...y, ...z);
+  }
+
+  private add(patch: Patch): void {
+    const geometry = new THREE.BufferGeometry();
+    geometry.setAttribute("position", new THREE.BufferAttribute(patch.vertices, 3, true));
+    geometry.setAttribute("normal", new THREE.BufferAttribute(patch.normals, 4, true));
+    geometry.setIndex(new THREE.BufferAttribute(patch.triangles, 1));
+    geometry.boundingSphere = unitBall;
+    const mesh = new THREE.Mesh(geometry, this.material);
+    mesh.matrixAutoUpdate = false;
+    const [sx, sy, sz] = patch.size;
+    mesh.matrix.makeScale(sx, sy, sz).setPosition(...patch.origin);
+    this.meshes.set(patch.key, mesh);
+    this.group.add(mesh);
+  }
+
+  private drop(key: string): void {
+    const mesh = this.meshes.get(key);
+    if (mesh !== undefined) {
+      mesh.geometry.dispose();
+      this.group.remove(mesh);
+      this.meshes.delete(key);
+    }
+  }
+}
+

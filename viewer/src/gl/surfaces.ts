@@ -1,0 +1,156 @@
+/**
+ * Surfaces of segments, drawn from their patches into layers that the ray caster reads, so
+ * that scan and surfaces hide one another as they should. Opaque ones first, with their
+ * depth; then the translucent ones, a layer at a time from near to far.
+ */
+import * as THREE from "three";
+import { eyeOf, type Camera } from "../core/camera";
+import type { Segment } from "../core/protocol";
+import type { ScanFrame } from "../core/scan_volume";
+import type { SurfaceChange } from "../core/surface_patches";
+import { keyLight, type RayMarcher, type Shift } from "./ray_marcher";
+import type { PictureTarget } from "./picture_target";
+import { SurfaceLayers } from "./surface_layers";
+import { SurfaceMesh } from "./surface_mesh";
+
+/** Whether a segment's surface is drawn. */
+export function drawsSurface({ visible, shown_as, opacity }: Segment): boolean {
+  return visible && shown_as !== "volume" && opacity > 0;
+}
+
+export class Surfaces {
+  private readonly scene = new THREE.Scene();
+  private readonly meshes = new Map<number, SurfaceMesh>();
+  private readonly layers: SurfaceLayers;
+  private readonly camera = new THREE.Camera();
+  private readonly shared;
+  private segments: readonly Segment[] = [];
+  private frame: ScanFrame | null = null;
+
+  constructor(
+    private readonly marcher: RayMarcher,
+    halfFloat: boolean,
+  ) {
+    this.layers = new SurfaceLayers(halfFloat);
+    this.shared = {
+      ...marcher.fieldUniforms,
+      eye: { value: new THREE.Vector3() },
+      keyDirection: { value: new THREE.Vector3() },
+      upDirection: { value: new THREE.Vector3() },
+      peeled: { value: 0 },
+      depthBefore: { value: null as THREE.Texture | null },
+      depthOpaque: { value: null as THREE.Texture | null },
+    };
+    this.scene.matrixWorldAutoUpdate = true;
+    this.camera.matrixAutoUpdate = false;
+    this.camera.matrixWorldAutoUpdate = false;
+  }
+
+  setFrame(frame: ScanFrame): void {
+    this.frame = frame;
+    this.setSegments(this.segments);
+  }
+
+  /** Takes what an edit changes; drawn from the next picture on. */
+  apply(changes: readonly SurfaceChange[]): void {
+    for (const change of changes) {
+      const mesh = this.meshes.get(change.id) ?? new SurfaceMesh(this.shared);
+      mesh.apply(change);
+      this.meshes.set(change.id, mesh);
+      this.scene.add(mesh.group);
+      if (mesh.empty) {
+        this.forget(change.id);
+      }
+    }
+    this.setSegments(this.segments);
+  }
+
+  setSegments(segments: readonly Segment[]): void {
+    this.segments = segments;
+    for (const segment of segments) {
+      if (this.frame !== null) {
+        this.meshes.get(segment.id)?.setSegment(segment, this.frame);
+      }
+    }
+  }
+
+  setCamera(view: Camera, camera: THREE.Camera): void {
+    this.camera.matrixWorld.copy(camera.matrixWorld);
+    this.camera.matrixWorldInverse.copy(camera.matrixWorldInverse);
+    this.camera.projectionMatrix.copy(camera.projectionMatrix);
+    const { eye, keyDirection, upDirection } = this.shared;
+    eye.value.set(...eyeOf(view));
+    keyDirection.value.set(...keyLight(view));
+    upDirection.value.set(...view.up);
+  }
+
+  /** Draws all surfaces for a level of the picture and hands them to the ray caster. */
+  draw(renderer: THREE.WebGLRenderer, picture: PictureTarget, divisor: number, shift: Shift): void {
+    const shown = this.shown;
+    if (shown.length === 0) {
+      this.marcher.setSurfaces(null);
+      return;
+    }
+    const { layers, shared } = this;
+    const translucent = shown.filter((mesh) => mesh.translucent);
+    layers.use(picture.target, divisor, translucent.length > 0);
+    for (const mesh of shown) {
+      mesh.compile(this.marcher.fieldDefines);
+    }
+    const camera = shifted(this.camera, picture, shift);
+    this.drawLayer(renderer, layers.opaque, camera, shown.filter((mesh) => !mesh.translucent));
+    shared.depthOpaque.value = layers.opaque.target.depthTexture;
+    shared.peeled.value = 0;
+    for (const layer of layers.translucent) {
+      this.drawLayer(renderer, layer, camera, translucent);
+      shared.depthBefore.value = layer.target.depthTexture;
+      shared.peeled.value = 1;
+    }
+    this.marcher.setSurfaces(layers);
+  }
+
+  dispose(): void {
+    for (const id of [...this.meshes.keys()]) {
+      this.forget(id);
+    }
+    this.layers.dispose();
+  }
+
+  private get shown(): SurfaceMesh[] {
+    return this.segments.filter(drawsSurface).flatMap(({ id }) => this.meshes.get(id) ?? []);
+  }
+
+  private drawLayer(
+    renderer: THREE.WebGLRenderer,
+    layer: PictureTarget,
+    camera: THREE.Camera,
+    drawn: readonly SurfaceMesh[],
+  ): void {
+    for (const mesh of this.meshes.values()) {
+      mesh.group.visible = drawn.includes(mesh);
+    }
+    renderer.setRenderTarget(layer.target);
+    renderer.setClearColor(0x000000, 0);
+    renderer.clear(true, true, false);
+    renderer.render(this.scene, camera);
+  }
+
+  private forget(id: number): void {
+    const mesh = this.meshes.get(id);
+    if (mesh !== undefined) {
+      this.scene.remove(mesh.group);
+      mesh.dispose();
+      this.meshes.delete(id);
+    }
+  }
+}
+
+/** The camera for a picture that is shifted within its pixels, as the ray caster shifts its rays. */
+function shifted(camera: THREE.Camera, { width, height }: PictureTarget, [x, y]: Shift): THREE.Camera {
+  const moved = camera.clone();
+  moved.matrixWorld.copy(camera.matrixWorld);
+  moved.matrixWorldInverse.copy(camera.matrixWorldInverse);
+  const shift = new THREE.Matrix4().makeTranslation((-2 * x) / width, (-2 * y) / height, 0);
+  moved.projectionMatrix.premultiply(shift);
+  return moved;
+}
