@@ -196,6 +196,21 @@ class Session:
     def fill_box(self, segment_id: int, low: _Voxel, high: _Voxel, solid: bool) -> None:
         """Makes the voxels from ``low`` up to, but without, ``high`` solid or free."""
 
+    def show_surface(self, segment_id: int, *, smoothing: int, step: int = 1) -> None:
+        """Keeps a surface of a segment: smoothing degree, edge of a cell [voxels]."""
+
+    def hide_surface(self, segment_id: int) -> None:
+        """Keeps no surface of a segment any more."""
+
+    def set_labelled(self, segment_ids: list[int]) -> None:
+        """Names the segments whose labels edits tell, the last of several on top."""
+
+    def picture_changes(self) -> list[dict[str, Any]]:
+        """What changed since the call before: the fields of ``protocol.Changed``."""
+
+    def whole_surfaces(self) -> list[dict[str, Any]]:
+        """All surfaces as they are now, in the same form."""
+
     def undo(self) -> bool:
         """Takes the newest change back; False where there is none."""
 

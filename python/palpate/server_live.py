@@ -16,6 +16,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from palpate import protocol
 from palpate.errors import PalpateError
+from palpate.server_changes import messages_of
 from palpate.server_outbox import Outbox
 from palpate.server_recording import Recorder
 from palpate.server_segments import ShownSegments
@@ -60,6 +61,10 @@ class Live:
         outbox.tell(msgspec.structs.replace(self._hello, segments=self.segments.message.segments))
         outbox.tell(self.segments.message)
         self._outboxes.add(outbox)
+        # a change that comes meanwhile is told twice, which does no harm
+        for change in await asyncio.to_thread(self.session.whole_surfaces):
+            for message in messages_of(change):
+                outbox.tell(message)
         sender = asyncio.create_task(_send(websocket, outbox))
         try:
             while True:
@@ -86,8 +91,12 @@ class Live:
         if not self.session.is_running:
             self._tell(protocol.Notice(level="error", text="the session has ended: start it again"))
             return False
-        if self.segments.refresh(frame.pop("segments_version"), pending=frame["pending"]):
+        versions = [frame.pop(f"{kind}_version") for kind in ("segments", "voxels")]
+        if self.segments.refresh(versions[0], voxels_version=versions[1], pending=frame["pending"]):
             self._tell(self.segments.message)
+        for change in self.session.picture_changes():
+            for message in messages_of(change):
+                self._tell(message)
         try:
             state = msgspec.convert(frame, protocol.State)
         except msgspec.ValidationError as error:

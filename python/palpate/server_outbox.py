@@ -10,7 +10,7 @@ import asyncio
 
 import msgspec
 
-from palpate.protocol import Notice, State, ToPage, encode_to_page
+from palpate.protocol import Changed, Notice, State, ToPage, encode_to_page
 
 __all__ = ["Outbox"]
 
@@ -37,6 +37,9 @@ class Outbox:
             notices = sum(isinstance(waiting, Notice) for waiting in self._messages)
             if notices < MOST_NOTICES:
                 self._messages.append(message)
+        elif isinstance(message, Changed):
+            # each builds on the one before
+            self._messages.append(message)
         else:
             kind = type(message)
             self._messages = [waiting for waiting in self._messages if type(waiting) is not kind]

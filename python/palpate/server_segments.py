@@ -54,11 +54,12 @@ class ShownSegments:
         self._labels = 0
         self.message = self._make_message(0)
 
-    def refresh(self, segments_version: int, *, pending: int) -> bool:
+    def refresh(self, segments_version: int, *, voxels_version: int, pending: int) -> bool:
         """Makes the list again if something changed; says whether it did.
 
         Args:
             segments_version: Rises with each change of voxels or of the list.
+            voxels_version: Rises where voxels change that ``picture_changes`` does not tell.
             pending: How many changes touch does not follow yet.
         """
         with self._lock:
@@ -66,7 +67,7 @@ class ShownSegments:
             if seen == self._seen:
                 return False
             self._seen = seen
-        self.message = self._make_message(segments_version)
+        self.message = self._make_message(voxels_version)
         return True
 
     def change(self, wanted: protocol.SegmentProperties) -> None:
@@ -81,6 +82,7 @@ class ShownSegments:
             smoothing=wanted.smoothing,
             wireframe=wanted.wireframe,
         )
+        self._show(wanted.id, look)
         self._set_look(wanted.id, look)
 
     def threshold(self, wanted: protocol.Threshold) -> None:
@@ -96,6 +98,16 @@ class ShownSegments:
         else:
             self._session.replace_segment(wanted.id, segment)
             self._set_look(wanted.id, replace(self._look_of(wanted.id), name=wanted.name))
+
+    def _show(self, segment_id: int, look: Look) -> None:
+        """Has the engine make a surface where a look needs one that is not made yet."""
+        wanted = _surface_of(look)
+        if wanted == _surface_of(self._look_of(segment_id)):
+            return
+        if wanted is None:
+            self._session.hide_surface(segment_id)
+        else:
+            self._session.show_surface(segment_id, smoothing=wanted)
 
     def labels(self) -> NDArray[np.uint8]:
         """Returns the number of each voxel's segment, for visible segments without a range."""
@@ -116,13 +128,15 @@ class ShownSegments:
         other = Look(f"segment {segment_id}", _colour_of(segment_id))
         return self._looks.get(segment_id, other)
 
-    def _make_message(self, segments_version: int) -> protocol.Segments:
+    def _make_message(self, voxels_version: int) -> protocol.Segments:
         states = self._session.segments()
         segments = [self._segment(state) for state in states]
         labelled = [segment.id for segment in segments if segment.visible and not segment.range]
         # labels change with their voxels, and with which segments have them
-        key = (labelled, segments_version if labelled else 0)
+        key = (labelled, voxels_version if labelled else 0)
         if key != self._labels_key:
+            # edits tell of these from now on, and before they are asked for
+            self._session.set_labelled(labelled)
             self._labels_key = key
             self._labels += 1
         return protocol.Segments(segments=segments, labels=self._labels)
@@ -148,6 +162,11 @@ class ShownSegments:
             smoothing=look.smoothing,
             wireframe=look.wireframe,
         )
+
+
+def _surface_of(look: Look) -> int | None:
+    """Returns the smoothing degree of the surface that a look shows; None where it shows none."""
+    return look.smoothing if look.visible and look.shown_as != "volume" else None
 
 
 def _colour_of(segment_id: int) -> tuple[float, float, float]:

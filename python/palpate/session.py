@@ -229,6 +229,42 @@ class Session:
         with _given():
             self._internal.fill_box(segment_id, low, high, solid)
 
+    # --- the picture ----------------------------------------------------------------------
+
+    def show_surface(self, segment_id: int, *, smoothing: int = 3, step: int = 1) -> None:
+        """Keeps a surface of a segment that follows its voxels, for ``picture_changes``.
+
+        Args:
+            segment_id: Which segment.
+            smoothing: Degree; 0 shows the voxels as they are, each degree looks a cell farther.
+            step: Edge of a cell: 1, 2 or 4 voxels.
+
+        Raises:
+            OptionError: A value is out of range, or there is no such segment.
+        """
+        with _given():
+            self._internal.show_surface(segment_id, smoothing=smoothing, step=step)
+
+    def hide_surface(self, segment_id: int) -> None:
+        """Keeps no surface of a segment any more."""
+        with _given():
+            self._internal.hide_surface(segment_id)
+
+    def set_labelled(self, segment_ids: list[int]) -> None:
+        """Names the segments whose labels ``picture_changes`` tell, the last of several on top."""
+        self._internal.set_labelled(segment_ids)
+
+    def picture_changes(self) -> list[dict[str, Any]]:
+        """Returns what changed in voxels and surfaces since the call before, oldest first.
+
+        The keys are the fields of ``protocol.Changed``. The first call begins to watch.
+        """
+        return self._internal.picture_changes()
+
+    def whole_surfaces(self) -> list[dict[str, Any]]:
+        """Returns all surfaces as they are, in the form of ``picture_changes``."""
+        return self._internal.whole_surfaces()
+
     def undo(self) -> bool:
         """Takes the last edit back; says whether there was one."""
         return self._internal.undo()

@@ -1,7 +1,7 @@
 //! Frames and segments as the dictionaries that the package reads.
 //!
-//! The keys of a frame are the fields of `protocol.State`, and two more: `notices` and
-//! `segments_version`.
+//! The keys of a frame are the fields of `protocol.State`, and three more: `notices`,
+//! `segments_version` and `voxels_version`.
 
 use glam::DVec3;
 use palpate_engine::feel::Feel;
@@ -51,6 +51,7 @@ pub fn frame_dict<'py>(py: Python<'py>, frame: &Frame) -> PyResult<Bound<'py, Py
         "recording": frame.recording,
         "samples": samples.collect::<Vec<_>>(),
         "segments_version": frame.segments_version,
+        "voxels_version": frame.voxels_version,
         "notices": frame.notices.iter().map(notice_pair).collect::<Vec<_>>(),
     )
 }

@@ -12,6 +12,7 @@ mod bench_stress;
 mod errors;
 mod frame;
 mod phantom;
+mod picture;
 mod recording;
 mod segment;
 mod session;

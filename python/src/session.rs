@@ -12,6 +12,7 @@ use palpate_engine::scene::{Properties, ThresholdRange};
 use palpate_engine::session::Session;
 use palpate_engine::session_config::{Reference, SessionConfig};
 use palpate_engine::settings::Settings;
+use palpate_surface::SurfaceSettings;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::segment::Segment;
 use pyo3::prelude::*;
@@ -20,6 +21,7 @@ use pyo3::types::PyDict;
 use crate::arrays::{Triple, triple, vector};
 use crate::errors::CoreError;
 use crate::frame::{frame_dict, lateness_dict, segment_dict};
+use crate::picture::change_dicts;
 use crate::recording::{recording_dict, tape_dict};
 use crate::segment::PySegment;
 use crate::settings::{changed, settings_dict};
@@ -258,6 +260,51 @@ impl PySession {
             self.session
                 .fill_box(SegmentId(segment_id), low, high, solid)
         })?)
+    }
+
+    /// Shows a segment as a surface: smoothing degree and step [voxels] of its cells.
+    #[pyo3(signature = (segment_id, *, smoothing, step = 1))]
+    fn show_surface(
+        &self,
+        py: Python<'_>,
+        segment_id: u8,
+        smoothing: u8,
+        step: u8,
+    ) -> Result<(), CoreError> {
+        let settings = SurfaceSettings {
+            smoothing,
+            step,
+            ..SurfaceSettings::default()
+        };
+        Ok(py.detach(|| {
+            self.session
+                .show_surface(SegmentId(segment_id), Some(settings))
+        })?)
+    }
+
+    fn hide_surface(&self, py: Python<'_>, segment_id: u8) -> Result<(), CoreError> {
+        Ok(py.detach(|| self.session.show_surface(SegmentId(segment_id), None))?)
+    }
+
+    /// Names the segments whose labels edits tell, the last of several on top.
+    fn set_labelled(&self, py: Python<'_>, segment_ids: Vec<u8>) -> Result<(), CoreError> {
+        let labelled = segment_ids.into_iter().map(SegmentId).collect();
+        Ok(py.detach(|| self.session.set_labelled(labelled))?)
+    }
+
+    /// What changed in the picture since the call before.
+    fn picture_changes<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
+        let mut dicts = Vec::new();
+        for change in self.session.picture_changes() {
+            dicts.extend(change_dicts(py, &change)?);
+        }
+        Ok(dicts)
+    }
+
+    /// All surfaces as they are now.
+    fn whole_surfaces<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
+        let whole = py.detach(|| self.session.whole_surfaces());
+        change_dicts(py, &whole)
     }
 
     fn undo(&self, py: Python<'_>) -> Result<bool, CoreError> {

@@ -117,6 +117,7 @@ def test_a_frame_is_what_the_protocol_says() -> None:
     frame = session.frame()
     assert frame.pop("notices") == []
     assert frame.pop("segments_version") == 0
+    assert frame.pop("voxels_version") == 0
     state = msgspec.convert(frame, protocol.State)
     assert state.contact
     assert len(state.samples) == 200

@@ -52,7 +52,8 @@ impl Lattice {
         if (last - first).max_element() > STEPS {
             return None;
         }
-        let number = |value: f32, first: f64| ((f64::from(value) / self.pitch).round() - first) as u16;
+        let number =
+            |value: f32, first: f64| ((f64::from(value) / self.pitch).round() - first) as u16;
         let place = |vertex: &[f32; 3]| {
             let [x, y, z] = *vertex;
             [number(x, first.x), number(y, first.y), number(z, first.z)]

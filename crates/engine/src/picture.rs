@@ -140,6 +140,7 @@ impl Picture {
             can_undo: status.can_undo,
             can_redo: status.can_redo,
             segments_version: status.segments_version,
+            voxels_version: status.voxels_version,
             rates: self.rates(now_ns),
             safety: self.safety(),
             recording: self.recording.as_ref().map(Recording::seconds),

@@ -87,7 +87,9 @@ impl EditNews {
 }
 
 fn bits_of(voxels: &Voxels, id: SegmentId) -> Option<Bits> {
-    voxels.segment(id).map(|segment| segment.occupancy().clone())
+    voxels
+        .segment(id)
+        .map(|segment| segment.occupancy().clone())
 }
 
 fn bricks_of(

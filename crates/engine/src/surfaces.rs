@@ -208,7 +208,10 @@ impl Shown {
         if dirty.is_empty() {
             return;
         }
-        for PatchChange { id, patch } in self.surface.update(&VoxelSource::of_bits(&self.bits), &dirty) {
+        for PatchChange { id, patch } in self
+            .surface
+            .update(&VoxelSource::of_bits(&self.bits), &dirty)
+        {
             match patch.and_then(|patch| self.lattice.pack(&patch)) {
                 Some(packed) => {
                     let packed = Arc::new(packed);

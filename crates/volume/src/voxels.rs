@@ -121,7 +121,12 @@ impl Voxels {
             let Some(segment) = self.segment(id) else {
                 continue;
             };
-            if segment.bounding_box().unwrap_or(VoxelBox::EMPTY).intersect(region).is_empty() {
+            if segment
+                .bounding_box()
+                .unwrap_or(VoxelBox::EMPTY)
+                .intersect(region)
+                .is_empty()
+            {
                 continue;
             }
             for (label, voxel) in labels.iter_mut().zip(region.voxels()) {
