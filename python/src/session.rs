@@ -304,6 +304,9 @@ impl PySession {
     /// All surfaces as they are now.
     fn whole_surfaces<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
         let whole = py.detach(|| self.session.whole_surfaces());
+        if whole.surfaces.is_empty() {
+            return Ok(Vec::new());
+        }
         change_dicts(py, &whole)
     }
 
