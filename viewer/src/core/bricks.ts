@@ -65,6 +65,25 @@ function rangesOfRow(values: Uint16Array, start: number, width: number, low: Uin
   }
 }
 
+/** The range of one brick, as `brickRanges` finds it. */
+export function rangeOfBrick({ dimensions, values }: StoredVolume, brick: Vec3): readonly [number, number] {
+  const from = (axis: 0 | 1 | 2): number => Math.max(0, brick[axis] * brickEdge - 1);
+  const to = (axis: 0 | 1 | 2): number => Math.min(dimensions[axis], (brick[axis] + 1) * brickEdge + 1);
+  let low = 65535;
+  let high = 0;
+  for (let z = from(2); z < to(2); ++z) {
+    for (let y = from(1); y < to(1); ++y) {
+      const row = dimensions[0] * (y + dimensions[1] * z);
+      for (let x = from(0); x < to(0); ++x) {
+        const value = values[row + x] ?? 0;
+        low = value < low ? value : low;
+        high = value > high ? value : high;
+      }
+    }
+  }
+  return [low, high];
+}
+
 /** Bricks along one axis whose interpolation reads voxel `i`. */
 function bricksReading(i: number, count: number): number[] {
   const own = Math.floor(i / brickEdge);

@@ -20,6 +20,32 @@ export interface ShownRange {
   readonly visible: boolean;
 }
 
+/** Whether a segment's voxels are coloured in the picture; where its surface stands for them they are left out. */
+export function drawnFromVoxels({ visible, shown_as }: Segment): boolean {
+  return visible && shown_as !== "surface";
+}
+
+/** Whether a segment's surface is drawn. */
+export function drawnAsSurface({ visible, shown_as, opacity }: Segment): boolean {
+  return visible && shown_as !== "volume" && opacity > 0;
+}
+
+/**
+ * A segment as it can be shown now: from its voxels as long as there is no surface of it,
+ * and while its range is dragged (`preview`, of the scan's values).
+ */
+export function showable(segment: Segment, hasSurface: boolean, preview: readonly [number, number] | null): Segment {
+  if (preview !== null) {
+    return { ...segment, range: preview, shown_as: "volume" };
+  }
+  return hasSurface ? segment : { ...segment, shown_as: "volume" };
+}
+
+/** Surfaces that can be picked as if their voxels were drawn: those that hide what is behind. */
+export function pickable(segment: Segment): Segment {
+  return drawnAsSurface(segment) && segment.opacity > 0.5 ? { ...segment, shown_as: "volume" } : segment;
+}
+
 /** The segments that are just a threshold, in the order of the list. */
 export function shownRanges(segments: readonly Segment[], rescale: Rescale): ShownRange[] {
   return segments.flatMap((segment) => {
@@ -27,7 +53,7 @@ export function shownRanges(segments: readonly Segment[], rescale: Rescale): Sho
       return [];
     }
     const [low, high] = biasedRange(segment.range[0], segment.range[1], rescale);
-    return [{ id: segment.id, low, high, colour: linearFromSrgb(segment.colour), visible: segment.visible }];
+    return [{ id: segment.id, low, high, colour: linearFromSrgb(segment.colour), visible: drawnFromVoxels(segment) }];
   });
 }
 

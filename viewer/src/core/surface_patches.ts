@@ -150,7 +150,12 @@ export class SurfacePatches {
     return [...(this.held.get(id)?.values() ?? [])];
   }
 
-  size(id: number): SurfaceSize {
+  /** The size of each segment's surface. */
+  get sizes(): ReadonlyMap<number, SurfaceSize> {
+    return new Map(this.ids.map((id) => [id, this.size(id)]));
+  }
+
+  private size(id: number): SurfaceSize {
     const patches = this.patches(id);
     const sum = (of: (patch: Patch) => number): number => patches.reduce((total, patch) => total + of(patch), 0);
     return {

@@ -7,6 +7,7 @@
  */
 import * as THREE from "three";
 import type { ScanVolume } from "../core/scan_volume";
+import { forEachCell, type Box } from "../core/voxel_change";
 import type { GpuSupport } from "./gpu_support";
 
 export type FieldFormat = "r16" | "rg8" | "r32f";
@@ -49,17 +50,42 @@ export class FieldTexture {
     const from = this.uploaded;
     const to = Math.min(depth, from + this.slabPlanes);
     if (from < to) {
-      const slab = new THREE.Box3(new THREE.Vector3(0, 0, from), new THREE.Vector3(width, height, to));
-      renderer.copyTextureToTexture(this.source, this.texture, slab, new THREE.Vector3(0, 0, from));
+      copyBox(renderer, this.source, this.texture, { low: [0, 0, from], high: [width, height, to] });
       this.uploaded = to;
     }
     return this.uploaded === depth;
+  }
+
+  /** Sends the values of a box again, and only those. */
+  uploadBox(renderer: THREE.WebGLRenderer, box: Box): void {
+    if (this.format === "r32f") {
+      refill(this.source.image.data as unknown as Float32Array, this.volume, box);
+    }
+    copyBox(renderer, this.source, this.texture, box);
   }
 
   dispose(): void {
     this.texture.dispose();
     this.source.dispose();
   }
+}
+
+/** Copies a box of texels from an array that is never drawn itself into a texture. */
+export function copyBox(
+  renderer: THREE.WebGLRenderer,
+  source: THREE.Data3DTexture,
+  texture: THREE.Data3DTexture,
+  { low, high }: Box,
+): void {
+  const from = new THREE.Vector3(...low);
+  renderer.copyTextureToTexture(source, texture, new THREE.Box3(from, new THREE.Vector3(...high)), from);
+}
+
+/** Floats are a copy of the scan's values: those of the box are made again. */
+function refill(floats: Float32Array, { values, dimensions }: ScanVolume, box: Box): void {
+  forEachCell(box, dimensions, (i) => {
+    floats[i] = values[i] ?? 0;
+  });
 }
 
 function texelsOf(values: Uint16Array, format: FieldFormat): Uint16Array | Uint8Array | Float32Array {

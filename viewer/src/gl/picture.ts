@@ -9,12 +9,13 @@ import type { Look } from "../core/look";
 import type { Segment } from "../core/protocol";
 import type { ScanVolume } from "../core/scan_volume";
 import type { SurfaceChange } from "../core/surface_patches";
-import type { Vec3 } from "../core/vector";
+import type { Box, LabelVolume } from "../core/voxel_change";
 import { Compositor } from "./compositor";
 import { FieldTexture, fieldFormatFor, type FieldFormat } from "./field_texture";
 import { GpuClock } from "./gpu_clock";
 import type { GpuSupport } from "./gpu_support";
-import { byteTexture, labelColours } from "./lookup_textures";
+import { LabelTexture } from "./label_texture";
+import { labelColours } from "./lookup_textures";
 import { markerMargin, Markers, type MarkerState } from "./markers";
 import { RayMarcher } from "./ray_marcher";
 import { Refiner } from "./refiner";
@@ -48,7 +49,7 @@ export class Picture {
   private screenStale = true;
   /** Where markers were drawn last [CSS pixels]. */
   private marked: THREE.Box2 | null = null;
-  private labels: THREE.Data3DTexture | null = null;
+  private labels: LabelTexture | null = null;
   private colours: THREE.DataTexture | null = null;
 
   constructor(canvas: HTMLCanvasElement, options: PictureOptions) {
@@ -107,30 +108,38 @@ export class Picture {
     this.refiner.restart();
   }
 
-  /** Segments that are no threshold: the id of each voxel, and 1 for each brick that holds any. */
-  setLabels(labels: { readonly ids: Uint8Array; readonly dimensions: Vec3; readonly bricks: Uint8Array } | null): void {
+  /** Segments that are no threshold; null where there are none. */
+  setLabels(volume: LabelVolume | null): void {
     this.labels?.dispose();
-    this.labels = labels === null ? null : byteTexture(labels.ids, labels.dimensions);
-    this.marcher.setLabels(labels === null || this.labels === null ? null : { texture: this.labels, bricks: labels.bricks });
+    this.labels = volume === null ? null : new LabelTexture(volume);
+    this.marcher.setLabels(volume === null || this.labels === null ? null : { texture: this.labels.texture, bricks: volume.bricks });
     this.refiner.restart();
   }
 
-  setLabelColours(segments: readonly Segment[]): void {
+  /** How segments are shown, from their voxels and as surfaces. */
+  setSegments(segments: readonly Segment[]): void {
     this.colours?.dispose();
     this.colours = labelColours(segments);
     this.marcher.setLabelColours(this.colours);
-    this.refiner.restart();
-  }
-
-  /** How segments are shown; their surfaces come by `change`. */
-  setSegments(segments: readonly Segment[]): void {
-    this.setLabelColours(segments);
     this.surfaces.setSegments(segments);
     this.refiner.restart();
   }
 
-  setSurfaces(changes: readonly SurfaceChange[]): void {
-    this.surfaces.apply(changes);
+  /** Values, labels or both have changed in a box of the arrays that this picture was given. */
+  changeVoxels(box: Box, what: { readonly values: boolean; readonly labels: boolean }): void {
+    if (what.values) {
+      this.field?.uploadBox(this.renderer, box);
+    }
+    if (what.labels) {
+      this.labels?.uploadBox(this.renderer, box);
+    }
+    this.marcher.changeVoxels(box);
+    this.refiner.restart();
+  }
+
+  /** Exchanges patches of surfaces. */
+  changeSurfaces(changes: readonly SurfaceChange[]): void {
+    this.surfaces.apply(this.renderer, changes);
     this.refiner.restart();
   }
 

@@ -12,6 +12,7 @@ import { smallestSpacing, type ScanFrame } from "../core/scan_volume";
 import { biasedOf } from "../core/stored_values";
 import { domainOf } from "../core/transfer_function";
 import { add, dot, normalize, scale, type Vec3 } from "../core/vector";
+import { bricksReadingBox, forEachCell, type Box } from "../core/voxel_change";
 import type { FieldTexture } from "./field_texture";
 import { FullscreenPass } from "./fullscreen_pass";
 import { byteTexture, transferTexture } from "./lookup_textures";
@@ -97,7 +98,10 @@ export class RayMarcher {
   private frame: ScanFrame | null = null;
   private bricks: BrickRanges | null = null;
   private labelled: Uint8Array | null = null;
-  private look: Look | null = null;
+  /** Values that the look draws. */
+  private drawn: DrawnValues | null = null;
+  /** Bricks that hold something drawn. */
+  private filled: Uint8Array | null = null;
   private step = 1;
   private format = "FIELD_RG8";
   /** Translucent layers of surfaces; -1 where there are no surfaces at all. */
@@ -146,7 +150,11 @@ export class RayMarcher {
       u.rangeBounds.value[i]?.set(range.low, range.high, range.visible ? 1 : 0);
       u.rangeColours.value[i]?.set(...range.colour);
     });
-    this.look = look;
+    this.drawn = new DrawnValues(
+      look.transferFunction,
+      rescale,
+      look.ranges.filter((range) => range.visible).map(({ low, high }) => [low, high]),
+    );
     this.fillBricks();
   }
 
@@ -161,6 +169,23 @@ export class RayMarcher {
   /** Colour of each label, as `labelColours` makes it. */
   setLabelColours(colours: THREE.Texture): void {
     this.uniforms.labelColours.value = colours;
+  }
+
+  /** Values or labels of a box have changed, their bricks with them. */
+  changeVoxels(box: Box): void {
+    const { bricks, drawn, filled, labelled } = this;
+    if (bricks === null || drawn === null || filled === null) {
+      return;
+    }
+    let same = true;
+    forEachCell(bricksReadingBox(box, bricks.counts), bricks.counts, (i) => {
+      const full = drawn.any(bricks.low[i] ?? 0, bricks.high[i] ?? 0) || labelled?.[i] === 1 ? 1 : 0;
+      same &&= filled[i] === full;
+      filled[i] = full;
+    });
+    if (!same) {
+      this.measureEmptiness();
+    }
   }
 
   setCamera(camera: Camera, extent: Extent, aspect: number): void {
@@ -243,19 +268,21 @@ export class RayMarcher {
   }
 
   private fillBricks(): void {
-    const { bricks, frame, look, labelled } = this;
-    if (bricks === null || frame === null || look === null) {
-      return;
+    const { bricks, drawn } = this;
+    if (bricks !== null && drawn !== null) {
+      const filled = filledBricks(bricks, (low, high) => drawn.any(low, high));
+      this.filled = filled.map((full, i) => full | (this.labelled?.[i] ?? 0));
+      this.measureEmptiness();
     }
-    const visible = look.ranges.filter((range) => range.visible);
-    const drawn = new DrawnValues(
-      look.transferFunction,
-      frame.rescale,
-      visible.map(({ low, high }) => [low, high]),
-    );
-    const filled = filledBricks(bricks, (low, high) => drawn.any(low, high)).map((full, i) => full | (labelled?.[i] ?? 0));
-    this.uniforms.brickTexture.value?.dispose();
-    this.uniforms.brickTexture.value = byteTexture(distanceToFilled(filled, bricks.counts), bricks.counts);
+  }
+
+  /** Tells the shader how far it may leap. */
+  private measureEmptiness(): void {
+    if (this.filled !== null && this.bricks !== null) {
+      const { counts } = this.bricks;
+      this.uniforms.brickTexture.value?.dispose();
+      this.uniforms.brickTexture.value = byteTexture(distanceToFilled(this.filled, counts), counts);
+    }
   }
 }
 

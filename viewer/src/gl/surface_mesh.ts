@@ -11,6 +11,8 @@ import { biasedRange } from "../core/stored_values";
 import type { Patch, SurfaceChange } from "../core/surface_patches";
 import { shaders } from "./shaders";
 
+type PatchMesh = THREE.Mesh<THREE.BufferGeometry, THREE.RawShaderMaterial>;
+
 /** The ball around the unit cube, in which every patch's vertices lie. */
 const unitBall = new THREE.Sphere(new THREE.Vector3(0.5, 0.5, 0.5), Math.sqrt(3) / 2);
 
@@ -19,7 +21,7 @@ const nowhere: Affine = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0];
 export class SurfaceMesh {
   /** Stands where the segment stands. */
   readonly group = new THREE.Group();
-  private readonly meshes = new Map<string, THREE.Mesh<THREE.BufferGeometry, THREE.RawShaderMaterial>>();
+  private readonly meshes = new Map<string, PatchMesh>();
   private readonly own = {
     colour: { value: new THREE.Vector3() },
     opacity: { value: 1 },
@@ -53,15 +55,18 @@ export class SurfaceMesh {
     return this.meshes.size === 0;
   }
 
-  apply({ whole, dropped, patches }: SurfaceChange): void {
+  /** Exchanges patches and sends the new ones to the GPU at once. */
+  apply(renderer: THREE.WebGLRenderer, { whole, dropped, patches }: SurfaceChange): void {
     for (const key of whole ? [...this.meshes.keys()] : dropped) {
       this.drop(key);
     }
-    for (const patch of patches) {
+    const added = patches.flatMap((patch) => {
       this.drop(patch.key);
-      if (patch.triangles.length > 0) {
-        this.add(patch);
-      }
+      return patch.triangles.length > 0 ? [this.add(patch)] : [];
+    });
+    if (added.length > 0) {
+      upload(renderer, added);
+      this.group.add(...added);
     }
   }
 
@@ -105,7 +110,7 @@ export class SurfaceMesh {
     own.gridAxesFromSurface.value.set(...x, ...y, ...z);
   }
 
-  private add(patch: Patch): void {
+  private add(patch: Patch): PatchMesh {
     const geometry = new THREE.BufferGeometry();
     geometry.setAttribute("position", new THREE.BufferAttribute(patch.vertices, 3, true));
     geometry.setAttribute("normal", new THREE.BufferAttribute(patch.normals, 4, true));
@@ -116,7 +121,7 @@ export class SurfaceMesh {
     const [sx, sy, sz] = patch.size;
     mesh.matrix.makeScale(sx, sy, sz).setPosition(...patch.origin);
     this.meshes.set(patch.key, mesh);
-    this.group.add(mesh);
+    return mesh;
   }
 
   private drop(key: string): void {
@@ -129,3 +134,17 @@ export class SurfaceMesh {
   }
 }
 
+/** Sends buffers to the GPU before they are seen: three.js does so for what it draws, here no triangles. */
+function upload(renderer: THREE.WebGLRenderer, meshes: readonly PatchMesh[]): void {
+  const scene = new THREE.Scene();
+  scene.add(...meshes);
+  for (const mesh of meshes) {
+    mesh.frustumCulled = false;
+    mesh.geometry.setDrawRange(0, 0);
+  }
+  renderer.render(scene, new THREE.Camera());
+  for (const mesh of meshes) {
+    mesh.frustumCulled = true;
+    mesh.geometry.setDrawRange(0, Infinity);
+  }
+}

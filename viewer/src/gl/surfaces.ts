@@ -7,16 +7,12 @@ import * as THREE from "three";
 import { eyeOf, type Camera } from "../core/camera";
 import type { Segment } from "../core/protocol";
 import type { ScanFrame } from "../core/scan_volume";
+import { drawnAsSurface } from "../core/shown_segments";
 import type { SurfaceChange } from "../core/surface_patches";
 import { keyLight, type RayMarcher, type Shift } from "./ray_marcher";
 import type { PictureTarget } from "./picture_target";
 import { SurfaceLayers } from "./surface_layers";
 import { SurfaceMesh } from "./surface_mesh";
-
-/** Whether a segment's surface is drawn. */
-export function drawsSurface({ visible, shown_as, opacity }: Segment): boolean {
-  return visible && shown_as !== "volume" && opacity > 0;
-}
 
 export class Surfaces {
   private readonly scene = new THREE.Scene();
@@ -51,13 +47,14 @@ export class Surfaces {
     this.setSegments(this.segments);
   }
 
-  /** Takes what an edit changes; drawn from the next picture on. */
-  apply(changes: readonly SurfaceChange[]): void {
+  /** Takes what an edit changes and sends it to the GPU; drawn from the next picture on. */
+  apply(renderer: THREE.WebGLRenderer, changes: readonly SurfaceChange[]): void {
     for (const change of changes) {
       const mesh = this.meshes.get(change.id) ?? new SurfaceMesh(this.shared);
-      mesh.apply(change);
       this.meshes.set(change.id, mesh);
       this.scene.add(mesh.group);
+      mesh.compile(this.marcher.fieldDefines);
+      mesh.apply(renderer, change);
       if (mesh.empty) {
         this.forget(change.id);
       }
@@ -117,7 +114,7 @@ export class Surfaces {
   }
 
   private get shown(): SurfaceMesh[] {
-    return this.segments.filter(drawsSurface).flatMap(({ id }) => this.meshes.get(id) ?? []);
+    return this.segments.filter(drawnAsSurface).flatMap(({ id }) => this.meshes.get(id) ?? []);
   }
 
   private drawLayer(

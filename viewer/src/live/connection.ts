@@ -13,7 +13,8 @@ export type ConnectionState =
   | { readonly kind: "refused" };
 
 export interface ConnectionEvents {
-  readonly message: (message: ToPage) => void;
+  /** @param arrived when the engine's message was here, as `performance.now()` tells time. */
+  readonly message: (message: ToPage, arrived: number) => void;
   readonly state: (state: ConnectionState) => void;
   readonly malformed: (text: string) => void;
 }
@@ -50,8 +51,9 @@ export class Connection {
         this.events.state({ kind: "open" });
         break;
       case "batch":
-        for (const item of message.messages) {
-          this.events.message(item);
+        for (const letter of message.letters) {
+          // worker and page count time from different beginnings
+          this.events.message(letter.message, letter.arrived - performance.timeOrigin);
         }
         // a page in the background takes nothing; the worker keeps the latest state for it
         requestAnimationFrame(() => {

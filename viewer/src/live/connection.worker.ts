@@ -4,27 +4,28 @@
  */
 import { decodeToPage, encodeFromPage } from "../core/protocol";
 import type { FromConnection, ToConnection } from "./connection_messages";
-import { Mailbox } from "./mailbox";
+import { Mailbox, memoryOf } from "./mailbox";
 
 const mailbox = new Mailbox();
 let socket: WebSocket | null = null;
 let pageReady = true;
 
-function tell(message: FromConnection): void {
-  postMessage(message);
+function tell(message: FromConnection, transfer: Transferable[] = []): void {
+  postMessage(message, { transfer });
 }
 
 function deliver(): void {
-  const messages = pageReady ? mailbox.take() : [];
-  if (messages.length > 0) {
+  const letters = pageReady ? mailbox.take() : [];
+  if (letters.length > 0) {
     pageReady = false;
-    tell({ kind: "batch", messages });
+    tell({ kind: "batch", letters }, memoryOf(letters));
   }
 }
 
 function receive(packed: ArrayBuffer): void {
+  const arrived = performance.timeOrigin + performance.now();
   try {
-    mailbox.put(decodeToPage(packed));
+    mailbox.put(decodeToPage(packed), arrived);
   } catch (error) {
     tell({ kind: "malformed", text: error instanceof Error ? error.message : String(error) });
     return;

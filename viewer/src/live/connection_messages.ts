@@ -1,7 +1,8 @@
 /**
  * What page and connection worker say to each other.
  */
-import type { FromPage, ToPage } from "../core/protocol";
+import type { FromPage } from "../core/protocol";
+import type { Letter } from "./mailbox";
 
 export type ToConnection =
   | { readonly kind: "open"; readonly url: string }
@@ -11,7 +12,7 @@ export type ToConnection =
 
 export type FromConnection =
   | { readonly kind: "opened" }
-  | { readonly kind: "batch"; readonly messages: readonly ToPage[] }
+  | { readonly kind: "batch"; readonly letters: readonly Letter[] }
   /** The socket has closed. */
   | { readonly kind: "closed"; readonly code: number; readonly reason: string }
   /** Something arrived that is not of the protocol. */

@@ -7,24 +7,47 @@ import type { State, ToPage } from "../core/protocol";
 /** Samples that wait at most: five seconds and a little more at 250 a second. */
 const mostSamples = 1500;
 
-export class Mailbox {
-  private others: ToPage[] = [];
-  private state: State | null = null;
+/** A message, and when it arrived [ms since 1970]. */
+export interface Letter {
+  readonly message: ToPage;
+  readonly arrived: number;
+}
 
-  put(message: ToPage): void {
+export class Mailbox {
+  private others: Letter[] = [];
+  private state: (Letter & { readonly message: State }) | null = null;
+
+  put(message: ToPage, arrived = 0): void {
     if (message.type !== "state") {
-      this.others.push(message);
+      this.others.push({ message, arrived });
       return;
     }
-    const samples = [...(this.state?.samples ?? []), ...message.samples].slice(-mostSamples);
-    this.state = { ...message, samples };
+    const samples = [...(this.state?.message.samples ?? []), ...message.samples].slice(-mostSamples);
+    this.state = { message: { ...message, samples }, arrived };
   }
 
   /** Hands over everything that waits. */
-  take(): ToPage[] {
+  take(): Letter[] {
     const batch = this.state === null ? this.others : [...this.others, this.state];
     this.others = [];
     this.state = null;
     return batch;
   }
+}
+
+/** The memory that letters with many bytes hold: it can be handed over instead of copied. */
+export function memoryOf(letters: readonly Letter[]): ArrayBuffer[] {
+  const views = letters.flatMap(({ message }) =>
+    message.type === "changed"
+      ? [
+          message.stored,
+          message.labels,
+          ...message.surfaces.flatMap(({ patches }) =>
+            patches.flatMap(({ vertices, normals, triangles }) => [vertices, normals, triangles]),
+          ),
+        ]
+      : [],
+  );
+  // all bytes of one message lie in the memory that it arrived in
+  return [...new Set(views.flatMap((view) => (view === null ? [] : [view.buffer as ArrayBuffer])))];
 }

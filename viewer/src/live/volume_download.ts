@@ -3,8 +3,9 @@
  */
 import type { BrickRanges } from "../core/bricks";
 import { storedDimensions, type ScanFrame, type ScanVolume } from "../core/scan_volume";
+import type { LabelVolume } from "../core/voxel_change";
 import { apiAddress } from "./connection";
-import type { LabelVolume, VolumeAnswer, VolumeRequest } from "./volume_messages";
+import type { VolumeAnswer, VolumeRequest } from "./volume_messages";
 
 export interface DownloadedScan {
   readonly volume: ScanVolume;

@@ -3,6 +3,7 @@
  */
 import type { BrickRanges } from "../core/bricks";
 import type { Vec3 } from "../core/vector";
+import type { LabelVolume } from "../core/voxel_change";
 
 export interface VolumeRequest {
   /** The scan's values, or the segment of each voxel. */
@@ -10,14 +11,6 @@ export interface VolumeRequest {
   readonly url: string;
   /** Voxels along x, y, z that the answer must hold. */
   readonly dimensions: Vec3;
-}
-
-export interface LabelVolume {
-  /** Segment of each voxel, x fastest; 0 where there is none. */
-  readonly ids: Uint8Array;
-  readonly dimensions: Vec3;
-  /** 1 for each brick that holds a segment. */
-  readonly bricks: Uint8Array;
 }
 
 export type VolumeAnswer =

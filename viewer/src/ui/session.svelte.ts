@@ -5,6 +5,7 @@ import { ForceHistory } from "../core/force_history";
 import { recalled, remembered, sameSettings } from "../core/touch_settings";
 import {
   PROTOCOL_VERSION,
+  type Changed,
   type DeviceLimits,
   type FromPage,
   type Hello,
@@ -63,6 +64,7 @@ export class Session {
 
   private readonly link: Connection;
   private listeners: readonly ((state: State) => void)[] = [];
+  private editListeners: readonly ((changed: Changed, arrived: number) => void)[] = [];
   /** The settings as the engine has told them last. */
   private answered: Settings | null = null;
   private answeredAt = -Infinity;
@@ -77,8 +79,8 @@ export class Session {
     readonly calm: boolean,
   ) {
     this.link = new Connection(token, {
-      message: (message) => {
-        this.receive(message);
+      message: (message, arrived) => {
+        this.receive(message, arrived);
       },
       state: (state) => {
         this.connection = state;
@@ -97,6 +99,11 @@ export class Session {
   onState(listener: (state: State) => void): () => void {
     this.listeners = [...this.listeners, listener];
     return () => (this.listeners = this.listeners.filter((other) => other !== listener));
+  }
+
+  /** Calls back with every edit that arrives, and when it did. */
+  onChanged(listener: (changed: Changed, arrived: number) => void): void {
+    this.editListeners = [...this.editListeners, listener];
   }
 
   /** Asks for other settings, at most once a frame; they are shown at once, the engine corrects them. */
@@ -149,7 +156,8 @@ export class Session {
     this.link.close();
   }
 
-  private receive(message: ToPage): void {
+  /** Takes a message of the engine; `arrived` as `performance.now()` tells time. */
+  receive(message: ToPage, arrived: number): void {
     switch (message.type) {
       case "hello":
         this.greet(message);
@@ -160,6 +168,11 @@ export class Session {
       case "segments":
         this.segments = message.segments;
         this.labels = message.labels;
+        break;
+      case "changed":
+        for (const listener of this.editListeners) {
+          listener(message, arrived);
+        }
         break;
       case "settings_changed":
         this.answered = message.settings;

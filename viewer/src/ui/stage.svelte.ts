@@ -24,7 +24,7 @@ import { PathTrail } from "../core/path_trail";
 import { pickSurface, type Picked } from "../core/pick_surface";
 import type { Scan, Segment } from "../core/protocol";
 import { frameOf, type ScanVolume } from "../core/scan_volume";
-import { shownRanges } from "../core/shown_segments";
+import { pickable, showable, shownRanges } from "../core/shown_segments";
 import { biasedRange } from "../core/stored_values";
 import { subsamplingStep } from "../core/subsampling";
 import type { GpuSupport } from "../gl/gpu_support";
@@ -33,6 +33,7 @@ import { Picture } from "../gl/picture";
 import { downloadLabels, downloadVolume } from "../live/volume_download";
 import { recall, remember } from "./remembered";
 import type { Session } from "./session.svelte";
+import { needsLabels, ShownEdits } from "./shown_edits.svelte";
 
 /** Most values of a scan that are taken to the GPU: 1 GiB in 16 bit. */
 const mostValues = 2 ** 29;
@@ -59,6 +60,8 @@ export class Stage {
   failure = $state.raw<string | null>(null);
   /** What of touch is drawn beside probe, device and force. */
   shown = $state.raw<Shown>({ contactPoint: true, normal: true, ball: true, path: true });
+  /** Edits of the voxels, and the surfaces of segments. */
+  readonly edits: ShownEdits;
   framesPerSecond = $state.raw(0);
   /** When the first picture stood on the screen [ms since the page was opened]. */
   firstPicture = $state.raw<number | null>(null);
@@ -86,6 +89,12 @@ export class Stage {
   ) {
     // a long line is dear to draw again and again without a graphics card
     this.shown = recall("shown", { ...this.shown, path: !support.software });
+    this.edits = new ShownEdits((text) => {
+      session.notify("error", text);
+    });
+    session.onChanged((changed, arrived) => {
+      this.edits.add(changed, arrived);
+    });
     session.onState((state) => {
       this.trail.add(state.time, state.proxy);
     });
@@ -142,6 +151,10 @@ export class Stage {
     const scanFrame = frameOf(scan);
     this.progress = 0;
     this.failure = null;
+    // edits that arrive from now on are for this scan: they wait for it
+    this.volume = null;
+    this.bricks = null;
+    this.edits.clear();
     const step = subsamplingStep(scanFrame.dimensions, { edge: this.support.largestEdge, values: mostValues });
     this.tellCoarseness(step);
     const fallback = defaultAppearance({ softTissue: scan.soft_tissue, bone: scan.bone });
@@ -160,23 +173,37 @@ export class Stage {
     }
   }
 
+  /** Segments as the picture can show them now. */
+  readonly segments = $derived.by((): readonly Segment[] => {
+    const { preview } = this;
+    return this.session.segments.map((segment) =>
+      showable(segment, this.edits.sizes.has(segment.id), segment.id === preview?.id ? preview.range : null),
+    );
+  });
+
+  /** Hands colours, poses and surfaces' looks to the picture. */
+  applySegments(segments: readonly Segment[]): void {
+    this.picture?.setSegments(segments);
+  }
+
   /** Shows the segments that are no threshold; `version` tells when their voxels have changed. */
   async showLabels(segments: readonly Segment[], version: number): Promise<void> {
-    const { volume, picture } = this;
-    if (volume === null || picture === null) {
-      return;
-    }
-    const labelled = segments.some((segment) => segment.range === null);
-    if (labelled) {
-      picture.setLabelColours(segments);
-    }
-    const key = labelled ? String(version) : "none";
-    if (key === this.shownLabels) {
+    const { volume, edits } = this;
+    const key = needsLabels(segments) ? String(version) : "none";
+    if (volume === null || key === this.shownLabels) {
       return;
     }
     this.shownLabels = key;
+    if (key === "none") {
+      edits.takeLabels(null, this.picture);
+      return;
+    }
     try {
-      picture.setLabels(labelled ? await downloadLabels(volume, this.token) : null);
+      edits.expectLabels();
+      const labels = await downloadLabels(volume, this.token);
+      if (volume === this.volume && key === this.shownLabels) {
+        edits.takeLabels(labels, this.picture);
+      }
     } catch (error) {
       this.shownLabels = "none";
       this.session.notify("error", `The segments' voxels did not arrive: ${messageOf(error)}`);
@@ -185,17 +212,13 @@ export class Stage {
 
   /** The look that the page's controls ask for; null before there is a scan. */
   readonly look = $derived.by((): Look | null => {
-    const { scan, segments } = this.session;
+    const { scan } = this.session;
     if (scan === null || this.appearance === null) {
       return null;
     }
-    const { preview } = this;
-    const previewed = segments.map((segment) =>
-      segment.id === preview?.id ? { ...segment, range: preview.range } : segment,
-    );
     return {
       transferFunction: transferFunctionOf(this.appearance),
-      ranges: shownRanges(previewed, scan),
+      ranges: shownRanges(this.segments, scan),
       edgeGradient: edgeShare * Math.abs(this.appearance.window),
     };
   });
@@ -244,10 +267,12 @@ export class Stage {
 
   /** What stands at a place of the picture [CSS pixels]. */
   pick(x: number, y: number): Picked | null {
-    if (this.volume === null || this.look === null || this.camera === null) {
+    const { scan } = this.session;
+    if (this.volume === null || this.look === null || this.camera === null || scan === null) {
       return null;
     }
-    return pickSurface(this.volume, this.look, rayThrough(this.camera, x, y, this.viewport));
+    const look = { ...this.look, ranges: shownRanges(this.segments.map(pickable), scan) };
+    return pickSurface(this.volume, look, rayThrough(this.camera, x, y, this.viewport));
   }
 
   /** How fine the picture on display is. */
@@ -266,14 +291,14 @@ export class Stage {
   private show(volume: ScanVolume, bricks: BrickRanges, scan: Scan): void {
     this.volume = volume;
     this.bricks = bricks;
+    this.shownLabels = "none";
     const air = scan.soft_tissue - 1.5 * (scan.bone - scan.soft_tissue);
     const [low, high] = biasedRange(air, Math.max(scan.range[1], air), volume.frame.rescale);
     const { frame: scanFrame, step } = volume;
     const hull = contentHull(bricks, step, scanFrame.spacing, (from, to) => from <= high && low <= to);
     this.extent = extentOf(hull.map((point) => transformPoint(scanFrame.sceneFromGrid, point)));
     this.resetView();
-    this.picture?.setScan(volume, bricks);
-    this.applyLook(this.look);
+    this.fillPicture();
     void this.showLabels(this.session.segments, this.session.labels);
   }
 
@@ -292,12 +317,18 @@ export class Stage {
     }
     this.drawnCamera = null;
     this.drawnState = null;
-    this.shownLabels = "none";
     this.fit();
-    if (this.volume !== null && this.bricks !== null) {
-      this.picture.setScan(this.volume, this.bricks);
+    this.fillPicture();
+  }
+
+  /** Hands everything that the page holds to a new picture, or a new scan to the picture. */
+  private fillPicture(): void {
+    const { picture, volume, bricks } = this;
+    if (picture !== null && volume !== null && bricks !== null) {
+      picture.setScan(volume, bricks);
       this.applyLook(this.look);
-      void this.showLabels(this.session.segments, this.session.labels);
+      this.edits.showAll(picture);
+      picture.setSegments(this.segments);
     }
   }
 
@@ -311,7 +342,10 @@ export class Stage {
 
   private drawFrame(now: number): void {
     this.count(now);
-    const { camera, extent, picture } = this;
+    const { camera, extent, picture, volume, bricks } = this;
+    if (volume !== null && bricks !== null) {
+      this.edits.show({ volume, bricks }, picture);
+    }
     if (picture === null) {
       return;
     }

@@ -4,7 +4,7 @@
 import type { Letter } from "../core/anatomy";
 import type { Camera } from "../core/camera";
 import type { Picked } from "../core/pick_surface";
-import type { Settings, State } from "../core/protocol";
+import { decodeToPage, type Settings, type State } from "../core/protocol";
 import type { Vec3 } from "../core/vector";
 import type { HandControl } from "./hand_control.svelte";
 import type { Hearing } from "./hearing.svelte";
@@ -25,6 +25,14 @@ export interface TestDoor {
   readonly camera: Camera | null;
   /** Whether contact can be heard, and how loud it is now, 0..1. */
   readonly sound: { readonly running: boolean; readonly level: number };
+  /** From the arrival of the last edit until all of it was handed to the GPU [ms]; null before the first. */
+  readonly lastEditMilliseconds: number | null;
+  /** Number of the last edit on display. */
+  readonly lastEdit: number;
+  /** Triangles of each segment's surface. */
+  readonly triangles: Readonly<Record<number, number>>;
+  /** Takes a packed message as if the engine had sent it. */
+  readonly receive: (packed: Uint8Array) => void;
   readonly place: (point: Vec3) => void;
   readonly hand: (point: Vec3) => void;
   readonly setView: (direction: Letter) => void;
@@ -60,6 +68,18 @@ export function openTestDoor(session: Session, stage: Stage, hand: HandControl, 
     },
     get camera() {
       return stage.camera;
+    },
+    get lastEditMilliseconds() {
+      return stage.edits.lastMilliseconds;
+    },
+    get lastEdit() {
+      return stage.edits.lastEdit;
+    },
+    get triangles() {
+      return Object.fromEntries([...stage.edits.sizes].map(([id, { triangles }]) => [id, triangles]));
+    },
+    receive: (packed) => {
+      session.receive(decodeToPage(packed), performance.now());
     },
     place: (point) => {
       hand.place(point);

@@ -168,7 +168,7 @@ export interface SurfaceTest {
 function showSurfaces(picture: Picture, surfaces: readonly SurfaceTest[]): void {
   const segments = surfaces.map(({ look }, i) => ({ ...segment, shown_as: "surface" as const, id: i + 1, ...look }));
   picture.setSegments(segments);
-  picture.setSurfaces(
+  picture.changeSurfaces(
     surfaces.map(({ centre, radius, sectors }, i) => decodeSurface(ballSurface(i + 1, centre, radius, sectors))),
   );
 }

@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
-import type { State, ToPage } from "../../src/core/protocol";
-import { Mailbox } from "../../src/live/mailbox";
+import type { Changed, State, ToPage } from "../../src/core/protocol";
+import { Mailbox, memoryOf } from "../../src/live/mailbox";
 
 function state(tick: number, samples: State["samples"] = []): ToPage {
   return { type: "state", tick, samples } as unknown as State;
@@ -10,7 +10,7 @@ test("of waiting states the latest is delivered, with the samples of all", () =>
   const mailbox = new Mailbox();
   mailbox.put(state(1, [[0.1, 1, 0, 0]]));
   mailbox.put(state(2, [[0.2, 2, 0, 0]]));
-  const [delivered] = mailbox.take() as [State];
+  const delivered = mailbox.take()[0]?.message as State;
   expect(delivered.tick).toBe(2);
   expect(delivered.samples).toEqual([[0.1, 1, 0, 0], [0.2, 2, 0, 0]]);
   expect(mailbox.take()).toEqual([]);
@@ -22,7 +22,7 @@ test("no other message is lost or overtaken by another of its kind", () => {
   mailbox.put(notice("first"));
   mailbox.put(state(1));
   mailbox.put(notice("second"));
-  expect(mailbox.take().map((message) => (message.type === "notice" ? message.text : message.type))).toEqual([
+  expect(mailbox.take().map(({ message }) => (message.type === "notice" ? message.text : message.type))).toEqual([
     "first",
     "second",
     "state",
@@ -34,7 +34,31 @@ test("a page that sleeps for minutes gets a bounded number of samples", () => {
   for (let i = 0; i < 5000; ++i) {
     mailbox.put(state(i, [[i / 250, 0, 0, 0], [i / 250 + 0.002, 0, 0, 0]]));
   }
-  const [delivered] = mailbox.take() as [State];
+  const delivered = mailbox.take()[0]?.message as State;
   expect(delivered.samples).toHaveLength(1500);
   expect(delivered.samples.at(-1)?.[0]).toBeCloseTo(4999 / 250 + 0.002);
+});
+
+test("a letter tells when it arrived; of merged states the latest", () => {
+  const mailbox = new Mailbox();
+  mailbox.put({ type: "notice", level: "info", text: "edit" }, 5);
+  mailbox.put(state(1), 6);
+  mailbox.put(state(2), 7);
+  expect(mailbox.take().map(({ arrived }) => arrived)).toEqual([5, 7]);
+});
+
+test("the bytes of an edit are handed over once, however many lie in the same memory", () => {
+  const memory = new ArrayBuffer(64);
+  const part = (from: number): Uint8Array => new Uint8Array(memory, from, 6);
+  const patch = { index: [0, 0, 0], origin: [0, 0, 0], size: [1, 1, 1], vertices: part(1), normals: part(8), triangles: part(20) } as const;
+  const message: Changed = {
+    type: "changed",
+    edit: 1,
+    low: [0, 0, 0],
+    high: [1, 1, 3],
+    stored: part(40),
+    labels: null,
+    surfaces: [{ id: 1, whole: false, dropped: [], patches: [patch, patch] }],
+  };
+  expect(memoryOf([{ message, arrived: 0 }, { message: state(1), arrived: 0 }])).toEqual([memory]);
 });

@@ -1,0 +1,143 @@
+/**
+ * Edits on their way to the picture. All that one edit changes, voxels, labels and surfaces,
+ * is taken at the beginning of one frame; an edit that is not whole is not taken at all.
+ */
+import type { Changed, Segment } from "../core/protocol";
+import type { ScanVolume } from "../core/scan_volume";
+import type { BrickRanges } from "../core/bricks";
+import { decodeSurface, SurfacePatches, type SurfaceChange, type SurfaceSize } from "../core/surface_patches";
+import { decodeVoxels, updateBricks, updateLabels, writeBox, type LabelVolume, type VoxelChange } from "../core/voxel_change";
+import type { Picture } from "../gl/picture";
+
+interface Waiting {
+  readonly changed: Changed;
+  /** As `performance.now()` tells time. */
+  readonly arrived: number;
+}
+
+/** Everything an edit changes, read and found whole. */
+interface Edit {
+  readonly voxels: VoxelChange | null;
+  readonly surfaces: readonly SurfaceChange[];
+}
+
+/** The scan as the page holds it; edits change it in place. */
+export interface HeldScan {
+  readonly volume: ScanVolume;
+  readonly bricks: BrickRanges;
+}
+
+export class ShownEdits {
+  private readonly surfaces = new SurfacePatches();
+  /** Size of each surface that is there. */
+  sizes = $state.raw<ReadonlyMap<number, SurfaceSize>>(this.surfaces.sizes);
+  /** From the arrival of the last edit until all of it was handed to the GPU [ms]; null before the first. */
+  lastMilliseconds: number | null = null;
+  /** Number of the last edit on display; 0 before the first. */
+  lastEdit = 0;
+
+  private waiting: Waiting[] = [];
+  private labels: LabelVolume | null = null;
+  /** Changes of labels since newer ones were asked for; null where none are on their way. */
+  private sinceAsked: VoxelChange[] | null = null;
+
+  constructor(private readonly complain: (text: string) => void) {}
+
+  /** Takes an edit that has arrived; shown with the next frame. */
+  add(changed: Changed, arrived: number): void {
+    this.waiting.push({ changed, arrived });
+  }
+
+  /** Takes all edits that wait into what the page holds, and into the picture if there is one. */
+  show(scan: HeldScan, picture: Picture | null): void {
+    const edits = this.waiting;
+    this.waiting = [];
+    for (const { changed, arrived } of edits) {
+      this.showOne(changed, scan, picture);
+      this.lastMilliseconds = performance.now() - arrived;
+    }
+    if (edits.some(({ changed }) => changed.surfaces.length > 0)) {
+      this.sizes = this.surfaces.sizes;
+    }
+  }
+
+  /** Another scan: what was shown belongs to the one before. */
+  clear(): void {
+    this.surfaces.clear();
+    this.sizes = this.surfaces.sizes;
+    this.labels = null;
+    this.sinceAsked = null;
+  }
+
+  /** Hands all that is held to a new picture. */
+  showAll(picture: Picture): void {
+    picture.setLabels(this.labels);
+    picture.changeSurfaces(
+      this.surfaces.ids.map((id) => ({ id, whole: true, dropped: [], patches: this.surfaces.patches(id) })),
+    );
+  }
+
+  /** Newer labels are on their way: edits until then may not be in them. */
+  expectLabels(): void {
+    this.sinceAsked = [];
+  }
+
+  /** Labels have arrived, or none are needed any more (null). */
+  takeLabels(labels: LabelVolume | null, picture: Picture | null): void {
+    for (const { box, labels: ids } of this.sinceAsked ?? []) {
+      if (labels !== null && ids !== null) {
+        updateLabels(labels, box, ids);
+      }
+    }
+    this.sinceAsked = null;
+    this.labels = labels;
+    picture?.setLabels(labels);
+  }
+
+  private showOne(changed: Changed, scan: HeldScan, picture: Picture | null): void {
+    let edit: Edit;
+    try {
+      edit = { voxels: decodeVoxels(changed, scan.volume), surfaces: changed.surfaces.map(decodeSurface) };
+    } catch (error) {
+      this.complain(`Edit ${String(changed.edit)} cannot be shown: ${error instanceof Error ? error.message : String(error)}.`);
+      return;
+    }
+    if (edit.voxels !== null) {
+      this.changeVoxels(edit.voxels, scan, picture);
+    }
+    for (const change of edit.surfaces) {
+      this.surfaces.apply(change);
+    }
+    if (edit.surfaces.length > 0) {
+      picture?.changeSurfaces(edit.surfaces);
+    }
+    this.lastEdit = changed.edit;
+  }
+
+  private changeVoxels(change: VoxelChange, { volume, bricks }: HeldScan, picture: Picture | null): void {
+    const { box, values, labels } = change;
+    if (values !== null) {
+      writeBox(volume.values, volume.dimensions, box, values);
+      updateBricks(bricks, volume, box);
+    }
+    if (labels !== null) {
+      this.sinceAsked?.push(change);
+      if (this.labels === null) {
+        this.labels = noLabels(volume, bricks);
+        picture?.setLabels(this.labels);
+      }
+      updateLabels(this.labels, box, labels);
+    }
+    picture?.changeVoxels(box, { values: values !== null, labels: labels !== null });
+  }
+}
+
+/** Whether any segment has voxels that no threshold describes. */
+export function needsLabels(segments: readonly Segment[]): boolean {
+  return segments.some((segment) => segment.range === null);
+}
+
+function noLabels({ dimensions }: ScanVolume, { counts }: BrickRanges): LabelVolume {
+  const [x, y, z] = dimensions;
+  return { ids: new Uint8Array(x * y * z), dimensions, bricks: new Uint8Array(counts[0] * counts[1] * counts[2]) };
+}
