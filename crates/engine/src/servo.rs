@@ -113,7 +113,7 @@ impl ServoLoop {
     pub fn resume(
         grid: Grid,
         mut touchable: Touchable,
-        state: ServoState,
+        mut state: ServoState,
         (channels, shared): (ServoChannels, Arc<Shared>),
     ) -> Self {
         let ServoChannels {
@@ -126,7 +126,7 @@ impl ServoLoop {
             records,
             snapshots,
         } = channels;
-        state.poses.place(&mut touchable, &grid);
+        state.poses.follow_root(&mut touchable, &grid);
         Self {
             grid,
             state,
@@ -240,7 +240,7 @@ impl ServoLoop {
                 sequence,
                 mut touchable,
             }) => {
-                self.state.poses.place(&mut touchable, &self.grid);
+                self.state.poses.follow_root(&mut touchable, &self.grid);
                 self.state.received = sequence;
                 self.occupancy.take_root(sequence, touchable, &mut probe);
             }
@@ -275,8 +275,9 @@ impl ServoLoop {
                 self.state.touch.blend.tell();
             }
             Some(ServoCommand::Pose(id, target)) => {
-                let touchable = self.occupancy.touchable();
-                self.state.poses.lead(id, target, &self.grid, touchable);
+                if let Some(bounds) = self.occupancy.bounds_of(id) {
+                    self.state.poses.lead(id, target, &self.grid, bounds);
+                }
             }
             Some(ServoCommand::Mark) => self.marked = true,
             // changes of occupancy are taken elsewhere

@@ -21,7 +21,7 @@ use crate::feel::Feel;
 use crate::handover::{ServoCommand, Snapshot};
 use crate::servo_state::ServoState;
 use crate::settings::Settings;
-use crate::touchable::Part;
+use crate::touchable::{MovedPart, Part};
 
 /// Memory for the changes of one recording, at most; a brick counts as if nobody shared it.
 pub const MAX_TAPE_BYTES: usize = 1 << 29;
@@ -72,15 +72,18 @@ pub enum TapeCommand {
 pub struct TapePart {
     /// Which segment.
     pub id: u8,
-    /// A box that holds its voxels where it was moved: first voxel, and one past the last.
-    pub moved: Option<(IVec3, IVec3)>,
+    /// Where it was moved: a box that holds its voxels, first voxel and one past the last, and
+    /// the pose that a servo starts from that does not know the segment yet.
+    pub moved: Option<(IVec3, IVec3, DAffine3)>,
 }
 
 impl From<&Part> for TapePart {
     fn from(part: &Part) -> Self {
         Self {
             id: part.id.0,
-            moved: part.moved.map(|bounds| (bounds.min, bounds.max)),
+            moved: part
+                .moved
+                .map(|MovedPart { bounds, pose }| (bounds.min, bounds.max, pose)),
         }
     }
 }
@@ -314,7 +317,10 @@ pub fn rooted(old: &[Part], new: &[TapePart], dimensions: UVec3) -> Vec<Part> {
             Ok(place) => old[place].bits.clone(),
             Err(_) => Bits::empty(dimensions),
         };
-        let moved = part.moved.map(|(min, max)| VoxelBox::new(min, max));
+        let moved = part.moved.map(|(min, max, pose)| MovedPart {
+            bounds: VoxelBox::new(min, max),
+            pose,
+        });
         Part { id, bits, moved }
     };
     new.iter().map(part).collect()

@@ -8,13 +8,14 @@
 
 use arrayvec::ArrayVec;
 use glam::IVec3;
-use palpate_haptics::moving::{PoseStep, step_pose};
+use palpate_haptics::moving::PoseStep;
 use palpate_haptics::proxy::Proxy;
 use palpate_haptics::scene::{MAX_OBJECTS, Object, ObjectPose, TouchScene};
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::brick_grid::BrickSwap;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
+use palpate_volume::voxel_box::VoxelBox;
 use rtrb::Producer;
 
 use crate::body::{Body, View};
@@ -179,21 +180,16 @@ impl TouchOccupancy {
         }
     }
 
-    /// Moves an object of any grid by one step, if the probe admits it; it may be pushed.
+    /// Moves an object by one step, if the probe admits it; it may be pushed.
     pub(crate) fn step_pose(
         &mut self,
         place: usize,
         new: &ObjectPose,
         probe: &mut Probe<'_>,
     ) -> PoseStep {
-        let step = step_pose(&self.scene(probe.grid), place, new, probe.proxy);
-        if step != PoseStep::Held
-            && let Some(object) = self.touchable.objects.get_mut(place)
-        {
-            object.set_pose(*new);
-            self.refused_at = None;
-        }
-        step
+        self.refused_at = None;
+        self.touchable
+            .step_pose(place, new, probe.grid, probe.proxy)
     }
 
     /// Takes a step of each segment that moves, as far as the probe admits it. A root held back
@@ -207,6 +203,16 @@ impl TouchOccupancy {
             poses.place(&mut held.touchable, grid);
         }
         self.refused_at = None;
+    }
+
+    /// A box that holds the voxels of a moved segment: of the newest root that has it.
+    #[must_use]
+    pub fn bounds_of(&self, id: SegmentId) -> Option<VoxelBox> {
+        let held = self.held_root.as_ref().map(|held| &held.touchable);
+        let roots = held.into_iter().chain([&self.touchable]);
+        let mut bounds =
+            roots.filter_map(|root| Some(root.objects.get(root.object_of(id)?)?.bounds()));
+        bounds.next()
     }
 
     /// The oldest change that is held back.

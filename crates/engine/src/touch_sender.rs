@@ -6,6 +6,7 @@
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
+use glam::DAffine3;
 use palpate_volume::brick_grid::BrickSwap;
 use palpate_volume::edit::SegmentId;
 
@@ -140,7 +141,7 @@ impl TouchSender {
             TouchChange::All(id) => self.send_root(scene, vec![*id]),
             TouchChange::Pose(id, pose) => self.send(ServoCommand::Pose(*id, *pose)),
             TouchChange::FirstPose(id, pose) => {
-                self.send_root(scene, vec![*id]);
+                self.send_split(scene, *id);
                 self.send(ServoCommand::Pose(*id, *pose));
             }
         }
@@ -217,7 +218,22 @@ impl TouchSender {
     }
 
     fn send_root(&mut self, scene: &Scene, segments: Vec<SegmentId>) {
-        let touchable = touchable_of(scene, self.radius);
+        self.send_parts(scene, scene.touchable_parts(), segments);
+    }
+
+    /// Sends a segment as a body of its own that still stands where the scan has it, so that it
+    /// is moved from there.
+    fn send_split(&mut self, scene: &Scene, id: SegmentId) {
+        let mut parts = scene.touchable_parts();
+        let split = parts.iter_mut().find(|part| part.id == id);
+        if let Some(moved) = split.and_then(|part| part.moved.as_mut()) {
+            moved.pose = DAffine3::IDENTITY;
+        }
+        self.send_parts(scene, parts, vec![id]);
+    }
+
+    fn send_parts(&mut self, scene: &Scene, parts: Vec<Part>, segments: Vec<SegmentId>) {
+        let touchable = touchable_of_parts(scene, parts, self.radius);
         let sequence = self.begin(segments);
         self.send(ServoCommand::Root {
             sequence,
@@ -251,11 +267,12 @@ impl TouchSender {
 /// All that can be touched, with a probe of a radius [mm] that was checked.
 #[must_use]
 pub fn touchable_of(scene: &Scene, radius: f64) -> Touchable {
-    let grid = scene.voxels().grid();
-    let mut touchable = Touchable::new(grid, scene.touchable_parts(), radius)
-        .expect("settings with too large a ball are refused");
-    touchable.put_objects(grid, |id| scene.properties_of(id).pose);
-    touchable
+    touchable_of_parts(scene, scene.touchable_parts(), radius)
+}
+
+fn touchable_of_parts(scene: &Scene, parts: Vec<Part>, radius: f64) -> Touchable {
+    Touchable::new(scene.voxels().grid(), parts, radius)
+        .expect("settings with too large a ball are refused")
 }
 
 fn is_held(status: &ServoStatus, change: &Outstanding) -> bool {

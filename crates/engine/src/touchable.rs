@@ -11,6 +11,8 @@ use std::sync::Arc;
 
 use glam::{DAffine3, UVec3};
 use palpate_haptics::ball::BallError;
+use palpate_haptics::moving::{self, PoseStep};
+use palpate_haptics::proxy::Proxy;
 use palpate_haptics::scene::{Object, ObjectPose, TouchScene};
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::bits::Bits;
@@ -28,8 +30,17 @@ pub struct Part {
     pub id: SegmentId,
     /// Its voxels.
     pub bits: Bits,
-    /// A box that holds them, where it was moved; none where it stands in the scan.
-    pub moved: Option<VoxelBox>,
+    /// Where it was moved; none where it stands in the scan.
+    pub moved: Option<MovedPart>,
+}
+
+/// Where a segment stands that was moved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MovedPart {
+    /// A box that holds its voxels.
+    pub bounds: VoxelBox,
+    /// From the scan to the scene [mm], a rigid motion that was checked.
+    pub pose: DAffine3,
 }
 
 /// All that can be touched, ready for the servo.
@@ -47,10 +58,13 @@ pub struct Touchable {
 
 impl Touchable {
     /// These parts of a scan, by rising number, for a probe of a radius [mm]; moved ones stand
-    /// in the scan still.
+    /// where their pose has them.
     ///
     /// # Errors
     /// Where the ball is too large for the scan's voxels.
+    ///
+    /// # Panics
+    /// Where a pose is none; whoever gives parts a pose has checked it.
     pub fn new(grid: &Grid, parts: Vec<Part>, radius: f64) -> Result<Self, BallError> {
         let unmoved: Vec<&Bits> = unmoved(&parts).map(|part| &part.bits).collect();
         let world = Body::new(
@@ -59,15 +73,14 @@ impl Touchable {
             grid.spacing(),
         )?;
         let reach = world.reach();
-        let pose = ObjectPose::new(grid, grid, DAffine3::IDENTITY)
-            .expect("a segment that was not moved yet is within reach");
-        let object = |bits: &Bits, bounds: VoxelBox| {
+        let object = |bits: &Bits, MovedPart { bounds, pose }| {
             let body = Body::new(bits.clone(), radius, grid.spacing())?;
             let bounds = if bounds.is_empty() {
                 bounds
             } else {
                 VoxelBox::new(bounds.min - reach, bounds.max + reach)
             };
+            let pose = ObjectPose::new(grid, grid, pose).expect("poses of parts were checked");
             Ok(Object::new(body, grid, bounds, pose))
         };
         let objects = parts
@@ -92,21 +105,33 @@ impl Touchable {
         }
     }
 
-    /// Puts objects where their segments stand; without a rigid pose they stay.
-    pub fn put_objects(&mut self, grid: &Grid, pose_of: impl Fn(SegmentId) -> Option<DAffine3>) {
-        for place in 0..self.objects.len() {
-            let pose = self.object_ids().nth(place).and_then(&pose_of);
-            let pose = pose.and_then(|pose| ObjectPose::new(grid, grid, pose).ok());
-            if let Some(pose) = pose {
-                self.objects[place].set_pose(pose);
-            }
-        }
+    /// The moved segments as the parts have them, in the order of the objects.
+    pub fn moved(&self) -> impl Iterator<Item = (SegmentId, MovedPart)> {
+        let moved = |part: &Part| Some((part.id, part.moved?));
+        self.parts.iter().filter_map(moved)
     }
 
-    /// Numbers of the moved segments, in the order of the objects.
-    pub fn object_ids(&self) -> impl Iterator<Item = SegmentId> {
-        let moved = self.parts.iter().filter(|part| part.moved.is_some());
-        moved.map(|part| part.id)
+    /// The place of a moved segment among the objects.
+    #[must_use]
+    pub fn object_of(&self, id: SegmentId) -> Option<usize> {
+        self.moved().position(|(other, _)| other == id)
+    }
+
+    /// Takes a step of an object to a pose, if the probe admits it, who may be pushed.
+    pub fn step_pose(
+        &mut self,
+        place: usize,
+        new: &ObjectPose,
+        grid: &Grid,
+        proxy: &mut Proxy,
+    ) -> PoseStep {
+        let step = moving::step_pose(&self.scene(grid), place, new, proxy);
+        if step != PoseStep::Held
+            && let Some(object) = self.objects.get_mut(place)
+        {
+            object.set_pose(*new);
+        }
+        step
     }
 
     /// The segment to which a solid voxel of a body belongs: of the world's, the first that
@@ -114,7 +139,7 @@ impl Touchable {
     #[must_use]
     pub fn owner(&self, body: u8, voxel: glam::IVec3) -> Option<SegmentId> {
         match usize::from(body).checked_sub(1) {
-            Some(place) => self.object_ids().nth(place),
+            Some(place) => self.moved().nth(place).map(|(id, _)| id),
             None => {
                 let voxel = self.world.solid_near(voxel)?;
                 unmoved(&self.parts)
