@@ -9,7 +9,6 @@ use crate::feel::{Feel, Feels};
 use crate::touchable::{MovedPart, Part};
 use glam::DAffine3;
 use palpate_haptics::scene::MAX_OBJECTS;
-use palpate_volume::bits::Bits;
 use palpate_volume::edit::{Edit, SegmentId};
 use palpate_volume::segment::Segment;
 use palpate_volume::voxel_box::VoxelBox;
@@ -212,20 +211,16 @@ impl Scene {
         Ok(())
     }
 
-    /// The bits of all obstacles.
-    #[must_use]
-    pub fn touchable_bits(&self) -> Vec<&Bits> {
+    /// All obstacles with their properties, by rising number.
+    pub fn obstacles(&self) -> impl Iterator<Item = (SegmentId, &Segment, Properties)> {
         self.segments()
             .filter(|(_, _, properties)| properties.touchable)
-            .map(|(_, segment, _)| segment.occupancy())
-            .collect()
     }
 
-    /// All obstacles, by rising number.
+    /// All obstacles, by rising number, with copies of their directories of bricks.
     #[must_use]
     pub fn touchable_parts(&self) -> Vec<Part> {
-        self.segments()
-            .filter(|(_, _, properties)| properties.touchable)
+        self.obstacles()
             .map(|(id, segment, properties)| Part {
                 id,
                 bits: segment.occupancy().clone(),

@@ -7,6 +7,7 @@ use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use glam::DAffine3;
+use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;
 use palpate_volume::edit::SegmentId;
 
@@ -196,24 +197,26 @@ impl TouchSender {
     }
 
     fn send_bricks(&mut self, scene: &Scene, bricks: &[u32], segments: Vec<SegmentId>) {
-        let parts = scene.touchable_parts();
-        let is_changed = |part: &&Part| segments.contains(&part.id);
-        let changed: Vec<&Part> = parts.iter().filter(is_changed).collect();
-        let moved = changed.iter().any(|part| part.moved.is_some());
-        if moved || bricks.len() * changed.len().max(1) > MAX_BRICKS {
+        let changed = || scene.obstacles().filter(|(id, _, _)| segments.contains(id));
+        let moved = changed().any(|(_, _, properties)| properties.pose.is_some());
+        if moved || bricks.len() * changed().count().max(1) > MAX_BRICKS {
             return self.send_root(scene, segments);
         }
-        let swaps = |part: &Part| {
-            let id = part.id;
-            let brick = |&index: &u32| BrickSwap {
-                index,
-                brick: part.bits.bricks().get(index).cloned(),
-            };
-            bricks.iter().map(brick).map(|swap| (id, swap)).collect()
-        };
-        let swaps: Vec<Vec<_>> = changed.into_iter().map(swaps).collect();
+        let swaps = changed().flat_map(|(id, segment, _)| {
+            let entries = segment.occupancy().bricks();
+            bricks.iter().map(move |&index| {
+                let brick = entries.get(index).cloned();
+                (id, BrickSwap { index, brick })
+            })
+        });
+        let swaps = swaps.collect();
+        let unmoved: Vec<&Bits> = scene
+            .obstacles()
+            .filter(|(_, _, properties)| properties.pose.is_none())
+            .map(|(_, segment, _)| segment.occupancy())
+            .collect();
         let sequence = self.begin(segments);
-        let change = BrickChange::new(sequence, &parts, swaps.concat());
+        let change = BrickChange::new(sequence, &unmoved, swaps);
         self.send(ServoCommand::Bricks(change));
     }
 

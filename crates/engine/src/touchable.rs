@@ -66,9 +66,8 @@ impl Touchable {
     /// # Panics
     /// Where a pose is none; whoever gives parts a pose has checked it.
     pub fn new(grid: &Grid, parts: Vec<Part>, radius: f64) -> Result<Self, BallError> {
-        let unmoved: Vec<&Bits> = unmoved(&parts).map(|part| &part.bits).collect();
         let world = Body::new(
-            union_of(grid.dimensions(), &unmoved),
+            union_of(grid.dimensions(), &unmoved_bits(&parts)),
             radius,
             grid.spacing(),
         )?;
@@ -162,6 +161,12 @@ pub fn unmoved(parts: &[Part]) -> impl Iterator<Item = &Part> {
     parts.iter().filter(|part| part.moved.is_none())
 }
 
+/// Their voxels.
+#[must_use]
+pub fn unmoved_bits(parts: &[Part]) -> Vec<&Bits> {
+    unmoved(parts).map(|part| &part.bits).collect()
+}
+
 /// The union of segments of one grid.
 #[must_use]
 pub fn union_of(dimensions: UVec3, segments: &[&Bits]) -> Bits {
@@ -184,11 +189,9 @@ pub fn union_of(dimensions: UVec3, segments: &[&Bits]) -> Bits {
 
 /// One brick of the union.
 #[must_use]
-pub fn union_brick<'a>(
-    segments: impl Iterator<Item = &'a Bits>,
-    index: u32,
-) -> Option<Arc<BitBrick>> {
+pub fn union_brick(segments: &[&Bits], index: u32) -> Option<Arc<BitBrick>> {
     segments
+        .iter()
         .filter_map(|segment| segment.bricks().get(index))
         .fold(None, |union, brick| Some(merged(union.as_ref(), brick)))
 }
