@@ -10,7 +10,6 @@ use glam::DVec3;
 use palpate_haptics::local_force::LocalForce;
 use palpate_haptics::placement::nearest_free_in;
 use palpate_haptics::proxy::Proxy;
-use palpate_haptics::scene::Solid;
 use palpate_haptics::tick::{TickCache, TickInput, TickOutput, TickState, tick};
 use palpate_volume::bits::Bits;
 use palpate_volume::grid::Grid;
@@ -24,6 +23,7 @@ use crate::handover::{
 use crate::mapping::Mapping;
 use crate::model::LimitedModel;
 use crate::moved_poses::MovedPoses;
+use crate::owners::Owners;
 use crate::probe::Probe;
 use crate::servo_state::{ServoState, TickInputs};
 use crate::settings::Settings;
@@ -63,6 +63,8 @@ pub struct ServoLoop {
     state: ServoState,
     occupancy: TouchOccupancy,
     cache: TickCache,
+    /// Kept beside the state like the cache: it changes no result.
+    owners: Owners,
     /// The segment that is touched; 0 where there is none.
     touched: u8,
     /// Whether the state is asked for at the end of this tick.
@@ -132,6 +134,7 @@ impl ServoLoop {
             state,
             occupancy: TouchOccupancy::new(touchable, garbage),
             cache: TickCache::default(),
+            owners: Owners::default(),
             touched: 0,
             marked: false,
             ends: Ends {
@@ -329,8 +332,10 @@ impl ServoLoop {
 
     fn touch(&mut self, input: &TickInput) -> TickOutput {
         self.cache.set_epoch(self.occupancy.version());
+        self.owners.set_version(self.occupancy.version());
         let surfaces = TouchedSurfaces {
             touchable: self.occupancy.touchable(),
+            owners: &self.owners,
             settings: &self.state.settings,
             feels: &self.state.feels,
         };
@@ -346,11 +351,9 @@ impl ServoLoop {
             &mut self.state.touch,
             &mut self.cache,
         );
-        let touchable = self.occupancy.touchable();
-        let owner = |solid: Solid| touchable.owner(solid.body, solid.voxel);
         self.touched = match output.held_by {
             _ if !output.contact => 0,
-            Some(solid) => owner(solid).map_or(0, |id| id.0),
+            Some(solid) => surfaces.owner(solid).map_or(0, |id| id.0),
             // under the smooth surface, but not held back yet
             None => self.touched,
         };

@@ -9,11 +9,11 @@
 
 use std::sync::Arc;
 
-use glam::{DAffine3, UVec3};
+use glam::{DAffine3, IVec3, UVec3};
 use palpate_haptics::ball::BallError;
 use palpate_haptics::moving::{self, PoseStep};
 use palpate_haptics::proxy::Proxy;
-use palpate_haptics::scene::{Object, ObjectPose, TouchScene};
+use palpate_haptics::scene::{Object, ObjectPose, Solid, TouchScene};
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;
@@ -133,19 +133,26 @@ impl Touchable {
         step
     }
 
-    /// The segment to which a solid voxel of a body belongs: of the world's, the first that
-    /// has it.
+    /// The segment to which a voxel belongs that is solid for the probe: of the world's, the
+    /// first that has it.
     #[must_use]
-    pub fn owner(&self, body: u8, voxel: glam::IVec3) -> Option<SegmentId> {
-        match usize::from(body).checked_sub(1) {
+    pub fn owner(&self, solid: Solid) -> Option<SegmentId> {
+        match usize::from(solid.body).checked_sub(1) {
             Some(place) => self.moved().nth(place).map(|(id, _)| id),
-            None => {
-                let voxel = self.world.solid_near(voxel)?;
-                unmoved(&self.parts)
-                    .find(|part| part.bits.is_solid(voxel))
-                    .map(|part| part.id)
-            }
+            None => self.owner_in_world(solid.voxel),
         }
+    }
+
+    fn owner_in_world(&self, voxel: IVec3) -> Option<SegmentId> {
+        let mut parts = unmoved(&self.parts);
+        let first = parts.next()?;
+        // where there is but one, all of the world is its own
+        if parts.next().is_none() {
+            return Some(first.id);
+        }
+        let voxel = self.world.solid_near(voxel)?;
+        let owner = unmoved(&self.parts).find(|part| part.bits.is_solid(voxel));
+        owner.map(|part| part.id)
     }
 
     /// Exchanges a brick of a part, if it is there.
