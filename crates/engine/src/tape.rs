@@ -38,8 +38,6 @@ pub enum TapeCommand {
         sequence: u64,
         /// The segments, by rising number.
         parts: Vec<TapePart>,
-        /// Radius of the probe [mm].
-        radius: f64,
     },
     /// Some bricks were replaced.
     Bricks {
@@ -109,8 +107,6 @@ pub struct Tape {
     pub state: ServoState,
     /// What could be touched then, by rising number.
     pub parts: Vec<Part>,
-    /// Radius of the probe then [mm].
-    pub radius: f64,
     /// Commands from number `state.command + 1` on, without a gap.
     pub entries: Vec<TapeEntry>,
     /// Whether there was no memory for the commands that came after.
@@ -143,7 +139,6 @@ struct Writer {
     mark: u64,
     grid: Grid,
     first: Vec<Part>,
-    radius: f64,
     /// The servo's state at the mark, once it has told it.
     state: Option<ServoState>,
     /// What the servo will touch once it has obeyed all that was noted.
@@ -187,12 +182,11 @@ impl TapeRecorder {
     }
 
     /// Notes that the mark with this number is sent, and what will be solid by then.
-    pub fn begin(&mut self, mark: u64, grid: Grid, parts: Vec<Part>, radius: f64) {
+    pub fn begin(&mut self, mark: u64, grid: Grid, parts: Vec<Part>) {
         self.stage = Stage::Running(Box::new(Writer {
             mark,
             grid,
             first: parts.clone(),
-            radius,
             state: None,
             latest: parts,
             entries: Vec::new(),
@@ -233,7 +227,6 @@ impl TapeRecorder {
                 grid: writer.grid,
                 state: writer.state?,
                 parts: writer.first,
-                radius: writer.radius,
                 entries: writer.entries,
                 is_full: writer.is_full,
             }),
@@ -270,7 +263,6 @@ impl Writer {
                 TapeCommand::Root {
                     sequence: *sequence,
                     parts: touchable.parts.iter().map(TapePart::from).collect(),
-                    radius: touchable.radius,
                 }
             }
             ServoCommand::Bricks(change) => {

@@ -11,6 +11,9 @@ use std::sync::Arc;
 
 use glam::{DAffine3, IVec3, UVec3};
 use palpate_haptics::ball::BallError;
+use palpate_haptics::ball_limits::ball_limits;
+use palpate_haptics::ball_probe::ProbeSolid;
+use palpate_haptics::exact::ExactLimits;
 use palpate_haptics::moving::{self, PoseStep};
 use palpate_haptics::proxy::Proxy;
 use palpate_haptics::scene::{Object, ObjectPose, Solid, TouchScene};
@@ -21,7 +24,8 @@ use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
 use palpate_volume::voxel_box::VoxelBox;
 
-use crate::body::Body;
+/// Voxels of one body as the probe meets them.
+pub type Body = ProbeSolid<Bits>;
 
 /// A segment that can be touched.
 #[derive(Clone, Debug)]
@@ -71,7 +75,7 @@ impl Touchable {
             radius,
             grid.spacing(),
         )?;
-        let reach = world.reach();
+        let reach = world.shape().reach();
         let object = |bits: &Bits, MovedPart { bounds, pose }| {
             let body = Body::new(bits.clone(), radius, grid.spacing())?;
             let bounds = if bounds.is_empty() {
@@ -102,6 +106,12 @@ impl Touchable {
             grid,
             objects: &self.objects,
         }
+    }
+
+    /// How much work a tick of `exact` may do with this probe.
+    #[must_use]
+    pub fn limits(&self) -> ExactLimits {
+        ball_limits(self.world.shape())
     }
 
     /// The moved segments as the parts have them, in the order of the objects.
@@ -153,6 +163,28 @@ impl Touchable {
         let voxel = self.world.solid_near(voxel)?;
         let owner = unmoved(&self.parts).find(|part| part.bits.is_solid(voxel));
         owner.map(|part| part.id)
+    }
+
+    /// Gives the probe another radius [mm] at once; whether the probe admits it is asked before.
+    ///
+    /// # Errors
+    /// Where the ball is too large for the scan's voxels; nothing is changed then.
+    pub fn set_radius(&mut self, radius: f64) -> Result<(), BallError> {
+        if self.radius == radius {
+            return Ok(());
+        }
+        self.world.set_radius(radius)?;
+        for object in &mut self.objects {
+            object.set_radius(radius)?;
+        }
+        self.radius = radius;
+        Ok(())
+    }
+
+    /// Exchanges a brick of the union.
+    pub fn swap_world(&mut self, swap: &mut BrickSwap<BitBrick>) {
+        let changed = self.world.inner().bricks().box_of(swap.index);
+        self.world.change(&changed, |bits| bits.swap(swap));
     }
 
     /// Exchanges a brick of a part, if it is there.
