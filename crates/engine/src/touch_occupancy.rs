@@ -7,7 +7,7 @@
 //! to the garbage ring. Source: design, section 5.
 
 use arrayvec::ArrayVec;
-use glam::IVec3;
+use glam::{DAffine3, IVec3};
 use palpate_haptics::admission::Admission;
 use palpate_haptics::ball::Ball;
 use palpate_haptics::ball_probe::{MAX_BODIES, ProbeView, admit_radius};
@@ -223,16 +223,23 @@ impl TouchOccupancy {
     }
 
     /// Takes a step of each segment that moves, as far as the probe admits it. A root held back
-    /// follows, so that it is asked for with the segments where they stand.
-    pub fn step_poses(&mut self, poses: &mut MovedPoses, grid: &Grid, proxy: &mut Proxy) {
+    /// follows, so that it is asked for with the segments where they stand. Gives the step of
+    /// the touched one, if it took one.
+    pub fn step_poses(
+        &mut self,
+        poses: &mut MovedPoses,
+        grid: &Grid,
+        (proxy, touched): (&mut Proxy, SegmentId),
+    ) -> Option<DAffine3> {
         if !poses.is_moving() {
-            return;
+            return None;
         }
-        poses.step(&mut self.touchable, grid, proxy);
+        let carried = poses.step(&mut self.touchable, grid, (proxy, touched));
         if let Some(held) = &mut self.held_root {
             poses.place(&mut held.touchable, grid);
         }
         self.refused_at = None;
+        carried
     }
 
     /// A box that holds the voxels of a moved segment: of the newest root that has it.

@@ -413,6 +413,71 @@ fn no_more_segments_are_moved_than_can_be_touched_also_not_by_undo() {
     assert!((resting(&mut rig, 34.0) - 34.0).abs() < 1e-6);
 }
 
+/// Presses the probe on a block that is moved and turned under it; gives where it was and is.
+fn dragged(friction: f64, pose: DAffine3) -> [DVec3; 2] {
+    let mut rig = Rig::new(DIMENSIONS, START);
+    let id = rig
+        .simulation
+        .add_segment(floor_block(), OBSTACLE, true)
+        .unwrap();
+    rig.simulation
+        .set_settings(Settings {
+            friction_static: friction,
+            friction_kinetic: friction,
+            ..Settings::default()
+        })
+        .unwrap();
+    // a body of its own, so that the way there can be told from the way of the union
+    rig.simulation
+        .move_segment(id, shifted(DVec3::Z * 0.25))
+        .unwrap();
+    ticks(&mut rig, 40, START);
+    let pressing = DVec3::new(26.3, 25.1, 17.25);
+    for step in 0..=100 {
+        let above = pressing.with_z(22.0);
+        ticks(&mut rig, 1, above.lerp(pressing, f64::from(step) / 100.0));
+    }
+    let before = ticks(&mut rig, 60, pressing);
+    assert!(before.contact && rig.status.read().touched == id.0);
+    let pose = pose * shifted(DVec3::Z * 0.25);
+    rig.simulation.move_segment(id, pose).unwrap();
+    let after = ticks(&mut rig, 200, pressing);
+    assert!(after.contact);
+    [before.proxy, after.proxy]
+}
+
+#[test]
+fn a_segment_that_is_moved_aside_takes_along_a_probe_that_sticks_to_it() {
+    let aside = DVec3::new(1.6, -0.8, 0.0);
+    // 3 mm deep and a coefficient of 1 hold 3 mm aside
+    let [before, after] = dragged(1.0, shifted(aside));
+    // on a plane the anchor goes with the body exactly; 0.02 is what its skin and the smooth
+    // surface of voxels leave
+    assert!((after - before - aside).length() < 0.02, "{before} {after}");
+
+    // without friction it slides under the probe
+    let [before, after] = dragged(0.0, shifted(aside));
+    assert!((after - before).length() < 1e-6, "{before} {after}");
+
+    // too far for the cone: 3 mm deep and 0.2 hold some 0.6 mm
+    let [before, after] = dragged(0.2, shifted(aside));
+    let way = (after - before).length();
+    assert!(way > 0.4 && way < 0.8, "{way}");
+}
+
+#[test]
+fn a_segment_that_turns_takes_along_a_probe_that_sticks_to_it() {
+    let middle = DVec3::new(20.0, 22.0, 0.0);
+    let turn = DAffine3::from_translation(middle)
+        * DAffine3::from_rotation_z(0.25)
+        * DAffine3::from_translation(-middle);
+    let [before, after] = dragged(1.0, turn);
+    let wanted = turn.transform_point3(before);
+    assert!(wanted.distance(before) > 1.5);
+    // as above
+    assert!(after.distance(wanted) < 0.02, "{after} {wanted}");
+}
+
 /// Guarantee 1 with everything at once: edits, moves, radii, switches, under a hand that presses.
 #[test]
 fn whatever_is_done_to_the_scene_the_probe_is_never_inside() {
