@@ -36,7 +36,7 @@ pub const GARBAGE_PER_CHANGE: usize = 2 * MAX_BRICKS * (MAX_HELD + 1) + MAX_HELD
 struct HeldRoot {
     first: u64,
     last: u64,
-    touchable: Touchable,
+    touchable: Box<Touchable>,
 }
 
 /// The occupancy and what is held back.
@@ -172,7 +172,12 @@ impl TouchOccupancy {
     }
 
     /// Takes a new root; whatever was held is overtaken by it.
-    pub fn take_root(&mut self, sequence: u64, mut touchable: Touchable, probe: &mut Probe<'_>) {
+    pub fn take_root(
+        &mut self,
+        sequence: u64,
+        mut touchable: Box<Touchable>,
+        probe: &mut Probe<'_>,
+    ) {
         // it is made for the radius that is wanted, which the probe may not have yet
         let _ = touchable.set_radius(self.touchable.radius);
         let first = self.first_held().unwrap_or(sequence);
@@ -245,7 +250,7 @@ impl TouchOccupancy {
     /// A box that holds the voxels of a moved segment: of the newest root that has it.
     #[must_use]
     pub fn bounds_of(&self, id: SegmentId) -> Option<VoxelBox> {
-        let held = self.held_root.as_ref().map(|held| &held.touchable);
+        let held = self.held_root.as_ref().map(|held| &*held.touchable);
         let roots = held.into_iter().chain([&self.touchable]);
         let mut bounds =
             roots.filter_map(|root| Some(root.objects.get(root.object_of(id)?)?.bounds()));
@@ -293,7 +298,7 @@ impl TouchOccupancy {
     }
 
     fn put_radius(&mut self, radius: f64) {
-        let held = self.held_root.as_mut().map(|held| &mut held.touchable);
+        let held = self.held_root.as_mut().map(|held| &mut *held.touchable);
         for touchable in held.into_iter().chain([&mut self.touchable]) {
             // it fits the one that it was admitted in, and all have one grid
             let _ = touchable.set_radius(radius);
@@ -395,11 +400,11 @@ impl TouchOccupancy {
         }
     }
 
-    fn put_root(&mut self, touchable: Touchable) {
+    fn put_root(&mut self, mut touchable: Box<Touchable>) {
         self.version += 1;
         self.refused_at = None;
-        let old = std::mem::replace(&mut self.touchable, touchable);
-        self.dispose(Garbage::Root(old));
+        std::mem::swap(&mut self.touchable, &mut touchable);
+        self.dispose(Garbage::Root(touchable));
     }
 
     fn put_bricks(&mut self, mut change: BrickChange) {
