@@ -28,8 +28,7 @@ pub use timing::Timing;
 use std::hint::black_box;
 
 use glam::DVec3;
-use palpate_haptics::ball::{BallError, BallShape};
-use palpate_haptics::ball_limits::ball_limits;
+use palpate_haptics::ball::BallError;
 use palpate_haptics::contact::ContactModel;
 use palpate_haptics::exact::Exact;
 use palpate_haptics::proxy::Proxy;
@@ -41,6 +40,7 @@ use palpate_volume::first_solid::first_solid;
 use palpate_volume::grid::Grid;
 
 use crate::feel::Feels;
+use crate::owners::Owners;
 use crate::settings::Settings;
 use crate::touchable::Touchable;
 use crate::touched_surfaces::TouchedSurfaces;
@@ -120,12 +120,8 @@ impl TouchBench {
         let grid = ground.grid;
         let radius_mm = radius * grid.smallest_spacing();
         let touchable = Touchable::new(&grid, ground.parts(), radius_mm)?;
-        let exact = if radius_mm > 0.0 {
-            Exact {
-                limits: ball_limits(&BallShape::new(radius_mm, grid.spacing())?),
-            }
-        } else {
-            Exact::default()
+        let exact = Exact {
+            limits: touchable.limits(),
         };
         let stroke =
             stroke(&grid, &touchable.world, &exact, count, seed).ok_or(BenchError::NoSurface)?;
@@ -240,8 +236,10 @@ impl TouchBench {
             ..Settings::default()
         };
         let feels = Feels::default();
+        let owners = Owners::default();
         let surfaces = TouchedSurfaces {
             touchable: &self.touchable,
+            owners: &owners,
             settings: &settings,
             feels: &feels,
         };
@@ -262,7 +260,7 @@ impl TouchBench {
                 let output = tick(scene, model, surfaces, &input, &mut state, &mut cache);
                 // as the servo and the device thread do after it
                 let held_by = output.held_by;
-                black_box(held_by.and_then(|at| self.touchable.owner(at.body, at.voxel)));
+                black_box(held_by.and_then(|solid| surfaces.owner(solid)));
                 black_box(safety.limit(output.force, 1e-3));
                 output.contact
             }

@@ -8,7 +8,6 @@
 
 pub mod assembly;
 pub mod bench;
-pub mod body;
 pub mod clock;
 pub mod device_loop;
 pub mod error;
@@ -21,6 +20,7 @@ pub mod mapping;
 pub mod model;
 pub mod moved_poses;
 pub mod offline;
+pub mod owners;
 pub mod pacing;
 pub mod packed_patch;
 pub mod patched;

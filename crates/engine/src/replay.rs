@@ -19,7 +19,7 @@ use crate::recording::Recording;
 use crate::servo::{MAX_COMMANDS_PER_TICK, ServoLoop};
 use crate::shared::Shared;
 use crate::tape::{Tape, TapeCommand, TapeEntry, put, rooted};
-use crate::touchable::{Part, Touchable};
+use crate::touchable::{Part, Touchable, unmoved_bits};
 
 /// Why a recording cannot be replayed at all.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -185,7 +185,7 @@ impl<'a> Player<'a> {
     fn new(tape: &'a Tape) -> Result<Self, ReplayError> {
         let channels = Channels::new(tape.state.hand);
         let shared = Arc::new(Shared::default());
-        let touchable = Touchable::new(&tape.grid, tape.parts.clone(), tape.radius)?;
+        let touchable = Touchable::new(&tape.grid, tape.parts.clone(), tape.state.radius)?;
         let servo = ServoLoop::resume(tape.grid, touchable, tape.state, (channels.servo, shared));
         Ok(Self {
             servo,
@@ -227,15 +227,14 @@ impl<'a> Player<'a> {
         }
         put(&mut self.latest, &entry.swaps);
         Ok(match entry.command {
-            TapeCommand::Root {
-                sequence, radius, ..
-            } => ServoCommand::Root {
+            TapeCommand::Root { sequence, .. } => ServoCommand::Root {
                 sequence,
-                touchable: Touchable::new(&self.grid, self.latest.clone(), radius)?,
+                // the servo knows which radius the probe has
+                touchable: Box::new(Touchable::new(&self.grid, self.latest.clone(), 0.0)?),
             },
             TapeCommand::Bricks { sequence } => ServoCommand::Bricks(BrickChange::new(
                 sequence,
-                &self.latest,
+                &unmoved_bits(&self.latest),
                 entry.swaps.clone(),
             )),
             TapeCommand::Place {

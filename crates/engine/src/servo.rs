@@ -6,13 +6,13 @@
 use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
 
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
 use palpate_haptics::local_force::LocalForce;
 use palpate_haptics::placement::nearest_free_in;
 use palpate_haptics::proxy::Proxy;
-use palpate_haptics::scene::Solid;
 use palpate_haptics::tick::{TickCache, TickInput, TickOutput, TickState, tick};
 use palpate_volume::bits::Bits;
+use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
 
 use crate::device_loop::WATCHDOG_SECS;
@@ -24,6 +24,7 @@ use crate::handover::{
 use crate::mapping::Mapping;
 use crate::model::LimitedModel;
 use crate::moved_poses::MovedPoses;
+use crate::owners::Owners;
 use crate::probe::Probe;
 use crate::servo_state::{ServoState, TickInputs};
 use crate::settings::Settings;
@@ -63,8 +64,8 @@ pub struct ServoLoop {
     state: ServoState,
     occupancy: TouchOccupancy,
     cache: TickCache,
-    /// The segment that is touched; 0 where there is none.
-    touched: u8,
+    /// Kept beside the state like the cache: it changes no result.
+    owners: Owners,
     /// Whether the state is asked for at the end of this tick.
     marked: bool,
     ends: Ends,
@@ -97,7 +98,9 @@ impl ServoLoop {
             mapping: start.mapping,
             settings: start.settings,
             feels: start.feels,
+            radius: start.touchable.radius,
             poses: MovedPoses::default(),
+            touched: 0,
             hand: start.probe,
             forgotten_hand: 0,
             received: 0,
@@ -113,7 +116,7 @@ impl ServoLoop {
     pub fn resume(
         grid: Grid,
         mut touchable: Touchable,
-        state: ServoState,
+        mut state: ServoState,
         (channels, shared): (ServoChannels, Arc<Shared>),
     ) -> Self {
         let ServoChannels {
@@ -126,13 +129,17 @@ impl ServoLoop {
             records,
             snapshots,
         } = channels;
-        state.poses.place(&mut touchable, &grid);
+        state.poses.follow_root(&mut touchable, &grid);
+        // who starts a session or reads a tape has checked that it fits
+        let _ = touchable.set_radius(state.radius);
+        let mut occupancy = TouchOccupancy::new(touchable, garbage);
+        occupancy.want_radius(state.settings.probe_radius);
         Self {
             grid,
             state,
-            occupancy: TouchOccupancy::new(touchable, garbage),
+            occupancy,
             cache: TickCache::default(),
-            touched: 0,
+            owners: Owners::default(),
             marked: false,
             ends: Ends {
                 samples,
@@ -150,7 +157,7 @@ impl ServoLoop {
     /// What is solid for the probe now.
     #[must_use]
     pub fn solid(&self) -> &Bits {
-        self.occupancy.touchable().world.bits()
+        self.occupancy.touchable().world.inner()
     }
 
     /// One tick at `now` [s] with what device and person say by then.
@@ -192,13 +199,20 @@ impl ServoLoop {
             proxy: &mut self.state.touch.proxy,
         };
         self.occupancy.retry(&mut probe);
+        self.state.radius = self.occupancy.touchable().radius;
     }
 
-    /// Takes a step of each segment that moves.
+    /// Takes a step of each segment that moves; the one that is touched takes along what friction
+    /// holds.
     fn move_segments(&mut self) {
-        let proxy = &mut self.state.touch.proxy;
-        self.occupancy
-            .step_poses(&mut self.state.poses, &self.grid, proxy);
+        let (proxy, touched) = (&mut self.state.touch.proxy, SegmentId(self.state.touched));
+        let carried =
+            self.occupancy
+                .step_poses(&mut self.state.poses, &self.grid, (proxy, touched));
+        if let Some(motion) = carried {
+            let friction = &mut self.state.touch.friction;
+            friction.carry(&along_axes(&self.grid, &motion));
+        }
     }
 
     /// Obeys the simulation, in its order, as far as one tick allows.
@@ -240,7 +254,7 @@ impl ServoLoop {
                 sequence,
                 mut touchable,
             }) => {
-                self.state.poses.place(&mut touchable, &self.grid);
+                self.state.poses.follow_root(&mut touchable, &self.grid);
                 self.state.received = sequence;
                 self.occupancy.take_root(sequence, touchable, &mut probe);
             }
@@ -268,6 +282,7 @@ impl ServoLoop {
             Some(ServoCommand::Turn(rotation)) => self.state.mapping.turn(device, rotation),
             Some(ServoCommand::Settings(settings)) => {
                 self.state.settings = settings;
+                self.occupancy.want_radius(settings.probe_radius);
                 self.state.touch.blend.tell();
             }
             Some(ServoCommand::Feel(id, feel)) => {
@@ -275,8 +290,9 @@ impl ServoLoop {
                 self.state.touch.blend.tell();
             }
             Some(ServoCommand::Pose(id, target)) => {
-                let touchable = self.occupancy.touchable();
-                self.state.poses.lead(id, target, &self.grid, touchable);
+                if let Some(bounds) = self.occupancy.bounds_of(id) {
+                    self.state.poses.lead(id, target, &self.grid, bounds);
+                }
             }
             Some(ServoCommand::Mark) => self.marked = true,
             // changes of occupancy are taken elsewhere
@@ -328,14 +344,16 @@ impl ServoLoop {
 
     fn touch(&mut self, input: &TickInput) -> TickOutput {
         self.cache.set_epoch(self.occupancy.version());
+        self.owners.set_version(self.occupancy.version());
         let surfaces = TouchedSurfaces {
             touchable: self.occupancy.touchable(),
+            owners: &self.owners,
             settings: &self.state.settings,
             feels: &self.state.feels,
         };
         let model = LimitedModel {
             model: self.state.settings.model,
-            limits: self.occupancy.touchable().world.limits(),
+            limits: self.occupancy.touchable().limits(),
         };
         let output = tick(
             &self.occupancy.scene(&self.grid),
@@ -345,13 +363,11 @@ impl ServoLoop {
             &mut self.state.touch,
             &mut self.cache,
         );
-        let touchable = self.occupancy.touchable();
-        let owner = |solid: Solid| touchable.owner(solid.body, solid.voxel);
-        self.touched = match output.held_by {
+        self.state.touched = match output.held_by {
             _ if !output.contact => 0,
-            Some(solid) => owner(solid).map_or(0, |id| id.0),
+            Some(solid) => surfaces.owner(solid).map_or(0, |id| id.0),
             // under the smooth surface, but not held back yet
-            None => self.touched,
+            None => self.state.touched,
         };
         if output.violation {
             self.shared.counters.violations.fetch_add(1, Relaxed);
@@ -378,10 +394,11 @@ impl ServoLoop {
             skipped: self.occupancy.skipped(),
             stopped: self.state.poses.stopped(),
             refused_places: self.state.refused_places,
+            radius: self.state.radius,
             device: self.device_in_scene(inputs),
             proxy: output.proxy_in_scene,
             contact: output.contact,
-            touched: self.touched,
+            touched: self.state.touched,
         });
     }
 
@@ -420,6 +437,13 @@ impl ServoLoop {
         // whoever asks asks once, and takes what he asked for
         let _ = self.ends.snapshots.push(snapshot);
     }
+}
+
+/// A rigid motion of the scene along the axes of a grid, in mm from its corner, as friction has it.
+fn along_axes(grid: &Grid, motion: &DAffine3) -> DAffine3 {
+    let mm_from_voxels = DAffine3::from_scale(grid.spacing());
+    let voxels_from_mm = DAffine3::from_scale(1.0 / grid.spacing());
+    mm_from_voxels * grid.grid_from_patient() * *motion * grid.patient_from_grid() * voxels_from_mm
 }
 
 /// The contact as the device can follow it.

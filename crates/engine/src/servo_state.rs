@@ -27,8 +27,12 @@ pub struct ServoState {
     pub settings: Settings,
     /// How each segment feels.
     pub feels: Feels,
+    /// Radius of the probe that was admitted [mm]; the settings have the one that is wanted.
+    pub radius: f64,
     /// Where moved segments stand and go.
     pub poses: MovedPoses,
+    /// The segment that is touched; 0 where there is none.
+    pub touched: u8,
     /// Where the hand pulls the device to [mm].
     pub hand: DVec3,
     /// Hand targets up to this number are older than the last placement.

@@ -29,12 +29,14 @@ use crate::tape::{MAX_TAPE_BYTES, TapeRecorder};
 use crate::touch_sender::{TouchSender, touchable_of};
 
 /// What the picture shows of the simulation.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SimulationStatus {
     /// Number of the newest edit.
     pub edit: u64,
     /// The segment that the probe touches; 0 where there is none.
     pub touched: u8,
+    /// Radius that the probe has [mm]: less than the settings', where there is no room for it.
+    pub probe_radius: f64,
     /// Changes that touch does not follow yet.
     pub pending: usize,
     /// Whether there is a change to take back.
@@ -182,13 +184,18 @@ impl Simulation {
     /// Adds a segment; an undoable one is taken away again by undo.
     ///
     /// # Errors
-    /// Where it belongs to another grid, or there are 255.
+    /// Where it belongs to another grid, or there are 255, or it has a pose that
+    /// [`Self::move_segment`] would refuse.
     pub fn add_segment(
         &mut self,
         segment: Segment,
         properties: Properties,
         undoable: bool,
     ) -> Result<SegmentId, SessionError> {
+        if let Some(pose) = properties.pose {
+            self.check_pose(pose)?;
+            self.check_room_for_moved()?;
+        }
         let id = self.free_id()?;
         let step = Step::Insert {
             id,
@@ -278,11 +285,10 @@ impl Simulation {
     /// # Errors
     /// Where the pose is no rigid motion, there is no such segment, or too many are moved.
     pub fn move_segment(&mut self, id: SegmentId, pose: DAffine3) -> Result<(), SessionError> {
-        let grid = self.voxels().grid();
-        ObjectPose::new(grid, grid, pose)?;
-        let is_new = self.scene.properties_of(id).pose.is_none();
-        if is_new && self.scene.moved_count() >= MAX_OBJECTS {
-            return Err(SessionError::TooManyMoved);
+        self.check_pose(pose)?;
+        let before = self.scene.properties_of(id).pose;
+        if before.is_none_or(|before| before == DAffine3::IDENTITY) {
+            self.check_room_for_moved()?;
         }
         let goes_on = self.journal.newest().and_then(Step::moves) == Some(id);
         let inverse = self.perform(Step::Move { id, pose })?;
@@ -397,9 +403,8 @@ impl Simulation {
         if let Some(notice) = self.settings.notice_of_limits(&settings) {
             self.tell(notice);
         }
+        self.touch.set_radius(self.settings.probe_radius);
         self.touch.send(ServoCommand::Settings(self.settings));
-        self.touch
-            .set_radius(&self.scene, self.settings.probe_radius);
         Ok(self.settings)
     }
 
@@ -420,6 +425,21 @@ impl Simulation {
             self.tell_picture(news);
         }
         Ok(inverse)
+    }
+
+    fn check_pose(&self, pose: DAffine3) -> Result<(), SessionError> {
+        let grid = self.voxels().grid();
+        ObjectPose::new(grid, grid, pose)?;
+        Ok(())
+    }
+
+    /// Refuses one moved segment more than can be touched. Undo and redo need no such question:
+    /// where they lead there were no more.
+    fn check_room_for_moved(&self) -> Result<(), SessionError> {
+        if self.scene.moved_count() >= MAX_OBJECTS {
+            return Err(SessionError::TooManyMoved);
+        }
+        Ok(())
     }
 
     /// The lowest number that no segment has and no undo or redo would bring back.
@@ -482,6 +502,7 @@ impl Simulation {
         let status = SimulationStatus {
             edit: self.voxels().edit_number(),
             touched: self.touch.status().touched,
+            probe_radius: self.touch.status().radius,
             pending: self.touch.pending(),
             can_undo: self.journal.can_undo(),
             can_redo: self.journal.can_redo(),

@@ -21,7 +21,7 @@ use crate::feel::Feel;
 use crate::handover::{ServoCommand, Snapshot};
 use crate::servo_state::ServoState;
 use crate::settings::Settings;
-use crate::touchable::Part;
+use crate::touchable::{MovedPart, Part};
 
 /// Memory for the changes of one recording, at most; a brick counts as if nobody shared it.
 pub const MAX_TAPE_BYTES: usize = 1 << 29;
@@ -38,8 +38,6 @@ pub enum TapeCommand {
         sequence: u64,
         /// The segments, by rising number.
         parts: Vec<TapePart>,
-        /// Radius of the probe [mm].
-        radius: f64,
     },
     /// Some bricks were replaced.
     Bricks {
@@ -72,15 +70,18 @@ pub enum TapeCommand {
 pub struct TapePart {
     /// Which segment.
     pub id: u8,
-    /// A box that holds its voxels where it was moved: first voxel, and one past the last.
-    pub moved: Option<(IVec3, IVec3)>,
+    /// Where it was moved: a box that holds its voxels, first voxel and one past the last, and
+    /// the pose that a servo starts from that does not know the segment yet.
+    pub moved: Option<(IVec3, IVec3, DAffine3)>,
 }
 
 impl From<&Part> for TapePart {
     fn from(part: &Part) -> Self {
         Self {
             id: part.id.0,
-            moved: part.moved.map(|bounds| (bounds.min, bounds.max)),
+            moved: part
+                .moved
+                .map(|MovedPart { bounds, pose }| (bounds.min, bounds.max, pose)),
         }
     }
 }
@@ -106,8 +107,6 @@ pub struct Tape {
     pub state: ServoState,
     /// What could be touched then, by rising number.
     pub parts: Vec<Part>,
-    /// Radius of the probe then [mm].
-    pub radius: f64,
     /// Commands from number `state.command + 1` on, without a gap.
     pub entries: Vec<TapeEntry>,
     /// Whether there was no memory for the commands that came after.
@@ -140,7 +139,6 @@ struct Writer {
     mark: u64,
     grid: Grid,
     first: Vec<Part>,
-    radius: f64,
     /// The servo's state at the mark, once it has told it.
     state: Option<ServoState>,
     /// What the servo will touch once it has obeyed all that was noted.
@@ -184,12 +182,11 @@ impl TapeRecorder {
     }
 
     /// Notes that the mark with this number is sent, and what will be solid by then.
-    pub fn begin(&mut self, mark: u64, grid: Grid, parts: Vec<Part>, radius: f64) {
+    pub fn begin(&mut self, mark: u64, grid: Grid, parts: Vec<Part>) {
         self.stage = Stage::Running(Box::new(Writer {
             mark,
             grid,
             first: parts.clone(),
-            radius,
             state: None,
             latest: parts,
             entries: Vec::new(),
@@ -230,7 +227,6 @@ impl TapeRecorder {
                 grid: writer.grid,
                 state: writer.state?,
                 parts: writer.first,
-                radius: writer.radius,
                 entries: writer.entries,
                 is_full: writer.is_full,
             }),
@@ -267,7 +263,6 @@ impl Writer {
                 TapeCommand::Root {
                     sequence: *sequence,
                     parts: touchable.parts.iter().map(TapePart::from).collect(),
-                    radius: touchable.radius,
                 }
             }
             ServoCommand::Bricks(change) => {
@@ -314,7 +309,10 @@ pub fn rooted(old: &[Part], new: &[TapePart], dimensions: UVec3) -> Vec<Part> {
             Ok(place) => old[place].bits.clone(),
             Err(_) => Bits::empty(dimensions),
         };
-        let moved = part.moved.map(|(min, max)| VoxelBox::new(min, max));
+        let moved = part.moved.map(|(min, max, pose)| MovedPart {
+            bounds: VoxelBox::new(min, max),
+            pose,
+        });
         Part { id, bits, moved }
     };
     new.iter().map(part).collect()

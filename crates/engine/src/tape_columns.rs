@@ -16,7 +16,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::handover::MAX_BRICKS;
 use crate::servo_state::ServoState;
-use crate::settings::SettingsError;
+use crate::settings::{Settings, SettingsError};
+use crate::simulation::check_radius;
 use crate::tape::{PartSwap, Tape, TapeCommand, TapeEntry, TapePart, put, rooted};
 
 /// Most voxels of a scan in a file; more are not read, so that no file can ask for all memory.
@@ -102,7 +103,6 @@ struct Start {
     grid: Grid,
     state: ServoState,
     parts: Vec<TapePart>,
-    radius: f64,
     is_full: bool,
 }
 
@@ -113,7 +113,6 @@ impl From<&Tape> for TapeColumns {
                 grid: tape.grid,
                 state: tape.state,
                 parts: tape.parts.iter().map(TapePart::from).collect(),
-                radius: tape.radius,
                 is_full: tape.is_full,
             }),
             ..Self::default()
@@ -150,16 +149,15 @@ impl TryFrom<&TapeColumns> for Tape {
             grid,
             state,
             parts,
-            radius,
             is_full,
         } = start;
         let given = grid.voxel_count() as u64;
         if given > MAX_FILE_VOXELS {
             return Err(TapeError::TooLarge { given });
         }
-        state.settings.check()?;
-
-        check_parts(&parts, radius, &grid)?;
+        check_settings(&state.settings, &grid)?;
+        BallShape::new(state.radius, grid.spacing())?;
+        check_parts(&parts, &grid)?;
 
         let empty = Bits::empty(grid.dimensions());
         let mut parts = rooted(&[], &parts, grid.dimensions());
@@ -170,7 +168,6 @@ impl TryFrom<&TapeColumns> for Tape {
             grid,
             state,
             parts,
-            radius,
             entries,
             is_full,
         })
@@ -252,15 +249,22 @@ fn swap(index: u32, brick: BitBrick, bits: &Bits) -> Result<BrickSwap<BitBrick>,
     })
 }
 
-/// Refuses segments that are not by rising number, too many moved ones, and a ball too large.
-fn check_parts(parts: &[TapePart], radius: f64, grid: &Grid) -> Result<(), TapeError> {
+/// Refuses settings that no session has on such a grid.
+fn check_settings(settings: &Settings, grid: &Grid) -> Result<(), TapeError> {
+    settings.check()?;
+    check_radius(settings.probe_radius, grid)?;
+    Ok(())
+}
+
+/// Refuses segments that are not by rising number, too many moved ones and poses that are none.
+fn check_parts(parts: &[TapePart], grid: &Grid) -> Result<(), TapeError> {
     let in_order = parts.is_sorted_by(|before, after| before.id < after.id);
     let moved = parts.iter().filter(|part| part.moved.is_some()).count();
     if !in_order || moved > MAX_OBJECTS || parts.iter().any(|part| part.id == 0) {
         return Err(TapeError::Parts);
     }
-    if radius != 0.0 {
-        BallShape::new(radius, grid.spacing())?;
+    for (_, _, pose) in parts.iter().filter_map(|part| part.moved) {
+        ObjectPose::new(grid, grid, pose)?;
     }
     Ok(())
 }
@@ -268,13 +272,13 @@ fn check_parts(parts: &[TapePart], radius: f64, grid: &Grid) -> Result<(), TapeE
 /// Refuses a command that no simulation sends.
 fn check(command: &TapeCommand, bricks: usize, grid: &Grid) -> Result<(), TapeError> {
     let allowed = match command {
-        TapeCommand::Root { parts, radius, .. } => {
-            check_parts(parts, *radius, grid)?;
+        TapeCommand::Root { parts, .. } => {
+            check_parts(parts, grid)?;
             usize::MAX
         }
         TapeCommand::Bricks { .. } => MAX_BRICKS,
         TapeCommand::Settings(settings) => {
-            settings.check()?;
+            check_settings(settings, grid)?;
             0
         }
         TapeCommand::Pose(_, pose) => {

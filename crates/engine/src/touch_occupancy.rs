@@ -1,28 +1,31 @@
 //! What the servo touches, and the changes of it that the probe's position does not admit yet.
 //!
 //! A change is admitted only where the probe stays free, or can be pushed to a free voxel along
-//! free voxels. Else it is held, as a whole, and tried again each tick, until it is admitted or
-//! newer changes of the same bricks have taken its place. So the probe can leave through what is
+//! free voxels. Else it is held, as a whole, and tried again, one change per tick, until it is
+//! admitted or newer changes of the same bricks have taken its place. So the probe can leave through what is
 //! to be solid. Nothing here allocates or frees: bricks change places, and what is replaced goes
 //! to the garbage ring. Source: design, section 5.
 
 use arrayvec::ArrayVec;
-use glam::IVec3;
-use palpate_haptics::moving::{PoseStep, step_pose};
+use glam::{DAffine3, IVec3};
+use palpate_haptics::admission::Admission;
+use palpate_haptics::ball::Ball;
+use palpate_haptics::ball_probe::{MAX_BODIES, ProbeView, admit_radius};
+use palpate_haptics::moving::PoseStep;
 use palpate_haptics::proxy::Proxy;
-use palpate_haptics::scene::{MAX_OBJECTS, Object, ObjectPose, TouchScene};
+use palpate_haptics::scene::{MAX_OBJECTS, ObjectPose, TouchScene};
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::brick_grid::BrickSwap;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
+use palpate_volume::voxel_box::VoxelBox;
 use rtrb::Producer;
 
-use crate::body::{Body, View};
 use crate::handover::{BrickChange, Garbage, MAX_BRICKS, MAX_HELD};
 use crate::moved_poses::MovedPoses;
-use crate::patched::place_of;
+use crate::patched::{Patched, place_of};
 use crate::probe::Probe;
-use crate::touchable::Touchable;
+use crate::touchable::{Body, Touchable};
 
 /// Garbage that one change can make: what every held change has in common with it, in the union
 /// and in the parts, and itself.
@@ -33,7 +36,7 @@ pub const GARBAGE_PER_CHANGE: usize = 2 * MAX_BRICKS * (MAX_HELD + 1) + MAX_HELD
 struct HeldRoot {
     first: u64,
     last: u64,
-    touchable: Touchable,
+    touchable: Box<Touchable>,
 }
 
 /// The occupancy and what is held back.
@@ -42,9 +45,17 @@ pub struct TouchOccupancy {
     touchable: Touchable,
     held_root: Option<HeldRoot>,
     held: Vec<BrickChange>,
+    /// That the probe is to have [mm]; what is touched has the one that it has.
+    wanted_radius: f64,
+    /// Work out what changes would make of what is solid.
+    spares: Box<[Ball; MAX_BODIES]>,
     garbage: Producer<Garbage>,
-    /// Where the probe was when all that is held was last refused; none since a change.
+    /// Where the probe was when changes were last refused; none since anything changed.
     refused_at: Option<IVec3>,
+    /// How many of them were not tried there yet.
+    untried: usize,
+    /// Which of them was tried last.
+    turn: usize,
     skipped: u64,
     version: u64,
 }
@@ -53,12 +64,18 @@ impl TouchOccupancy {
     /// An occupancy at the start.
     #[must_use]
     pub fn new(touchable: Touchable, garbage: Producer<Garbage>) -> Self {
+        let shape = touchable.world.shape();
+        let spares = Box::new(std::array::from_fn(|_| Ball::new(*shape)));
         Self {
+            wanted_radius: touchable.radius,
+            spares,
             touchable,
             held_root: None,
             held: Vec::with_capacity(MAX_HELD),
             garbage,
             refused_at: None,
+            untried: 0,
+            turn: 0,
             skipped: 0,
             version: 1,
         }
@@ -119,33 +136,50 @@ impl TouchOccupancy {
         self.garbage.slots() >= GARBAGE_PER_CHANGE
     }
 
-    /// Tries all that is held again, where the probe or the occupancy has moved since. There
-    /// must be room for it.
+    /// Tries one of the changes held back again, each in its turn, until all were refused where
+    /// the probe and all else stands. There must be room for it.
+    ///
+    /// One per tick bounds the work; a change that could be admitted waits for as many ticks as
+    /// changes are held at most.
     pub fn retry(&mut self, probe: &mut Probe<'_>) {
-        let nothing_new = self.refused_at == Some(probe.voxel());
-        if !self.holds_back() || nothing_new {
+        let has_root = self.held_root.is_some();
+        let grows = self.wanted_radius != self.touchable.radius;
+        let count = self.held.len() + usize::from(has_root) + usize::from(grows);
+        if self.refused_at != Some(probe.voxel()) {
+            self.refused_at = Some(probe.voxel());
+            self.untried = count;
+        }
+        if count == 0 || self.untried == 0 {
             return;
         }
-        self.retry_root(probe);
-        let mut place = 0;
-        while place < self.held.len() {
-            // another takes its place
-            let change = self.held.swap_remove(place);
-            if self.admits(&change, probe) {
-                self.put_bricks(change);
-            } else {
-                // back to where it was
-                self.held.push(change);
-                let last = self.held.len() - 1;
-                self.held.swap(place, last);
-                place += 1;
-            }
+        self.untried -= 1;
+        self.turn = (self.turn + 1) % count;
+        // after the edits comes the root, then the radius
+        match self.turn.checked_sub(self.held.len()) {
+            None => self.retry_edit(self.turn, probe),
+            Some(0) if has_root => self.retry_root(probe),
+            Some(_) => self.step_radius(probe),
         }
-        self.refused_at = Some(probe.voxel());
+    }
+
+    /// Wants a radius of the probe [mm]; it comes there step by step, as far as there is room.
+    pub fn want_radius(&mut self, radius: f64) {
+        if self.wanted_radius != radius {
+            self.begin_turns();
+            self.wanted_radius = radius;
+            self.refused_at = None;
+        }
     }
 
     /// Takes a new root; whatever was held is overtaken by it.
-    pub fn take_root(&mut self, sequence: u64, touchable: Touchable, probe: &mut Probe<'_>) {
+    pub fn take_root(
+        &mut self,
+        sequence: u64,
+        mut touchable: Box<Touchable>,
+        probe: &mut Probe<'_>,
+    ) {
+        // it is made for the radius that is wanted, which the probe may not have yet
+        let _ = touchable.set_radius(self.touchable.radius);
         let first = self.first_held().unwrap_or(sequence);
         self.forget_held_edits();
         let overtaken = self.held_root.take();
@@ -157,6 +191,7 @@ impl TouchOccupancy {
         if self.admits_root(&touchable, probe) {
             self.put_root(touchable);
         } else {
+            self.begin_turns();
             self.held_root = Some(HeldRoot {
                 first,
                 last: sequence,
@@ -172,6 +207,7 @@ impl TouchOccupancy {
         if self.admits(&change, probe) {
             self.put_bricks(change);
         } else if self.held.len() < MAX_HELD {
+            self.begin_turns();
             self.held.push(change);
         } else {
             self.skipped += 1;
@@ -179,34 +215,46 @@ impl TouchOccupancy {
         }
     }
 
-    /// Moves an object of any grid by one step, if the probe admits it; it may be pushed.
+    /// Moves an object by one step, if the probe admits it; it may be pushed.
     pub(crate) fn step_pose(
         &mut self,
         place: usize,
         new: &ObjectPose,
         probe: &mut Probe<'_>,
     ) -> PoseStep {
-        let step = step_pose(&self.scene(probe.grid), place, new, probe.proxy);
-        if step != PoseStep::Held
-            && let Some(object) = self.touchable.objects.get_mut(place)
-        {
-            object.set_pose(*new);
-            self.refused_at = None;
-        }
-        step
+        self.refused_at = None;
+        self.touchable
+            .step_pose(place, new, probe.grid, probe.proxy)
     }
 
     /// Takes a step of each segment that moves, as far as the probe admits it. A root held back
-    /// follows, so that it is asked for with the segments where they stand.
-    pub fn step_poses(&mut self, poses: &mut MovedPoses, grid: &Grid, proxy: &mut Proxy) {
+    /// follows, so that it is asked for with the segments where they stand. Gives the step of
+    /// the touched one, if it took one.
+    pub fn step_poses(
+        &mut self,
+        poses: &mut MovedPoses,
+        grid: &Grid,
+        (proxy, touched): (&mut Proxy, SegmentId),
+    ) -> Option<DAffine3> {
         if !poses.is_moving() {
-            return;
+            return None;
         }
-        poses.step(&mut self.touchable, grid, proxy);
+        let carried = poses.step(&mut self.touchable, grid, (proxy, touched));
         if let Some(held) = &mut self.held_root {
             poses.place(&mut held.touchable, grid);
         }
         self.refused_at = None;
+        carried
+    }
+
+    /// A box that holds the voxels of a moved segment: of the newest root that has it.
+    #[must_use]
+    pub fn bounds_of(&self, id: SegmentId) -> Option<VoxelBox> {
+        let held = self.held_root.as_ref().map(|held| &*held.touchable);
+        let roots = held.into_iter().chain([&self.touchable]);
+        let mut bounds =
+            roots.filter_map(|root| Some(root.objects.get(root.object_of(id)?)?.bounds()));
+        bounds.next()
     }
 
     /// The oldest change that is held back.
@@ -230,6 +278,48 @@ impl TouchOccupancy {
         }
     }
 
+    /// The first change that is held begins the turns anew: what comes out of a tick follows from
+    /// what a recording has, and it begins where nothing is held.
+    fn begin_turns(&mut self) {
+        if !self.holds_back() {
+            self.turn = 0;
+        }
+    }
+
+    /// Takes the next step toward the wanted radius; one that is too large for the voxels is
+    /// never reached.
+    fn step_radius(&mut self, probe: &mut Probe<'_>) {
+        let next = self.touchable.world.shape().toward(self.wanted_radius);
+        let scene = self.touchable.scene(probe.grid);
+        match admit_radius(&scene, next, &mut self.spares, probe.proxy) {
+            Ok(Admission::Held) | Err(_) => {}
+            Ok(_) => self.put_radius(next),
+        }
+    }
+
+    fn put_radius(&mut self, radius: f64) {
+        let held = self.held_root.as_mut().map(|held| &mut *held.touchable);
+        for touchable in held.into_iter().chain([&mut self.touchable]) {
+            // it fits the one that it was admitted in, and all have one grid
+            let _ = touchable.set_radius(radius);
+        }
+        self.version += 1;
+        self.refused_at = None;
+    }
+
+    fn retry_edit(&mut self, place: usize, probe: &mut Probe<'_>) {
+        // another takes its place
+        let change = self.held.swap_remove(place);
+        if self.admits(&change, probe) {
+            self.put_bricks(change);
+            return;
+        }
+        // back to where it was
+        self.held.push(change);
+        let last = self.held.len() - 1;
+        self.held.swap(place, last);
+    }
+
     fn admits_root(&self, new: &Touchable, probe: &mut Probe<'_>) -> bool {
         let grid = probe.grid;
         probe.admits(&self.touchable.scene(grid), &new.scene(grid))
@@ -237,24 +327,29 @@ impl TouchOccupancy {
 
     fn admits(&mut self, change: &BrickChange, probe: &mut Probe<'_>) -> bool {
         let grid = probe.grid;
-        let (world, view) = self.touchable.world.with(&change.swaps);
-        let objects = &self.touchable.objects;
-        let old = TouchScene {
-            occupancy: world,
-            grid,
-            objects,
-        };
-        let views: ArrayVec<Object<View<'_>>, MAX_OBJECTS> = objects
+        let Touchable { world, objects, .. } = &self.touchable;
+        let [spare, ..] = &mut *self.spares;
+        let changed = Patched::new(world.inner(), &change.swaps);
+        // objects as they are, like what is changed
+        let unchanged: ArrayVec<Patched<'_>, MAX_OBJECTS> = objects
             .iter()
             .take(MAX_OBJECTS)
-            .map(|object| object.with_occupancy(object.occupancy().view(), object.bounds()))
+            .map(|object| Patched::new(object.occupancy().inner(), &[]))
+            .collect();
+        let views: ArrayVec<_, MAX_OBJECTS> = objects
+            .iter()
+            .zip(&unchanged)
+            .map(|(object, same)| {
+                let view = ProbeView::new(same, object.occupancy().ball());
+                object.with_occupancy(view, object.bounds())
+            })
             .collect();
         let new = TouchScene {
-            occupancy: &view,
+            occupancy: &world.among(&changed, spare),
             grid,
             objects: &views,
         };
-        probe.admits(&old, &new)
+        probe.admits(&self.touchable.scene(grid), &new)
     }
 
     /// A root held back must not bring back what a newer edit changes.
@@ -264,7 +359,7 @@ impl TouchOccupancy {
         };
         for swap in &change.swaps {
             let mut newer = swap.clone();
-            held.touchable.world.swap(&mut newer);
+            held.touchable.swap_world(&mut newer);
             dispose(&mut self.garbage, Garbage::Brick(newer));
         }
         for (id, swap) in &change.parts {
@@ -305,18 +400,18 @@ impl TouchOccupancy {
         }
     }
 
-    fn put_root(&mut self, touchable: Touchable) {
+    fn put_root(&mut self, mut touchable: Box<Touchable>) {
         self.version += 1;
         self.refused_at = None;
-        let old = std::mem::replace(&mut self.touchable, touchable);
-        self.dispose(Garbage::Root(old));
+        std::mem::swap(&mut self.touchable, &mut touchable);
+        self.dispose(Garbage::Root(touchable));
     }
 
     fn put_bricks(&mut self, mut change: BrickChange) {
         self.version += 1;
         self.refused_at = None;
         for swap in &mut change.swaps {
-            self.touchable.world.swap(swap);
+            self.touchable.swap_world(swap);
         }
         for (id, swap) in &mut change.parts {
             self.touchable.swap_part(*id, swap);
