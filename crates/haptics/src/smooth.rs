@@ -21,7 +21,10 @@ pub mod cache;
 mod descent;
 pub mod field;
 mod half_spaces;
+mod rows;
 pub mod shares;
+mod spline;
+mod tents;
 mod window;
 
 use crate::contact::Contact;
