@@ -83,7 +83,7 @@ impl Default for Smoother {
             trusted: [0.75, 1.25],
             agreed_depth: [0.25, 0.45],
             agreed_turn: [0.2, 0.4],
-            baseline: 1.0,
+            baseline: 1.5,
             curved: [0.05, 0.12],
             largest_correction: 0.5,
             largest_change: 0.1,
@@ -186,7 +186,6 @@ impl Smoother {
         }
         let held_by = tick.contact.stopped_by.map(|solid| solid.body);
         let query = Query {
-            proxy,
             device: device - proxy,
             held_by: held_by.filter(|_| tick.contact.touching),
         };

@@ -153,23 +153,25 @@ impl Field for BlurField {
     }
 
     #[inline]
-    fn wide_gradient(&self, point: Vec3A) -> Vec3A {
+    fn wide_value(&self, point: Vec3A) -> f32 {
         if !self.any_solid {
-            return Vec3A::ZERO;
+            return 0.0;
         }
-        self.nodes.level(&Place::of(point), Width::Wide).gradient
+        self.nodes.value(&Place::of(point), Width::Wide)
     }
 
     fn kernel(&self) -> &Kernel {
         &self.kernel
     }
 
-    fn cell(&self) -> DVec3 {
-        self.shape.voxels().as_dvec3()
+    fn cell(&self) -> Vec3A {
+        self.shape.voxels().as_vec3a()
     }
 
-    fn first_node(&self) -> DVec3 {
+    fn nodes_at(&self, point: DVec3) -> Vec3A {
         // nodes stand in the middles of cells
-        self.window.first().as_dvec3() + 0.5
+        let voxels = self.shape.voxels();
+        let first = (self.window.first() * voxels).as_dvec3();
+        (point - first).as_vec3a() / voxels.as_vec3a() - 0.5
     }
 }

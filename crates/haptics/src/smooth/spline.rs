@@ -60,6 +60,14 @@ impl Nodes {
             gradient: Vec3A::from_vec4(sums),
         }
     }
+
+    /// The value alone.
+    #[inline]
+    pub(super) fn value(&self, place: &Place, width: Width) -> f32 {
+        let first = place.first + width as usize;
+        let nodes = self.0.get(first..).and_then(|nodes| nodes.first_chunk());
+        nodes.map_or(0.0, |nodes| place.sum(nodes))
+    }
 }
 
 /// Which nodes a point is between, and their weights.
@@ -121,5 +129,15 @@ impl Place {
         )
         .transpose();
         sums.x_axis + sums.y_axis + sums.z_axis
+    }
+
+    /// The value alone.
+    #[inline]
+    fn sum(&self, nodes: &[f32; SPAN]) -> f32 {
+        let [low, middle, high] = self.weights;
+        let four = |z: usize, y: usize| Vec4::from_slice(&nodes[(8 * z + y) * ROW..]);
+        let row = |z: usize| four(z, 0) * low.y + four(z, 1) * middle.y + four(z, 2) * high.y;
+        let value = row(0) * low.z + row(1) * middle.z + row(2) * high.z;
+        value.dot(Vec4::new(low.x, middle.x, high.x, 0.0))
     }
 }
