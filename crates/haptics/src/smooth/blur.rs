@@ -17,6 +17,7 @@ use super::shares::Shares;
 use super::spline::{Nodes, Place, Width};
 use super::tents::{Cells, unit_of};
 use super::window::{CELLS, CellShape, Window};
+use crate::voxel_distance::voxel_of;
 use glam::{DVec3, IVec3, Vec3A};
 use palpate_volume::occupancy::Occupancy;
 
@@ -48,10 +49,10 @@ impl BlurField {
 
     /// Whether this is the field that [`Self::around`] makes for a point of the same solid.
     pub(crate) fn is_around(&self, point: DVec3, spacing: DVec3) -> bool {
-        self.spacing == spacing
-            && self
-                .window
-                .is_for(self.shape, first_cell(point, self.shape), floor(point))
+        self.spacing == spacing && {
+            let (first, seed) = (first_cell(point, self.shape), voxel_of(point));
+            self.window.is_for(self.shape, first, seed)
+        }
     }
 
     /// Makes it the field around a point in a free voxel, with what is known of the shares of
@@ -70,7 +71,7 @@ impl BlurField {
             self.kernel = kernel_of(self.shape);
         }
         let first = first_cell(point, self.shape);
-        let seed = floor(point);
+        let seed = voxel_of(point);
         self.any_solid = self.window.read(occupancy, self.shape, first, seed);
         if !self.any_solid {
             return;
@@ -79,17 +80,15 @@ impl BlurField {
         let full = unit * self.shape.volume();
         let mut cells = Cells::of_counts(&self.window.counts(), unit);
         if K::ANY {
-            cells.add(&self.corrections(known), full);
+            cells.add(&self.corrections(known), full.into());
         }
-        let [fine, wide] = cells.blurred();
-        let scale = 1.0 / (64 * full) as f32;
-        self.nodes.put(&fine, scale, Width::Fine);
-        self.nodes.put(&wide, scale, Width::Wide);
+        let scale = 1.0 / (64.0 * f32::from(full));
+        cells.blur(|width, cells| self.nodes.put(cells, scale, width));
     }
 
     /// What is known of the shares of voxels at the surface, beyond their bits.
     fn corrections(&self, known: &impl Shares) -> [[i32; 8]; 64] {
-        let unit = unit_of(self.shape.volume()) as f32;
+        let unit = f32::from(unit_of(self.shape.volume()));
         let mut corrections = [[0.0_f32; 8]; 64];
         self.window.visit_surface(&mut |at| {
             if let Some(share) = known.share(at.voxel, at.solid) {
@@ -109,21 +108,8 @@ impl BlurField {
 /// The first cell of the window whose node 3 or 4 is the next to a point, by its number.
 fn first_cell(point: DVec3, shape: CellShape) -> IVec3 {
     // cells are numbered from the middle of a cell to the middle of the next
-    let halves = floor(point * 2.0) - shape.voxels();
+    let halves = voxel_of(point * 2.0) - shape.voxels();
     shape.cell_of_half(halves) - (CELLS / 2 - 1)
-}
-
-/// The whole numbers below those of a point; quicker than what the processors of all targets
-/// have an instruction for.
-fn floor(point: DVec3) -> IVec3 {
-    let toward_zero = point.as_ivec3();
-    let above = toward_zero.as_dvec3().cmpgt(point);
-    toward_zero
-        - IVec3::select(
-            glam::BVec3::new(above.x, above.y, above.z),
-            IVec3::ONE,
-            IVec3::ZERO,
-        )
 }
 
 /// Widths of both kernels in cells.

@@ -73,24 +73,43 @@ impl<const LOG: u32> Rows<LOG> {
         up | down
     }
 
-    /// Grows what is reached in a layer, down and up; whether more of it can be reached.
+    /// Grows what is reached in a layer by one voxel; whether there was any to grow.
+    #[inline]
+    fn widen(reached: &mut [u64], free: &[u64]) -> bool {
+        let (mut any, mut below) = (0, 0);
+        let words = reached.len().min(free.len());
+        for word in 0..words {
+            let here = reached[word];
+            let above = match word + 1 < words {
+                true => reached[word + 1] << (64 - Self::BITS),
+                false => 0,
+            };
+            let new = (Self::spread(here) | above | below) & free[word] & !here;
+            reached[word] = here | new;
+            any |= new;
+            below = here >> (64 - Self::BITS);
+        }
+        any != 0
+    }
+
+    /// Grows what is reached in a layer, down and up; whether there may be more of it.
     #[inline]
     fn grow(reached: &mut [u64], free: &[u64]) -> bool {
+        // from one layer to the next there is little to grow
+        if !Self::widen(reached, free) || !Self::widen(reached, free) {
+            return false;
+        }
         let mut from_last = 0;
         for (reached, free) in reached.iter_mut().zip(free) {
-            *reached = Self::grown(*reached | from_last & free, *free);
+            *reached = Self::grown((*reached | from_last) & free, *free);
             from_last = *reached >> (64 - Self::BITS);
         }
         let mut from_next = 0;
         for (reached, free) in reached.iter_mut().zip(free).rev() {
-            *reached = Self::grown(*reached | from_next & free, *free);
+            *reached = Self::grown((*reached | from_next) & free, *free);
             from_next = *reached << (64 - Self::BITS);
         }
-        let left = free.iter().enumerate().fold(0, |left, (word, free)| {
-            let here = reached.get(word).map_or(0, |&word| word);
-            left | Self::beside(reached, word, |word| word) & free & !here
-        });
-        left != 0
+        Self::widen(reached, free)
     }
 
     /// Grows what is reached, some voxels of the layer `first`, to all free voxels that are
@@ -105,30 +124,29 @@ impl<const LOG: u32> Rows<LOG> {
             }
             let z = waiting.trailing_zeros() as usize;
             waiting &= waiting - 1;
-            let layer = z * words..(z + 1) * words;
-            let (Some(here), Some(open)) = (reached.get_mut(layer.clone()), free.get(layer)) else {
-                return false;
-            };
-            waiting |= u32::from(Self::grow(here, open)) << z;
+            let (below, rest) = reached.split_at_mut(z * words);
+            let (here, above) = rest.split_at_mut(words);
+            let (free_below, free) = free.split_at(z * words);
+            let (free, free_above) = free.split_at(words);
+            waiting |= u32::from(Self::grow(here, free)) << z;
             if z > 0 {
-                waiting |= u32::from(pour(reached, free, words, z, z - 1)) << (z - 1);
+                let last = (z - 1) * words;
+                let any = pour(here, &free_below[last..], &mut below[last..]);
+                waiting |= u32::from(any) << (z - 1);
             }
-            if z + 1 < layers {
-                waiting |= u32::from(pour(reached, free, words, z, z + 1)) << (z + 1);
-            }
+            waiting |= u32::from(pour(here, free_above, above)) << (z + 1);
         }
         false
     }
 }
 
-/// From a layer to one next to it; whether that reaches anything new.
+/// From a layer to the one after it; whether that reaches anything new.
 #[inline]
-fn pour(reached: &mut [u64], free: &[u64], words: usize, from: usize, to: usize) -> bool {
+fn pour(from: &[u64], free: &[u64], to: &mut [u64]) -> bool {
     let mut any = 0;
-    for word in 0..words {
-        let [from, to] = [from, to].map(|layer| layer * words + word);
-        let new = reached[from] & free[to] & !reached[to];
-        reached[to] |= new;
+    for ((from, free), to) in from.iter().zip(free).zip(to) {
+        let new = from & free & !*to;
+        *to |= new;
         any |= new;
     }
     any != 0

@@ -7,15 +7,22 @@
 //!
 //! Memory: rows along x, y before z; in a row first x = 0, 2, 4, 6, then 1, 3, 5, 7.
 
-/// Solid shares of cells: of each row, the cells of even x, and those of odd x.
+use super::spline::Width;
+
+/// Solid shares of cells, a word for each row.
 #[derive(Clone, Debug)]
-pub(super) struct Cells([[u64; 2]; 64]);
+pub(super) struct Cells {
+    /// Those of even x.
+    even: [u64; 64],
+    /// Those of odd x.
+    odd: [u64; 64],
+}
 
 /// Blurred cells: rows of 0 to almost 2¹⁶.
 pub(super) type Blurred = [[u16; 8]; 64];
 
 /// The largest share of a cell: 64 of them, as three tents add up, are less than 2¹⁶.
-const LARGEST: i32 = 0x3ff;
+const LARGEST: u16 = 0x3ff;
 
 /// Every second byte.
 const EVEN: u64 = 0x00ff_00ff_00ff_00ff;
@@ -24,23 +31,31 @@ const FIRST: u64 = 0xffff;
 const LAST: u64 = 0xffff << 48;
 
 /// The share of one of so many voxels in a cell, as large as it may be.
-pub(super) fn unit_of(voxels: i32) -> i32 {
+pub(super) fn unit_of(voxels: u16) -> u16 {
     LARGEST / voxels
 }
 
 impl Cells {
     /// From the number of solid voxels in each cell, a word for each row and a byte for each
     /// cell; a voxel is `unit`.
-    pub(super) fn of_counts(counts: &[u64; 64], unit: i32) -> Self {
-        let numbers = |bytes: u64| (bytes & EVEN) * unit as u64;
-        Self(counts.map(|row| [numbers(row), numbers(row >> 8)]))
+    pub(super) fn of_counts(counts: &[u64; 64], unit: u16) -> Self {
+        let numbers = |bytes: u64| (bytes & EVEN) * u64::from(unit);
+        Self {
+            even: counts.map(numbers),
+            odd: counts.map(|bytes| numbers(bytes >> 8)),
+        }
     }
 
     /// Adds to each cell, x fastest, but leaves it from nothing to `full`.
     pub(super) fn add(&mut self, change: &[[i32; 8]; 64], full: i32) {
-        for (row, change) in self.0.iter_mut().zip(change) {
+        for (row, change) in change.iter().enumerate() {
             for (x, change) in change.iter().enumerate() {
-                let (word, place) = (&mut row[x & 1], 8 * (x & !1));
+                let words = if x & 1 == 0 {
+                    &mut self.even
+                } else {
+                    &mut self.odd
+                };
+                let (word, place) = (&mut words[row], 8 * (x & !1));
                 let cell = (*word >> place & FIRST) as i32;
                 let changed = (cell + change).clamp(0, full) as u64;
                 *word = *word & !(FIRST << place) | changed << place;
@@ -50,33 +65,43 @@ impl Cells {
 
     /// The sums ¼, ½, ¼ along x, four times too large.
     fn widen(&mut self) {
-        for [even, odd] in &mut self.0 {
+        for (even, odd) in self.even.iter_mut().zip(&mut self.odd) {
             let before = *odd << 16 | *even & FIRST;
             let after = *even >> 16 | *odd & LAST;
-            (*even, *odd) = (before + 2 * *even + *odd, *even + 2 * *odd + after);
+            let sides = *even + *odd;
+            (*even, *odd) = (before + *even + sides, after + *odd + sides);
         }
     }
 
-    fn lanes(&self, log_scale: u32) -> Blurred {
-        self.0.map(|words| {
-            std::array::from_fn(|lane| {
-                let number = words[lane / 4] >> (16 * (lane % 4)) & FIRST;
-                (number as u16) << log_scale
-            })
-        })
+    fn lanes(&self, log_scale: u32, rows: &mut Blurred) {
+        for (row, (even, odd)) in rows.iter_mut().zip(self.even.iter().zip(&self.odd)) {
+            // nothing goes from one number to the next, for they are small enough
+            let [even, odd] = [even, odd].map(|word| word << log_scale);
+            let [a, b, c, d] = numbers(even);
+            let [e, f, g, h] = numbers(odd);
+            *row = [a, b, c, d, e, f, g, h];
+        }
     }
 
-    /// Both kernels: the narrow one, the wide one; 64 is what a cell of 1 becomes.
-    pub(super) fn blurred(mut self) -> [Blurred; 2] {
+    /// The narrow kernel, then the wide one; 64 is what a cell of 1 becomes.
+    pub(super) fn blur(mut self, mut take: impl FnMut(Width, &Blurred)) {
+        let mut rows = [[0; 8]; 64];
         self.widen();
-        let mut fine = self.lanes(4);
+        self.lanes(4, &mut rows);
+        across::<1>(&mut rows);
+        take(Width::Fine, &rows);
         self.widen();
         self.widen();
-        let mut wide = self.lanes(0);
-        across::<1>(&mut fine);
-        across::<3>(&mut wide);
-        [fine, wide]
+        self.lanes(0, &mut rows);
+        across::<3>(&mut rows);
+        take(Width::Wide, &rows);
     }
+}
+
+/// The four numbers of a word.
+#[inline(always)]
+fn numbers(word: u64) -> [u16; 4] {
+    [0, 16, 32, 48].map(|place| (word >> place) as u16)
 }
 
 /// So many tents along y and z.

@@ -54,7 +54,7 @@ impl CellShape {
     }
 
     /// Voxels of a cell.
-    pub(crate) fn volume(self) -> i32 {
+    pub(crate) fn volume(self) -> u16 {
         1 << self.log.iter().sum::<u32>()
     }
 
