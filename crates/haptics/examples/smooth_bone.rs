@@ -4,6 +4,10 @@
 //! folder is `PALPATE_DATA`, by default `shared/data` beside the project.
 //!
 //!     cargo run --release -p palpate-haptics --example smooth_bone
+//!
+//! With `once` it only makes one pass of complete ticks, for tools that count instructions:
+//!
+//!     valgrind --tool=callgrind --toggle-collect='*complete_ticks*' .../smooth_bone once
 #![expect(clippy::print_stdout, reason = "a table is what this example is for")]
 
 #[path = "../tests/support/mod.rs"]
@@ -13,10 +17,13 @@ use glam::{DMat3, DVec3, UVec3};
 use palpate_haptics::contact::ContactModel;
 use palpate_haptics::exact::Exact;
 use palpate_haptics::proxy::Proxy;
+use palpate_haptics::safety::{ForceLimits, Safety};
 use palpate_haptics::scene::TouchScene;
 use palpate_haptics::smooth::cache::SmoothCache;
 use palpate_haptics::smooth::shares::ThresholdShares;
 use palpate_haptics::smooth::{SmoothInput, SmoothState, Smoother};
+use palpate_haptics::surface::{Surface, Uniform};
+use palpate_haptics::tick::{TickCache, TickInput, TickState, tick};
 use palpate_volume::bits::Bits;
 use palpate_volume::first_solid::first_solid;
 use palpate_volume::grid::Grid;
@@ -124,6 +131,37 @@ fn time<F: FnMut(usize)>(mut pass: impl FnMut() -> F) -> f64 {
     best.iter().sum::<f64>() / UPDATES as f64
 }
 
+/// Bone, dry.
+const ROUGH: Uniform = Uniform(Surface {
+    stiffness: 1.0,
+    friction_static: 0.3,
+    friction_kinetic: 0.2,
+    range: None,
+});
+
+/// Complete ticks, one for each update: friction, contact model, smooth point, safety stage.
+fn complete_ticks<'a>(
+    scene: &'a TouchScene<'a, Bits>,
+    first: Proxy,
+    path: &'a [DVec3],
+    smoothing: bool,
+) -> impl FnMut(usize) + 'a {
+    let mut state = TickState::new(first);
+    let mut cache = TickCache::default();
+    let mut safety = Safety::new(ForceLimits::default());
+    move |update: usize| {
+        let input = TickInput {
+            device_in_scene: path[update] * SPACING,
+            velocity_in_scene: DVec3::ZERO,
+            damping: 0.0,
+            smoothing,
+        };
+        let model = Exact::default();
+        let output = tick(scene, &model, &ROUGH, &input, &mut state, &mut cache);
+        black_box(safety.limit(output.force, 1e-3));
+    }
+}
+
 fn quantiles(mut values: Vec<f64>) -> [f64; 4] {
     values.sort_by(f64::total_cmp);
     let at = |share: f64| values[((values.len() - 1) as f64 * share) as usize];
@@ -141,6 +179,12 @@ fn main() {
     let mut random = Random::new(3);
     for depth in [1.5, 3.0] {
         let (first, path) = stroke_in_contact(&scene, depth, &mut random);
+        if std::env::args().any(|argument| argument == "once") {
+            (0..UPDATES).for_each(complete_ticks(&scene, first, &path, true));
+            continue;
+        }
+        let [ticks, unsmoothed] =
+            [true, false].map(|smoothing| time(|| complete_ticks(&scene, first, &path, smoothing)));
         let hard = time(|| {
             let (mut proxy, scene, path) = (first, &scene, &path);
             move |update: usize| {
@@ -228,6 +272,11 @@ fn main() {
             bits * 1e9,
             intensities * 1e9,
             quantiles(times)
+        );
+        println!(
+            "complete tick {:.0} ns, {:.0} ns without smoothing",
+            ticks * 1e9,
+            unsmoothed * 1e9
         );
         for (name, turns, changes) in [
             ("hard", &turns[0], &changes[0]),

@@ -9,7 +9,7 @@
 //! Source: Zilles & Salisbury, "A constraint-based god-object method for haptic display",
 //! IROS 1995.
 
-use crate::voxel_distance::nearest_point;
+use crate::voxel_distance::{nearest_point, voxel_of};
 use glam::{DVec3, IVec3};
 use palpate_volume::walk::COORDINATE_LIMIT;
 use serde::{Deserialize, Serialize};
@@ -50,7 +50,7 @@ impl Proxy {
         let reach = DVec3::splat(COORDINATE_LIMIT);
         let within = point_in_grid.abs().cmple(reach).all();
         within.then(|| Self {
-            voxel: point_in_grid.floor().as_ivec3(),
+            voxel: voxel_of(point_in_grid),
             point: point_in_grid,
         })
     }

@@ -21,7 +21,10 @@ pub mod cache;
 mod descent;
 pub mod field;
 mod half_spaces;
+mod rows;
 pub mod shares;
+mod spline;
+mod tents;
 mod window;
 
 use crate::contact::Contact;
@@ -67,24 +70,29 @@ pub struct Smoother {
     pub largest_change: f64,
 }
 
+impl Smoother {
+    /// As it was tuned.
+    pub const DEFAULT: Self = Self {
+        enabled: true,
+        max_steps: 6,
+        longest_step: 0.75,
+        tolerance: 3e-3,
+        // the proxy is up to three voxels behind (docs/decisions/sliding.md)
+        reach: 1.5,
+        // on a plane the proxy is at most half a voxel's diagonal below the surface
+        trusted: [0.75, 1.25],
+        agreed_depth: [0.25, 0.45],
+        agreed_turn: [0.2, 0.4],
+        baseline: 1.5,
+        curved: [0.05, 0.12],
+        largest_correction: 0.5,
+        largest_change: 0.1,
+    };
+}
+
 impl Default for Smoother {
     fn default() -> Self {
-        Self {
-            enabled: true,
-            max_steps: 6,
-            longest_step: 0.75,
-            tolerance: 3e-3,
-            // the proxy is up to three voxels behind (docs/decisions/sliding.md)
-            reach: 1.5,
-            // on a plane the proxy is at most half a voxel's diagonal below the surface
-            trusted: [0.75, 1.25],
-            agreed_depth: [0.25, 0.45],
-            agreed_turn: [0.2, 0.4],
-            baseline: 1.0,
-            curved: [0.05, 0.12],
-            largest_correction: 0.5,
-            largest_change: 0.1,
-        }
+        Self::DEFAULT
     }
 }
 
@@ -153,13 +161,14 @@ impl Smoother {
             offset,
             stairs: !self.enabled && offset == target,
         });
+        let per_spacing = spacing.recip();
         SmoothContact {
-            point_in_grid: device + offset / spacing,
+            point_in_grid: device + offset * per_spacing,
             offset,
             normal: offset.normalize_or_zero(),
             depth_mm: offset.length(),
             weight,
-            unlimited_in_grid: device + target / spacing,
+            unlimited_in_grid: device + target * per_spacing,
             samples,
         }
     }
@@ -183,7 +192,6 @@ impl Smoother {
         }
         let held_by = tick.contact.stopped_by.map(|solid| solid.body);
         let query = Query {
-            proxy,
             device: device - proxy,
             held_by: held_by.filter(|_| tick.contact.touching),
         };

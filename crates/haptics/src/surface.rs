@@ -19,6 +19,7 @@
 use crate::coupling::MAX_STIFFNESS;
 use crate::friction::{Friction, FrictionError};
 use crate::scene::{Solid, TouchScene};
+use crate::voxel_distance::voxel_of;
 use glam::DVec3;
 use palpate_volume::occupancy::Occupancy;
 use serde::{Deserialize, Serialize};
@@ -152,8 +153,8 @@ impl Holders {
         pull: DVec3,
     ) {
         let square = pull.length_squared();
-        let voxel = point_in_grid.floor();
-        let within = point_in_grid - voxel;
+        let voxel = voxel_of(point_in_grid);
+        let within = point_in_grid - voxel.as_dvec3();
         for axis in 0..3 {
             let to_face = if pull[axis] > 0.0 {
                 1.0 - within[axis]
@@ -164,7 +165,7 @@ impl Holders {
             if !(to_face <= AT_FACE && pull[axis] != 0.0) {
                 continue;
             }
-            let mut beyond = voxel.as_ivec3();
+            let mut beyond = voxel;
             beyond[axis] = beyond[axis].saturating_add(pull[axis].signum() as i32);
             if occupancy.is_solid(beyond) {
                 let solid = Solid {

@@ -203,15 +203,16 @@ impl<O: Occupancy, M: ContactModel, S: Surfaces> Tick<'_, O, M, S> {
         let (mut contact, mut to) = advance(target, &mut state.proxy);
 
         // the smooth point beside it
-        let smoother = Smoother {
-            enabled: self.input.smoothing,
-            ..Smoother::default()
+        let smoother = if self.input.smoothing {
+            &SMOOTH
+        } else {
+            &STAIRS
         };
         let mut smoothed = |contact: &Contact, to: DVec3, state: &mut TickState| {
             let fields = if smoother.enabled {
                 cache.fields.near(self.scene, cache.epoch, &state.proxy)
             } else {
-                NearFields::new([])
+                NearFields::none()
             };
             let asked = SmoothInput {
                 proxy: &state.proxy,
@@ -331,14 +332,15 @@ impl<O: Occupancy, M: ContactModel, S: Surfaces> Tick<'_, O, M, S> {
     /// In the scene; from differences, so that rounding stays relative to them.
     fn output(&self, state: &TickState, contact: &Contact, felt: &Felt) -> TickOutput {
         let grid = self.scene.grid;
-        let scene_from_grid = grid.patient_from_grid();
-        let to_scene = |vector: DVec3| scene_from_grid.transform_vector3(vector / grid.spacing());
+        let to_scene = |vector: DVec3| grid.direction() * vector;
         let coupling = Coupling {
             stiffness: felt.stiffness,
             damping: self.input.damping,
         };
         let spring = to_scene(felt.spring);
-        let proxy_in_scene = scene_from_grid.transform_point3(state.proxy.point());
+        let proxy_in_scene = grid
+            .patient_from_grid()
+            .transform_point3(state.proxy.point());
         let touches = contact.touching || felt.spring != DVec3::ZERO;
         let force = match felt.own_force {
             Some(force) => to_scene(force),
@@ -368,6 +370,13 @@ impl<O: Occupancy, M: ContactModel, S: Surfaces> Tick<'_, O, M, S> {
         }
     }
 }
+
+/// With and without the smooth contact point.
+static SMOOTH: Smoother = Smoother::DEFAULT;
+static STAIRS: Smoother = Smoother {
+    enabled: false,
+    ..Smoother::DEFAULT
+};
 
 /// How far below the proxy the smooth surface can be [smallest spacings].
 const BELOW: f64 = 3.0;

@@ -55,6 +55,8 @@ pub struct Grid {
     spacing: DVec3,
     patient_from_grid: DAffine3,
     grid_from_patient: DAffine3,
+    /// Axes of the grid in the patient, of length 1.
+    direction: DMat3,
 }
 
 /// A grid as files hold it, to the bit; nobody has checked it yet when it is read.
@@ -124,6 +126,7 @@ impl Grid {
             spacing,
             patient_from_grid,
             grid_from_patient: patient_from_grid.inverse(),
+            direction: patient_from_grid.matrix3 * DMat3::from_diagonal(spacing.recip()),
         }
     }
 
@@ -160,6 +163,11 @@ impl Grid {
     /// Takes LPS mm to grid points.
     pub fn grid_from_patient(&self) -> DAffine3 {
         self.grid_from_patient
+    }
+
+    /// Takes vectors in mm along the axes of the grid to those of the patient, LPS.
+    pub fn direction(&self) -> DMat3 {
+        self.direction
     }
 
     /// The box of all voxels.
