@@ -250,6 +250,16 @@ fn a_recording_holds_the_values_that_its_replay_needs() {
     assert!(outcome.is_equal(), "{:?}", outcome.first_difference);
     assert_eq!(outcome.end, ReplayEnd::Whole);
 
+    // also where a resting hand makes nothing new
+    let session = self::session(of_threshold(HALF), Some(HALF), Smoothing::Intensities);
+    session.run(0.6).unwrap();
+    session.start_recording().unwrap();
+    session.run(0.05).unwrap();
+    let (rest, tape) = session.finish_recording().unwrap();
+    let at_rest = TapeColumns::from(&tape.unwrap());
+    let outcome = replay(&rest, &Tape::try_from(&at_rest).unwrap()).unwrap();
+    assert!(outcome.is_equal(), "{:?}", outcome.first_difference);
+
     // other values are another scan
     let mut other = columns;
     for brick in &mut other.values.stored {
