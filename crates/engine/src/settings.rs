@@ -3,7 +3,7 @@
 use palpate_device::DeviceLimits;
 use palpate_haptics::coupling::Coupling;
 use palpate_haptics::safety::ForceLimits;
-use palpate_haptics::smooth::Smoothing;
+pub use palpate_haptics::smooth::Smoothing;
 use serde::{Deserialize, Serialize};
 
 use crate::frame::Notice;

@@ -60,6 +60,14 @@ impl Smoothing {
             Self::Intensities => "intensities",
         }
     }
+
+    /// The one of this name, if there is one.
+    #[must_use]
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL
+            .into_iter()
+            .find(|smoothing| smoothing.name() == name)
+    }
 }
 
 /// How the smooth contact point is found. A cell is two voxels long on cubes, and about as

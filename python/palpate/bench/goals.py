@@ -84,6 +84,7 @@ WORKS = {
     "detection, 10 voxels": "detection, 10 voxels",
     "hard proxy": "proxy",
     "complete tick": "tick",
+    "tick by bits": "tick, by bits",
     "tick without smoothing": "tick, no smoothing",
     "tick without friction": "tick, no friction",
 }
@@ -109,7 +110,7 @@ class TouchCase:
 
 def _touch_cases() -> tuple[TouchCase, ...]:
     """Returns all of them: the thesis has points only, and ticks in parts are told of a point."""
-    parts = ("tick without smoothing", "tick without friction")
+    parts = ("tick by bits", "tick without smoothing", "tick without friction")
     return tuple(
         TouchCase(work, model, radius)
         for work in WORKS
