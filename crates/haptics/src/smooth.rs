@@ -21,7 +21,10 @@ pub mod cache;
 mod descent;
 pub mod field;
 mod half_spaces;
+mod rows;
 pub mod shares;
+mod spline;
+mod tents;
 mod window;
 
 use crate::contact::Contact;
@@ -116,7 +119,7 @@ impl Default for Smoother {
             trusted: [0.75, 1.25],
             agreed_depth: [0.25, 0.45],
             agreed_turn: [0.2, 0.4],
-            baseline: 1.0,
+            baseline: 1.5,
             curved: [0.05, 0.12],
             largest_correction: 0.5,
             largest_change: 0.1,
@@ -219,7 +222,6 @@ impl Smoother {
         }
         let held_by = tick.contact.stopped_by.map(|solid| solid.body);
         let query = Query {
-            proxy,
             device: device - proxy,
             held_by: held_by.filter(|_| tick.contact.touching),
         };

@@ -220,7 +220,7 @@ impl<O: Occupancy, M: ContactModel, S: Surfaces> Tick<'_, O, M, S> {
             let fields = if smoother.enabled {
                 cache.fields.near(self.scene, source, &state.proxy)
             } else {
-                NearFields::new([])
+                NearFields::none()
             };
             let asked = SmoothInput {
                 proxy: &state.proxy,
