@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex};
 
 use glam::DVec3;
 use palpate_device::DeviceLimits;
+use palpate_haptics::scene::{MAX_OBJECTS, ObjectPose};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
 use palpate_volume::intensities::Intensities;
@@ -177,6 +178,17 @@ fn scene_of(
 ) -> Result<Scene, SessionError> {
     if segments.len() > usize::from(u8::MAX) {
         return Err(VoxelsError::TooManySegments.into());
+    }
+    let poses = || {
+        segments
+            .iter()
+            .filter_map(|(_, properties)| properties.pose)
+    };
+    for pose in poses() {
+        ObjectPose::new(&grid, &grid, pose)?;
+    }
+    if poses().count() > MAX_OBJECTS {
+        return Err(SessionError::TooManyMoved);
     }
     let mut scene = Scene::new(Voxels::new(grid, intensities)?);
     for (id, (segment, properties)) in (1..=u8::MAX).zip(segments) {

@@ -42,6 +42,7 @@ use palpate_volume::first_solid::first_solid;
 use palpate_volume::grid::Grid;
 
 use crate::feel::Feels;
+use crate::owners::Owners;
 use crate::settings::Settings;
 use crate::touchable::Touchable;
 use crate::touched_surfaces::TouchedSurfaces;
@@ -241,8 +242,10 @@ impl TouchBench {
             ..Settings::default()
         };
         let feels = Feels::default();
+        let owners = Owners::default();
         let surfaces = TouchedSurfaces {
             touchable: &self.touchable,
+            owners: &owners,
             settings: &settings,
             feels: &feels,
         };
@@ -263,7 +266,7 @@ impl TouchBench {
                 let output = tick(scene, model, surfaces, &input, &mut state, &mut cache);
                 // as the servo and the device thread do after it
                 let held_by = output.held_by;
-                black_box(held_by.and_then(|at| self.touchable.owner(at.body, at.voxel)));
+                black_box(held_by.and_then(|solid| surfaces.owner(solid)));
                 black_box(safety.limit(output.force, 1e-3));
                 output.contact
             }

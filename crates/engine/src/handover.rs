@@ -10,6 +10,7 @@ use glam::{DAffine3, DMat3, DVec3};
 use palpate_device::DeviceState;
 use palpate_haptics::local_force::LocalForce;
 use palpate_volume::bit_brick::BitBrick;
+use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;
 use palpate_volume::edit::SegmentId;
 use rtrb::{Consumer, Producer, RingBuffer};
@@ -19,7 +20,7 @@ use crate::feel::Feel;
 use crate::servo_state::{ServoState, TickInputs};
 use crate::settings::Settings;
 use crate::touch_occupancy::GARBAGE_PER_CHANGE;
-use crate::touchable::{Part, Touchable, union_brick, unmoved};
+use crate::touchable::{Touchable, union_brick};
 
 /// Commands that may wait for the servo.
 const INBOX: usize = 4096;
@@ -121,11 +122,12 @@ pub struct BrickChange {
 }
 
 impl BrickChange {
-    /// Bricks of segments that hold them by now; what becomes of the union follows.
+    /// Bricks of segments that hold them by now; what becomes of the union follows from all
+    /// segments that were not moved.
     #[must_use]
     pub fn new(
         sequence: u64,
-        parts: &[Part],
+        unmoved: &[&Bits],
         changed: Vec<(SegmentId, BrickSwap<BitBrick>)>,
     ) -> Self {
         let mut bricks: Vec<u32> = changed.iter().map(|(_, swap)| swap.index).collect();
@@ -133,7 +135,7 @@ impl BrickChange {
         bricks.dedup();
         let swaps = bricks.into_iter().map(|index| BrickSwap {
             index,
-            brick: union_brick(unmoved(parts).map(|part| &part.bits), index),
+            brick: union_brick(unmoved, index),
         });
         Self {
             sequence,

@@ -22,6 +22,7 @@ pub mod mapping;
 pub mod model;
 pub mod moved_poses;
 pub mod offline;
+pub mod owners;
 pub mod pacing;
 pub mod patched;
 pub mod picture;

@@ -2,14 +2,20 @@
 //!
 //! A pose comes from a drag, a script, an undo; here it is a target. The segment goes there
 //! in small steps, each admitted by the probe: one that the probe is pinched by is not taken,
-//! and the segment waits. Frame: a pose takes the scan to the scene [mm].
+//! and the segment waits.
+//!
+//! Whoever builds what is to be touched knows where segments are to stand in the end; only the
+//! servo knows where they are by now. So a new root brings poses for the segments that the servo
+//! does not know yet, and those that it knows stay where they are and go on. Frame: a pose takes
+//! the scan to the scene [mm].
 
 use glam::DAffine3;
-use palpate_haptics::moving::{PoseMotion, PoseStep, step_pose};
+use palpate_haptics::moving::{PoseMotion, PoseStep};
 use palpate_haptics::proxy::Proxy;
 use palpate_haptics::scene::{MAX_OBJECTS, ObjectPose};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
+use palpate_volume::voxel_box::VoxelBox;
 use serde::{Deserialize, Serialize};
 
 use crate::touchable::Touchable;
@@ -34,62 +40,78 @@ pub struct MovedPoses {
 }
 
 impl MovedPoses {
-    /// Leads a segment to a pose, a rigid motion that was checked. A segment that is no object of
-    /// its own is none of these.
-    pub fn lead(&mut self, id: SegmentId, target: DAffine3, grid: &Grid, touchable: &Touchable) {
-        let Some((_, object)) = numbered(touchable).find(|(other, _)| *other == id) else {
-            return;
-        };
-        let bounds = touchable.objects[object].bounds();
-        let free = self.moved.iter().position(Option::is_none);
-        let known = self
-            .moved
-            .iter()
-            .position(|moved| moved.is_some_and(|moved| moved.id == id.0));
-        let Some(place) = known.or(free) else { return };
-        let moved = self.moved[place].get_or_insert(Moved {
-            id: id.0,
-            pose: DAffine3::IDENTITY,
-            motion: None,
-            stopped: false,
-        });
-        moved.motion = PoseMotion::new(grid, bounds, moved.pose, target, MOVE_TICKS).ok();
+    /// Follows a new root: forgets the segments that are no objects of it, takes poses of those
+    /// that are new from it, and puts the others where they are by now.
+    pub fn follow_root(&mut self, touchable: &mut Touchable, grid: &Grid) {
+        for place in &mut self.moved {
+            place.take_if(|moved| touchable.object_of(SegmentId(moved.id)).is_none());
+        }
+        for (id, part) in touchable.moved() {
+            if self.find(id).is_some() {
+                continue;
+            }
+            // a root has no more objects than there are places
+            if let Some(free) = self.moved.iter_mut().find(|place| place.is_none()) {
+                *free = Some(Moved {
+                    id: id.0,
+                    pose: part.pose,
+                    motion: None,
+                    stopped: false,
+                });
+            }
+        }
+        self.place(touchable, grid);
     }
 
-    /// Puts the objects of something that is to be touched where their segments stand.
+    /// Puts the objects of something that is to be touched where their segments are by now.
     pub fn place(&self, touchable: &mut Touchable, grid: &Grid) {
-        touchable.put_objects(grid, |id| {
-            let known = self.moved.iter().flatten();
-            let moved = known.into_iter().find(|moved| moved.id == id.0);
-            Some(moved.map_or(DAffine3::IDENTITY, |moved| moved.pose))
-        });
+        for moved in self.moved.iter().flatten() {
+            let object = touchable.object_of(SegmentId(moved.id));
+            let object = object.and_then(|place| touchable.objects.get_mut(place));
+            if let (Some(object), Ok(pose)) = (object, ObjectPose::new(grid, grid, moved.pose)) {
+                object.set_pose(pose);
+            }
+        }
     }
 
-    /// Takes one step of each motion, as far as the probe admits it.
+    /// Leads a segment, whose voxels are within `bounds`, to a pose, a rigid motion that was
+    /// checked. One that no root has brought as an object does not go.
+    pub fn lead(&mut self, id: SegmentId, target: DAffine3, grid: &Grid, bounds: VoxelBox) {
+        let known = self.moved.iter_mut().flatten();
+        if let Some(moved) = known.into_iter().find(|moved| moved.id == id.0) {
+            moved.motion = PoseMotion::new(grid, bounds, moved.pose, target, MOVE_TICKS).ok();
+        }
+    }
+
+    /// Takes one step of each motion, as far as the probe admits it. A segment that is in a root
+    /// held back only goes as it likes.
     pub fn step(&mut self, touchable: &mut Touchable, grid: &Grid, proxy: &mut Proxy) {
         for moved in self.moved.iter_mut().flatten() {
             let Some(motion) = &mut moved.motion else {
                 continue;
             };
             let next = motion.next_pose();
-            let object = numbered(touchable).find(|(id, _)| id.0 == moved.id);
-            let pose = ObjectPose::new(grid, grid, next);
-            let (Some((_, object)), Ok(pose)) = (object, pose) else {
+            let Ok(pose) = ObjectPose::new(grid, grid, next) else {
                 moved.motion = None;
                 continue;
             };
-            moved.stopped =
-                step_pose(&touchable.scene(grid), object, &pose, proxy) == PoseStep::Held;
+            let object = touchable.object_of(SegmentId(moved.id));
+            moved.stopped = object.is_some_and(|object| {
+                touchable.step_pose(object, &pose, grid, proxy) == PoseStep::Held
+            });
             if moved.stopped {
                 continue;
             }
-            touchable.objects[object].set_pose(pose);
             moved.pose = next;
             motion.advance();
             if motion.is_done() {
                 moved.motion = None;
             }
         }
+    }
+
+    fn find(&self, id: SegmentId) -> Option<&Moved> {
+        self.moved.iter().flatten().find(|moved| moved.id == id.0)
     }
 
     /// Whether any segment is on its way.
@@ -112,9 +134,4 @@ impl MovedPoses {
         }
         bits
     }
-}
-
-/// Moved segments with the places of their objects.
-fn numbered(touchable: &Touchable) -> impl Iterator<Item = (SegmentId, usize)> {
-    touchable.object_ids().zip(0..)
 }

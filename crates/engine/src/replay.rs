@@ -20,7 +20,7 @@ use crate::scan_values::ScanValues;
 use crate::servo::{MAX_COMMANDS_PER_TICK, ServoLoop};
 use crate::shared::Shared;
 use crate::tape::{Tape, TapeCommand, TapeEntry, put, rooted};
-use crate::touchable::{Part, Touchable};
+use crate::touchable::{Part, Touchable, unmoved_bits};
 
 /// Why a recording cannot be replayed at all.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -238,7 +238,7 @@ impl<'a> Player<'a> {
             },
             TapeCommand::Bricks { sequence } => ServoCommand::Bricks(BrickChange::new(
                 sequence,
-                &self.latest,
+                &unmoved_bits(&self.latest),
                 entry.swaps.clone(),
             )),
             TapeCommand::Place {

@@ -7,9 +7,9 @@ use std::collections::BTreeMap;
 
 use crate::feel::{Feel, Feels};
 use crate::scan_values::{ScanValues, Threshold};
-use crate::touchable::Part;
+use crate::touchable::{MovedPart, Part};
 use glam::DAffine3;
-use palpate_volume::bits::Bits;
+use palpate_haptics::scene::MAX_OBJECTS;
 use palpate_volume::edit::{Edit, SegmentId};
 use palpate_volume::segment::Segment;
 use palpate_volume::voxel_box::VoxelBox;
@@ -242,26 +242,23 @@ impl Scene {
         Ok(())
     }
 
-    /// The bits of all obstacles.
-    #[must_use]
-    pub fn touchable_bits(&self) -> Vec<&Bits> {
+    /// All obstacles with their properties, by rising number.
+    pub fn obstacles(&self) -> impl Iterator<Item = (SegmentId, &Segment, Properties)> {
         self.segments()
             .filter(|(_, _, properties)| properties.touchable)
-            .map(|(_, segment, _)| segment.occupancy())
-            .collect()
     }
 
-    /// All obstacles, by rising number.
+    /// All obstacles, by rising number, with copies of their directories of bricks.
     #[must_use]
     pub fn touchable_parts(&self) -> Vec<Part> {
-        self.segments()
-            .filter(|(_, _, properties)| properties.touchable)
+        self.obstacles()
             .map(|(id, segment, properties)| Part {
                 id,
                 bits: segment.occupancy().clone(),
-                moved: properties
-                    .pose
-                    .map(|_| segment.bounding_box().unwrap_or(VoxelBox::EMPTY)),
+                moved: properties.pose.map(|pose| MovedPart {
+                    bounds: segment.bounding_box().unwrap_or(VoxelBox::EMPTY),
+                    pose,
+                }),
                 threshold: properties.made_by.map(|range| Threshold {
                     range,
                     values: self.values.clone(),
@@ -293,7 +290,8 @@ impl Scene {
         }
     }
 
-    /// A segment that was moved once stays a body of its own, also where it is taken back.
+    /// A segment that was moved once stays a body of its own, also where it is taken back, as
+    /// long as there is room for it.
     fn move_to(
         &mut self,
         id: SegmentId,
@@ -305,6 +303,9 @@ impl Scene {
             .ok_or(VoxelsError::UnknownSegment(id.0))?;
         let before = properties.pose.replace(pose);
         let touchable = properties.touchable;
+        if before.is_none() {
+            self.make_room_for_moved(id);
+        }
         let inverse = Step::Move {
             id,
             pose: before.unwrap_or(DAffine3::IDENTITY),
@@ -317,11 +318,26 @@ impl Scene {
         Ok((inverse, change))
     }
 
-    /// Number of segments that were moved.
+    /// Number of segments that stand elsewhere than the scan has them.
     #[must_use]
     pub fn moved_count(&self) -> usize {
         let poses = self.properties.values().map(|properties| properties.pose);
-        poses.flatten().count()
+        let moved = poses.flatten().filter(|pose| *pose != DAffine3::IDENTITY);
+        moved.count()
+    }
+
+    /// Where one more segment is a body of its own than can be touched, makes those that were
+    /// taken back to the scan parts of it again.
+    fn make_room_for_moved(&mut self, newest: SegmentId) {
+        let own = |properties: &&Properties| properties.pose.is_some();
+        if self.properties.values().filter(own).count() <= MAX_OBJECTS {
+            return;
+        }
+        for (id, properties) in &mut self.properties {
+            if *id != newest && properties.pose == Some(DAffine3::IDENTITY) {
+                properties.pose = None;
+            }
+        }
     }
 
     fn edit(
@@ -367,6 +383,7 @@ impl Scene {
         let replaced = self.voxels.insert_segment(id, segment)?;
         assert!(replaced.is_none(), "segment number {} was in use", id.0);
         self.properties.insert(id, properties);
+        self.make_room_for_moved(id);
         Ok((Step::Remove { id }, self.all_to_touch(id)))
     }
 

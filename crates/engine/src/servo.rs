@@ -10,7 +10,6 @@ use glam::DVec3;
 use palpate_haptics::local_force::LocalForce;
 use palpate_haptics::placement::nearest_free_in;
 use palpate_haptics::proxy::Proxy;
-use palpate_haptics::scene::Solid;
 use palpate_haptics::tick::{TickCache, TickInput, TickOutput, TickState, tick};
 use palpate_volume::bits::Bits;
 use palpate_volume::grid::Grid;
@@ -24,6 +23,7 @@ use crate::handover::{
 use crate::mapping::Mapping;
 use crate::model::LimitedModel;
 use crate::moved_poses::MovedPoses;
+use crate::owners::Owners;
 use crate::probe::Probe;
 use crate::servo_state::{ServoState, TickInputs};
 use crate::settings::Settings;
@@ -63,6 +63,8 @@ pub struct ServoLoop {
     state: ServoState,
     occupancy: TouchOccupancy,
     cache: TickCache,
+    /// Kept beside the state like the cache: it changes no result.
+    owners: Owners,
     /// The segment that is touched; 0 where there is none.
     touched: u8,
     /// Whether the state is asked for at the end of this tick.
@@ -113,7 +115,7 @@ impl ServoLoop {
     pub fn resume(
         grid: Grid,
         mut touchable: Touchable,
-        state: ServoState,
+        mut state: ServoState,
         (channels, shared): (ServoChannels, Arc<Shared>),
     ) -> Self {
         let ServoChannels {
@@ -126,12 +128,13 @@ impl ServoLoop {
             records,
             snapshots,
         } = channels;
-        state.poses.place(&mut touchable, &grid);
+        state.poses.follow_root(&mut touchable, &grid);
         Self {
             grid,
             state,
             occupancy: TouchOccupancy::new(touchable, garbage),
             cache: TickCache::default(),
+            owners: Owners::default(),
             touched: 0,
             marked: false,
             ends: Ends {
@@ -240,7 +243,7 @@ impl ServoLoop {
                 sequence,
                 mut touchable,
             }) => {
-                self.state.poses.place(&mut touchable, &self.grid);
+                self.state.poses.follow_root(&mut touchable, &self.grid);
                 self.state.received = sequence;
                 self.occupancy.take_root(sequence, touchable, &mut probe);
             }
@@ -275,8 +278,9 @@ impl ServoLoop {
                 self.state.touch.blend.tell();
             }
             Some(ServoCommand::Pose(id, target)) => {
-                let touchable = self.occupancy.touchable();
-                self.state.poses.lead(id, target, &self.grid, touchable);
+                if let Some(bounds) = self.occupancy.bounds_of(id) {
+                    self.state.poses.lead(id, target, &self.grid, bounds);
+                }
             }
             Some(ServoCommand::Mark) => {
                 self.marked = true;
@@ -332,8 +336,10 @@ impl ServoLoop {
 
     fn touch(&mut self, input: &TickInput) -> TickOutput {
         self.cache.set_epoch(self.occupancy.version());
+        self.owners.set_version(self.occupancy.version());
         let surfaces = TouchedSurfaces {
             touchable: self.occupancy.touchable(),
+            owners: &self.owners,
             settings: &self.state.settings,
             feels: &self.state.feels,
         };
@@ -349,11 +355,9 @@ impl ServoLoop {
             &mut self.state.touch,
             &mut self.cache,
         );
-        let touchable = self.occupancy.touchable();
-        let owner = |solid: Solid| touchable.owner(solid.body, solid.voxel);
         self.touched = match output.held_by {
             _ if !output.contact => 0,
-            Some(solid) => owner(solid).map_or(0, |id| id.0),
+            Some(solid) => surfaces.owner(solid).map_or(0, |id| id.0),
             // under the smooth surface, but not held back yet
             None => self.touched,
         };

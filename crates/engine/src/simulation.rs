@@ -165,13 +165,18 @@ impl Simulation {
     /// Adds a segment; an undoable one is taken away again by undo.
     ///
     /// # Errors
-    /// Where it belongs to another grid, or there are 255.
+    /// Where it belongs to another grid, or there are 255, or it has a pose that
+    /// [`Self::move_segment`] would refuse.
     pub fn add_segment(
         &mut self,
         segment: Segment,
         properties: Properties,
         undoable: bool,
     ) -> Result<SegmentId, SessionError> {
+        if let Some(pose) = properties.pose {
+            self.check_pose(pose)?;
+            self.check_room_for_moved()?;
+        }
         let id = self.free_id()?;
         let step = Step::Insert {
             id,
@@ -244,11 +249,10 @@ impl Simulation {
     /// # Errors
     /// Where the pose is no rigid motion, there is no such segment, or too many are moved.
     pub fn move_segment(&mut self, id: SegmentId, pose: DAffine3) -> Result<(), SessionError> {
-        let grid = self.voxels().grid();
-        ObjectPose::new(grid, grid, pose)?;
-        let is_new = self.scene.properties_of(id).pose.is_none();
-        if is_new && self.scene.moved_count() >= MAX_OBJECTS {
-            return Err(SessionError::TooManyMoved);
+        self.check_pose(pose)?;
+        let before = self.scene.properties_of(id).pose;
+        if before.is_none_or(|before| before == DAffine3::IDENTITY) {
+            self.check_room_for_moved()?;
         }
         let goes_on = self.journal.newest().and_then(Step::moves) == Some(id);
         let inverse = self.perform(Step::Move { id, pose })?;
@@ -382,6 +386,21 @@ impl Simulation {
         self.touch.send_change(&self.scene, &change);
         self.segments_version += 1;
         Ok(inverse)
+    }
+
+    fn check_pose(&self, pose: DAffine3) -> Result<(), SessionError> {
+        let grid = self.voxels().grid();
+        ObjectPose::new(grid, grid, pose)?;
+        Ok(())
+    }
+
+    /// Refuses one moved segment more than can be touched. Undo and redo need no such question:
+    /// where they lead there were no more.
+    fn check_room_for_moved(&self) -> Result<(), SessionError> {
+        if self.scene.moved_count() >= MAX_OBJECTS {
+            return Err(SessionError::TooManyMoved);
+        }
+        Ok(())
     }
 
     /// The lowest number that no segment has and no undo or redo would bring back.

@@ -23,7 +23,7 @@ use crate::scan_values::{ScanValues, Threshold};
 use crate::scene::ThresholdRange;
 use crate::servo_state::ServoState;
 use crate::settings::Settings;
-use crate::touchable::Part;
+use crate::touchable::{MovedPart, Part};
 
 /// Memory for the changes of one recording, at most; a brick counts as if nobody shared it.
 pub const MAX_TAPE_BYTES: usize = 1 << 29;
@@ -74,8 +74,9 @@ pub enum TapeCommand {
 pub struct TapePart {
     /// Which segment.
     pub id: u8,
-    /// A box that holds its voxels where it was moved: first voxel, and one past the last.
-    pub moved: Option<(IVec3, IVec3)>,
+    /// Where it was moved: a box that holds its voxels, first voxel and one past the last, and
+    /// the pose that a servo starts from that does not know the segment yet.
+    pub moved: Option<(IVec3, IVec3, DAffine3)>,
     /// The threshold that made it.
     pub threshold: Option<ThresholdRange>,
 }
@@ -84,7 +85,9 @@ impl From<&Part> for TapePart {
     fn from(part: &Part) -> Self {
         Self {
             id: part.id.0,
-            moved: part.moved.map(|bounds| (bounds.min, bounds.max)),
+            moved: part
+                .moved
+                .map(|MovedPart { bounds, pose }| (bounds.min, bounds.max, pose)),
             threshold: part.threshold.as_ref().map(|threshold| threshold.range),
         }
     }
@@ -333,7 +336,10 @@ pub fn rooted(old: &[Part], new: &[TapePart], values: &ScanValues) -> Vec<Part> 
             Ok(place) => old[place].bits.clone(),
             Err(_) => Bits::empty(values.dimensions()),
         };
-        let moved = part.moved.map(|(min, max)| VoxelBox::new(min, max));
+        let moved = part.moved.map(|(min, max, pose)| MovedPart {
+            bounds: VoxelBox::new(min, max),
+            pose,
+        });
         Part {
             id,
             bits,

@@ -321,7 +321,8 @@ fn swap(index: u32, brick: BitBrick, bits: &Bits) -> Result<BrickSwap<BitBrick>,
     })
 }
 
-/// Refuses segments that are not by rising number, too many moved ones, and a ball too large.
+/// Refuses segments that are not by rising number, too many moved ones or poses that are none,
+/// and a ball too large.
 fn check_parts(parts: &[TapePart], radius: f64, grid: &Grid) -> Result<(), TapeError> {
     let in_order = parts.is_sorted_by(|before, after| before.id < after.id);
     let moved = parts.iter().filter(|part| part.moved.is_some()).count();
@@ -332,6 +333,9 @@ fn check_parts(parts: &[TapePart], radius: f64, grid: &Grid) -> Result<(), TapeE
         if !(low.is_finite() && high.is_finite() && low <= high) {
             return Err(TapeError::Threshold { low, high });
         }
+    }
+    for (_, _, pose) in parts.iter().filter_map(|part| part.moved) {
+        ObjectPose::new(grid, grid, pose)?;
     }
     if radius != 0.0 {
         BallShape::new(radius, grid.spacing())?;

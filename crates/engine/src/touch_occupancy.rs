@@ -1,20 +1,21 @@
 //! What the servo touches, and the changes of it that the probe's position does not admit yet.
 //!
 //! A change is admitted only where the probe stays free, or can be pushed to a free voxel along
-//! free voxels. Else it is held, as a whole, and tried again each tick, until it is admitted or
-//! newer changes of the same bricks have taken its place. So the probe can leave through what is
+//! free voxels. Else it is held, as a whole, and tried again, one change per tick, until it is
+//! admitted or newer changes of the same bricks have taken its place. So the probe can leave through what is
 //! to be solid. Nothing here allocates or frees: bricks change places, and what is replaced goes
 //! to the garbage ring. Source: design, section 5.
 
 use arrayvec::ArrayVec;
 use glam::IVec3;
-use palpate_haptics::moving::{PoseStep, step_pose};
+use palpate_haptics::moving::PoseStep;
 use palpate_haptics::proxy::Proxy;
 use palpate_haptics::scene::{MAX_OBJECTS, Object, ObjectPose, TouchScene};
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::brick_grid::BrickSwap;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
+use palpate_volume::voxel_box::VoxelBox;
 use rtrb::Producer;
 
 use crate::body::{Body, View};
@@ -43,8 +44,12 @@ pub struct TouchOccupancy {
     held_root: Option<HeldRoot>,
     held: Vec<BrickChange>,
     garbage: Producer<Garbage>,
-    /// Where the probe was when all that is held was last refused; none since a change.
+    /// Where the probe was when changes were last refused; none since anything changed.
     refused_at: Option<IVec3>,
+    /// How many of them were not tried there yet.
+    untried: usize,
+    /// Which of them was tried last.
+    turn: usize,
     skipped: u64,
     version: u64,
 }
@@ -59,6 +64,8 @@ impl TouchOccupancy {
             held: Vec::with_capacity(MAX_HELD),
             garbage,
             refused_at: None,
+            untried: 0,
+            turn: 0,
             skipped: 0,
             version: 1,
         }
@@ -119,29 +126,28 @@ impl TouchOccupancy {
         self.garbage.slots() >= GARBAGE_PER_CHANGE
     }
 
-    /// Tries all that is held again, where the probe or the occupancy has moved since. There
-    /// must be room for it.
+    /// Tries one of the changes held back again, each in its turn, until all were refused where
+    /// the probe and all else stands. There must be room for it.
+    ///
+    /// One per tick bounds the work; a change that could be admitted waits for as many ticks as
+    /// changes are held at most.
     pub fn retry(&mut self, probe: &mut Probe<'_>) {
-        let nothing_new = self.refused_at == Some(probe.voxel());
-        if !self.holds_back() || nothing_new {
+        let count = self.held.len() + usize::from(self.held_root.is_some());
+        if self.refused_at != Some(probe.voxel()) {
+            self.refused_at = Some(probe.voxel());
+            self.untried = count;
+        }
+        if count == 0 || self.untried == 0 {
             return;
         }
-        self.retry_root(probe);
-        let mut place = 0;
-        while place < self.held.len() {
-            // another takes its place
-            let change = self.held.swap_remove(place);
-            if self.admits(&change, probe) {
-                self.put_bricks(change);
-            } else {
-                // back to where it was
-                self.held.push(change);
-                let last = self.held.len() - 1;
-                self.held.swap(place, last);
-                place += 1;
-            }
+        self.untried -= 1;
+        self.turn = (self.turn + 1) % count;
+        // the root comes after the edits, where there is one
+        if self.turn < self.held.len() {
+            self.retry_edit(self.turn, probe);
+        } else {
+            self.retry_root(probe);
         }
-        self.refused_at = Some(probe.voxel());
     }
 
     /// Takes a new root; whatever was held is overtaken by it.
@@ -157,6 +163,7 @@ impl TouchOccupancy {
         if self.admits_root(&touchable, probe) {
             self.put_root(touchable);
         } else {
+            self.begin_turns();
             self.held_root = Some(HeldRoot {
                 first,
                 last: sequence,
@@ -172,6 +179,7 @@ impl TouchOccupancy {
         if self.admits(&change, probe) {
             self.put_bricks(change);
         } else if self.held.len() < MAX_HELD {
+            self.begin_turns();
             self.held.push(change);
         } else {
             self.skipped += 1;
@@ -179,21 +187,16 @@ impl TouchOccupancy {
         }
     }
 
-    /// Moves an object of any grid by one step, if the probe admits it; it may be pushed.
+    /// Moves an object by one step, if the probe admits it; it may be pushed.
     pub(crate) fn step_pose(
         &mut self,
         place: usize,
         new: &ObjectPose,
         probe: &mut Probe<'_>,
     ) -> PoseStep {
-        let step = step_pose(&self.scene(probe.grid), place, new, probe.proxy);
-        if step != PoseStep::Held
-            && let Some(object) = self.touchable.objects.get_mut(place)
-        {
-            object.set_pose(*new);
-            self.refused_at = None;
-        }
-        step
+        self.refused_at = None;
+        self.touchable
+            .step_pose(place, new, probe.grid, probe.proxy)
     }
 
     /// Takes a step of each segment that moves, as far as the probe admits it. A root held back
@@ -207,6 +210,16 @@ impl TouchOccupancy {
             poses.place(&mut held.touchable, grid);
         }
         self.refused_at = None;
+    }
+
+    /// A box that holds the voxels of a moved segment: of the newest root that has it.
+    #[must_use]
+    pub fn bounds_of(&self, id: SegmentId) -> Option<VoxelBox> {
+        let held = self.held_root.as_ref().map(|held| &held.touchable);
+        let roots = held.into_iter().chain([&self.touchable]);
+        let mut bounds =
+            roots.filter_map(|root| Some(root.objects.get(root.object_of(id)?)?.bounds()));
+        bounds.next()
     }
 
     /// The oldest change that is held back.
@@ -228,6 +241,27 @@ impl TouchOccupancy {
         } else {
             self.held_root = Some(held);
         }
+    }
+
+    /// The first change that is held begins the turns anew: what comes out of a tick follows from
+    /// what a recording has, and it begins where nothing is held.
+    fn begin_turns(&mut self) {
+        if !self.holds_back() {
+            self.turn = 0;
+        }
+    }
+
+    fn retry_edit(&mut self, place: usize, probe: &mut Probe<'_>) {
+        // another takes its place
+        let change = self.held.swap_remove(place);
+        if self.admits(&change, probe) {
+            self.put_bricks(change);
+            return;
+        }
+        // back to where it was
+        self.held.push(change);
+        let last = self.held.len() - 1;
+        self.held.swap(place, last);
     }
 
     fn admits_root(&self, new: &Touchable, probe: &mut Probe<'_>) -> bool {

@@ -6,6 +6,8 @@
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
+use glam::DAffine3;
+use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;
 use palpate_volume::edit::SegmentId;
 
@@ -140,7 +142,7 @@ impl TouchSender {
             TouchChange::All(id) => self.send_root(scene, vec![*id]),
             TouchChange::Pose(id, pose) => self.send(ServoCommand::Pose(*id, *pose)),
             TouchChange::FirstPose(id, pose) => {
-                self.send_root(scene, vec![*id]);
+                self.send_split(scene, *id);
                 self.send(ServoCommand::Pose(*id, *pose));
             }
         }
@@ -195,29 +197,46 @@ impl TouchSender {
     }
 
     fn send_bricks(&mut self, scene: &Scene, bricks: &[u32], segments: Vec<SegmentId>) {
-        let parts = scene.touchable_parts();
-        let is_changed = |part: &&Part| segments.contains(&part.id);
-        let changed: Vec<&Part> = parts.iter().filter(is_changed).collect();
-        let moved = changed.iter().any(|part| part.moved.is_some());
-        if moved || bricks.len() * changed.len().max(1) > MAX_BRICKS {
+        let changed = || scene.obstacles().filter(|(id, _, _)| segments.contains(id));
+        let moved = changed().any(|(_, _, properties)| properties.pose.is_some());
+        if moved || bricks.len() * changed().count().max(1) > MAX_BRICKS {
             return self.send_root(scene, segments);
         }
-        let swaps = |part: &Part| {
-            let id = part.id;
-            let brick = |&index: &u32| BrickSwap {
-                index,
-                brick: part.bits.bricks().get(index).cloned(),
-            };
-            bricks.iter().map(brick).map(|swap| (id, swap)).collect()
-        };
-        let swaps: Vec<Vec<_>> = changed.into_iter().map(swaps).collect();
+        let swaps = changed().flat_map(|(id, segment, _)| {
+            let entries = segment.occupancy().bricks();
+            bricks.iter().map(move |&index| {
+                let brick = entries.get(index).cloned();
+                (id, BrickSwap { index, brick })
+            })
+        });
+        let swaps = swaps.collect();
+        let unmoved: Vec<&Bits> = scene
+            .obstacles()
+            .filter(|(_, _, properties)| properties.pose.is_none())
+            .map(|(_, segment, _)| segment.occupancy())
+            .collect();
         let sequence = self.begin(segments);
-        let change = BrickChange::new(sequence, &parts, swaps.concat());
+        let change = BrickChange::new(sequence, &unmoved, swaps);
         self.send(ServoCommand::Bricks(change));
     }
 
     fn send_root(&mut self, scene: &Scene, segments: Vec<SegmentId>) {
-        let touchable = touchable_of(scene, self.radius);
+        self.send_parts(scene, scene.touchable_parts(), segments);
+    }
+
+    /// Sends a segment as a body of its own that still stands where the scan has it, so that it
+    /// is moved from there.
+    fn send_split(&mut self, scene: &Scene, id: SegmentId) {
+        let mut parts = scene.touchable_parts();
+        let split = parts.iter_mut().find(|part| part.id == id);
+        if let Some(moved) = split.and_then(|part| part.moved.as_mut()) {
+            moved.pose = DAffine3::IDENTITY;
+        }
+        self.send_parts(scene, parts, vec![id]);
+    }
+
+    fn send_parts(&mut self, scene: &Scene, parts: Vec<Part>, segments: Vec<SegmentId>) {
+        let touchable = touchable_of_parts(scene, parts, self.radius);
         let sequence = self.begin(segments);
         self.send(ServoCommand::Root {
             sequence,
@@ -251,11 +270,12 @@ impl TouchSender {
 /// All that can be touched, with a probe of a radius [mm] that was checked.
 #[must_use]
 pub fn touchable_of(scene: &Scene, radius: f64) -> Touchable {
-    let grid = scene.voxels().grid();
-    let mut touchable = Touchable::new(grid, scene.touchable_parts(), radius)
-        .expect("settings with too large a ball are refused");
-    touchable.put_objects(grid, |id| scene.properties_of(id).pose);
-    touchable
+    touchable_of_parts(scene, scene.touchable_parts(), radius)
+}
+
+fn touchable_of_parts(scene: &Scene, parts: Vec<Part>, radius: f64) -> Touchable {
+    Touchable::new(scene.voxels().grid(), parts, radius)
+        .expect("settings with too large a ball are refused")
 }
 
 fn is_held(status: &ServoStatus, change: &Outstanding) -> bool {

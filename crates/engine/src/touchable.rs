@@ -9,9 +9,11 @@
 
 use std::sync::Arc;
 
-use glam::{DAffine3, UVec3};
+use glam::{DAffine3, IVec3, UVec3};
 use palpate_haptics::ball::BallError;
-use palpate_haptics::scene::{Object, ObjectPose, TouchScene};
+use palpate_haptics::moving::{self, PoseStep};
+use palpate_haptics::proxy::Proxy;
+use palpate_haptics::scene::{Object, ObjectPose, Solid, TouchScene};
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;
@@ -30,11 +32,20 @@ pub struct Part {
     pub id: SegmentId,
     /// Its voxels.
     pub bits: Bits,
-    /// A box that holds them, where it was moved; none where it stands in the scan.
-    pub moved: Option<VoxelBox>,
+    /// Where it was moved; none where it stands in the scan.
+    pub moved: Option<MovedPart>,
     /// The threshold that made them, whatever edits did since; none where they come from
     /// elsewhere.
     pub threshold: Option<Threshold>,
+}
+
+/// Where a segment stands that was moved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MovedPart {
+    /// A box that holds its voxels.
+    pub bounds: VoxelBox,
+    /// From the scan to the scene [mm], a rigid motion that was checked.
+    pub pose: DAffine3,
 }
 
 /// All that can be touched, ready for the servo.
@@ -52,19 +63,23 @@ pub struct Touchable {
 
 impl Touchable {
     /// These parts of a scan, by rising number, for a probe of a radius [mm]; moved ones stand
-    /// in the scan still.
+    /// where their pose has them.
     ///
     /// # Errors
     /// Where the ball is too large for the scan's voxels.
+    ///
+    /// # Panics
+    /// Where a pose is none; whoever gives parts a pose has checked it.
     pub fn new(grid: &Grid, parts: Vec<Part>, radius: f64) -> Result<Self, BallError> {
         let unmoved: Vec<&Part> = unmoved(&parts).collect();
-        let bits: Vec<&Bits> = unmoved.iter().map(|part| &part.bits).collect();
-        let world = Body::new(union_of(grid.dimensions(), &bits), radius, grid.spacing())?
-            .knowing(KnownShares::of(&unmoved));
+        let world = Body::new(
+            union_of(grid.dimensions(), &unmoved_bits(&parts)),
+            radius,
+            grid.spacing(),
+        )?
+        .knowing(KnownShares::of(&unmoved));
         let reach = world.reach();
-        let pose = ObjectPose::new(grid, grid, DAffine3::IDENTITY)
-            .expect("a segment that was not moved yet is within reach");
-        let object = |part: &Part, bounds: VoxelBox| {
+        let object = |part: &Part, MovedPart { bounds, pose }| {
             let body = Body::new(part.bits.clone(), radius, grid.spacing())?
                 .knowing(KnownShares::of(&[part]));
             let bounds = if bounds.is_empty() {
@@ -72,6 +87,7 @@ impl Touchable {
             } else {
                 VoxelBox::new(bounds.min - reach, bounds.max + reach)
             };
+            let pose = ObjectPose::new(grid, grid, pose).expect("poses of parts were checked");
             Ok(Object::new(body, grid, bounds, pose))
         };
         let objects = parts
@@ -96,36 +112,55 @@ impl Touchable {
         }
     }
 
-    /// Puts objects where their segments stand; without a rigid pose they stay.
-    pub fn put_objects(&mut self, grid: &Grid, pose_of: impl Fn(SegmentId) -> Option<DAffine3>) {
-        for place in 0..self.objects.len() {
-            let pose = self.object_ids().nth(place).and_then(&pose_of);
-            let pose = pose.and_then(|pose| ObjectPose::new(grid, grid, pose).ok());
-            if let Some(pose) = pose {
-                self.objects[place].set_pose(pose);
-            }
-        }
+    /// The moved segments as the parts have them, in the order of the objects.
+    pub fn moved(&self) -> impl Iterator<Item = (SegmentId, MovedPart)> {
+        let moved = |part: &Part| Some((part.id, part.moved?));
+        self.parts.iter().filter_map(moved)
     }
 
-    /// Numbers of the moved segments, in the order of the objects.
-    pub fn object_ids(&self) -> impl Iterator<Item = SegmentId> {
-        let moved = self.parts.iter().filter(|part| part.moved.is_some());
-        moved.map(|part| part.id)
-    }
-
-    /// The segment to which a solid voxel of a body belongs: of the world's, the first that
-    /// has it.
+    /// The place of a moved segment among the objects.
     #[must_use]
-    pub fn owner(&self, body: u8, voxel: glam::IVec3) -> Option<SegmentId> {
-        match usize::from(body).checked_sub(1) {
-            Some(place) => self.object_ids().nth(place),
-            None => {
-                let voxel = self.world.solid_near(voxel)?;
-                unmoved(&self.parts)
-                    .find(|part| part.bits.is_solid(voxel))
-                    .map(|part| part.id)
-            }
+    pub fn object_of(&self, id: SegmentId) -> Option<usize> {
+        self.moved().position(|(other, _)| other == id)
+    }
+
+    /// Takes a step of an object to a pose, if the probe admits it, who may be pushed.
+    pub fn step_pose(
+        &mut self,
+        place: usize,
+        new: &ObjectPose,
+        grid: &Grid,
+        proxy: &mut Proxy,
+    ) -> PoseStep {
+        let step = moving::step_pose(&self.scene(grid), place, new, proxy);
+        if step != PoseStep::Held
+            && let Some(object) = self.objects.get_mut(place)
+        {
+            object.set_pose(*new);
         }
+        step
+    }
+
+    /// The segment to which a voxel belongs that is solid for the probe: of the world's, the
+    /// first that has it.
+    #[must_use]
+    pub fn owner(&self, solid: Solid) -> Option<SegmentId> {
+        match usize::from(solid.body).checked_sub(1) {
+            Some(place) => self.moved().nth(place).map(|(id, _)| id),
+            None => self.owner_in_world(solid.voxel),
+        }
+    }
+
+    fn owner_in_world(&self, voxel: IVec3) -> Option<SegmentId> {
+        let mut parts = unmoved(&self.parts);
+        let first = parts.next()?;
+        // where there is but one, all of the world is its own
+        if parts.next().is_none() {
+            return Some(first.id);
+        }
+        let voxel = self.world.solid_near(voxel)?;
+        let owner = unmoved(&self.parts).find(|part| part.bits.is_solid(voxel));
+        owner.map(|part| part.id)
     }
 
     /// Exchanges a brick of a part, if it is there.
@@ -141,6 +176,12 @@ impl Touchable {
 /// Parts that stand where the scan has them.
 pub fn unmoved(parts: &[Part]) -> impl Iterator<Item = &Part> {
     parts.iter().filter(|part| part.moved.is_none())
+}
+
+/// Their voxels.
+#[must_use]
+pub fn unmoved_bits(parts: &[Part]) -> Vec<&Bits> {
+    unmoved(parts).map(|part| &part.bits).collect()
 }
 
 /// The union of segments of one grid.
@@ -165,11 +206,9 @@ pub fn union_of(dimensions: UVec3, segments: &[&Bits]) -> Bits {
 
 /// One brick of the union.
 #[must_use]
-pub fn union_brick<'a>(
-    segments: impl Iterator<Item = &'a Bits>,
-    index: u32,
-) -> Option<Arc<BitBrick>> {
+pub fn union_brick(segments: &[&Bits], index: u32) -> Option<Arc<BitBrick>> {
     segments
+        .iter()
         .filter_map(|segment| segment.bricks().get(index))
         .fold(None, |union, brick| Some(merged(union.as_ref(), brick)))
 }

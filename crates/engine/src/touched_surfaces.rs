@@ -2,8 +2,10 @@
 
 use palpate_haptics::scene::Solid;
 use palpate_haptics::surface::{Surface, Surfaces};
+use palpate_volume::edit::SegmentId;
 
 use crate::feel::Feels;
+use crate::owners::Owners;
 use crate::settings::Settings;
 use crate::touchable::Touchable;
 
@@ -12,16 +14,25 @@ use crate::touchable::Touchable;
 pub struct TouchedSurfaces<'a> {
     /// Which segment owns a voxel.
     pub touchable: &'a Touchable,
+    /// Who owned the voxels that were asked for last.
+    pub owners: &'a Owners,
     /// What holds where a segment has no feel of its own.
     pub settings: &'a Settings,
     /// What segments have of their own.
     pub feels: &'a Feels,
 }
 
+impl TouchedSurfaces<'_> {
+    /// The segment that owns a solid voxel.
+    #[must_use]
+    pub fn owner(&self, solid: Solid) -> Option<SegmentId> {
+        self.owners.of(solid, || self.touchable.owner(solid))
+    }
+}
+
 impl Surfaces for TouchedSurfaces<'_> {
     fn surface_of(&self, solid: Solid) -> Surface {
-        let owner = self.touchable.owner(solid.body, solid.voxel);
-        let felt = match owner {
+        let felt = match self.owner(solid) {
             Some(id) => self.feels.of(id).over(self.settings),
             None => *self.settings,
         };

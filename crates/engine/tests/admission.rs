@@ -193,6 +193,37 @@ fn any_number_of_edits_can_wait() {
     assert_eq!(rig.violations(), 0);
 }
 
+/// However many edits wait, a tick tries one of them; all of them come soon all the same.
+#[test]
+fn edits_that_waited_come_one_per_tick() {
+    const EDITS: i32 = 8;
+    let middle = DVec3::splat(24.5);
+    let mut rig = rig_with_probe_at(middle);
+    let ids: Vec<_> = (0..EDITS)
+        .map(|_| add(&mut rig, Segment::empty(DIMENSIONS)))
+        .collect();
+    for _ in 0..EDITS {
+        rig.tick_at(middle);
+    }
+    // each buries the probe by itself, and reaches a voxel further than the one before
+    for (layer, id) in (0..).zip(ids) {
+        let region = VoxelBox::new(IVec3::splat(8), IVec3::new(41, 41, 33 + layer));
+        rig.simulation.fill_box(id, &region, true).unwrap();
+        rig.tick_at(middle);
+    }
+    assert_eq!(pending(&mut rig), EDITS as usize);
+
+    // the probe is out at the end of this tick
+    let outside = DVec3::splat(-20.0);
+    rig.tick_at(outside);
+    for tick in 1..=EDITS as usize {
+        assert_eq!(rig.tick_at(outside).proxy, outside);
+        assert_eq!(pending(&mut rig), EDITS as usize - tick);
+    }
+    assert!(rig.servo.solid().is_solid(IVec3::new(24, 24, 39)));
+    assert_eq!(rig.violations(), 0);
+}
+
 /// A bulk change waits; an edit elsewhere does not, and is not undone when the bulk comes in.
 #[test]
 fn a_bulk_change_that_waited_keeps_the_edits_that_came_after_it() {

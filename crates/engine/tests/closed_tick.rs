@@ -9,7 +9,7 @@ mod common;
 
 use assert_no_alloc::{AllocDisabler, assert_no_alloc};
 use common::*;
-use glam::{DMat3, DVec3, UVec3};
+use glam::{DAffine3, DMat3, DVec3, UVec3};
 use palpate_engine::handover::HandTarget;
 use palpate_engine::settings::Settings;
 
@@ -19,7 +19,7 @@ static ALLOCATOR: AllocDisabler = AllocDisabler;
 
 const DIMENSIONS: UVec3 = UVec3::splat(48);
 
-/// Edits, roots, undo, placements, views, settings and hand targets, some of them held, some
+/// Edits, roots, undo, moves, radii, placements, views, settings and hand targets, some of them held, some
 /// more than the servo keeps; the ticks alone are watched.
 #[test]
 fn no_tick_allocates_or_frees() {
@@ -78,6 +78,7 @@ fn change_something(
         19 => {
             let settings = Settings {
                 stiffness: random.between(0.1, 2.0),
+                probe_radius: random.between(-3.0, 3.0).max(0.0),
                 ..Settings::default()
             };
             simulation.set_settings(settings).unwrap();
@@ -88,6 +89,11 @@ fn change_something(
         }),
         // a recording that begins asks the servo for its state
         21 => simulation.begin_tape(),
+        22..=24 => {
+            let turn = DMat3::from_rotation_z(random.between(-0.4, 0.4));
+            let pose = DAffine3::from_mat3_translation(turn, random.point(-4.0, 4.0));
+            simulation.move_segment(id, pose).unwrap();
+        }
         _ => {}
     }
 }

@@ -13,6 +13,7 @@ use palpate_engine::error::SessionError;
 use palpate_engine::feel::Feel;
 use palpate_engine::settings::Settings;
 use palpate_haptics::smooth::Smoothing;
+use palpate_volume::segment::Segment;
 
 const DIMENSIONS: UVec3 = UVec3::splat(48);
 const START: DVec3 = DVec3::new(24.5, 24.5, 40.5);
@@ -171,6 +172,175 @@ fn a_segment_with_a_stiffness_of_its_own_is_felt_so() {
     // the smooth surface of a flat floor is the floor, to 0.1 %
     assert!((pressed.force.z - 0.25 * 2.0).abs() < 0.01, "{pressed:?}");
     assert_eq!(rig.status.read().touched, id.0);
+}
+
+/// A block, a floor for a probe above it, at another place.
+const MOVE: DVec3 = DVec3::new(0.0, 0.0, 14.0);
+
+/// Where the probe rests on the block of these tests, whose upper side is at z = 20 in the scan.
+fn resting(rig: &mut Rig, on: f64) -> f64 {
+    ticks(rig, 100, START);
+    let pressed = ticks(rig, 100, DVec3::new(START.x, START.y, on - 2.0));
+    assert!(pressed.contact, "{pressed:?}");
+    pressed.proxy.z
+}
+
+fn floor_block() -> Segment {
+    box_segment(DIMENSIONS, IVec3::new(10, 10, 4), IVec3::new(38, 38, 20))
+}
+
+/// More segments are moved and removed, one after the other, than can be moved at once.
+#[test]
+fn segments_that_are_gone_leave_their_place_to_others_that_are_moved() {
+    let mut rig = Rig::new(DIMENSIONS, START);
+    for round in 0..20 {
+        let id = rig.simulation.add_segment(floor_block(), OBSTACLE, true);
+        let id = id.unwrap();
+        rig.simulation.move_segment(id, shifted(MOVE)).unwrap();
+        let rests = resting(&mut rig, 34.0);
+        // the proxy stands 1e-8 before the face of the block
+        assert!((rests - 34.0).abs() < 1e-6, "round {round}: {rests}");
+        ticks(&mut rig, 20, START);
+        rig.simulation.remove_segment(id).unwrap();
+    }
+}
+
+#[test]
+fn a_segment_that_is_moved_while_it_is_no_obstacle_stands_there_once_it_is_one() {
+    let mut rig = Rig::new(DIMENSIONS, START);
+    let id = rig
+        .simulation
+        .add_segment(floor_block(), OBSTACLE, true)
+        .unwrap();
+    assert!((resting(&mut rig, 20.0) - 20.0).abs() < 1e-6);
+
+    // its first move
+    ticks(&mut rig, 10, START);
+    rig.simulation.set_touchable(id, false).unwrap();
+    rig.simulation.move_segment(id, shifted(MOVE)).unwrap();
+    rig.simulation.set_touchable(id, true).unwrap();
+    assert!((resting(&mut rig, 34.0) - 34.0).abs() < 1e-6);
+
+    // a further one, with ticks between
+    ticks(&mut rig, 10, START);
+    rig.simulation.set_touchable(id, false).unwrap();
+    ticks(&mut rig, 10, START);
+    rig.simulation
+        .move_segment(id, shifted(MOVE * 0.5))
+        .unwrap();
+    ticks(&mut rig, 10, START);
+    rig.simulation.set_touchable(id, true).unwrap();
+    assert!((resting(&mut rig, 27.0) - 27.0).abs() < 1e-6);
+
+    // none, but it is made an obstacle anew
+    ticks(&mut rig, 10, START);
+    for touchable in [false, true] {
+        rig.simulation.set_touchable(id, touchable).unwrap();
+        ticks(&mut rig, 3, START);
+    }
+    assert!((resting(&mut rig, 27.0) - 27.0).abs() < 1e-6);
+}
+
+/// Removed and brought back by undo it stands where it was moved to.
+#[test]
+fn a_moved_segment_that_undo_brings_back_stands_where_it_stood() {
+    let mut rig = Rig::new(DIMENSIONS, START);
+    let id = rig
+        .simulation
+        .add_segment(floor_block(), OBSTACLE, true)
+        .unwrap();
+    rig.simulation.move_segment(id, shifted(MOVE)).unwrap();
+    ticks(&mut rig, 50, START);
+    rig.simulation.remove_segment(id).unwrap();
+    let free = ticks(&mut rig, 50, DVec3::new(START.x, START.y, 18.0));
+    assert!(!free.contact);
+    ticks(&mut rig, 50, START);
+    assert!(rig.simulation.undo().unwrap());
+    assert!((resting(&mut rig, 34.0) - 34.0).abs() < 1e-6);
+}
+
+/// A segment that waits for the probe can be led away from it, and then it comes.
+#[test]
+fn a_moved_segment_that_is_held_back_can_be_led_away() {
+    let inside = DVec3::new(24.5, 24.5, 26.5);
+    let mut rig = Rig::new(DIMENSIONS, START);
+    let id = rig
+        .simulation
+        .add_segment(floor_block(), OBSTACLE, true)
+        .unwrap();
+    rig.simulation.move_segment(id, shifted(MOVE)).unwrap();
+    ticks(&mut rig, 50, START);
+    rig.simulation.set_touchable(id, false).unwrap();
+    ticks(&mut rig, 50, inside);
+    rig.simulation.set_touchable(id, true).unwrap();
+    let buried = ticks(&mut rig, 50, inside);
+    assert!(!buried.contact && rig.simulation.segments()[0].pending);
+
+    rig.simulation
+        .move_segment(id, shifted(DVec3::X * 40.0))
+        .unwrap();
+    let free = ticks(&mut rig, 50, inside);
+    assert!(!free.contact && !rig.simulation.segments()[0].pending);
+    // it is where it was led to: x from 50 on
+    let aside = DVec3::new(49.0, 24.5, 10.0);
+    ticks(&mut rig, 50, aside);
+    let pressed = ticks(&mut rig, 50, aside + DVec3::X * 3.0);
+    assert!((pressed.proxy.x - 50.0).abs() < 1e-6, "{pressed:?}");
+}
+
+/// A segment that is moved for the first time leaves from where the scan has it.
+#[test]
+fn the_first_move_of_a_segment_pushes_the_probe_step_by_step() {
+    let mut rig = Rig::new(DIMENSIONS, START);
+    let block = floor_block();
+    let id = rig.simulation.add_segment(block, OBSTACLE, true).unwrap();
+    let near = DVec3::new(START.x, START.y, 20.5);
+    ticks(&mut rig, 20, near);
+    rig.simulation
+        .move_segment(id, shifted(DVec3::Z * 26.0))
+        .unwrap();
+    let mut before = near.z;
+    for _ in 0..40 {
+        let at = rig.tick_at(near).proxy.z;
+        // 26 mm in no less than 17 ticks, and what the smooth contact adds to it
+        assert!(at - before < 26.0 / 17.0 + 0.1, "from {before} to {at}");
+        before = at;
+    }
+    assert!((before - 46.0).abs() < 1e-6, "{before}");
+}
+
+/// Undo takes moves back to the scan, and then brings a moved segment back: all that stand
+/// elsewhere are touched there, and are never more than can be.
+#[test]
+fn no_more_segments_are_moved_than_can_be_touched_also_not_by_undo() {
+    let mut rig = Rig::new(DIMENSIONS, START);
+    let add = |rig: &mut Rig| {
+        rig.simulation
+            .add_segment(floor_block(), OBSTACLE, true)
+            .unwrap()
+    };
+    let ids: Vec<_> = (0..17).map(|_| add(&mut rig)).collect();
+    for (id, shift) in ids.iter().zip(1..17) {
+        let pose = shifted(DVec3::X * 0.1 * f64::from(shift));
+        rig.simulation.move_segment(*id, pose).unwrap();
+    }
+    rig.simulation.move_segment(ids[0], shifted(MOVE)).unwrap();
+    let refused = rig.simulation.move_segment(ids[16], shifted(MOVE));
+    assert!(matches!(refused, Err(SessionError::TooManyMoved)));
+
+    rig.simulation.remove_segment(ids[0]).unwrap();
+    rig.simulation.move_segment(ids[16], shifted(MOVE)).unwrap();
+    let newest = add(&mut rig);
+    let refused = rig.simulation.move_segment(newest, shifted(MOVE));
+    assert!(matches!(refused, Err(SessionError::TooManyMoved)));
+    // the segment just added, the move, the removal
+    for _ in 0..3 {
+        assert!(rig.simulation.undo().unwrap());
+    }
+    let segments = rig.simulation.segments();
+    let bodies = segments.iter().filter(|segment| segment.pose.is_some());
+    assert_eq!(bodies.count(), 16);
+    assert!((resting(&mut rig, 34.0) - 34.0).abs() < 1e-6);
 }
 
 /// Guarantee 1 with everything at once: edits, moves, radii, switches, under a hand that presses.

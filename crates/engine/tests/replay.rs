@@ -465,6 +465,82 @@ fn a_recording_can_begin_in_the_midst_of_a_contact() {
     assert!(!replay(&recording, &other).unwrap().is_equal());
 }
 
+/// A segment that was moved before the recording is made no obstacle, moved, and made one again:
+/// the servo takes its pose from the tape.
+#[test]
+fn a_segment_moved_before_the_recording_and_while_it_is_no_obstacle_is_replayed() {
+    let start = DVec3::new(24.5, 24.5, 44.0);
+    let mut rig = Rig::new(DIMENSIONS, start);
+    let block = box_segment(DIMENSIONS, IVec3::new(10, 10, 4), IVec3::new(38, 38, 20));
+    let id = rig.simulation.add_segment(block, OBSTACLE, false).unwrap();
+    let raised = |by: f64| DAffine3::from_translation(DVec3::Z * by);
+    rig.simulation.move_segment(id, raised(10.0)).unwrap();
+    for _ in 0..60 {
+        rig.tick_at(start);
+        rig.simulation.step();
+    }
+    rig.simulation.begin_tape();
+    let mut recording = Recording::default();
+    let mut rests = Vec::new();
+    let stands = [
+        (10.0, None),
+        (14.0, Some(14.0)),
+        (15.0, None),
+        (4.0, Some(4.0)),
+    ];
+    for (at, pose) in stands {
+        rig.simulation.set_touchable(id, false).unwrap();
+        if let Some(to) = pose {
+            rig.simulation.move_segment(id, raised(to)).unwrap();
+        }
+        rig.simulation.set_touchable(id, true).unwrap();
+        // in the midst of a move it is replaced as a whole
+        let goes_on = f64::from(u8::from(pose.is_some()));
+        if pose.is_some() {
+            rig.simulation.move_segment(id, raised(at + 1.0)).unwrap();
+        }
+        for tick in 0..200 {
+            if tick == 5 {
+                rig.simulation.set_touchable(id, true).unwrap();
+                let block = box_segment(DIMENSIONS, IVec3::new(9, 9, 4), IVec3::new(39, 39, 20));
+                rig.simulation.replace_segment(id, block, None).unwrap();
+            }
+            let down = f64::from(tick).min(100.0) / 100.0;
+            let device = start.lerp(DVec3::new(24.5, 24.5, 18.0 + at), down);
+            recording.push(&rig.tick_at(device), 0);
+            rig.simulation.step();
+        }
+        rests.push(recording.proxy.last().unwrap().z - 20.0 - at - goes_on);
+        for _ in 0..50 {
+            recording.push(&rig.tick_at(start), 0);
+        }
+    }
+    // each time the probe rested on it where it stood; 1e-6: it stands 1e-8 before a face
+    assert!(rests.iter().all(|above| above.abs() < 1e-6), "{rests:?}");
+
+    let tape = rig.simulation.tape().lock().unwrap().finish().unwrap();
+    assert_equal(&replay(&recording, &tape).unwrap());
+    let read = Tape::try_from(&TapeColumns::from(&tape)).unwrap();
+    assert_equal(&replay(&recording, &read).unwrap());
+
+    // the poses of the tape matter, and those that are none are refused
+    let with_poses = |pose: DAffine3| {
+        let mut other = tape.clone();
+        for entry in &mut other.entries {
+            if let TapeCommand::Root { parts, .. } = &mut entry.command {
+                let moved = parts.iter_mut().filter_map(|part| part.moved.as_mut());
+                moved.for_each(|moved| moved.2 = pose);
+            }
+        }
+        other
+    };
+    let other = with_poses(raised(-3.0));
+    assert!(!replay(&recording, &other).unwrap().is_equal());
+    let sheared = DAffine3::from_scale(DVec3::new(1.0, 1.0, 1.1));
+    let refused = Tape::try_from(&TapeColumns::from(&with_poses(sheared))).unwrap_err();
+    assert!(matches!(refused, TapeError::Pose(_)), "{refused}");
+}
+
 /// Goes back and forth in the front of a block.
 fn offline_session(rate_hz: u32) -> Session {
     let path: Vec<[f64; 4]> = (0..40)
