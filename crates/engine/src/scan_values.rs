@@ -2,13 +2,13 @@
 //!
 //! They are the scan's own: what matter edits put over them is not read, since a voxel whose bit
 //! and value disagree counts as its bit says anyway. So they never change, and only pointers to
-//! them are handed on. The bricks that were read are marked, so that a recording can keep just
-//! those; a replay has no others.
+//! them are handed on. While a recording runs, the bricks that are read are marked, so that it can
+//! keep just those; a replay has no others.
 //!
 //! Frame: grid; values as stored.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
 
 use glam::{IVec3, UVec3};
 use palpate_haptics::smooth::shares::{Around, Limits};
@@ -27,8 +27,16 @@ pub struct ScanValues {
     dimensions: UVec3,
     /// Physical units per stored unit, and the physical value of stored 0.
     rescale: (f64, f64),
-    /// One bit for each brick that was read.
-    read: Arc<[AtomicU64]>,
+    marks: Arc<Marks>,
+}
+
+/// Which bricks were read.
+#[derive(Debug)]
+struct Marks {
+    /// Whether somebody wants to know.
+    wanted: AtomicBool,
+    /// One bit for each brick.
+    read: Box<[AtomicU64]>,
 }
 
 /// Which of them there are.
@@ -50,7 +58,7 @@ impl ScanValues {
             kept: Kept::All(scan.clone()),
             dimensions,
             rescale: (scan.slope(), scan.intercept()),
-            read: no_marks(dimensions),
+            marks: no_marks(dimensions),
         }
     }
 
@@ -70,16 +78,29 @@ impl ScanValues {
             kept: Kept::Some(Arc::new(grid)),
             dimensions,
             rescale,
-            read: no_marks(dimensions),
+            marks: no_marks(dimensions),
         }
     }
 
-    /// The same values; marks are kept apart from now on.
+    /// Marks all bricks that are read from now on; marks of others are forgotten.
+    pub fn begin_marking(&self) {
+        for word in &self.marks.read {
+            word.store(0, Relaxed);
+        }
+        self.marks.wanted.store(true, Relaxed);
+    }
+
+    /// Ends that, and gives the same values with the marks as they are.
     #[must_use]
-    pub fn with_own_marks(&self) -> Self {
-        let marks = self.read.iter().map(|word| word.load(Relaxed).into());
+    pub fn end_marking(&self) -> Self {
+        self.marks.wanted.store(false, Relaxed);
+        let read = self.marks.read.iter().map(|word| word.load(Relaxed).into());
+        let marks = Marks {
+            wanted: false.into(),
+            read: read.collect(),
+        };
         Self {
-            read: marks.collect(),
+            marks: Arc::new(marks),
             ..self.clone()
         }
     }
@@ -99,7 +120,9 @@ impl ScanValues {
     /// The share of a voxel that is solid; see `Occupancy::share`.
     #[must_use]
     pub fn share(&self, limits: &Limits, voxel: IVec3, solid: bool) -> Option<f32> {
-        self.mark(voxel);
+        if self.marks.wanted.load(Relaxed) {
+            self.mark(voxel);
+        }
         let around = match &self.kept {
             Kept::All(scan) => Around::of(scan, voxel),
             Kept::Some(bricks) => {
@@ -113,14 +136,7 @@ impl ScanValues {
         limits.share(&around, solid)
     }
 
-    /// Forgets which bricks were read.
-    pub fn forget_marks(&self) {
-        for word in self.read.iter() {
-            word.store(0, Relaxed);
-        }
-    }
-
-    /// The bricks that were read, or all where there are only some; by rising place.
+    /// The bricks that are marked, or all where there are only some; by rising place.
     #[must_use]
     pub fn read_bricks(&self) -> Vec<ValueBrick> {
         match &self.kept {
@@ -137,7 +153,7 @@ impl ScanValues {
     }
 
     fn marked(&self) -> impl Iterator<Item = u32> {
-        (0..).zip(self.read.iter()).flat_map(|(place, word)| {
+        (0..).zip(&self.marks.read).flat_map(|(place, word)| {
             let word = word.load(Relaxed);
             let set = (0..64_u32).filter(move |bit| word >> bit & 1 == 1);
             set.map(move |bit| 64 * place + bit)
@@ -147,39 +163,35 @@ impl ScanValues {
     /// Marks the bricks of a voxel and of its neighbours.
     fn mark(&self, voxel: IVec3) {
         let last = self.dimensions.as_ivec3() - 1;
-        let low = (voxel - 1).clamp(IVec3::ZERO, last) / BRICK;
-        let high = (voxel + 1).clamp(IVec3::ZERO, last) / BRICK;
-        let here = voxel.clamp(IVec3::ZERO, last) / BRICK;
-        self.mark_brick(here);
-        if low == high {
-            return;
-        }
-        for axis in 0..3 {
-            for beside in [low[axis], high[axis]] {
-                let mut brick = here;
-                brick[axis] = beside;
-                self.mark_brick(brick);
+        let here = voxel.clamp(IVec3::ZERO, last);
+        self.mark_brick_of(here);
+        for axis in [IVec3::X, IVec3::Y, IVec3::Z] {
+            for beside in [here - axis, here + axis] {
+                let beside = beside.clamp(IVec3::ZERO, last);
+                if beside / BRICK != here / BRICK {
+                    self.mark_brick_of(beside);
+                }
             }
         }
     }
 
-    fn mark_brick(&self, brick: IVec3) {
+    fn mark_brick_of(&self, voxel: IVec3) {
         let size = self.dimensions.map(|count| count.div_ceil(BRICK as u32));
-        let brick = brick.as_uvec3();
+        let brick = (voxel / BRICK).as_uvec3();
         let index = (brick.z * size.y + brick.y) * size.x + brick.x;
-        let mark = 1 << (index % 64);
-        if let Some(word) = self.read.get(index as usize / 64)
-            && word.load(Relaxed) & mark == 0
-        {
-            word.fetch_or(mark, Relaxed);
+        if let Some(word) = self.marks.read.get(index as usize / 64) {
+            word.fetch_or(1 << (index % 64), Relaxed);
         }
     }
 }
 
-fn no_marks(dimensions: UVec3) -> Arc<[AtomicU64]> {
+fn no_marks(dimensions: UVec3) -> Arc<Marks> {
     let bricks = dimensions.map(|count| count.div_ceil(BRICK as u32));
     let count = bricks.as_usizevec3().element_product();
-    (0..count.div_ceil(64)).map(|_| AtomicU64::new(0)).collect()
+    Arc::new(Marks {
+        wanted: false.into(),
+        read: (0..count.div_ceil(64)).map(|_| AtomicU64::new(0)).collect(),
+    })
 }
 
 /// The threshold that made a segment.
@@ -207,7 +219,6 @@ mod tests {
         let scan = scan();
         let values = ScanValues::of(&scan);
         let limits = Limits::new((1.0, 0.0), [(400.0, 900.0)]);
-        assert!(values.read_bricks().is_empty());
         let asked = [
             IVec3::new(3, 4, 5),
             IVec3::new(8, 7, 15),
@@ -219,6 +230,9 @@ mod tests {
             asked.map(|voxel| [true, false].map(|solid| values.share(&limits, voxel, solid)))
         };
         let before = share(&values);
+        assert!(values.read_bricks().is_empty());
+        values.begin_marking();
+        assert_eq!(share(&values), before);
         assert!(before.iter().flatten().any(Option::is_some));
 
         let bricks = values.read_bricks();
@@ -227,9 +241,10 @@ mod tests {
         let kept = ScanValues::of_bricks(scan.dimensions(), values.rescale(), bricks);
         assert_eq!(share(&kept), before);
 
-        let apart = values.with_own_marks();
-        values.forget_marks();
+        // marks end with the recording, and begin anew with the next
+        let ended = values.end_marking();
+        values.begin_marking();
         assert!(values.read_bricks().is_empty());
-        assert!(!apart.read_bricks().is_empty());
+        assert!(!ended.read_bricks().is_empty());
     }
 }

@@ -204,7 +204,7 @@ impl TapeRecorder {
         parts: Vec<Part>,
         radius: f64,
     ) {
-        values.forget_marks();
+        values.begin_marking();
         self.stage = Stage::Running(Box::new(Writer {
             mark,
             grid,
@@ -251,7 +251,7 @@ impl TapeRecorder {
                 grid: writer.grid,
                 state: writer.state?,
                 parts: writer.first,
-                values: writer.values.with_own_marks(),
+                values: writer.values.end_marking(),
                 radius: writer.radius,
                 entries: writer.entries,
                 is_full: writer.is_full,

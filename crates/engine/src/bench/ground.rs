@@ -48,6 +48,12 @@ impl Ground {
         }
     }
 
+    /// The same, of whose segments nothing is known but their bits.
+    #[must_use]
+    pub fn of_bits(&self) -> Self {
+        Self::new(self.grid, self.segments.clone())
+    }
+
     /// As the servo wants them: numbered from 1.
     #[must_use]
     pub fn parts(&self) -> Vec<Part> {

@@ -147,9 +147,11 @@ impl Limits {
     #[inline]
     fn within(&self, stored: i16) -> f32 {
         let stored = f32::from(stored);
-        let ranges = self.ranges.iter().take(self.count);
-        ranges.fold(f32::NEG_INFINITY, |most, [low, high]| {
-            most.max((stored - low).min(high - stored))
+        let within = |[low, high]: [f32; 2]| (stored - low).min(high - stored);
+        // of the first apart, since there is mostly but one
+        let others = self.ranges[1..].iter().take(self.count.saturating_sub(1));
+        others.fold(within(self.ranges[0]), |most, range| {
+            most.max(within(*range))
         })
     }
 
@@ -157,6 +159,9 @@ impl Limits {
     #[inline]
     #[must_use]
     pub fn share(&self, around: &Around, solid: bool) -> Option<f32> {
+        if self.is_empty() {
+            return None;
+        }
         let here = self.within(around.here);
         // an edit, or another segment, made it what it is
         if solid != (here >= 0.0) {
