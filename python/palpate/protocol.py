@@ -161,7 +161,8 @@ class Rates(msgspec.Struct, frozen=True):
 class Safety(msgspec.Struct, frozen=True):
     """Interventions of the safety stage and violations of the guarantees since start.
 
-    ``force`` says what stands between the contact and the hand now: "on" where nothing does.
+    ``force`` says what stands between the contact and the hand now: "on" where nothing does;
+    ``off`` why no force is sent, and nothing while forces are.
     """
 
     clamped: int
@@ -174,6 +175,7 @@ class Safety(msgspec.Struct, frozen=True):
     watchdog: int
     violations: int
     force: Literal["on", "waiting", "ramping", "easing", "off"]
+    off: Literal["not-started", "waiting", "servo-late", "stopped", "not-finite"] | None
 
 
 class DeviceLimits(msgspec.Struct, frozen=True):
@@ -205,8 +207,9 @@ class State(Message, frozen=True, tag="state"):
     ``samples`` holds the ticks since the last state, thinned to at most 250 a second:
     rows (time, force x, force y, force z). ``contact_point`` is where the force comes from:
     on the smooth surface, beside ``proxy``, which no solid voxel holds; ``normal`` points out
-    of the surface there, and is zero without contact. ``recording`` says since how long every
-    input of the servo is kept [s].
+    of the surface there, and is zero without contact. ``probe_radius`` is what the probe has
+    [mm]: less than the settings' where there is no room for it. ``recording`` says since how
+    long every input of the servo is kept [s].
     """
 
     tick: int
@@ -221,6 +224,7 @@ class State(Message, frozen=True, tag="state"):
     contact: bool
     depth: float
     touched: int
+    probe_radius: float
     pending: int
     can_undo: bool
     can_redo: bool

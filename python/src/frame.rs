@@ -8,6 +8,7 @@ use palpate_engine::feel::Feel;
 use palpate_engine::frame::{ForceState, Frame, Notice, NoticeLevel, Rates, Safety};
 use palpate_engine::rate::Rate;
 use palpate_engine::simulation::SegmentState;
+use palpate_haptics::safety::ForceOff;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -43,6 +44,7 @@ pub fn frame_dict<'py>(py: Python<'py>, frame: &Frame) -> PyResult<Bound<'py, Py
         "contact": frame.contact,
         "depth": frame.depth,
         "touched": frame.touched,
+        "probe_radius": frame.probe_radius,
         "pending": frame.pending,
         "can_undo": frame.can_undo,
         "can_redo": frame.can_redo,
@@ -140,6 +142,7 @@ fn safety_dict(py: Python<'_>, safety: Safety) -> PyResult<Bound<'_, PyDict>> {
         "watchdog": safety.watchdog,
         "violations": safety.violations,
         "force": force_state(safety.force),
+        "off": safety.off.map(ForceOff::name),
     )
 }
 

@@ -27,11 +27,12 @@ def state(tick: int, samples: int = 4) -> protocol.State:
         contact=False,
         depth=0.0,
         touched=0,
+        probe_radius=0.0,
         pending=0,
         can_undo=False,
         can_redo=False,
         rates=protocol.Rates(RATE, RATE, RATE, RATE, real_time=False),
-        safety=protocol.Safety(0, 0, 0, 0, 0, 0, 0, 0, 0, "on"),
+        safety=protocol.Safety(0, 0, 0, 0, 0, 0, 0, 0, 0, "on", None),
         recording=None,
         samples=[(tick + i / 1000, 0.0, 0.0, 0.0) for i in range(samples)],
     )

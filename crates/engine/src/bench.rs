@@ -28,8 +28,7 @@ pub use timing::Timing;
 use std::hint::black_box;
 
 use glam::DVec3;
-use palpate_haptics::ball::{BallError, BallShape};
-use palpate_haptics::ball_limits::ball_limits;
+use palpate_haptics::ball::BallError;
 use palpate_haptics::contact::ContactModel;
 use palpate_haptics::exact::Exact;
 use palpate_haptics::proxy::Proxy;
@@ -122,12 +121,8 @@ impl TouchBench {
         let grid = ground.grid;
         let radius_mm = radius * grid.smallest_spacing();
         let touchable = Touchable::new(&grid, ground.parts(), radius_mm)?;
-        let exact = if radius_mm > 0.0 {
-            Exact {
-                limits: ball_limits(&BallShape::new(radius_mm, grid.spacing())?),
-            }
-        } else {
-            Exact::default()
+        let exact = Exact {
+            limits: touchable.limits(),
         };
         let stroke =
             stroke(&grid, &touchable.world, &exact, count, seed).ok_or(BenchError::NoSurface)?;

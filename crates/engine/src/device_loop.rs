@@ -169,6 +169,7 @@ impl DeviceLoop {
             counter.store(count, Relaxed);
         }
         counters.set_force_state(self.force_state());
+        counters.set_off(self.safety.off());
     }
 
     fn force_state(&self) -> ForceState {

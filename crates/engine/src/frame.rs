@@ -3,6 +3,7 @@
 //! Points in scene mm (LPS), forces in N in scene axes, times in s since the start.
 
 use glam::DVec3;
+use palpate_haptics::safety::ForceOff;
 
 use crate::rate::Rate;
 
@@ -93,6 +94,8 @@ pub struct Safety {
     pub violations: u64,
     /// What stands between the contact and the hand now.
     pub force: ForceState,
+    /// Why no force is sent; none while forces are on.
+    pub off: Option<ForceOff>,
 }
 
 /// What stands between the contact and the hand.
@@ -147,6 +150,8 @@ pub struct Frame {
     pub depth: f64,
     /// The segment that is touched; 0 where there is none.
     pub touched: u8,
+    /// Radius that the probe has [mm]: less than the settings', where there is no room for it.
+    pub probe_radius: f64,
     /// Changes of the voxels that touch does not follow yet.
     pub pending: usize,
     /// Whether there is an edit to take back.

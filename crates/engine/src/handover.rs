@@ -176,6 +176,8 @@ pub struct ServoStatus {
     pub stopped: [u64; 4],
     /// Placements refused, since there was no free voxel near the point.
     pub refused_places: u64,
+    /// Radius of the probe that was admitted [mm].
+    pub radius: f64,
     /// Where the device is.
     pub device: DVec3,
     /// Where the probe is.

@@ -9,6 +9,7 @@ use std::sync::atomic::Ordering;
 use std::sync::mpsc::Receiver;
 
 use glam::DVec3;
+use palpate_haptics::safety::ForceOff;
 use rtrb::Consumer;
 use triple_buffer::Output;
 
@@ -136,6 +137,7 @@ impl Picture {
             contact: latest.contact,
             depth: latest.depth,
             touched: if latest.contact { status.touched } else { 0 },
+            probe_radius: status.probe_radius,
             pending: status.pending,
             can_undo: status.can_undo,
             can_redo: status.can_redo,
@@ -227,6 +229,7 @@ impl Picture {
 
     fn safety(&self) -> Safety {
         let counters = &self.sources.shared.counters;
+        let stopping = self.sources.shared.stopping();
         Safety {
             clamped: counters.clamped.load(Ordering::Relaxed),
             slewed: counters.slewed.load(Ordering::Relaxed),
@@ -237,10 +240,15 @@ impl Picture {
             damped: counters.damped.load(Ordering::Relaxed),
             watchdog: counters.watchdog.load(Ordering::Relaxed),
             violations: counters.violations.load(Ordering::Relaxed),
-            force: if self.sources.shared.stopping() {
+            force: if stopping {
                 ForceState::Off
             } else {
                 counters.force_state()
+            },
+            off: if stopping {
+                Some(ForceOff::Stopped)
+            } else {
+                counters.off()
             },
         }
     }

@@ -7,7 +7,7 @@ use palpate_haptics::scene::TouchScene;
 use palpate_volume::grid::Grid;
 use palpate_volume::occupancy::Occupancy;
 
-use crate::body::Body;
+use crate::touchable::Body;
 
 /// The probe in the grid of the scan.
 #[derive(Debug)]

@@ -187,7 +187,7 @@ impl<'a> Player<'a> {
     fn new(tape: &'a Tape) -> Result<Self, ReplayError> {
         let channels = Channels::new(tape.state.hand);
         let shared = Arc::new(Shared::default());
-        let touchable = Touchable::new(&tape.grid, tape.parts.clone(), tape.radius)?;
+        let touchable = Touchable::new(&tape.grid, tape.parts.clone(), tape.state.radius)?;
         let servo = ServoLoop::resume(tape.grid, touchable, tape.state, (channels.servo, shared));
         Ok(Self {
             servo,
@@ -230,11 +230,10 @@ impl<'a> Player<'a> {
         }
         put(&mut self.latest, &entry.swaps);
         Ok(match entry.command {
-            TapeCommand::Root {
-                sequence, radius, ..
-            } => ServoCommand::Root {
+            TapeCommand::Root { sequence, .. } => ServoCommand::Root {
                 sequence,
-                touchable: Touchable::new(&self.grid, self.latest.clone(), radius)?,
+                // the servo knows which radius the probe has
+                touchable: Touchable::new(&self.grid, self.latest.clone(), 0.0)?,
             },
             TapeCommand::Bricks { sequence } => ServoCommand::Bricks(BrickChange::new(
                 sequence,

@@ -99,6 +99,7 @@ impl ServoLoop {
             mapping: start.mapping,
             settings: start.settings,
             feels: start.feels,
+            radius: start.touchable.radius,
             poses: MovedPoses::default(),
             hand: start.probe,
             forgotten_hand: 0,
@@ -129,10 +130,14 @@ impl ServoLoop {
             snapshots,
         } = channels;
         state.poses.follow_root(&mut touchable, &grid);
+        // who starts a session or reads a tape has checked that it fits
+        let _ = touchable.set_radius(state.radius);
+        let mut occupancy = TouchOccupancy::new(touchable, garbage);
+        occupancy.want_radius(state.settings.probe_radius);
         Self {
             grid,
             state,
-            occupancy: TouchOccupancy::new(touchable, garbage),
+            occupancy,
             cache: TickCache::default(),
             owners: Owners::default(),
             touched: 0,
@@ -153,7 +158,7 @@ impl ServoLoop {
     /// What is solid for the probe now.
     #[must_use]
     pub fn solid(&self) -> &Bits {
-        self.occupancy.touchable().world.bits()
+        &self.occupancy.touchable().world.inner().bits
     }
 
     /// One tick at `now` [s] with what device and person say by then.
@@ -195,6 +200,7 @@ impl ServoLoop {
             proxy: &mut self.state.touch.proxy,
         };
         self.occupancy.retry(&mut probe);
+        self.state.radius = self.occupancy.touchable().radius;
     }
 
     /// Takes a step of each segment that moves.
@@ -271,6 +277,7 @@ impl ServoLoop {
             Some(ServoCommand::Turn(rotation)) => self.state.mapping.turn(device, rotation),
             Some(ServoCommand::Settings(settings)) => {
                 self.state.settings = settings;
+                self.occupancy.want_radius(settings.probe_radius);
                 self.state.touch.blend.tell();
             }
             Some(ServoCommand::Feel(id, feel)) => {
@@ -345,7 +352,7 @@ impl ServoLoop {
         };
         let model = LimitedModel {
             model: self.state.settings.model,
-            limits: self.occupancy.touchable().world.limits(),
+            limits: self.occupancy.touchable().limits(),
         };
         let output = tick(
             &self.occupancy.scene(&self.grid),
@@ -386,6 +393,7 @@ impl ServoLoop {
             skipped: self.occupancy.skipped(),
             stopped: self.state.poses.stopped(),
             refused_places: self.state.refused_places,
+            radius: self.state.radius,
             device: self.device_in_scene(inputs),
             proxy: output.proxy_in_scene,
             contact: output.contact,

@@ -27,6 +27,8 @@ pub struct ServoState {
     pub settings: Settings,
     /// How each segment feels.
     pub feels: Feels,
+    /// Radius of the probe that was admitted [mm]; the settings have the one that is wanted.
+    pub radius: f64,
     /// Where moved segments stand and go.
     pub poses: MovedPoses,
     /// Where the hand pulls the device to [mm].

@@ -3,6 +3,8 @@
 use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 
+use palpate_haptics::safety::ForceOff;
+
 use crate::frame::ForceState;
 
 /// Interventions of the safety stage and violations of the guarantees since the start.
@@ -28,6 +30,8 @@ pub struct Counters {
     pub violations: AtomicU64,
     /// What stands between the contact and the hand now, as a number.
     force_state: AtomicU8,
+    /// Why no force is sent now, as a number.
+    off: AtomicU8,
     /// Ticks whose record was lost, since nobody took the records in time.
     pub lost_records: AtomicU64,
 }
@@ -40,7 +44,19 @@ impl Counters {
         FORCE_STATES.get(number).copied().unwrap_or(ForceState::Off)
     }
 
-    /// Tells it.
+    /// Why no force is sent now; none while forces are on.
+    #[must_use]
+    pub fn off(&self) -> Option<ForceOff> {
+        ForceOff::of_number(self.off.load(Ordering::Relaxed))
+    }
+
+    /// Tells why no force is sent now.
+    pub fn set_off(&self, off: Option<ForceOff>) {
+        self.off
+            .store(off.map_or(0, |cause| cause as u8), Ordering::Relaxed);
+    }
+
+    /// Tells what stands between the contact and the hand now.
     pub fn set_force_state(&self, state: ForceState) {
         let number = FORCE_STATES.iter().position(|&known| known == state);
         self.force_state.store(

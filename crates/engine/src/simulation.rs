@@ -27,12 +27,14 @@ use crate::tape::{MAX_TAPE_BYTES, TapeRecorder};
 use crate::touch_sender::{TouchSender, touchable_of};
 
 /// What the picture shows of the simulation.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SimulationStatus {
     /// Number of the newest edit.
     pub edit: u64,
     /// The segment that the probe touches; 0 where there is none.
     pub touched: u8,
+    /// Radius that the probe has [mm]: less than the settings', where there is no room for it.
+    pub probe_radius: f64,
     /// Changes that touch does not follow yet.
     pub pending: usize,
     /// Whether there is a change to take back.
@@ -367,9 +369,8 @@ impl Simulation {
         if let Some(notice) = self.settings.notice_of_limits(&settings) {
             self.tell(notice);
         }
+        self.touch.set_radius(self.settings.probe_radius);
         self.touch.send(ServoCommand::Settings(self.settings));
-        self.touch
-            .set_radius(&self.scene, self.settings.probe_radius);
         Ok(self.settings)
     }
 
@@ -463,6 +464,7 @@ impl Simulation {
         let status = SimulationStatus {
             edit: self.voxels().edit_number(),
             touched: self.touch.status().touched,
+            probe_radius: self.touch.status().radius,
             pending: self.touch.pending(),
             can_undo: self.journal.can_undo(),
             can_redo: self.journal.can_redo(),

@@ -40,8 +40,6 @@ pub enum TapeCommand {
         sequence: u64,
         /// The segments, by rising number.
         parts: Vec<TapePart>,
-        /// Radius of the probe [mm].
-        radius: f64,
     },
     /// Some bricks were replaced.
     Bricks {
@@ -116,8 +114,6 @@ pub struct Tape {
     pub parts: Vec<Part>,
     /// The scan's values, of which those that touch read are marked.
     pub values: ScanValues,
-    /// Radius of the probe then [mm].
-    pub radius: f64,
     /// Commands from number `state.command + 1` on, without a gap.
     pub entries: Vec<TapeEntry>,
     /// Whether there was no memory for the commands that came after.
@@ -151,7 +147,6 @@ struct Writer {
     grid: Grid,
     values: ScanValues,
     first: Vec<Part>,
-    radius: f64,
     /// The servo's state at the mark, once it has told it.
     state: Option<ServoState>,
     /// What the servo will touch once it has obeyed all that was noted.
@@ -197,20 +192,13 @@ impl TapeRecorder {
     /// Notes that the mark with this number is sent, and what will be solid by then. Which of
     /// the scan's values the servo reads counts from here: at the mark it forgets what it made
     /// of others.
-    pub fn begin(
-        &mut self,
-        mark: u64,
-        (grid, values): (Grid, ScanValues),
-        parts: Vec<Part>,
-        radius: f64,
-    ) {
+    pub fn begin(&mut self, mark: u64, (grid, values): (Grid, ScanValues), parts: Vec<Part>) {
         values.begin_marking();
         self.stage = Stage::Running(Box::new(Writer {
             mark,
             grid,
             values,
             first: parts.clone(),
-            radius,
             state: None,
             latest: parts,
             entries: Vec::new(),
@@ -252,7 +240,6 @@ impl TapeRecorder {
                 state: writer.state?,
                 parts: writer.first,
                 values: writer.values.end_marking(),
-                radius: writer.radius,
                 entries: writer.entries,
                 is_full: writer.is_full,
             }),
@@ -289,7 +276,6 @@ impl Writer {
                 TapeCommand::Root {
                     sequence: *sequence,
                     parts: touchable.parts.iter().map(TapePart::from).collect(),
-                    radius: touchable.radius,
                 }
             }
             ServoCommand::Bricks(change) => {

@@ -20,7 +20,8 @@ use serde::{Deserialize, Serialize};
 use crate::handover::MAX_BRICKS;
 use crate::scan_values::ScanValues;
 use crate::servo_state::ServoState;
-use crate::settings::SettingsError;
+use crate::settings::{Settings, SettingsError};
+use crate::simulation::check_radius;
 use crate::tape::{PartSwap, Tape, TapeCommand, TapeEntry, TapePart, put, rooted};
 
 /// Most voxels of a scan in a file; more are not read, so that no file can ask for all memory.
@@ -137,7 +138,6 @@ struct Start {
     parts: Vec<TapePart>,
     /// Slope and intercept of the scan's values.
     rescale: (f64, f64),
-    radius: f64,
     is_full: bool,
 }
 
@@ -149,7 +149,6 @@ impl From<&Tape> for TapeColumns {
                 state: tape.state,
                 parts: tape.parts.iter().map(TapePart::from).collect(),
                 rescale: tape.values.rescale(),
-                radius: tape.radius,
                 is_full: tape.is_full,
             }),
             ..Self::default()
@@ -191,16 +190,15 @@ impl TryFrom<&TapeColumns> for Tape {
             state,
             parts,
             rescale,
-            radius,
             is_full,
         } = start;
         let given = grid.voxel_count() as u64;
         if given > MAX_FILE_VOXELS {
             return Err(TapeError::TooLarge { given });
         }
-        state.settings.check()?;
-
-        check_parts(&parts, radius, &grid)?;
+        check_settings(&state.settings, &grid)?;
+        BallShape::new(state.radius, grid.spacing())?;
+        check_parts(&parts, &grid)?;
 
         let empty = Bits::empty(grid.dimensions());
         let values = columns.values.scan_values(rescale, &empty)?;
@@ -213,7 +211,6 @@ impl TryFrom<&TapeColumns> for Tape {
             state,
             parts,
             values,
-            radius,
             entries,
             is_full,
         })
@@ -321,9 +318,15 @@ fn swap(index: u32, brick: BitBrick, bits: &Bits) -> Result<BrickSwap<BitBrick>,
     })
 }
 
-/// Refuses segments that are not by rising number, too many moved ones or poses that are none,
-/// and a ball too large.
-fn check_parts(parts: &[TapePart], radius: f64, grid: &Grid) -> Result<(), TapeError> {
+/// Refuses settings that no session has on such a grid.
+fn check_settings(settings: &Settings, grid: &Grid) -> Result<(), TapeError> {
+    settings.check()?;
+    check_radius(settings.probe_radius, grid)?;
+    Ok(())
+}
+
+/// Refuses segments that are not by rising number, too many moved ones and poses that are none.
+fn check_parts(parts: &[TapePart], grid: &Grid) -> Result<(), TapeError> {
     let in_order = parts.is_sorted_by(|before, after| before.id < after.id);
     let moved = parts.iter().filter(|part| part.moved.is_some()).count();
     if !in_order || moved > MAX_OBJECTS || parts.iter().any(|part| part.id == 0) {
@@ -337,22 +340,19 @@ fn check_parts(parts: &[TapePart], radius: f64, grid: &Grid) -> Result<(), TapeE
     for (_, _, pose) in parts.iter().filter_map(|part| part.moved) {
         ObjectPose::new(grid, grid, pose)?;
     }
-    if radius != 0.0 {
-        BallShape::new(radius, grid.spacing())?;
-    }
     Ok(())
 }
 
 /// Refuses a command that no simulation sends.
 fn check(command: &TapeCommand, bricks: usize, grid: &Grid) -> Result<(), TapeError> {
     let allowed = match command {
-        TapeCommand::Root { parts, radius, .. } => {
-            check_parts(parts, *radius, grid)?;
+        TapeCommand::Root { parts, .. } => {
+            check_parts(parts, grid)?;
             usize::MAX
         }
         TapeCommand::Bricks { .. } => MAX_BRICKS,
         TapeCommand::Settings(settings) => {
-            settings.check()?;
+            check_settings(settings, grid)?;
             0
         }
         TapeCommand::Pose(_, pose) => {

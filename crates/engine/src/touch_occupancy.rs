@@ -8,9 +8,12 @@
 
 use arrayvec::ArrayVec;
 use glam::IVec3;
+use palpate_haptics::admission::Admission;
+use palpate_haptics::ball::Ball;
+use palpate_haptics::ball_probe::{MAX_BODIES, ProbeView, admit_radius};
 use palpate_haptics::moving::PoseStep;
 use palpate_haptics::proxy::Proxy;
-use palpate_haptics::scene::{MAX_OBJECTS, Object, ObjectPose, TouchScene};
+use palpate_haptics::scene::{MAX_OBJECTS, ObjectPose, TouchScene};
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::brick_grid::BrickSwap;
 use palpate_volume::edit::SegmentId;
@@ -18,12 +21,11 @@ use palpate_volume::grid::Grid;
 use palpate_volume::voxel_box::VoxelBox;
 use rtrb::Producer;
 
-use crate::body::{Body, View};
 use crate::handover::{BrickChange, Garbage, MAX_BRICKS, MAX_HELD};
 use crate::moved_poses::MovedPoses;
-use crate::patched::place_of;
+use crate::patched::{Patched, place_of};
 use crate::probe::Probe;
-use crate::touchable::Touchable;
+use crate::touchable::{Body, Touchable};
 
 /// Garbage that one change can make: what every held change has in common with it, in the union
 /// and in the parts, and itself.
@@ -43,6 +45,10 @@ pub struct TouchOccupancy {
     touchable: Touchable,
     held_root: Option<HeldRoot>,
     held: Vec<BrickChange>,
+    /// That the probe is to have [mm]; what is touched has the one that it has.
+    wanted_radius: f64,
+    /// Work out what changes would make of what is solid.
+    spares: Box<[Ball; MAX_BODIES]>,
     garbage: Producer<Garbage>,
     /// Where the probe was when changes were last refused; none since anything changed.
     refused_at: Option<IVec3>,
@@ -58,7 +64,11 @@ impl TouchOccupancy {
     /// An occupancy at the start.
     #[must_use]
     pub fn new(touchable: Touchable, garbage: Producer<Garbage>) -> Self {
+        let shape = touchable.world.shape();
+        let spares = Box::new(std::array::from_fn(|_| Ball::new(*shape)));
         Self {
+            wanted_radius: touchable.radius,
+            spares,
             touchable,
             held_root: None,
             held: Vec::with_capacity(MAX_HELD),
@@ -132,7 +142,9 @@ impl TouchOccupancy {
     /// One per tick bounds the work; a change that could be admitted waits for as many ticks as
     /// changes are held at most.
     pub fn retry(&mut self, probe: &mut Probe<'_>) {
-        let count = self.held.len() + usize::from(self.held_root.is_some());
+        let has_root = self.held_root.is_some();
+        let grows = self.wanted_radius != self.touchable.radius;
+        let count = self.held.len() + usize::from(has_root) + usize::from(grows);
         if self.refused_at != Some(probe.voxel()) {
             self.refused_at = Some(probe.voxel());
             self.untried = count;
@@ -142,16 +154,27 @@ impl TouchOccupancy {
         }
         self.untried -= 1;
         self.turn = (self.turn + 1) % count;
-        // the root comes after the edits, where there is one
-        if self.turn < self.held.len() {
-            self.retry_edit(self.turn, probe);
-        } else {
-            self.retry_root(probe);
+        // after the edits comes the root, then the radius
+        match self.turn.checked_sub(self.held.len()) {
+            None => self.retry_edit(self.turn, probe),
+            Some(0) if has_root => self.retry_root(probe),
+            Some(_) => self.step_radius(probe),
+        }
+    }
+
+    /// Wants a radius of the probe [mm]; it comes there step by step, as far as there is room.
+    pub fn want_radius(&mut self, radius: f64) {
+        if self.wanted_radius != radius {
+            self.begin_turns();
+            self.wanted_radius = radius;
+            self.refused_at = None;
         }
     }
 
     /// Takes a new root; whatever was held is overtaken by it.
-    pub fn take_root(&mut self, sequence: u64, touchable: Touchable, probe: &mut Probe<'_>) {
+    pub fn take_root(&mut self, sequence: u64, mut touchable: Touchable, probe: &mut Probe<'_>) {
+        // it is made for the radius that is wanted, which the probe may not have yet
+        let _ = touchable.set_radius(self.touchable.radius);
         let first = self.first_held().unwrap_or(sequence);
         self.forget_held_edits();
         let overtaken = self.held_root.take();
@@ -251,6 +274,27 @@ impl TouchOccupancy {
         }
     }
 
+    /// Takes the next step toward the wanted radius; one that is too large for the voxels is
+    /// never reached.
+    fn step_radius(&mut self, probe: &mut Probe<'_>) {
+        let next = self.touchable.world.shape().toward(self.wanted_radius);
+        let scene = self.touchable.scene(probe.grid);
+        match admit_radius(&scene, next, &mut self.spares, probe.proxy) {
+            Ok(Admission::Held) | Err(_) => {}
+            Ok(_) => self.put_radius(next),
+        }
+    }
+
+    fn put_radius(&mut self, radius: f64) {
+        let held = self.held_root.as_mut().map(|held| &mut held.touchable);
+        for touchable in held.into_iter().chain([&mut self.touchable]) {
+            // it fits the one that it was admitted in, and all have one grid
+            let _ = touchable.set_radius(radius);
+        }
+        self.version += 1;
+        self.refused_at = None;
+    }
+
     fn retry_edit(&mut self, place: usize, probe: &mut Probe<'_>) {
         // another takes its place
         let change = self.held.swap_remove(place);
@@ -271,24 +315,29 @@ impl TouchOccupancy {
 
     fn admits(&mut self, change: &BrickChange, probe: &mut Probe<'_>) -> bool {
         let grid = probe.grid;
-        let (world, view) = self.touchable.world.with(&change.swaps);
-        let objects = &self.touchable.objects;
-        let old = TouchScene {
-            occupancy: world,
-            grid,
-            objects,
-        };
-        let views: ArrayVec<Object<View<'_>>, MAX_OBJECTS> = objects
+        let Touchable { world, objects, .. } = &self.touchable;
+        let [spare, ..] = &mut *self.spares;
+        let changed = Patched::new(&world.inner().bits, &change.swaps);
+        // objects as they are, like what is changed
+        let unchanged: ArrayVec<Patched<'_>, MAX_OBJECTS> = objects
             .iter()
             .take(MAX_OBJECTS)
-            .map(|object| object.with_occupancy(object.occupancy().view(), object.bounds()))
+            .map(|object| Patched::new(&object.occupancy().inner().bits, &[]))
+            .collect();
+        let views: ArrayVec<_, MAX_OBJECTS> = objects
+            .iter()
+            .zip(&unchanged)
+            .map(|(object, same)| {
+                let view = ProbeView::new(same, object.occupancy().ball());
+                object.with_occupancy(view, object.bounds())
+            })
             .collect();
         let new = TouchScene {
-            occupancy: &view,
+            occupancy: &world.among(&changed, spare),
             grid,
             objects: &views,
         };
-        probe.admits(&old, &new)
+        probe.admits(&self.touchable.scene(grid), &new)
     }
 
     /// A root held back must not bring back what a newer edit changes.
@@ -298,7 +347,7 @@ impl TouchOccupancy {
         };
         for swap in &change.swaps {
             let mut newer = swap.clone();
-            held.touchable.world.swap(&mut newer);
+            held.touchable.swap_world(&mut newer);
             dispose(&mut self.garbage, Garbage::Brick(newer));
         }
         for (id, swap) in &change.parts {
@@ -350,7 +399,7 @@ impl TouchOccupancy {
         self.version += 1;
         self.refused_at = None;
         for swap in &mut change.swaps {
-            self.touchable.world.swap(swap);
+            self.touchable.swap_world(swap);
         }
         for (id, swap) in &mut change.parts {
             self.touchable.swap_part(*id, swap);

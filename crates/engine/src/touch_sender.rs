@@ -32,7 +32,7 @@ pub struct TouchSender {
     garbage: rtrb::Consumer<Garbage>,
     replies: triple_buffer::Output<ServoStatus>,
     tape: Arc<Mutex<TapeRecorder>>,
-    /// Of the probe [mm].
+    /// Of the probe, as it is wanted [mm].
     radius: f64,
     backlog: VecDeque<ServoCommand>,
     /// Commands so far, those in the backlog too.
@@ -123,12 +123,10 @@ impl TouchSender {
         self.lock_tape().is_full()
     }
 
-    /// Changes the radius of the probe [mm], which must have been checked.
-    pub fn set_radius(&mut self, scene: &Scene, radius: f64) {
-        if self.radius != radius {
-            self.radius = radius;
-            self.send_root(scene, Vec::new());
-        }
+    /// Tells the radius that the probe is to have [mm], which must have been checked; roots are
+    /// made for it. The servo comes there by itself.
+    pub fn set_radius(&mut self, radius: f64) {
+        self.radius = radius;
     }
 
     /// Sends a change of the scene.
@@ -184,7 +182,7 @@ impl TouchSender {
         // the tape must wait for the mark before the servo can answer it
         let scan = (*scene.voxels().grid(), scene.values().clone());
         let parts = scene.touchable_parts();
-        tape.begin(self.commands + 1, scan, parts, self.radius);
+        tape.begin(self.commands + 1, scan, parts);
         drop(tape);
         self.commands += 1;
         self.backlog.push_back(ServoCommand::Mark);

@@ -11,6 +11,9 @@ use std::sync::Arc;
 
 use glam::{DAffine3, IVec3, UVec3};
 use palpate_haptics::ball::BallError;
+use palpate_haptics::ball_limits::ball_limits;
+use palpate_haptics::ball_probe::ProbeSolid;
+use palpate_haptics::exact::ExactLimits;
 use palpate_haptics::moving::{self, PoseStep};
 use palpate_haptics::proxy::Proxy;
 use palpate_haptics::scene::{Object, ObjectPose, Solid, TouchScene};
@@ -21,9 +24,12 @@ use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
 use palpate_volume::voxel_box::VoxelBox;
 
-use crate::body::Body;
+use crate::body::BodyVoxels;
 use crate::known_shares::KnownShares;
 use crate::scan_values::Threshold;
+
+/// Voxels of one body as the probe meets them.
+pub type Body = ProbeSolid<BodyVoxels>;
 
 /// A segment that can be touched.
 #[derive(Clone, Debug)]
@@ -71,17 +77,18 @@ impl Touchable {
     /// # Panics
     /// Where a pose is none; whoever gives parts a pose has checked it.
     pub fn new(grid: &Grid, parts: Vec<Part>, radius: f64) -> Result<Self, BallError> {
-        let unmoved: Vec<&Part> = unmoved(&parts).collect();
-        let world = Body::new(
-            union_of(grid.dimensions(), &unmoved_bits(&parts)),
-            radius,
-            grid.spacing(),
-        )?
-        .knowing(KnownShares::of(&unmoved));
-        let reach = world.reach();
+        let world = BodyVoxels {
+            bits: union_of(grid.dimensions(), &unmoved_bits(&parts)),
+            shares: KnownShares::of(&unmoved(&parts).collect::<Vec<_>>()),
+        };
+        let world = Body::new(world, radius, grid.spacing())?;
+        let reach = world.shape().reach();
         let object = |part: &Part, MovedPart { bounds, pose }| {
-            let body = Body::new(part.bits.clone(), radius, grid.spacing())?
-                .knowing(KnownShares::of(&[part]));
+            let voxels = BodyVoxels {
+                bits: part.bits.clone(),
+                shares: KnownShares::of(&[part]),
+            };
+            let body = Body::new(voxels, radius, grid.spacing())?;
             let bounds = if bounds.is_empty() {
                 bounds
             } else {
@@ -110,6 +117,12 @@ impl Touchable {
             grid,
             objects: &self.objects,
         }
+    }
+
+    /// How much work a tick of `exact` may do with this probe.
+    #[must_use]
+    pub fn limits(&self) -> ExactLimits {
+        ball_limits(self.world.shape())
     }
 
     /// The moved segments as the parts have them, in the order of the objects.
@@ -163,13 +176,41 @@ impl Touchable {
         owner.map(|part| part.id)
     }
 
+    /// Gives the probe another radius [mm] at once; whether the probe admits it is asked before.
+    ///
+    /// # Errors
+    /// Where the ball is too large for the scan's voxels; nothing is changed then.
+    pub fn set_radius(&mut self, radius: f64) -> Result<(), BallError> {
+        if self.radius == radius {
+            return Ok(());
+        }
+        self.world.set_radius(radius)?;
+        for object in &mut self.objects {
+            object.set_radius(radius)?;
+        }
+        self.radius = radius;
+        Ok(())
+    }
+
+    /// Exchanges a brick of the union.
+    pub fn swap_world(&mut self, swap: &mut BrickSwap<BitBrick>) {
+        let changed = self.world.inner().bits.bricks().box_of(swap.index);
+        self.world.change(&changed, |voxels| voxels.bits.swap(swap));
+    }
+
     /// Exchanges a brick of a part, if it is there.
     pub fn swap_part(&mut self, id: SegmentId, swap: &mut BrickSwap<BitBrick>) {
-        if let Ok(place) = self.parts.binary_search_by_key(&id.0, |part| part.id.0) {
-            // the old brick is in the part still, so that this frees nothing
-            self.world.swap_part(id, &mut swap.clone());
-            self.parts[place].bits.swap(swap);
-        }
+        let Ok(place) = self.parts.binary_search_by_key(&id.0, |part| part.id.0) else {
+            return;
+        };
+        let changed = self.world.inner().bits.bricks().box_of(swap.index);
+        self.world.change(&changed, |voxels| {
+            if let Some(shares) = &mut voxels.shares {
+                // the old brick is in the part still, so that this frees nothing
+                shares.swap_part(id, &mut swap.clone());
+            }
+        });
+        self.parts[place].bits.swap(swap);
     }
 }
 

@@ -297,6 +297,7 @@ fn at_the_start_the_force_waits_ramps_and_is_on_and_each_is_counted() {
     let state = || counters.counters.force_state();
     bench.device.step(0.0);
     assert_eq!(state(), ForceState::Waiting);
+    assert_eq!(counters.counters.off(), Some(ForceOff::NotStarted));
 
     // the hand stands in an obstacle
     let wanted = DVec3::Y * 2.0;
@@ -323,6 +324,7 @@ fn at_the_start_the_force_waits_ramps_and_is_on_and_each_is_counted() {
     bench.want(wanted, 0.151);
     bench.device.step(0.151);
     assert_eq!((bench.seen.last(), state()), (wanted, ForceState::On));
+    assert_eq!(counters.counters.off(), None);
 
     let count =
         |counter: &std::sync::atomic::AtomicU64| counter.load(std::sync::atomic::Ordering::Relaxed);
@@ -332,6 +334,7 @@ fn at_the_start_the_force_waits_ramps_and_is_on_and_each_is_counted() {
     bench.device.step(0.2);
     assert_eq!(counters.force_state(), ForceState::Off);
     assert_eq!(bench.device.off(), Some(ForceOff::ServoLate));
+    assert_eq!(counters.off(), Some(ForceOff::ServoLate));
 }
 
 #[test]

@@ -13,7 +13,7 @@ use std::time::Instant;
 
 use glam::{DMat3, DVec3, IVec3, UVec3};
 use palpate_haptics::admission::{Admission, admit};
-use palpate_haptics::ball::{Ball, BallShape};
+use palpate_haptics::ball::Ball;
 use palpate_haptics::ball_probe::ProbeSolid;
 use palpate_haptics::contact::{Contact, ContactModel};
 use palpate_haptics::exact::Exact;
@@ -43,20 +43,20 @@ fn main() {
     println!("hard proxy: radius, depth [h]; contact; cells; M/s; median, p99, p99.9, max [us]");
     for depth in [1.5, 5.0] {
         for radius in RADII {
-            let solid = ProbeSolid::new(bone, ball(&grid, radius));
+            let solid = solid_for(&grid, bone, radius);
             let path = path(&grid, &solid, depth, 1);
             if radius == 0.0 {
                 let timing = timed(&grid, &path, || bone);
                 println!("bits {depth:4}  {timing}");
             }
-            let timing = timed(&grid, &path, || ProbeSolid::new(bone, ball(&grid, radius)));
+            let timing = timed(&grid, &path, || solid_for(&grid, bone, radius));
             println!("{radius:4} {depth:4}  {timing}");
             assert!(path.contact_share > 0.9, "too often out of contact");
         }
     }
 
-    println!("once, us: radius [h]; brick; nearest voxel; refined; admission held: median, 99 %");
-    println!("then how far off the surface the ball is in its cell, and refined [h]");
+    println!("once, us: radius [h]; brick; nearest voxel; admission held: median, 99 %");
+    println!("then how far off the surface the ball is in its cell [h]");
     for radius in RADII.into_iter().filter(|&radius| radius > 0.0) {
         println!("{radius:4}  {}", single_calls(&grid, bone, radius));
     }
@@ -64,9 +64,9 @@ fn main() {
 
 /// What is done now and then, around a ball that slides over the bone.
 fn single_calls(grid: &Grid, bone: &Bits, radius: f64) -> String {
-    let solid = ProbeSolid::new(bone, ball(grid, radius));
+    let solid = solid_for(grid, bone, radius);
     let path = path(grid, &solid, 1.5, 2);
-    let [mut old, mut new] = [0, 1].map(|_| ball(grid, radius).expect("a ball"));
+    let [mut old, mut new] = [0, 1].map(|_| Ball::new(*solid.shape()));
 
     // with a grain of it everywhere no cell is free, and no brick is found full early
     let apart = new.shape().reach();
@@ -74,14 +74,7 @@ fn single_calls(grid: &Grid, bone: &Bits, radius: f64) -> String {
         bone.is_solid(voxel) || (voxel % apart) == IVec3::ZERO
     });
 
-    let [
-        mut bricks,
-        mut nearest,
-        mut refined,
-        mut admissions,
-        mut off,
-        mut nearer,
-    ] = [const { Vec::new() }; 6];
+    let [mut bricks, mut nearest, mut admissions, mut off] = [const { Vec::new() }; 4];
     let mut proxy = path.start;
     for (update, &device) in path.device.iter().enumerate() {
         let contact = advance(grid, &solid, device, &mut proxy);
@@ -95,11 +88,8 @@ fn single_calls(grid: &Grid, bone: &Bits, radius: f64) -> String {
         new.invalidate();
         bricks.push(micros(|| new.dilate(bone).block(stopped.voxel & !7)).1);
 
-        let (centre, time) = micros(|| solid.refined(&proxy, device));
-        refined.push(time);
         off.push(gap(grid, bone, proxy.point(), radius));
-        nearer.push(gap(grid, bone, centre, radius));
-        assert!(nearer.last() > Some(&-1e-9), "it overlaps");
+        assert!(off.last() > Some(&-1e-9), "it overlaps");
 
         old.invalidate();
         new.invalidate();
@@ -111,7 +101,7 @@ fn single_calls(grid: &Grid, bone: &Bits, radius: f64) -> String {
             admissions.push(time);
         }
     }
-    [bricks, nearest, refined, admissions, off, nearer]
+    [bricks, nearest, admissions, off]
         .map(|mut numbers| {
             numbers.sort_by(f64::total_cmp);
             let [median, most] = [0.5, 0.99].map(|share| quantile(&numbers, share));
@@ -147,9 +137,9 @@ fn micros<T>(work: impl FnOnce() -> T) -> (T, f64) {
     (result, start.elapsed().as_secs_f64() * 1e6)
 }
 
-fn ball(grid: &Grid, radius: f64) -> Option<Ball> {
-    let shape = BallShape::new(radius * grid.smallest_spacing(), grid.spacing());
-    Some(Ball::new(shape.expect("within the window")))
+fn solid_for<'a>(grid: &Grid, bone: &'a Bits, radius: f64) -> ProbeSolid<&'a Bits> {
+    let radius_mm = radius * grid.smallest_spacing();
+    ProbeSolid::new(bone, radius_mm, grid.spacing()).expect("within the window")
 }
 
 fn phantom_bone() -> (Grid, Segment) {

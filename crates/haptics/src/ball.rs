@@ -15,10 +15,8 @@
 use crate::ball_brick::dilated_brick;
 use crate::ball_cache::BallCache;
 use crate::ball_nearest::nearest_solid;
-use crate::ball_refine::refined;
 pub use crate::ball_shape::{BallError, BallShape, MAX_REACH};
-use crate::proxy::Proxy;
-use glam::{DVec3, IVec3};
+use glam::IVec3;
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::block::block_of_bricks;
 use palpate_volume::brick_grid::BRICK;
@@ -76,19 +74,6 @@ impl Ball {
     /// nearest one [mm, centre to centre] of those that block the cell; none where it is free.
     pub fn solid_near(&self, inner: &(impl Occupancy + ?Sized), cell: IVec3) -> Option<IVec3> {
         nearest_solid(inner, &self.shape, cell)
-    }
-
-    /// The centre where the ball really touches, grid: moved on from its free cell toward the
-    /// device, by less than two cells along each axis, overlapping no solid voxel by more than
-    /// 1e-9 mm. A ball that reaches over more than 8 voxels stays where it is: a cell is a small
-    /// part of its radius.
-    pub fn refined(
-        &self,
-        inner: &(impl Occupancy + ?Sized),
-        proxy: &Proxy,
-        device_in_grid: DVec3,
-    ) -> DVec3 {
-        refined(inner, &self.shape, proxy, device_in_grid)
     }
 
     /// The cells that are blocked in this occupancy, which must be the one that the ball

@@ -6,11 +6,14 @@
 
 use crate::ball_shape::BallShape;
 use crate::exact::ExactLimits;
+use glam::IVec3;
 use palpate_volume::brick_grid::BRICK;
 
-/// The limits for a ball of this shape.
+/// The limits for a ball of this shape; those of a point where it is one.
 pub fn ball_limits(shape: &BallShape) -> ExactLimits {
-    if shape.reach().max_element() <= BRICK {
+    if shape.reach() == IVec3::ZERO {
+        ExactLimits::default()
+    } else if shape.reach().max_element() <= BRICK {
         // 202 bricks; as many slides as a point
         ExactLimits {
             max_visits: 800,

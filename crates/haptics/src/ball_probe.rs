@@ -1,17 +1,21 @@
 //! What is solid for the probe, be it a point or a ball: one type for whoever runs the ticks.
 //!
-//! It owns the voxels, so that none of them changes without the ball being told. For a point
-//! it is the voxels and one branch that is always the same. Admission works on two balls that
-//! change places: nothing is allocated when voxels or the radius change. Frame: grid.
+//! It owns the voxels, so that none of them changes without the balls being told. For a point
+//! it is the voxels and one branch that is always the same; the balls are there all the same,
+//! so that nothing is allocated when voxels or the radius change. Frame: grid.
 
-use crate::admission::{Admission, admit};
-use crate::ball::{Ball, BallShape, Dilated};
+use crate::admission::{Admission, admit_scene};
+use crate::ball::{Ball, BallError, BallShape, Dilated};
 use crate::proxy::Proxy;
+use crate::scene::{MAX_OBJECTS, Object, TouchScene};
+use arrayvec::ArrayVec;
 use glam::{DVec3, IVec3};
 use palpate_volume::bit_brick::BitBrick;
-use palpate_volume::grid::Grid;
 use palpate_volume::occupancy::Occupancy;
 use palpate_volume::voxel_box::VoxelBox;
+
+/// Bodies of a scene, the world among them.
+pub const MAX_BODIES: usize = MAX_OBJECTS + 1;
 
 /// What is solid for a point or for the centre of a ball; answers come from elsewhere.
 #[derive(Debug)]
@@ -20,6 +24,23 @@ pub enum ProbeView<'a, O: ?Sized> {
     Point(&'a O),
     /// The cells that they block.
     Ball(Dilated<'a, O>),
+}
+
+impl<'a, O: Occupancy + ?Sized> ProbeView<'a, O> {
+    /// What these voxels are for a ball that belongs to them.
+    pub fn new(voxels: &'a O, ball: &'a Ball) -> Self {
+        if ball.is_point() {
+            Self::Point(voxels)
+        } else {
+            Self::Ball(ball.dilate(voxels))
+        }
+    }
+
+    /// What these voxels are for a ball of this shape; `spare` works it out.
+    pub fn of_shape(voxels: &'a O, shape: BallShape, spare: &'a mut Ball) -> Self {
+        spare.set_shape(shape);
+        Self::new(voxels, spare)
+    }
 }
 
 impl<O: Occupancy + ?Sized> Occupancy for ProbeView<'_, O> {
@@ -40,21 +61,27 @@ impl<O: Occupancy + ?Sized> Occupancy for ProbeView<'_, O> {
     }
 }
 
-/// Voxels, and the ball that touches them; none for a point, or one of radius 0.
+/// Voxels, and the ball that touches them; one of radius 0 is a point.
 #[derive(Debug)]
 pub struct ProbeSolid<O> {
     inner: O,
-    ball: Option<Ball>,
+    /// Where its centre cannot be.
+    hard: Ball,
+    /// The same without the safe side: what the smooth force is made of.
+    soft: Ball,
 }
 
 impl<O: Occupancy> ProbeSolid<O> {
-    /// These voxels, for a ball or a point. A probe that shall be given a radius later is made
-    /// with a ball of radius 0, for which nothing is dilated.
-    pub fn new(inner: O, mut ball: Option<Ball>) -> Self {
-        if let Some(ball) = &mut ball {
-            ball.invalidate();
-        }
-        Self { inner, ball }
+    /// These voxels of a size [mm], for a probe of a radius [mm]; 0 is a point.
+    ///
+    /// # Errors
+    /// Where the ball is too large for these voxels.
+    pub fn new(inner: O, radius_mm: f64, spacing: DVec3) -> Result<Self, BallError> {
+        Ok(Self {
+            inner,
+            hard: Ball::new(BallShape::new(radius_mm, spacing)?),
+            soft: Ball::new(BallShape::soft(radius_mm, spacing)?),
+        })
     }
 
     /// The voxels.
@@ -62,33 +89,37 @@ impl<O: Occupancy> ProbeSolid<O> {
         &self.inner
     }
 
-    /// The ball; none for a point.
-    pub fn ball(&self) -> Option<&Ball> {
-        self.ball.as_ref()
+    /// The ball's hard shape.
+    pub fn shape(&self) -> &BallShape {
+        self.hard.shape()
     }
 
-    /// Exchanges the voxels as a whole; gives the old ones, so that nothing is freed here.
-    pub fn replace(&mut self, inner: O) -> O {
-        if let Some(ball) = &mut self.ball {
-            ball.invalidate();
-        }
-        std::mem::replace(&mut self.inner, inner)
+    /// The ball that belongs to the voxels, hard.
+    pub fn ball(&self) -> &Ball {
+        &self.hard
     }
 
     /// Changes voxels, none of them outside the box.
     pub fn change<T>(&mut self, changed: &VoxelBox, change: impl FnOnce(&mut O) -> T) -> T {
-        if let Some(ball) = &mut self.ball {
-            ball.invalidate_box(changed);
+        if !self.hard.is_point() {
+            self.hard.invalidate_box(changed);
+            self.soft.invalidate_box(changed);
         }
         change(&mut self.inner)
     }
 
-    /// Exchanges the ball, or makes the probe a point; gives the old one.
-    pub fn replace_ball(&mut self, mut ball: Option<Ball>) -> Option<Ball> {
-        if let Some(ball) = &mut ball {
-            ball.invalidate();
-        }
-        std::mem::replace(&mut self.ball, ball)
+    /// Takes another radius [mm] at once; whether the probe admits that is asked in
+    /// [`admit_radius`].
+    ///
+    /// # Errors
+    /// Where the ball is too large for these voxels; nothing is changed then.
+    pub fn set_radius(&mut self, radius_mm: f64) -> Result<(), BallError> {
+        let spacing = self.shape().spacing();
+        let hard = BallShape::new(radius_mm, spacing)?;
+        let soft = BallShape::soft(radius_mm, spacing)?;
+        self.hard.set_shape(hard);
+        self.soft.set_shape(soft);
+        Ok(())
     }
 
     /// What would be solid for this probe among other voxels; `spare` works it out.
@@ -97,79 +128,133 @@ impl<O: Occupancy> ProbeSolid<O> {
         other: &'a N,
         spare: &'a mut Ball,
     ) -> ProbeView<'a, N> {
-        match self.large_ball() {
-            None => ProbeView::Point(other),
-            Some(ball) => {
-                spare.set_shape(*ball.shape());
-                ProbeView::Ball(spare.dilate(other))
-            }
-        }
-    }
-
-    /// Takes another shape where the rule of admission allows it, pushing the proxy where it
-    /// must. `spare` works it out and is exchanged for the ball; a probe without one holds.
-    ///
-    /// A push has a short reach, so a radius is raised step by step: see [`BallShape::toward`].
-    pub fn admit_shape(
-        &mut self,
-        shape: BallShape,
-        spare: &mut Ball,
-        grid: &Grid,
-        proxy: &mut Proxy,
-    ) -> Admission {
-        if self.ball.is_none() {
-            return Admission::Held;
-        }
-        spare.set_shape(shape);
-        let admission = admit(self, &spare.dilate(&self.inner), grid, proxy);
-        if admission != Admission::Held
-            && let Some(ball) = &mut self.ball
-        {
-            std::mem::swap(ball, spare);
-        }
-        admission
-    }
-
-    /// The ball, where it is more than a point.
-    #[inline]
-    fn large_ball(&self) -> Option<&Ball> {
-        self.ball.as_ref().filter(|ball| !ball.is_point())
+        ProbeView::of_shape(other, *self.shape(), spare)
     }
 
     /// The solid voxel that the probe rests against where this cell holds it back: for a ball
     /// the nearest one [mm, centre to centre] of those that block the cell. None where the cell
     /// is free.
     pub fn solid_near(&self, cell: IVec3) -> Option<IVec3> {
-        match self.large_ball() {
-            None => self.inner.is_solid(cell).then_some(cell),
-            Some(ball) => ball.solid_near(&self.inner, cell),
+        if self.hard.is_point() {
+            self.inner.is_solid(cell).then_some(cell)
+        } else {
+            self.hard.solid_near(&self.inner, cell)
         }
     }
+}
 
-    /// The centre of the ball where it really touches, grid: see [`Ball::refined`]. A point
-    /// stays where it is.
-    pub fn refined(&self, proxy: &Proxy, device_in_grid: DVec3) -> DVec3 {
-        match self.large_ball() {
-            None => proxy.point(),
-            Some(ball) => ball.refined(&self.inner, proxy, device_in_grid),
-        }
+/// A ball's cells are not put into the loops that ask: those of a point stay short.
+impl<O: Occupancy> ProbeSolid<O> {
+    #[inline(never)]
+    fn is_blocked(&self, voxel: IVec3) -> bool {
+        self.hard.dilate(&self.inner).is_solid(voxel)
+    }
+
+    #[inline(never)]
+    fn blocked(&self, min: IVec3) -> BitBrick {
+        self.hard.dilate(&self.inner).block(min)
+    }
+
+    #[inline(never)]
+    fn blocked_softly(&self, min: IVec3) -> BitBrick {
+        self.soft.dilate(&self.inner).block(min)
     }
 }
 
 impl<O: Occupancy> Occupancy for ProbeSolid<O> {
     #[inline]
     fn is_solid(&self, voxel: IVec3) -> bool {
-        match self.large_ball() {
-            None => self.inner.is_solid(voxel),
-            Some(ball) => ball.dilate(&self.inner).is_solid(voxel),
+        if self.hard.is_point() {
+            self.inner.is_solid(voxel)
+        } else {
+            self.is_blocked(voxel)
         }
     }
 
     #[inline]
     fn block(&self, min: IVec3) -> BitBrick {
-        match self.large_ball() {
-            None => self.inner.block(min),
-            Some(ball) => ball.dilate(&self.inner).block(min),
+        if self.hard.is_point() {
+            self.inner.block(min)
+        } else {
+            self.blocked(min)
         }
     }
+
+    #[inline]
+    fn smooth_block(&self, min: IVec3) -> BitBrick {
+        if self.hard.is_point() {
+            self.inner.smooth_block(min)
+        } else {
+            self.blocked_softly(min)
+        }
+    }
+
+    /// Of a point only: the surface of a ball's cells is another than that of the voxels.
+    #[inline]
+    fn knows_shares(&self) -> bool {
+        self.hard.is_point() && self.inner.knows_shares()
+    }
+
+    #[inline]
+    fn share(&self, voxel: IVec3, solid: bool) -> Option<f32> {
+        self.inner.share(voxel, solid)
+    }
+}
+
+impl<O: Occupancy> Object<ProbeSolid<O>> {
+    /// A box that holds all cells that a ball of a shape is blocked in, where the voxels are
+    /// within the box of the present shape.
+    fn bounds_for(&self, shape: &BallShape) -> VoxelBox {
+        let bounds = self.bounds();
+        if bounds.is_empty() {
+            return bounds;
+        }
+        let further = shape.reach() - self.occupancy().shape().reach();
+        VoxelBox::new(bounds.min - further, bounds.max + further)
+    }
+
+    /// Takes another radius [mm] at once, see [`ProbeSolid::set_radius`].
+    ///
+    /// # Errors
+    /// Where the ball is too large for these voxels; nothing is changed then.
+    pub fn set_radius(&mut self, radius_mm: f64) -> Result<(), BallError> {
+        let shape = BallShape::new(radius_mm, self.spacing())?;
+        self.set_bounds(self.bounds_for(&shape));
+        self.occupancy_mut().set_radius(radius_mm)
+    }
+}
+
+/// Asks whether the probe in a scene may take another radius [mm], and pushes the proxy where it
+/// must: the rule of admission. Whoever owns the bodies gives it to them unless it is held.
+///
+/// A push has a short reach, so a radius is raised step by step: see [`BallShape::toward`].
+/// `spares` work out what would be solid.
+///
+/// # Errors
+/// Where the ball is too large for the voxels of a body.
+pub fn admit_radius<O: Occupancy>(
+    scene: &TouchScene<'_, ProbeSolid<O>>,
+    radius_mm: f64,
+    spares: &mut [Ball; MAX_BODIES],
+    proxy: &mut Proxy,
+) -> Result<Admission, BallError> {
+    let [spare_of_world, spares @ ..] = spares;
+    let shape = BallShape::new(radius_mm, scene.grid.spacing())?;
+    let world = ProbeView::of_shape(scene.occupancy.inner(), shape, spare_of_world);
+    let mut objects = ArrayVec::<_, MAX_OBJECTS>::new();
+    for (object, spare) in scene.objects.iter().zip(spares) {
+        let shape = if object.spacing() == shape.spacing() {
+            shape
+        } else {
+            BallShape::new(radius_mm, object.spacing())?
+        };
+        let view = ProbeView::of_shape(object.occupancy().inner(), shape, spare);
+        objects.push(object.with_occupancy(view, object.bounds_for(&shape)));
+    }
+    let new = TouchScene {
+        occupancy: &world,
+        grid: scene.grid,
+        objects: &objects,
+    };
+    Ok(admit_scene(scene, &new, proxy))
 }

@@ -137,14 +137,11 @@ impl BallShape {
         }
     }
 
-    /// The next hard shape on the way to another radius: at most one smallest spacing larger,
-    /// so that it reaches one cell further and admission has to push the probe but little;
+    /// The next radius [mm] on the way to another one: at most one smallest spacing larger, so
+    /// that the ball reaches one cell further and admission has to push the probe but little;
     /// smaller ones at once.
-    pub fn toward(&self, radius_mm: f64) -> Result<Self, BallError> {
-        // given and checked as it is, then cut
-        Self::new(radius_mm, self.spacing)?;
-        let largest = self.radius_mm + self.spacing.min_element();
-        Self::new(radius_mm.min(largest), self.spacing)
+    pub fn toward(&self, radius_mm: f64) -> f64 {
+        radius_mm.min(self.radius_mm + self.spacing.min_element())
     }
 
     /// Radius [mm].

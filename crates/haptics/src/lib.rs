@@ -15,7 +15,6 @@ mod ball_cache;
 pub mod ball_limits;
 mod ball_nearest;
 pub mod ball_probe;
-mod ball_refine;
 pub mod ball_shape;
 mod bodies;
 mod border_voxels;

@@ -120,6 +120,12 @@ impl<O> Object<O> {
         }
     }
 
+    /// Tells another box that holds every solid voxel, see [`Self::new`].
+    pub fn set_bounds(&mut self, bounds: VoxelBox) {
+        self.bounds = bounds;
+        (self.low, self.high) = box_in_world(bounds, &self.pose);
+    }
+
     /// Moves it there at once; whether the probe admits that is asked in `moving.rs`.
     pub fn set_pose(&mut self, pose: ObjectPose) {
         self.pose = pose;

@@ -18,7 +18,7 @@ use palpate_volume::occupancy::Occupancy;
 use palpate_volume::segment::Segment;
 use palpate_volume::voxel_box::VoxelBox;
 use proptest::prelude::*;
-use support::{Body, Random, SPACINGS, advance, distance_to_solid, grid, hard, noise};
+use support::{Body, Random, SPACINGS, advance, distance_to_solid, grid, hard, noise, probe_solid};
 
 /// Radii in smallest spacings: touching the next voxels or just not, round ones, large ones.
 const RADII: [f64; 9] = [0.0, 0.4, 1.0, 1.2, 2.0, 3.3, 5.0, 8.7, 16.0];
@@ -161,7 +161,7 @@ fn the_ball_never_overlaps_a_solid_voxel_however_it_moves() {
         let share = 2.0 / (2.0 * radius + 1.0).powi(3);
         for seed in 0..20 {
             let body = noise(SIZE, share, seed);
-            let probe = ProbeSolid::new(body, Some(hard(radius, spacing)));
+            let probe = probe_solid(body, radius, spacing);
             let mut random = Random::new(seed);
             let mut device = random.point(0.0, f64::from(SIZE));
             let Some(mut proxy) = nearest_free(&probe, &grid, device, 12) else {
@@ -187,7 +187,7 @@ fn the_ball_never_overlaps_a_solid_voxel_however_it_moves() {
 
 /// What a cell is blocked by is solid, blocks it, and nothing that blocks it is nearer.
 fn check_solid_near(probe: &ProbeSolid<Segment>, cell: IVec3, spacing: DVec3) {
-    let shape = probe.ball().expect("a ball").shape();
+    let shape = probe.shape();
     let voxel = probe.solid_near(cell).expect("the cell is blocked");
     assert!(probe.inner().is_solid(voxel) && shape.blocks(voxel - cell));
     let distance = |voxel: IVec3| ((voxel - cell).as_dvec3() * spacing).length();
@@ -201,10 +201,10 @@ fn check_solid_near(probe: &ProbeSolid<Segment>, cell: IVec3, spacing: DVec3) {
 #[test]
 fn a_free_cell_is_blocked_by_nothing() {
     let body = Body(|v: IVec3| v == IVec3::ZERO);
-    let ball = ProbeSolid::new(body, Some(hard(2.0, DVec3::ONE)));
+    let ball = probe_solid(body, 2.0, DVec3::ONE);
     assert_eq!(ball.solid_near(IVec3::new(3, 0, 0)), None);
     assert_eq!(ball.solid_near(IVec3::new(2, 1, 0)), Some(IVec3::ZERO));
-    let point = ProbeSolid::new(Body(|v: IVec3| v == IVec3::ZERO), None);
+    let point = probe_solid(Body(|v: IVec3| v == IVec3::ZERO), 0.0, DVec3::ONE);
     assert_eq!(point.solid_near(IVec3::X), None);
     assert_eq!(point.solid_near(IVec3::ZERO), Some(IVec3::ZERO));
 }
@@ -215,7 +215,7 @@ fn a_free_cell_is_blocked_by_nothing() {
 fn what_is_kept_never_changes_an_answer() {
     for spacing in SPACINGS {
         let grid = grid(UVec3::splat(80), spacing);
-        let mut warm = ProbeSolid::new(noise(80, 0.002, 7), Some(hard(2.0, spacing)));
+        let mut warm = probe_solid(noise(80, 0.002, 7), 2.0, spacing);
         let mut random = Random::new(11);
         let mut device = DVec3::splat(40.0);
         let start = nearest_free(&warm, &grid, device, 12).expect("free");
@@ -224,7 +224,7 @@ fn what_is_kept_never_changes_an_answer() {
             let length = 50.0 * random.between(0.0, 1.0).powi(4);
             device += random.direction() * length;
             device = device.clamp(DVec3::splat(-8.0), DVec3::splat(88.0));
-            let cold = ProbeSolid::new(warm.inner(), Some(hard(2.0, spacing)));
+            let cold = probe_solid(warm.inner(), 2.0, spacing);
             let answers = [
                 advance(&warm, &grid, device, &mut warm_proxy),
                 advance(&cold, &grid, device, &mut cold_proxy),
@@ -268,7 +268,7 @@ fn at_rest_the_ball_stays_to_the_bit() {
     let mut random = Random::new(31);
     for spacing in SPACINGS {
         let grid = grid(UVec3::splat(40), spacing);
-        let probe = ProbeSolid::new(noise(40, 0.01, 3), Some(hard(1.2, spacing)));
+        let probe = probe_solid(noise(40, 0.01, 3), 1.2, spacing);
         let mut proxy = nearest_free(&probe, &grid, DVec3::splat(20.0), 12).expect("free");
         for _ in 0..2000 {
             let device = random.point(-5.0, 45.0);
@@ -293,7 +293,7 @@ fn a_channel_lets_through_the_balls_that_cells_have_room_for() {
             (20..40).contains(&v.z) && (v.truncate() - 30).max_element() >= width
                 || (20..40).contains(&v.z) && (v.truncate() - 30).min_element() < 0
         });
-        let probe = ProbeSolid::new(channel, Some(hard(radius, DVec3::ONE)));
+        let probe = probe_solid(channel, radius, DVec3::ONE);
         let middle = 30.0 + 0.5 * f64::from(width);
         let mut proxy = Proxy::at(DVec3::new(middle, middle, 50.0)).expect("finite");
         for _ in 0..10 {
@@ -335,7 +335,7 @@ fn a_tick_fills_no_more_bricks_than_stated() {
                 inner: &body,
                 blocks: Cell::new(0),
             };
-            let probe = ProbeSolid::new(&counted, Some(hard(radius, DVec3::ONE)));
+            let probe = probe_solid(&counted, radius, DVec3::ONE);
             let scene = TouchScene::of_world(&probe, &grid);
             let contact = Exact { limits }.advance(&scene, device, &mut proxy);
             assert!(!contact.violation);

@@ -2,16 +2,18 @@
 
 mod support;
 
-use glam::{DVec3, IVec3, UVec3};
+use glam::{DAffine3, DVec3, IVec3, UVec3};
 use palpate_haptics::admission::{Admission, admit};
 use palpate_haptics::ball::{Ball, BallShape, MAX_REACH};
-use palpate_haptics::ball_probe::ProbeSolid;
+use palpate_haptics::ball_probe::{MAX_BODIES, ProbeSolid, admit_radius};
 use palpate_haptics::placement::nearest_free;
 use palpate_haptics::proxy::Proxy;
+use palpate_haptics::scene::{Object, ObjectPose, TouchScene};
+use palpate_volume::grid::Grid;
 use palpate_volume::occupancy::Occupancy;
 use palpate_volume::segment::Segment;
 use palpate_volume::voxel_box::VoxelBox;
-use support::{Body, Random, SPACINGS, advance, distance_to_solid, grid, hard, noise};
+use support::{Body, Random, SPACINGS, advance, distance_to_solid, grid, hard, noise, probe_solid};
 
 #[test]
 fn an_edit_is_felt_at_the_next_update() {
@@ -24,7 +26,7 @@ fn an_edit_is_felt_at_the_next_update() {
         })
     };
     let changed = VoxelBox::new(IVec3::new(27, 27, 20), IVec3::new(38, 38, 30));
-    let mut probe = ProbeSolid::new(floor(false), Some(hard(2.0, spacing)));
+    let mut probe = probe_solid(floor(false), 2.0, spacing);
     let mut proxy = Proxy::at(DVec3::new(32.5, 32.5, 40.0)).expect("finite");
     let device = DVec3::new(32.5, 32.5, 21.0);
     assert!(advance(&probe, &grid, device, &mut proxy).touching);
@@ -52,6 +54,26 @@ fn an_edit_is_felt_at_the_next_update() {
     assert_eq!(proxy.voxel().z, 32);
 }
 
+fn spares(spacing: DVec3) -> [Ball; MAX_BODIES] {
+    std::array::from_fn(|_| hard(0.0, spacing))
+}
+
+/// Takes a step toward a radius [mm] where it is admitted.
+fn step_toward<O: Occupancy>(
+    radius: f64,
+    probe: &mut ProbeSolid<O>,
+    grid: &Grid,
+    (spares, proxy): (&mut [Ball; MAX_BODIES], &mut Proxy),
+) -> Admission {
+    let next = probe.shape().toward(radius);
+    let scene = TouchScene::of_world(&*probe, grid);
+    let admission = admit_radius(&scene, next, spares, proxy).expect("within the window");
+    if admission != Admission::Held {
+        probe.set_radius(next).expect("within the window");
+    }
+    admission
+}
+
 /// From a point on a floor up to the largest radius, and below a ceiling as far as it goes.
 #[test]
 fn a_radius_is_raised_step_by_step_as_far_as_there_is_room() {
@@ -59,19 +81,16 @@ fn a_radius_is_raised_step_by_step_as_far_as_there_is_room() {
         for ceiling in [1000, 31] {
             let grid = grid(UVec3::splat(64), spacing);
             let body = Body(move |v: IVec3| v.z < 20 || v.z >= ceiling);
-            let mut probe = ProbeSolid::new(body, Some(hard(0.0, spacing)));
-            let mut spare = hard(0.0, spacing);
+            let mut probe = probe_solid(body, 0.0, spacing);
+            let mut spares = spares(spacing);
             let mut proxy = Proxy::at(DVec3::splat(20.5)).expect("finite");
             let target = BallShape::largest_radius(spacing);
-            let shape = |probe: &ProbeSolid<_>| *probe.ball().expect("a ball").shape();
             let mut admission = Admission::Free;
             for _ in 0..MAX_REACH {
-                let next = shape(&probe).toward(target).expect("within the window");
-                admission = probe.admit_shape(next, &mut spare, &grid, &mut proxy);
+                admission = step_toward(target, &mut probe, &grid, (&mut spares, &mut proxy));
                 assert!(!probe.is_solid(proxy.voxel()));
-                assert_eq!(admission == Admission::Held, shape(&probe) != next);
             }
-            let shape = shape(&probe);
+            let shape = *probe.shape();
             // eleven voxels between floor and ceiling: one cell, and the reach on either side
             let room = if ceiling == 31 { 5.0 * spacing.z } else { 1e9 };
             let missing = room.min(target) - shape.radius_mm();
@@ -79,22 +98,55 @@ fn a_radius_is_raised_step_by_step_as_far_as_there_is_room() {
             assert!((-1e-9..=spacing.min_element()).contains(&missing));
             assert_eq!(admission == Admission::Held, room < target);
             // smaller is always admitted, at once
-            let point = shape.toward(0.0).expect("a radius");
-            let admission = probe.admit_shape(point, &mut spare, &grid, &mut proxy);
-            assert_eq!((admission, point.radius_mm()), (Admission::Free, 0.0));
+            let admission = step_toward(0.0, &mut probe, &grid, (&mut spares, &mut proxy));
+            assert_eq!(admission, Admission::Free);
+            assert_eq!(probe.shape().radius_mm(), 0.0);
         }
     }
 }
 
+/// A ball that grows is asked for in the grid of each body, and pushed by objects too.
 #[test]
-fn without_a_ball_a_probe_stays_a_point() {
-    let grid = grid(UVec3::splat(64), DVec3::ONE);
-    let mut probe = ProbeSolid::new(Body(|v: IVec3| v.z < 20), None);
-    let mut proxy = Proxy::at(DVec3::splat(30.0)).expect("finite");
-    let mut spare = hard(0.0, DVec3::ONE);
-    let shape = BallShape::new(2.0, DVec3::ONE).expect("within the window");
-    let admission = probe.admit_shape(shape, &mut spare, &grid, &mut proxy);
-    assert_eq!(admission, Admission::Held);
+fn an_object_pushes_a_ball_that_grows_and_holds_it_where_there_is_no_room() {
+    let spacing = DVec3::ONE;
+    let grid = grid(UVec3::splat(64), spacing);
+    let slab = |low, high| Body(move |v: IVec3| (low..high).contains(&v.z));
+    let mut world = probe_solid(slab(-100, 20), 0.0, spacing);
+    let shifted = DAffine3::from_translation(DVec3::Z * 2.0);
+    let pose = ObjectPose::new(&grid, &grid, shifted).expect("rigid");
+    // as an object, a ceiling from z = 31 on: eleven voxels are between
+    let lid = probe_solid(slab(29, 40), 0.0, spacing);
+    let bounds = VoxelBox::new(IVec3::new(-64, -64, 29), IVec3::new(128, 128, 40));
+    let mut objects = [Object::new(lid, &grid, bounds, pose)];
+    let mut spares = spares(spacing);
+    let mut proxy = Proxy::at(DVec3::new(20.5, 20.5, 29.5)).expect("finite");
+    for radius in 1..=8 {
+        let radius = f64::from(radius);
+        let scene = TouchScene {
+            occupancy: &world,
+            grid: &grid,
+            objects: &objects,
+        };
+        let admission = admit_radius(&scene, radius, &mut spares, &mut proxy).expect("fits");
+        // a ball of 5 has one cell in the middle
+        assert_eq!(admission == Admission::Held, radius > 5.0, "{radius}");
+        if admission != Admission::Held {
+            world.set_radius(radius).expect("fits");
+            objects[0].set_radius(radius).expect("fits");
+        }
+        assert!(objects[0].solid_at(proxy.point()).is_none() && !world.is_solid(proxy.voxel()));
+    }
+    assert_eq!(proxy.voxel().z, 25);
+    assert_eq!(objects[0].bounds().min.z, 29 - 5);
+    // a radius beyond the window is an error, and changes nothing
+    let scene = TouchScene {
+        occupancy: &world,
+        grid: &grid,
+        objects: &objects,
+    };
+    assert!(admit_radius(&scene, 17.0, &mut spares, &mut proxy).is_err());
+    assert!(objects[0].set_radius(f64::NAN).is_err());
+    assert_eq!(objects[0].bounds().min.z, 29 - 5);
 }
 
 /// Boxes filled and cleared around a ball that moves, while its radius changes as well: it never
@@ -106,8 +158,9 @@ fn edits_and_radii_never_make_the_ball_overlap_a_voxel() {
     for spacing in SPACINGS {
         let grid = grid(UVec3::splat(SIZE), spacing);
         let mut random = Random::new(3);
-        let mut probe = ProbeSolid::new(noise(SIZE, 0.004, 1), Some(hard(2.0, spacing)));
+        let mut probe = probe_solid(noise(SIZE, 0.004, 1), 2.0, spacing);
         let mut spare = hard(0.0, spacing);
+        let mut spares = spares(spacing);
         let mut proxy = nearest_free(&probe, &grid, DVec3::splat(16.0), 15).expect("free");
         for _ in 0..3000 {
             let device = proxy.point() + random.direction() * random.between(0.0, 6.0);
@@ -139,15 +192,12 @@ fn edits_and_radii_never_make_the_ball_overlap_a_voxel() {
 
             // another radius, up to 4 h
             let radius = random.between(0.0, 4.0) * spacing.min_element();
-            let shape = probe.ball().expect("a ball").shape().toward(radius);
-            let shape = shape.expect("within the window");
-            probe.admit_shape(shape, &mut spare, &grid, &mut proxy);
+            step_toward(radius, &mut probe, &grid, (&mut spares, &mut proxy));
 
-            let ball = probe.ball().expect("a ball");
             let distance = distance_to_solid(probe.inner(), spacing, proxy.point(), 6);
             // rounding of lengths of some 10 mm
-            assert!(distance >= ball.shape().radius_mm() - 1e-9);
-            let anew = Ball::new(*ball.shape());
+            assert!(distance >= probe.shape().radius_mm() - 1e-9);
+            let anew = Ball::new(*probe.shape());
             let block = proxy.voxel() - 4;
             assert_eq!(probe.block(block), anew.dilate(probe.inner()).block(block));
         }

@@ -8,7 +8,7 @@ use std::cell::Cell;
 use glam::{DAffine3, DMat3, DVec3, UVec3};
 use palpate_haptics::admission::{Admission, admit, admit_scene};
 use palpate_haptics::ball::{Ball, BallShape};
-use palpate_haptics::ball_probe::ProbeSolid;
+use palpate_haptics::ball_probe::{MAX_BODIES, ProbeSolid, admit_radius};
 use palpate_haptics::contact::ContactModel;
 use palpate_haptics::coupling::Coupling;
 use palpate_haptics::exact::Exact;
@@ -25,6 +25,7 @@ use palpate_haptics::thesis_improved::ThesisImproved;
 use palpate_haptics::thesis_original::ThesisOriginal;
 use palpate_haptics::tick::{TickCache, TickState};
 use palpate_volume::segment::Segment;
+use palpate_volume::voxel_box::VoxelBox;
 use support::{Press, Random, SPACINGS, grid, noise, rub};
 
 thread_local! {
@@ -150,10 +151,12 @@ fn the_ball_never_calls_the_allocator() {
     for (spacing, radius) in [(SPACINGS[0], 5.0), (SPACINGS[1], 0.7), (SPACINGS[0], 11.0)] {
         let grid = grid(UVec3::splat(48), spacing);
         let ball = || Ball::new(BallShape::new(radius, spacing).expect("within the window"));
-        let mut probe = ProbeSolid::new([few.clone(), few.clone()], Some(ball()));
+        let inner = [few.clone(), few.clone()];
+        let mut probe = ProbeSolid::new(inner, radius, spacing).expect("within the window");
         let mut other = Some(union.clone());
+        let whole = VoxelBox::of_dimensions(UVec3::splat(48));
         let mut spare = ball();
-        let target = probe.ball().expect("a ball").shape().radius_mm();
+        let mut spares: [Ball; MAX_BODIES] = std::array::from_fn(|_| ball());
         let proxy = nearest_free(&probe, &grid, DVec3::splat(24.0), 40).expect("free");
         let mut state = TickState::new(proxy);
         let mut cache = TickCache::default();
@@ -170,8 +173,6 @@ fn the_ball_never_calls_the_allocator() {
                 assert!(!rub(&scene, &input, &mut state, (&mut cache, epoch)).violation);
                 probe.solid_near(state.proxy.voxel() + 1);
 
-                probe.refined(&state.proxy, random.point(-5.0, 53.0));
-
                 epoch += 1;
                 // the other voxels, where the probe allows
                 let Some(new) = other.take() else { return };
@@ -180,14 +181,16 @@ fn the_ball_never_calls_the_allocator() {
                 other = Some(if admission == Admission::Held {
                     new
                 } else {
-                    probe.replace(new)
+                    probe.change(&whole, |voxels| std::mem::replace(voxels, new))
                 });
 
                 // and another radius
-                let radius = random.between(0.0, target);
-                let shape = probe.ball().map(|ball| ball.shape().toward(radius));
-                let Some(Ok(shape)) = shape else { return };
-                probe.admit_shape(shape, &mut spare, &grid, &mut state.proxy);
+                let next = probe.shape().toward(random.between(0.0, radius));
+                let scene = TouchScene::of_world(&probe, &grid);
+                let admission = admit_radius(&scene, next, &mut spares, &mut state.proxy);
+                if admission != Ok(Admission::Held) {
+                    assert!(probe.set_radius(next).is_ok());
+                }
             }
         });
         assert_eq!(calls, 0);

@@ -37,6 +37,19 @@ const held: Readonly<Record<Safety["force"], { short: string; meaning: string } 
   off: { short: "force off", meaning: "No force is sent to the hand: the device, or the engine's watchdog, has stopped it." },
 };
 
+const noForce: Readonly<Record<NonNullable<Safety["off"]>, string>> = {
+  "not-started": "No force was computed yet.",
+  waiting: "The force that is wanted was never small since the start: the hand must come out of the surface first.",
+  "servo-late": "The newest force is too old to be sent: the computation is late, the computer may be too busy.",
+  stopped: "The session has ended.",
+  "not-finite": "The force that is wanted is no number.",
+};
+
+/** Why no force is sent, in a sentence; none while forces are. */
+export function whyNoForce(safety: Safety): string | null {
+  return safety.off === null ? null : noForce[safety.off];
+}
+
 /** What the light shows for the counters of the safety stage. */
 export function lightOf(safety: Safety, model: Settings["model"]): Light {
   const counts = countsOf(safety);

@@ -159,7 +159,8 @@ export interface Rates {
 /**
  * Interventions of the safety stage and violations of the guarantees since start.
  *
- * `force` says what stands between the contact and the hand now: "on" where nothing does.
+ * `force` says what stands between the contact and the hand now: "on" where nothing does;
+ * `off` why no force is sent, and nothing while forces are.
  */
 export interface Safety {
   readonly clamped: number;
@@ -172,6 +173,7 @@ export interface Safety {
   readonly watchdog: number;
   readonly violations: number;
   readonly force: "on" | "waiting" | "ramping" | "easing" | "off";
+  readonly off: "not-started" | "waiting" | "servo-late" | "stopped" | "not-finite" | null;
 }
 
 /**
@@ -180,8 +182,9 @@ export interface Safety {
  * `samples` holds the ticks since the last state, thinned to at most 250 a second:
  * rows (time, force x, force y, force z). `contact_point` is where the force comes from:
  * on the smooth surface, beside `proxy`, which no solid voxel holds; `normal` points out
- * of the surface there, and is zero without contact. `recording` says since how long every
- * input of the servo is kept [s].
+ * of the surface there, and is zero without contact. `probe_radius` is what the probe has
+ * [mm]: less than the settings' where there is no room for it. `recording` says since how
+ * long every input of the servo is kept [s].
  */
 export interface State {
   readonly type: "state";
@@ -197,6 +200,7 @@ export interface State {
   readonly contact: boolean;
   readonly depth: number;
   readonly touched: number;
+  readonly probe_radius: number;
   readonly pending: number;
   readonly can_undo: boolean;
   readonly can_redo: boolean;
@@ -575,6 +579,7 @@ const isSafety = record({
   watchdog: whole(),
   violations: whole(),
   force: oneOf("on", "waiting", "ramping", "easing", "off"),
+  off: nullable(oneOf("not-started", "waiting", "servo-late", "stopped", "not-finite")),
 });
 
 const isState = record({
@@ -591,6 +596,7 @@ const isState = record({
   contact: flag,
   depth: real(),
   touched: whole(),
+  probe_radius: real(),
   pending: whole(),
   can_undo: flag,
   can_redo: flag,

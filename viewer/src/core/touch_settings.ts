@@ -59,6 +59,14 @@ export function larger(radius: number, steps: number): number {
   return Math.min(max, Math.max(min, Math.round(2 * radius + steps) / 2));
 }
 
+/** Shorter than what the controls show [mm]. */
+const noDifference = 0.05;
+
+/** What to say of a radius that is smaller than the one asked for; none where it is not. */
+export function heldRadiusNote(asked: number, admitted: number): string | null {
+  return asked - admitted < noDifference ? null : `held at ${admitted.toFixed(1)} mm: no room here`;
+}
+
 export interface ModelChoice {
   readonly model: Settings["model"];
   readonly name: string;

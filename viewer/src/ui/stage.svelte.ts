@@ -336,7 +336,7 @@ export class Stage {
     this.drawnState = state;
     picture.setMarkers({
       probe: state.proxy,
-      radius: this.session.settings?.probe_radius ?? 0,
+      radius: state.probe_radius,
       contactPoint: state.contact_point,
       normal: state.normal,
       trail: this.trail,

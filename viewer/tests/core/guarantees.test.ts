@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { lightOf, pendingLines } from "../../src/core/guarantees";
+import { lightOf, pendingLines, whyNoForce } from "../../src/core/guarantees";
 import { safety, segment } from "./volumes";
 
 test("the light is green while nothing was broken and nothing is held back", () => {
@@ -24,6 +24,20 @@ test.each(["waiting", "ramping", "easing", "off"] as const)("a force that is %s 
   expect(light.colour).toBe("amber");
   expect(light.short).toContain("force");
   expect(light.meaning.length).toBeGreaterThan(20);
+});
+
+test.each([
+  ["servo-late", "late"],
+  ["stopped", "ended"],
+  ["not-finite", "no number"],
+  ["waiting", "come out"],
+  ["not-started", "yet"],
+] as const)("why no force is sent is told: %s", (off, word) => {
+  expect(whyNoForce({ ...safety, off })).toContain(word);
+});
+
+test("while forces are sent there is no reason why not", () => {
+  expect(whyNoForce(safety)).toBeNull();
 });
 
 test("a violation is never hidden behind an intervention", () => {

@@ -1,6 +1,7 @@
 import { expect, test } from "vitest";
 import {
   frictionOf,
+  heldRadiusNote,
   larger,
   memoryVersion,
   modelChoices,
@@ -88,6 +89,16 @@ test("controls end where the device does, and never offer more than makes sense"
   });
   expect(offeredBy({ stiffness: 10, force: 40 }).stiffness.max).toBe(offered.stiffness.max);
   expect(offeredBy(null).force_limit.max).toBe(offered.force_limit.max);
+});
+
+test("a radius that has no room is said to be held, in the millimetres that it has", () => {
+  expect(heldRadiusNote(5, 2)).toBe("held at 2.0 mm: no room here");
+  expect(heldRadiusNote(5, 5)).toBeNull();
+  expect(heldRadiusNote(0, 0)).toBeNull();
+  // what a step of rounding leaves is no difference
+  expect(heldRadiusNote(0.3, 0.1 + 0.2 - 1e-9)).toBeNull();
+  // a ball that is not smaller yet is no ball without room
+  expect(heldRadiusNote(1, 3)).toBeNull();
 });
 
 test("every thesis model warns and exact does not", () => {

@@ -81,4 +81,5 @@ export const safety: Safety = {
   watchdog: 0,
   violations: 0,
   force: "on",
+  off: null,
 };

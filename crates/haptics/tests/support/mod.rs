@@ -4,6 +4,7 @@
 
 use glam::{DMat3, DVec3, IVec3, UVec3};
 use palpate_haptics::ball::{Ball, BallShape};
+use palpate_haptics::ball_probe::ProbeSolid;
 use palpate_haptics::contact::{Contact, ContactModel};
 use palpate_haptics::coupling::Coupling;
 use palpate_haptics::exact::Exact;
@@ -175,6 +176,12 @@ impl Components {
 pub fn hard(radius: f64, spacing: DVec3) -> Ball {
     let shape = BallShape::new(radius * spacing.min_element(), spacing);
     Ball::new(shape.expect("within the window"))
+}
+
+/// What is solid for a probe with a radius in smallest spacings.
+pub fn probe_solid<O: Occupancy>(inner: O, radius: f64, spacing: DVec3) -> ProbeSolid<O> {
+    let radius_mm = radius * spacing.min_element();
+    ProbeSolid::new(inner, radius_mm, spacing).expect("within the window")
 }
 
 /// Distance [mm] from a point of the grid to the nearest solid voxel within `reach`.

@@ -14,11 +14,10 @@ use palpate_volume::voxel_box::VoxelBox;
 use rtrb::{Consumer, RingBuffer};
 
 use super::thing::Made;
-use crate::body::Body;
 use crate::handover::{BrickChange, Garbage};
 use crate::probe::Probe;
 use crate::touch_occupancy::{GARBAGE_PER_CHANGE, TouchOccupancy};
-use crate::touchable::Touchable;
+use crate::touchable::{Body, Touchable};
 
 /// What a probe touches.
 #[derive(Debug)]
@@ -38,11 +37,11 @@ impl Touched {
     /// Where the radius is too large for one of them; plans make none such.
     pub fn new(bits: Bits, spacing: DVec3, radius: f64, objects: &[Made]) -> Self {
         let body = |bits: &Bits, spacing: DVec3| {
-            Body::new(bits.clone(), radius, spacing).expect("plans make balls that fit")
+            Body::new(bits.clone().into(), radius, spacing).expect("plans make balls that fit")
         };
         let objects = objects.iter().map(|made| {
             let body = body(&made.bits, made.grid.spacing());
-            let reach = body.reach();
+            let reach = body.shape().reach();
             let bounds = VoxelBox::new(made.bounds.min - reach, made.bounds.max + reach);
             Object::new(body, &made.grid, bounds, made.pose)
         });
@@ -70,7 +69,7 @@ impl Touched {
 
     /// The world's voxels that are touched now.
     pub fn bits(&self) -> &Bits {
-        self.occupancy.touchable().world.bits()
+        &self.occupancy.touchable().world.inner().bits
     }
 
     /// Whether another edit can be taken: none is ever passed over.
