@@ -5,10 +5,9 @@
 
 use glam::DVec3;
 use palpate_engine::feel::Feel;
-use palpate_engine::frame::{ForceState, Frame, Notice, NoticeLevel, Rates, Safety};
+use palpate_engine::frame::{ForceOff, ForceState, Frame, Notice, NoticeLevel, Rates, Safety};
 use palpate_engine::rate::Rate;
 use palpate_engine::simulation::SegmentState;
-use palpate_haptics::safety::ForceOff;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 

@@ -194,6 +194,9 @@ def test_settings_are_told_as_the_engine_holds_them(server: Any) -> None:
     with server.page() as page:
         page.send({"type": "change_settings", "settings": wanted})
         assert page.receive("settings_changed")["settings"] == wanted
+        # there is room for the ball where the probe is
+        state = page.receive("state", until=lambda m: m["probe_radius"] == 1.5)
+        assert state["safety"]["off"] in {None, "not-started", "waiting"}
     with server.page() as page:
         assert page.receive("hello")["settings"] == wanted
 

@@ -3,7 +3,7 @@
 //! Points in scene mm (LPS), forces in N in scene axes, times in s since the start.
 
 use glam::DVec3;
-use palpate_haptics::safety::ForceOff;
+pub use palpate_haptics::safety::ForceOff;
 
 use crate::rate::Rate;
 

@@ -76,7 +76,7 @@ pub enum ServoCommand {
         /// Number of the change.
         sequence: u64,
         /// What is to be touched.
-        touchable: Touchable,
+        touchable: Box<Touchable>,
     },
     /// Replaces some bricks of it.
     Bricks(BrickChange),
@@ -149,7 +149,7 @@ impl BrickChange {
 #[derive(Debug)]
 pub enum Garbage {
     /// An occupancy that is no longer touched.
-    Root(Touchable),
+    Root(Box<Touchable>),
     /// Bricks that are no longer touched.
     Bricks(BrickChange),
     /// A brick that was never touched.

@@ -84,8 +84,15 @@ impl MovedPoses {
     }
 
     /// Takes one step of each motion, as far as the probe admits it. A segment that is in a root
-    /// held back only goes as it likes.
-    pub fn step(&mut self, touchable: &mut Touchable, grid: &Grid, proxy: &mut Proxy) {
+    /// held back only goes as it likes. Gives the step of the touched segment, a rigid motion of
+    /// the scene [mm], if it took one.
+    pub fn step(
+        &mut self,
+        touchable: &mut Touchable,
+        grid: &Grid,
+        (proxy, touched): (&mut Proxy, SegmentId),
+    ) -> Option<DAffine3> {
+        let mut carried = None;
         for moved in self.moved.iter_mut().flatten() {
             let Some(motion) = &mut moved.motion else {
                 continue;
@@ -102,12 +109,16 @@ impl MovedPoses {
             if moved.stopped {
                 continue;
             }
+            if object.is_some() && moved.id == touched.0 {
+                carried = Some(next * moved.pose.inverse());
+            }
             moved.pose = next;
             motion.advance();
             if motion.is_done() {
                 moved.motion = None;
             }
         }
+        carried
     }
 
     fn find(&self, id: SegmentId) -> Option<&Moved> {

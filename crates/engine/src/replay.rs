@@ -233,7 +233,7 @@ impl<'a> Player<'a> {
             TapeCommand::Root { sequence, .. } => ServoCommand::Root {
                 sequence,
                 // the servo knows which radius the probe has
-                touchable: Touchable::new(&self.grid, self.latest.clone(), 0.0)?,
+                touchable: Box::new(Touchable::new(&self.grid, self.latest.clone(), 0.0)?),
             },
             TapeCommand::Bricks { sequence } => ServoCommand::Bricks(BrickChange::new(
                 sequence,

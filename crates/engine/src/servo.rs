@@ -6,12 +6,13 @@
 use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
 
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
 use palpate_haptics::local_force::LocalForce;
 use palpate_haptics::placement::nearest_free_in;
 use palpate_haptics::proxy::Proxy;
 use palpate_haptics::tick::{TickCache, TickInput, TickOutput, TickState, tick};
 use palpate_volume::bits::Bits;
+use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
 
 use crate::device_loop::WATCHDOG_SECS;
@@ -65,8 +66,6 @@ pub struct ServoLoop {
     cache: TickCache,
     /// Kept beside the state like the cache: it changes no result.
     owners: Owners,
-    /// The segment that is touched; 0 where there is none.
-    touched: u8,
     /// Whether the state is asked for at the end of this tick.
     marked: bool,
     ends: Ends,
@@ -101,6 +100,7 @@ impl ServoLoop {
             feels: start.feels,
             radius: start.touchable.radius,
             poses: MovedPoses::default(),
+            touched: 0,
             hand: start.probe,
             forgotten_hand: 0,
             received: 0,
@@ -140,7 +140,6 @@ impl ServoLoop {
             occupancy,
             cache: TickCache::default(),
             owners: Owners::default(),
-            touched: 0,
             marked: false,
             ends: Ends {
                 samples,
@@ -203,11 +202,17 @@ impl ServoLoop {
         self.state.radius = self.occupancy.touchable().radius;
     }
 
-    /// Takes a step of each segment that moves.
+    /// Takes a step of each segment that moves; the one that is touched takes along what friction
+    /// holds.
     fn move_segments(&mut self) {
-        let proxy = &mut self.state.touch.proxy;
-        self.occupancy
-            .step_poses(&mut self.state.poses, &self.grid, proxy);
+        let (proxy, touched) = (&mut self.state.touch.proxy, SegmentId(self.state.touched));
+        let carried =
+            self.occupancy
+                .step_poses(&mut self.state.poses, &self.grid, (proxy, touched));
+        if let Some(motion) = carried {
+            let friction = &mut self.state.touch.friction;
+            friction.carry(&along_axes(&self.grid, &motion));
+        }
     }
 
     /// Obeys the simulation, in its order, as far as one tick allows.
@@ -362,11 +367,11 @@ impl ServoLoop {
             &mut self.state.touch,
             &mut self.cache,
         );
-        self.touched = match output.held_by {
+        self.state.touched = match output.held_by {
             _ if !output.contact => 0,
             Some(solid) => surfaces.owner(solid).map_or(0, |id| id.0),
             // under the smooth surface, but not held back yet
-            None => self.touched,
+            None => self.state.touched,
         };
         if output.violation {
             self.shared.counters.violations.fetch_add(1, Relaxed);
@@ -397,7 +402,7 @@ impl ServoLoop {
             device: self.device_in_scene(inputs),
             proxy: output.proxy_in_scene,
             contact: output.contact,
-            touched: self.touched,
+            touched: self.state.touched,
         });
     }
 
@@ -436,6 +441,13 @@ impl ServoLoop {
         // whoever asks asks once, and takes what he asked for
         let _ = self.ends.snapshots.push(snapshot);
     }
+}
+
+/// A rigid motion of the scene along the axes of a grid, in mm from its corner, as friction has it.
+fn along_axes(grid: &Grid, motion: &DAffine3) -> DAffine3 {
+    let mm_from_voxels = DAffine3::from_scale(grid.spacing());
+    let voxels_from_mm = DAffine3::from_scale(1.0 / grid.spacing());
+    mm_from_voxels * grid.grid_from_patient() * *motion * grid.patient_from_grid() * voxels_from_mm
 }
 
 /// The contact as the device can follow it.

@@ -31,6 +31,8 @@ pub struct ServoState {
     pub radius: f64,
     /// Where moved segments stand and go.
     pub poses: MovedPoses,
+    /// The segment that is touched; 0 where there is none.
+    pub touched: u8,
     /// Where the hand pulls the device to [mm].
     pub hand: DVec3,
     /// Hand targets up to this number are older than the last placement.

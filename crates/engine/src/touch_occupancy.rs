@@ -7,7 +7,7 @@
 //! to the garbage ring. Source: design, section 5.
 
 use arrayvec::ArrayVec;
-use glam::IVec3;
+use glam::{DAffine3, IVec3};
 use palpate_haptics::admission::Admission;
 use palpate_haptics::ball::Ball;
 use palpate_haptics::ball_probe::{MAX_BODIES, ProbeView, admit_radius};
@@ -36,7 +36,7 @@ pub const GARBAGE_PER_CHANGE: usize = 2 * MAX_BRICKS * (MAX_HELD + 1) + MAX_HELD
 struct HeldRoot {
     first: u64,
     last: u64,
-    touchable: Touchable,
+    touchable: Box<Touchable>,
 }
 
 /// The occupancy and what is held back.
@@ -172,7 +172,12 @@ impl TouchOccupancy {
     }
 
     /// Takes a new root; whatever was held is overtaken by it.
-    pub fn take_root(&mut self, sequence: u64, mut touchable: Touchable, probe: &mut Probe<'_>) {
+    pub fn take_root(
+        &mut self,
+        sequence: u64,
+        mut touchable: Box<Touchable>,
+        probe: &mut Probe<'_>,
+    ) {
         // it is made for the radius that is wanted, which the probe may not have yet
         let _ = touchable.set_radius(self.touchable.radius);
         let first = self.first_held().unwrap_or(sequence);
@@ -223,22 +228,29 @@ impl TouchOccupancy {
     }
 
     /// Takes a step of each segment that moves, as far as the probe admits it. A root held back
-    /// follows, so that it is asked for with the segments where they stand.
-    pub fn step_poses(&mut self, poses: &mut MovedPoses, grid: &Grid, proxy: &mut Proxy) {
+    /// follows, so that it is asked for with the segments where they stand. Gives the step of
+    /// the touched one, if it took one.
+    pub fn step_poses(
+        &mut self,
+        poses: &mut MovedPoses,
+        grid: &Grid,
+        (proxy, touched): (&mut Proxy, SegmentId),
+    ) -> Option<DAffine3> {
         if !poses.is_moving() {
-            return;
+            return None;
         }
-        poses.step(&mut self.touchable, grid, proxy);
+        let carried = poses.step(&mut self.touchable, grid, (proxy, touched));
         if let Some(held) = &mut self.held_root {
             poses.place(&mut held.touchable, grid);
         }
         self.refused_at = None;
+        carried
     }
 
     /// A box that holds the voxels of a moved segment: of the newest root that has it.
     #[must_use]
     pub fn bounds_of(&self, id: SegmentId) -> Option<VoxelBox> {
-        let held = self.held_root.as_ref().map(|held| &held.touchable);
+        let held = self.held_root.as_ref().map(|held| &*held.touchable);
         let roots = held.into_iter().chain([&self.touchable]);
         let mut bounds =
             roots.filter_map(|root| Some(root.objects.get(root.object_of(id)?)?.bounds()));
@@ -286,7 +298,7 @@ impl TouchOccupancy {
     }
 
     fn put_radius(&mut self, radius: f64) {
-        let held = self.held_root.as_mut().map(|held| &mut held.touchable);
+        let held = self.held_root.as_mut().map(|held| &mut *held.touchable);
         for touchable in held.into_iter().chain([&mut self.touchable]) {
             // it fits the one that it was admitted in, and all have one grid
             let _ = touchable.set_radius(radius);
@@ -388,11 +400,11 @@ impl TouchOccupancy {
         }
     }
 
-    fn put_root(&mut self, touchable: Touchable) {
+    fn put_root(&mut self, mut touchable: Box<Touchable>) {
         self.version += 1;
         self.refused_at = None;
-        let old = std::mem::replace(&mut self.touchable, touchable);
-        self.dispose(Garbage::Root(old));
+        std::mem::swap(&mut self.touchable, &mut touchable);
+        self.dispose(Garbage::Root(touchable));
     }
 
     fn put_bricks(&mut self, mut change: BrickChange) {

@@ -234,7 +234,7 @@ impl TouchSender {
     }
 
     fn send_parts(&mut self, scene: &Scene, parts: Vec<Part>, segments: Vec<SegmentId>) {
-        let touchable = touchable_of_parts(scene, parts, self.radius);
+        let touchable = Box::new(touchable_of_parts(scene, parts, self.radius));
         let sequence = self.begin(segments);
         self.send(ServoCommand::Root {
             sequence,

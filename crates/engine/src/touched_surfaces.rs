@@ -40,7 +40,6 @@ impl Surfaces for TouchedSurfaces<'_> {
             stiffness: felt.stiffness,
             friction_static: felt.friction_static,
             friction_kinetic: felt.friction_kinetic,
-            range: None,
         }
     }
 }

@@ -32,9 +32,6 @@ pub struct Surface {
     pub friction_static: f64,
     /// Coulomb coefficient where it slips.
     pub friction_kinetic: f64,
-    /// The threshold that the segment is, low and high in the scan's units; none where its
-    /// voxels come from elsewhere.
-    pub range: Option<(f64, f64)>,
 }
 
 /// Why a surface is none.
@@ -46,14 +43,6 @@ pub enum SurfaceError {
     /// The friction is none.
     #[error(transparent)]
     Friction(#[from] FrictionError),
-    /// The threshold is none.
-    #[error("threshold is {low} to {high}; allowed: finite, low <= high")]
-    Range {
-        /// Its lower end.
-        low: f64,
-        /// Its upper end.
-        high: f64,
-    },
 }
 
 impl Surface {
@@ -66,12 +55,7 @@ impl Surface {
             return Err(SurfaceError::Stiffness(self.stiffness));
         }
         self.friction().check()?;
-        match self.range {
-            Some((low, high)) if !(low.is_finite() && high.is_finite() && low <= high) => {
-                Err(SurfaceError::Range { low, high })
-            }
-            _ => Ok(()),
-        }
+        Ok(())
     }
 
     /// Its friction.
@@ -102,7 +86,6 @@ impl Uniform {
             stiffness,
             friction_static: 0.0,
             friction_kinetic: 0.0,
-            range: None,
         })
     }
 }

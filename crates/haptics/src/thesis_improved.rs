@@ -19,11 +19,10 @@
 
 use crate::border_voxels::border_voxels;
 use crate::contact::{Contact, ContactModel, ForceInput};
-use crate::middle_voxels::MiddleVoxels;
 use crate::proxy::Proxy;
 use crate::scene::TouchScene;
 use crate::thesis_force::force_improved;
-use crate::thesis_path::{ThesisLimits, ThesisPath, middle};
+use crate::thesis_path::{Listing, ThesisLimits, ThesisPath, middle};
 use glam::{DVec3, IVec3};
 use palpate_volume::occupancy::Occupancy;
 
@@ -41,15 +40,7 @@ impl ContactModel for ThesisImproved {
         device_in_grid: DVec3,
         proxy: &mut Proxy,
     ) -> Contact {
-        if scene.objects.is_empty() {
-            return self.run(scene.occupancy, device_in_grid, proxy);
-        }
-        let voxels = MiddleVoxels(*scene);
-        let contact = voxels.owned(self.run(&voxels, device_in_grid, proxy));
-        Contact {
-            violation: scene.solid_at(proxy.point()).is_some(),
-            ..contact
-        }
+        self.run_in_scene(scene, device_in_grid, proxy)
     }
 
     fn visit_bound(&self) -> u32 {
@@ -65,7 +56,7 @@ impl ContactModel for ThesisImproved {
     }
 }
 
-impl ThesisImproved {
+impl Listing for ThesisImproved {
     fn run<O: Occupancy>(
         &self,
         occupancy: &O,

@@ -14,11 +14,38 @@
 
 use crate::border_voxels::BORDER_VISITS;
 use crate::contact::{Contact, SlidePath};
+use crate::middle_voxels::MiddleVoxels;
 use crate::proxy::Proxy;
 use crate::ray_samples::{ENTRY_VISITS, sample_ray};
-use crate::scene::Solid;
+use crate::scene::{Solid, TouchScene};
 use glam::{DVec3, IVec3};
 use palpate_volume::occupancy::Occupancy;
+
+/// A model as its listing is printed: it knows the voxels of one grid.
+pub(crate) trait Listing {
+    /// One haptic frame.
+    fn run<O: Occupancy>(&self, occupancy: &O, device_in_grid: DVec3, proxy: &mut Proxy)
+    -> Contact;
+
+    /// One haptic frame in a scene, whose objects count where they cover the middle of a voxel
+    /// of the world.
+    fn run_in_scene<O: Occupancy>(
+        &self,
+        scene: &TouchScene<'_, O>,
+        device_in_grid: DVec3,
+        proxy: &mut Proxy,
+    ) -> Contact {
+        if scene.objects.is_empty() {
+            return self.run(scene.occupancy, device_in_grid, proxy);
+        }
+        let voxels = MiddleVoxels(*scene);
+        let contact = voxels.owned(self.run(&voxels, device_in_grid, proxy));
+        Contact {
+            violation: scene.solid_at(proxy.point()).is_some(),
+            ..contact
+        }
+    }
+}
 
 /// Longest w_max that is used [voxels].
 const MOST_PATH: f64 = 64.0;

@@ -206,7 +206,6 @@ fn friction_surfaces_and_the_device_s_side_never_call_the_allocator() {
         stiffness: 1.0,
         friction_static: 0.4,
         friction_kinetic: 0.2,
-        range: None,
     };
     let mut proxy = nearest_free(&solid, &grid, DVec3::splat(16.0), 9).expect("free");
     let mut friction = FrictionState::default();

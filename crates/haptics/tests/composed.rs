@@ -22,7 +22,6 @@ impl Surfaces for Halves {
             stiffness: if bone { 1.0 } else { 0.2 },
             friction_static: if bone { 0.3 } else { 0.6 },
             friction_kinetic: if bone { 0.2 } else { 0.5 },
-            range: None,
         }
     }
 }
