@@ -138,7 +138,6 @@ const ROUGH: Uniform = Uniform(Surface {
     stiffness: 1.0,
     friction_static: 0.3,
     friction_kinetic: 0.2,
-    range: None,
 });
 
 /// Complete ticks, one for each update: friction, contact model, smooth point, safety stage.
