@@ -8,6 +8,7 @@
 
 pub mod assembly;
 pub mod bench;
+pub mod body;
 pub mod clock;
 pub mod device_loop;
 pub mod error;
@@ -15,6 +16,7 @@ pub mod feel;
 pub mod frame;
 pub mod handover;
 pub mod journal;
+pub mod known_shares;
 pub mod live;
 pub mod mapping;
 pub mod model;
@@ -31,6 +33,7 @@ pub mod probe;
 pub mod rate;
 pub mod recording;
 pub mod replay;
+pub mod scan_values;
 pub mod scene;
 pub mod scene_news;
 pub mod servo;

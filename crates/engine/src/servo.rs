@@ -157,7 +157,7 @@ impl ServoLoop {
     /// What is solid for the probe now.
     #[must_use]
     pub fn solid(&self) -> &Bits {
-        self.occupancy.touchable().world.inner()
+        &self.occupancy.touchable().world.inner().bits
     }
 
     /// One tick at `now` [s] with what device and person say by then.
@@ -294,7 +294,11 @@ impl ServoLoop {
                     self.state.poses.lead(id, target, &self.grid, bounds);
                 }
             }
-            Some(ServoCommand::Mark) => self.marked = true,
+            Some(ServoCommand::Mark) => {
+                self.marked = true;
+                // a replay knows only what is read from here on
+                self.cache.forget();
+            }
             // changes of occupancy are taken elsewhere
             Some(ServoCommand::Root { .. } | ServoCommand::Bricks(_)) | None => {}
         }

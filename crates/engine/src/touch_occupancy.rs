@@ -329,12 +329,12 @@ impl TouchOccupancy {
         let grid = probe.grid;
         let Touchable { world, objects, .. } = &self.touchable;
         let [spare, ..] = &mut *self.spares;
-        let changed = Patched::new(world.inner(), &change.swaps);
+        let changed = Patched::new(&world.inner().bits, &change.swaps);
         // objects as they are, like what is changed
         let unchanged: ArrayVec<Patched<'_>, MAX_OBJECTS> = objects
             .iter()
             .take(MAX_OBJECTS)
-            .map(|object| Patched::new(object.occupancy().inner(), &[]))
+            .map(|object| Patched::new(&object.occupancy().inner().bits, &[]))
             .collect();
         let views: ArrayVec<_, MAX_OBJECTS> = objects
             .iter()

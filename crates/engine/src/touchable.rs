@@ -24,8 +24,12 @@ use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
 use palpate_volume::voxel_box::VoxelBox;
 
+use crate::body::BodyVoxels;
+use crate::known_shares::KnownShares;
+use crate::scan_values::Threshold;
+
 /// Voxels of one body as the probe meets them.
-pub type Body = ProbeSolid<Bits>;
+pub type Body = ProbeSolid<BodyVoxels>;
 
 /// A segment that can be touched.
 #[derive(Clone, Debug)]
@@ -36,6 +40,9 @@ pub struct Part {
     pub bits: Bits,
     /// Where it was moved; none where it stands in the scan.
     pub moved: Option<MovedPart>,
+    /// The threshold that made them, whatever edits did since; none where they come from
+    /// elsewhere.
+    pub threshold: Option<Threshold>,
 }
 
 /// Where a segment stands that was moved.
@@ -70,14 +77,18 @@ impl Touchable {
     /// # Panics
     /// Where a pose is none; whoever gives parts a pose has checked it.
     pub fn new(grid: &Grid, parts: Vec<Part>, radius: f64) -> Result<Self, BallError> {
-        let world = Body::new(
-            union_of(grid.dimensions(), &unmoved_bits(&parts)),
-            radius,
-            grid.spacing(),
-        )?;
+        let world = BodyVoxels {
+            bits: union_of(grid.dimensions(), &unmoved_bits(&parts)),
+            shares: KnownShares::of(&unmoved(&parts).collect::<Vec<_>>()),
+        };
+        let world = Body::new(world, radius, grid.spacing())?;
         let reach = world.shape().reach();
-        let object = |bits: &Bits, MovedPart { bounds, pose }| {
-            let body = Body::new(bits.clone(), radius, grid.spacing())?;
+        let object = |part: &Part, MovedPart { bounds, pose }| {
+            let voxels = BodyVoxels {
+                bits: part.bits.clone(),
+                shares: KnownShares::of(&[part]),
+            };
+            let body = Body::new(voxels, radius, grid.spacing())?;
             let bounds = if bounds.is_empty() {
                 bounds
             } else {
@@ -88,7 +99,7 @@ impl Touchable {
         };
         let objects = parts
             .iter()
-            .filter_map(|part| Some(object(&part.bits, part.moved?)))
+            .filter_map(|part| Some(object(part, part.moved?)))
             .collect::<Result<_, _>>()?;
         Ok(Self {
             world,
@@ -183,15 +194,23 @@ impl Touchable {
 
     /// Exchanges a brick of the union.
     pub fn swap_world(&mut self, swap: &mut BrickSwap<BitBrick>) {
-        let changed = self.world.inner().bricks().box_of(swap.index);
-        self.world.change(&changed, |bits| bits.swap(swap));
+        let changed = self.world.inner().bits.bricks().box_of(swap.index);
+        self.world.change(&changed, |voxels| voxels.bits.swap(swap));
     }
 
     /// Exchanges a brick of a part, if it is there.
     pub fn swap_part(&mut self, id: SegmentId, swap: &mut BrickSwap<BitBrick>) {
-        if let Ok(place) = self.parts.binary_search_by_key(&id.0, |part| part.id.0) {
-            self.parts[place].bits.swap(swap);
-        }
+        let Ok(place) = self.parts.binary_search_by_key(&id.0, |part| part.id.0) else {
+            return;
+        };
+        let changed = self.world.inner().bits.bricks().box_of(swap.index);
+        self.world.change(&changed, |voxels| {
+            if let Some(shares) = &mut voxels.shares {
+                // the old brick is in the part still, so that this frees nothing
+                shares.swap_part(id, &mut swap.clone());
+            }
+        });
+        self.parts[place].bits.swap(swap);
     }
 }
 

@@ -28,6 +28,7 @@ fn part(id: u8, low: i32, high: i32, moved: Option<DVec3>) -> Part {
             bounds: voxels,
             pose: DAffine3::from_translation(by),
         }),
+        threshold: None,
     }
 }
 

@@ -188,6 +188,17 @@ impl<O: Occupancy> Occupancy for ProbeSolid<O> {
             self.blocked_softly(min)
         }
     }
+
+    /// Of a point only: the surface of a ball's cells is another than that of the voxels.
+    #[inline]
+    fn knows_shares(&self) -> bool {
+        self.hard.is_point() && self.inner.knows_shares()
+    }
+
+    #[inline]
+    fn share(&self, voxel: IVec3, solid: bool) -> Option<f32> {
+        self.inner.share(voxel, solid)
+    }
 }
 
 impl<O: Occupancy> Object<ProbeSolid<O>> {

@@ -37,6 +37,42 @@ use palpate_volume::grid::Grid;
 use palpate_volume::walk::COORDINATE_LIMIT;
 use serde::{Deserialize, Serialize};
 
+/// Where the force comes from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Smoothing {
+    /// The hard proxy: the stairs of voxels are felt.
+    Off,
+    /// The smooth surface of the voxels, whatever made them.
+    Bits,
+    /// The same, and where a threshold made the voxels, its place between them.
+    #[default]
+    Intensities,
+}
+
+impl Smoothing {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Off, Self::Bits, Self::Intensities];
+
+    /// As settings call it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Off => "off",
+            Self::Bits => "bits",
+            Self::Intensities => "intensities",
+        }
+    }
+
+    /// The one of this name, if there is one.
+    #[must_use]
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL
+            .into_iter()
+            .find(|smoothing| smoothing.name() == name)
+    }
+}
+
 /// How the smooth contact point is found. A cell is two voxels long on cubes, and about as
 /// long as the thickest side of a voxel where slices are thick.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -48,7 +48,9 @@ pub fn compare(
     [count, cold_count]: [usize; 2],
     seed: u64,
 ) -> Result<Embedded, BenchError> {
-    let [in_small, in_large] = [small, large].map(|at| TouchBench::new(at, 0.0, count, seed));
+    // a large grid has no values of a scan, so the small one must do without them, too
+    let grounds = [small, large].map(Ground::of_bits);
+    let [in_small, in_large] = grounds.map(|at| TouchBench::new(&at, 0.0, count, seed));
     let (in_small, mut in_large) = (in_small?, in_large?);
     // the same path to the bit, whatever the rounding of another grid's frame would make of it
     in_large.stroke = in_small.stroke.clone();

@@ -6,7 +6,7 @@
 
 use super::blur::BlurField;
 use super::field::Field;
-use super::shares::{NoShares, Shares};
+use super::shares::{NoShares, OwnShares};
 use crate::proxy::Proxy;
 use crate::scene::{MAX_OBJECTS, TouchScene};
 use glam::{DMat3, DVec3, Mat3A, Vec3A};
@@ -22,16 +22,27 @@ const ENTRIES: usize = 2 + MAX_OBJECTS;
 #[derive(Clone, Debug)]
 pub struct SmoothCache {
     fields: Box<[BlurField; ENTRIES]>,
-    epochs: [u64; ENTRIES],
+    /// What each field was made from; none where it is not to be used.
+    sources: [Option<Source>; ENTRIES],
     /// The field of the world that was used last.
     world: usize,
+}
+
+/// What fields are made from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Source {
+    /// A number that changes with every voxel of any body, with what is known of their shares,
+    /// and with the bodies themselves.
+    pub epoch: u64,
+    /// Whether voxels at the surface count by their shares, where bodies know them.
+    pub shares: bool,
 }
 
 impl Default for SmoothCache {
     fn default() -> Self {
         Self {
             fields: Box::new(std::array::from_fn(|_| BlurField::empty())),
-            epochs: [0; ENTRIES],
+            sources: [None; ENTRIES],
             world: 0,
         }
     }
@@ -147,29 +158,22 @@ struct Near {
 }
 
 impl SmoothCache {
+    /// Has every field made anew.
+    pub fn forget(&mut self) {
+        self.sources = [None; ENTRIES];
+    }
+
     /// The fields of the bodies that are solid near the proxy; where those are more than three,
     /// the three that reach it most.
     pub fn near<O: Occupancy>(
         &mut self,
         scene: &TouchScene<'_, O>,
-        epoch: u64,
+        source: Source,
         proxy: &Proxy,
-    ) -> NearFields<'_, BlurField> {
-        self.near_with(scene, epoch, proxy, &NoShares)
-    }
-
-    /// The same, with what is known of the shares of voxels at the surface of the world; the
-    /// epoch tells changes of that, too.
-    pub fn near_with<O: Occupancy>(
-        &mut self,
-        scene: &TouchScene<'_, O>,
-        epoch: u64,
-        proxy: &Proxy,
-        world: &impl Shares,
     ) -> NearFields<'_, BlurField> {
         let spacing = scene.grid.spacing();
         let point = proxy.point();
-        self.refresh_world(scene, epoch, proxy, world);
+        self.refresh_world(scene, source, proxy);
         let axes = Mat3A::from_diagonal(spacing.recip().as_vec3());
         if scene.objects.is_empty() {
             let field = &self.fields[self.world];
@@ -206,7 +210,13 @@ impl SmoothCache {
                 axes: Mat3A::from(object_from_mm.as_mat3()),
                 proxy: object.pose().to_object(point),
             };
-            self.refresh(new.place, epoch, object.occupancy(), new.proxy, new.spacing);
+            self.refresh(
+                new.place,
+                source,
+                object.occupancy(),
+                new.proxy,
+                new.spacing,
+            );
             self.insert(&mut near, new);
         }
 
@@ -222,20 +232,18 @@ impl SmoothCache {
     fn refresh_world<O: Occupancy>(
         &mut self,
         scene: &TouchScene<'_, O>,
-        epoch: u64,
+        source: Source,
         proxy: &Proxy,
-        known: &impl Shares,
     ) {
         let (point, spacing) = (proxy.point(), scene.grid.spacing());
         let is_world = |&place: &usize| {
-            self.epochs[place] == epoch && self.fields[place].is_around(point, spacing)
+            self.sources[place] == Some(source) && self.fields[place].is_around(point, spacing)
         };
         match [self.world, 1 - self.world].into_iter().find(is_world) {
             Some(place) => self.world = place,
             None => {
                 self.world = 1 - self.world;
-                self.epochs[self.world] = epoch;
-                self.fields[self.world].around(scene.occupancy, point, spacing, known);
+                self.fill(self.world, source, scene.occupancy, point, spacing);
             }
         }
     }
@@ -266,15 +274,31 @@ impl SmoothCache {
     fn refresh<O: Occupancy>(
         &mut self,
         place: usize,
-        epoch: u64,
+        source: Source,
         occupancy: &O,
         point: DVec3,
         spacing: DVec3,
     ) {
+        let field = &self.fields[place];
+        if self.sources[place] != Some(source) || !field.is_around(point, spacing) {
+            self.fill(place, source, occupancy, point, spacing);
+        }
+    }
+
+    fn fill<O: Occupancy>(
+        &mut self,
+        place: usize,
+        source: Source,
+        occupancy: &O,
+        point: DVec3,
+        spacing: DVec3,
+    ) {
+        self.sources[place] = Some(source);
         let field = &mut self.fields[place];
-        if self.epochs[place] != epoch || !field.is_around(point, spacing) {
+        if source.shares && occupancy.knows_shares() {
+            field.around(occupancy, point, spacing, &OwnShares(occupancy));
+        } else {
             field.around(occupancy, point, spacing, &NoShares);
-            self.epochs[place] = epoch;
         }
     }
 }

@@ -12,6 +12,7 @@ use palpate_haptics::placement::nearest_free;
 use palpate_haptics::proxy::Proxy;
 use palpate_haptics::safety::{ForceLimits, Safety};
 use palpate_haptics::scene::ObjectPose;
+use palpate_haptics::smooth::Smoothing;
 use palpate_haptics::surface::{Surface, Uniform};
 use palpate_haptics::tick::{TickCache, TickInput, TickOutput, TickState, tick};
 use palpate_volume::bits::Bits;
@@ -141,7 +142,7 @@ struct Run<'a, M> {
     hand: Hand,
     surface: Uniform,
     damping: f64,
-    smoothing: bool,
+    smoothing: Smoothing,
     cache: TickCache,
     /// Changes of what is solid.
     epoch: u64,
@@ -197,7 +198,11 @@ impl<'a, M: ContactModel> Run<'a, M> {
                 ..Uniform::smooth(0.2 + 5.0 * random.share()).0
             }),
             damping: if random.share() < 0.5 { 0.0 } else { 0.01 },
-            smoothing: random.share() < 0.7,
+            smoothing: if random.share() < 0.7 {
+                Smoothing::Bits
+            } else {
+                Smoothing::Off
+            },
             cache: TickCache::default(),
             epoch: 0,
             safety: Safety::new(limits),

@@ -37,7 +37,7 @@ impl Touched {
     /// Where the radius is too large for one of them; plans make none such.
     pub fn new(bits: Bits, spacing: DVec3, radius: f64, objects: &[Made]) -> Self {
         let body = |bits: &Bits, spacing: DVec3| {
-            Body::new(bits.clone(), radius, spacing).expect("plans make balls that fit")
+            Body::new(bits.clone().into(), radius, spacing).expect("plans make balls that fit")
         };
         let objects = objects.iter().map(|made| {
             let body = body(&made.bits, made.grid.spacing());
@@ -69,7 +69,7 @@ impl Touched {
 
     /// The world's voxels that are touched now.
     pub fn bits(&self) -> &Bits {
-        self.occupancy.touchable().world.inner()
+        &self.occupancy.touchable().world.inner().bits
     }
 
     /// Whether another edit can be taken: none is ever passed over.
