@@ -25,6 +25,8 @@ pub mod pacing;
 pub mod patched;
 pub mod picture;
 pub mod placement;
+#[cfg(feature = "planted-fault")]
+mod planted_fault;
 pub mod priority;
 pub mod probe;
 pub mod rate;
