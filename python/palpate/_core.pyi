@@ -388,15 +388,17 @@ def bench_stress(
     first: int,
     count: int,
     model: Literal["exact", "thesis-original", "thesis-improved"],
+    threads: int,
     volume: Volume | None = None,
     segment: Segment | None = None,
 ) -> dict[str, Any]:
-    """Makes runs of random moves, each checked, on all cores; numbers give the same runs again.
+    """Makes runs of random moves, each checked; numbers give the same runs on any threads.
 
     Returns:
-        ``moves``, ``contacts`` (of these), ``edits``, and ``violation``: None, or ``run``,
+        ``moves``, ``contacts`` (of these), ``edits``, ``poses`` (steps of objects), ``cuts``
+        (forces that fell at once since they would have pulled), and ``violation``: None, or ``run``,
         ``move`` (moves before it), ``model``, ``guarantee`` (its number), ``what``, ``plan``.
 
     Raises:
-        ValueError: There is no such model, or the numbers are too large.
+        ValueError: There is no such model, or the numbers are not allowed.
     """

@@ -340,6 +340,14 @@ def test_random_moves_break_no_promise(ball_scene: Scene) -> None:
     assert figures["moves"].value == pytest.approx(found.moves / 1e6)
 
 
+def test_the_same_violation_is_found_on_any_threads(ball_scene: Scene) -> None:
+    bone = next(iter(ball_scene)).segment
+    plan = stress.Plan(seed=3, model="thesis-improved")
+    one, two = (stress.measure(bone, plan, moves=1000, threads=count) for count in (1, 2))
+    assert one.violation is not None
+    assert one.violation == two.violation
+
+
 def test_a_violation_is_told_and_replayed(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -370,6 +378,8 @@ def test_what_is_no_stress_is_refused(tmp_path: Path, ball_scene: Scene) -> None
     bone = next(iter(ball_scene)).segment
     with pytest.raises(OptionError, match="allowed: 1 or more"):
         stress.measure(bone, stress.Plan(seed=1), moves=0)
+    with pytest.raises(OptionError, match="allowed: 1 to 256"):
+        stress.measure(bone, stress.Plan(seed=1), moves=1, threads=0)
     with pytest.raises(OptionError, match="allowed: 0 to"):
         stress.Plan(seed=-1)
     with pytest.raises(OptionError, match="allowed: 'exact'"):

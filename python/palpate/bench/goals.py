@@ -369,6 +369,8 @@ GOALS: dict[str, tuple[Goal, ...]] = {
         Goal(RANDOM, "moves", "moves", 1e-6, "M", None, "higher"),
         Goal(RANDOM, "in contact", "contact_share", 100.0, "%", None, "higher"),
         Goal(RANDOM, "edits", "edits", 1e-6, "M", None, "higher"),
+        Goal(RANDOM, "steps of moving objects", "poses", 1e-6, "M", None, "higher"),
+        Goal(RANDOM, "forces that fell, lest they pull", "cuts", 1e-6, "M", None, "lower"),
         Goal(RANDOM, "rate", "per_second", 1e-6, "M/s", None, "higher"),
     ),
     "servo": tuple(
