@@ -41,7 +41,7 @@ def main(arguments: list[str]) -> None:
 
     # a session that follows it, computed at once instead of by the clock
     # without smoothing the spring is that from device to probe, which is checked below
-    touch = palpate.TouchSettings(stiffness=STIFFNESS, damping=0.0, smoothing=False)
+    touch = palpate.TouchSettings(stiffness=STIFFNESS, damping=0.0, smoothing="off")
     options = palpate.SessionOptions(real_time=False, touch=touch)
     with palpate.Session(palpate.Scene(volume, [bone]), device=path, options=options) as session:
         recording = session.run(path.duration)

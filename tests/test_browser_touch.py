@@ -196,13 +196,13 @@ def test_model_and_surface_are_chosen_while_touching_and_the_printed_models_warn
     assert held(page, "model") == "exact"
 
     page.do("press", key="v")
-    assert held(page, "smoothing") is False
+    assert held(page, "smoothing") == "off"
     stairs = press(page)
     # without smoothing the force comes from the probe itself
     offset = np.array(stairs["contact_point"]) - np.array(stairs["proxy"])
     assert np.linalg.norm(offset) < 1e-6
     page.do("press", key="v")
-    assert held(page, "smoothing") is True
+    assert held(page, "smoothing") == "intensities"
 
 
 def test_what_was_set_comes_back_with_the_page_and_can_be_reset(block: Path) -> None:

@@ -266,8 +266,13 @@ def phantom(dimensions: _Voxel, seed: int) -> tuple[Volume, NDArray[np.uint8], d
 class Ground:
     """Segments of one scan that are touched together, for ``TouchBench``."""
 
-    def __init__(self, volume: Volume, segments: Sequence[Segment]) -> None:
-        """Takes 1 to 255 segments.
+    def __init__(
+        self,
+        volume: Volume,
+        segments: Sequence[Segment],
+        ranges: Sequence[tuple[float, float] | None] = (),
+    ) -> None:
+        """Takes 1 to 255 segments, and the thresholds that made them, where such did.
 
         Raises:
             ValueError: A segment is of another size, or there are too many.
@@ -307,8 +312,8 @@ class TouchBench:
         Args:
             work: "detection, 1 voxel", "... 4 voxels", "... 10 voxels": traversals of rays near
                 the surface that meet nothing (a few fewer than updates). "proxy": the contact
-                model alone. "tick", "tick, no smoothing", "tick, no friction": the servo's tick
-                with coupling, owner of the voxel and safety stage.
+                model alone. "tick", "tick, by bits", "tick, no smoothing", "tick, no friction": the
+                servo's tick with coupling, owner of the voxel and safety stage.
             model: Every contact model gets the same path; those of the thesis a point only.
 
         Returns:

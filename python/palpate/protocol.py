@@ -130,7 +130,7 @@ class Settings(msgspec.Struct, frozen=True):
     damping: Annotated[float, msgspec.Meta(ge=0.0, le=0.1)]
     friction_static: Friction
     friction_kinetic: Friction
-    smoothing: bool
+    smoothing: Literal["intensities", "bits", "off"]
     probe_radius: Annotated[float, msgspec.Meta(ge=0.0, le=20.0)]
     force_limit: Annotated[float, msgspec.Meta(gt=0.0, le=40.0)]
 

@@ -37,7 +37,7 @@ __all__ = [
 ]
 
 FORMAT = "palpate-session"
-VERSION = 1
+VERSION = 2
 """Of the form of the file; an older Palpate refuses a newer form."""
 
 Columns = dict[str, NDArray[Any]]
@@ -76,6 +76,8 @@ TAPE: dict[str, tuple[str, int]] = {
     "solid_segment": ("|u1", 0),
     "solid_index": ("<u4", 0),
     "solid_words": ("<u8", 8),
+    "value_index": ("<u4", 0),
+    "value_stored": ("<i2", 512),
 }
 """Columns of what else a replay needs."""
 

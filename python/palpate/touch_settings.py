@@ -5,10 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-__all__ = ["ContactModel", "TouchSettings"]
+__all__ = ["ContactModel", "Smoothing", "TouchSettings"]
 
 ContactModel = Literal["exact", "thesis-original", "thesis-improved"]
 """Contact models by name; ``exact`` is the one to use, the others are for comparison."""
+
+Smoothing = Literal["intensities", "bits", "off"]
+"""Where the force comes from: the smooth surface, which the scan's values tell where a threshold
+made the segment; that of its voxels alone; or the voxels' stairs."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -25,8 +29,8 @@ class TouchSettings:
     """Coulomb coefficient of a probe that sticks, 0 to 2."""
     friction_kinetic: float | None = None
     """Coulomb coefficient of a probe that slides, at most the static one."""
-    smoothing: bool | None = None
-    """Whether the force comes from the smooth surface; else the voxels' stairs are felt."""
+    smoothing: Smoothing | None = None
+    """Where the force comes from."""
     probe_radius: float | None = None
     """Radius of the probe [mm]; 0 is a point."""
     force_limit: float | None = None

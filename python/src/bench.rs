@@ -3,6 +3,7 @@
 use std::sync::Mutex;
 
 use palpate_engine::bench::{Embedded, Ground, Report, Timing, TouchBench, Work, compare};
+use palpate_engine::settings::Smoothing;
 use palpate_volume::phantom::bones;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -20,23 +21,30 @@ const MAX_COUNT: usize = 10_000_000;
 const MAX_SEGMENTS: usize = 255;
 
 /// What can be timed, by name.
-const WORKS: [(&str, Work); 7] = [
+const WORKS: [(&str, Work); 8] = [
     ("detection, 1 voxel", Work::Detection { length: 1.0 }),
     ("detection, 4 voxels", Work::Detection { length: 4.0 }),
     ("detection, 10 voxels", Work::Detection { length: 10.0 }),
     ("proxy", Work::Proxy),
     ("tick", Work::TICK),
     (
+        "tick, by bits",
+        Work::Tick {
+            smoothing: Smoothing::Bits,
+            friction: true,
+        },
+    ),
+    (
         "tick, no smoothing",
         Work::Tick {
-            smoothing: false,
+            smoothing: Smoothing::Off,
             friction: true,
         },
     ),
     (
         "tick, no friction",
         Work::Tick {
-            smoothing: true,
+            smoothing: Smoothing::Intensities,
             friction: false,
         },
     ),
@@ -51,7 +59,12 @@ pub struct PyGround {
 #[pymethods]
 impl PyGround {
     #[new]
-    fn new(volume: &PyVolume, segments: Vec<PyRef<'_, PySegment>>) -> Result<Self, CoreError> {
+    #[pyo3(signature = (volume, segments, ranges = Vec::new()))]
+    fn new(
+        volume: &PyVolume,
+        segments: Vec<PyRef<'_, PySegment>>,
+        ranges: Vec<Option<(f64, f64)>>,
+    ) -> Result<Self, CoreError> {
         if !(1..=MAX_SEGMENTS).contains(&segments.len()) {
             return Err(CoreError::value(format!(
                 "{} segments given; allowed: 1 to {MAX_SEGMENTS}",
@@ -72,7 +85,7 @@ impl PyGround {
             })
             .collect::<Result<_, _>>()?;
         Ok(Self {
-            ground: Ground::new(volume.grid, bits),
+            ground: Ground::new(volume.grid, bits).made_by(&volume.intensities, &ranges),
         })
     }
 

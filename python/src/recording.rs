@@ -3,12 +3,13 @@
 use glam::{DQuat, DVec3};
 use numpy::ndarray::Array2;
 use numpy::{
-    Element, PyArray1, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods, ToPyArray,
+    Element, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods,
+    ToPyArray,
 };
 use palpate_engine::recording::Recording;
 use palpate_engine::replay::{Difference, ReplayEnd, Replayed, replay};
 use palpate_engine::tape::Tape;
-use palpate_engine::tape_columns::{BUILD, BrickColumns, TapeColumns};
+use palpate_engine::tape_columns::{BUILD, BrickColumns, TapeColumns, ValueColumns};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -65,6 +66,8 @@ pub fn tape_dict<'py>(py: Python<'py>, tape: &Tape) -> PyResult<Bound<'py, PyDic
         "solid_segment": PyArray1::from_vec(py, columns.solid.segment),
         "solid_index": PyArray1::from_vec(py, columns.solid.index),
         "solid_words": words(py, &columns.solid.words),
+        "value_index": PyArray1::from_vec(py, columns.values.index),
+        "value_stored": stored(py, &columns.values.stored),
     )
 }
 
@@ -154,6 +157,10 @@ fn tape_columns_of(columns: &Bound<'_, PyDict>) -> PyResult<TapeColumns> {
         brick_ends: column(columns, "brick_ends")?,
         bricks: bricks("brick")?,
         solid: bricks("solid")?,
+        values: ValueColumns {
+            index: column(columns, "value_index")?,
+            stored: wide(columns, "value_stored")?,
+        },
     })
 }
 
@@ -164,7 +171,7 @@ fn column<T: Element + Copy>(columns: &Bound<'_, PyDict>, name: &str) -> PyResul
 }
 
 /// A column of N numbers a row.
-fn wide<T: Element + Copy + Default, const N: usize>(
+fn wide<T: Element + Copy, const N: usize>(
     columns: &Bound<'_, PyDict>,
     name: &str,
 ) -> PyResult<Vec<[T; N]>> {
@@ -187,6 +194,14 @@ fn wide<T: Element + Copy + Default, const N: usize>(
 fn vectors(columns: &Bound<'_, PyDict>, name: &str) -> PyResult<Vec<DVec3>> {
     let rows = wide::<f64, 3>(columns, name)?;
     Ok(rows.into_iter().map(DVec3::from_array).collect())
+}
+
+/// Bricks of values, shape [count, 512].
+fn stored<'py>(py: Python<'py>, bricks: &[[i16; 512]]) -> Bound<'py, numpy::PyArray2<i16>> {
+    let flat = bricks.as_flattened().to_vec();
+    let shape = (bricks.len(), 512);
+    let array = Array2::from_shape_vec(shape, flat).expect("512 values for each brick");
+    PyArray2::from_owned_array(py, array)
 }
 
 /// Bricks, shape [count, 8].

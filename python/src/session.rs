@@ -99,7 +99,10 @@ impl PySession {
         config.segments = segments
             .into_iter()
             .map(|(segment, touchable, range)| {
-                (segment.segment.clone(), properties(touchable, range))
+                (
+                    segment.segment.clone(),
+                    Properties::of_threshold(touchable, range),
+                )
             })
             .collect();
         let session = py.detach(|| Session::start(config));
@@ -168,7 +171,7 @@ impl PySession {
         undoable: bool,
     ) -> Result<u8, CoreError> {
         let voxels = segment.segment.clone();
-        let properties = properties(touchable, threshold_range);
+        let properties = Properties::of_threshold(touchable, threshold_range);
         let id = py.detach(|| self.session.add_segment(voxels, properties, undoable))?;
         Ok(id.0)
     }
@@ -338,15 +341,6 @@ fn affine(matrix: &PyReadonlyArray2<'_, f64>) -> Result<DAffine3, CoreError> {
         column(2),
         column(3),
     ))
-}
-
-/// What a new segment is known by.
-fn properties(touchable: bool, range: Option<ThresholdRange>) -> Properties {
-    Properties {
-        touchable,
-        range,
-        ..Properties::default()
-    }
 }
 
 /// The rows (time, x, y, z) of a path.

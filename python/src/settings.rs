@@ -2,6 +2,7 @@
 
 use palpate_engine::model::Model;
 use palpate_engine::settings::Settings;
+use palpate_engine::settings::Smoothing;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -13,6 +14,17 @@ pub fn model_named(name: &str) -> Result<Model, CoreError> {
         let allowed = Model::ALL.map(|model| format!("'{}'", model.name()));
         CoreError::value(format!(
             "contact model {name:?} given; allowed: {}",
+            allowed.join(", ")
+        ))
+    })
+}
+
+/// Where the force comes from, by its name.
+fn smoothing_named(name: &str) -> Result<Smoothing, CoreError> {
+    Smoothing::named(name).ok_or_else(|| {
+        let allowed = Smoothing::ALL.map(|smoothing| format!("'{}'", smoothing.name()));
+        CoreError::value(format!(
+            "smoothing {name:?} given; allowed: {}",
             allowed.join(", ")
         ))
     })
@@ -34,7 +46,7 @@ pub fn changed(mut settings: Settings, changes: Option<&Bound<'_, PyDict>>) -> P
             "damping" => settings.damping = value.extract()?,
             "friction_static" => settings.friction_static = value.extract()?,
             "friction_kinetic" => settings.friction_kinetic = value.extract()?,
-            "smoothing" => settings.smoothing = value.extract()?,
+            "smoothing" => settings.smoothing = smoothing_named(&value.extract::<String>()?)?,
             "probe_radius" => settings.probe_radius = value.extract()?,
             "force_limit" => settings.force_limit = value.extract()?,
             _ => return Err(CoreError::value(format!("no setting has the name {name:?}")).into()),
@@ -51,7 +63,7 @@ pub fn settings_dict(py: Python<'_>, settings: Settings) -> PyResult<Bound<'_, P
     dictionary.set_item("damping", settings.damping)?;
     dictionary.set_item("friction_static", settings.friction_static)?;
     dictionary.set_item("friction_kinetic", settings.friction_kinetic)?;
-    dictionary.set_item("smoothing", settings.smoothing)?;
+    dictionary.set_item("smoothing", settings.smoothing.name())?;
     dictionary.set_item("probe_radius", settings.probe_radius)?;
     dictionary.set_item("force_limit", settings.force_limit)?;
     Ok(dictionary)

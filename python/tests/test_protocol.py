@@ -31,7 +31,7 @@ SETTINGS = {
     "damping": 0.0,
     "friction_static": 0.2,
     "friction_kinetic": 0.1,
-    "smoothing": True,
+    "smoothing": "intensities",
     "probe_radius": 0.0,
     "force_limit": 3.0,
 }

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from palpate.errors import OptionError, RecordingFormatError
 from palpate.recording import Recording
+from palpate.recording_file import VERSION
 from palpate.scene import Scene
 from palpate.scripted_path import ScriptedPath
 from palpate.session import Session, SessionOptions
@@ -165,11 +166,12 @@ def test_other_files_are_refused(tmp_path: Path, saved: Path) -> None:
     ("change", "reason"),
     [
         (about_with(format="other"), "of the form 'other'"),
-        (about_with(version=2), "version 2 of the form"),
+        (about_with(version=VERSION + 1), f"version {VERSION + 1} of the form"),
         (about_with(scan=None), "no recording"),
         (put("about", np.frombuffer(b"\xff{", np.uint8)), "no recording"),
         (lambda members: members.pop("force.npy"), "lacks force"),
         (lambda members: members.pop("start.npy"), "lacks start"),
+        (lambda members: members.pop("value_index.npy"), "lacks value_index"),
         (put("force", np.zeros((500, 2))), "force holds"),
         (put("force", np.zeros((499, 3))), "different length"),
         (put("tick", np.arange(500, dtype=np.int64)), "tick holds"),

@@ -187,7 +187,7 @@ def test_settings_are_told_as_the_engine_holds_them(server: Any) -> None:
         "damping": 0.0,
         "friction_static": 0.3,
         "friction_kinetic": 0.2,
-        "smoothing": False,
+        "smoothing": "off",
         "probe_radius": 1.5,
         "force_limit": 2.0,
     }

@@ -22,7 +22,7 @@ from palpate import (
 OFFLINE = SessionOptions(
     real_time=False,
     # without smoothing the spring is that from device to probe, which the oracle knows
-    touch=TouchSettings(stiffness=0.8, damping=0.0, smoothing=False, force_limit=10.0),
+    touch=TouchSettings(stiffness=0.8, damping=0.0, smoothing="off", force_limit=10.0),
 )
 
 

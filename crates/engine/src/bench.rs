@@ -34,6 +34,7 @@ use palpate_haptics::contact::ContactModel;
 use palpate_haptics::exact::Exact;
 use palpate_haptics::proxy::Proxy;
 use palpate_haptics::safety::{ForceLimits, Safety};
+use palpate_haptics::smooth::Smoothing;
 use palpate_haptics::thesis_improved::ThesisImproved;
 use palpate_haptics::thesis_original::ThesisOriginal;
 use palpate_haptics::tick::{TickCache, TickInput, TickState, tick};
@@ -58,8 +59,8 @@ pub enum Work {
     Proxy,
     /// A complete tick: frames, friction, contact model, smooth point, coupling, safety stage.
     Tick {
-        /// Whether the force comes from the smooth contact point.
-        smoothing: bool,
+        /// Where the force comes from.
+        smoothing: Smoothing,
         /// Whether bone is rough.
         friction: bool,
     },
@@ -68,7 +69,7 @@ pub enum Work {
 impl Work {
     /// The tick as it is.
     pub const TICK: Self = Self::Tick {
-        smoothing: true,
+        smoothing: Smoothing::Intensities,
         friction: true,
     };
 }
@@ -231,7 +232,7 @@ impl TouchBench {
         self.report(timing, updates)
     }
 
-    fn time_tick(&self, model: &impl ContactModel, smoothing: bool, friction: bool) -> Report {
+    fn time_tick(&self, model: &impl ContactModel, smoothing: Smoothing, friction: bool) -> Report {
         let scene = self.touchable.scene(&self.grid);
         let (friction_static, friction_kinetic) = if friction { (0.3, 0.2) } else { (0.0, 0.0) };
         let settings = Settings {

@@ -10,8 +10,10 @@ use palpate_haptics::exact::ExactLimits;
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;
+use palpate_volume::edit::SegmentId;
 use palpate_volume::occupancy::Occupancy;
 
+use crate::known_shares::KnownShares;
 use crate::patched::Patched;
 
 /// Voxels that are touched with a point or a ball.
@@ -19,6 +21,8 @@ use crate::patched::Patched;
 pub struct Body {
     bits: Bits,
     ball: Option<Box<Balls>>,
+    /// What more is known of its surface than its bits.
+    shares: Option<KnownShares>,
 }
 
 /// A ball with what it knows of these voxels.
@@ -48,7 +52,19 @@ impl Body {
         } else {
             None
         };
-        Ok(Self { bits, ball })
+        Ok(Self {
+            bits,
+            ball,
+            shares: None,
+        })
+    }
+
+    /// The same with what is known of the shares of its voxels, which is of use to a point only:
+    /// a ball's surface is another.
+    #[must_use]
+    pub fn knowing(mut self, shares: Option<KnownShares>) -> Self {
+        self.shares = shares.filter(|_| self.ball.is_none());
+        self
     }
 
     /// The voxels.
@@ -82,6 +98,13 @@ impl Body {
             ball.soft.invalidate_box(&changed);
         }
         self.bits.swap(swap);
+    }
+
+    /// Exchanges one brick of a segment that it is made of, after which shares are told.
+    pub fn swap_part(&mut self, id: SegmentId, swap: &mut BrickSwap<BitBrick>) {
+        if let Some(shares) = &mut self.shares {
+            shares.swap_part(id, swap);
+        }
     }
 
     /// The body as it would be with some bricks exchanged, by rising index.
@@ -139,6 +162,16 @@ impl Occupancy for Body {
             None => self.bits.block(min),
             Some(ball) => ball.smooth_block(&self.bits, min),
         }
+    }
+
+    #[inline]
+    fn knows_shares(&self) -> bool {
+        self.shares.is_some()
+    }
+
+    #[inline]
+    fn share(&self, voxel: IVec3, solid: bool) -> Option<f32> {
+        self.shares.as_ref()?.share(voxel, solid)
     }
 }
 

@@ -16,6 +16,7 @@ use palpate_volume::grid::Grid;
 
 use crate::handover::{BrickChange, Channels, ServoCommand, SimulationChannels, TickRecord};
 use crate::recording::Recording;
+use crate::scan_values::ScanValues;
 use crate::servo::{MAX_COMMANDS_PER_TICK, ServoLoop};
 use crate::shared::Shared;
 use crate::tape::{Tape, TapeCommand, TapeEntry, put, rooted};
@@ -179,6 +180,7 @@ struct Player<'a> {
     /// What the servo will touch once it has obeyed them.
     latest: Vec<Part>,
     grid: Grid,
+    values: &'a ScanValues,
 }
 
 impl<'a> Player<'a> {
@@ -194,6 +196,7 @@ impl<'a> Player<'a> {
             entries: tape.entries.iter(),
             sent: tape.state.command,
             grid: tape.grid,
+            values: &tape.values,
             latest: tape.parts.clone(),
         })
     }
@@ -223,7 +226,7 @@ impl<'a> Player<'a> {
     /// A command as it was sent.
     fn command(&mut self, entry: &TapeEntry) -> Result<ServoCommand, ReplayError> {
         if let TapeCommand::Root { parts, .. } = &entry.command {
-            self.latest = rooted(&self.latest, parts, self.grid.dimensions());
+            self.latest = rooted(&self.latest, parts, self.values);
         }
         put(&mut self.latest, &entry.swaps);
         Ok(match entry.command {

@@ -6,6 +6,7 @@
 use std::collections::BTreeMap;
 
 use crate::feel::{Feel, Feels};
+use crate::scan_values::{ScanValues, Threshold};
 use crate::touchable::Part;
 use glam::DAffine3;
 use palpate_volume::bits::Bits;
@@ -24,6 +25,8 @@ pub struct Properties {
     pub touchable: bool,
     /// The threshold that it is; none once its voxels come from elsewhere.
     pub range: Option<ThresholdRange>,
+    /// The threshold that made it, whatever edits did since: touch reads the scan's values there.
+    pub made_by: Option<ThresholdRange>,
     /// How its surface feels.
     pub feel: Feel,
     /// Where it was moved [mm, from the scan to the scene]; none where the scan has it.
@@ -48,6 +51,8 @@ pub enum Step {
         segment: Segment,
         /// The threshold that they are.
         range: Option<ThresholdRange>,
+        /// The threshold that made them.
+        made_by: Option<ThresholdRange>,
     },
     /// Adds a segment.
     Insert {
@@ -85,6 +90,19 @@ pub enum TouchChange {
     Pose(SegmentId, DAffine3),
     /// That this segment is moved from now on, and where to.
     FirstPose(SegmentId, DAffine3),
+}
+
+impl Properties {
+    /// Of an obstacle or none that is a threshold, or whose voxels come from elsewhere.
+    #[must_use]
+    pub fn of_threshold(touchable: bool, range: Option<ThresholdRange>) -> Self {
+        Self {
+            touchable,
+            range,
+            made_by: range,
+            ..Self::default()
+        }
+    }
 }
 
 impl Step {
@@ -141,6 +159,8 @@ impl Step {
 #[derive(Debug)]
 pub struct Scene {
     voxels: Voxels,
+    /// The scan's values as touch reads them.
+    values: ScanValues,
     properties: BTreeMap<SegmentId, Properties>,
 }
 
@@ -152,7 +172,18 @@ impl Scene {
             .segments()
             .map(|(id, _)| (id, Properties::default()))
             .collect();
-        Self { voxels, properties }
+        let values = ScanValues::of(voxels.intensities());
+        Self {
+            voxels,
+            values,
+            properties,
+        }
+    }
+
+    /// The scan's values as touch reads them.
+    #[must_use]
+    pub fn values(&self) -> &ScanValues {
+        &self.values
     }
 
     /// The voxels.
@@ -231,6 +262,10 @@ impl Scene {
                 moved: properties
                     .pose
                     .map(|_| segment.bounding_box().unwrap_or(VoxelBox::EMPTY)),
+                threshold: properties.made_by.map(|range| Threshold {
+                    range,
+                    values: self.values.clone(),
+                }),
             })
             .collect()
     }
@@ -242,7 +277,12 @@ impl Scene {
     pub fn perform(&mut self, step: Step) -> Result<(Step, TouchChange), VoxelsError> {
         match step {
             Step::Edit { edit, ranges } => self.edit(edit, ranges),
-            Step::Replace { id, segment, range } => self.replace(id, segment, range),
+            Step::Replace {
+                id,
+                segment,
+                range,
+                made_by,
+            } => self.replace(id, segment, (range, made_by)),
             Step::Insert {
                 id,
                 segment,
@@ -302,12 +342,20 @@ impl Scene {
         &mut self,
         id: SegmentId,
         segment: Segment,
-        range: Option<ThresholdRange>,
+        (range, made_by): (Option<ThresholdRange>, Option<ThresholdRange>),
     ) -> Result<(Step, TouchChange), VoxelsError> {
         let segment = self.voxels.replace_segment(id, segment)?;
         let range = self.exchange_range(id, range);
+        let properties = self.properties.entry(id).or_default();
+        let made_by = std::mem::replace(&mut properties.made_by, made_by);
         let change = self.all_to_touch(id);
-        Ok((Step::Replace { id, segment, range }, change))
+        let inverse = Step::Replace {
+            id,
+            segment,
+            range,
+            made_by,
+        };
+        Ok((inverse, change))
     }
 
     fn insert(

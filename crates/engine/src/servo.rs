@@ -278,7 +278,11 @@ impl ServoLoop {
                 let touchable = self.occupancy.touchable();
                 self.state.poses.lead(id, target, &self.grid, touchable);
             }
-            Some(ServoCommand::Mark) => self.marked = true,
+            Some(ServoCommand::Mark) => {
+                self.marked = true;
+                // a replay knows only what is read from here on
+                self.cache.forget();
+            }
             // changes of occupancy are taken elsewhere
             Some(ServoCommand::Root { .. } | ServoCommand::Bricks(_)) | None => {}
         }

@@ -247,11 +247,7 @@ impl Session {
                 .replace_segment(id, segment, Some(range))
                 .map(|()| id),
             None => {
-                let properties = Properties {
-                    touchable: true,
-                    range: Some(range),
-                    ..Properties::default()
-                };
+                let properties = Properties::of_threshold(true, Some(range));
                 simulation.add_segment(segment, properties, true)
             }
         })

@@ -3,6 +3,7 @@
 use palpate_device::DeviceLimits;
 use palpate_haptics::coupling::Coupling;
 use palpate_haptics::safety::ForceLimits;
+pub use palpate_haptics::smooth::Smoothing;
 use serde::{Deserialize, Serialize};
 
 use crate::frame::Notice;
@@ -22,9 +23,9 @@ pub struct Settings {
     pub friction_static: f64,
     /// Coulomb coefficient of a probe that slides, at most the static one.
     pub friction_kinetic: f64,
-    /// Whether the force comes from the smooth contact point; else the stairs of the voxels
-    /// are felt.
-    pub smoothing: bool,
+    /// Where the force comes from: the stairs of the voxels, their smooth surface, or that of
+    /// the scan's values where a threshold made them.
+    pub smoothing: Smoothing,
     /// Radius of the probe [mm]; 0 is a point.
     pub probe_radius: f64,
     /// Largest force [N], > 0, at most 40.
@@ -40,7 +41,7 @@ impl Default for Settings {
             damping: coupling.damping,
             friction_static: 0.0,
             friction_kinetic: 0.0,
-            smoothing: true,
+            smoothing: Smoothing::default(),
             probe_radius: 0.0,
             force_limit: ForceLimits::default().max_force,
         }

@@ -196,7 +196,12 @@ impl Simulation {
         segment: Segment,
         range: Option<ThresholdRange>,
     ) -> Result<(), SessionError> {
-        self.change(Step::Replace { id, segment, range })
+        self.change(Step::Replace {
+            id,
+            segment,
+            range,
+            made_by: range,
+        })
     }
 
     /// Removes a segment.

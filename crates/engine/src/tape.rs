@@ -7,7 +7,7 @@
 
 use std::sync::Arc;
 
-use glam::{DAffine3, DMat3, DVec3, IVec3, UVec3};
+use glam::{DAffine3, DMat3, DVec3, IVec3};
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;
@@ -19,6 +19,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::feel::Feel;
 use crate::handover::{ServoCommand, Snapshot};
+use crate::scan_values::{ScanValues, Threshold};
+use crate::scene::ThresholdRange;
 use crate::servo_state::ServoState;
 use crate::settings::Settings;
 use crate::touchable::Part;
@@ -74,6 +76,8 @@ pub struct TapePart {
     pub id: u8,
     /// A box that holds its voxels where it was moved: first voxel, and one past the last.
     pub moved: Option<(IVec3, IVec3)>,
+    /// The threshold that made it.
+    pub threshold: Option<ThresholdRange>,
 }
 
 impl From<&Part> for TapePart {
@@ -81,6 +85,7 @@ impl From<&Part> for TapePart {
         Self {
             id: part.id.0,
             moved: part.moved.map(|bounds| (bounds.min, bounds.max)),
+            threshold: part.threshold.as_ref().map(|threshold| threshold.range),
         }
     }
 }
@@ -106,6 +111,8 @@ pub struct Tape {
     pub state: ServoState,
     /// What could be touched then, by rising number.
     pub parts: Vec<Part>,
+    /// The scan's values, of which those that touch read are marked.
+    pub values: ScanValues,
     /// Radius of the probe then [mm].
     pub radius: f64,
     /// Commands from number `state.command + 1` on, without a gap.
@@ -139,6 +146,7 @@ struct Writer {
     /// Number of the mark.
     mark: u64,
     grid: Grid,
+    values: ScanValues,
     first: Vec<Part>,
     radius: f64,
     /// The servo's state at the mark, once it has told it.
@@ -183,11 +191,21 @@ impl TapeRecorder {
         matches!(&self.stage, Stage::Running(writer) if writer.is_full)
     }
 
-    /// Notes that the mark with this number is sent, and what will be solid by then.
-    pub fn begin(&mut self, mark: u64, grid: Grid, parts: Vec<Part>, radius: f64) {
+    /// Notes that the mark with this number is sent, and what will be solid by then. Which of
+    /// the scan's values the servo reads counts from here: at the mark it forgets what it made
+    /// of others.
+    pub fn begin(
+        &mut self,
+        mark: u64,
+        (grid, values): (Grid, ScanValues),
+        parts: Vec<Part>,
+        radius: f64,
+    ) {
+        values.forget_marks();
         self.stage = Stage::Running(Box::new(Writer {
             mark,
             grid,
+            values,
             first: parts.clone(),
             radius,
             state: None,
@@ -230,6 +248,7 @@ impl TapeRecorder {
                 grid: writer.grid,
                 state: writer.state?,
                 parts: writer.first,
+                values: writer.values.with_own_marks(),
                 radius: writer.radius,
                 entries: writer.entries,
                 is_full: writer.is_full,
@@ -307,15 +326,23 @@ pub fn put(parts: &mut [Part], swaps: &[PartSwap]) {
 
 /// Parts as a new root has them: those that stay keep their voxels, new ones have none yet.
 #[must_use]
-pub fn rooted(old: &[Part], new: &[TapePart], dimensions: UVec3) -> Vec<Part> {
+pub fn rooted(old: &[Part], new: &[TapePart], values: &ScanValues) -> Vec<Part> {
     let part = |part: &TapePart| {
         let id = SegmentId(part.id);
         let bits = match place_of(old, id) {
             Ok(place) => old[place].bits.clone(),
-            Err(_) => Bits::empty(dimensions),
+            Err(_) => Bits::empty(values.dimensions()),
         };
         let moved = part.moved.map(|(min, max)| VoxelBox::new(min, max));
-        Part { id, bits, moved }
+        Part {
+            id,
+            bits,
+            moved,
+            threshold: part.threshold.map(|range| Threshold {
+                range,
+                values: values.clone(),
+            }),
+        }
     };
     new.iter().map(part).collect()
 }

@@ -1,8 +1,10 @@
 //! A tape as columns of plain numbers, as files hold it.
 //!
 //! State and commands are MessagePack with named fields, numbers to the bit; bricks are a place
-//! in the directory and eight words each, no solid voxel where there is no brick. What comes from
-//! a file is checked before anything is made of it.
+//! in the directory and eight words each, no solid voxel where there is no brick; values of the
+//! scan are a place and 512 numbers each. What comes from a file is checked before anything is made of it.
+
+use std::sync::Arc;
 
 use palpate_haptics::ball::{BallError, BallShape};
 use palpate_haptics::scene::{MAX_OBJECTS, ObjectPose, PoseError};
@@ -11,10 +13,12 @@ use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::{BRICK, BrickSwap};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
+use palpate_volume::intensity_brick::IntensityBrick;
 use palpate_volume::voxel_box::VoxelBox;
 use serde::{Deserialize, Serialize};
 
 use crate::handover::MAX_BRICKS;
+use crate::scan_values::ScanValues;
 use crate::servo_state::ServoState;
 use crate::settings::SettingsError;
 use crate::tape::{PartSwap, Tape, TapeCommand, TapeEntry, TapePart, put, rooted};
@@ -40,6 +44,17 @@ pub struct TapeColumns {
     pub bricks: BrickColumns,
     /// Bricks that were solid at the start.
     pub solid: BrickColumns,
+    /// The scan's values that touch read.
+    pub values: ValueColumns,
+}
+
+/// Bricks of stored values by columns.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ValueColumns {
+    /// Place in the directory, x fastest, rising.
+    pub index: Vec<u32>,
+    /// Stored values, x fastest.
+    pub stored: Vec<[i16; 512]>,
 }
 
 /// Bricks by columns.
@@ -82,6 +97,24 @@ pub enum TapeError {
     /// Segments out of order, or more moved ones than there can be.
     #[error("its segments are out of order")]
     Parts,
+    /// A threshold that makes no segment.
+    #[error("it has a threshold from {low} to {high}; allowed: finite, low <= high")]
+    Threshold {
+        /// Its lower end.
+        low: f64,
+        /// Its upper end.
+        high: f64,
+    },
+    /// Values that mean nothing.
+    #[error(
+        "its values have slope {slope} and intercept {intercept}; allowed: finite, slope not 0"
+    )]
+    Rescale {
+        /// Physical units per stored unit.
+        slope: f64,
+        /// Physical value of stored 0.
+        intercept: f64,
+    },
     /// No such probe fits these voxels.
     #[error(transparent)]
     Ball(#[from] BallError),
@@ -102,6 +135,8 @@ struct Start {
     grid: Grid,
     state: ServoState,
     parts: Vec<TapePart>,
+    /// Slope and intercept of the scan's values.
+    rescale: (f64, f64),
     radius: f64,
     is_full: bool,
 }
@@ -113,6 +148,7 @@ impl From<&Tape> for TapeColumns {
                 grid: tape.grid,
                 state: tape.state,
                 parts: tape.parts.iter().map(TapePart::from).collect(),
+                rescale: tape.values.rescale(),
                 radius: tape.radius,
                 is_full: tape.is_full,
             }),
@@ -124,6 +160,10 @@ impl From<&Tape> for TapeColumns {
                     columns.solid.push(part.id, index, **brick);
                 }
             }
+        }
+        for (index, brick) in tape.values.read_bricks() {
+            columns.values.index.push(index);
+            columns.values.stored.push(brick.0);
         }
         for entry in &tape.entries {
             columns.commands.extend(packed(&entry.command));
@@ -150,6 +190,7 @@ impl TryFrom<&TapeColumns> for Tape {
             grid,
             state,
             parts,
+            rescale,
             radius,
             is_full,
         } = start;
@@ -162,7 +203,8 @@ impl TryFrom<&TapeColumns> for Tape {
         check_parts(&parts, radius, &grid)?;
 
         let empty = Bits::empty(grid.dimensions());
-        let mut parts = rooted(&[], &parts, grid.dimensions());
+        let values = columns.values.scan_values(rescale, &empty)?;
+        let mut parts = rooted(&[], &parts, &values);
         let solid = columns.solid.swaps(0..columns.solid.index.len(), &empty)?;
         put(&mut parts, &solid);
         let entries = columns.entries(&empty, &grid)?;
@@ -170,6 +212,7 @@ impl TryFrom<&TapeColumns> for Tape {
             grid,
             state,
             parts,
+            values,
             radius,
             entries,
             is_full,
@@ -197,6 +240,32 @@ impl TapeColumns {
             entries.push(TapeEntry { command, swaps });
         }
         Ok(entries)
+    }
+}
+
+impl ValueColumns {
+    /// The values for a grid of the size of `bits`.
+    fn scan_values(&self, rescale: (f64, f64), bits: &Bits) -> Result<ScanValues, TapeError> {
+        let (slope, intercept) = rescale;
+        if !(slope.is_finite() && slope != 0.0 && intercept.is_finite()) {
+            return Err(TapeError::Rescale { slope, intercept });
+        }
+        if self.index.len() != self.stored.len() {
+            return Err(TapeError::Lengths);
+        }
+        let in_order = self.index.is_sorted_by(|before, after| before < after);
+        let count = bits.bricks().len();
+        if !in_order
+            || self
+                .index
+                .last()
+                .is_some_and(|&last| last as usize >= count)
+        {
+            return Err(TapeError::Bricks);
+        }
+        let bricks = self.index.iter().zip(&self.stored);
+        let bricks = bricks.map(|(&index, stored)| (index, Arc::new(IntensityBrick(*stored))));
+        Ok(ScanValues::of_bricks(bits.dimensions(), rescale, bricks))
     }
 }
 
@@ -258,6 +327,11 @@ fn check_parts(parts: &[TapePart], radius: f64, grid: &Grid) -> Result<(), TapeE
     let moved = parts.iter().filter(|part| part.moved.is_some()).count();
     if !in_order || moved > MAX_OBJECTS || parts.iter().any(|part| part.id == 0) {
         return Err(TapeError::Parts);
+    }
+    for (low, high) in parts.iter().filter_map(|part| part.threshold) {
+        if !(low.is_finite() && high.is_finite() && low <= high) {
+            return Err(TapeError::Threshold { low, high });
+        }
     }
     if radius != 0.0 {
         BallShape::new(radius, grid.spacing())?;

@@ -180,9 +180,9 @@ impl TouchSender {
             return;
         }
         // the tape must wait for the mark before the servo can answer it
-        let grid = *scene.voxels().grid();
+        let scan = (*scene.voxels().grid(), scene.values().clone());
         let parts = scene.touchable_parts();
-        tape.begin(self.commands + 1, grid, parts, self.radius);
+        tape.begin(self.commands + 1, scan, parts, self.radius);
         drop(tape);
         self.commands += 1;
         self.backlog.push_back(ServoCommand::Mark);

@@ -20,6 +20,8 @@ use palpate_volume::grid::Grid;
 use palpate_volume::voxel_box::VoxelBox;
 
 use crate::body::Body;
+use crate::known_shares::KnownShares;
+use crate::scan_values::Threshold;
 
 /// A segment that can be touched.
 #[derive(Clone, Debug)]
@@ -30,6 +32,9 @@ pub struct Part {
     pub bits: Bits,
     /// A box that holds them, where it was moved; none where it stands in the scan.
     pub moved: Option<VoxelBox>,
+    /// The threshold that made them, whatever edits did since; none where they come from
+    /// elsewhere.
+    pub threshold: Option<Threshold>,
 }
 
 /// All that can be touched, ready for the servo.
@@ -52,17 +57,16 @@ impl Touchable {
     /// # Errors
     /// Where the ball is too large for the scan's voxels.
     pub fn new(grid: &Grid, parts: Vec<Part>, radius: f64) -> Result<Self, BallError> {
-        let unmoved: Vec<&Bits> = unmoved(&parts).map(|part| &part.bits).collect();
-        let world = Body::new(
-            union_of(grid.dimensions(), &unmoved),
-            radius,
-            grid.spacing(),
-        )?;
+        let unmoved: Vec<&Part> = unmoved(&parts).collect();
+        let bits: Vec<&Bits> = unmoved.iter().map(|part| &part.bits).collect();
+        let world = Body::new(union_of(grid.dimensions(), &bits), radius, grid.spacing())?
+            .knowing(KnownShares::of(&unmoved));
         let reach = world.reach();
         let pose = ObjectPose::new(grid, grid, DAffine3::IDENTITY)
             .expect("a segment that was not moved yet is within reach");
-        let object = |bits: &Bits, bounds: VoxelBox| {
-            let body = Body::new(bits.clone(), radius, grid.spacing())?;
+        let object = |part: &Part, bounds: VoxelBox| {
+            let body = Body::new(part.bits.clone(), radius, grid.spacing())?
+                .knowing(KnownShares::of(&[part]));
             let bounds = if bounds.is_empty() {
                 bounds
             } else {
@@ -72,7 +76,7 @@ impl Touchable {
         };
         let objects = parts
             .iter()
-            .filter_map(|part| Some(object(&part.bits, part.moved?)))
+            .filter_map(|part| Some(object(part, part.moved?)))
             .collect::<Result<_, _>>()?;
         Ok(Self {
             world,
@@ -127,6 +131,8 @@ impl Touchable {
     /// Exchanges a brick of a part, if it is there.
     pub fn swap_part(&mut self, id: SegmentId, swap: &mut BrickSwap<BitBrick>) {
         if let Ok(place) = self.parts.binary_search_by_key(&id.0, |part| part.id.0) {
+            // the old brick is in the part still, so that this frees nothing
+            self.world.swap_part(id, &mut swap.clone());
             self.parts[place].bits.swap(swap);
         }
     }

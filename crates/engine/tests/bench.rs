@@ -15,6 +15,7 @@ use palpate_engine::bench::{
 use palpate_haptics::ball::BallShape;
 use palpate_haptics::ball_limits::ball_limits;
 use palpate_haptics::exact::Exact;
+use palpate_haptics::smooth::Smoothing;
 use palpate_volume::first_solid::first_solid;
 use palpate_volume::occupancy::Occupancy;
 use palpate_volume::segment::Segment;
@@ -80,7 +81,7 @@ fn ground() -> Ground {
 
 const DETECTION: Work = Work::Detection { length: 4.0 };
 const UNSMOOTHED: Work = Work::Tick {
-    smoothing: false,
+    smoothing: Smoothing::Off,
     friction: true,
 };
 

@@ -24,7 +24,7 @@ const DIMENSIONS: UVec3 = UVec3::splat(48);
 #[test]
 fn no_tick_allocates_or_frees() {
     let mut random = Random::new(5);
-    let mut rig = Rig::new(DIMENSIONS, DVec3::splat(-5.0));
+    let mut rig = Rig::of_scan(waves(DIMENSIONS), DVec3::splat(-5.0));
     let ids = [3, 8].map(|one_in| {
         rig.simulation
             .add_segment(sponge(DIMENSIONS, one_in, one_in), OBSTACLE, false)
@@ -60,6 +60,7 @@ fn change_something(
     let id = ids[random.below(2) as usize];
     let simulation = &mut rig.simulation;
     match random.below(60) {
+        0 if random.below(2) == 0 => rig.set_threshold(id, (random.between(50.0, 700.0), 2000.0)),
         0 => {
             let other = sponge(DIMENSIONS, random.below(99), 2 + random.below(9));
             simulation.replace_segment(id, other, None).unwrap();

@@ -12,6 +12,7 @@ use glam::{DAffine3, DMat3, DVec3, IVec3, UVec3};
 use palpate_engine::error::SessionError;
 use palpate_engine::feel::Feel;
 use palpate_engine::settings::Settings;
+use palpate_haptics::smooth::Smoothing;
 
 const DIMENSIONS: UVec3 = UVec3::splat(48);
 const START: DVec3 = DVec3::new(24.5, 24.5, 40.5);
@@ -192,7 +193,7 @@ fn whatever_is_done_to_the_scene_the_probe_is_never_inside() {
             1 => {
                 let settings = Settings {
                     probe_radius: random.between(0.0, 3.0),
-                    smoothing: random.below(2) == 0,
+                    smoothing: Smoothing::ALL[random.below(3) as usize],
                     friction_static: 0.3,
                     friction_kinetic: 0.2,
                     ..Settings::default()

@@ -21,6 +21,7 @@ use palpate_engine::session_config::{Reference, SessionConfig};
 use palpate_engine::settings::Settings;
 use palpate_engine::tape::{Tape, TapeCommand};
 use palpate_engine::tape_columns::{BUILD, TapeColumns, TapeError};
+use palpate_haptics::smooth::Smoothing;
 use palpate_volume::edit::SegmentId;
 
 const DIMENSIONS: UVec3 = UVec3::splat(48);
@@ -37,7 +38,7 @@ struct Recorder {
 impl Recorder {
     fn new(seed: u128) -> Self {
         let start = DVec3::splat(-5.0);
-        let mut rig = Rig::new(DIMENSIONS, start);
+        let mut rig = Rig::of_scan(waves(DIMENSIONS), start);
         let ids = [3, 8].map(|one_in| {
             let segment = sponge(DIMENSIONS, one_in, one_in);
             rig.simulation
@@ -90,6 +91,10 @@ impl Recorder {
         let id = self.ids[random.below(2) as usize];
         let simulation = &mut rig.simulation;
         match random.below(60) {
+            0 if random.below(2) == 0 => {
+                let low = random.between(50.0, 700.0);
+                rig.set_threshold(id, (low, low + random.between(100.0, 2000.0)));
+            }
             0 => {
                 let other = sponge(DIMENSIONS, random.below(99), 2 + random.below(9));
                 simulation.replace_segment(id, other, None).unwrap();
@@ -115,7 +120,7 @@ impl Recorder {
                     damping: random.between(0.0, 0.01),
                     friction_static: friction,
                     friction_kinetic: friction * random.share(),
-                    smoothing: random.below(2) == 0,
+                    smoothing: Smoothing::ALL[random.below(3) as usize],
                     probe_radius: radius,
                     ..Settings::default()
                 };
@@ -180,6 +185,11 @@ fn under_random_changes_every_tick_is_replayed_bit_for_bit() {
         let outcome = replayed(&session);
         assert_equal(&outcome);
         assert_eq!(outcome.first_row + outcome.ticks.len(), 10_000);
+        // also from what a file holds: of the scan, only what was read
+        let columns = TapeColumns::from(&session.1);
+        let read = Tape::try_from(&columns).unwrap();
+        assert_equal(&replay(&session.0, &read).unwrap());
+        assert!(!columns.values.index.is_empty());
         // the test means something
         let contacts = session.0.contact.iter().filter(|touches| **touches).count();
         assert!(contacts > 1_000, "{contacts}");
@@ -603,7 +613,8 @@ fn columns_that_are_no_tape_are_refused() {
     let other = refused(|columns| columns.commands[0] = 0xc1);
     assert!(matches!(other, TapeError::Command { number: 0, .. }));
 
-    let lengths: [fn(&mut TapeColumns); 5] = [
+    let lengths: [fn(&mut TapeColumns); 6] = [
+        |columns| _ = columns.values.stored.pop(),
         |columns| _ = columns.brick_ends.pop(),
         |columns| *columns.brick_ends.last_mut().unwrap() += 1,
         |columns| columns.command_ends[0] = u64::MAX,
@@ -613,7 +624,9 @@ fn columns_that_are_no_tape_are_refused() {
     for change in lengths {
         assert_eq!(refused(change), TapeError::Lengths);
     }
-    let bricks: [fn(&mut TapeColumns); 2] = [
+    let bricks: [fn(&mut TapeColumns); 4] = [
+        |columns| *columns.values.index.last_mut().unwrap() = u32::MAX,
+        |columns| columns.values.index[1] = columns.values.index[0],
         |columns| *columns.solid.index.last_mut().unwrap() = u32::MAX,
         |columns| columns.solid.index[1] = columns.solid.index[0],
     ];

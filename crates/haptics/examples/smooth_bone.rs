@@ -4,6 +4,10 @@
 //! folder is `PALPATE_DATA`, by default `shared/data` beside the project.
 //!
 //!     cargo run --release -p palpate-haptics --example smooth_bone
+//!
+//! With `once` it only makes one pass of complete ticks, for tools that count instructions:
+//!
+//!     valgrind --tool=callgrind --toggle-collect='*complete_ticks*' .../smooth_bone once
 #![expect(clippy::print_stdout, reason = "a table is what this example is for")]
 
 #[path = "../tests/support/mod.rs"]
@@ -13,11 +17,12 @@ use glam::{DMat3, DVec3, UVec3};
 use palpate_haptics::contact::ContactModel;
 use palpate_haptics::exact::Exact;
 use palpate_haptics::proxy::Proxy;
+use palpate_haptics::safety::{ForceLimits, Safety};
 use palpate_haptics::scene::TouchScene;
-use palpate_haptics::smooth::cache::SmoothCache;
-use palpate_haptics::smooth::shares::ThresholdShares;
-use palpate_haptics::smooth::{SmoothInput, SmoothState, Smoother};
-use palpate_volume::bits::Bits;
+use palpate_haptics::smooth::cache::{SmoothCache, Source};
+use palpate_haptics::smooth::{SmoothInput, SmoothState, Smoother, Smoothing};
+use palpate_haptics::surface::{Surface, Uniform};
+use palpate_haptics::tick::{TickCache, TickInput, TickState, tick};
 use palpate_volume::first_solid::first_solid;
 use palpate_volume::grid::Grid;
 use palpate_volume::intensities::Intensities;
@@ -25,7 +30,7 @@ use palpate_volume::threshold::threshold;
 use std::hint::black_box;
 use std::path::PathBuf;
 use std::time::Instant;
-use support::Random;
+use support::{Random, Thresholded};
 
 const DIMENSIONS: UVec3 = UVec3::new(256, 256, 113);
 const SPACING: DVec3 = DVec3::new(1.0, 1.0, 2.0);
@@ -50,7 +55,11 @@ fn cthead() -> Option<Intensities> {
 }
 
 /// A hand that keeps a depth and turns slowly at random: device points, in the grid.
-fn stroke(scene: &TouchScene<'_, Bits>, depth: f64, random: &mut Random) -> (Proxy, Vec<DVec3>) {
+fn stroke(
+    scene: &TouchScene<'_, Thresholded<'_>>,
+    depth: f64,
+    random: &mut Random,
+) -> (Proxy, Vec<DVec3>) {
     let spacing = scene.grid.spacing();
     let middle = DIMENSIONS.as_dvec3() / 2.0;
     let (start, hit) = loop {
@@ -89,7 +98,7 @@ fn stroke(scene: &TouchScene<'_, Bits>, depth: f64, random: &mut Random) -> (Pro
 
 /// The first of some strokes that is in contact nearly always and gets somewhere.
 fn stroke_in_contact(
-    scene: &TouchScene<'_, Bits>,
+    scene: &TouchScene<'_, Thresholded<'_>>,
     depth: f64,
     random: &mut Random,
 ) -> (Proxy, Vec<DVec3>) {
@@ -124,6 +133,37 @@ fn time<F: FnMut(usize)>(mut pass: impl FnMut() -> F) -> f64 {
     best.iter().sum::<f64>() / UPDATES as f64
 }
 
+/// Bone, dry.
+const ROUGH: Uniform = Uniform(Surface {
+    stiffness: 1.0,
+    friction_static: 0.3,
+    friction_kinetic: 0.2,
+    range: None,
+});
+
+/// Complete ticks, one for each update: friction, contact model, smooth point, safety stage.
+fn complete_ticks<'a>(
+    scene: &'a TouchScene<'a, Thresholded<'a>>,
+    first: Proxy,
+    path: &'a [DVec3],
+    smoothing: Smoothing,
+) -> impl FnMut(usize) + 'a {
+    let mut state = TickState::new(first);
+    let mut cache = TickCache::default();
+    let mut safety = Safety::new(ForceLimits::default());
+    move |update: usize| {
+        let input = TickInput {
+            device_in_scene: path[update] * SPACING,
+            velocity_in_scene: DVec3::ZERO,
+            damping: 0.0,
+            smoothing,
+        };
+        let model = Exact::default();
+        let output = tick(scene, &model, &ROUGH, &input, &mut state, &mut cache);
+        black_box(safety.limit(output.force, 1e-3));
+    }
+}
+
 fn quantiles(mut values: Vec<f64>) -> [f64; 4] {
     values.sort_by(f64::total_cmp);
     let at = |share: f64| values[((values.len() - 1) as f64 * share) as usize];
@@ -137,24 +177,26 @@ fn main() {
     };
     let bone = threshold(&scan, None, BONE, f64::INFINITY);
     let grid = Grid::new(DIMENSIONS, SPACING, SPACING * 0.5, DMat3::IDENTITY).expect("valid");
-    let scene = TouchScene::of_world(bone.occupancy(), &grid);
+    let bone = Thresholded::new(bone.occupancy(), &scan, (BONE, f64::INFINITY));
+    let scene = TouchScene::of_world(&bone, &grid);
     let mut random = Random::new(3);
     for depth in [1.5, 3.0] {
         let (first, path) = stroke_in_contact(&scene, depth, &mut random);
+        if std::env::args().any(|argument| argument == "once") {
+            (0..UPDATES).for_each(complete_ticks(&scene, first, &path, Smoothing::Bits));
+            continue;
+        }
+        let ticks = Smoothing::ALL
+            .map(|smoothing| time(|| complete_ticks(&scene, first, &path, smoothing)));
         let hard = time(|| {
             let (mut proxy, scene, path) = (first, &scene, &path);
             move |update: usize| {
                 black_box(Exact::default().advance(scene, path[update], &mut proxy));
             }
         });
-        let known = ThresholdShares::new(&scan, None, [BONE, f64::INFINITY], 0.0);
-        let tick = |cache: &mut SmoothCache, proxy: &mut Proxy, device, state: &mut _, by_bits| {
+        let tick = |cache: &mut SmoothCache, proxy: &mut Proxy, device, state: &mut _, shares| {
             let met = Exact::default().advance(&scene, device, proxy);
-            let fields = if by_bits {
-                cache.near(&scene, 1, proxy)
-            } else {
-                cache.near_with(&scene, 1, proxy, &known)
-            };
+            let fields = cache.near(&scene, Source { epoch: 1, shares }, proxy);
             let input = SmoothInput {
                 proxy,
                 device_in_grid: device,
@@ -163,7 +205,7 @@ fn main() {
             let contact = Smoother::default().contact_point(&fields, &grid, &input, state);
             (met, contact)
         };
-        let [bits, intensities] = [true, false].map(|by_bits| {
+        let [bits, intensities] = [false, true].map(|shares| {
             time(|| {
                 let (mut proxy, mut state) = (first, SmoothState::default());
                 let mut cache = SmoothCache::default();
@@ -174,70 +216,77 @@ fn main() {
                         &mut proxy,
                         path[update],
                         &mut state,
-                        by_bits,
+                        shares,
                     ));
                 }
             })
         });
 
-        let mut cache = SmoothCache::default();
-        let (mut proxy, mut state) = (first, SmoothState::default());
-        let mut before = [DVec3::ZERO; 2];
-        let mut beyond = 0;
-        let mut last_device = path[0];
-        let mut turns = [Vec::new(), Vec::new()];
-        let mut changes = [Vec::new(), Vec::new()];
-        let mut times = Vec::new();
-        let [mut limited, mut touching, mut weight, mut samples] = [0.0; 4];
-        for device in &path {
-            let clock = Instant::now();
-            let (met, contact) = tick(&mut cache, &mut proxy, *device, &mut state, true);
-            times.push(clock.elapsed().as_secs_f64() * 1e6);
-            let hard = (proxy.point() - *device) * SPACING;
-            let now = [hard, contact.offset];
-            for kind in 0..2 {
-                let [a, b] = [before[kind], now[kind]];
-                if a.length() > 0.2 && b.length() > 0.2 {
-                    turns[kind].push(a.angle_between(b).to_degrees());
-                }
-                changes[kind].push((a - b).length());
-            }
-            let allowed =
-                ((*device - last_device) * SPACING).length() + 0.1 * grid.smallest_spacing();
-            beyond += u32::from((now[1] - before[1]).length() > allowed + 1e-9);
-            last_device = *device;
-            before = now;
-            touching += f64::from(u8::from(met.touching));
-            weight += contact.weight;
-            samples += f64::from(contact.samples);
-            limited += f64::from(u8::from(
-                (contact.unlimited_in_grid - contact.point_in_grid).length() > 1e-9,
-            ));
-        }
-        let share = |sum: f64| sum / UPDATES as f64;
         println!(
-            "\n{depth} mm deep: in contact {:.3}, weight {:.3}, limited {:.3}, steps {beyond}, {:.1} samples",
-            share(touching),
-            share(weight),
-            share(limited),
-            share(samples),
-        );
-        println!(
-            "hard proxy {:.0} ns, with the smooth point {:.0} ns, by intensities {:.0} ns; single ticks, median, 95 %, 99.9 %, max {:.2?} µs",
+            "\n{depth} mm deep: hard proxy {:.0} ns, with the smooth point {:.0} ns, by intensities {:.0} ns",
             hard * 1e9,
             bits * 1e9,
             intensities * 1e9,
-            quantiles(times)
         );
-        for (name, turns, changes) in [
-            ("hard", &turns[0], &changes[0]),
-            ("smooth", &turns[1], &changes[1]),
-        ] {
+        println!(
+            "complete tick without smoothing, by bits, by intensities {:.0?} ns",
+            ticks.map(|seconds| seconds * 1e9)
+        );
+        for (name, shares) in [("bits", false), ("intensities", true)] {
+            let mut cache = SmoothCache::default();
+            let (mut proxy, mut state) = (first, SmoothState::default());
+            let mut before = [DVec3::ZERO; 2];
+            let mut beyond = 0;
+            let mut last_device = path[0];
+            let mut turns = [Vec::new(), Vec::new()];
+            let mut changes = [Vec::new(), Vec::new()];
+            let mut times = Vec::new();
+            let [mut limited, mut touching, mut weight, mut samples] = [0.0; 4];
+            for device in &path {
+                let clock = Instant::now();
+                let (met, contact) = tick(&mut cache, &mut proxy, *device, &mut state, shares);
+                times.push(clock.elapsed().as_secs_f64() * 1e6);
+                let hard = (proxy.point() - *device) * SPACING;
+                let now = [hard, contact.offset];
+                for kind in 0..2 {
+                    let [a, b] = [before[kind], now[kind]];
+                    if a.length() > 0.2 && b.length() > 0.2 {
+                        turns[kind].push(a.angle_between(b).to_degrees());
+                    }
+                    changes[kind].push((a - b).length());
+                }
+                let allowed =
+                    ((*device - last_device) * SPACING).length() + 0.1 * grid.smallest_spacing();
+                beyond += u32::from((now[1] - before[1]).length() > allowed + 1e-9);
+                last_device = *device;
+                before = now;
+                touching += f64::from(u8::from(met.touching));
+                weight += contact.weight;
+                samples += f64::from(contact.samples);
+                limited += f64::from(u8::from(
+                    (contact.unlimited_in_grid - contact.point_in_grid).length() > 1e-9,
+                ));
+            }
+            let share = |sum: f64| sum / UPDATES as f64;
             println!(
-                "{name:7} turn per update, median, 95 %, 99.9 %, max {:.1?}°; change of the way {:.2?} mm",
-                quantiles(turns.clone()),
-                quantiles(changes.clone())
+                "by {name}: in contact {:.3}, weight {:.3}, limited {:.3}, steps {beyond}, {:.1} samples; \
+                 single ticks, median, 95 %, 99.9 %, max {:.2?} µs",
+                share(touching),
+                share(weight),
+                share(limited),
+                share(samples),
+                quantiles(times)
             );
+            for (name, turns, changes) in [
+                ("hard", &turns[0], &changes[0]),
+                (name, &turns[1], &changes[1]),
+            ] {
+                println!(
+                    "{name:11} turn per update, median, 95 %, 99.9 %, max {:.2?}°; change of the way {:.2?} mm",
+                    quantiles(turns.clone()),
+                    quantiles(changes.clone())
+                );
+            }
         }
     }
 }

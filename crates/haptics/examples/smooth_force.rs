@@ -17,7 +17,7 @@ use palpate_haptics::contact::ContactModel;
 use palpate_haptics::exact::Exact;
 use palpate_haptics::proxy::Proxy;
 use palpate_haptics::scene::TouchScene;
-use palpate_haptics::smooth::cache::SmoothCache;
+use palpate_haptics::smooth::cache::{SmoothCache, Source};
 use palpate_haptics::smooth::{SmoothInput, SmoothState, Smoother};
 use palpate_volume::grid::Grid;
 use palpate_volume::segment::Segment;
@@ -77,7 +77,14 @@ fn follow(strokes: &[(Segment, Path)], grid: &Grid, depth: f64) -> [Figures; 2] 
             let device = foot - normal * depth * h;
             let in_grid = device / spacing;
             let met = Exact::default().advance(&scene, in_grid, &mut proxy);
-            let fields = cache.near(&scene, 0, &proxy);
+            let fields = cache.near(
+                &scene,
+                Source {
+                    epoch: 0,
+                    shares: false,
+                },
+                &proxy,
+            );
             let input = SmoothInput {
                 proxy: &proxy,
                 device_in_grid: in_grid,

@@ -21,7 +21,10 @@ pub mod cache;
 mod descent;
 pub mod field;
 mod half_spaces;
+mod rows;
 pub mod shares;
+mod spline;
+mod tents;
 mod window;
 
 use crate::contact::Contact;
@@ -33,6 +36,42 @@ use glam::DVec3;
 use palpate_volume::grid::Grid;
 use palpate_volume::walk::COORDINATE_LIMIT;
 use serde::{Deserialize, Serialize};
+
+/// Where the force comes from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Smoothing {
+    /// The hard proxy: the stairs of voxels are felt.
+    Off,
+    /// The smooth surface of the voxels, whatever made them.
+    Bits,
+    /// The same, and where a threshold made the voxels, its place between them.
+    #[default]
+    Intensities,
+}
+
+impl Smoothing {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Off, Self::Bits, Self::Intensities];
+
+    /// As settings call it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Off => "off",
+            Self::Bits => "bits",
+            Self::Intensities => "intensities",
+        }
+    }
+
+    /// The one of this name, if there is one.
+    #[must_use]
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL
+            .into_iter()
+            .find(|smoothing| smoothing.name() == name)
+    }
+}
 
 /// How the smooth contact point is found. A cell is two voxels long on cubes, and about as
 /// long as the thickest side of a voxel where slices are thick.
@@ -80,7 +119,7 @@ impl Default for Smoother {
             trusted: [0.75, 1.25],
             agreed_depth: [0.25, 0.45],
             agreed_turn: [0.2, 0.4],
-            baseline: 1.0,
+            baseline: 1.5,
             curved: [0.05, 0.12],
             largest_correction: 0.5,
             largest_change: 0.1,
@@ -183,7 +222,6 @@ impl Smoother {
         }
         let held_by = tick.contact.stopped_by.map(|solid| solid.body);
         let query = Query {
-            proxy,
             device: device - proxy,
             held_by: held_by.filter(|_| tick.contact.touching),
         };

@@ -15,8 +15,8 @@ use crate::coupling::Coupling;
 use crate::friction::{Friction, FrictionState};
 use crate::proxy::Proxy;
 use crate::scene::{Solid, TouchScene};
-use crate::smooth::cache::{NearFields, SmoothCache};
-use crate::smooth::{SmoothInput, SmoothState, Smoother};
+use crate::smooth::cache::{NearFields, SmoothCache, Source};
+use crate::smooth::{SmoothInput, SmoothState, Smoother, Smoothing};
 use crate::surface::{Feel, Holders, SurfaceBlend, Surfaces};
 use glam::DVec3;
 use palpate_volume::first_solid::{Outcome, first_solid_bounded};
@@ -32,8 +32,8 @@ pub struct TickInput {
     pub velocity_in_scene: DVec3,
     /// Of the damper beside the spring [N·s/mm].
     pub damping: f64,
-    /// Whether the force comes from the smooth contact point; else stairs are felt.
-    pub smoothing: bool,
+    /// Where the force comes from.
+    pub smoothing: Smoothing,
 }
 
 /// All that changes from tick to tick. A recording begins with it, so that whatever stands here
@@ -79,9 +79,14 @@ pub struct TickCache {
 }
 
 impl TickCache {
-    /// Tells a number that changes with every voxel and every body.
+    /// Tells a number that changes with every voxel, every body and what is known of shares.
     pub fn set_epoch(&mut self, epoch: u64) {
         self.epoch = epoch;
+    }
+
+    /// Forgets all that it keeps.
+    pub fn forget(&mut self) {
+        self.fields.forget();
     }
 }
 
@@ -204,14 +209,18 @@ impl<O: Occupancy, M: ContactModel, S: Surfaces> Tick<'_, O, M, S> {
 
         // the smooth point beside it
         let smoother = Smoother {
-            enabled: self.input.smoothing,
+            enabled: self.input.smoothing != Smoothing::Off,
             ..Smoother::default()
+        };
+        let source = Source {
+            epoch: cache.epoch,
+            shares: self.input.smoothing == Smoothing::Intensities,
         };
         let mut smoothed = |contact: &Contact, to: DVec3, state: &mut TickState| {
             let fields = if smoother.enabled {
-                cache.fields.near(self.scene, cache.epoch, &state.proxy)
+                cache.fields.near(self.scene, source, &state.proxy)
             } else {
-                NearFields::new([])
+                NearFields::none()
             };
             let asked = SmoothInput {
                 proxy: &state.proxy,

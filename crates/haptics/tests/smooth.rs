@@ -7,17 +7,17 @@ use palpate_haptics::contact::{Contact, ContactModel};
 use palpate_haptics::exact::Exact;
 use palpate_haptics::proxy::Proxy;
 use palpate_haptics::scene::{Object, ObjectPose, TouchScene};
-use palpate_haptics::smooth::cache::SmoothCache;
-use palpate_haptics::smooth::shares::{Shares, ThresholdShares};
+use palpate_haptics::smooth::cache::{SmoothCache, Source};
+use palpate_haptics::smooth::shares::{Around, Limits};
 use palpate_haptics::smooth::{SmoothContact, SmoothInput, SmoothState, Smoother};
 use palpate_volume::bits::Bits;
 use palpate_volume::grid::Grid;
 use palpate_volume::intensities::Intensities;
-use palpate_volume::overlay::Overlay;
+use palpate_volume::occupancy::Occupancy;
 use palpate_volume::segment::Segment;
 use palpate_volume::threshold::threshold;
 use palpate_volume::voxel_box::VoxelBox;
-use support::{Random, SPACINGS, grid, noise};
+use support::{Random, SPACINGS, Thresholded, grid, noise};
 
 const CENTRE: DVec3 = DVec3::new(45.3, 45.1, 45.2);
 
@@ -38,21 +38,21 @@ fn body(grid: &Grid, inside: impl Fn(DVec3) -> bool + Sync) -> Segment {
 }
 
 /// A hand on a scene.
-struct Hand<'a> {
-    scene: TouchScene<'a, Bits>,
+struct Hand<'a, O = Bits> {
+    scene: TouchScene<'a, O>,
     smoother: Smoother,
     proxy: Proxy,
     state: SmoothState,
     cache: SmoothCache,
     epoch: u64,
     met: Contact,
-    /// What made the solid, if that is known.
-    threshold: Option<ThresholdShares<'a>>,
+    /// Whether shares count, where they are known.
+    shares: bool,
 }
 
-impl<'a> Hand<'a> {
+impl<'a, O: Occupancy> Hand<'a, O> {
     /// From a free point [mm] on.
-    fn at(scene: TouchScene<'a, Bits>, start: DVec3) -> Self {
+    fn at(scene: TouchScene<'a, O>, start: DVec3) -> Self {
         Self {
             scene,
             smoother: Smoother::default(),
@@ -61,7 +61,7 @@ impl<'a> Hand<'a> {
             cache: SmoothCache::default(),
             epoch: 1,
             met: Contact::default(),
-            threshold: None,
+            shares: true,
         }
     }
 
@@ -69,11 +69,11 @@ impl<'a> Hand<'a> {
     fn tick(&mut self, device: DVec3) -> SmoothContact {
         let device = device / self.scene.grid.spacing();
         self.met = Exact::default().advance(&self.scene, device, &mut self.proxy);
-        let (cache, scene) = (&mut self.cache, &self.scene);
-        let fields = match &self.threshold {
-            Some(known) => cache.near_with(scene, self.epoch, &self.proxy, known),
-            None => cache.near(scene, self.epoch, &self.proxy),
+        let source = Source {
+            epoch: self.epoch,
+            shares: self.shares,
         };
+        let fields = self.cache.near(&self.scene, source, &self.proxy);
         let input = SmoothInput {
             proxy: &self.proxy,
             device_in_grid: device,
@@ -105,23 +105,14 @@ struct Felt {
 
 /// Follows foot points with the device some depth [h] under them.
 fn follow(grid: &Grid, solid: &Segment, path: &[Foot], depth: f64) -> Felt {
-    follow_with(grid, solid, path, depth, None)
+    follow_on(grid, solid.occupancy(), path, depth)
 }
 
-fn follow_with(
-    grid: &Grid,
-    solid: &Segment,
-    path: &[Foot],
-    depth: f64,
-    threshold: Option<ThresholdShares<'_>>,
-) -> Felt {
+fn follow_on(grid: &Grid, solid: &impl Occupancy, path: &[Foot], depth: f64) -> Felt {
     let h = grid.smallest_spacing();
-    let scene = TouchScene::of_world(solid.occupancy(), grid);
+    let scene = TouchScene::of_world(solid, grid);
     let (first, outward) = path[0];
-    let mut hand = Hand {
-        threshold,
-        ..Hand::at(scene, first + outward * 5.0 * h)
-    };
+    let mut hand = Hand::at(scene, first + outward * 5.0 * h);
     // come down to the surface and into it
     for way in 0..100 {
         let height = 5.0 - (5.0 + depth) * f64::from(way) / 100.0;
@@ -643,10 +634,11 @@ fn intensities_take_the_stairs_from_planes_of_any_slope() {
             let turn = turned(about_x, about_y);
             let scan = scan_of_plane(&grid, turn);
             let solid = threshold(&scan, None, THRESHOLD, f64::INFINITY);
-            let known = ThresholdShares::new(&scan, None, [THRESHOLD, f64::INFINITY], 0.0);
+            let range = (THRESHOLD, f64::INFINITY);
+            let known = Thresholded::new(solid.occupancy(), &scan, range);
             let path = plane_path(turn, h);
-            let [bits, intensities] =
-                [None, Some(known)].map(|known| follow_with(&grid, &solid, &path, 2.0, known));
+            let bits = follow(&grid, &solid, &path, 2.0);
+            let intensities = follow_on(&grid, &known, &path, 2.0);
             let case = format!("{about_x}° and {about_y}°, {spacing} mm");
             // on slices 0.2 h is 0.14 mm, an 18th of their thickness
             let [ripple, angle, lag] = if spacing == DVec3::ONE {
@@ -674,29 +666,95 @@ fn intensities_take_the_stairs_from_planes_of_any_slope() {
     }
 }
 
+/// A scan of 4×4×4 voxels whose values are given along x.
+fn rising(values: [i16; 4], slope: f64) -> Intensities {
+    let values: Vec<i16> = (0..64).map(|i| values[i % 4]).collect();
+    Intensities::new(UVec3::splat(4), values, slope, 0.0).expect("one value per voxel")
+}
+
+/// Shares along x on these thresholds, of a solid and of a free voxel.
+fn shares(scan: &Intensities, thresholds: &[(f64, f64)]) -> [[Option<f32>; 2]; 4] {
+    let limits = Limits::new((scan.slope(), scan.intercept()), thresholds.iter().copied());
+    std::array::from_fn(|x| {
+        let around = Around::of(scan, IVec3::new(x as i32, 1, 1));
+        [true, false].map(|solid| limits.share(&around, solid))
+    })
+}
+
 #[test]
 fn a_voxel_tells_its_share_where_its_value_agrees_with_its_bit() {
-    let dimensions = UVec3::splat(4);
-    // 0, 100, 400, 900 along x
-    let values: Vec<i16> = (0..64_i16).map(|i| 100 * (i % 4) * (i % 4)).collect();
-    let scan = Intensities::new(dimensions, values, 1.0, 0.0).expect("one value per voxel");
-    let known = ThresholdShares::new(&scan, None, [300.0, 1e9], 0.0);
-    let at = |x| IVec3::new(x, 1, 1);
-    // 200 below and 100 above the limit, where the values rise by 200 and 400 per voxel
-    assert_eq!(known.share(at(1), false), Some(0.0));
-    assert_eq!(known.share(at(2), true), Some(0.75));
-    // edited by hand: the bit counts
-    assert_eq!(known.share(at(2), false), None);
-    assert_eq!(known.share(at(1), true), None);
-    // with an empty overlay, and with a slope below zero, all is as without
-    let overlay = Overlay::empty(dimensions);
-    let known = ThresholdShares::new(&scan, Some(&overlay), [300.0, 1e9], 0.0);
-    assert_eq!(known.share(at(2), true), Some(0.75));
-    let falling = Intensities::new(dimensions, scan.values().clone(), -1.0, 0.0).expect("valid");
-    let known = ThresholdShares::new(&falling, None, [-1e9, -300.0], 0.0);
-    assert_eq!(known.share(at(2), true), Some(0.75));
+    // 200 below and 100 above the limit, where the values rise by 200 and 400 per voxel; what
+    // was edited by hand counts as its bit says
+    let expected = [[None, Some(0.0)], [Some(0.75), None]];
+    let above = (300.0, 1e9);
+    assert_eq!(
+        shares(&rising([0, 100, 400, 900], 1.0), &[above])[1..3],
+        expected
+    );
+    // also where the slope is below zero
+    let falling = rising([0, 100, 400, 900], -1.0);
+    assert_eq!(shares(&falling, &[(-1e9, -300.0)])[1..3], expected);
     // nothing rises where all is the same
-    let flat = Intensities::new(dimensions, vec![7; 64], 1.0, 0.0).expect("one value per voxel");
-    let known = ThresholdShares::new(&flat, None, [7.0, 7.0], 0.0);
-    assert_eq!(known.share(at(1), true), None);
+    assert_eq!(shares(&rising([7; 4], 1.0), &[(7.0, 7.0)])[1], [None; 2]);
+    // the border of a scan cuts a body as its bits do
+    let cut = rising([900, 900, 900, 0], 1.0);
+    assert_eq!(shares(&cut, &[above])[0], [None; 2]);
+    let beyond = Around::of(&rising([900; 4], 1.0), IVec3::new(-1, 1, 1));
+    assert_eq!(Limits::new((1.0, 0.0), [above]).share(&beyond, false), None);
+}
+
+#[test]
+fn segments_of_several_thresholds_have_no_surface_where_they_touch() {
+    // soft, a voxel at the border of both, bone
+    let scan = rising([100, 299, 301, 900], 1.0);
+    let [soft, bone] = [(50.0, 300.0), (300.0, 2000.0)];
+    for (thresholds, full) in [
+        (vec![soft, bone], true),
+        (vec![bone, soft], true),
+        // no stored value lies between them
+        (vec![(50.0, 300.0), (301.0, 2000.0)], true),
+        (vec![bone], false),
+    ] {
+        let share = shares(&scan, &thresholds)[2][0].expect("bone has bone's value");
+        assert_eq!(share > 0.9, full, "{thresholds:?}: {share}");
+    }
+    // each of two that are apart has its own limits
+    let apart = [(50.0, 150.0), (800.0, 2000.0)];
+    let solid = shares(&scan, &apart).map(|[solid, _]| solid.is_some());
+    assert_eq!(solid, [true, false, false, true]);
+    // more than can be apart: the lowest count, and the others count as their bits say
+    let many: Vec<(f64, f64)> = (0..20)
+        .map(|i| (100.0 * f64::from(i), 100.0 * f64::from(i) + 5.0))
+        .collect();
+    let shares = shares(&scan, &many);
+    assert!(shares[0][0].is_some() && shares[3][0].is_none());
+}
+
+/// What was made from bits is not taken for what is made from shares, whatever the cache holds.
+#[test]
+fn shares_that_are_switched_leave_nothing_in_the_cache() {
+    let grid = room(DVec3::ONE);
+    let turn = turned(5.0, 3.0);
+    let scan = scan_of_plane(&grid, turn);
+    let solid = threshold(&scan, None, THRESHOLD, f64::INFINITY);
+    let known = Thresholded::new(solid.occupancy(), &scan, (THRESHOLD, f64::INFINITY));
+    let scene = TouchScene::of_world(&known, &grid);
+    let path = plane_path(turn, 1.0);
+    let mut warm = Hand::at(scene, path[0].0 + path[0].1 * 3.0);
+    let mut cold = Hand::at(scene, path[0].0 + path[0].1 * 3.0);
+    let mut ways = [Vec::new(), Vec::new()];
+    for (tick, (foot, outward)) in path.into_iter().take(600).enumerate() {
+        let shares = tick % 5 < 2;
+        cold.cache = SmoothCache::default();
+        let device = foot - outward;
+        let contact = [&mut warm, &mut cold].map(|hand| {
+            hand.shares = shares;
+            hand.tick(device)
+        });
+        assert_eq!(contact[0], contact[1], "tick {tick}");
+        ways[usize::from(shares)].push(contact[0].unlimited_in_grid.distance(device));
+    }
+    let mean = |ways: &[f64]| ways.iter().sum::<f64>() / ways.len() as f64;
+    let [bits, shares] = ways.map(|ways| mean(&ways));
+    assert!((bits - shares).abs() > 1e-3, "{bits} mm, {shares} mm");
 }

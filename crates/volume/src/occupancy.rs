@@ -30,6 +30,19 @@ pub trait Occupancy {
     fn smooth_block(&self, min: IVec3) -> BitBrick {
         self.block(min)
     }
+
+    /// Whether [`Self::share`] ever tells anything.
+    #[inline]
+    fn knows_shares(&self) -> bool {
+        false
+    }
+
+    /// How much of a voxel at the surface of [`Self::smooth_block`] is solid, 0..=1: at least ½
+    /// of a solid one and at most ½ of a free one. None where nothing is known beyond its bit.
+    #[inline]
+    fn share(&self, _voxel: IVec3, _solid: bool) -> Option<f32> {
+        None
+    }
 }
 
 impl Occupancy for Bits {
@@ -126,6 +139,16 @@ impl<O: Occupancy + ?Sized> Occupancy for &O {
     #[inline]
     fn smooth_block(&self, min: IVec3) -> BitBrick {
         (**self).smooth_block(min)
+    }
+
+    #[inline]
+    fn knows_shares(&self) -> bool {
+        (**self).knows_shares()
+    }
+
+    #[inline]
+    fn share(&self, voxel: IVec3, solid: bool) -> Option<f32> {
+        (**self).share(voxel, solid)
     }
 }
 

@@ -84,10 +84,14 @@ WORKS = {
     "detection, 10 voxels": "detection, 10 voxels",
     "hard proxy": "proxy",
     "complete tick": "tick",
+    "tick by bits": "tick, by bits",
     "tick without smoothing": "tick, no smoothing",
     "tick without friction": "tick, no friction",
 }
 """What is timed, and what the engine calls it."""
+
+PARTS = ("tick by bits", "tick without smoothing", "tick without friction")
+"""Of a complete tick: told of a point."""
 
 RADII = (0, 1, 2, 5)
 """Of the probe [h]; 0 is a point."""
@@ -109,14 +113,13 @@ class TouchCase:
 
 def _touch_cases() -> tuple[TouchCase, ...]:
     """Returns all of them: the thesis has points only, and ticks in parts are told of a point."""
-    parts = ("tick without smoothing", "tick without friction")
     return tuple(
         TouchCase(work, model, radius)
         for work in WORKS
         for model in (EXACT, ORIGINAL, IMPROVED)
         for radius in RADII
-        if radius == 0 or (model == EXACT and work not in parts)
-        if model == EXACT or work not in parts
+        if radius == 0 or (model == EXACT and work not in PARTS)
+        if model == EXACT or work not in PARTS
     )
 
 
@@ -154,7 +157,7 @@ def _touch_rows(ground: str, touch: TouchCase) -> tuple[Goal, ...]:
     ]
     if "detection" not in touch.work:
         rows.append(_contact(case, 95.0 if touch.model == EXACT else None))
-    if touch.radius == 0 and touch.model != IMPROVED and "without" not in touch.work:
+    if touch.radius == 0 and touch.model != IMPROVED and touch.work not in PARTS:
         rows.append(Goal(case, "ratio to thesis-improved", RATIO, 1.0, "x", None, "higher"))
     return tuple(rows)
 

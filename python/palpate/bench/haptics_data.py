@@ -70,6 +70,7 @@ def ground_of(*segments: Segment) -> _core.Ground:
     return _core.Ground(
         volume._internal,  # noqa: SLF001
         [segment._internal for segment in segments],  # noqa: SLF001
+        [segment.range for segment in segments],
     )
 
 

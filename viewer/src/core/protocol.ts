@@ -106,7 +106,7 @@ export interface Settings {
   readonly damping: number;
   readonly friction_static: Friction;
   readonly friction_kinetic: Friction;
-  readonly smoothing: boolean;
+  readonly smoothing: "intensities" | "bits" | "off";
   readonly probe_radius: number;
   readonly force_limit: number;
 }
@@ -526,7 +526,7 @@ const isSettings = record({
   damping: real({ ge: 0, le: 0.1 }),
   friction_static: isFriction,
   friction_kinetic: isFriction,
-  smoothing: flag,
+  smoothing: oneOf("intensities", "bits", "off"),
   probe_radius: real({ ge: 0, le: 20 }),
   force_limit: real({ gt: 0, le: 40 }),
 });

@@ -82,6 +82,13 @@ export const modelChoices: readonly ModelChoice[] = [
   },
 ];
 
+/** Where the force comes from, as it is offered. */
+export const smoothingChoices: readonly { readonly smoothing: Settings["smoothing"]; readonly name: string }[] = [
+  { smoothing: "intensities", name: "smooth" },
+  { smoothing: "bits", name: "by voxels" },
+  { smoothing: "off", name: "voxel stairs" },
+];
+
 // --- what outlives a visit --------------------------------------------------------------
 
 /** Form of what is kept; another number means that nothing kept before is read. */
@@ -112,7 +119,8 @@ export function recalled(memory: unknown, defaults: Settings): Settings {
     return typeof value === "number" && value >= min && value <= max ? [[name, value] as const] : [];
   });
   const model = modelChoices.find((choice) => choice.model === kept["model"])?.model ?? defaults.model;
-  const smoothing = typeof kept["smoothing"] === "boolean" ? kept["smoothing"] : defaults.smoothing;
+  const chosen = smoothingChoices.find((choice) => choice.smoothing === kept["smoothing"]);
+  const smoothing = chosen?.smoothing ?? defaults.smoothing;
   const settled = { ...defaults, ...Object.fromEntries(numbers), model, smoothing };
   // sliding never takes more than resting
   return { ...settled, friction_kinetic: Math.min(settled.friction_kinetic, settled.friction_static) };

@@ -106,7 +106,7 @@ export class KeyboardInput {
         this.session.changeSettings({ probe_radius: larger(probe_radius, 1) });
         return true;
       case "v":
-        this.session.changeSettings({ smoothing: !smoothing });
+        this.session.changeSettings({ smoothing: smoothing === "off" ? "intensities" : "off" });
         return true;
       default:
         return false;

@@ -22,7 +22,7 @@ test("one friction slider sets both coefficients, the kinetic one at four fifths
 });
 
 test("only what a person has changed is kept, and comes back", () => {
-  const changed = { ...settings, stiffness: 2.5, smoothing: false, model: "thesis-improved" as const };
+  const changed = { ...settings, stiffness: 2.5, smoothing: "bits" as const, model: "thesis-improved" as const };
   const memory = remembered(changed, settings);
   expect(Object.keys(memory.settings).sort()).toEqual(["model", "smoothing", "stiffness"]);
   expect(recalled(JSON.parse(JSON.stringify(memory)), settings)).toEqual(changed);
@@ -44,7 +44,7 @@ test("whatever stands in the browser's memory, settings come out that the engine
     const read = recalled({ version: memoryVersion, settings: kept }, settings);
     expect(Object.keys(read).sort()).toEqual(Object.keys(settings).sort());
     expect(modelChoices.map(({ model }) => model)).toContain(read.model);
-    expect(typeof read.smoothing).toBe("boolean");
+    expect(["intensities", "bits", "off"]).toContain(read.smoothing);
     expect(read.stiffness).toBeGreaterThan(0);
     expect(read.stiffness).toBeLessThanOrEqual(10);
     expect(read.friction_kinetic).toBeLessThanOrEqual(read.friction_static);
@@ -65,7 +65,7 @@ test("kept sliding friction never exceeds kept or default resting friction", () 
 
 test("settings are compared by all their values", () => {
   expect(sameSettings(settings, { ...settings })).toBe(true);
-  expect(sameSettings(settings, { ...settings, smoothing: false })).toBe(false);
+  expect(sameSettings(settings, { ...settings, smoothing: "off" })).toBe(false);
 });
 
 test("keys step through stiffness and radius and stop at their ends", () => {

@@ -64,7 +64,7 @@ export const settings: Settings = {
   damping: 0.001,
   friction_static: 0,
   friction_kinetic: 0,
-  smoothing: true,
+  smoothing: "intensities",
   probe_radius: 0,
   force_limit: 4,
 };

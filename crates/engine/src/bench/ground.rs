@@ -6,8 +6,11 @@ use glam::{DMat3, DVec3, IVec3, UVec3};
 use palpate_volume::bits::Bits;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::{Grid, GridError};
+use palpate_volume::intensities::Intensities;
 use palpate_volume::occupancy::Occupancy;
 
+use crate::scan_values::{ScanValues, Threshold};
+use crate::scene::ThresholdRange;
 use crate::touchable::Part;
 
 /// Segments where the scan has them.
@@ -16,13 +19,33 @@ pub struct Ground {
     /// Where the scan stands.
     pub grid: Grid,
     segments: Vec<Bits>,
+    /// What made them, as far as that is known.
+    thresholds: Vec<Option<Threshold>>,
 }
 
 impl Ground {
     /// These segments of a scan, each of its dimensions, 255 at most.
     #[must_use]
     pub fn new(grid: Grid, segments: Vec<Bits>) -> Self {
-        Self { grid, segments }
+        Self {
+            grid,
+            segments,
+            thresholds: Vec::new(),
+        }
+    }
+
+    /// The same where thresholds on the scan made some of the segments.
+    #[must_use]
+    pub fn made_by(self, scan: &Intensities, ranges: &[Option<ThresholdRange>]) -> Self {
+        let values = ScanValues::of(scan);
+        let threshold = |range: &Option<ThresholdRange>| {
+            let values = values.clone();
+            range.map(|range| Threshold { range, values })
+        };
+        Self {
+            thresholds: ranges.iter().map(threshold).collect(),
+            ..self
+        }
     }
 
     /// As the servo wants them: numbered from 1.
@@ -30,15 +53,18 @@ impl Ground {
     pub fn parts(&self) -> Vec<Part> {
         (1..=u8::MAX)
             .zip(&self.segments)
-            .map(|(number, bits)| Part {
+            .enumerate()
+            .map(|(place, (number, bits))| Part {
                 id: SegmentId(number),
                 bits: bits.clone(),
                 moved: None,
+                threshold: self.thresholds.get(place).cloned().flatten(),
             })
             .collect()
     }
 
-    /// The same voxels in the middle of a larger grid, at the same place of the scene.
+    /// The same voxels in the middle of a larger grid, at the same place of the scene; of what
+    /// made them nothing is known there.
     ///
     /// # Errors
     /// Where no grid has these dimensions.
@@ -57,6 +83,6 @@ impl Ground {
             .iter()
             .map(|bits| Bits::from_bricks(dimensions, |brick| bits.block(brick.min - offset)))
             .collect();
-        Ok(Self { grid, segments })
+        Ok(Self::new(grid, segments))
     }
 }

@@ -66,6 +66,7 @@ impl<'a> Wall<'a> {
             id: SegmentId(1),
             bits: self.solid.clone(),
             moved: None,
+            threshold: None,
         };
         Touchable::new(self.grid, vec![part], 0.0).expect("a point fits anywhere")
     }

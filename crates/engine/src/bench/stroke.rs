@@ -7,6 +7,7 @@ use glam::DVec3;
 use palpate_haptics::exact::Exact;
 use palpate_haptics::proxy::Proxy;
 use palpate_haptics::scene::TouchScene;
+use palpate_haptics::smooth::Smoothing;
 use palpate_haptics::surface::Uniform;
 use palpate_haptics::tick::{TickCache, TickInput, TickOutput, TickState, tick};
 use palpate_volume::first_solid::first_solid;
@@ -147,7 +148,7 @@ fn slide_from(
             velocity_in_scene: DVec3::ZERO,
             damping: 0.0,
             // the depth is that of the hard proxy
-            smoothing: false,
+            smoothing: Smoothing::Off,
         };
         let output = tick(&scene, model, &surface, &input, &mut state, &mut cache);
         stroke.device.push(hand.device);

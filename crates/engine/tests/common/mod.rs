@@ -24,6 +24,7 @@ use palpate_engine::settings::Settings;
 use palpate_engine::shared::Shared;
 use palpate_engine::simulation::{Simulation, SimulationStatus};
 use palpate_engine::touchable::Touchable;
+use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
 use palpate_volume::intensities::Intensities;
 use palpate_volume::segment::Segment;
@@ -33,6 +34,7 @@ use palpate_volume::voxels::Voxels;
 pub const OBSTACLE: Properties = Properties {
     touchable: true,
     range: None,
+    made_by: None,
     feel: Feel {
         stiffness: None,
         friction_static: None,
@@ -52,8 +54,17 @@ pub fn intensities(dimensions: UVec3) -> Intensities {
     Intensities::new(dimensions, values, 1.0, 0.0).unwrap()
 }
 
-pub fn voxels(dimensions: UVec3) -> Voxels {
-    Voxels::new(grid(dimensions), intensities(dimensions)).unwrap()
+/// Values from -1000 to 1000 that rise and fall within some voxels, with noise.
+pub fn waves(dimensions: UVec3) -> Intensities {
+    let mut random = Random::new(77);
+    let values: Vec<i16> = VoxelBox::of_dimensions(dimensions)
+        .voxels()
+        .map(|voxel| {
+            let wave = (voxel.as_dvec3() * 0.45).map(f64::sin).element_product();
+            (900.0 * wave + random.between(-100.0, 100.0)) as i16
+        })
+        .collect();
+    Intensities::new(dimensions, values, 1.0, 0.0).unwrap()
 }
 
 /// Solid in a box of voxels.
@@ -188,8 +199,15 @@ pub struct Rig {
 }
 
 impl Rig {
-    /// A rig without segments; the device's frame is the scene.
+    /// A rig without segments, whose scan has the value 0 everywhere; the device's frame is the
+    /// scene.
     pub fn new(dimensions: UVec3, probe: DVec3) -> Self {
+        Self::of_scan(intensities(dimensions), probe)
+    }
+
+    /// The same on a scan.
+    pub fn of_scan(scan: Intensities, probe: DVec3) -> Self {
+        let dimensions = scan.dimensions();
         let channels = Channels::new(probe);
         let shared = Arc::new(Shared::default());
         let (notices, notice_inbox) = mpsc::channel();
@@ -205,7 +223,7 @@ impl Rig {
         Self {
             servo: ServoLoop::new(start, channels.servo, Arc::clone(&shared)),
             simulation: Simulation::new(
-                Scene::new(voxels(dimensions)),
+                Scene::new(Voxels::new(grid(dimensions), scan).unwrap()),
                 Settings::default(),
                 limits(),
                 channels.simulation,
@@ -244,6 +262,13 @@ impl Rig {
         self.servo.step(self.now);
         self.now += 1e-3;
         self.records.pop().expect("every tick is recorded")
+    }
+
+    /// Makes a segment the voxels from `low` to `high`, as a dragged threshold does.
+    pub fn set_threshold(&mut self, id: SegmentId, (low, high): (f64, f64)) {
+        let segment = self.simulation.voxels().threshold(low, high);
+        let range = Some((low, high));
+        self.simulation.replace_segment(id, segment, range).unwrap();
     }
 
     pub fn violations(&self) -> u64 {

@@ -6,10 +6,10 @@
 
 use super::blur::BlurField;
 use super::field::Field;
-use super::shares::{NoShares, Shares};
+use super::shares::{NoShares, OwnShares};
 use crate::proxy::Proxy;
 use crate::scene::{MAX_OBJECTS, TouchScene};
-use glam::{DAffine3, DMat3, DVec3};
+use glam::{DMat3, DVec3, Mat3A, Vec3A};
 use palpate_volume::occupancy::Occupancy;
 
 /// Bodies that one contact point respects: a corner of three faces.
@@ -22,54 +22,75 @@ const ENTRIES: usize = 2 + MAX_OBJECTS;
 #[derive(Clone, Debug)]
 pub struct SmoothCache {
     fields: Box<[BlurField; ENTRIES]>,
-    epochs: [u64; ENTRIES],
+    /// What each field was made from; none where it is not to be used.
+    sources: [Option<Source>; ENTRIES],
     /// The field of the world that was used last.
     world: usize,
+}
+
+/// What fields are made from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Source {
+    /// A number that changes with every voxel of any body, with what is known of their shares,
+    /// and with the bodies themselves.
+    pub epoch: u64,
+    /// Whether voxels at the surface count by their shares, where bodies know them.
+    pub shares: bool,
 }
 
 impl Default for SmoothCache {
     fn default() -> Self {
         Self {
             fields: Box::new(std::array::from_fn(|_| BlurField::empty())),
-            epochs: [0; ENTRIES],
+            sources: [None; ENTRIES],
             world: 0,
         }
     }
 }
 
-/// A field of a body, and where it stands.
+/// A field of a body, and where it stands. A search has its origin in the proxy, mm along the
+/// axes of the world's grid.
 #[derive(Debug)]
 pub struct PlacedField<'a, F> {
     /// The field.
     pub(crate) field: &'a F,
     /// 0 for the world, else the place of the object in its scene plus one.
     pub(crate) body: u8,
-    /// Takes mm along the axes of the world's grid, from its corner on, to the field's nodes.
-    pub(crate) nodes_from_mm: DAffine3,
-    /// From a node to the next, along each axis of the body [mm].
-    pub(crate) cell: DVec3,
+    /// The proxy among the field's nodes.
+    pub(crate) proxy: Vec3A,
+    /// Takes ways of the search to ways along the nodes.
+    pub(crate) nodes_from_search: Mat3A,
+    /// Takes gradients the other way.
+    pub(crate) gradient_from_nodes: Mat3A,
+    /// The shortest way from a node to the next [mm].
+    pub(crate) cell: f32,
+    /// Variance of the wide kernel along the axes of the nodes [mm²], as it stands to squared
+    /// ways along the nodes.
+    pub(crate) wide_variance: Vec3A,
 }
 
 impl<'a, F: Field> PlacedField<'a, F> {
-    /// A field of a body whose grid has voxels of `spacing` [mm]; `grid_from_mm` takes mm along
-    /// the axes of the world's grid, from its corner on, to the grid of the body.
-    pub fn new(field: &'a F, body: u8, spacing: DVec3, grid_from_mm: DAffine3) -> Self {
+    /// A field of a body whose grid has voxels of `spacing` [mm], where the proxy is a point;
+    /// `grid_from_search` takes ways of the search to ways in that grid.
+    fn new(field: &'a F, body: u8, spacing: Vec3A, proxy: DVec3, grid_from_search: Mat3A) -> Self {
         let cell = field.cell();
         let per_cell = cell.recip();
-        let axes = grid_from_mm.matrix3;
-        let nodes_from_mm = DAffine3 {
-            matrix3: DMat3::from_cols(
-                axes.x_axis * per_cell,
-                axes.y_axis * per_cell,
-                axes.z_axis * per_cell,
-            ),
-            translation: grid_from_mm.translation * per_cell - field.first_node(),
-        };
+        let axes = grid_from_search;
+        let nodes_from_search = Mat3A::from_cols(
+            axes.x_axis * per_cell,
+            axes.y_axis * per_cell,
+            axes.z_axis * per_cell,
+        );
+        let cell_mm = cell * spacing;
+        let root = field.kernel().wide * cell_mm * cell_mm;
         Self {
             field,
             body,
-            nodes_from_mm,
-            cell: cell * spacing,
+            proxy: field.nodes_at(proxy),
+            nodes_from_search,
+            gradient_from_nodes: nodes_from_search.transpose(),
+            cell: cell_mm.min_element(),
+            wide_variance: root * root,
         }
     }
 }
@@ -90,11 +111,32 @@ pub struct NearFields<'a, F> {
 
 impl<'a, F> NearFields<'a, F> {
     /// The first three of some fields.
-    pub fn new(fields: impl IntoIterator<Item = PlacedField<'a, F>>) -> Self {
+    fn new(fields: impl IntoIterator<Item = PlacedField<'a, F>>) -> Self {
         let mut fields = fields.into_iter();
         Self {
             fields: std::array::from_fn(|_| fields.next()),
         }
+    }
+
+    /// None.
+    #[must_use]
+    pub fn none() -> Self {
+        Self {
+            fields: [const { None }; MAX_FIELDS],
+        }
+    }
+
+    /// The one that there is; none where there are several.
+    pub(crate) fn only(&self) -> Option<&PlacedField<'a, F>> {
+        match &self.fields {
+            [Some(only), None, None] => Some(only),
+            _ => None,
+        }
+    }
+
+    /// A place for each, vacant or not.
+    pub(crate) fn all(&self) -> [Option<&PlacedField<'a, F>>; MAX_FIELDS] {
+        self.fields.each_ref().map(Option::as_ref)
     }
 
     /// One after the other.
@@ -109,60 +151,49 @@ struct Near {
     place: usize,
     body: u8,
     spacing: DVec3,
-    grid_from_mm: DAffine3,
+    /// Takes ways in mm along the axes of the world's grid to ways in that of the body.
+    axes: Mat3A,
     /// The proxy in the grid of the body.
     proxy: DVec3,
 }
 
 impl SmoothCache {
+    /// Has every field made anew.
+    pub fn forget(&mut self) {
+        self.sources = [None; ENTRIES];
+    }
+
     /// The fields of the bodies that are solid near the proxy; where those are more than three,
     /// the three that reach it most.
     pub fn near<O: Occupancy>(
         &mut self,
         scene: &TouchScene<'_, O>,
-        epoch: u64,
+        source: Source,
         proxy: &Proxy,
-    ) -> NearFields<'_, BlurField> {
-        self.near_with(scene, epoch, proxy, &NoShares)
-    }
-
-    /// The same, with what is known of the shares of voxels at the surface of the world; the
-    /// epoch tells changes of that, too.
-    pub fn near_with<O: Occupancy>(
-        &mut self,
-        scene: &TouchScene<'_, O>,
-        epoch: u64,
-        proxy: &Proxy,
-        world: &impl Shares,
     ) -> NearFields<'_, BlurField> {
         let spacing = scene.grid.spacing();
         let point = proxy.point();
-        let world_from_mm = DAffine3::from_scale(spacing.recip());
-        let mut near = [None; MAX_FIELDS];
-
-        // the world, in the older of its two fields where neither is the right one
-        let is_world = |&place: &usize| {
-            self.epochs[place] == epoch && self.fields[place].is_around(point, spacing)
-        };
-        match [self.world, 1 - self.world].into_iter().find(is_world) {
-            Some(place) => self.world = place,
-            None => {
-                self.world = 1 - self.world;
-                self.epochs[self.world] = epoch;
-                self.fields[self.world].around(scene.occupancy, point, spacing, world);
-            }
+        self.refresh_world(scene, source, proxy);
+        let axes = Mat3A::from_diagonal(spacing.recip().as_vec3());
+        if scene.objects.is_empty() {
+            let field = &self.fields[self.world];
+            let placed = || PlacedField::new(field, 0, spacing.as_vec3a(), point, axes);
+            return NearFields {
+                fields: [field.any_solid().then(placed), None, None],
+            };
         }
+
+        let mut near = [None; MAX_FIELDS];
         self.insert(
             &mut near,
             Near {
                 place: self.world,
                 body: 0,
                 spacing,
-                grid_from_mm: world_from_mm,
+                axes,
                 proxy: point,
             },
         );
-
         for (number, object) in scene.objects.iter().enumerate().take(MAX_OBJECTS) {
             let (low, high) = object.box_in_world();
             let at = point * spacing;
@@ -170,22 +201,51 @@ impl SmoothCache {
             if apart.length() > WINDOW_REACH * object.spacing().max_element() {
                 continue;
             }
+            let world_from_mm = DMat3::from_diagonal(spacing.recip());
+            let object_from_mm = object.pose().object_from_world().matrix3 * world_from_mm;
             let new = Near {
                 place: 2 + number,
                 body: number as u8 + 1,
                 spacing: object.spacing(),
-                grid_from_mm: *object.pose().object_from_world() * world_from_mm,
+                axes: Mat3A::from(object_from_mm.as_mat3()),
                 proxy: object.pose().to_object(point),
             };
-            self.refresh(new.place, epoch, object.occupancy(), new.proxy, new.spacing);
+            self.refresh(
+                new.place,
+                source,
+                object.occupancy(),
+                new.proxy,
+                new.spacing,
+            );
             self.insert(&mut near, new);
         }
 
         let fields = &self.fields;
         NearFields::new(near.into_iter().flatten().map(|near| {
-            let field = &fields[near.place];
-            PlacedField::new(field, near.body, near.spacing, near.grid_from_mm)
+            let (field, spacing) = (&fields[near.place], near.spacing.as_vec3a());
+            PlacedField::new(field, near.body, spacing, near.proxy, near.axes)
         }))
+    }
+
+    /// Makes one of the two fields of the world the one around the proxy: the older of them
+    /// where neither is it.
+    fn refresh_world<O: Occupancy>(
+        &mut self,
+        scene: &TouchScene<'_, O>,
+        source: Source,
+        proxy: &Proxy,
+    ) {
+        let (point, spacing) = (proxy.point(), scene.grid.spacing());
+        let is_world = |&place: &usize| {
+            self.sources[place] == Some(source) && self.fields[place].is_around(point, spacing)
+        };
+        match [self.world, 1 - self.world].into_iter().find(is_world) {
+            Some(place) => self.world = place,
+            None => {
+                self.world = 1 - self.world;
+                self.fill(self.world, source, scene.occupancy, point, spacing);
+            }
+        }
     }
 
     /// Puts a field among those that reach the proxy most, if it does.
@@ -207,23 +267,38 @@ impl SmoothCache {
     /// The level of a field at the proxy.
     fn value(&self, near: &Near) -> f32 {
         let field = &self.fields[near.place];
-        let place = near.proxy / field.cell() - field.first_node();
-        field.sample(place.as_vec3a()).wide.value
+        field.wide_value(field.nodes_at(near.proxy))
     }
 
     /// Makes the field at a place the one around a point of a body's grid.
     fn refresh<O: Occupancy>(
         &mut self,
         place: usize,
-        epoch: u64,
+        source: Source,
         occupancy: &O,
         point: DVec3,
         spacing: DVec3,
     ) {
+        let field = &self.fields[place];
+        if self.sources[place] != Some(source) || !field.is_around(point, spacing) {
+            self.fill(place, source, occupancy, point, spacing);
+        }
+    }
+
+    fn fill<O: Occupancy>(
+        &mut self,
+        place: usize,
+        source: Source,
+        occupancy: &O,
+        point: DVec3,
+        spacing: DVec3,
+    ) {
+        self.sources[place] = Some(source);
         let field = &mut self.fields[place];
-        if self.epochs[place] != epoch || !field.is_around(point, spacing) {
+        if source.shares && occupancy.knows_shares() {
+            field.around(occupancy, point, spacing, &OwnShares(occupancy));
+        } else {
             field.around(occupancy, point, spacing, &NoShares);
-            self.epochs[place] = epoch;
         }
     }
 }

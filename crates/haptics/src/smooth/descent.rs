@@ -17,13 +17,11 @@ use super::cache::{MAX_FIELDS, NearFields, PlacedField};
 use super::field::{Field, Level};
 use super::half_spaces::{HalfSpace, nearest};
 use super::{Smoother, smooth_step};
-use glam::{Affine3A, DAffine3, DVec3, Mat3A, Vec3A};
+use glam::{DVec3, Vec3A};
 
 /// What is asked.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Query {
-    /// The proxy, in mm from the corner of the world's grid.
-    pub(crate) proxy: DVec3,
     /// From the proxy to the device [mm].
     pub(crate) device: DVec3,
     /// The body that holds the proxy; none where it is free.
@@ -50,12 +48,33 @@ struct Surface {
     depth: f32,
     /// Share of the wide kernel in both.
     wide: f32,
-    /// Outward by the wide kernel alone.
-    wide_outward: Vec3A,
+    /// Of the wide kernel alone.
+    wide_plane: Plane,
+}
+
+impl Surface {
+    /// As seen after a short way of the point.
+    fn move_point(&mut self, way: Vec3A) {
+        self.depth -= self.outward.dot(way);
+        let plane = &mut self.wide_plane;
+        plane.above -= plane.outward.dot(way) / plane.per_steepness;
+    }
+}
+
+/// The plane that a level stands for, as seen from a point.
+#[derive(Clone, Copy, Debug)]
+struct Plane {
+    outward: Vec3A,
+    /// How far the point is under it [mm].
+    depth: f32,
+    /// The level at the point, beyond ½.
+    above: f32,
+    /// One by its change [mm].
+    per_steepness: f32,
 }
 
 /// The surfaces of the bodies as seen from a point; fewer where some have none there.
-type Surfaces = [Option<Surface>; MAX_FIELDS];
+type Surfaces<const N: usize> = [Option<Surface>; N];
 
 /// Levels whose change from node to node is less tell no direction.
 const FLATTEST: f32 = 2e-3;
@@ -66,77 +85,67 @@ pub(crate) fn descend<F: Field>(
     fields: &NearFields<'_, F>,
     query: &Query,
 ) -> Found {
-    let mut search = Search::new(smoother, fields, query);
-    let surfaces = search.surfaces(Vec3A::ZERO);
-    let weight = search.weight(&surfaces, query.held_by);
-    if weight == 0.0 {
-        return Found {
-            point: DVec3::ZERO,
-            weight: 0.0,
-            samples: search.samples,
-        };
+    // one field, as nearly always
+    match fields.only() {
+        Some(only) => Search::new(smoother, [Some(only)], query).find(query),
+        None => Search::new(smoother, fields.all(), query).find(query),
     }
-    let (at, surfaces) = search.settle(surfaces);
-    let corrected = search.corrected(at, &surfaces);
-    // what is at the device is there to the bit
-    let free = corrected == search.device;
-    Found {
-        point: if free {
-            query.device
-        } else {
-            corrected.as_dvec3()
-        },
-        weight: f64::from(weight),
-        samples: search.samples,
-    }
-}
-
-/// A field as the search sees it.
-#[derive(Clone, Copy)]
-struct Seen<'a, F> {
-    field: &'a F,
-    body: u8,
-    /// Takes the search's frame to the field's nodes.
-    nodes_from_search: Affine3A,
-    /// Takes gradients from there to the search's frame.
-    gradient_from_nodes: Mat3A,
-    /// The shortest way from a node to the next [mm].
-    cell: f32,
-    /// Variance of the wide kernel along the axes of the body [mm²], and these axes.
-    wide_variance: Vec3A,
 }
 
 /// The search; its frame has its origin in the proxy, mm along the axes of the world's grid.
-struct Search<'a, F> {
+struct Search<'a, F, const N: usize> {
     smoother: &'a Smoother,
-    fields: [Option<Seen<'a, F>>; MAX_FIELDS],
+    fields: [Option<&'a PlacedField<'a, F>>; N],
     device: Vec3A,
     /// The shortest edge of a cell [mm].
     length: f32,
     samples: u32,
 }
 
-impl<'a, F: Field> Search<'a, F> {
-    fn new(smoother: &'a Smoother, fields: &NearFields<'a, F>, query: &Query) -> Self {
-        let mut seen = [const { None }; MAX_FIELDS];
-        let mut length = f32::INFINITY;
-        for (seen, field) in seen.iter_mut().zip(fields.iter()) {
-            let field = Seen::new(field, query.proxy);
-            length = length.min(field.cell);
-            *seen = Some(field);
-        }
+impl<'a, F: Field, const N: usize> Search<'a, F, N> {
+    fn new(
+        smoother: &'a Smoother,
+        fields: [Option<&'a PlacedField<'a, F>>; N],
+        query: &Query,
+    ) -> Self {
+        let lengths = fields.iter().flatten().map(|field| field.cell);
         Self {
             smoother,
-            fields: seen,
+            fields,
             device: query.device.as_vec3a(),
-            length,
+            length: lengths.fold(f32::INFINITY, f32::min),
             samples: 0,
+        }
+    }
+
+    fn find(mut self, query: &Query) -> Found {
+        let surfaces = self.surfaces(Vec3A::ZERO);
+        let weight = self.weight(&surfaces, query.held_by);
+        if weight == 0.0 {
+            return Found {
+                point: DVec3::ZERO,
+                weight: 0.0,
+                samples: self.samples,
+            };
+        }
+        let (at, surfaces) = self.settle(surfaces);
+        let corrected = self.corrected(at, &surfaces);
+        // what is at the device is there to the bit
+        let free = corrected == self.device;
+        Found {
+            point: if free {
+                query.device
+            } else {
+                corrected.as_dvec3()
+            },
+            weight: f64::from(weight),
+            samples: self.samples,
         }
     }
 
     /// How far the surfaces near the proxy can be believed: not where it is deep below one, as
     /// in a narrow gap, nor where the one that holds it is far below, as with a thin rod.
-    fn weight(&self, at_proxy: &Surfaces, held_by: Option<u8>) -> f32 {
+    fn weight(&self, at_proxy: &Surfaces<N>, held_by: Option<u8>) -> f32 {
         let mut farthest = 0.0_f32;
         let mut known = held_by.is_none();
         for (surface, field) in at_proxy.iter().zip(&self.fields) {
@@ -156,8 +165,8 @@ impl<'a, F: Field> Search<'a, F> {
     }
 
     /// Steps from the proxy on, where `surfaces` are seen, until nothing changes; what is seen
-    /// from there, or from less than the tolerance beside.
-    fn settle(&mut self, mut surfaces: Surfaces) -> (Vec3A, Surfaces) {
+    /// from there, or from so near that it would hardly look otherwise.
+    fn settle(&mut self, mut surfaces: Surfaces<N>) -> (Vec3A, Surfaces<N>) {
         let tolerance = self.smoother.tolerance * self.length;
         let longest = self.smoother.longest_step * self.length;
         let mut at = Vec3A::ZERO;
@@ -170,25 +179,30 @@ impl<'a, F: Field> Search<'a, F> {
                 ease *= 0.5;
             }
             let next = self.within_reach(at + step * ease);
+            let [before, square] = [last_step, next - at].map(Vec3A::length_squared);
             last_step = next - at;
-            if last_step.length_squared() < tolerance * tolerance {
+            if square < tolerance * tolerance {
                 break;
             }
             at = next;
+            // steps shrink by about the same share: the next one would be too short
+            if ease == 1.0 && square * square < tolerance * tolerance * before {
+                for surface in surfaces.iter_mut().flatten() {
+                    surface.move_point(last_step);
+                }
+                break;
+            }
             surfaces = self.surfaces(at);
         }
         (at, surfaces)
     }
 
     #[inline]
-    fn surfaces(&mut self, at: Vec3A) -> Surfaces {
-        let mut surfaces = [None; MAX_FIELDS];
-        for (surface, field) in surfaces.iter_mut().zip(&self.fields) {
-            let Some(field) = field else { break };
-            self.samples += 1;
-            *surface = field.surface(at, self.smoother);
-        }
-        surfaces
+    fn surfaces(&mut self, at: Vec3A) -> Surfaces<N> {
+        self.fields.map(|field| {
+            self.samples += u32::from(field.is_some());
+            field?.surface(at, self.smoother)
+        })
     }
 
     /// A point no farther from the proxy than allowed.
@@ -197,7 +211,7 @@ impl<'a, F: Field> Search<'a, F> {
     }
 
     /// The contact point after the pull of the blur is undone.
-    fn corrected(&mut self, at: Vec3A, surfaces: &Surfaces) -> Vec3A {
+    fn corrected(&mut self, at: Vec3A, surfaces: &Surfaces<N>) -> Vec3A {
         let largest = self.smoother.largest_correction * self.length;
         let mut corrected = *surfaces;
         for (surface, field) in corrected.iter_mut().zip(&self.fields) {
@@ -226,9 +240,10 @@ impl<'a, F: Field> Search<'a, F> {
 
 /// The point nearest to the device on the free side of all surfaces seen from a point.
 #[inline]
-fn goal(at: Vec3A, surfaces: &Surfaces, device: Vec3A) -> Vec3A {
+fn goal<const N: usize>(at: Vec3A, surfaces: &Surfaces<N>, device: Vec3A) -> Vec3A {
     // one surface, as nearly always
-    if let [Some(surface), None, None] = surfaces {
+    let mut seen = surfaces.iter().flatten();
+    if let (Some(surface), None) = (seen.next(), seen.next()) {
         let under = surface.depth - surface.outward.dot(device - at);
         return device + surface.outward * under.max(0.0);
     }
@@ -248,43 +263,32 @@ fn goal(at: Vec3A, surfaces: &Surfaces, device: Vec3A) -> Vec3A {
     at + nearest(&planes[..count], (device - at).as_dvec3()).as_vec3a()
 }
 
-impl<'a, F: Field> Seen<'a, F> {
-    fn new(placed: &PlacedField<'a, F>, origin: DVec3) -> Self {
-        let map = placed.nodes_from_mm;
-        let nodes_from_search =
-            DAffine3::from_mat3_translation(map.matrix3, map.transform_point3(origin));
-        let sigma = placed.field.kernel().wide.as_dvec3() * placed.cell;
-        Self {
-            field: placed.field,
-            body: placed.body,
-            nodes_from_search: nodes_from_search.as_affine3a(),
-            gradient_from_nodes: Mat3A::from(map.matrix3.transpose().as_mat3()),
-            cell: placed.cell.min_element() as f32,
-            wide_variance: (sigma * sigma * placed.cell * placed.cell).as_vec3a(),
-        }
+impl<F: Field> PlacedField<'_, F> {
+    /// A point of the search among the nodes.
+    #[inline]
+    fn nodes_from_point(&self, at: Vec3A) -> Vec3A {
+        self.proxy + self.nodes_from_search * at
     }
 
     /// The surface as seen from a point; none where the level tells nothing.
     #[inline]
     fn surface(&self, at: Vec3A, smoother: &Smoother) -> Option<Surface> {
         let kernel = self.field.kernel();
-        let sample = self
-            .field
-            .sample(self.nodes_from_search.transform_point3a(at));
-        let (wide_outward, wide_depth) = self.plane(&sample.wide, kernel.wide)?;
+        let sample = self.field.sample(self.nodes_from_point(at));
+        let wide_plane = self.plane(&sample.wide, kernel.wide)?;
         let all_wide = Surface {
-            outward: wide_outward,
-            depth: wide_depth,
+            outward: wide_plane.outward,
+            depth: wide_plane.depth,
             wide: 1.0,
-            wide_outward,
+            wide_plane,
         };
-        let Some((outward, depth)) = self.plane(&sample.fine, kernel.fine) else {
+        let Some(fine) = self.plane(&sample.fine, kernel.fine) else {
             return Some(all_wide);
         };
 
         // the wide kernel where it agrees with the narrow one
-        let apart = (wide_depth - depth).abs() / self.cell;
-        let turned = (wide_outward - outward).length_squared();
+        let apart = (wide_plane.depth - fine.depth).abs() / self.cell;
+        let turned = (wide_plane.outward - fine.outward).length_squared();
         let alike = smoother.agreed_turn.map(|chord| chord * chord);
         if apart <= smoother.agreed_depth[0] && turned <= alike[0] {
             return Some(all_wide);
@@ -292,10 +296,10 @@ impl<'a, F: Field> Seen<'a, F> {
         let wide =
             (1.0 - smooth_step(smoother.agreed_depth, apart)) * (1.0 - smooth_step(alike, turned));
         Some(Surface {
-            outward: outward.lerp(wide_outward, wide).normalize_or(outward),
-            depth: depth + (wide_depth - depth) * wide,
+            outward: (fine.outward.lerp(wide_plane.outward, wide)).normalize_or(fine.outward),
+            depth: fine.depth + (wide_plane.depth - fine.depth) * wide,
             wide,
-            wide_outward,
+            wide_plane,
         })
     }
 
@@ -305,7 +309,7 @@ impl<'a, F: Field> Seen<'a, F> {
     /// A blurred edge rises like the integral of a Gaussian, so that value over slope tells the
     /// distance; the root keeps it right, within a tenth, up to 1.5 σ on either side.
     #[inline]
-    fn plane(&self, level: &Level, sigma: Vec3A) -> Option<(Vec3A, f32)> {
+    fn plane(&self, level: &Level, sigma: Vec3A) -> Option<Plane> {
         let steepness = level.gradient.length_squared();
         if steepness.is_nan() || steepness <= FLATTEST * FLATTEST {
             return None;
@@ -316,13 +320,19 @@ impl<'a, F: Field> Seen<'a, F> {
         let rise = (level.gradient * sigma).length_squared();
         let above = level.value - 0.5;
         let share = (rise / (rise + above * above / 3.0)).sqrt();
-        Some((gradient * -per_steepness, above * per_steepness * share))
+        Some(Plane {
+            outward: gradient * -per_steepness,
+            depth: above * per_steepness * share,
+            above,
+            per_steepness,
+        })
     }
 
     /// How far the wide kernel pulls the surface inward [mm]: half its variance times the
-    /// curvature, summed over the surface, from the normals at three points around.
+    /// curvature, summed over the surface, from the levels at three points around.
     fn pull(&self, at: Vec3A, surface: &Surface, baseline: f32) -> f32 {
-        let (first, second) = surface.wide_outward.any_orthonormal_pair();
+        let plane = &surface.wide_plane;
+        let (first, second) = plane.outward.any_orthonormal_pair();
         // a triangle measures the sum over two directions without bias
         const HALF_ROOT: f32 = 0.866_025_4;
         let tangents = [
@@ -330,16 +340,16 @@ impl<'a, F: Field> Seen<'a, F> {
             first * -0.5 + second * HALF_ROOT,
             first * -0.5 - second * HALF_ROOT,
         ];
-        let pulls = tangents.map(|tangent| {
-            let aside = at + tangent * baseline;
-            let aside = self.nodes_from_search.transform_point3a(aside);
-            let gradient = self.gradient_from_nodes * self.field.wide_gradient(aside);
-            let outward = (-gradient).normalize_or(surface.wide_outward);
+        let middle = self.nodes_from_point(at);
+        let bends = tangents.map(|tangent| {
+            let in_nodes = self.nodes_from_search * tangent;
+            let above = self.field.wide_value(middle + in_nodes * baseline) - 0.5;
             // the kernel's width along the tangent
-            let in_nodes = self.nodes_from_search.matrix3 * tangent;
             let variance = (in_nodes * in_nodes).dot(self.wide_variance);
-            outward.dot(tangent) * variance
+            (plane.above - above) * variance
         });
-        pulls.iter().sum::<f32>() / (3.0 * baseline)
+        // a level falls with the square of the way aside
+        let per_square = 2.0 / (baseline * baseline);
+        bends.iter().sum::<f32>() * plane.per_steepness * per_square / 3.0
     }
 }

@@ -37,17 +37,17 @@ pub trait Field {
     /// The field at a point. Both levels have continuous gradients.
     fn sample(&self, point_in_nodes: Vec3A) -> FieldSample;
 
-    /// The gradient of the wide level alone.
-    fn wide_gradient(&self, point_in_nodes: Vec3A) -> Vec3A {
-        self.sample(point_in_nodes).wide.gradient
+    /// The value of the wide level alone.
+    fn wide_value(&self, point_in_nodes: Vec3A) -> f32 {
+        self.sample(point_in_nodes).wide.value
     }
 
     /// Its kernels.
     fn kernel(&self) -> &Kernel;
 
     /// From a node to the next, along each axis of the grid of its body [voxels].
-    fn cell(&self) -> DVec3;
+    fn cell(&self) -> Vec3A;
 
-    /// Node 0 in that grid, counted in such steps.
-    fn first_node(&self) -> DVec3;
+    /// A point of that grid, near the window, among the nodes.
+    fn nodes_at(&self, point_in_grid: DVec3) -> Vec3A;
 }

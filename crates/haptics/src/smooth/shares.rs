@@ -8,19 +8,18 @@
 //! This in place of a trilinear surface at the threshold: its gradient steps from voxel to
 //! voxel, it is as rough as the noise, and it knows nothing of edits nor of thin walls.
 //!
-//! Frame: grid.
+//! Frame: grid. Values and limits as stored.
 
 use glam::IVec3;
 use palpate_volume::intensities::Intensities;
-use palpate_volume::overlay::Overlay;
+use palpate_volume::occupancy::Occupancy;
 
 /// Tells shares of voxels.
 pub trait Shares {
     /// Whether it ever tells one.
     const ANY: bool;
 
-    /// The share of a voxel at the surface that is solid, 0..=1; at least ½ for a solid one and
-    /// at most ½ for a free one. None where nothing is known beyond its bit.
+    /// The share of a voxel at the surface that is solid; see [`Occupancy::share`].
     fn share(&self, voxel: IVec3, solid: bool) -> Option<f32>;
 }
 
@@ -36,93 +35,140 @@ impl Shares for NoShares {
     }
 }
 
-/// A segment made by a threshold: solid from a lowest to a highest value.
-#[derive(Clone, Copy, Debug)]
-pub struct ThresholdShares<'a> {
-    scan: &'a Intensities,
-    overlay: Option<&'a Overlay>,
-    /// Limits, and the value outside the grid, as stored.
-    low: f32,
-    high: f32,
-    outside: f32,
-    /// From a voxel to the next along each axis in memory.
-    strides: [usize; 3],
-}
+/// What a body knows of itself.
+#[derive(Debug)]
+pub struct OwnShares<'a, O: ?Sized>(pub &'a O);
 
-impl<'a> ThresholdShares<'a> {
-    /// A threshold on a scan under what matter edits have put over it; without such edits the
-    /// overlay is best left out, since looking there takes time. `limits` and the value
-    /// `outside` the grid, such as that of air, are physical.
-    pub fn new(
-        scan: &'a Intensities,
-        overlay: Option<&'a Overlay>,
-        limits: [f64; 2],
-        outside: f64,
-    ) -> Self {
-        let stored = |value: f64| ((value - scan.intercept()) / scan.slope()) as f32;
-        let [first, second] = limits.map(stored);
-        let [nx, ny] = [scan.dimensions().x as usize, scan.dimensions().y as usize];
-        Self {
-            scan,
-            overlay,
-            // a negative slope turns them around
-            low: first.min(second),
-            high: first.max(second),
-            outside: stored(outside),
-            strides: [1, nx, nx * ny],
-        }
-    }
-
-    /// How far a stored value is within the limits; negative outside of them.
-    fn within(&self, stored: f32) -> f32 {
-        (stored - self.low).min(self.high - stored)
-    }
-
-    /// A voxel and its neighbours before and after it along each axis, within the limits.
-    fn around(&self, voxel: IVec3) -> (f32, [[f32; 2]; 3]) {
-        let last = self.scan.dimensions().as_ivec3() - 1;
-        let inner = voxel.cmpgt(IVec3::ZERO).all() && voxel.cmplt(last).all();
-        if inner && self.overlay.is_none() {
-            let [x, y, z] = voxel.to_array().map(|i| i as usize);
-            let [_, row, layer] = self.strides;
-            let place = z * layer + y * row + x;
-            let values = self.scan.values();
-            let at = |place: usize| {
-                let stored = values.get(place).map_or(self.outside, |&v| f32::from(v));
-                self.within(stored)
-            };
-            return (
-                at(place),
-                self.strides
-                    .map(|stride| [at(place - stride), at(place + stride)]),
-            );
-        }
-        let at = |voxel: IVec3| {
-            let stored = match self.overlay {
-                Some(overlay) => overlay.stored(self.scan, voxel),
-                None => self.scan.stored(voxel),
-            };
-            self.within(stored.map_or(self.outside, f32::from))
-        };
-        (
-            at(voxel),
-            [IVec3::X, IVec3::Y, IVec3::Z].map(|axis| [at(voxel - axis), at(voxel + axis)]),
-        )
-    }
-}
-
-impl Shares for ThresholdShares<'_> {
+impl<O: Occupancy + ?Sized> Shares for OwnShares<'_, O> {
     const ANY: bool = true;
 
+    #[inline]
     fn share(&self, voxel: IVec3, solid: bool) -> Option<f32> {
-        let (here, around) = self.around(voxel);
+        self.0.share(voxel, solid)
+    }
+}
+
+/// Stored values of a voxel and of its neighbours.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Around {
+    /// Its own.
+    pub here: i16,
+    /// Those before and after it along x, y and z.
+    pub beside: [[i16; 2]; 3],
+}
+
+impl Around {
+    /// Of a voxel of a scan; beyond its border the outermost values go on, so that a body that
+    /// the border cuts ends there as its bits do.
+    #[must_use]
+    pub fn of(scan: &Intensities, voxel: IVec3) -> Self {
+        let last = scan.dimensions().as_ivec3() - 1;
+        let values = scan.values();
+        let [nx, ny] = [scan.dimensions().x as usize, scan.dimensions().y as usize];
+        let strides = [1, nx, nx * ny];
+        let place = |voxel: IVec3| {
+            let [x, y, z] = voxel.to_array().map(|i| i as usize);
+            z * strides[2] + y * strides[1] + x
+        };
+        let value = |place: usize| values.get(place).copied().unwrap_or_default();
+        let is_inner = voxel.cmpgt(IVec3::ZERO).all() && voxel.cmplt(last).all();
+        if is_inner {
+            let here = place(voxel);
+            return Self {
+                here: value(here),
+                beside: strides.map(|stride| [value(here - stride), value(here + stride)]),
+            };
+        }
+        Self::from_fn(voxel, |voxel| value(place(voxel.clamp(IVec3::ZERO, last))))
+    }
+
+    /// Of a voxel, from the stored value of each.
+    #[must_use]
+    pub fn from_fn(voxel: IVec3, stored: impl Fn(IVec3) -> i16) -> Self {
+        Self {
+            here: stored(voxel),
+            beside: [IVec3::X, IVec3::Y, IVec3::Z]
+                .map(|axis| [stored(voxel - axis), stored(voxel + axis)]),
+        }
+    }
+}
+
+/// Most ranges apart from each other; of more, the lowest count.
+const MAX_RANGES: usize = 8;
+
+/// The values that are solid: those of one threshold, or of any of several.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Limits {
+    /// Apart from each other and rising; as stored.
+    ranges: [[f32; 2]; MAX_RANGES],
+    count: usize,
+}
+
+impl Limits {
+    /// Thresholds on a scan of this slope and intercept, each from a lowest to a highest
+    /// physical value. Where no stored value lies between two of them they are one, so that
+    /// there is no surface where segments touch.
+    #[must_use]
+    pub fn new(
+        (slope, intercept): (f64, f64),
+        thresholds: impl IntoIterator<Item = (f64, f64)>,
+    ) -> Self {
+        let stored = |value: f64| ((value - intercept) / slope) as f32;
+        let mut ranges: Vec<[f32; 2]> = thresholds
+            .into_iter()
+            .map(|(low, high)| {
+                let [first, second] = [low, high].map(stored);
+                // a negative slope turns them around
+                [first.min(second), first.max(second)]
+            })
+            .collect();
+        ranges.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        let mut limits = Self::default();
+        for [low, high] in ranges {
+            match limits.ranges[..limits.count].last_mut() {
+                Some(last) if low <= last[1].floor() + 1.0 => last[1] = last[1].max(high),
+                _ if limits.count < MAX_RANGES => {
+                    limits.ranges[limits.count] = [low, high];
+                    limits.count += 1;
+                }
+                _ => {}
+            }
+        }
+        limits
+    }
+
+    /// Whether no value is solid.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
+    /// How far a value is within the limits; negative outside of them.
+    #[inline]
+    fn within(&self, stored: i16) -> f32 {
+        let stored = f32::from(stored);
+        let ranges = self.ranges.iter().take(self.count);
+        ranges.fold(f32::NEG_INFINITY, |most, [low, high]| {
+            most.max((stored - low).min(high - stored))
+        })
+    }
+
+    /// The share of a voxel that is solid; see [`Occupancy::share`].
+    #[inline]
+    #[must_use]
+    pub fn share(&self, around: &Around, solid: bool) -> Option<f32> {
+        let here = self.within(around.here);
+        // an edit, or another segment, made it what it is
         if solid != (here >= 0.0) {
             return None;
         }
         // a plane through the voxel at distance d leaves the share ½ + d over the voxel's
         // width across it, which is the sum of its normal's parts; and d is the value over
         // the slope
-        let [x, y, z] = around.map(|[before, after]| 0.5 * (after - before).abs());
+        let [x, y, z] = around.beside.map(|beside| {
+            let [before, after] = beside.map(|stored| self.within(stored));
+            0.5 * (after - before).abs()
+        });
         let share = 0.5 + here / (x + y + z);
         share.is_finite().then(|| share.clamp(0.0, 1.0))
     }

@@ -5,8 +5,9 @@
 //! far side of a thin wall or a pore inside a body, are filled. So a wall of one voxel is as
 //! solid for the blur as a thick one, and what is behind it cannot be felt.
 //!
-//! Frame: grid. Memory: layers of rows along x, packed in words; a word holds whole rows.
+//! Frame: grid. Memory: layers of rows along x, packed in words (`rows.rs`).
 
+use super::rows::Rows;
 use glam::{DVec3, IVec3};
 use palpate_volume::occupancy::Occupancy;
 use std::f64::consts::SQRT_2;
@@ -15,10 +16,6 @@ use std::f64::consts::SQRT_2;
 pub(crate) const CELLS: i32 = 8;
 /// Words of the largest window, of cells of 4×4×1 voxels.
 const MAX_WORDS: usize = 128;
-/// Most passes of the flood, up and down each; ways that wind more are cut short, and what
-/// lies beyond counts as filled.
-const MAX_PASSES: usize = 12;
-
 /// How many voxels a cell has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct CellShape {
@@ -82,9 +79,6 @@ impl CellShape {
     }
 }
 
-/// Solid voxels per cell: one word for each z and y, one byte for each x.
-pub(crate) type CellCounts = [[u64; 8]; 8];
-
 /// A voxel on either side of the surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct SurfaceVoxel {
@@ -106,6 +100,7 @@ pub(crate) struct Window {
     seed: Option<IVec3>,
     /// Whether it came to its end, so that each voxel reached would have led to the same.
     complete: bool,
+    free: [u64; MAX_WORDS],
     reached: [u64; MAX_WORDS],
 }
 
@@ -116,6 +111,7 @@ impl Window {
         first: IVec3::ZERO,
         seed: None,
         complete: false,
+        free: [0; MAX_WORDS],
         reached: [0; MAX_WORDS],
     };
 
@@ -133,92 +129,122 @@ impl Window {
         same_place && (old_seed == seed || self.complete && self.is_reached(seed))
     }
 
-    /// Reads the window from cell `first` on and counts the solid voxels of its cells, where
-    /// all that `seed` does not reach through faces is solid; tells the voxels on both sides of
-    /// the surface to `at_surface`. None where every voxel of the window is free, and where the
-    /// seed itself is solid.
+    /// Reads the window from cell `first` on, where all that `seed` does not reach through
+    /// faces is solid; false where every voxel of the window is free, and where the seed itself
+    /// is solid.
     pub(crate) fn read(
         &mut self,
         occupancy: &(impl Occupancy + ?Sized),
         shape: CellShape,
         first: IVec3,
         seed: IVec3,
-        mut at_surface: Option<impl FnMut(SurfaceVoxel)>,
-    ) -> Option<CellCounts> {
+    ) -> bool {
         (self.shape, self.first, self.seed) = (shape, first, Some(seed));
-        let mut free = [0_u64; MAX_WORDS];
-        let min = first * shape.voxels();
-        let any_solid = read_free(occupancy, shape, min, &mut free);
+        let words = shape.words();
+        let (free, reached) = (&mut self.free[..words], &mut self.reached[..words]);
+        free.fill(0);
+        let any_solid = read_free(occupancy, shape, first * shape.voxels(), free);
         if !any_solid {
-            self.reached = free;
+            reached.copy_from_slice(free);
             self.complete = true;
-            return None;
+            return false;
         }
-        self.reached = [0; MAX_WORDS];
-        let (word, bit) = self.place_of(seed)?;
-        if free[word] & bit == 0 {
-            self.complete = false;
-            return None;
+        reached.fill(0);
+        self.complete = false;
+        let Some((word, bit)) = self.place_of(seed) else {
+            return false;
+        };
+        if self.free[word] & bit == 0 {
+            return false;
         }
         self.reached[word] = bit;
-        let words = shape.words();
-        self.complete = flood(shape, &free[..words], &mut self.reached[..words]);
-        if let Some(at_surface) = &mut at_surface {
-            self.visit_surface(&free[..words], at_surface);
+        self.complete = self.flood(word / shape.layer());
+        true
+    }
+
+    fn flood(&mut self, layer: usize) -> bool {
+        let words = self.shape.words();
+        let (free, reached) = (&self.free[..words], &mut self.reached[..words]);
+        let flood = match self.shape.log_width() {
+            3 => Rows::<3>::flood,
+            4 => Rows::<4>::flood,
+            _ => Rows::<5>::flood,
+        };
+        flood(self.shape.layer(), layer, free, reached)
+    }
+
+    /// Voxels that are not reached in each cell: a word for each row of cells, a byte for each.
+    pub(crate) fn counts(&self) -> [u64; 64] {
+        match self.shape.log_width() {
+            3 => self.count::<3>(),
+            4 => self.count::<4>(),
+            _ => self.count::<5>(),
         }
-        Some(count(shape, &self.reached[..words]))
+    }
+
+    fn count<const LOG: u32>(&self) -> [u64; 64] {
+        let mut counts = [0_u64; 64];
+        let [_, log_y, log_z] = self.shape.log;
+        let layer = self.shape.layer();
+        let log_rows = 6 - LOG;
+        for (i, &reached) in self.reached[..self.shape.words()].iter().enumerate() {
+            // nothing solid
+            if reached == u64::MAX {
+                continue;
+            }
+            let (y, z) = ((i & (layer - 1)) << log_rows, i / layer);
+            let cells = 8 * (z >> log_z);
+            for row in 0..1 << log_rows {
+                let cells = cells + ((y + row) >> log_y);
+                counts[cells & 63] += Rows::<LOG>::clear_in_row(reached >> (row << LOG));
+            }
+        }
+        counts
     }
 
     /// Tells the voxels that are reached next to solid ones, and solid ones next to those that
     /// are reached; of the cells inside the window, since the others hardly count.
-    fn visit_surface(&self, free: &[u64], tell: &mut impl FnMut(SurfaceVoxel)) {
+    pub(crate) fn visit_surface(&self, tell: &mut impl FnMut(SurfaceVoxel)) {
+        match self.shape.log_width() {
+            3 => self.visit_surface_of::<3>(tell),
+            4 => self.visit_surface_of::<4>(tell),
+            _ => self.visit_surface_of::<5>(tell),
+        }
+    }
+
+    fn visit_surface_of<const LOG: u32>(&self, tell: &mut impl FnMut(SurfaceVoxel)) {
         let shape = self.shape;
-        let rows = Rows::new(shape.log_width());
-        let layer = shape.layer();
+        let words = shape.layer();
         let min = self.first * shape.voxels();
-        let words = free.len();
-        let reached = |i: usize| self.reached[i];
-        for (i, &free) in free.iter().enumerate() {
-            let in_layer = i & (layer - 1);
-            let here = reached(i);
-            let [solid, open] = [!here, here];
-            // what is next to a voxel of the other kind; beyond the window nothing is
-            let beside = |kind: fn(u64) -> u64| {
-                let word = kind(here);
-                let mut near = rows.spread(word);
-                if in_layer > 0 {
-                    near |= rows.last_to_first(kind(reached(i - 1)));
-                }
-                if in_layer + 1 < layer {
-                    near |= rows.first_to_last(kind(reached(i + 1)));
-                }
-                if i >= layer {
-                    near |= kind(reached(i - layer));
-                }
-                if i + layer < words {
-                    near |= kind(reached(i + layer));
-                }
-                near
-            };
-            let mut left = open & beside(|word| !word) | solid & !free & beside(|word| word);
-            while left != 0 {
-                let bit = left.trailing_zeros();
-                left &= left - 1;
-                let in_rows = in_layer as i32 * 64 + bit as i32;
-                let width = 1 << shape.log_width();
-                let offset = IVec3::new(
-                    in_rows & (width - 1),
-                    in_rows >> shape.log_width(),
-                    (i / layer) as i32,
-                );
-                let cell = shape.cell_of_half(2 * offset);
-                let inside = cell.cmpge(IVec3::ONE).all() && cell.cmplt(IVec3::splat(7)).all();
-                if inside {
-                    tell(SurfaceVoxel {
-                        voxel: min + offset,
-                        cell: cell.to_array().map(|cell| cell as usize),
-                        solid: solid >> bit & 1 == 1,
-                    });
+        let layers = self.reached[..shape.words()].chunks_exact(words);
+        let layer_of = |z: usize| layers.clone().nth(z).unwrap_or(&[]);
+        for (z, reached) in layers.clone().enumerate() {
+            let near = [layer_of(z.wrapping_sub(1)), layer_of(z + 1)];
+            for (word, &here) in reached.iter().enumerate() {
+                let [solid, open] = [!here, here];
+                // what is next to a voxel of the other kind; beyond the window nothing is
+                let beside = |kind: fn(u64) -> u64| {
+                    let near = near.iter().filter_map(|layer| layer.get(word));
+                    let near = near.fold(0, |all, &word| all | kind(word));
+                    near | Rows::<LOG>::beside(reached, word, kind)
+                };
+                let filled = solid & !self.free[z * words + word];
+                let mut left = open & beside(|word| !word) | filled & beside(|word| word);
+                while left != 0 {
+                    let bit = left.trailing_zeros();
+                    left &= left - 1;
+                    let in_rows = word as i32 * 64 + bit as i32;
+                    let width = 1 << LOG;
+                    let offset = IVec3::new(in_rows & (width - 1), in_rows >> LOG, z as i32);
+                    let cell = shape.cell_of_half(2 * offset);
+                    let inside = cell.cmpge(IVec3::ONE).all() && cell.cmplt(IVec3::splat(7)).all();
+                    if inside {
+                        tell(SurfaceVoxel {
+                            voxel: min + offset,
+                            cell: cell.to_array().map(|cell| cell as usize),
+                            solid: solid >> bit & 1 == 1,
+                        });
+                    }
                 }
             }
         }
@@ -291,164 +317,4 @@ fn spread_rows(rows: u64, width: i32, place: i32, words: Option<&mut [u64]>) {
             }
         }
     }
-}
-
-/// How bits spread inside a word of rows.
-struct Rows {
-    log_width: u32,
-    not_first: u64,
-    not_last: u64,
-}
-
-impl Rows {
-    fn new(log_width: u32) -> Self {
-        let first = match log_width {
-            3 => 0x0101_0101_0101_0101,
-            4 => 0x0001_0001_0001_0001,
-            _ => 0x0000_0001_0000_0001_u64,
-        };
-        let width = 1 << log_width;
-        Self {
-            log_width,
-            not_first: !first,
-            not_last: !(first << (width - 1)),
-        }
-    }
-
-    /// The neighbours of voxels in a word, along the rows and from row to row.
-    fn spread(&self, word: u64) -> u64 {
-        let row = 1_u32 << self.log_width;
-        let along = (word & self.not_last) << 1 | (word & self.not_first) >> 1;
-        along | word << row | word >> row
-    }
-
-    /// The last row of a word in the place of the first.
-    fn last_to_first(&self, word: u64) -> u64 {
-        word >> (64 - (1_u32 << self.log_width))
-    }
-
-    /// The first row of a word in the place of the last.
-    fn first_to_last(&self, word: u64) -> u64 {
-        word << (64 - (1_u32 << self.log_width))
-    }
-
-    /// All of `free` that `seed` reaches along the rows and from row to row of a word.
-    fn grown(&self, seed: u64, free: u64) -> u64 {
-        let seed = seed & free;
-        if seed == 0 || seed == free {
-            return seed;
-        }
-        // along the rows, in steps that double
-        let (mut up, mut down) = (seed, seed);
-        let (mut pass_up, mut pass_down) = (free & self.not_first, free & self.not_last);
-        for log in 0..self.log_width {
-            let step = 1 << log;
-            up |= pass_up & (up << step);
-            down |= pass_down & (down >> step);
-            pass_up &= pass_up << step;
-            pass_down &= pass_down >> step;
-        }
-        let seed = up | down;
-
-        // from row to row
-        let (mut up, mut down) = (seed, seed);
-        let (mut pass_up, mut pass_down) = (free, free);
-        for log in self.log_width..6 {
-            let step = 1 << log;
-            up |= pass_up & (up << step);
-            down |= pass_down & (down >> step);
-            pass_up &= pass_up << step;
-            pass_down &= pass_down >> step;
-        }
-        up | down
-    }
-}
-
-/// Grows what is reached to all free voxels that are connected to it through faces; false
-/// where there was no end to it.
-fn flood(shape: CellShape, free: &[u64], reached: &mut [u64]) -> bool {
-    let rows = Rows::new(shape.log_width());
-    let layer = shape.layer();
-    let words = free.len().min(reached.len());
-    for _ in 0..MAX_PASSES {
-        let mut changed = 0;
-        // up, each word fed by the rows and layers before it
-        for i in 0..words {
-            let in_layer = i & (layer - 1);
-            let row = if in_layer > 0 { reached[i - 1] } else { 0 };
-            let below = if i >= layer { reached[i - layer] } else { 0 };
-            let seed = reached[i] | rows.last_to_first(row) | below;
-            let grown = rows.grown(seed, free[i]);
-            changed |= grown ^ reached[i];
-            reached[i] = grown;
-        }
-        // and down again
-        for i in (0..words).rev() {
-            let in_layer = i & (layer - 1);
-            let row = if in_layer + 1 < layer {
-                reached[i + 1]
-            } else {
-                0
-            };
-            let above = if i + layer < words {
-                reached[i + layer]
-            } else {
-                0
-            };
-            let seed = reached[i] | rows.first_to_last(row) | above;
-            let grown = rows.grown(seed, free[i]);
-            changed |= grown ^ reached[i];
-            reached[i] = grown;
-        }
-        if changed == 0 {
-            return true;
-        }
-    }
-    false
-}
-
-/// Set bits of a byte in groups of 1, 2 or 4, each sum in a byte of its own.
-static GROUPS: [[u64; 256]; 3] = groups();
-
-const fn groups() -> [[u64; 256]; 3] {
-    let mut table = [[0; 256]; 3];
-    let mut log = 0;
-    while log < 3 {
-        let mut byte = 0;
-        while byte < 256 {
-            let mut bit = 0;
-            while bit < 8 {
-                table[log][byte] += (byte as u64 >> bit & 1) << (8 * (bit >> log));
-                bit += 1;
-            }
-            byte += 1;
-        }
-        log += 1;
-    }
-    table
-}
-
-/// Voxels of each cell that are not reached.
-fn count(shape: CellShape, reached: &[u64]) -> CellCounts {
-    let mut counts = [[0_u64; 8]; 8];
-    let [log_x, log_y, log_z] = shape.log;
-    let groups = &GROUPS[log_x as usize];
-    let (layer, rows_per_word) = (shape.layer(), 8 >> log_x);
-    let lanes = 64 >> log_x;
-    for z in 0..shape.layers() {
-        for word in 0..layer {
-            let mut solid = !reached[z * layer + word];
-            for row in 0..rows_per_word {
-                let y = word * rows_per_word + row;
-                let mut cells = 0;
-                for byte in 0..1 << log_x {
-                    let group = groups[(solid & 0xff) as usize];
-                    cells |= group << ((byte * lanes) & 63);
-                    solid >>= 8;
-                }
-                counts[(z >> log_z) & 7][(y >> log_y) & 7] += cells;
-            }
-        }
-    }
-    counts
 }

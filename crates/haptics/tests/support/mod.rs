@@ -9,9 +9,14 @@ use palpate_haptics::coupling::Coupling;
 use palpate_haptics::exact::Exact;
 use palpate_haptics::proxy::Proxy;
 use palpate_haptics::scene::TouchScene;
+use palpate_haptics::smooth::Smoothing;
+use palpate_haptics::smooth::shares::{Around, Limits};
 use palpate_haptics::surface::{Surface, Uniform};
 use palpate_haptics::tick::{TickCache, TickInput, TickOutput, TickState, tick};
+use palpate_volume::bit_brick::BitBrick;
+use palpate_volume::bits::Bits;
 use palpate_volume::grid::Grid;
+use palpate_volume::intensities::Intensities;
 use palpate_volume::occupancy::Occupancy;
 use palpate_volume::segment::Segment;
 use palpate_volume::voxel_box::VoxelBox;
@@ -215,7 +220,7 @@ pub fn press<O: Occupancy>(
     state: &mut TickState,
 ) -> TickOutput {
     let surface = Uniform::smooth(press.coupling.stiffness);
-    let input = press.input(false);
+    let input = press.input(Smoothing::Off);
     tick(
         scene,
         model,
@@ -234,11 +239,11 @@ pub fn press_smooth<O: Occupancy>(
     cache: &mut TickCache,
 ) -> TickOutput {
     let surface = Uniform::smooth(press.coupling.stiffness);
-    let input = press.input(true);
+    let input = press.input(Smoothing::Bits);
     tick(scene, &Exact::default(), &surface, &input, state, cache)
 }
 
-/// A tick with friction, the surface smooth in every second epoch.
+/// A tick with friction, the force from somewhere else in each epoch.
 pub fn rub<O: Occupancy>(
     scene: &TouchScene<'_, O>,
     press: &Press,
@@ -251,17 +256,50 @@ pub fn rub<O: Occupancy>(
         ..Uniform::smooth(press.coupling.stiffness).0
     });
     cache.set_epoch(epoch);
-    let input = press.input(epoch % 2 == 0);
+    let input = press.input(Smoothing::ALL[epoch as usize % 3]);
     tick(scene, &Exact::default(), &surface, &input, state, cache)
 }
 
 impl Press {
-    fn input(&self, smoothing: bool) -> TickInput {
+    fn input(&self, smoothing: Smoothing) -> TickInput {
         TickInput {
             device_in_scene: self.device_in_scene,
             velocity_in_scene: self.velocity_in_scene,
             damping: self.coupling.damping,
             smoothing,
         }
+    }
+}
+
+/// Voxels and the scan from which thresholds made them.
+#[derive(Clone, Copy, Debug)]
+pub struct Thresholded<'a> {
+    pub bits: &'a Bits,
+    pub scan: &'a Intensities,
+    pub limits: Limits,
+}
+
+impl<'a> Thresholded<'a> {
+    pub fn new(bits: &'a Bits, scan: &'a Intensities, range: (f64, f64)) -> Self {
+        let limits = Limits::new((scan.slope(), scan.intercept()), [range]);
+        Self { bits, scan, limits }
+    }
+}
+
+impl Occupancy for Thresholded<'_> {
+    fn is_solid(&self, voxel: IVec3) -> bool {
+        self.bits.is_solid(voxel)
+    }
+
+    fn block(&self, min: IVec3) -> BitBrick {
+        self.bits.block(min)
+    }
+
+    fn knows_shares(&self) -> bool {
+        true
+    }
+
+    fn share(&self, voxel: IVec3, solid: bool) -> Option<f32> {
+        self.limits.share(&Around::of(self.scan, voxel), solid)
     }
 }

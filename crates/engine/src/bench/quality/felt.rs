@@ -5,6 +5,7 @@ use palpate_haptics::contact::ContactModel;
 use palpate_haptics::exact::Exact;
 use palpate_haptics::proxy::Proxy;
 use palpate_haptics::scene::TouchScene;
+use palpate_haptics::smooth::Smoothing;
 use palpate_haptics::surface::Uniform;
 use palpate_haptics::thesis_improved::ThesisImproved;
 use palpate_haptics::thesis_original::ThesisOriginal;
@@ -74,10 +75,22 @@ impl Touch {
     #[must_use]
     pub fn start<'a>(self, solid: &'a Bits, grid: &'a Grid, start: DVec3) -> Feel<'a> {
         match self {
-            Self::Exact => feel(Exact::default(), true, solid, grid, start),
-            Self::Stairs => feel(Exact::default(), false, solid, grid, start),
-            Self::ThesisOriginal => feel(ThesisOriginal::default(), false, solid, grid, start),
-            Self::ThesisImproved => feel(ThesisImproved::default(), false, solid, grid, start),
+            Self::Exact => feel(Exact::default(), Smoothing::Bits, solid, grid, start),
+            Self::Stairs => feel(Exact::default(), Smoothing::Off, solid, grid, start),
+            Self::ThesisOriginal => feel(
+                ThesisOriginal::default(),
+                Smoothing::Off,
+                solid,
+                grid,
+                start,
+            ),
+            Self::ThesisImproved => feel(
+                ThesisImproved::default(),
+                Smoothing::Off,
+                solid,
+                grid,
+                start,
+            ),
         }
     }
 }
@@ -85,7 +98,7 @@ impl Touch {
 /// A spring without damper between the hand and the proxy of a contact model.
 fn feel<'a, M: ContactModel + 'a>(
     model: M,
-    smoothing: bool,
+    smoothing: Smoothing,
     solid: &'a Bits,
     grid: &'a Grid,
     start: DVec3,

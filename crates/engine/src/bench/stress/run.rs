@@ -13,6 +13,7 @@ use palpate_haptics::moving::PoseMotion;
 use palpate_haptics::placement::nearest_free;
 use palpate_haptics::proxy::Proxy;
 use palpate_haptics::safety::{ForceLimits, Safety};
+use palpate_haptics::smooth::Smoothing;
 use palpate_haptics::surface::{Surface, Uniform};
 use palpate_haptics::tick::{TickCache, TickInput, TickOutput, TickState, tick};
 use palpate_volume::grid::Grid;
@@ -250,7 +251,11 @@ impl<'a, M: ContactModel> Run<'a, M> {
             device_in_scene,
             velocity_in_scene: moved / DT,
             damping: self.terms.damping,
-            smoothing: self.terms.smooths,
+            smoothing: if self.terms.smooths {
+                Smoothing::Bits
+            } else {
+                Smoothing::Off
+            },
         };
         self.cache.set_epoch(self.epoch);
         let (model, surface) = (&self.model, &self.surface);

@@ -1,0 +1,84 @@
+//! What a body knows of the shares of its voxels: those that thresholds made, and the values that
+//! say where between voxels they end.
+//!
+//! A voxel counts by its share where a segment that a threshold made has it, or for a free one,
+//! where such a segment has a voxel beside it; all others count as their bits say. So masks
+//! keep their own surface beside segments of thresholds. Where a mask covers such a voxel too,
+//! the share counts: it knows more of the surface.
+//!
+//! Frame: grid. Nothing here allocates after it was made.
+
+use glam::IVec3;
+use palpate_haptics::smooth::shares::Limits;
+use palpate_volume::bit_brick::BitBrick;
+use palpate_volume::bits::Bits;
+use palpate_volume::brick_grid::BrickSwap;
+use palpate_volume::edit::SegmentId;
+
+use crate::scan_values::ScanValues;
+use crate::touchable::Part;
+
+/// Most segments of thresholds in one body whose shares are known; further ones are taken for
+/// masks, so that work stays bounded.
+const MAX_OWNERS: usize = 8;
+
+/// Shares of the voxels of one body.
+#[derive(Clone, Debug)]
+pub struct KnownShares {
+    values: ScanValues,
+    limits: Limits,
+    /// Voxels that thresholds made, where the body has others as well.
+    owners: Vec<(SegmentId, Bits)>,
+}
+
+impl KnownShares {
+    /// Of a body that is made of these parts of one scan; none where no threshold made any.
+    #[must_use]
+    pub fn of(parts: &[&Part]) -> Option<Self> {
+        let made = parts
+            .iter()
+            .filter_map(|part| Some((*part, part.threshold.as_ref()?)))
+            .take(MAX_OWNERS);
+        let values = made.clone().next()?.1.values.clone();
+        let ranges = made.clone().map(|(_, threshold)| threshold.range);
+        let limits = Limits::new(values.rescale(), ranges);
+        let owner = |part: &Part| (part.id, part.bits.clone());
+        let owners = match parts {
+            [_] => Vec::new(),
+            _ => made.map(|(part, _)| owner(part)).collect(),
+        };
+        Some(Self {
+            values,
+            limits,
+            owners,
+        })
+    }
+
+    /// Exchanges a brick of a part, if it is there.
+    pub fn swap_part(&mut self, id: SegmentId, swap: &mut BrickSwap<BitBrick>) {
+        if let Some((_, bits)) = self.owners.iter_mut().find(|(owner, _)| *owner == id) {
+            bits.swap(swap);
+        }
+    }
+
+    /// The share of a voxel that is solid; see `Occupancy::share`.
+    #[inline]
+    #[must_use]
+    pub fn share(&self, voxel: IVec3, solid: bool) -> Option<f32> {
+        if !self.owners.is_empty() && !self.is_made(voxel, solid) {
+            return None;
+        }
+        self.values.share(&self.limits, voxel, solid)
+    }
+
+    /// Whether a threshold made a voxel, or for a free one, a voxel beside it.
+    fn is_made(&self, voxel: IVec3, solid: bool) -> bool {
+        let has = |voxel: IVec3| self.owners.iter().any(|(_, bits)| bits.is_solid(voxel));
+        if solid {
+            return has(voxel);
+        }
+        [IVec3::X, IVec3::Y, IVec3::Z]
+            .into_iter()
+            .any(|axis| has(voxel - axis) || has(voxel + axis))
+    }
+}

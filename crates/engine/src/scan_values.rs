@@ -1,0 +1,235 @@
+//! The scan's values as touch reads them, where a threshold made a segment.
+//!
+//! They are the scan's own: what matter edits put over them is not read, since a voxel whose bit
+//! and value disagree counts as its bit says anyway. So they never change, and only pointers to
+//! them are handed on. The bricks that were read are marked, so that a recording can keep just
+//! those; a replay has no others.
+//!
+//! Frame: grid; values as stored.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+
+use glam::{IVec3, UVec3};
+use palpate_haptics::smooth::shares::{Around, Limits};
+use palpate_volume::brick_grid::{BRICK, BrickGrid, BrickSwap};
+use palpate_volume::intensities::Intensities;
+use palpate_volume::intensity_brick::IntensityBrick;
+use palpate_volume::overlay::Overlay;
+
+use crate::scene::ThresholdRange;
+
+/// Values of a scan. A clone shares them, and the marks.
+#[derive(Clone, Debug)]
+pub struct ScanValues {
+    kept: Kept,
+    /// Voxels along each axis.
+    dimensions: UVec3,
+    /// Physical units per stored unit, and the physical value of stored 0.
+    rescale: (f64, f64),
+    /// One bit for each brick that was read.
+    read: Arc<[AtomicU64]>,
+}
+
+/// Which of them there are.
+#[derive(Clone, Debug)]
+enum Kept {
+    All(Intensities),
+    Some(Arc<BrickGrid<IntensityBrick>>),
+}
+
+/// A brick of values and its place in the directory.
+pub type ValueBrick = (u32, Arc<IntensityBrick>);
+
+impl ScanValues {
+    /// All values of a scan.
+    #[must_use]
+    pub fn of(scan: &Intensities) -> Self {
+        let dimensions = scan.dimensions();
+        Self {
+            kept: Kept::All(scan.clone()),
+            dimensions,
+            rescale: (scan.slope(), scan.intercept()),
+            read: no_marks(dimensions),
+        }
+    }
+
+    /// Some bricks of a scan; all other values are 0.
+    #[must_use]
+    pub fn of_bricks(
+        dimensions: UVec3,
+        rescale: (f64, f64),
+        bricks: impl IntoIterator<Item = ValueBrick>,
+    ) -> Self {
+        let mut grid = BrickGrid::empty(dimensions);
+        for (index, brick) in bricks {
+            let brick = Some(brick);
+            grid.swap(&mut BrickSwap { index, brick });
+        }
+        Self {
+            kept: Kept::Some(Arc::new(grid)),
+            dimensions,
+            rescale,
+            read: no_marks(dimensions),
+        }
+    }
+
+    /// The same values; marks are kept apart from now on.
+    #[must_use]
+    pub fn with_own_marks(&self) -> Self {
+        let marks = self.read.iter().map(|word| word.load(Relaxed).into());
+        Self {
+            read: marks.collect(),
+            ..self.clone()
+        }
+    }
+
+    /// Voxels along x, y and z.
+    #[must_use]
+    pub fn dimensions(&self) -> UVec3 {
+        self.dimensions
+    }
+
+    /// Physical units per stored unit, and the physical value of stored 0.
+    #[must_use]
+    pub fn rescale(&self) -> (f64, f64) {
+        self.rescale
+    }
+
+    /// The share of a voxel that is solid; see `Occupancy::share`.
+    #[must_use]
+    pub fn share(&self, limits: &Limits, voxel: IVec3, solid: bool) -> Option<f32> {
+        self.mark(voxel);
+        let around = match &self.kept {
+            Kept::All(scan) => Around::of(scan, voxel),
+            Kept::Some(bricks) => {
+                let last = self.dimensions.as_ivec3() - 1;
+                Around::from_fn(voxel, |voxel| {
+                    let voxel = voxel.clamp(IVec3::ZERO, last);
+                    bricks.at(voxel).map_or(0, |brick| brick.stored(voxel))
+                })
+            }
+        };
+        limits.share(&around, solid)
+    }
+
+    /// Forgets which bricks were read.
+    pub fn forget_marks(&self) {
+        for word in self.read.iter() {
+            word.store(0, Relaxed);
+        }
+    }
+
+    /// The bricks that were read, or all where there are only some; by rising place.
+    #[must_use]
+    pub fn read_bricks(&self) -> Vec<ValueBrick> {
+        match &self.kept {
+            Kept::Some(bricks) => (0..)
+                .zip(bricks.entries())
+                .filter_map(|(index, brick)| Some((index, Arc::clone(brick.as_ref()?))))
+                .collect(),
+            Kept::All(scan) => {
+                let whole = Overlay::empty(self.dimensions);
+                let brick = |index| (index, Arc::new(whole.brick(scan, index)));
+                self.marked().map(brick).collect()
+            }
+        }
+    }
+
+    fn marked(&self) -> impl Iterator<Item = u32> {
+        (0..).zip(self.read.iter()).flat_map(|(place, word)| {
+            let word = word.load(Relaxed);
+            let set = (0..64_u32).filter(move |bit| word >> bit & 1 == 1);
+            set.map(move |bit| 64 * place + bit)
+        })
+    }
+
+    /// Marks the bricks of a voxel and of its neighbours.
+    fn mark(&self, voxel: IVec3) {
+        let last = self.dimensions.as_ivec3() - 1;
+        let low = (voxel - 1).clamp(IVec3::ZERO, last) / BRICK;
+        let high = (voxel + 1).clamp(IVec3::ZERO, last) / BRICK;
+        let here = voxel.clamp(IVec3::ZERO, last) / BRICK;
+        self.mark_brick(here);
+        if low == high {
+            return;
+        }
+        for axis in 0..3 {
+            for beside in [low[axis], high[axis]] {
+                let mut brick = here;
+                brick[axis] = beside;
+                self.mark_brick(brick);
+            }
+        }
+    }
+
+    fn mark_brick(&self, brick: IVec3) {
+        let size = self.dimensions.map(|count| count.div_ceil(BRICK as u32));
+        let brick = brick.as_uvec3();
+        let index = (brick.z * size.y + brick.y) * size.x + brick.x;
+        let mark = 1 << (index % 64);
+        if let Some(word) = self.read.get(index as usize / 64)
+            && word.load(Relaxed) & mark == 0
+        {
+            word.fetch_or(mark, Relaxed);
+        }
+    }
+}
+
+fn no_marks(dimensions: UVec3) -> Arc<[AtomicU64]> {
+    let bricks = dimensions.map(|count| count.div_ceil(BRICK as u32));
+    let count = bricks.as_usizevec3().element_product();
+    (0..count.div_ceil(64)).map(|_| AtomicU64::new(0)).collect()
+}
+
+/// The threshold that made a segment.
+#[derive(Clone, Debug)]
+pub struct Threshold {
+    /// Lowest and highest value, physical.
+    pub range: ThresholdRange,
+    /// The values.
+    pub values: ScanValues,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Values that rise along all axes, in a grid that is no multiple of a brick.
+    fn scan() -> Intensities {
+        let dimensions = UVec3::new(19, 11, 21);
+        let values: Vec<i16> = (0..19 * 11 * 21).map(|i| (i * 37 % 1000) as i16).collect();
+        Intensities::new(dimensions, values, 1.0, 0.0).expect("one value per voxel")
+    }
+
+    #[test]
+    fn bricks_that_were_read_tell_the_same_shares_as_the_scan() {
+        let scan = scan();
+        let values = ScanValues::of(&scan);
+        let limits = Limits::new((1.0, 0.0), [(400.0, 900.0)]);
+        assert!(values.read_bricks().is_empty());
+        let asked = [
+            IVec3::new(3, 4, 5),
+            IVec3::new(8, 7, 15),
+            IVec3::new(18, 10, 20),
+            IVec3::new(-1, 0, 0),
+            IVec3::new(19, 10, 7),
+        ];
+        let share = |values: &ScanValues| {
+            asked.map(|voxel| [true, false].map(|solid| values.share(&limits, voxel, solid)))
+        };
+        let before = share(&values);
+        assert!(before.iter().flatten().any(Option::is_some));
+
+        let bricks = values.read_bricks();
+        let all = 3 * 2 * 3;
+        assert!(!bricks.is_empty() && bricks.len() < all, "{}", bricks.len());
+        let kept = ScanValues::of_bricks(scan.dimensions(), values.rescale(), bricks);
+        assert_eq!(share(&kept), before);
+
+        let apart = values.with_own_marks();
+        values.forget_marks();
+        assert!(values.read_bricks().is_empty());
+        assert!(!apart.read_bricks().is_empty());
+    }
+}

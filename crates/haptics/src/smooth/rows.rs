@@ -1,0 +1,169 @@
+//! Rows of bits packed in words, and a flood through layers of them.
+//!
+//! Memory: a row has 8, 16 or 32 bits, x from the lowest bit on; a word holds 8, 4 or 2 rows;
+//! a layer has a power of two of words. `LOG` is the logarithm of a row's bits.
+
+/// Most growths of a layer in a flood, for each layer; ways that wind more are cut short.
+const MAX_GROWTHS: usize = 24;
+
+/// Bits x = 0 of all rows of a word.
+const fn first_column(log: u32) -> u64 {
+    match log {
+        3 => 0x0101_0101_0101_0101,
+        4 => 0x0001_0001_0001_0001,
+        _ => 0x0000_0001_0000_0001,
+    }
+}
+
+/// Words whose rows have 2^`LOG` bits.
+pub(super) struct Rows<const LOG: u32>;
+
+impl<const LOG: u32> Rows<LOG> {
+    const BITS: u32 = 1 << LOG;
+    const NOT_FIRST: u64 = !first_column(LOG);
+    const NOT_LAST: u64 = !(first_column(LOG) << (Self::BITS - 1));
+
+    /// The neighbours of voxels in a word, along the rows and from row to row.
+    #[inline]
+    fn spread(word: u64) -> u64 {
+        let along = (word & Self::NOT_LAST) << 1 | (word & Self::NOT_FIRST) >> 1;
+        along | word << Self::BITS | word >> Self::BITS
+    }
+
+    /// The neighbours of voxels of a layer in one of its words.
+    #[inline]
+    pub(super) fn beside(layer: &[u64], word: usize, kind: impl Fn(u64) -> u64) -> u64 {
+        let at = |word: usize| layer.get(word).map_or(0, |&word| kind(word));
+        let above = at(word + 1) << (64 - Self::BITS);
+        let below = match word {
+            0 => 0,
+            _ => at(word - 1) >> (64 - Self::BITS),
+        };
+        Self::spread(at(word)) | above | below
+    }
+
+    /// All of `free` that `seed` reaches first along the rows of a word, then across them.
+    #[inline]
+    fn grown(seed: u64, free: u64) -> u64 {
+        if seed == 0 || seed == free {
+            return seed;
+        }
+        // along the rows, in steps that double
+        let (mut up, mut down) = (seed, seed);
+        let (mut pass_up, mut pass_down) = (free & Self::NOT_FIRST, free & Self::NOT_LAST);
+        for log in 0..LOG {
+            let step = 1 << log;
+            up |= pass_up & (up << step);
+            down |= pass_down & (down >> step);
+            pass_up &= pass_up << step;
+            pass_down &= pass_down >> step;
+        }
+        let seed = up | down;
+
+        // from row to row
+        let (mut up, mut down) = (seed, seed);
+        let (mut pass_up, mut pass_down) = (free, free);
+        for log in LOG..6 {
+            let step = 1 << log;
+            up |= pass_up & (up << step);
+            down |= pass_down & (down >> step);
+            pass_up &= pass_up << step;
+            pass_down &= pass_down >> step;
+        }
+        up | down
+    }
+
+    /// Grows what is reached in a layer, down and up; whether more of it can be reached.
+    #[inline]
+    fn grow(reached: &mut [u64], free: &[u64]) -> bool {
+        let mut from_last = 0;
+        for (reached, free) in reached.iter_mut().zip(free) {
+            *reached = Self::grown(*reached | from_last & free, *free);
+            from_last = *reached >> (64 - Self::BITS);
+        }
+        let mut from_next = 0;
+        for (reached, free) in reached.iter_mut().zip(free).rev() {
+            *reached = Self::grown(*reached | from_next & free, *free);
+            from_next = *reached << (64 - Self::BITS);
+        }
+        let left = free.iter().enumerate().fold(0, |left, (word, free)| {
+            let here = reached.get(word).map_or(0, |&word| word);
+            left | Self::beside(reached, word, |word| word) & free & !here
+        });
+        left != 0
+    }
+
+    /// Grows what is reached, some voxels of the layer `first`, to all free voxels that are
+    /// connected to it through faces; false where there was no end to it. A layer has `words`.
+    pub(super) fn flood(words: usize, first: usize, free: &[u64], reached: &mut [u64]) -> bool {
+        let layers = free.len() / words.max(1);
+        // a bit for each layer that is to grow
+        let mut waiting = 1_u32 << (first & 31);
+        for _ in 0..MAX_GROWTHS * layers {
+            if waiting == 0 {
+                return true;
+            }
+            let z = waiting.trailing_zeros() as usize;
+            waiting &= waiting - 1;
+            let layer = z * words..(z + 1) * words;
+            let (Some(here), Some(open)) = (reached.get_mut(layer.clone()), free.get(layer)) else {
+                return false;
+            };
+            waiting |= u32::from(Self::grow(here, open)) << z;
+            if z > 0 {
+                waiting |= u32::from(pour(reached, free, words, z, z - 1)) << (z - 1);
+            }
+            if z + 1 < layers {
+                waiting |= u32::from(pour(reached, free, words, z, z + 1)) << (z + 1);
+            }
+        }
+        false
+    }
+}
+
+/// From a layer to one next to it; whether that reaches anything new.
+#[inline]
+fn pour(reached: &mut [u64], free: &[u64], words: usize, from: usize, to: usize) -> bool {
+    let mut any = 0;
+    for word in 0..words {
+        let [from, to] = [from, to].map(|layer| layer * words + word);
+        let new = reached[from] & free[to] & !reached[to];
+        reached[to] |= new;
+        any |= new;
+    }
+    any != 0
+}
+
+/// Set bits of a byte in groups of 1, 2 or 4, each sum in a byte of its own.
+static GROUPS: [[u64; 256]; 3] = groups();
+
+const fn groups() -> [[u64; 256]; 3] {
+    let mut table = [[0; 256]; 3];
+    let mut log = 0;
+    while log < 3 {
+        let mut byte = 0;
+        while byte < 256 {
+            let mut bit = 0;
+            while bit < 8 {
+                table[log][byte] += (byte as u64 >> bit & 1) << (8 * (bit >> log));
+                bit += 1;
+            }
+            byte += 1;
+        }
+        log += 1;
+    }
+    table
+}
+
+impl<const LOG: u32> Rows<LOG> {
+    /// Clear bits of the first row of a word, in eight groups, each sum in a byte of its own.
+    #[inline]
+    pub(super) fn clear_in_row(word: u64) -> u64 {
+        let groups = &GROUPS[(LOG - 3) as usize & 3];
+        let bytes = 1 << (LOG - 3);
+        (0..bytes).fold(0, |cells, byte| {
+            let bits = !word >> (8 * byte) & 0xff;
+            cells | groups[bits as usize] << (64 / bytes * byte)
+        })
+    }
+}
