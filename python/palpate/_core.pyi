@@ -368,11 +368,23 @@ def touch_quality_cases() -> list[str]:
     """Names of the cases of ``bench_touch_quality``, in the order of their report."""
 
 def bench_touch_quality(
-    case: str, touch: Literal["exact", "stairs", "thesis-original", "thesis-improved"]
+    case: str,
+    touch: Literal[
+        "exact",
+        "exact, intensities",
+        "exact, r 1",
+        "exact, r 2",
+        "exact, r 5",
+        "stairs",
+        "thesis-original",
+        "thesis-improved",
+    ],
 ) -> dict[str, float]:
     """Feels bodies whose surface is known exactly; lengths in parts of h, angles in degrees.
 
-    ``stairs`` is ``exact`` without smoothing. What counts is said in
+    ``exact`` takes bodies as masks, ``exact, intensities`` as what a threshold makes of partial
+    volumes; a ball ``r`` [h] is held against the dilated body. ``stairs`` is ``exact`` without
+    smoothing. What counts is said in
     ``crates/engine/src/bench/quality/figures.rs``.
 
     Returns:

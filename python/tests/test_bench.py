@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 from pathlib import Path
 
@@ -12,6 +13,7 @@ from palpate import OptionError, Scene, Volume, _core  # noqa: TID251  # the tab
 from palpate.bench import haptics, stress
 from palpate.bench.goals import (
     DEFAULT_STIFFNESS,
+    EXACT_TOUCHES,
     GOALS,
     IMPROVED,
     STROKES,
@@ -278,8 +280,8 @@ def test_touch_has_every_named_goal_on_every_stroke() -> None:
     table = {(row.case, row.metric): row for row in GOALS["touch-quality"]}
     assert len(table) == len(GOALS["touch-quality"]), "a row stands twice"
     for (body, metric), goal in QUALITY_NAMED.items():
-        for depth, step in STROKES:
-            row = table[f"exact: {body}, {depth:g} h deep, {step:g} h a move", metric]
+        for touch, (depth, step) in itertools.product(EXACT_TOUCHES, STROKES):
+            row = table[f"{touch}: {body}, {depth:g} h deep, {step:g} h a move", metric]
             better = "higher" if metric == "in contact" else "lower"
             assert (row.goal, row.better) == (goal, better)
             magnitude = table[row.case, "magnitude RMSE"]
@@ -293,7 +295,7 @@ def test_the_cases_of_the_table_are_those_of_the_engine() -> None:
 
 
 def test_other_ways_of_touch_have_no_goals() -> None:
-    rows = [row for row in GOALS["touch-quality"] if not row.case.startswith("exact: ")]
+    rows = [row for row in GOALS["touch-quality"] if not row.case.startswith("exact")]
     assert rows
     assert all(row.goal is None for row in rows)
 
