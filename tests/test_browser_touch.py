@@ -6,7 +6,6 @@ known without any code of Palpate.
 
 from __future__ import annotations
 
-import json
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -21,7 +20,6 @@ from palpate.recording import Recording
 pytestmark = pytest.mark.browser
 
 OUTPUT = ROOT / "tests" / "output"
-TOLD_OTHERWISE = ROOT / "tests" / "support" / "told_otherwise.py"
 EDGE = 48
 """Voxels along the scan, each 1 mm."""
 SURFACE = 23.5
@@ -336,31 +334,6 @@ def test_the_light_is_green_opens_what_is_counted_and_has_a_name(page: Browser) 
     assert "inside of anything solid" in page.text("guarantees")
     page.do("press", key="Escape")
     assert not page.read(opened)
-
-
-@pytest.mark.parametrize(
-    ("safety", "colour", "short", "word"),
-    [
-        ({"violations": 2}, "red", "2 violations", "broken 2 times"),
-        ({"violations": 1, "force": "off"}, "red", "1 violation", "broken once"),
-        ({"force": "waiting", "waited": 4}, "amber", "force waits", "waits"),
-        ({"force": "off"}, "amber", "force off", "No force"),
-    ],
-)
-def test_the_light_turns_red_for_violations_and_amber_for_interventions(
-    block: Path, safety: dict[str, Any], colour: str, short: str, word: str
-) -> None:
-    tool = (ROOT / ".venv" / "bin" / "python", TOLD_OTHERWISE, json.dumps(safety))
-    with palpate("open", block, *OPTIONS, "--port", "0", tool=tool) as faulty, browser() as page:
-        page.do("open", url=faulty.url, width=800, height=480)
-        for light in ("light", "status-light"):
-            element = f"document.querySelector('[data-testid={light}]')"
-            page.wait(f"{element}?.dataset.colour === {colour!r}", seconds=10.0)
-            assert page.text(light) == short
-            assert colour in page.read(f"{element}.ariaLabel")
-        page.do("click", testid="light")
-        assert word in page.text("guarantees")
-        page.do("screenshot", path=str(OUTPUT / f"light_{colour}.png"))
 
 
 # --- heard and felt ---------------------------------------------------------------------

@@ -383,11 +383,23 @@ def touch_quality_cases() -> list[str]:
     """Names of the cases of ``bench_touch_quality``, in the order of their report."""
 
 def bench_touch_quality(
-    case: str, touch: Literal["exact", "stairs", "thesis-original", "thesis-improved"]
+    case: str,
+    touch: Literal[
+        "exact",
+        "exact, intensities",
+        "exact, r 1",
+        "exact, r 2",
+        "exact, r 5",
+        "stairs",
+        "thesis-original",
+        "thesis-improved",
+    ],
 ) -> dict[str, float]:
     """Feels bodies whose surface is known exactly; lengths in parts of h, angles in degrees.
 
-    ``stairs`` is ``exact`` without smoothing. What counts is said in
+    ``exact`` takes bodies as masks, ``exact, intensities`` as what a threshold makes of partial
+    volumes; a ball ``r`` [h] is held against the dilated body. ``stairs`` is ``exact`` without
+    smoothing. What counts is said in
     ``crates/engine/src/bench/quality/figures.rs``.
 
     Returns:
@@ -408,15 +420,17 @@ def bench_stress(
     first: int,
     count: int,
     model: Literal["exact", "thesis-original", "thesis-improved"],
+    threads: int,
     volume: Volume | None = None,
     segment: Segment | None = None,
 ) -> dict[str, Any]:
-    """Makes runs of random moves, each checked, on all cores; numbers give the same runs again.
+    """Makes runs of random moves, each checked; numbers give the same runs on any threads.
 
     Returns:
-        ``moves``, ``contacts`` (of these), ``edits``, and ``violation``: None, or ``run``,
+        ``moves``, ``contacts`` (of these), ``edits``, ``poses`` (steps of objects), ``cuts``
+        (forces that fell at once since they would have pulled), and ``violation``: None, or ``run``,
         ``move`` (moves before it), ``model``, ``guarantee`` (its number), ``what``, ``plan``.
 
     Raises:
-        ValueError: There is no such model, or the numbers are too large.
+        ValueError: There is no such model, or the numbers are not allowed.
     """

@@ -413,6 +413,9 @@ def bench_stress(  # one per option of the command line
     json_file: Annotated[
         Path | None, typer.Option("--json", help="Write the figures to this file.")
     ] = None,
+    threads: Annotated[
+        int | None, typer.Option(help="How many work at it; by default all cores.")
+    ] = None,
     case: Annotated[
         Path, typer.Option(help="Where a violation is written, to be replayed.")
     ] = Path("stress-violation.json"),
@@ -432,7 +435,7 @@ def bench_stress(  # one per option of the command line
         volume = phantom().volume if plan.data is None else read(Path(plan.data), progress=display)
         bone = volume.offered_bone()
         found = (
-            measure(bone, plan, moves=moves, progress=display)
+            measure(bone, plan, moves=moves, threads=threads, progress=display)
             if replay is None
             else again(bone, plan)
         )

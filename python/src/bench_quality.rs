@@ -22,10 +22,8 @@ pub fn bench_touch_quality<'py>(
     let touch = touch_named(touch)?;
     let figures = py
         .detach(|| {
-            let case = cases_where(|name| name == case).pop()?;
-            Some(measure(&case, |solid, grid, start| {
-                touch.start(solid, grid, start)
-            }))
+            let case = cases_where(touch.radius(), |name| name == case).pop()?;
+            Some(measure(&case, touch))
         })
         .ok_or_else(|| {
             CoreError::value(format!(

@@ -1,7 +1,7 @@
 //! `_core.bench_stress`: for `palpate bench stress`.
 
 use palpate_engine::bench::Model;
-use palpate_engine::bench::stress::{Report, Source, runs};
+use palpate_engine::bench::stress::{Report, Source, on_threads, runs};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -10,15 +10,19 @@ use crate::segment::PySegment;
 use crate::settings::model_named;
 use crate::volume::PyVolume;
 
-/// Makes runs `first` to `first + count` of a seed, on all cores, in parts of this bone.
+/// Most threads.
+const MAX_THREADS: usize = 256;
+
+/// Makes runs `first` to `first + count` of a seed, in parts of this bone.
 #[pyfunction]
-#[pyo3(signature = (seed, first, count, model, volume = None, segment = None))]
+#[pyo3(signature = (seed, first, count, model, threads, volume = None, segment = None))]
 pub fn bench_stress<'py>(
     py: Python<'py>,
     seed: u64,
     first: u64,
     count: u64,
     model: &str,
+    threads: usize,
     volume: Option<&PyVolume>,
     segment: Option<&PySegment>,
 ) -> PyResult<Bound<'py, PyDict>> {
@@ -26,13 +30,21 @@ pub fn bench_stress<'py>(
     let end = first.checked_add(count).ok_or_else(|| {
         CoreError::value(format!("{count} runs from {first} given; allowed: 64 bits"))
     })?;
+    if !(1..=MAX_THREADS).contains(&threads) {
+        return Err(CoreError::value(format!(
+            "{threads} threads given; allowed: 1 to {MAX_THREADS}"
+        ))
+        .into());
+    }
     let report = py.detach(|| {
         let bone = volume.zip(segment).map(|(volume, segment)| Source {
             grid: &volume.grid,
             bits: segment.segment.occupancy(),
         });
-        runs(seed, first..end, model, bone)
+        on_threads(threads, || runs(seed, first..end, model, bone))
     });
+    let report =
+        report.map_err(|error| CoreError::value(format!("{threads} threads given: {error}")))?;
     report_dict(py, model, &report)
 }
 
@@ -46,6 +58,8 @@ fn report_dict<'py>(
         ("moves", report.moves),
         ("contacts", report.contacts),
         ("edits", report.edits),
+        ("poses", report.poses),
+        ("cuts", report.cuts),
     ] {
         dictionary.set_item(name, value)?;
     }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 from pathlib import Path
 
@@ -12,6 +13,7 @@ from palpate import OptionError, Scene, Volume, _core  # noqa: TID251  # the tab
 from palpate.bench import haptics, stress
 from palpate.bench.goals import (
     DEFAULT_STIFFNESS,
+    EXACT_TOUCHES,
     GOALS,
     IMPROVED,
     STROKES,
@@ -278,8 +280,8 @@ def test_touch_has_every_named_goal_on_every_stroke() -> None:
     table = {(row.case, row.metric): row for row in GOALS["touch-quality"]}
     assert len(table) == len(GOALS["touch-quality"]), "a row stands twice"
     for (body, metric), goal in QUALITY_NAMED.items():
-        for depth, step in STROKES:
-            row = table[f"exact: {body}, {depth:g} h deep, {step:g} h a move", metric]
+        for touch, (depth, step) in itertools.product(EXACT_TOUCHES, STROKES):
+            row = table[f"{touch}: {body}, {depth:g} h deep, {step:g} h a move", metric]
             better = "higher" if metric == "in contact" else "lower"
             assert (row.goal, row.better) == (goal, better)
             magnitude = table[row.case, "magnitude RMSE"]
@@ -293,7 +295,7 @@ def test_the_cases_of_the_table_are_those_of_the_engine() -> None:
 
 
 def test_other_ways_of_touch_have_no_goals() -> None:
-    rows = [row for row in GOALS["touch-quality"] if not row.case.startswith("exact: ")]
+    rows = [row for row in GOALS["touch-quality"] if not row.case.startswith("exact")]
     assert rows
     assert all(row.goal is None for row in rows)
 
@@ -340,6 +342,14 @@ def test_random_moves_break_no_promise(ball_scene: Scene) -> None:
     assert figures["moves"].value == pytest.approx(found.moves / 1e6)
 
 
+def test_the_same_violation_is_found_on_any_threads(ball_scene: Scene) -> None:
+    bone = next(iter(ball_scene)).segment
+    plan = stress.Plan(seed=3, model="thesis-improved")
+    one, two = (stress.measure(bone, plan, moves=1000, threads=count) for count in (1, 2))
+    assert one.violation is not None
+    assert one.violation == two.violation
+
+
 def test_a_violation_is_told_and_replayed(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -370,6 +380,8 @@ def test_what_is_no_stress_is_refused(tmp_path: Path, ball_scene: Scene) -> None
     bone = next(iter(ball_scene)).segment
     with pytest.raises(OptionError, match="allowed: 1 or more"):
         stress.measure(bone, stress.Plan(seed=1), moves=0)
+    with pytest.raises(OptionError, match="allowed: 1 to 256"):
+        stress.measure(bone, stress.Plan(seed=1), moves=1, threads=0)
     with pytest.raises(OptionError, match="allowed: 0 to"):
         stress.Plan(seed=-1)
     with pytest.raises(OptionError, match="allowed: 'exact'"):

@@ -7,14 +7,14 @@ use palpate_engine::bench::quality::{Touch, cases_where, measure};
 
 fn main() {
     let wanted = std::env::args().nth(1).unwrap_or_default();
-    let cases = cases_where(|name| name.contains(&wanted));
     for touch in Touch::ALL {
+        let cases = cases_where(touch.radius(), |name| name.contains(&wanted));
         println!(
             "{:46}  dir°mean   95%  mag%  ripple lag95   max prox95  max jitter pops solid% stuck  step touch%",
             touch.name()
         );
         for case in &cases {
-            let f = measure(case, |solid, grid, start| touch.start(solid, grid, start));
+            let f = measure(case, touch);
             println!(
                 "{:48} {:6.2} {:6.2} {:5.1} {:6.3} {:5.2} {:5.2} {:5.2} {:5.2} {:6.3} {:4.0} {:5.1} {:5.0} {:6.3} {:5.1}",
                 case.name,

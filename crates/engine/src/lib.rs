@@ -28,6 +28,8 @@ pub mod packed_patch;
 pub mod patched;
 pub mod picture;
 pub mod placement;
+#[cfg(feature = "planted-fault")]
+mod planted_fault;
 pub mod priority;
 pub mod probe;
 pub mod rate;

@@ -67,7 +67,7 @@ impl ContactModel for LimitedModel {
         device_in_grid: DVec3,
         proxy: &mut Proxy,
     ) -> Contact {
-        match self.model {
+        let contact = match self.model {
             Model::Exact => self.exact().advance(scene, device_in_grid, proxy),
             Model::ThesisOriginal => {
                 ThesisOriginal::default().advance(scene, device_in_grid, proxy)
@@ -75,7 +75,10 @@ impl ContactModel for LimitedModel {
             Model::ThesisImproved => {
                 ThesisImproved::default().advance(scene, device_in_grid, proxy)
             }
-        }
+        };
+        #[cfg(feature = "planted-fault")]
+        crate::planted_fault::let_walls_give_way(scene, device_in_grid, proxy, &contact);
+        contact
     }
 
     fn visit_bound(&self) -> u32 {

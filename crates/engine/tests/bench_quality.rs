@@ -7,14 +7,14 @@
 
 use glam::{DVec3, IVec3};
 use palpate_engine::bench::quality::{
-    Body, Case, Feel, Felt, Figures, Touch, cases, cases_where, measure,
+    Body, Case, Feel, Felt, Figures, Solid, Touch, cases, cases_where, measure, measure_hand,
 };
 use palpate_volume::voxel_box::VoxelBox;
 
 /// The case of a body on cubes, 5 h deep, 0.2 h a move.
 fn case(body: &str) -> Case {
     let name = format!("{body}, cubes, 5 h deep, 0.2 h a move");
-    cases_where(|case| case == name).pop().unwrap()
+    cases_where(0.0, |case| case == name).pop().unwrap()
 }
 
 /// A case with its first body only.
@@ -59,7 +59,7 @@ fn measured(
     body: &Body,
     fault: impl Fn(usize, &mut Felt) + Clone + 'static,
 ) -> Figures {
-    measure(case, |_, _, _| -> Feel<'_> {
+    measure_hand(case, Touch::Exact, |_, _, _| -> Feel<'_> {
         Box::new(perfect(body.clone(), fault.clone()))
     })
 }
@@ -208,7 +208,7 @@ fn devices_go_in_even_steps_and_repeat_nothing() {
 fn shells_are_closed_face_to_face() {
     for case in cases().iter().filter(|case| case.body.starts_with("shell")) {
         let (body, _) = &case.strokes[0];
-        let solid = body.voxelised(&case.grid);
+        let solid = Solid::of_middles(body, &case.grid).bits;
         let bounds = VoxelBox::of_dimensions(case.grid.dimensions()).dilate(1);
         let mut seen = std::collections::HashSet::new();
         let mut stack = vec![bounds.min];
@@ -227,18 +227,73 @@ fn shells_are_closed_face_to_face() {
     }
 }
 
+/// Partial volumes add up to the body, and half of one is where its threshold is.
+#[test]
+fn partial_volumes_are_the_shares_of_voxels_inside() {
+    let (case, body) = single("sphere");
+    let solid = Solid::of_shares(&body, &case.grid);
+    let values = solid.values.unwrap();
+    let volume: f64 = values.values().iter().map(|&v| f64::from(v) / 1000.0).sum();
+    // of a ball of 20 mm in voxels of 1 mm³; points of a sixth count each voxel to some percent,
+    // and there are thousands of them
+    let truth = 4.0 / 3.0 * std::f64::consts::PI * 20_f64.powi(3);
+    assert!((volume / truth - 1.0).abs() < 1e-3, "{volume} {truth}");
+    let bits = VoxelBox::of_dimensions(case.grid.dimensions());
+    for voxel in bits.voxels() {
+        let value = values.stored(voxel).unwrap();
+        assert_eq!(solid.bits.is_solid(voxel), value >= 500, "{voxel}");
+    }
+    // nothing stands inside of a shell
+    let (case, shell) = single("shell of 2");
+    let solid = Solid::of_shares(&shell, &case.grid);
+    let middle = case.grid.grid_from_patient().transform_point3(shell.centre);
+    let middle = middle.floor().as_ivec3();
+    assert_eq!(solid.values.unwrap().stored(middle), Some(0));
+    assert!(!solid.bits.is_solid(middle));
+}
+
+/// A ball's middle is a radius farther out, on the body's own normal.
+#[test]
+fn a_ball_is_held_against_the_dilated_body() {
+    for name in ["plane", "sphere", "torus", "cylinder", "bore", "wedge"] {
+        let (case, body) = single(name);
+        for &point in case.strokes[0].1.iter().step_by(11) {
+            let [own, ball] = [0.0, 2.0].map(|radius| body.foot_of_ball(point, radius));
+            // rounding of coordinates of some ten mm
+            assert!(
+                (ball.distance - (own.distance - 2.0)).abs() < 1e-9,
+                "{name}"
+            );
+            assert!(
+                (ball.point.distance(own.point) - 2.0).abs() < 1e-9,
+                "{name}"
+            );
+            assert!((body.distance(ball.point) - 2.0).abs() < 1e-9, "{name}");
+            // and on the surface itself
+            let on_it = body.foot_of_ball(own.point, 2.0);
+            assert!(on_it.point.distance(ball.point) < 1e-6, "{name}");
+        }
+    }
+}
+
 #[test]
 fn every_way_of_touch_is_measured_under_its_own_name() {
-    let (case, _) = single("plane");
+    let (case, _) = single("sphere");
     let figures = Touch::ALL.map(|touch| {
-        assert_eq!(Touch::named(touch.name()), Some(touch));
-        measure(&case, |solid, grid, start| touch.start(solid, grid, start))
+        assert_eq!(Touch::named(&touch.name()), Some(touch));
+        let [mut case] =
+            <[Case; 1]>::try_from(cases_where(touch.radius(), |name| name == case.name)).unwrap();
+        case.strokes.truncate(1);
+        measure(&case, touch)
     });
     for (touch, figures) in Touch::ALL.iter().zip(&figures) {
         assert!(figures.updates > 1000.0, "{touch:?} {figures:?}");
     }
     // the guarantees of `exact`, and what the thesis' models lack
-    assert_eq!((figures[0].jitter, figures[0].pop_throughs), (0.0, 0.0));
-    assert!(figures[3].jitter > 0.0);
+    for exact in &figures[..5] {
+        assert_eq!((exact.jitter, exact.pop_throughs), (0.0, 0.0));
+        assert_eq!((exact.solid_share, exact.stuck), (0.0, 0.0));
+    }
+    assert!(figures[7].jitter > 0.0);
     assert_eq!(Touch::named("thesis"), None);
 }

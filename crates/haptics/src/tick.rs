@@ -252,13 +252,19 @@ impl<O: Occupancy, M: ContactModel, S: Surfaces> Tick<'_, O, M, S> {
             state.forget_contact();
             return (contact, Felt::NOTHING);
         }
-        let touches = smooth.offset != DVec3::ZERO;
+        let is_under = smooth.offset != DVec3::ZERO;
 
         // what the surface feels like there
         let wanted = self
-            .feel(state, &contact, to, smooth.normal, touches)
+            .feel(state, &contact, to, smooth.normal, is_under)
             .or(was);
-        let wanted = wanted.filter(|_| contact.touching || touches);
+        let wanted = wanted.filter(|_| contact.touching || is_under);
+        // a surface of which nothing is known yet is not felt, and later begins from nothing:
+        // else all that was pressed in by then would be felt at once
+        let touches = is_under && wanted.is_some();
+        if is_under && !touches {
+            state.smooth = SmoothState::default();
+        }
         let feel = state.blend.follow(wanted, way, smooth.depth_mm, h);
         let friction = feel.map_or(Friction::NONE, |feel| feel.friction);
         let point = touches.then_some(target + smooth.offset);
@@ -268,7 +274,7 @@ impl<O: Occupancy, M: ContactModel, S: Surfaces> Tick<'_, O, M, S> {
 
         let felt = Felt {
             spring: point.map_or(DVec3::ZERO, |point| point - device),
-            normal: smooth.normal,
+            normal: point.map_or(DVec3::ZERO, |_| smooth.normal),
             stiffness: feel.map_or(0.0, |feel| feel.stiffness),
             sticks: touches && friction.stick > 0.0 && !state.friction.is_slipping(),
             own_force: None,
@@ -293,8 +299,7 @@ impl<O: Occupancy, M: ContactModel, S: Surfaces> Tick<'_, O, M, S> {
         if !touches {
             return None;
         }
-        let below =
-            point - normal * BELOW / self.scene.grid.spacing() * self.scene.grid.smallest_spacing();
+        let below = point - (normal / self.scene.grid.spacing()).normalize_or_zero() * BELOW;
         let mut holders = Holders::default();
         holders.add(solid_between(self.scene, point, below)?, 1.0);
         holders.mixed(self.surfaces)
@@ -387,7 +392,8 @@ static STAIRS: Smoother = Smoother {
     ..Smoother::DEFAULT
 };
 
-/// How far below the proxy the smooth surface can be [smallest spacings].
+/// How far below the proxy what is under the smooth surface can be [voxels], which is as far as
+/// the blur reaches.
 const BELOW: f64 = 3.0;
 /// Voxels on that way, of any body.
 const BELOW_VISITS: u32 = 16;

@@ -9,10 +9,10 @@ use palpate_haptics::exact::Exact;
 use palpate_haptics::placement::nearest_free;
 use palpate_haptics::safety::{ForceLimits, Safety};
 use palpate_haptics::scene::TouchScene;
-use palpate_haptics::tick::{TickOutput, TickState};
+use palpate_haptics::tick::{TickCache, TickOutput, TickState};
 use palpate_volume::grid::Grid;
 use palpate_volume::occupancy::Occupancy;
-use support::{Body, Press, Random, noise, press};
+use support::{Body, Press, Random, noise, press, press_smooth};
 
 const SIZE: u32 = 32;
 
@@ -199,5 +199,44 @@ fn with_all_at_rest_place_and_force_stay_to_the_bit() {
         for _ in 0..50 {
             assert_eq!(bits(&step()), bits(&rested));
         }
+    }
+}
+
+/// A surface of which nothing solid is found yet must not be felt all at once when it is found.
+#[test]
+fn the_force_of_noise_changes_by_little_more_than_the_hand_moves() {
+    let grid = turned_grid();
+    let solid = noise(SIZE, 0.5, 7);
+    let scene = TouchScene::of_world(&solid, &grid);
+    let h = grid.smallest_spacing();
+    let stiffness = 2.0;
+    let mut state = start(&solid, &grid);
+    let mut cache = TickCache::default();
+    let mut random = Random::new(5);
+    let mut device = state.proxy.point();
+    let mut last = DVec3::ZERO;
+    for _ in 0..50_000 {
+        let way = random.direction() * random.between(0.0, 0.5);
+        device = (device + way).clamp(DVec3::splat(1.0), DVec3::splat(31.0));
+        let device_in_scene = grid.patient_from_grid().transform_point3(device);
+        let before = state.device.unwrap_or(device);
+
+        let input = input(device_in_scene, stiffness);
+        let output = press_smooth(&scene, &input, &mut state, &mut cache);
+
+        // what would pull the hand in, now that the probe is elsewhere, falls at once
+        let after = state.device.expect("a place that is one");
+        let out = grid
+            .patient_from_grid()
+            .transform_vector3(state.proxy.point() - after);
+        let pull = last.dot(out).min(0.0) / out.length_squared().max(f64::MIN_POSITIVE);
+        let moved = ((after - before) * grid.spacing()).length();
+        let changed = (output.force - (last - out * pull)).length() / stiffness;
+        // rounding of a scene 1 m from zero
+        assert!(
+            changed <= moved + 0.1 * h + 1e-9,
+            "{changed} mm in {moved} mm after {last} N: {output:?}"
+        );
+        last = output.force;
     }
 }

@@ -15,11 +15,13 @@ __all__ = [
     "EMBEDDED_ROWS",
     "EMBEDDED_WORKS",
     "EXACT",
+    "EXACT_TOUCHES",
     "FLAT_WALL",
     "GOALS",
     "GROUNDS",
     "IMPROVED",
     "PUBLISHED",
+    "PUBLISHED_BY_OTHERS",
     "RADII",
     "RATES_KHZ",
     "RATIO",
@@ -187,6 +189,9 @@ EMBEDDED_ROWS = (
     *_cold_rows("1024³"),
 )
 
+PUBLISHED_BY_OTHERS = "published"
+"""In place of a ground."""
+
 PUBLISHED = (
     ("thesis, detection, points", 0.75),
     ("thesis table 4.1, response, Head small 113×256×256", 0.152),
@@ -210,9 +215,25 @@ Xeon W5580; CHAI3D, which does not smooth, on an EPYC."""
 
 RANDOM = "random moves"
 
-Touch = Literal["exact", "stairs", "thesis-original", "thesis-improved"]
+Touch = Literal[
+    "exact",
+    "exact, intensities",
+    "exact, r 1",
+    "exact, r 2",
+    "exact, r 5",
+    "stairs",
+    "thesis-original",
+    "thesis-improved",
+]
 
-TOUCHES: tuple[Touch, ...] = ("exact", "stairs", "thesis-original", "thesis-improved")
+EXACT_TOUCHES: tuple[Touch, ...] = (
+    *("exact", "exact, intensities"),
+    *("exact, r 1", "exact, r 2", "exact, r 5"),
+)
+"""``exact`` with a point on bits, with a point on what a threshold made of intensities, and with
+balls [h], which are held against the dilated body."""
+
+TOUCHES: tuple[Touch, ...] = (*EXACT_TOUCHES, "stairs", "thesis-original", "thesis-improved")
 """Ways of touch: ``exact``, the same unsmoothed, and the thesis' models."""
 
 CUBES = "cubes"
@@ -279,7 +300,7 @@ def _quality(
             key,
             100.0 if unit == "%" else 1.0,
             unit,
-            goal if touch == "exact" else None,
+            goal if touch in EXACT_TOUCHES else None,
             "higher" if metric == "in contact" else "lower",
         )
         for metric, key, unit, goal in rows
@@ -372,6 +393,8 @@ GOALS: dict[str, tuple[Goal, ...]] = {
         Goal(RANDOM, "moves", "moves", 1e-6, "M", None, "higher"),
         Goal(RANDOM, "in contact", "contact_share", 100.0, "%", None, "higher"),
         Goal(RANDOM, "edits", "edits", 1e-6, "M", None, "higher"),
+        Goal(RANDOM, "steps of moving objects", "poses", 1e-6, "M", None, "higher"),
+        Goal(RANDOM, "forces that fell, lest they pull", "cuts", 1e-6, "M", None, "lower"),
         Goal(RANDOM, "rate", "per_second", 1e-6, "M/s", None, "higher"),
     ),
     "servo": tuple(

@@ -26,6 +26,7 @@ from palpate.bench.goals import (
     GROUNDS,
     IMPROVED,
     PUBLISHED,
+    PUBLISHED_BY_OTHERS,
     RADII,
     RATIO,
     TOUCH_CASES,
@@ -68,7 +69,6 @@ QUICK_COLD_COUNT = 10
 
 SEPARATOR = ": "
 LEFT_OUT = "left out"
-PUBLISHED_BY_OTHERS = "published"
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,14 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from palpate.bench.goals import BODIES, GRIDS, TOUCHES, Touch, quality_case
+from palpate.bench.goals import (
+    BODIES,
+    GRIDS,
+    PUBLISHED_BY_OTHERS,
+    TOUCHES,
+    Touch,
+    quality_case,
+)
 from palpate.bench.report import Row
 from palpate.errors import OptionError
 
@@ -34,10 +41,24 @@ BLUE, SKY, VERMILION, ORANGE, GREEN, GREY = (
 
 STYLE: dict[str, dict[str, Any]] = {
     "exact": {"color": BLUE, "marker": "o"},
+    "exact, intensities": {"color": GREEN, "marker": "D"},
+    "exact, r 1": {"color": BLUE, "marker": "1"},
+    "exact, r 2": {"color": BLUE, "marker": "2"},
+    "exact, r 5": {"color": BLUE, "marker": "3"},
     "stairs": {"color": SKY, "marker": "s"},
     "thesis-original": {"color": VERMILION, "marker": "v"},
     "thesis-improved": {"color": ORANGE, "marker": "^"},
 }
+
+GROUND_STYLES = (
+    (BLUE, "o"),
+    (SKY, "s"),
+    (GREEN, "D"),
+    (VERMILION, "v"),
+    (ORANGE, "^"),
+    ("#CC79A7", "P"),
+    (GREY, "*"),
+)
 
 QUALITY = (
     ("direction 95 %", "direction, 95 % [°]", 0.1),
@@ -71,40 +92,45 @@ def check_plot(path: Path | None) -> None:
 
 
 def plot_haptics(rows: Iterable[Row], path: Path) -> None:
-    """Draws updates a second and the times of single ones, of the first ground: a line per case."""
-    by_case: dict[str, dict[str, Row]] = {}
+    """Draws calls a second and how long 99.9 % of them take: a line per case, a mark per ground.
+
+    What others publish of other machines stands below, without a ratio.
+    """
+    table: dict[str, dict[str, dict[str, Row]]] = {}
     for row in rows:
-        by_case.setdefault(row.case, {})[row.metric] = row
-    timed = [case for case, figures in by_case.items() if {"rate", "median"} <= figures.keys()]
-    ground = timed[0].partition(": ")[0] if timed else ""
-    cases = [case for case in timed if case.startswith(f"{ground}: ")]
-    figure = _figure(10.0, 1.3 + 0.42 * len(cases))
+        ground, _, case = row.case.partition(": ")
+        table.setdefault(ground, {}).setdefault(case, {})[row.metric] = row
+    others = table.pop(PUBLISHED_BY_OTHERS, {})
+    grounds = [ground for ground, cases in table.items() if _timed(cases)]
+    cases = list(dict.fromkeys(case for ground in grounds for case in _timed(table[ground])))
+    figure = _figure(11.0, 1.6 + 0.24 * (len(cases) + len(others)))
     left, right = figure.subplots(1, 2, sharey=True)
-    places = range(len(cases))
-    rates = [by_case[case]["rate"] for case in cases]
-    colours = [ORANGE if "thesis" in case else BLUE for case in cases]
-    left.barh(places, [row.value for row in rates], color=colours, height=0.6)
-    for place, row in zip(places, rates, strict=True):
-        left.annotate(
-            f"{row.value:.3g}", (row.value, place), (3, 0), textcoords="offset points", va="center"
-        )
-        if row.goal is not None:
-            left.plot([row.goal] * 2, [place - 0.4, place + 0.4], color=GREY, linewidth=2.0)
-    left.set_yticks(places, cases)
+    for nth, ground in enumerate(grounds):
+        colour, marker = GROUND_STYLES[nth % len(GROUND_STYLES)]
+        style = {"color": colour, "marker": marker, "markersize": 5, "linestyle": "none"}
+        drawn = [(place, table[ground].get(case, {})) for place, case in enumerate(cases)]
+        for panel, metric in ((left, "rate"), (right, "p99.9")):
+            told = [(place, row[metric]) for place, row in drawn if metric in row]
+            values = [max(LEAST, row.value) for _, row in told]
+            panel.plot(values, [place for place, _ in told], label=ground, **style)
+            for place, row in told:
+                if row.goal is not None:
+                    panel.plot([row.goal] * 2, [place - 0.4, place + 0.4], color=GREY, linewidth=2)
+    places = range(len(cases), len(cases) + len(others))
+    rates = [figures["rate"].value for figures in others.values()]
+    left.plot(rates, places, "x", color=GREY, label="published, other machines")
+    left.set_yticks(range(len(cases) + len(others)), [*cases, *others], fontsize=8)
     left.invert_yaxis()
-    left.set_xlabel("updates a second [M/s]; grey: least that is asked for")
-    left.margins(x=0.12)
-    for metric, marker, colour in (
-        ("median", "o", BLUE),
-        ("p99", "s", GREEN),
-        ("p99.9", "D", ORANGE),
-        ("max", "v", VERMILION),
-    ):
-        values = [max(LEAST, by_case[case][metric].value) for case in cases]
-        right.plot(values, places, marker, color=colour, label=metric)
-    right.set_xscale("log")
-    right.set_xlabel("time of one update [µs]")
-    _finish(figure, [left, right], right, path=path)
+    for panel in (left, right):
+        panel.set_xscale("log")
+    left.set_xlabel("calls a second [M/s]; grey line: least that is asked for")
+    right.set_xlabel("time of a call, 99.9th percentile [µs]; grey line: most that is allowed")
+    _finish(figure, [left, right], left, path=path)
+
+
+def _timed(cases: dict[str, dict[str, Row]]) -> list[str]:
+    """Returns the cases of a ground of which single calls were timed."""
+    return [case for case, figures in cases.items() if {"rate", "p99.9"} <= figures.keys()]
 
 
 def plot_quality(rows: Iterable[Row], path: Path) -> None:
@@ -117,7 +143,7 @@ def plot_quality(rows: Iterable[Row], path: Path) -> None:
             panel.set_yscale("log")
             for nth, touch in enumerate(TOUCHES):
                 points = _points(by_key, touch, grid, metric=metric)
-                _draw_touch(panel, touch, points, least=least, shift=0.18 * (nth - 1.5))
+                _draw_touch(panel, touch, points, least=least, shift=0.1 * (nth - 3.5))
         line[0].set_ylabel(label)
     for panel, grid in zip(axes[0], GRIDS, strict=True):
         panel.set_title(f"{'cubes' if grid == GRIDS[0] else f'{grid} mm'}, 5 h deep, 0.2 h a move")

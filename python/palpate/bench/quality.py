@@ -4,8 +4,11 @@ Planes, a sphere, a torus, a cylinder from outside and inside, a ramp, steps, a 
 shells are voxelised on cubes and on thick slices; a device is led under their surfaces, and what
 is felt is held against the true surface. The loops run in the engine, on one thread.
 
-``exact`` is what the servo does; ``stairs`` is the same with the force of the hard proxy; the
-thesis' models as printed get the same device paths.
+``exact`` is what the servo does with a point on what a mask made; "exact, intensities" what it
+does where a threshold made the segment: bodies then are partial volumes, of which half is the
+threshold. "exact, r N" is a ball of N h, whose middle goes as deep and is held against the body
+dilated by it. ``stairs`` is ``exact`` with the force of the hard proxy; the thesis' models as
+printed get the same device paths.
 """
 
 from __future__ import annotations
@@ -68,6 +71,12 @@ def _parts(case: str) -> tuple[Touch, str]:
     raise AssertionError(case)
 
 
+EXPLAINED = (
+    "Red misses its goal. Lengths in h, the smallest spacing; a ball (r) is held against the "
+    "dilated body: depths are those of its middle below that."
+)
+
+
 def print_tables(rows: Iterable[Row]) -> None:
     """Prints a table for each way of touch, grid and stroke: a line per body.
 
@@ -92,6 +101,7 @@ def print_tables(rows: Iterable[Row]) -> None:
             table.add_row(body, *map(_figure, figures))
         console.print(table)
         console.print()
+    console.print(EXPLAINED)
 
 
 def _figure(row: Row) -> str:

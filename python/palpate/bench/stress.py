@@ -1,12 +1,13 @@
 """``palpate bench stress``: random fast moves with every guarantee of touch checked at each.
 
 Runs are made of a seed and a number, so that a violation is told by these two and found again
-by ``--replay``. The loops and the checker run in the engine, on all cores.
+by ``--replay``, however many threads there were. The loops and the checker run in the engine.
 """
 
 from __future__ import annotations
 
 import json
+import os
 import time
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -21,8 +22,8 @@ from palpate.segment import Segment
 
 __all__ = ["Found", "Plan", "again", "measure", "rows_of", "write_case"]
 
-CHUNK_SECONDS = 0.5
-"""Between two calls of the engine Ctrl-C is heard and progress shown."""
+CHUNK_SECONDS = 2.0
+"""Between two calls of the engine Ctrl-C is heard, progress shown, and a core may be idle."""
 
 MOST_RUNS = 2**32
 
@@ -74,6 +75,8 @@ class Found:
     moves: int = 0
     contacts: int = 0
     edits: int = 0
+    poses: int = 0
+    cuts: int = 0
     seconds: float = 0.0
     violation: dict[str, Any] | None = None
 
@@ -87,27 +90,37 @@ class Found:
         )
 
 
-def measure(bone: Segment, plan: Plan, *, moves: int, progress: Progress = silent) -> Found:
+def measure(
+    bone: Segment,
+    plan: Plan,
+    *,
+    moves: int,
+    threads: int | None = None,
+    progress: Progress = silent,
+) -> Found:
     """Makes runs until there are so many moves, or a violation.
 
     Args:
         bone: Parts of it are some of the worlds.
         plan: Seed and model.
         moves: Least number of moves.
+        threads: How many work at it; by default as many as there are cores.
         progress: Told how far it is.
 
     Raises:
-        OptionError: The number of moves or the model is not allowed.
+        OptionError: The number of moves or of threads or the model is not allowed.
     """
     if moves < 1:
         raise OptionError(f"{moves} moves given; allowed: 1 or more")
     found = Found(plan)
+    if threads is None:
+        threads = os.cpu_count() or 1
     run, count = plan.run, 8
     begun = time.monotonic()
     while found.moves < moves and found.violation is None:
         progress(f"{found.moves / 1e6:.1f} M moves, no violation", found.moves / moves)
         chunk_begun = time.monotonic()
-        found = _and(found, _runs(bone, plan, run=run, count=count))
+        found = _and(found, _runs(bone, plan, run=run, count=count, threads=threads))
         run += count
         # as many runs as fit between two looks at the keyboard
         took = time.monotonic() - chunk_begun
@@ -122,17 +135,18 @@ def measure(bone: Segment, plan: Plan, *, moves: int, progress: Progress = silen
 def again(bone: Segment, plan: Plan) -> Found:
     """Makes one run again."""
     begun = time.monotonic()
-    found = _and(Found(plan), _runs(bone, plan, run=plan.run, count=1))
+    found = _and(Found(plan), _runs(bone, plan, run=plan.run, count=1, threads=1))
     return replace(found, seconds=time.monotonic() - begun)
 
 
-def _runs(bone: Segment, plan: Plan, *, run: int, count: int) -> dict[str, Any]:
+def _runs(bone: Segment, plan: Plan, *, run: int, count: int, threads: int) -> dict[str, Any]:
     try:
         return _core.bench_stress(
             plan.seed,
             run,
             count,
             cast("Any", plan.model),
+            threads,
             bone.volume._internal,  # noqa: SLF001
             bone._internal,  # noqa: SLF001
         )
@@ -147,6 +161,8 @@ def _and(found: Found, report: dict[str, Any]) -> Found:
         moves=found.moves + report["moves"],
         contacts=found.contacts + report["contacts"],
         edits=found.edits + report["edits"],
+        poses=found.poses + report["poses"],
+        cuts=found.cuts + report["cuts"],
         violation=report["violation"],
     )
 
@@ -158,6 +174,8 @@ def rows_of(found: Found) -> list[Row]:
         "moves": float(found.moves),
         "contact_share": found.contacts / max(1, found.moves),
         "edits": float(found.edits),
+        "poses": float(found.poses),
+        "cuts": float(found.cuts),
         "per_second": found.moves / max(found.seconds, 1e-9),
     }
     return [row_of(goal, report) for goal in GOALS["stress"]]

@@ -238,6 +238,18 @@ pub fn press<O: Occupancy>(
     )
 }
 
+/// A tick without friction, with smoothing; the scene is always the same.
+pub fn press_smooth<O: Occupancy>(
+    scene: &TouchScene<'_, O>,
+    press: &Press,
+    state: &mut TickState,
+    cache: &mut TickCache,
+) -> TickOutput {
+    let surface = Uniform::smooth(press.coupling.stiffness);
+    let input = press.input(Smoothing::Bits);
+    tick(scene, &Exact::default(), &surface, &input, state, cache)
+}
+
 /// A tick with friction, the force from somewhere else in each epoch.
 pub fn rub<O: Occupancy>(
     scene: &TouchScene<'_, O>,

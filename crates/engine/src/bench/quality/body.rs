@@ -3,9 +3,7 @@
 //! Frame: scene [mm]; shapes are described in a frame of their own that is turned and moved.
 
 use glam::{DMat3, DVec2, DVec3, IVec3};
-use palpate_volume::bits::Bits;
 use palpate_volume::grid::Grid;
-use palpate_volume::segment::Segment;
 
 /// A shape around the origin of its own frame [mm].
 #[derive(Clone, Debug, PartialEq)]
@@ -65,15 +63,28 @@ impl Body {
     /// Whether a point is inside the body, taken as filled.
     #[must_use]
     pub fn contains(&self, point: DVec3) -> bool {
-        let [at, _] = self.nearest(self.in_own_frame(point));
-        at.z < 0.0
+        self.distance(point) < 0.0
+    }
+
+    /// How far away the surface is [mm]: negative inside.
+    #[must_use]
+    pub fn distance(&self, point: DVec3) -> f64 {
+        self.nearest(self.in_own_frame(point)).distance
     }
 
     /// The surface point nearest to a point.
     #[must_use]
     pub fn foot(&self, point: DVec3) -> Foot {
-        let own = self.in_own_frame(point);
-        let [told, foot] = self.nearest(own);
+        self.foot_of_ball(point, 0.0)
+    }
+
+    /// The point nearest to a ball's middle of the surface that middles of such balls [mm] cannot
+    /// cross: that of the body dilated by the ball. Exact where no other part of the surface
+    /// comes as near.
+    #[must_use]
+    pub fn foot_of_ball(&self, point: DVec3, radius: f64) -> Foot {
+        let nearest = self.nearest(self.in_own_frame(point));
+        let foot = nearest.foot;
         let edges = match &self.shape {
             Shape::Profile(points) => &points[1..points.len() - 1],
             _ => &[],
@@ -83,36 +94,10 @@ impl Body {
             .map(|edge| DVec3::new(edge.x - foot.x, 0.0, edge.y - foot.z))
             .min_by(|a, b| a.length().total_cmp(&b.length()));
         Foot {
-            point: self.in_scene(foot),
-            distance: told.z,
+            point: self.in_scene(foot + nearest.outward * radius),
+            distance: nearest.distance - radius,
             to_edge: to_edge.map(|way| self.turn * way),
         }
-    }
-
-    /// The voxels whose middle is inside; of a shell, those that few steps through faces lead
-    /// out of, so that no way through faces crosses it.
-    #[must_use]
-    pub fn voxelised(&self, grid: &Grid) -> Bits {
-        let inside = Segment::from_fn(grid.dimensions(), |voxel| self.holds_middle(grid, voxel));
-        let Some(layers) = self.shell else {
-            return inside.occupancy().clone();
-        };
-        let leads_out = |voxel: IVec3| {
-            let near = -layers..=layers;
-            let steps = |x: i32, y: i32, z: i32| x.abs() + y.abs() + z.abs();
-            near.clone().any(|z| {
-                near.clone().any(|y| {
-                    near.clone().any(|x| {
-                        steps(x, y, z) <= layers
-                            && !self.holds_middle(grid, voxel + IVec3::new(x, y, z))
-                    })
-                })
-            })
-        };
-        let shell = Segment::from_fn(grid.dimensions(), |voxel| {
-            inside.contains(voxel) && leads_out(voxel)
-        });
-        shell.occupancy().clone()
     }
 
     /// Whether the middle of a voxel is inside the body, taken as filled.
@@ -134,15 +119,17 @@ impl Body {
         self.centre + self.turn * own
     }
 
-    /// The signed distance (as z of the first) and the nearest point of the surface (second),
-    /// both in the frame of the shape.
-    fn nearest(&self, point: DVec3) -> [DVec3; 2] {
+    /// The nearest point of the surface, in the frame of the shape.
+    fn nearest(&self, point: DVec3) -> Nearest {
         let round = |middle: DVec3, radius: f64, sign: f64| {
             let out = point - middle;
             // in the very middle every direction is as good
             let direction = out.try_normalize().unwrap_or(DVec3::X);
-            let distance = sign * (out.length() - radius);
-            [DVec3::Z * distance, middle + direction * radius]
+            Nearest {
+                foot: middle + direction * radius,
+                distance: sign * (out.length() - radius),
+                outward: direction * sign,
+            }
         };
         match &self.shape {
             Shape::Profile(points) => nearest_of_profile(points, point),
@@ -157,7 +144,19 @@ impl Body {
     }
 }
 
-fn nearest_of_profile(points: &[DVec2], point: DVec3) -> [DVec3; 2] {
+/// The nearest point of a surface, in the frame of the shape.
+struct Nearest {
+    foot: DVec3,
+    /// How far away [mm]: negative inside.
+    distance: f64,
+    /// Out of the body there, of length 1.
+    outward: DVec3,
+}
+
+/// Nearer to a profile than this [mm] the way to it is rounding.
+const ON_PROFILE: f64 = 1e-9;
+
+fn nearest_of_profile(points: &[DVec2], point: DVec3) -> Nearest {
     let at = DVec2::new(point.x, point.z);
     let last = points.len() - 2;
     let pieces = points.windows(2).enumerate();
@@ -170,14 +169,23 @@ fn nearest_of_profile(points: &[DVec2], point: DVec3) -> [DVec3; 2] {
         if number < last {
             along = along.min(1.0);
         }
-        piece[0] + way * along
+        (piece[0] + way * along, way)
     });
-    let foot = feet
-        .min_by(|a, b| a.distance(at).total_cmp(&b.distance(at)))
+    let (foot, way) = feet
+        .min_by(|(a, _), (b, _)| a.distance(at).total_cmp(&b.distance(at)))
         .expect("a profile has two points or more");
     let sign = if is_below(points, at) { -1.0 } else { 1.0 };
-    let foot_in_3d = DVec3::new(foot.x, point.y, foot.y);
-    [DVec3::Z * sign * foot.distance(at), foot_in_3d]
+    let distance = foot.distance(at);
+    let outward = if distance > ON_PROFILE {
+        (at - foot) / distance * sign
+    } else {
+        way.perp().normalize()
+    };
+    Nearest {
+        foot: DVec3::new(foot.x, point.y, foot.y),
+        distance: sign * distance,
+        outward: DVec3::new(outward.x, 0.0, outward.y),
+    }
 }
 
 /// Whether a point is below the piece that stands over or under it.

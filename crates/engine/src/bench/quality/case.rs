@@ -53,6 +53,8 @@ pub struct Case {
     pub grid_name: &'static str,
     /// Where the voxels stand.
     pub grid: Grid,
+    /// Radius of the probe [h]; 0 is a point.
+    pub radius: f64,
     /// How deep the device goes [h].
     pub depth: f64,
     /// Its way per update [h].
@@ -61,14 +63,15 @@ pub struct Case {
     pub strokes: Vec<(Body, Vec<DVec3>)>,
 }
 
-/// All cases, in the order of their report.
+/// All cases for a point, in the order of their report.
 #[must_use]
 pub fn cases() -> Vec<Case> {
-    cases_where(|_| true)
+    cases_where(0.0, |_| true)
 }
 
-/// The cases whose names are wanted.
-pub fn cases_where(wanted: impl Fn(&str) -> bool) -> Vec<Case> {
+/// The cases whose names are wanted, for a probe of a radius [h]: a ball's middle goes as deep
+/// under the surface of the dilated body as a point under that of the body itself.
+pub fn cases_where(radius: f64, wanted: impl Fn(&str) -> bool) -> Vec<Case> {
     let mut cases = Vec::new();
     for (grid_name, dimensions, spacing) in GRIDS {
         let grid = Grid::new(dimensions, spacing, spacing * 0.5, DMat3::IDENTITY)
@@ -76,7 +79,7 @@ pub fn cases_where(wanted: impl Fn(&str) -> bool) -> Vec<Case> {
         for (depth, step) in STROKES {
             let h = grid.smallest_spacing();
             let lead = Lead {
-                depth: depth * h,
+                depth: (depth - radius) * h,
                 step: step * h,
                 h,
                 layer: spacing.z,
@@ -91,6 +94,7 @@ pub fn cases_where(wanted: impl Fn(&str) -> bool) -> Vec<Case> {
                         grid,
                         depth,
                         step,
+                        radius,
                         strokes: strokes(&lead),
                     });
                 }
@@ -216,6 +220,7 @@ fn wedge() -> Body {
 
 /// How the device is led; lengths in mm.
 struct Lead {
+    /// Under the body's own surface; a ball's middle may stay above it.
     depth: f64,
     step: f64,
     h: f64,

@@ -4,14 +4,18 @@ use glam::DVec3;
 use palpate_haptics::contact::ContactModel;
 use palpate_haptics::exact::Exact;
 use palpate_haptics::proxy::Proxy;
-use palpate_haptics::scene::TouchScene;
 use palpate_haptics::smooth::Smoothing;
 use palpate_haptics::surface::Uniform;
 use palpate_haptics::thesis_improved::ThesisImproved;
 use palpate_haptics::thesis_original::ThesisOriginal;
 use palpate_haptics::tick::{TickCache, TickInput, TickState, tick};
-use palpate_volume::bits::Bits;
+use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
+
+use super::body::Body;
+use super::solid::{Solid, THRESHOLD};
+use crate::scan_values::{ScanValues, Threshold};
+use crate::touchable::{Part, Touchable};
 
 /// Stiffness that forces are given at [N/mm].
 pub const STIFFNESS: f64 = 1.0;
@@ -35,9 +39,13 @@ pub type Feel<'a> = Box<dyn FnMut(DVec3) -> Felt + 'a>;
 /// A way of touch by name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Touch {
-    /// As the servo touches.
+    /// As the servo touches what a mask made: the force comes from the bits.
     Exact,
-    /// The same without smoothing: the force of the hard proxy.
+    /// As it touches what a threshold made: the force comes from the values.
+    Intensities,
+    /// With a ball of this radius [h].
+    Ball(u8),
+    /// The same as `exact` without smoothing: the force of the hard proxy.
     Stairs,
     /// Contact model `thesis-original`.
     ThesisOriginal,
@@ -47,8 +55,12 @@ pub enum Touch {
 
 impl Touch {
     /// All of them.
-    pub const ALL: [Self; 4] = [
+    pub const ALL: [Self; 8] = [
         Self::Exact,
+        Self::Intensities,
+        Self::Ball(1),
+        Self::Ball(2),
+        Self::Ball(5),
         Self::Stairs,
         Self::ThesisOriginal,
         Self::ThesisImproved,
@@ -56,12 +68,14 @@ impl Touch {
 
     /// Its name.
     #[must_use]
-    pub fn name(self) -> &'static str {
+    pub fn name(self) -> String {
         match self {
-            Self::Exact => "exact",
-            Self::Stairs => "stairs",
-            Self::ThesisOriginal => "thesis-original",
-            Self::ThesisImproved => "thesis-improved",
+            Self::Exact => "exact".into(),
+            Self::Intensities => "exact, intensities".into(),
+            Self::Ball(radius) => format!("exact, r {radius}"),
+            Self::Stairs => "stairs".into(),
+            Self::ThesisOriginal => "thesis-original".into(),
+            Self::ThesisImproved => "thesis-improved".into(),
         }
     }
 
@@ -71,27 +85,62 @@ impl Touch {
         Self::ALL.into_iter().find(|touch| touch.name() == name)
     }
 
+    /// Radius of the probe [h]; 0 is a point.
+    #[must_use]
+    pub fn radius(self) -> f64 {
+        match self {
+            Self::Ball(radius) => f64::from(radius),
+            _ => 0.0,
+        }
+    }
+
+    /// A body as this touch is given it.
+    #[must_use]
+    pub fn solid(self, body: &Body, grid: &Grid) -> Solid {
+        match self {
+            Self::Intensities => Solid::of_shares(body, grid),
+            _ => Solid::of_middles(body, grid),
+        }
+    }
+
     /// A hand that touches a solid in this way, from a free point of the scene on.
     #[must_use]
-    pub fn start<'a>(self, solid: &'a Bits, grid: &'a Grid, start: DVec3) -> Feel<'a> {
+    pub fn start<'a>(self, solid: &Solid, grid: &'a Grid, start: DVec3) -> Feel<'a> {
+        let touched = Touchable::new(
+            grid,
+            vec![part_of(solid)],
+            self.radius() * grid.smallest_spacing(),
+        )
+        .expect("a ball of some voxels fits");
+        let exact = Exact {
+            limits: touched.world.limits(),
+        };
         match self {
-            Self::Exact => feel(Exact::default(), Smoothing::Bits, solid, grid, start),
-            Self::Stairs => feel(Exact::default(), Smoothing::Off, solid, grid, start),
-            Self::ThesisOriginal => feel(
-                ThesisOriginal::default(),
-                Smoothing::Off,
-                solid,
-                grid,
-                start,
-            ),
-            Self::ThesisImproved => feel(
-                ThesisImproved::default(),
-                Smoothing::Off,
-                solid,
-                grid,
-                start,
-            ),
+            Self::Exact | Self::Ball(_) => feel(exact, Smoothing::Bits, touched, grid, start),
+            Self::Intensities => feel(exact, Smoothing::Intensities, touched, grid, start),
+            Self::Stairs => feel(exact, Smoothing::Off, touched, grid, start),
+            Self::ThesisOriginal => {
+                let model = ThesisOriginal::default();
+                feel(model, Smoothing::Off, touched, grid, start)
+            }
+            Self::ThesisImproved => {
+                let model = ThesisImproved::default();
+                feel(model, Smoothing::Off, touched, grid, start)
+            }
         }
+    }
+}
+
+fn part_of(solid: &Solid) -> Part {
+    let made_from = |values| Threshold {
+        range: (THRESHOLD, f64::INFINITY),
+        values: ScanValues::of(values),
+    };
+    Part {
+        id: SegmentId(1),
+        bits: solid.bits.clone(),
+        moved: None,
+        threshold: solid.values.as_ref().map(made_from),
     }
 }
 
@@ -99,15 +148,15 @@ impl Touch {
 fn feel<'a, M: ContactModel + 'a>(
     model: M,
     smoothing: Smoothing,
-    solid: &'a Bits,
+    touched: Touchable,
     grid: &'a Grid,
     start: DVec3,
 ) -> Feel<'a> {
-    let scene = TouchScene::of_world(solid, grid);
     let start = grid.grid_from_patient().transform_point3(start);
     let mut state = TickState::new(Proxy::at(start).expect("a hand starts beside the body"));
     let mut cache = TickCache::default();
     Box::new(move |device| {
+        let scene = touched.scene(grid);
         let input = TickInput {
             device_in_scene: device,
             velocity_in_scene: DVec3::ZERO,

@@ -4,13 +4,14 @@
 //! (jitter), and goes on. Only the way itself counts for direction, magnitude and lag, and of
 //! it only what is farther than [`EDGE_REACH`] voxels from an edge.
 
-use glam::DVec3;
-use palpate_volume::bits::Bits;
+use glam::{DVec3, IVec3};
 use palpate_volume::grid::Grid;
+use palpate_volume::voxel_box::VoxelBox;
 
 use super::body::{Body, Foot};
 use super::case::Case;
-use super::felt::{Feel, Felt, STIFFNESS};
+use super::felt::{Feel, Felt, STIFFNESS, Touch};
+use super::solid::Solid;
 use crate::bench::timing::quantile;
 
 /// Ticks after which a hand at rest must feel a force that stays to the bit.
@@ -88,21 +89,33 @@ impl Figures {
     }
 }
 
-/// Feels a case; `start` makes a hand for a solid, from a free point of the scene on.
-pub fn measure(
+/// Feels a case in a way of touch.
+#[must_use]
+pub fn measure(case: &Case, touch: Touch) -> Figures {
+    measure_hand(case, touch, |solid, grid, start| {
+        touch.start(solid, grid, start)
+    })
+}
+
+/// Feels a case in which bodies are made for a way of touch; `start` makes a hand for one, from
+/// a free point of the scene on.
+pub fn measure_hand(
     case: &Case,
-    start: impl for<'a> Fn(&'a Bits, &'a Grid, DVec3) -> Feel<'a>,
+    touch: Touch,
+    start: impl for<'a> Fn(&'a Solid, &'a Grid, DVec3) -> Feel<'a>,
 ) -> Figures {
     let mut tally = Tally::default();
     for (body, device) in &case.strokes {
-        let solid = body.voxelised(&case.grid);
+        let solid = touch.solid(body, &case.grid);
         let h = case.grid.smallest_spacing();
-        let first = body.foot(device[0]);
+        let radius = case.radius * h;
+        let first = body.foot_of_ball(device[0], radius);
         let outward = (first.point - device[0]).normalize();
         let outside = first.point + outward * APPROACH * h;
         let mut stroke = Stroke {
             body,
             solid: &solid,
+            radius,
             grid: &case.grid,
             h,
             feel: start(&solid, &case.grid, outside),
@@ -143,7 +156,9 @@ struct Tally {
 
 struct Stroke<'a> {
     body: &'a Body,
-    solid: &'a Bits,
+    solid: &'a Solid,
+    /// Of the probe [mm].
+    radius: f64,
     grid: &'a Grid,
     h: f64,
     feel: Feel<'a>,
@@ -192,17 +207,17 @@ impl Stroke<'_> {
     /// One update, with what is asked of each.
     fn update(&mut self, device: DVec3) -> Sample {
         let felt = (self.feel)(device);
-        let foot = self.body.foot(device);
+        let foot = self.body.foot_of_ball(device, self.radius);
         self.tally.updates += 1;
 
         // where the proxy is
         let proxy = self.grid.grid_from_patient().transform_point3(felt.proxy);
         let voxel = proxy.floor().as_ivec3();
-        let is_solid = self.solid.is_solid(voxel);
+        let is_solid = self.overlaps(proxy);
         self.tally.solids += usize::from(is_solid);
 
         // behind the surface, or nothing felt though the device is deeper than voxels are
-        let behind = !is_solid && self.body.holds_middle(self.grid, voxel);
+        let behind = !is_solid && self.solid.filled.is_solid(voxel);
         let lost = !felt.contact && foot.distance < -0.5 * self.grid.spacing().length();
         let popped = behind || lost;
         if popped && !self.popped {
@@ -221,10 +236,31 @@ impl Stroke<'_> {
         Sample { device, foot, felt }
     }
 
+    /// Whether the probe overlaps a solid voxel with its middle at a point of the grid.
+    fn overlaps(&self, point: DVec3) -> bool {
+        let spacing = self.grid.spacing();
+        let reach = self.radius / spacing;
+        let [low, high] = [point - reach, point + reach].map(|corner| corner.floor().as_ivec3());
+        // touching is allowed: 1e-9 is rounding
+        let limit = self.radius * self.radius * (1.0 - 1e-9);
+        let voxels = VoxelBox::new(low, high + 1);
+        let is_near = |voxel: IVec3| {
+            let corner = voxel.as_dvec3();
+            let gap = (corner - point)
+                .max(point - (corner + 1.0))
+                .max(DVec3::ZERO);
+            self.radius == 0.0 || (gap * spacing).length_squared() < limit
+        };
+        voxels
+            .voxels()
+            .any(|voxel| self.solid.bits.is_solid(voxel) && is_near(voxel))
+    }
+
     /// Counts the way.
     fn finish(self, step: f64) {
         let Self {
             h,
+            radius,
             grid,
             way,
             tally,
@@ -235,8 +271,11 @@ impl Stroke<'_> {
             let Sample { foot, felt, .. } = sample;
             tally.way += 1;
             tally.contacts += usize::from(felt.contact);
-            let near_edge = |way: DVec3| (way / grid.spacing()).length() <= EDGE_REACH;
-            if foot.distance >= 0.0 || foot.to_edge.is_some_and(near_edge) {
+            // a ball meets an edge from as far as it is wide
+            let is_near = |way: DVec3| {
+                (way / grid.spacing()).length() <= EDGE_REACH + radius / grid.smallest_spacing()
+            };
+            if foot.distance >= 0.0 || foot.to_edge.is_some_and(is_near) {
                 continue;
             }
             let depth = -foot.distance;

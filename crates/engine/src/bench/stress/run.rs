@@ -1,39 +1,42 @@
 //! One run: a world, a hand, and the checker after each thing that happens.
 
+mod changes;
+
 use std::ops::Range;
 
-use glam::{DVec3, IVec3};
+use glam::DVec3;
 use palpate_haptics::ball::BallShape;
 use palpate_haptics::ball_limits::ball_limits;
 use palpate_haptics::contact::ContactModel;
 use palpate_haptics::exact::ExactLimits;
-use palpate_haptics::moving::{PoseMotion, PoseStep};
+use palpate_haptics::moving::PoseMotion;
 use palpate_haptics::placement::nearest_free;
 use palpate_haptics::proxy::Proxy;
 use palpate_haptics::safety::{ForceLimits, Safety};
-use palpate_haptics::scene::ObjectPose;
 use palpate_haptics::smooth::Smoothing;
 use palpate_haptics::surface::{Surface, Uniform};
 use palpate_haptics::tick::{TickCache, TickInput, TickOutput, TickState, tick};
-use palpate_volume::bits::Bits;
 use palpate_volume::grid::Grid;
 use palpate_volume::voxel_box::VoxelBox;
 use rayon::prelude::*;
 
-use super::checker::{Checker, Guarantee, Terms, Violation};
+use super::checker::Checker;
 use super::dense::Dense;
+use super::force_check::ForceCheck;
+use super::guarantee::{Guarantee, Violation};
 use super::hand::{Hand, anywhere};
 use super::plan::{Plan, Terrain};
+use super::report::{Found, Report, Source};
+use super::terms::Terms;
 use super::thing::{Made, Thing};
-use super::touched::{Touched, swaps_of};
-use super::world::{SIZE, World};
+use super::touched::Touched;
+use super::world::World;
 use crate::bench::random::Random;
 use crate::model::{LimitedModel, Model};
 
 /// Time between ticks [s].
 const DT: f64 = 1e-3;
-/// How often edits, rests and nonsense come, per move.
-const EDITS: f64 = 1.0 / 32.0;
+/// How often rests and nonsense come, per move.
 const RESTS: f64 = 1.0 / 512.0;
 const NONSENSE: f64 = 1.0 / 2048.0;
 /// Ticks after which the proxy rests.
@@ -47,62 +50,26 @@ const START_REACH: i32 = 6;
 /// Points tried.
 const STARTS: usize = 8;
 
-/// Bone to take parts of.
-#[derive(Clone, Copy, Debug)]
-pub struct Source<'a> {
-    /// Where it stands.
-    pub grid: &'a Grid,
-    /// Its voxels.
-    pub bits: &'a Bits,
-}
-
-/// What came of some runs.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Report {
-    /// Moves that were made and checked.
-    pub moves: u64,
-    /// Of these, in contact.
-    pub contacts: u64,
-    /// Edits.
-    pub edits: u64,
-    /// The violation in the run of the lowest number.
-    pub violation: Option<Found>,
-}
-
-/// A violation and how to come to it again.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Found {
-    /// Number of the run.
-    pub run: u64,
-    /// Moves before it.
-    pub at_move: u64,
-    /// What is done in the run.
-    pub plan: Plan,
-    /// What was broken.
-    pub violation: Violation,
-}
-
-impl Report {
-    /// Two reports as one; the violation of the lower run counts.
-    #[must_use]
-    pub fn and(self, other: Self) -> Self {
-        let [a, b] = [self.violation, other.violation];
-        Self {
-            moves: self.moves + other.moves,
-            contacts: self.contacts + other.contacts,
-            edits: self.edits + other.edits,
-            violation: [a, b].into_iter().flatten().min_by_key(|found| found.run),
-        }
-    }
-}
-
-/// Runs with these numbers, on all cores.
+/// Runs with these numbers, on as many threads as [`on_threads`] gave, or on all cores. What
+/// comes of a run does not depend on how many there are.
 #[must_use]
 pub fn runs(seed: u64, numbers: Range<u64>, model: Model, bone: Option<Source<'_>>) -> Report {
     numbers
         .into_par_iter()
         .map(|number| run(seed, number, model, bone))
         .reduce(Report::default, Report::and)
+}
+
+/// Does some work, such as [`runs`], with so many threads.
+///
+/// # Errors
+/// The system gives no such threads.
+pub fn on_threads<T: Send>(
+    count: usize,
+    work: impl FnOnce() -> T + Send,
+) -> Result<T, rayon::ThreadPoolBuildError> {
+    let threads = rayon::ThreadPoolBuilder::new().num_threads(count).build()?;
+    Ok(threads.install(work))
 }
 
 /// The run of a number, up to its first violation.
@@ -139,10 +106,9 @@ struct Run<'a, M> {
     made: Vec<Made>,
     motions: Vec<Option<PoseMotion>>,
     checker: Checker,
+    force_check: ForceCheck,
     hand: Hand,
     surface: Uniform,
-    damping: f64,
-    smoothing: Smoothing,
     cache: TickCache,
     /// Changes of what is solid.
     epoch: u64,
@@ -165,7 +131,10 @@ impl<'a, M: ContactModel> Run<'a, M> {
             visit_bound: 2 * model.visit_bound(),
             limits,
             dt: DT,
+            stiffness: 0.2 + 5.0 * random.share(),
+            damping: if random.share() < 0.5 { 0.0 } else { 0.01 },
             frictionless: friction == 0.0,
+            smooths: random.share() < 0.7 && !model.has_own_force(),
         };
         let made: Vec<(Thing, Made)> = (0..plan.objects)
             .map(|_| Thing::random(plan, grid, &mut random))
@@ -192,17 +161,12 @@ impl<'a, M: ContactModel> Run<'a, M> {
             motions: vec![None; made.len()],
             made,
             hand: Hand::new(&mut random),
+            force_check: ForceCheck::new(terms, DVec3::ZERO),
             surface: Uniform(Surface {
                 friction_static: friction,
                 friction_kinetic: 0.8 * friction,
-                ..Uniform::smooth(0.2 + 5.0 * random.share()).0
+                ..Uniform::smooth(terms.stiffness).0
             }),
-            damping: if random.share() < 0.5 { 0.0 } else { 0.01 },
-            smoothing: if random.share() < 0.7 {
-                Smoothing::Bits
-            } else {
-                Smoothing::Off
-            },
             cache: TickCache::default(),
             epoch: 0,
             safety: Safety::new(limits),
@@ -213,7 +177,9 @@ impl<'a, M: ContactModel> Run<'a, M> {
     }
 
     fn report(mut self, number: u64) -> Report {
-        if let Err(violation) = self.all_moves() {
+        let ended = self.all_moves();
+        self.report.cuts = self.force_check.cuts;
+        if let Err(violation) = ended {
             self.report.violation = Some(Found {
                 run: number,
                 at_move: self.report.moves,
@@ -231,6 +197,7 @@ impl<'a, M: ContactModel> Run<'a, M> {
         };
         let mut state = TickState::new(proxy);
         self.last_device = proxy.point();
+        self.force_check = ForceCheck::new(self.terms, proxy.point());
         for _ in 0..self.plan.moves {
             if self.plan.edits {
                 self.edit(&mut state.proxy)?;
@@ -268,8 +235,9 @@ impl<'a, M: ContactModel> Run<'a, M> {
         let output = self.tick(device, state);
         let ends = [&from, &state.proxy];
         self.checker.after_tick(device, ends, &output)?;
+        self.force_check.after_tick(device, &state.proxy, &output)?;
         let sent = self.safety.limit(output.force, DT);
-        self.checker.after_safety(output.force, sent)?;
+        self.force_check.after_safety(output.force, sent)?;
         self.report.contacts += u64::from(output.contact);
         Ok(output)
     }
@@ -282,8 +250,12 @@ impl<'a, M: ContactModel> Run<'a, M> {
         let input = TickInput {
             device_in_scene,
             velocity_in_scene: moved / DT,
-            damping: self.damping,
-            smoothing: self.smoothing,
+            damping: self.terms.damping,
+            smoothing: if self.terms.smooths {
+                Smoothing::Bits
+            } else {
+                Smoothing::Off
+            },
         };
         self.cache.set_epoch(self.epoch);
         let (model, surface) = (&self.model, &self.surface);
@@ -320,44 +292,6 @@ impl<'a, M: ContactModel> Run<'a, M> {
         Ok(())
     }
 
-    /// Each object goes on along its way; one that is held waits, and then goes elsewhere.
-    fn move_objects(&mut self, proxy: &mut Proxy) -> Result<(), Violation> {
-        for place in 0..self.made.len() {
-            let made = &mut self.made[place];
-            let motion = match self.motions[place].filter(|motion| !motion.is_done()) {
-                Some(motion) => motion,
-                None => {
-                    let target = made.pose_near(&made.rigid, self.grid, &mut self.random);
-                    let ticks = (200.0 * self.random.share() * self.random.share()) as u32;
-                    PoseMotion::new(&made.grid, made.bounds, made.rigid, target, ticks)
-                        .expect("poses near rigid ones are rigid")
-                }
-            };
-            self.motions[place] = Some(motion);
-            let rigid = motion.next_pose();
-            let Ok(pose) = ObjectPose::new(&made.grid, self.grid, rigid) else {
-                self.motions[place] = None;
-                continue;
-            };
-            let from = *proxy;
-            let step = self.touched.step_pose(place, &pose, self.grid, proxy);
-            if step == PoseStep::Held {
-                // soon somewhere else
-                if self.random.share() < 0.1 {
-                    self.motions[place] = None;
-                }
-            } else {
-                made.rigid = rigid;
-                if let Some(motion) = &mut self.motions[place] {
-                    motion.advance();
-                }
-                self.epoch += 1;
-                self.checker.after_pose(place, &rigid, [&from, proxy])?;
-            }
-        }
-        Ok(())
-    }
-
     /// An input that is none.
     fn nonsense(&mut self, state: &mut TickState) -> Result<(), Violation> {
         let bad = [f64::NAN, f64::INFINITY, -1e300, 1e18];
@@ -367,72 +301,8 @@ impl<'a, M: ContactModel> Run<'a, M> {
         let last_device = self.last_device;
         let output = self.tick(device, state);
         self.last_device = last_device;
-        self.checker.after_nonsense([&from, &state.proxy], &output)
-    }
-
-    /// Now and then: voxels under the probe or the device, set or cleared.
-    fn edit(&mut self, proxy: &mut Proxy) -> Result<(), Violation> {
-        if self.touched.holds_back() {
-            let from = *proxy;
-            self.touched.retry(self.grid, proxy);
-            self.follow(&from, proxy)?;
-        }
-        if self.random.share() < EDITS && self.touched.has_room() {
-            let from = *proxy;
-            let changed = self.change_wanted(proxy);
-            let swaps = swaps_of(self.touched.bits(), &changed, |voxel| {
-                self.wanted.is_solid(voxel)
-            });
-            self.touched.edit(swaps, self.grid, proxy);
-            self.unsettled.push(changed);
-            self.report.edits += 1;
-            self.follow(&from, proxy)?;
-        }
-        self.checker.after_changes(proxy)
-    }
-
-    /// Brings the checker up to date after one change, which may have pushed the probe.
-    fn follow(&mut self, from: &Proxy, to: &Proxy) -> Result<(), Violation> {
-        self.epoch += 1;
-        self.checker.before_change(from, to)?;
-        let all_arrived = !self.touched.holds_back();
-        let bits = self.touched.bits();
-        for changed in &self.unsettled {
-            let wanted = all_arrived.then_some(&self.wanted);
-            self.checker
-                .follow(changed, |voxel| bits.is_solid(voxel), wanted)?;
-        }
-        if all_arrived {
-            self.unsettled.clear();
-        }
-        Ok(())
-    }
-
-    /// Sets or clears a few voxels; gives the box that they lie in.
-    fn change_wanted(&mut self, proxy: &Proxy) -> VoxelBox {
-        let near = if self.random.share() < 0.5 {
-            proxy.point()
-        } else {
-            self.hand.device
-        };
-        let spread = DVec3::splat(2.0);
-        let middle = self.random.in_box(near - spread, near + spread);
-        let reach = 3.0 * self.random.share();
-        let solid = self.random.share() < 0.5;
-        let low = (middle - reach).floor().as_ivec3().max(IVec3::ZERO);
-        let high = (middle + reach)
-            .floor()
-            .as_ivec3()
-            .min(IVec3::splat(SIZE - 1));
-        let changed = VoxelBox::new(low, high + 1);
-        for voxel in changed.voxels() {
-            let is_fixed = self.fixed.is_solid(voxel);
-            let is_in = (voxel.as_dvec3() + 0.5).distance(middle) <= reach;
-            if is_in && !is_fixed {
-                self.wanted.set(voxel, solid);
-            }
-        }
-        changed
+        self.force_check
+            .after_nonsense([&from, &state.proxy], &output)
     }
 }
 
