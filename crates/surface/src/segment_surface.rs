@@ -238,14 +238,18 @@ impl Extraction {
                     sample
                 }
             };
-            let field = field.smooth(&self.blur, active, |sample| match limits {
-                None if samples.is_solid(sample) => 0.5,
-                None => -0.5,
-                Some(limits) => {
-                    let sample = nearest(sample);
-                    voxels.depth(limits, step, (sample, samples.is_solid(sample)))
-                }
-            });
+            let field = field.smooth(
+                (&self.blur, limits.is_none()),
+                active,
+                |sample| match limits {
+                    None if samples.is_solid(sample) => 0.5,
+                    None => -0.5,
+                    Some(limits) => {
+                        let sample = nearest(sample);
+                        voxels.depth(limits, step, (sample, samples.is_solid(sample)))
+                    }
+                },
+            );
             let zeros = Zeros {
                 field,
                 frame: &self.frame,

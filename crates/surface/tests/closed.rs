@@ -8,8 +8,8 @@ use palpate_surface::{SmoothingMode, SurfaceSettings};
 use palpate_volume::bits::Bits;
 use palpate_volume::grid::Grid;
 use support::{
-    assert_closed, ball, bits_where, cubes, euler_characteristic, mesh, noise, settings,
-    surface, turned_slices,
+    assert_closed, ball, bits_where, cubes, euler_characteristic, mesh, noise, settings, surface,
+    turned_slices,
 };
 
 #[test]
@@ -42,7 +42,11 @@ fn every_crossed_edge_of_a_cell_has_a_triangle_and_no_other_has() {
             });
             let ends: Vec<_> = ends.map(|corner| case >> corner & 1).collect();
             assert_eq!(ends.len(), 2);
-            let used = cell.triangles.iter().flatten().any(|&used| usize::from(used) == edge);
+            let used = cell
+                .triangles
+                .iter()
+                .flatten()
+                .any(|&used| usize::from(used) == edge);
             assert_eq!(used, ends[0] != ends[1], "case {case}, edge {edge}");
         }
     }
@@ -55,7 +59,10 @@ fn random_bits_give_closed_surfaces_with_every_step_and_degree() {
         let bits = noise(dimensions, seed, share);
         for step in [1, 2, 4] {
             for smoothing in [0, 1, 4] {
-                let settings = SurfaceSettings { step, ..settings(smoothing) };
+                let settings = SurfaceSettings {
+                    step,
+                    ..settings(smoothing)
+                };
                 let mesh = mesh(&turned_slices(dimensions), &bits, settings);
                 assert!(step > 1 || !mesh.is_empty());
                 assert_closed(&mesh);
@@ -68,7 +75,10 @@ fn random_bits_give_closed_surfaces_with_every_step_and_degree() {
 fn without_smoothing_the_mode_makes_no_difference_and_seams_are_closed() {
     let dimensions = UVec3::new(70, 40, 33);
     let bits = noise(dimensions, 9, 0.4);
-    let local = SurfaceSettings { mode: SmoothingMode::Local, ..settings(0) };
+    let local = SurfaceSettings {
+        mode: SmoothingMode::Local,
+        ..settings(0)
+    };
     let mesh_of = |settings| mesh(&cubes(dimensions), &bits, settings);
     assert_closed(&mesh_of(local));
     assert_eq!(mesh_of(local), mesh_of(settings(0)));
@@ -85,7 +95,11 @@ fn nothing_solid_has_no_surface() {
 
 #[test]
 fn a_full_volume_is_closed_on_its_border() {
-    for dimensions in [UVec3::splat(1), UVec3::new(64, 32, 96), UVec3::new(33, 31, 100)] {
+    for dimensions in [
+        UVec3::splat(1),
+        UVec3::new(64, 32, 96),
+        UVec3::new(33, 31, 100),
+    ] {
         let bits = bits_where(dimensions, |_| true);
         let surface = surface(&cubes(dimensions), &bits, settings(0));
         let mesh = palpate_surface::mesh::joined(&surface);
@@ -106,11 +120,18 @@ fn one_voxel_is_an_octahedron_around_its_middle() {
     assert_closed(&mesh);
     assert_eq!((mesh.vertices.len(), mesh.triangles.len()), (6, 8));
     // an octahedron of radius 0.5 has a volume of 4/3 · 0.125
-    assert!((mesh.volume() - 1.0 / 6.0).abs() < 1e-6, "{}", mesh.volume());
+    assert!(
+        (mesh.volume() - 1.0 / 6.0).abs() < 1e-6,
+        "{}",
+        mesh.volume()
+    );
     for (position, normal) in mesh.vertices.iter().zip(&mesh.normals) {
         let outward = DVec3::from_array(position.map(f64::from)) - DVec3::new(4.5, 0.5, 2.5);
         let normal = DVec3::from_array(normal.map(f64::from));
-        assert!((outward * 2.0 - normal).length() < 1e-6, "{outward} {normal}");
+        assert!(
+            (outward * 2.0 - normal).length() < 1e-6,
+            "{outward} {normal}"
+        );
     }
 }
 
@@ -162,7 +183,8 @@ fn triangles_turn_toward_free_space_in_left_handed_grids_too() {
             let mesh = mesh(&grid, &bits, settings(smoothing));
             assert!(mesh.volume() > 1000.0, "{}", mesh.volume());
             for triangle in &mesh.triangles {
-                let [a, b, c] = triangle.map(|i| DVec3::from_array(mesh.vertices[i as usize].map(f64::from)));
+                let [a, b, c] =
+                    triangle.map(|i| DVec3::from_array(mesh.vertices[i as usize].map(f64::from)));
                 let face = (b - a).cross(c - a);
                 for vertex in triangle {
                     let normal = DVec3::from_array(mesh.normals[*vertex as usize].map(f64::from));

@@ -21,7 +21,13 @@ pub fn cubes(dimensions: UVec3) -> Grid {
 pub fn turned_slices(dimensions: UVec3) -> Grid {
     let direction = DMat3::from_quat(DQuat::from_rotation_x(0.4) * DQuat::from_rotation_z(1.1));
     let spacing = DVec3::new(0.7, 0.8, 2.5);
-    Grid::new(dimensions, spacing, DVec3::new(-310.0, 95.0, 1200.0), direction).unwrap()
+    Grid::new(
+        dimensions,
+        spacing,
+        DVec3::new(-310.0, 95.0, 1200.0),
+        direction,
+    )
+    .unwrap()
 }
 
 pub fn settings(smoothing: u8) -> SurfaceSettings {
@@ -75,7 +81,10 @@ pub fn assert_closed(mesh: &Patch) {
         }
     }
     for &(a, b) in &edges {
-        assert!(edges.contains(&(b, a)), "edge {a} {b} has one triangle only");
+        assert!(
+            edges.contains(&(b, a)),
+            "edge {a} {b} has one triangle only"
+        );
     }
 }
 
