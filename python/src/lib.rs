@@ -16,6 +16,7 @@ mod recording;
 mod segment;
 mod session;
 mod settings;
+mod surface;
 mod volume;
 
 use pyo3::prelude::*;
@@ -41,6 +42,8 @@ mod _core {
     use super::segment::PySegment;
     #[pymodule_export]
     use super::session::PySession;
+    #[pymodule_export]
+    use super::surface::{PySurface, phantom_bones};
     #[pymodule_export]
     use super::volume::PyVolume;
 
