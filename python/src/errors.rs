@@ -8,6 +8,7 @@ use palpate_device::simulated::SettingsError;
 use palpate_engine::bench::BenchError;
 use palpate_engine::error::SessionError;
 use palpate_surface::SettingsError as SurfaceSettingsError;
+use palpate_surface::voxelise::MeshError;
 use palpate_volume::grid::GridError;
 use palpate_volume::intensities::IntensitiesError;
 use palpate_volume::segment::SegmentError;
@@ -69,5 +70,6 @@ value_errors!(
     SegmentError,
     PathError,
     SettingsError,
-    SurfaceSettingsError
+    SurfaceSettingsError,
+    MeshError
 );

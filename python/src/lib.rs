@@ -43,7 +43,7 @@ mod _core {
     #[pymodule_export]
     use super::session::PySession;
     #[pymodule_export]
-    use super::surface::{PySurface, phantom_bones};
+    use super::surface::{PySurface, phantom_bones, voxelise_mesh};
     #[pymodule_export]
     use super::volume::PyVolume;
 

@@ -3,10 +3,11 @@
 use std::sync::{Mutex, MutexGuard};
 use std::time::Instant;
 
-use glam::{IVec3, Vec3};
+use glam::{DVec3, IVec3, Vec3};
 use numpy::ndarray::Array2;
-use numpy::{Element, PyArray2, ToPyArray};
+use numpy::{Element, PyArray2, PyReadonlyArray2, ToPyArray};
 use palpate_surface::mesh::joined;
+use palpate_surface::voxelise::{Filling, voxelise};
 use palpate_surface::{Patch, SegmentSurface, SmoothingMode, SurfaceSettings, VoxelSource};
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::bits::Bits;
@@ -40,6 +41,50 @@ pub fn phantom_bones(py: Python<'_>, dimensions: (u32, u32, u32)) -> PyResult<Py
     Ok(PySegment { segment })
 }
 
+/// The voxels of a mesh in the patient [mm], shapes [n, 3], on a grid.
+#[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "one type per argument")]
+pub fn voxelise_mesh(
+    py: Python<'_>,
+    vertices: PyReadonlyArray2<'_, f64>,
+    triangles: PyReadonlyArray2<'_, u32>,
+    dimensions: (u32, u32, u32),
+    spacing: Triple,
+    origin: Triple,
+    direction: Direction,
+    shell: bool,
+) -> Result<PySegment, CoreError> {
+    let axes = matrix_of_rows(direction);
+    let grid = Grid::new(dimensions.into(), vector(spacing), vector(origin), axes)?;
+    let grid_from_patient = grid.grid_from_patient();
+    let in_grid: Vec<DVec3> = triples(&vertices)?
+        .into_iter()
+        .map(|point| grid_from_patient.transform_point3(point.into()))
+        .collect();
+    let triangles = triples(&triangles)?;
+    let filling = if shell {
+        Filling::Shell
+    } else {
+        Filling::Solid
+    };
+    let bits = py.detach(|| voxelise(grid.dimensions(), &in_grid, &triangles, filling))?;
+    let segment = py.detach(|| Segment::from_bits(bits));
+    Ok(PySegment { segment })
+}
+
+/// Rows of three numbers.
+fn triples<T: Element + Copy>(array: &PyReadonlyArray2<'_, T>) -> Result<Vec<[T; 3]>, CoreError> {
+    let array = array.as_array();
+    if array.ncols() != 3 {
+        return Err(CoreError::value(format!(
+            "array of {} columns given; allowed: 3",
+            array.ncols()
+        )));
+    }
+    let rows = array.rows().into_iter();
+    Ok(rows.map(|row| [row[0], row[1], row[2]]).collect())
+}
+
 /// The surface of a segment.
 #[pyclass(name = "Surface", module = "palpate._core", frozen)]
 pub struct PySurface {
@@ -54,7 +99,7 @@ struct State {
 
 #[pymethods]
 impl PySurface {
-    /// Makes the whole surface.
+    /// Makes the whole surface; without a step or a degree of smoothing the usual one.
     #[new]
     fn new(
         py: Python<'_>,
@@ -62,8 +107,8 @@ impl PySurface {
         spacing: Triple,
         origin: Triple,
         direction: Direction,
-        step: u8,
-        smoothing: u8,
+        step: Option<u8>,
+        smoothing: Option<u8>,
         local: bool,
     ) -> Result<Self, CoreError> {
         let axes = matrix_of_rows(direction);
@@ -74,11 +119,12 @@ impl PySurface {
         } else {
             SmoothingMode::Global
         };
+        let usual = SurfaceSettings::default();
         let settings = SurfaceSettings {
-            step,
-            smoothing,
+            step: step.unwrap_or(usual.step),
+            smoothing: smoothing.unwrap_or(usual.smoothing),
             mode,
-            ..SurfaceSettings::default()
+            ..usual
         };
         let mut surface = SegmentSurface::new(&grid, settings)?;
         let bits = segment.segment.occupancy().clone();

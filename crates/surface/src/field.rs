@@ -110,11 +110,19 @@ pub(crate) struct FieldScratch {
 }
 
 impl Field {
-    /// Asks for the value of each sample of a box.
-    fn fill(&mut self, bounds: VoxelBox, value: impl Fn(IVec3) -> f32) {
+    /// Asks for the values of each row along x, by its first sample.
+    fn fill(&mut self, bounds: VoxelBox, values_of: impl Fn(IVec3, &mut [f32])) {
         self.bounds = bounds;
+        let size = bounds.size().as_usizevec3();
         self.values.clear();
-        self.values.extend(bounds.voxels().map(value));
+        self.values.resize(size.x * size.y * size.z, 0.0);
+        let mut rows = self.values.chunks_exact_mut(size.x);
+        for z in bounds.min.z..bounds.max.z {
+            for y in bounds.min.y..bounds.max.y {
+                let row = rows.next().expect("a row for each y and z");
+                values_of(IVec3::new(bounds.min.x, y, z), row);
+            }
+        }
     }
 
     /// Blurs along an axis; the box loses what the kernel reaches over.
@@ -161,10 +169,10 @@ impl FieldScratch {
         &mut self,
         (blur, of_bits): (&Blur, bool),
         samples: VoxelBox,
-        value: impl Fn(IVec3) -> f32,
+        values_of: impl Fn(IVec3, &mut [f32]),
     ) -> &Field {
         let [field, other] = &mut self.fields;
-        field.fill(samples.dilate(blur.margin()), value);
+        field.fill(samples.dilate(blur.margin()), values_of);
         if blur.degree == 0 {
             return field;
         }
