@@ -471,3 +471,23 @@ def bench_servo(
         warn("no real-time priority here; allowed: as root, or with ulimit -r 70")
     if json_file is not None:
         write_rows("servo", rows, json_file)
+
+
+@bench.command("surface")
+def bench_surface(
+    *,
+    json_file: Annotated[
+        Path | None, typer.Option("--json", help="Write the figures to this file.")
+    ] = None,
+) -> None:
+    """Measure how fast surfaces are made and follow edits, beside VTK."""
+    from palpate.bench.report import print_rows, write_rows
+    from palpate.bench.surface import measure
+
+    with quiet_libraries(), Display() as display:
+        rows, missing = measure(display)
+    print_rows("surface", rows)
+    for sentence in missing:
+        warn(f"not measured: {sentence} is not there; allowed: PALPATE_DATA with it")
+    if json_file is not None:
+        write_rows("surface", rows, json_file)
