@@ -93,14 +93,14 @@ class Surface:
         return self._internal.volume()
 
 
-def voxelise(mesh: Mesh, volume: Volume, *, name: str, shell: bool = False) -> Segment:
+def voxelise(mesh: Mesh, volume: Volume, *, name: str, as_shell: bool = False) -> Segment:
     """Returns the voxels of a scan that a mesh encloses; what lies beyond the scan is cut.
 
     Args:
         mesh: Closed, or a shell of its surface is taken.
         volume: On whose grid.
         name: What to call the segment.
-        shell: Take only the voxels that triangles meet.
+        as_shell: Take only the voxels that triangles meet.
 
     Raises:
         MeshFormatError: The mesh has vertices that are nowhere, or triangles without vertices.
@@ -116,7 +116,7 @@ def voxelise(mesh: Mesh, volume: Volume, *, name: str, shell: bool = False) -> S
             volume.spacing,
             volume.origin,
             direction_of(volume),
-            shell,
+            as_shell,
         )
     except ValueError as error:
         raise MeshFormatError(str(error)) from None

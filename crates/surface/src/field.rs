@@ -140,13 +140,8 @@ impl Field {
             for y in 0..size.y {
                 let row = (z * size.y + y) as usize * width;
                 let first = self.index(into.bounds.min - reach + IVec3::new(0, y, z));
-                let sum = &mut into.values[row..row + width];
-                for (tap, &weight) in kernel.iter().enumerate() {
-                    let start = first + tap * stride;
-                    for (sum, value) in sum.iter_mut().zip(&self.values[start..start + width]) {
-                        *sum += weight * value;
-                    }
-                }
+                let sums = &mut into.values[row..row + width];
+                weigh(&self.values[first..], stride, kernel, sums);
             }
         }
     }
@@ -160,6 +155,30 @@ impl Field {
     fn index(&self, sample: IVec3) -> usize {
         let (local, size) = (sample - self.bounds.min, self.bounds.size());
         (local.z as usize * size.y as usize + local.y as usize) * size.x as usize + local.x as usize
+    }
+}
+
+/// Sums of values `stride` apart, weighed by a kernel, for each place from the first on.
+fn weigh(values: &[f32], stride: usize, kernel: &[f32], sums: &mut [f32]) {
+    // so many sums stay in registers while the kernel passes
+    const LANES: usize = 8;
+    let whole = sums.len() - sums.len() % LANES;
+    let (blocks, rest) = sums.split_at_mut(whole);
+    for (block, sums) in blocks.chunks_exact_mut(LANES).enumerate() {
+        let mut held = [0.0; LANES];
+        for (tap, &weight) in kernel.iter().enumerate() {
+            let start = block * LANES + tap * stride;
+            for (sum, value) in held.iter_mut().zip(&values[start..start + LANES]) {
+                *sum += weight * value;
+            }
+        }
+        sums.copy_from_slice(&held);
+    }
+    for (place, sum) in rest.iter_mut().enumerate() {
+        let taps = kernel.iter().enumerate();
+        *sum = taps.fold(0.0, |sum, (tap, weight)| {
+            sum + weight * values[whole + place + tap * stride]
+        });
     }
 }
 
