@@ -34,7 +34,7 @@ from palpate.io import read
 from palpate.progress import Progress, silent
 from palpate.segment import Segment
 
-__all__ = ["Bone", "drill", "measure", "spheres", "whole_surface"]
+__all__ = ["Bone", "bone_of", "drill", "measure", "spheres", "whole_surface"]
 
 ROUNDS = 5
 """Runs of which the quickest counts."""
@@ -148,7 +148,8 @@ def spheres() -> dict[str, dict[str, float]]:
     return reports
 
 
-def _bone_of(segment: Segment) -> Bone:
+def bone_of(segment: Segment) -> Bone:
+    """Returns the bits of a segment."""
     return Bone(segment._internal, segment.volume.spacing)  # noqa: SLF001
 
 
@@ -158,8 +159,8 @@ def _phantom() -> Bone:
 
 
 LOADS: dict[str, Callable[[], Bone]] = {
-    HEAD: lambda: _bone_of(read(data_file(CTHEAD)).threshold(CTHEAD_BONE)),
-    CHEST: lambda: _bone_of(read(data_file(LIDC)).offered_bone()),
+    HEAD: lambda: bone_of(read(data_file(CTHEAD)).threshold(CTHEAD_BONE)),
+    CHEST: lambda: bone_of(read(data_file(LIDC)).offered_bone()),
     TRUNK_512: _phantom,
 }
 assert tuple(LOADS) == SURFACES  # noqa: S101  # rows are told in this order
