@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from palpate.errors import (
         EmptySegmentError,
+        MeshFormatError,
         OptionError,
         PalpateError,
         RecordingFormatError,
@@ -30,11 +31,13 @@ if TYPE_CHECKING:
     from palpate.scripted_path import ScriptedPath
     from palpate.segment import Segment
     from palpate.session import Session, SessionOptions
+    from palpate.surface import Surface
     from palpate.touch_settings import TouchSettings
     from palpate.volume import Volume
 
 __all__ = [
     "EmptySegmentError",
+    "MeshFormatError",
     "OptionError",
     "PalpateError",
     "Phantom",
@@ -47,6 +50,7 @@ __all__ = [
     "SeriesChoiceError",
     "Session",
     "SessionOptions",
+    "Surface",
     "TouchSettings",
     "Volume",
     "VolumeFormatError",
@@ -56,6 +60,7 @@ __all__ = [
 
 _HOMES = {
     "EmptySegmentError": "errors",
+    "MeshFormatError": "errors",
     "OptionError": "errors",
     "PalpateError": "errors",
     "RecordingFormatError": "errors",
@@ -71,6 +76,7 @@ _HOMES = {
     "Replay": "recording",
     "Session": "session",
     "SessionOptions": "session",
+    "Surface": "surface",
     "TouchSettings": "touch_settings",
     "Volume": "volume",
 }

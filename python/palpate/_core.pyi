@@ -10,6 +10,7 @@ __all__ = [
     "Ground",
     "Segment",
     "Session",
+    "Surface",
     "TouchBench",
     "Volume",
     "bench_embedded",
@@ -19,8 +20,10 @@ __all__ = [
     "build",
     "passivity_devices",
     "phantom",
+    "phantom_bones",
     "replay_recording",
     "touch_quality_cases",
+    "voxelise_mesh",
 ]
 
 _Triple = tuple[float, float, float]
@@ -302,6 +305,67 @@ class Ground:
 
     @property
     def dimensions(self) -> _Voxel: ...
+
+class Surface:
+    """The triangles of a segment."""
+
+    def __init__(
+        self,
+        segment: Segment,
+        spacing: _Triple,
+        origin: _Triple,
+        direction: tuple[float, ...],
+        step: int | None,
+        smoothing: int | None,
+        local: bool,
+    ) -> None:
+        """Makes the whole surface; without a step or a degree of smoothing the usual one.
+
+        Raises:
+            ValueError: A setting is not allowed.
+        """
+
+    @property
+    def patch_count(self) -> int: ...
+    @property
+    def vertex_count(self) -> int: ...
+    @property
+    def triangle_count(self) -> int: ...
+    def area(self) -> float:
+        """[mm²]."""
+
+    def volume(self) -> float:
+        """Enclosed [mm³]."""
+
+    def mesh(self) -> tuple[NDArray[np.float64], NDArray[np.float32], NDArray[np.uint32]]:
+        """Positions [patient], normals and triangles of all patches as one, shapes [n, 3]."""
+
+    def time_all(self, threads: int) -> float:
+        """Makes all of it anew on so many threads; returns how long that took [s]."""
+
+    def time_joined(self) -> float:
+        """Joins the patches; returns how long that took [s]."""
+
+    def time_drill(self, voxel: _Voxel, radius: int, threads: int) -> float:
+        """Takes a ball of voxels away and back; returns how long the patches took [s]."""
+
+def phantom_bones(dimensions: _Voxel) -> Segment:
+    """Makes the bones of the phantom, by their labels, without its values."""
+
+def voxelise_mesh(
+    vertices: NDArray[np.float64],
+    triangles: NDArray[np.uint32],
+    dimensions: _Voxel,
+    spacing: _Triple,
+    origin: _Triple,
+    direction: tuple[float, ...],
+    shell: bool,
+) -> Segment:
+    """Returns the voxels of a mesh in the patient [mm], shapes [n, 3].
+
+    Raises:
+        ValueError: The mesh cannot be used, or there is no such grid.
+    """
 
 class TouchBench:
     """A probe that presses and slides over a ground, 0.2 h per update."""

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 __all__ = [
     "EmptySegmentError",
+    "MeshFormatError",
     "OptionError",
     "PalpateError",
     "RecordingFormatError",
@@ -34,6 +35,10 @@ class SeriesChoiceError(VolumeFormatError):
 
 class EmptySegmentError(PalpateError, ValueError):
     """A threshold that selects no voxel."""
+
+
+class MeshFormatError(PalpateError, ValueError):
+    """A file that is no mesh, or a mesh that cannot be used."""
 
 
 class RecordingFormatError(PalpateError, ValueError):

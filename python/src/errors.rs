@@ -7,6 +7,8 @@ use palpate_device::scripted::PathError;
 use palpate_device::simulated::SettingsError;
 use palpate_engine::bench::BenchError;
 use palpate_engine::error::SessionError;
+use palpate_surface::SettingsError as SurfaceSettingsError;
+use palpate_surface::voxelise::MeshError;
 use palpate_volume::grid::GridError;
 use palpate_volume::intensities::IntensitiesError;
 use palpate_volume::segment::SegmentError;
@@ -67,5 +69,7 @@ value_errors!(
     IntensitiesError,
     SegmentError,
     PathError,
-    SettingsError
+    SettingsError,
+    SurfaceSettingsError,
+    MeshError
 );

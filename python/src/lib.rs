@@ -17,6 +17,7 @@ mod recording;
 mod segment;
 mod session;
 mod settings;
+mod surface;
 mod volume;
 
 use pyo3::prelude::*;
@@ -42,6 +43,8 @@ mod _core {
     use super::segment::PySegment;
     #[pymodule_export]
     use super::session::PySession;
+    #[pymodule_export]
+    use super::surface::{PySurface, phantom_bones, voxelise_mesh};
     #[pymodule_export]
     use super::volume::PyVolume;
 

@@ -15,7 +15,7 @@ use crate::errors::CoreError;
 use crate::segment::PySegment;
 
 /// Nine numbers of a matrix, row by row, as ITK gives a direction.
-type Direction = (f64, f64, f64, f64, f64, f64, f64, f64, f64);
+pub type Direction = (f64, f64, f64, f64, f64, f64, f64, f64, f64);
 
 /// Values on a grid that stands in the patient.
 #[pyclass(name = "Volume", module = "palpate._core", frozen)]
@@ -113,7 +113,8 @@ impl PyVolume {
     }
 }
 
-fn matrix_of_rows(rows: Direction) -> DMat3 {
+/// The matrix of nine numbers.
+pub fn matrix_of_rows(rows: Direction) -> DMat3 {
     let (xx, xy, xz, yx, yy, yz, zx, zy, zz) = rows;
     DMat3::from_cols_array(&[xx, yx, zx, xy, yy, zy, xz, yz, zz])
 }

@@ -15,6 +15,7 @@ mod samples;
 pub mod segment_surface;
 pub mod settings;
 mod voxel_source;
+pub mod voxelise;
 
 pub use block::PatchId;
 pub use patch::{Bounds, Patch};

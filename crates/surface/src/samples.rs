@@ -83,6 +83,14 @@ impl Samples {
         self.row(sample.y, sample.z) >> (sample.x - self.origin.x) & 1 != 0
     }
 
+    /// 0.5 for each solid sample of a row from `first` on, -0.5 for each free one.
+    pub(crate) fn halves(&self, first: IVec3, values: &mut [f32]) {
+        let word = self.row(first.y, first.z) >> (first.x - self.origin.x);
+        for (bit, value) in values.iter_mut().enumerate() {
+            *value = (word >> bit & 1) as f32 - 0.5;
+        }
+    }
+
     /// The smallest box of samples that holds every crossed edge between those of `own`.
     pub(crate) fn crossed(&self, own: VoxelBox) -> Option<VoxelBox> {
         let shift = own.min.x - self.origin.x;

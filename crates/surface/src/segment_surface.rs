@@ -231,19 +231,19 @@ impl Extraction {
             if alone {
                 samples.isolate(own);
             }
-            let nearest = |sample: IVec3| {
-                if alone {
-                    sample.clamp(own.min, own.max - 1)
-                } else {
-                    sample
-                }
-            };
-            let field = field.smooth(&self.blur, active, |sample| match limits {
-                None if samples.is_solid(sample) => 0.5,
-                None => -0.5,
+            let kernel = (&self.blur, limits.is_none());
+            let field = field.smooth(kernel, active, |first, values| match limits {
+                None => samples.halves(first, values),
                 Some(limits) => {
-                    let sample = nearest(sample);
-                    voxels.depth(limits, step, (sample, samples.is_solid(sample)))
+                    for (x, value) in (first.x..).zip(values) {
+                        let sample = first.with_x(x);
+                        let seen = if alone {
+                            sample.clamp(own.min, own.max - 1)
+                        } else {
+                            sample
+                        };
+                        *value = voxels.depth(limits, step, (seen, samples.is_solid(sample)));
+                    }
                 }
             });
             let zeros = Zeros {

@@ -22,7 +22,18 @@ from palpate.segment import Segment
 from palpate.simpleitk import simpleitk
 from palpate.volume import Volume
 
-__all__ = ["EMBEDDED_IN", "SOURCES", "MissingDataError", "Source", "ground_of", "skin"]
+__all__ = [
+    "CTHEAD",
+    "CTHEAD_BONE",
+    "EMBEDDED_IN",
+    "LIDC",
+    "SOURCES",
+    "MissingDataError",
+    "Source",
+    "data_file",
+    "ground_of",
+    "skin",
+]
 
 CTHEAD = "cthead_stanford/CThead.mha"
 AMOS = "amos_0336/amos_0336.mhd"
@@ -76,25 +87,25 @@ def ground_of(*segments: Segment) -> _core.Ground:
 
 def cthead_bone() -> _core.Ground:
     """Returns the bone of the thesis' small head."""
-    return ground_of(read(_file(CTHEAD)).threshold(CTHEAD_BONE))
+    return ground_of(read(data_file(CTHEAD)).threshold(CTHEAD_BONE))
 
 
 def amos_bone() -> _core.Ground:
     """Returns bone as it is offered."""
-    return ground_of(read(_file(AMOS)).offered_bone())
+    return ground_of(read(data_file(AMOS)).offered_bone())
 
 
 def lidc_bone() -> _core.Ground:
     """Returns bone as it is offered."""
-    return ground_of(read(_file(LIDC)).offered_bone())
+    return ground_of(read(data_file(LIDC)).offered_bone())
 
 
 def lidc_bones_and_skin() -> _core.Ground:
     """Returns each labelled bone and the skin, as segments of their own."""
-    volume = read(_file(LIDC))
+    volume = read(data_file(LIDC))
     sitk = simpleitk()
-    labels = sitk.GetArrayFromImage(sitk.ReadImage(str(_file(LIDC_LABELS))))
-    with _file(LIDC_NAMES).open(encoding="utf-8", newline="") as names:
+    labels = sitk.GetArrayFromImage(sitk.ReadImage(str(data_file(LIDC_LABELS))))
+    with data_file(LIDC_NAMES).open(encoding="utf-8", newline="") as names:
         numbers = {row["structure"]: int(row["id"]) for row in csv.DictReader(names)}
     bones = [
         volume.segment(labels == number, name=name)
@@ -151,7 +162,12 @@ def skin(volume: Volume) -> NDArray[np.bool_]:
     return outermost
 
 
-def _file(name: str) -> Path:
+def data_file(name: str) -> Path:
+    """Returns a file of the data sets.
+
+    Raises:
+        MissingDataError: It is not there.
+    """
     path = folder() / name
     if not path.is_file():
         raise MissingDataError(name)

@@ -14,7 +14,7 @@ use palpate_volume::voxel_box::VoxelBox;
 
 /// Cubes of 1 mm.
 pub fn cubes(dimensions: UVec3) -> Grid {
-    Grid::new(dimensions, DVec3::ONE, DVec3::ZERO, DMat3::IDENTITY).unwrap()
+    Grid::new(dimensions, DVec3::ONE, DVec3::ZERO, DMat3::IDENTITY).expect("a grid")
 }
 
 /// A turned grid of thick slices, far from zero.
@@ -27,7 +27,7 @@ pub fn turned_slices(dimensions: UVec3) -> Grid {
         DVec3::new(-310.0, 95.0, 1200.0),
         direction,
     )
-    .unwrap()
+    .expect("a grid")
 }
 
 pub fn settings(smoothing: u8) -> SurfaceSettings {
@@ -61,7 +61,7 @@ pub fn ball(dimensions: UVec3, centre: DVec3, radius: f64) -> Bits {
 
 /// The whole surface.
 pub fn surface(grid: &Grid, bits: &Bits, settings: SurfaceSettings) -> SegmentSurface {
-    let mut surface = SegmentSurface::new(grid, settings).unwrap();
+    let mut surface = SegmentSurface::new(grid, settings).expect("settings");
     surface.update(&VoxelSource::of_bits(bits), &grid.bounds());
     surface
 }

@@ -1,0 +1,272 @@
+//! Patches meet to the bit, and follow edits as if made afresh.
+
+mod support;
+
+use std::collections::{BTreeMap, HashMap};
+
+use glam::{DVec3, IVec3, UVec3};
+use palpate_surface::{Limits, PatchChange, PatchId, SegmentSurface, SmoothingMode};
+use palpate_surface::{SurfaceSettings, VoxelSource};
+use palpate_volume::bit_brick::BitBrick;
+use palpate_volume::bits::Bits;
+use palpate_volume::brick_grid::BrickSwap;
+use palpate_volume::voxel_box::VoxelBox;
+use support::{
+    assert_closed, ball, bits_where, cubes, noise, settings, surface, turned_slices,
+    vertices_of_patches,
+};
+
+/// Blobs and noise over several blocks.
+fn body(dimensions: UVec3) -> Bits {
+    let coarse = noise(UVec3::splat(32), 3, 0.4);
+    let fine = noise(dimensions, 4, 0.03);
+    bits_where(dimensions, |voxel| {
+        coarse.is_solid(voxel / 7) != fine.is_solid(voxel)
+    })
+}
+
+/// Sets the voxels of a ball.
+fn edited(bits: &mut Bits, centre: IVec3, radius: i32, solid: bool) -> VoxelBox {
+    let dirty = support::around(centre, radius, bits.dimensions());
+    for index in bits.bricks().indices_in(&dirty) {
+        let mut brick = bits
+            .bricks()
+            .get(index)
+            .map_or(BitBrick::EMPTY, |brick| **brick);
+        for voxel in bits.bricks().box_of(index).intersect(&dirty).voxels() {
+            if (voxel - centre).length_squared() <= radius * radius {
+                brick.set(voxel, solid);
+            }
+        }
+        bits.swap(&mut BrickSwap {
+            index,
+            brick: brick.shared(),
+        });
+    }
+    dirty
+}
+
+#[test]
+fn patches_have_the_same_vertices_and_normals_at_their_borders_to_the_bit() {
+    let dimensions = UVec3::new(70, 66, 97);
+    for bits in [
+        body(dimensions),
+        ball(dimensions, DVec3::new(33.0, 31.0, 48.0), 28.0),
+    ] {
+        for smoothing in [0, 1, 3, 12] {
+            for step in [1, 2] {
+                let settings = SurfaceSettings {
+                    step,
+                    ..settings(smoothing)
+                };
+                let surface = surface(&turned_slices(dimensions), &bits, settings);
+                assert!(surface.patches().len() > 1);
+                let mut shared = 0;
+                for normals in vertices_of_patches(&surface).into_values() {
+                    shared += normals.len() - 1;
+                    assert!(normals.iter().all(|normal| *normal == normals[0]));
+                }
+                assert!(shared > 10);
+                // were positions not equal to the bit, they would not join
+                assert_closed(&palpate_surface::mesh::joined(&surface));
+            }
+        }
+    }
+}
+
+#[test]
+fn patches_smoothed_alone_do_not_meet() {
+    let dimensions = UVec3::splat(64);
+    let bits = ball(dimensions, DVec3::splat(32.3), 28.0);
+    let local = SurfaceSettings {
+        mode: SmoothingMode::Local,
+        ..settings(4)
+    };
+    let surface = surface(&cubes(dimensions), &bits, local);
+    let mut edges = HashMap::new();
+    for [a, b, c] in palpate_surface::mesh::joined(&surface).triangles {
+        for (from, to) in [(a, b), (b, c), (c, a)] {
+            *edges.entry((from.min(to), from.max(to))).or_insert(0) += 1;
+        }
+    }
+    assert!(edges.values().any(|&triangles| triangles == 1));
+    // yet each stays as near to the voxels as those smoothed together
+    assert!(
+        (surface.volume() / (4.0 / 3.0 * std::f64::consts::PI * 28f64.powi(3)) - 1.0).abs() < 0.01
+    );
+}
+
+#[test]
+fn after_each_random_edit_all_patches_are_those_of_a_fresh_extraction() {
+    let dimensions = UVec3::new(75, 64, 66);
+    let grid = turned_slices(dimensions);
+    let mut random = oorandom::Rand64::new(11);
+    for settings in [
+        settings(0),
+        settings(3),
+        SurfaceSettings {
+            step: 2,
+            ..settings(2)
+        },
+        SurfaceSettings {
+            step: 4,
+            ..settings(1)
+        },
+        SurfaceSettings {
+            mode: SmoothingMode::Local,
+            ..settings(3)
+        },
+        SurfaceSettings {
+            most_vertices: Some(3000),
+            ..settings(2)
+        },
+    ] {
+        let mut bits = body(dimensions);
+        let mut surface = surface(&grid, &bits, settings);
+        let mut shown = shown_of(&surface);
+        for edit in 0..12 {
+            let centre = IVec3::from_array(
+                dimensions
+                    .as_ivec3()
+                    .to_array()
+                    .map(|n| random.rand_range(0..n as u64) as i32),
+            );
+            let dirty = edited(
+                &mut bits,
+                centre,
+                random.rand_range(0..9) as i32,
+                edit % 3 == 0,
+            );
+            let changes = surface.update(&VoxelSource::of_bits(&bits), &dirty);
+            apply(&mut shown, changes);
+
+            let fresh = shown_of(&support::surface(&grid, &bits, settings));
+            assert_eq!(
+                shown.keys().collect::<Vec<_>>(),
+                fresh.keys().collect::<Vec<_>>()
+            );
+            for (id, patch) in &fresh {
+                assert!(
+                    shown[id] == *patch,
+                    "patch {id:?} after edit {edit} of {settings:?}"
+                );
+            }
+            assert_eq!(shown, shown_of(&surface));
+        }
+    }
+}
+
+type Shown = BTreeMap<PatchId, palpate_surface::Patch>;
+
+fn shown_of(surface: &SegmentSurface) -> Shown {
+    surface
+        .patches()
+        .map(|(id, patch)| (id, (**patch).clone()))
+        .collect()
+}
+
+fn apply(shown: &mut Shown, changes: Vec<PatchChange>) {
+    for change in changes {
+        match change.patch {
+            Some(patch) => _ = shown.insert(change.id, (*patch).clone()),
+            None => assert!(shown.remove(&change.id).is_some(), "dropped twice"),
+        }
+    }
+}
+
+#[test]
+fn a_surface_that_is_all_erased_is_dropped_and_its_bounds_follow() {
+    let dimensions = UVec3::splat(80);
+    let mut bits = ball(dimensions, DVec3::splat(20.0), 9.0);
+    let far = edited(&mut bits, IVec3::splat(65), 6, true);
+    let mut surface = surface(&cubes(dimensions), &bits, settings(3));
+    assert!(surface.bounds().unwrap().max.x > 70.0);
+
+    let dirty = edited(&mut bits, IVec3::splat(65), 6, false);
+    assert_eq!(dirty, far);
+    let changes = surface.update(&VoxelSource::of_bits(&bits), &dirty);
+    assert!(!changes.is_empty() && changes.iter().all(|change| change.patch.is_none()));
+    assert!(surface.bounds().unwrap().max.x < 30.0);
+
+    let everything = VoxelBox::of_dimensions(dimensions);
+    surface.update(&VoxelSource::of_bits(&Bits::empty(dimensions)), &everything);
+    assert_eq!((surface.patches().len(), surface.bounds()), (0, None));
+}
+
+#[test]
+fn an_update_without_a_change_gives_nothing() {
+    let dimensions = UVec3::splat(60);
+    let bits = body(dimensions);
+    let mut surface = surface(&cubes(dimensions), &bits, settings(3));
+    let source = VoxelSource::of_bits(&bits);
+    for dirty in [VoxelBox::EMPTY, VoxelBox::of_dimensions(dimensions)] {
+        assert!(surface.update(&source, &dirty).is_empty());
+    }
+    let outside = VoxelBox::new(IVec3::splat(-90), IVec3::splat(-80));
+    assert!(surface.update(&source, &outside).is_empty());
+}
+
+#[test]
+fn the_number_of_threads_changes_nothing() {
+    let dimensions = UVec3::splat(90);
+    let bits = body(dimensions);
+    let on_threads = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
+        pool.install(|| shown_of(&surface(&turned_slices(dimensions), &bits, settings(3))))
+    };
+    assert_eq!(on_threads(1), on_threads(4));
+}
+
+#[test]
+fn dense_blocks_are_parted_and_the_surface_is_the_same() {
+    let dimensions = UVec3::splat(70);
+    let bits = body(dimensions);
+    let grid = cubes(dimensions);
+    let whole = surface(&grid, &bits, settings(3));
+    let parted = surface(
+        &grid,
+        &bits,
+        SurfaceSettings {
+            most_vertices: Some(2000),
+            ..settings(3)
+        },
+    );
+    assert!(parted.patches().len() > whole.patches().len());
+    assert!(parted.patches().any(|(id, _)| id.part > 0));
+    assert_closed(&palpate_surface::mesh::joined(&parted));
+    let keys = |surface: &SegmentSurface| {
+        let mut keys: Vec<_> = vertices_of_patches(surface).into_keys().collect();
+        keys.sort_unstable();
+        keys
+    };
+    assert_eq!(keys(&whole), keys(&parted));
+}
+
+#[test]
+fn settings_that_make_no_surface_are_refused_with_what_is_allowed() {
+    let refused = |settings: SurfaceSettings| {
+        let grid = cubes(UVec3::splat(4));
+        SegmentSurface::new(&grid, settings)
+            .unwrap_err()
+            .to_string()
+    };
+    let step = refused(SurfaceSettings {
+        step: 3,
+        ..settings(0)
+    });
+    assert!(step.contains("1, 2 or 4"), "{step}");
+    let degree = refused(settings(13));
+    assert!(degree.contains("0 to 12"), "{degree}");
+    let limits = Limits {
+        low: 5.0,
+        high: f64::NAN,
+    };
+    let limits = refused(SurfaceSettings {
+        limits: Some(limits),
+        ..settings(0)
+    });
+    assert!(limits.contains("allowed"), "{limits}");
+}

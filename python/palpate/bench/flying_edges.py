@@ -1,0 +1,89 @@
+"""The surface of the same bits by VTK, which ``palpate bench surface`` measures itself against.
+
+VTK is an optional package, only for this benchmark.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from importlib import import_module
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.bench.goals import FLYING
+from palpate.errors import OptionError
+
+__all__ = ["FlyingEdges"]
+
+
+class FlyingEdges:
+    """Filters of VTK on one mask, with shared vertices and normals."""
+
+    def __init__(self, mask: NDArray[np.uint8], spacing: tuple[float, float, float]) -> None:
+        """Gives VTK a mask, shape [depth, height, width], with a border of free voxels.
+
+        Raises:
+            OptionError: VTK is not installed.
+        """
+        FlyingEdges.check()
+        self._vtk = import_module("vtk")
+        # VTK does not own the memory
+        self._mask = np.pad(mask, 1)
+        image = self._vtk.vtkImageData()
+        image.SetDimensions(*self._mask.shape[::-1])
+        image.SetSpacing(*spacing)
+        to_vtk = import_module("vtkmodules.util.numpy_support").numpy_to_vtk
+        image.GetPointData().SetScalars(to_vtk(self._mask.ravel(), deep=False))
+        self._filters = {kind: getattr(self._vtk, kind)() for kind in FLYING}
+        for kind, made in self._filters.items():
+            made.SetInputData(image)
+            made.ComputeNormalsOn()
+            made.ComputeGradientsOff()
+            made.ComputeScalarsOff()
+            # the discrete one takes the label itself
+            made.SetValue(0, 1.0 if "Discrete" in kind else 0.5)
+
+    @staticmethod
+    def check() -> None:
+        """Refuses to go on without VTK.
+
+        Raises:
+            OptionError: It is not installed; says how to.
+        """
+        try:
+            import_module("vtk")
+        except ImportError:
+            raise OptionError(
+                "vtk is not installed; allowed: pip install 'palpate[bench]', to measure beside it"
+            ) from None
+
+    def use_threads(self, threads: int) -> None:
+        """Takes so many threads from now on."""
+        tools = self._vtk.vtkSMPTools
+        tools.SetBackend("Sequential" if threads == 1 else "STDThread")
+        tools.Initialize(threads)
+
+    def run_of(self, kind: str) -> Callable[[], float]:
+        """Returns what makes the surface anew and returns how long that took [s]."""
+        made = self._filters[kind]
+
+        def run() -> float:
+            made.Modified()
+            start = time.perf_counter()
+            made.Update()
+            return time.perf_counter() - start
+
+        return run
+
+    def triangle_count(self, kind: str) -> int:
+        """Returns how many triangles the last run made."""
+        return int(self._filters[kind].GetOutput().GetNumberOfCells())
+
+    def shape(self) -> tuple[float, float]:
+        """Returns area [mm²] and volume [mm³]."""
+        told = self._vtk.vtkMassProperties()
+        told.SetInputData(self._filters[FLYING[0]].GetOutput())
+        told.Update()
+        return float(told.GetSurfaceArea()), float(told.GetVolume())

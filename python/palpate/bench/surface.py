@@ -1,0 +1,176 @@
+"""``palpate bench surface``: how fast surfaces are made, beside VTK in the same run.
+
+The whole surface of bones, with shared vertices and normals on both sides, as the bits are:
+VTK gets them as bytes with a border of free voxels, so that both surfaces are closed. Runs of
+Palpate and of VTK alternate, and the quickest of each counts. A drill takes balls of 5 voxels
+from the surface of bone, and the time until the smoothed patches are ready again is told.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from palpate import _core
+from palpate.bench.flying_edges import FlyingEdges
+from palpate.bench.goals import (
+    CHEST,
+    DRILLED,
+    FLYING,
+    GOALS,
+    HEAD,
+    SPHERES,
+    SURFACES,
+    TRUNK_512,
+    sphere_case,
+)
+from palpate.bench.haptics_data import CTHEAD, CTHEAD_BONE, LIDC, MissingDataError, data_file
+from palpate.bench.report import Row, row_of
+from palpate.io import read
+from palpate.progress import Progress, silent
+from palpate.segment import Segment
+
+__all__ = ["Bone", "bone_of", "drill", "measure", "spheres", "whole_surface"]
+
+ROUNDS = 5
+"""Runs of which the quickest counts."""
+EDITS = 200
+RADIUS = 5
+"""Of the drill [voxels]."""
+UPRIGHT = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
+PHANTOM_SIZE = (512, 512, 512)
+FIELD_OF_VIEW = (400.0, 280.0, 540.0)
+"""Of the phantom [mm]."""
+
+
+@dataclass(frozen=True)
+class Bone:
+    """What has a surface."""
+
+    segment: _core.Segment
+    spacing: tuple[float, float, float]
+
+    def surface(self, smoothing: int | None) -> _core.Surface:
+        """Returns its surface; without a degree, smoothed as usual."""
+        zero = (0.0, 0.0, 0.0)
+        return _core.Surface(self.segment, self.spacing, zero, UPRIGHT, 1, smoothing, False)  # noqa: FBT003
+
+
+def measure(progress: Progress = silent) -> tuple[list[Row], list[str]]:
+    """Measures all; returns the rows, and the data sets that are not there.
+
+    Raises:
+        OptionError: VTK is not installed.
+    """
+    FlyingEdges.check()
+    reports: dict[str, dict[str, float]] = {}
+    missing = []
+    for done, (name, load) in enumerate(LOADS.items()):
+        progress(f"the surface of {name}", done / (len(LOADS) + 1))
+        try:
+            bone = load()
+        except MissingDataError as error:
+            missing.append(f"{name}: {error}")
+            continue
+        reports |= whole_surface(name, bone)
+        if name == TRUNK_512:
+            reports[DRILLED] = drill(bone)
+    progress("spheres", len(LOADS) / (len(LOADS) + 1))
+    reports |= spheres()
+    rows = [row_of(goal, reports[goal.case]) for goal in GOALS["surface"] if goal.case in reports]
+    return rows, missing
+
+
+def whole_surface(name: str, bone: Bone) -> dict[str, dict[str, float]]:
+    """Returns the figures of a body by their case."""
+    theirs = FlyingEdges(bone.segment.mask(), bone.spacing)
+    plain, smooth = bone.surface(0), bone.surface(None)
+    reports = {}
+    for case, threads in (("one thread", 1), ("all threads", _cores())):
+        theirs.use_threads(threads)
+        ours, smoothed, *others = _quickest(
+            [
+                partial(plain.time_all, threads),
+                partial(smooth.time_all, threads),
+                *map(theirs.run_of, FLYING),
+            ]
+        )
+        report = {
+            "per_second": plain.triangle_count / ours,
+            "smoothed_per_second": smooth.triangle_count / smoothed,
+        }
+        for kind, seconds in zip(FLYING, others, strict=True):
+            report[kind] = theirs.triangle_count(kind) / seconds
+            report[f"ratio {kind}"] = report["per_second"] / report[kind]
+        reports[f"{name}: {case}"] = report
+
+    area, volume = theirs.shape()
+    reports[f"{name}: shape"] = {
+        "area": abs(plain.area() / area - 1.0),
+        "volume": abs(plain.volume() / volume - 1.0),
+    }
+    return reports
+
+
+def drill(bone: Bone, edits: int = EDITS) -> dict[str, float]:
+    """Returns how long the patches take to follow edits, with the usual smoothing."""
+    surface = bone.surface(None)
+    mask = bone.segment.mask().astype(bool)
+    on_surface = mask.copy()
+    on_surface[1:] &= ~mask[:-1]
+    places = np.argwhere(on_surface)
+    picked = np.random.default_rng(1).integers(0, len(places), edits)
+    threads = _cores()
+    seconds = [
+        surface.time_drill((int(x), int(y), int(z)), RADIUS, threads) for z, y, x in places[picked]
+    ]
+    quantiles = np.quantile(seconds, [0.5, 0.95, 1.0])
+    return dict(zip(("median", "p95", "max"), map(float, quantiles), strict=True))
+
+
+def spheres() -> dict[str, dict[str, float]]:
+    """Returns by how much smoothed balls differ from spheres."""
+    reports = {}
+    for radius in SPHERES:
+        size = 2 * int(radius) + 9
+        far = np.square(np.arange(size) - size // 2)
+        inside = far[:, None, None] + far[None, :, None] + far[None, None, :] <= radius**2
+        bone = Bone(_core.Segment.from_mask(inside.astype(np.uint8)), (1.0, 1.0, 1.0))
+        surface = bone.surface(None)
+        reports[sphere_case(radius)] = {
+            "area": abs(surface.area() / (4.0 * np.pi * radius**2) - 1.0),
+            "volume": abs(surface.volume() / (4.0 / 3.0 * np.pi * radius**3) - 1.0),
+        }
+    return reports
+
+
+def bone_of(segment: Segment) -> Bone:
+    """Returns the bits of a segment."""
+    return Bone(segment._internal, segment.volume.spacing)  # noqa: SLF001
+
+
+def _phantom() -> Bone:
+    x, y, z = (width / count for width, count in zip(FIELD_OF_VIEW, PHANTOM_SIZE, strict=True))
+    return Bone(_core.phantom_bones(PHANTOM_SIZE), (x, y, z))
+
+
+LOADS: dict[str, Callable[[], Bone]] = {
+    HEAD: lambda: bone_of(read(data_file(CTHEAD)).threshold(CTHEAD_BONE)),
+    CHEST: lambda: bone_of(read(data_file(LIDC)).offered_bone()),
+    TRUNK_512: _phantom,
+}
+assert tuple(LOADS) == SURFACES  # noqa: S101  # rows are told in this order
+
+
+def _cores() -> int:
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def _quickest(runs: Sequence[Callable[[], float]]) -> list[float]:
+    """Returns the shortest time of each, all runs taken in turn."""
+    rounds = [[run() for run in runs] for _ in range(ROUNDS)]
+    return [min(times) for times in zip(*rounds, strict=True)]
