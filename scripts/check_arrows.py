@@ -17,6 +17,7 @@ FLOORS = {
     "palpate-volume": 0,
     "palpate-haptics": 1,
     "palpate-device": 1,
+    "palpate-tools": 1,
     "palpate-engine": 2,
     "palpate-py": 3,
 }
