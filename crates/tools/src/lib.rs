@@ -11,8 +11,10 @@
 //! the engine's threads.
 
 pub mod adder;
+pub mod drill;
 pub mod eraser;
 mod measure;
+pub mod specific_energy;
 pub mod stroke;
 mod sweep;
 pub mod tool;

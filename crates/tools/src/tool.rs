@@ -12,6 +12,7 @@ use palpate_volume::voxels::{Voxels, VoxelsError};
 use thiserror::Error;
 
 use crate::adder::Adder;
+use crate::drill::{Drill, DrillSettings, MAX_BURR_IN_VOXELS};
 use crate::eraser::Eraser;
 
 /// Radius of a tool, at most [mm].
@@ -102,11 +103,13 @@ pub enum ToolKind {
     Eraser,
     /// Makes voxels of segments solid.
     Adder,
+    /// Removes matter by work.
+    Drill,
 }
 
 impl ToolKind {
     /// All of them.
-    pub const ALL: [Self; 2] = [Self::Eraser, Self::Adder];
+    pub const ALL: [Self; 3] = [Self::Eraser, Self::Adder, Self::Drill];
 
     /// As users write it.
     #[must_use]
@@ -114,6 +117,7 @@ impl ToolKind {
         match self {
             Self::Eraser => "eraser",
             Self::Adder => "adder",
+            Self::Drill => "drill",
         }
     }
 
@@ -131,7 +135,7 @@ impl ToolKind {
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum ToolError {
     /// There is no such tool.
-    #[error("tool {0:?} given; allowed: eraser, adder")]
+    #[error("tool {0:?} given; allowed: eraser, adder, drill")]
     UnknownTool(String),
     /// Not a radius, or too large.
     #[error("radius {given} mm given; allowed: above 0 to {allowed} mm")]
@@ -140,6 +144,16 @@ pub enum ToolError {
         given: f64,
         /// The largest one in this scan [mm].
         allowed: f64,
+    },
+    /// A number of the drill's that is none.
+    #[error("{what} {given} of the drill given; allowed: {allowed}")]
+    Drill {
+        /// Which one.
+        what: &'static str,
+        /// As given.
+        given: f64,
+        /// What may be given.
+        allowed: &'static str,
     },
     /// Nothing to work on.
     #[error("no segment given; allowed: one or more to work on")]
@@ -153,17 +167,34 @@ pub struct ToolSettings {
     pub kind: ToolKind,
     /// Radius of its ball [mm].
     pub radius: f64,
-    /// Segments that it changes.
+    /// Segments that it changes; for the drill, those that it cuts.
     pub segments: Vec<SegmentId>,
+    /// How the drill works; other tools pass it over.
+    pub drill: DrillSettings,
 }
 
 impl ToolSettings {
     /// Makes the tool for a scan.
     ///
     /// # Errors
-    /// Where the radius is none for voxels of this size, or no segment is chosen.
+    /// Where the radius is none for voxels of this size, no segment is chosen, or a number of
+    /// the drill's is out of range.
     pub fn build(&self, grid: &Grid) -> Result<Box<dyn Tool>, ToolError> {
-        let allowed = MAX_RADIUS.min(MAX_RADIUS_IN_VOXELS * grid.smallest_spacing());
+        self.check(grid)?;
+        let segments = self.segments.clone();
+        Ok(match self.kind {
+            ToolKind::Eraser => Box::new(Eraser::new(self.radius, segments)),
+            ToolKind::Adder => Box::new(Adder::new(self.radius, segments)),
+            ToolKind::Drill => Box::new(Drill::new(self.radius, segments, self.drill)),
+        })
+    }
+
+    fn check(&self, grid: &Grid) -> Result<(), ToolError> {
+        let in_voxels = match self.kind {
+            ToolKind::Eraser | ToolKind::Adder => MAX_RADIUS_IN_VOXELS,
+            ToolKind::Drill => MAX_BURR_IN_VOXELS,
+        };
+        let allowed = MAX_RADIUS.min(in_voxels * grid.smallest_spacing());
         // written so that NaN is refused
         if !(self.radius > 0.0 && self.radius <= allowed) {
             return Err(ToolError::Radius {
@@ -174,10 +205,9 @@ impl ToolSettings {
         if self.segments.is_empty() {
             return Err(ToolError::NoSegment);
         }
-        let segments = self.segments.clone();
-        Ok(match self.kind {
-            ToolKind::Eraser => Box::new(Eraser::new(self.radius, segments)),
-            ToolKind::Adder => Box::new(Adder::new(self.radius, segments)),
-        })
+        if self.kind == ToolKind::Drill {
+            self.drill.check()?;
+        }
+        Ok(())
     }
 }

@@ -3,6 +3,7 @@
 mod support;
 
 use glam::{DVec3, UVec3};
+use palpate_tools::drill::DrillSettings;
 use palpate_tools::tool::{Tool, ToolInput, ToolKind, ToolSettings};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
@@ -14,6 +15,7 @@ fn adder(grid: &Grid, radius: f64) -> Box<dyn Tool> {
         kind: ToolKind::Adder,
         radius,
         segments: vec![SegmentId(1), SegmentId(2)],
+        drill: DrillSettings::default(),
     };
     settings.build(grid).expect("a tool")
 }

@@ -3,6 +3,7 @@
 mod support;
 
 use glam::{DVec3, UVec3};
+use palpate_tools::drill::DrillSettings;
 use palpate_tools::stroke::Stroke;
 use palpate_tools::tool::{MAX_WAY, Tool, ToolError, ToolKind, ToolSettings};
 use palpate_volume::edit::{EditKind, SegmentId};
@@ -17,6 +18,7 @@ fn eraser(grid: &Grid, radius: f64, segments: &[u8]) -> Box<dyn Tool> {
         kind: ToolKind::Eraser,
         radius,
         segments: segments.iter().copied().map(SegmentId).collect(),
+        drill: DrillSettings::default(),
     };
     settings.build(grid).expect("a tool")
 }
@@ -183,6 +185,7 @@ fn wrong_settings_say_what_is_allowed() {
         kind: ToolKind::Eraser,
         radius,
         segments,
+        drill: DrillSettings::default(),
     };
     for radius in [0.0, -1.0, f64::NAN, f64::INFINITY, 64.0 * 0.7 + 0.1] {
         let error = settings(radius, vec![SegmentId(1)])
