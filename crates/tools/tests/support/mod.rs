@@ -2,6 +2,8 @@
 
 #![allow(dead_code, reason = "each test file uses a part of it")]
 
+pub mod session;
+
 use std::collections::BTreeMap;
 
 use glam::{DAffine3, DMat3, DVec3, IVec3, UVec3};
