@@ -2,6 +2,7 @@
 
 use palpate_haptics::ball::BallError;
 use palpate_haptics::scene::{MAX_OBJECTS, PoseError};
+use palpate_tools::tool::ToolError;
 use palpate_volume::voxels::VoxelsError;
 
 use crate::mapping::ViewError;
@@ -86,6 +87,12 @@ pub enum SessionError {
     /// Settings out of range.
     #[error(transparent)]
     Settings(#[from] SettingsError),
+    /// A tool that cannot be made.
+    #[error(transparent)]
+    Tool(#[from] ToolError),
+    /// No tool is chosen.
+    #[error("a stroke without a tool given; allowed: choosing a tool first")]
+    NoTool,
     /// View axes that are none.
     #[error(transparent)]
     View(#[from] ViewError),

@@ -8,6 +8,7 @@ use std::collections::BTreeMap;
 use crate::feel::{Feel, Feels};
 use crate::touchable::Part;
 use glam::DAffine3;
+use palpate_tools::stroke::bytes_of;
 use palpate_volume::bits::Bits;
 use palpate_volume::edit::{Edit, SegmentId};
 use palpate_volume::segment::Segment;
@@ -126,11 +127,7 @@ impl Step {
     #[must_use]
     pub fn bytes(&self) -> usize {
         match self {
-            Self::Edit { edit, .. } => {
-                let bits: usize = edit.segments.iter().map(|(_, swaps)| swaps.len()).sum();
-                // a brick of bits with its counters, a brick of values
-                bits * 128 + edit.intensities.len() * 1040
-            }
+            Self::Edit { edit, .. } => bytes_of(edit),
             Self::Replace { segment, .. } | Self::Insert { segment, .. } => segment.memory_bytes(),
             Self::Remove { .. } | Self::Move { .. } => 0,
         }

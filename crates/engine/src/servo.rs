@@ -174,7 +174,7 @@ impl ServoLoop {
         let output = self.touch(&self.input(inputs));
 
         self.publish_force(inputs, &output);
-        self.publish_status(inputs, &output);
+        self.publish_status(inputs, &output, sent_in_device);
         self.record(inputs, &output, sent_in_device);
         self.state.tick += 1;
         self.publish_snapshot();
@@ -370,7 +370,7 @@ impl ServoLoop {
         });
     }
 
-    fn publish_status(&mut self, inputs: &TickInputs, output: &TickOutput) {
+    fn publish_status(&mut self, inputs: &TickInputs, output: &TickOutput, sent_in_device: DVec3) {
         self.ends.status.write(ServoStatus {
             received: self.state.received,
             held_root: self.occupancy.held_root(),
@@ -382,6 +382,9 @@ impl ServoLoop {
             proxy: output.proxy_in_scene,
             contact: output.contact,
             touched: self.touched,
+            time: inputs.time,
+            normal: output.normal,
+            sent_force: sent_in_device.length(),
         });
     }
 

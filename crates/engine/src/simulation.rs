@@ -9,6 +9,8 @@ use glam::{DAffine3, DMat3, DVec3, IVec3};
 use palpate_device::DeviceLimits;
 use palpate_haptics::ball::{BallError, BallShape};
 use palpate_haptics::scene::{MAX_OBJECTS, ObjectPose};
+use palpate_tools::tool::{ToolReport, ToolSettings};
+use palpate_tools::undo::UndoJournal;
 use palpate_volume::edit::{Edit, SegmentId};
 use palpate_volume::grid::Grid;
 use palpate_volume::segment::Segment;
@@ -19,11 +21,11 @@ use crate::error::SessionError;
 use crate::feel::Feel;
 use crate::frame::Notice;
 use crate::handover::{ServoCommand, SimulationChannels};
-use crate::journal::Journal;
 use crate::placement::{REACH, free_point};
 use crate::scene::{Properties, Scene, Step, ThresholdRange};
 use crate::settings::Settings;
 use crate::tape::{MAX_TAPE_BYTES, TapeRecorder};
+use crate::tool_stroke::{ProbeNow, ToolStroke};
 use crate::touch_sender::{TouchSender, touchable_of};
 
 /// What the picture shows of the simulation.
@@ -66,7 +68,8 @@ pub struct SegmentState {
 #[derive(Debug)]
 pub struct Simulation {
     scene: Scene,
-    journal: Journal<Step>,
+    journal: UndoJournal<Step>,
+    stroke: ToolStroke,
     touch: TouchSender,
     status: triple_buffer::Input<SimulationStatus>,
     notices: Sender<Notice>,
@@ -92,7 +95,8 @@ impl Simulation {
     ) -> Self {
         Self {
             scene,
-            journal: Journal::default(),
+            journal: UndoJournal::default(),
+            stroke: ToolStroke::default(),
             touch: TouchSender::new(channels, settings.probe_radius),
             status,
             notices,
@@ -138,6 +142,7 @@ impl Simulation {
     /// One pass: exchanges with the servo and publishes what is shown.
     pub fn step(&mut self) {
         self.touch.exchange(&self.scene);
+        self.advance_tool();
         self.tell_of_held_changes();
         self.tell_of_refused_places();
         self.tell_of_full_tape();
@@ -172,6 +177,7 @@ impl Simulation {
         properties: Properties,
         undoable: bool,
     ) -> Result<SegmentId, SessionError> {
+        self.close_step();
         let id = self.free_id()?;
         let step = Step::Insert {
             id,
@@ -245,6 +251,7 @@ impl Simulation {
         if is_new && self.scene.moved_count() >= MAX_OBJECTS {
             return Err(SessionError::TooManyMoved);
         }
+        self.close_step();
         let goes_on = self.journal.newest().and_then(Step::moves) == Some(id);
         let inverse = self.perform(Step::Move { id, pose })?;
         if !goes_on || self.journal.can_redo() {
@@ -280,16 +287,66 @@ impl Simulation {
         self.change(Step::of_edit(edit))
     }
 
+    /// Chooses the tool for the next strokes, or none; a stroke that is on ends.
+    ///
+    /// # Errors
+    /// Where a setting is out of range, or a segment does not exist.
+    pub fn set_tool(&mut self, settings: Option<ToolSettings>) -> Result<(), SessionError> {
+        if let Some(settings) = &settings {
+            settings.build(self.voxels().grid())?;
+            let unknown = |id: &&SegmentId| self.voxels().segment(**id).is_none();
+            if let Some(id) = settings.segments.iter().find(unknown) {
+                return Err(VoxelsError::UnknownSegment(id.0).into());
+            }
+        }
+        self.end_stroke();
+        self.stroke.set_tool(settings);
+        Ok(())
+    }
+
+    /// Begins a stroke of the chosen tool, or ends it: what it changed is one step of undo.
+    ///
+    /// # Errors
+    /// Where it is to begin and no tool is chosen, or the tool does not fit any more.
+    pub fn stroke(&mut self, on: bool) -> Result<(), SessionError> {
+        if !on {
+            self.end_stroke();
+            return Ok(());
+        }
+        let left_out = self.stroke.begin(&self.scene)?;
+        if left_out > 0 {
+            self.tell(Notice::info(format!(
+                "{left_out} of the chosen segments stand elsewhere than the first one: the tool \
+                 passes them over."
+            )));
+        }
+        Ok(())
+    }
+
+    /// What the tool has done in the stroke that is on, or in the last one.
+    #[must_use]
+    pub fn tool_report(&self) -> ToolReport {
+        self.stroke.report()
+    }
+
+    /// Bytes that undo and redo hold on to, and how many they may.
+    #[must_use]
+    pub fn undo_bytes(&self) -> (usize, usize) {
+        (self.journal.bytes(), self.journal.budget())
+    }
+
     /// Takes the newest change back; false where there is none.
     ///
     /// # Errors
     /// Never, unless the journal is wrong.
     pub fn undo(&mut self) -> Result<bool, SessionError> {
+        self.close_step();
         let Some(step) = self.journal.pop_undo() else {
             return Ok(false);
         };
         let inverse = self.perform(step)?;
-        self.journal.undone(inverse);
+        let bytes = inverse.bytes();
+        self.journal.undone(inverse, bytes);
         self.publish();
         Ok(true)
     }
@@ -299,6 +356,7 @@ impl Simulation {
     /// # Errors
     /// Never, unless the journal is wrong.
     pub fn redo(&mut self) -> Result<bool, SessionError> {
+        self.close_step();
         let Some(step) = self.journal.pop_redo() else {
             return Ok(false);
         };
@@ -320,6 +378,8 @@ impl Simulation {
         hand: u64,
         device_too: bool,
     ) -> Result<DVec3, SessionError> {
+        // a jump is no stroke
+        self.stroke.lift();
         let grid = *self.voxels().grid();
         let touchable = touchable_of(&self.scene, self.settings.probe_radius);
         let free = free_point(&touchable.scene(&grid), point).ok_or(SessionError::NoFreeVoxel {
@@ -365,6 +425,7 @@ impl Simulation {
     }
 
     fn change(&mut self, step: Step) -> Result<(), SessionError> {
+        self.close_step();
         let inverse = self.perform(step)?;
         let bytes = inverse.bytes();
         self.journal.done(inverse, bytes);
@@ -377,6 +438,39 @@ impl Simulation {
         self.touch.send_change(&self.scene, &change);
         self.segments_version += 1;
         Ok(inverse)
+    }
+
+    /// One pass of the tool, from where the probe was to where it is.
+    fn advance_tool(&mut self) {
+        let probe = ProbeNow::of(self.touch.status(), self.settings.probe_radius);
+        let edit = match self.stroke.advance(&self.scene, &probe) {
+            Ok(Some(edit)) => edit,
+            Ok(None) => return,
+            Err(error) => return self.break_off(&error.into()),
+        };
+        match self.perform(Step::of_edit(edit)) {
+            Ok(inverse) => self.stroke.note(inverse),
+            Err(error) => self.break_off(&error),
+        }
+    }
+
+    fn break_off(&mut self, error: &SessionError) {
+        self.end_stroke();
+        self.tell(Notice::warning(format!("The tool stops: {error}.")));
+    }
+
+    fn end_stroke(&mut self) {
+        self.close_step();
+        self.stroke.end();
+        self.publish();
+    }
+
+    /// Makes a step of what the stroke has changed so far: another change follows.
+    fn close_step(&mut self) {
+        if let Some(inverse) = self.stroke.take_inverse() {
+            let bytes = inverse.bytes();
+            self.journal.done(inverse, bytes);
+        }
     }
 
     /// The lowest number that no segment has and no undo or redo would bring back.
@@ -440,7 +534,7 @@ impl Simulation {
             edit: self.voxels().edit_number(),
             touched: self.touch.status().touched,
             pending: self.touch.pending(),
-            can_undo: self.journal.can_undo(),
+            can_undo: self.journal.can_undo() || self.stroke.has_changed(),
             can_redo: self.journal.can_redo(),
             segments_version: self.segments_version,
         };

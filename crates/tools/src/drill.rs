@@ -13,8 +13,8 @@
 //! further, since touch holds the body off by up to that. What is nearest to the burr's way
 //! goes first, from box to point, so that the hole is as round as the burr.
 //!
-//! **What is cut** are voxels of the chosen segments; all segments lose them, and the scan
-//! reads air there. Voxels of none of them stay: the probe passes them without force.
+//! **What is cut** are voxels of the chosen segments; all segments lose them but those that
+//! stand elsewhere in the scene, and the scan reads air there. Voxels of none of them stay: the probe passes them without force.
 //!
 //! A matter edit. Frame: patient (LPS mm); work in N·mm.
 
@@ -119,16 +119,23 @@ pub struct Drill {
     radius: f64,
     segments: Vec<SegmentId>,
     settings: DrillSettings,
+    spared: SegmentSet,
     carried: f64,
     report: ToolReport,
 }
 
 impl Drill {
-    pub(crate) fn new(radius: f64, segments: Vec<SegmentId>, settings: DrillSettings) -> Self {
+    pub(crate) fn new(
+        radius: f64,
+        segments: Vec<SegmentId>,
+        settings: DrillSettings,
+        spared: SegmentSet,
+    ) -> Self {
         Self {
             radius,
             segments,
             settings,
+            spared,
             carried: 0.0,
             report: ToolReport::default(),
         }
@@ -201,7 +208,7 @@ impl Drill {
         removed
     }
 
-    /// Takes voxels out of all segments and leaves air.
+    /// Takes voxels out of all segments that are not spared, and leaves air.
     fn removal(&self, voxels: &Voxels, removed: &[Reached]) -> Edit {
         let scan = voxels.intensities();
         // out of range, the nearest stored value: `as` saturates
@@ -217,7 +224,7 @@ impl Drill {
             }
             Matter {
                 stored,
-                segments: SegmentSet::EMPTY,
+                segments: was.segments.intersect(&self.spared),
             }
         })
     }

@@ -8,6 +8,7 @@ use std::fmt;
 use glam::{DAffine3, DVec3};
 use palpate_volume::edit::{Edit, SegmentId};
 use palpate_volume::grid::Grid;
+use palpate_volume::matter::SegmentSet;
 use palpate_volume::voxels::{Voxels, VoxelsError};
 use thiserror::Error;
 
@@ -171,6 +172,8 @@ pub struct ToolSettings {
     pub segments: Vec<SegmentId>,
     /// How the drill works; other tools pass it over.
     pub drill: DrillSettings,
+    /// Segments that lose nothing to the drill, since they were moved elsewhere.
+    pub spared: SegmentSet,
 }
 
 impl ToolSettings {
@@ -185,7 +188,7 @@ impl ToolSettings {
         Ok(match self.kind {
             ToolKind::Eraser => Box::new(Eraser::new(self.radius, segments)),
             ToolKind::Adder => Box::new(Adder::new(self.radius, segments)),
-            ToolKind::Drill => Box::new(Drill::new(self.radius, segments, self.drill)),
+            ToolKind::Drill => Box::new(Drill::new(self.radius, segments, self.drill, self.spared)),
         })
     }
 

@@ -7,6 +7,7 @@ use palpate_tools::drill::DrillSettings;
 use palpate_tools::tool::{Tool, ToolInput, ToolKind, ToolSettings};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
+use palpate_volume::matter::SegmentSet;
 use palpate_volume::voxels::Voxels;
 use support::{centre, distance_to_way, free_move, oblique_grid, scan, straight_grid};
 
@@ -16,6 +17,7 @@ fn adder(grid: &Grid, radius: f64) -> Box<dyn Tool> {
         radius,
         segments: vec![SegmentId(1), SegmentId(2)],
         drill: DrillSettings::default(),
+        spared: SegmentSet::EMPTY,
     };
     settings.build(grid).expect("a tool")
 }

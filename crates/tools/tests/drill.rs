@@ -9,6 +9,7 @@ use palpate_tools::stroke::Stroke;
 use palpate_tools::tool::{Tool, ToolError, ToolInput, ToolKind, ToolReport, ToolSettings};
 use palpate_volume::edit::{EditKind, SegmentId};
 use palpate_volume::grid::Grid;
+use palpate_volume::matter::SegmentSet;
 use palpate_volume::voxels::Voxels;
 use support::{Dense, Random, centre, everywhere, free_move, oblique_grid, scan, straight_grid};
 
@@ -21,6 +22,7 @@ fn drill_with(grid: &Grid, radius: f64, drill: DrillSettings) -> Box<dyn Tool> {
         radius,
         segments: vec![SegmentId(1)],
         drill,
+        spared: SegmentSet::EMPTY,
     };
     settings.build(grid).expect("a tool")
 }
@@ -266,6 +268,35 @@ fn removed_voxels_are_air_in_no_segment_and_all_else_is_untouched() {
 }
 
 #[test]
+fn a_spared_segment_keeps_its_voxels() {
+    let grid = straight_grid(UVec3::splat(20), 0.5);
+    let voxels = scan(grid, |_| BONE, &[&everywhere, &everywhere, &everywhere]);
+    let settings = ToolSettings {
+        kind: ToolKind::Drill,
+        radius: 2.0,
+        segments: vec![SegmentId(1)],
+        drill: DrillSettings::default(),
+        spared: SegmentSet::EMPTY.with(SegmentId(3)),
+    };
+    let mut tool = settings.build(&grid).expect("a tool");
+    let at = DVec3::splat(5.0);
+    let input = ToolInput {
+        force: 50.0,
+        contact_normal: DVec3::Z,
+        dt: 0.1,
+        ..free_move(at, at)
+    };
+    let edit = tool.advance(&voxels, &input).expect("it exists");
+    let changed: Vec<_> = edit
+        .expect("bone")
+        .segments
+        .iter()
+        .map(|(id, _)| *id)
+        .collect();
+    assert_eq!(changed, [1, 2].map(SegmentId));
+}
+
+#[test]
 fn without_force_contact_or_time_nothing_goes() {
     let grid = straight_grid(UVec3::splat(20), 0.5);
     let voxels = scan(grid, |_| BONE, &[&everywhere]);
@@ -369,6 +400,7 @@ fn numbers_that_describe_no_drill_are_refused() {
             radius: 2.0,
             segments: vec![SegmentId(1)],
             drill,
+            spared: SegmentSet::EMPTY,
         };
         let error = settings.build(&grid).map(|_| ());
         assert!(matches!(error, Err(ToolError::Drill { .. })), "{drill:?}");

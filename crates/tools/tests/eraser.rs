@@ -8,6 +8,7 @@ use palpate_tools::stroke::Stroke;
 use palpate_tools::tool::{MAX_WAY, Tool, ToolError, ToolKind, ToolSettings};
 use palpate_volume::edit::{EditKind, SegmentId};
 use palpate_volume::grid::Grid;
+use palpate_volume::matter::SegmentSet;
 use palpate_volume::voxels::VoxelsError;
 use support::{Dense, Random, centre, distance_to_way, everywhere, free_move, oblique_grid, scan};
 
@@ -19,6 +20,7 @@ fn eraser(grid: &Grid, radius: f64, segments: &[u8]) -> Box<dyn Tool> {
         radius,
         segments: segments.iter().copied().map(SegmentId).collect(),
         drill: DrillSettings::default(),
+        spared: SegmentSet::EMPTY,
     };
     settings.build(grid).expect("a tool")
 }
@@ -186,6 +188,7 @@ fn wrong_settings_say_what_is_allowed() {
         radius,
         segments,
         drill: DrillSettings::default(),
+        spared: SegmentSet::EMPTY,
     };
     for radius in [0.0, -1.0, f64::NAN, f64::INFINITY, 64.0 * 0.7 + 0.1] {
         let error = settings(radius, vec![SegmentId(1)])

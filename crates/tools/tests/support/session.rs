@@ -8,6 +8,7 @@ use palpate_tools::stroke::{Stroke, bytes_of};
 use palpate_tools::tool::{ToolInput, ToolKind, ToolSettings};
 use palpate_tools::undo::UndoJournal;
 use palpate_volume::edit::{Edit, SegmentId};
+use palpate_volume::matter::SegmentSet;
 use palpate_volume::segment::Segment;
 use palpate_volume::voxels::Voxels;
 
@@ -93,6 +94,7 @@ impl Session {
             radius: random.number(0.5, 4.0),
             segments: chosen,
             drill: DrillSettings::default(),
+            spared: SegmentSet::EMPTY,
         };
         let Ok(mut tool) = settings.build(&grid) else {
             return false;
