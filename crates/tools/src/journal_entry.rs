@@ -16,6 +16,8 @@ pub struct ScanHash(pub [u8; 32]);
 /// Why something changed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Action {
+    /// It was so when the journal began; no step.
+    Start,
     /// It was done. Entries up to the next [`Entry::StepEnd`] are one step.
     Do,
     /// A step was taken back; each entry is a whole step.
@@ -78,6 +80,36 @@ impl Delta {
             intensities: changed(&inverse.intensities, voxels.overlay().bricks()),
         }
     }
+}
+
+/// What voxels are when their journal begins: each segment, and the overlay if there is one.
+pub(crate) fn start_of(voxels: &Voxels) -> Vec<Written> {
+    let put =
+        |(id, segment): (SegmentId, &Segment)| Written::Put(Action::Start, id, segment.clone());
+    let mut entries: Vec<_> = voxels.segments().map(put).collect();
+    let bricks = voxels.overlay().bricks();
+    let there = |(index, brick): (usize, &Option<Arc<IntensityBrick>>)| {
+        brick.as_ref().map(|brick| Changed {
+            index: index as u32,
+            old: None,
+            new: Some(Arc::clone(brick)),
+        })
+    };
+    let intensities: Vec<_> = bricks
+        .entries()
+        .iter()
+        .enumerate()
+        .filter_map(there)
+        .collect();
+    if !intensities.is_empty() {
+        let delta = Delta {
+            kind: EditKind::Matter,
+            segments: Vec::new(),
+            intensities,
+        };
+        entries.push(Written::Edit(Action::Start, delta));
+    }
+    entries
 }
 
 fn changed<B>(old: &[BrickSwap<B>], now: &BrickGrid<B>) -> Vec<Changed<B>> {

@@ -30,7 +30,7 @@ use palpate_volume::intensities::Intensities;
 use palpate_volume::segment::Segment;
 use palpate_volume::voxels::Voxels;
 
-use crate::journal_entry::{Action, Delta, ScanHash, Written};
+use crate::journal_entry::{Action, Delta, ScanHash, Written, start_of};
 use crate::journal_error::JournalError;
 use crate::journal_reader::Recovery;
 use crate::journal_record::{Record, encode};
@@ -87,7 +87,8 @@ impl fmt::Debug for JournalFile {
 }
 
 impl JournalFile {
-    /// Begins a new file for these voxels, as they are now.
+    /// Begins a new file for these voxels, as they are now: their segments and what edits
+    /// made of the scan so far go into it first, so that the scan alone is needed beside it.
     ///
     /// # Errors
     /// Where the file exists already, or the disk says no.
@@ -135,7 +136,11 @@ impl JournalFile {
         let (head, checksum) = head(voxels.grid().dimensions(), hash);
         storage.write_all(&head)?;
         storage.sync()?;
-        Self::start(storage, checksum, head.len() as u64, voxels)
+        let mut journal = Self::start(storage, checksum, head.len() as u64, voxels)?;
+        for entry in start_of(voxels) {
+            journal.send(entry);
+        }
+        Ok(journal)
     }
 
     fn start(

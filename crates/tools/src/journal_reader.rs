@@ -38,14 +38,14 @@ pub struct JournalReader {
     found: Recovery,
 }
 
-/// Follows a journal from the state in which it was begun. Where that fails, `voxels` stay
-/// as they were.
+/// Follows a journal of a scan to its end; `voxels` are then what they were there, whatever
+/// their segments and edits before. Where that fails, they stay as they were.
 ///
 /// # Errors
 /// Where the file is no journal of this scan, or a record does not fit the voxels.
 pub fn recover(path: &Path, hash: ScanHash, voxels: &mut Voxels) -> Result<Recovery, JournalError> {
     let mut reader = JournalReader::open(path, hash, voxels)?;
-    let mut recovered = voxels.clone();
+    let mut recovered = of_scan(voxels)?;
     while let Some(entry) = reader.next(&recovered)? {
         let at = reader.found.valid_bytes;
         let misfit = |source| JournalError::Misfit { at, source };
@@ -60,6 +60,12 @@ pub fn recover(path: &Path, hash: ScanHash, voxels: &mut Voxels) -> Result<Recov
     }
     *voxels = recovered;
     Ok(reader.recovery())
+}
+
+/// The scan of some voxels, without segments or edits.
+fn of_scan(voxels: &Voxels) -> Result<Voxels, JournalError> {
+    let bare = Voxels::new(*voxels.grid(), voxels.intensities().clone());
+    bare.map_err(|source| JournalError::Misfit { at: 0, source })
 }
 
 impl JournalReader {
@@ -165,10 +171,10 @@ impl JournalReader {
                 return;
             }
         };
-        if action == Action::Do {
-            self.found.step_is_open = true;
-        } else {
-            self.found.steps += 1;
+        match action {
+            Action::Start => {}
+            Action::Do => self.found.step_is_open = true,
+            Action::Undo | Action::Redo => self.found.steps += 1,
         }
     }
 }

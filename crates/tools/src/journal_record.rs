@@ -278,6 +278,7 @@ fn number_of(action: Action) -> u8 {
         Action::Do => 0,
         Action::Undo => 1,
         Action::Redo => 2,
+        Action::Start => 3,
     }
 }
 
@@ -308,7 +309,8 @@ impl Reader<'_> {
             0 => Ok(Action::Do),
             1 => Ok(Action::Undo),
             2 => Ok(Action::Redo),
-            _ => Err("neither done, undone nor redone"),
+            3 => Ok(Action::Start),
+            _ => Err("neither there, done, undone nor redone"),
         }
     }
 
