@@ -2,6 +2,7 @@
 
 use palpate_haptics::ball::BallError;
 use palpate_haptics::scene::{MAX_OBJECTS, PoseError};
+use palpate_tools::journal_error::JournalError;
 use palpate_tools::tool::ToolError;
 use palpate_volume::voxels::VoxelsError;
 
@@ -90,6 +91,9 @@ pub enum SessionError {
     /// A tool that cannot be made.
     #[error(transparent)]
     Tool(#[from] ToolError),
+    /// A journal that cannot be written or followed.
+    #[error(transparent)]
+    Journal(#[from] JournalError),
     /// No tool is chosen.
     #[error("a stroke without a tool given; allowed: choosing a tool first")]
     NoTool,

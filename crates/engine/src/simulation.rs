@@ -9,7 +9,8 @@ use glam::{DAffine3, DMat3, DVec3, IVec3};
 use palpate_device::DeviceLimits;
 use palpate_haptics::ball::{BallError, BallShape};
 use palpate_haptics::scene::{MAX_OBJECTS, ObjectPose};
-use palpate_tools::tool::{ToolReport, ToolSettings};
+use palpate_tools::journal_entry::Action;
+use palpate_tools::journal_file::JournalFile;
 use palpate_tools::undo::UndoJournal;
 use palpate_volume::edit::{Edit, SegmentId};
 use palpate_volume::grid::Grid;
@@ -25,7 +26,10 @@ use crate::placement::{REACH, free_point};
 use crate::scene::{Properties, Scene, Step, ThresholdRange};
 use crate::settings::Settings;
 use crate::tape::{MAX_TAPE_BYTES, TapeRecorder};
-use crate::tool_stroke::{ProbeNow, ToolStroke};
+use crate::tool_stroke::ToolStroke;
+
+pub mod recovery;
+mod tools;
 use crate::touch_sender::{TouchSender, touchable_of};
 
 /// What the picture shows of the simulation.
@@ -70,6 +74,7 @@ pub struct Simulation {
     scene: Scene,
     journal: UndoJournal<Step>,
     stroke: ToolStroke,
+    file: Option<JournalFile>,
     touch: TouchSender,
     status: triple_buffer::Input<SimulationStatus>,
     notices: Sender<Notice>,
@@ -97,6 +102,7 @@ impl Simulation {
             scene,
             journal: UndoJournal::default(),
             stroke: ToolStroke::default(),
+            file: None,
             touch: TouchSender::new(channels, settings.probe_radius),
             status,
             notices,
@@ -146,6 +152,7 @@ impl Simulation {
         self.tell_of_held_changes();
         self.tell_of_refused_places();
         self.tell_of_full_tape();
+        self.tell_of_journal();
         self.publish();
     }
 
@@ -184,9 +191,10 @@ impl Simulation {
             segment,
             properties,
         };
-        let inverse = self.perform(step)?;
+        let action = if undoable { Action::Do } else { Action::Start };
+        let inverse = self.perform(step, action)?;
         if undoable {
-            self.journal.done(inverse, 0);
+            self.done(inverse);
         }
         self.publish();
         Ok(id)
@@ -253,9 +261,9 @@ impl Simulation {
         }
         self.close_step();
         let goes_on = self.journal.newest().and_then(Step::moves) == Some(id);
-        let inverse = self.perform(Step::Move { id, pose })?;
+        let inverse = self.perform(Step::Move { id, pose }, Action::Do)?;
         if !goes_on || self.journal.can_redo() {
-            self.journal.done(inverse, 0);
+            self.done(inverse);
         }
         self.publish();
         Ok(())
@@ -287,54 +295,6 @@ impl Simulation {
         self.change(Step::of_edit(edit))
     }
 
-    /// Chooses the tool for the next strokes, or none; a stroke that is on ends.
-    ///
-    /// # Errors
-    /// Where a setting is out of range, or a segment does not exist.
-    pub fn set_tool(&mut self, settings: Option<ToolSettings>) -> Result<(), SessionError> {
-        if let Some(settings) = &settings {
-            settings.build(self.voxels().grid())?;
-            let unknown = |id: &&SegmentId| self.voxels().segment(**id).is_none();
-            if let Some(id) = settings.segments.iter().find(unknown) {
-                return Err(VoxelsError::UnknownSegment(id.0).into());
-            }
-        }
-        self.end_stroke();
-        self.stroke.set_tool(settings);
-        Ok(())
-    }
-
-    /// Begins a stroke of the chosen tool, or ends it: what it changed is one step of undo.
-    ///
-    /// # Errors
-    /// Where it is to begin and no tool is chosen, or the tool does not fit any more.
-    pub fn stroke(&mut self, on: bool) -> Result<(), SessionError> {
-        if !on {
-            self.end_stroke();
-            return Ok(());
-        }
-        let left_out = self.stroke.begin(&self.scene)?;
-        if left_out > 0 {
-            self.tell(Notice::info(format!(
-                "{left_out} of the chosen segments stand elsewhere than the first one: the tool \
-                 passes them over."
-            )));
-        }
-        Ok(())
-    }
-
-    /// What the tool has done in the stroke that is on, or in the last one.
-    #[must_use]
-    pub fn tool_report(&self) -> ToolReport {
-        self.stroke.report()
-    }
-
-    /// Bytes that undo and redo hold on to, and how many they may.
-    #[must_use]
-    pub fn undo_bytes(&self) -> (usize, usize) {
-        (self.journal.bytes(), self.journal.budget())
-    }
-
     /// Takes the newest change back; false where there is none.
     ///
     /// # Errors
@@ -344,7 +304,7 @@ impl Simulation {
         let Some(step) = self.journal.pop_undo() else {
             return Ok(false);
         };
-        let inverse = self.perform(step)?;
+        let inverse = self.perform(step, Action::Undo)?;
         let bytes = inverse.bytes();
         self.journal.undone(inverse, bytes);
         self.publish();
@@ -360,7 +320,7 @@ impl Simulation {
         let Some(step) = self.journal.pop_redo() else {
             return Ok(false);
         };
-        let inverse = self.perform(step)?;
+        let inverse = self.perform(step, Action::Redo)?;
         let bytes = inverse.bytes();
         self.journal.redone(inverse, bytes);
         self.publish();
@@ -426,50 +386,26 @@ impl Simulation {
 
     fn change(&mut self, step: Step) -> Result<(), SessionError> {
         self.close_step();
-        let inverse = self.perform(step)?;
-        let bytes = inverse.bytes();
-        self.journal.done(inverse, bytes);
+        let inverse = self.perform(step, Action::Do)?;
+        self.done(inverse);
         self.publish();
         Ok(())
     }
 
-    fn perform(&mut self, step: Step) -> Result<Step, SessionError> {
+    fn perform(&mut self, step: Step, action: Action) -> Result<Step, SessionError> {
         let (inverse, change) = self.scene.perform(step)?;
         self.touch.send_change(&self.scene, &change);
         self.segments_version += 1;
+        self.write_down(action, &inverse);
         Ok(inverse)
     }
 
-    /// One pass of the tool, from where the probe was to where it is.
-    fn advance_tool(&mut self) {
-        let probe = ProbeNow::of(self.touch.status(), self.settings.probe_radius);
-        let edit = match self.stroke.advance(&self.scene, &probe) {
-            Ok(Some(edit)) => edit,
-            Ok(None) => return,
-            Err(error) => return self.break_off(&error.into()),
-        };
-        match self.perform(Step::of_edit(edit)) {
-            Ok(inverse) => self.stroke.note(inverse),
-            Err(error) => self.break_off(&error),
-        }
-    }
-
-    fn break_off(&mut self, error: &SessionError) {
-        self.end_stroke();
-        self.tell(Notice::warning(format!("The tool stops: {error}.")));
-    }
-
-    fn end_stroke(&mut self) {
-        self.close_step();
-        self.stroke.end();
-        self.publish();
-    }
-
-    /// Makes a step of what the stroke has changed so far: another change follows.
-    fn close_step(&mut self) {
-        if let Some(inverse) = self.stroke.take_inverse() {
-            let bytes = inverse.bytes();
-            self.journal.done(inverse, bytes);
+    /// Notes the inverse of a whole step.
+    fn done(&mut self, inverse: Step) {
+        let bytes = inverse.bytes();
+        self.journal.done(inverse, bytes);
+        if let Some(file) = &mut self.file {
+            file.end_step();
         }
     }
 
