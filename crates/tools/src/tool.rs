@@ -19,7 +19,7 @@ use crate::eraser::Eraser;
 /// Radius of a tool, at most [mm].
 pub const MAX_RADIUS: f64 = 50.0;
 /// Radius of a tool, at most [smallest voxel sides]; with it, the voxels of a pass are bounded.
-pub const MAX_RADIUS_IN_VOXELS: f64 = 64.0;
+pub const MAX_RADIUS_IN_VOXELS: f64 = 32.0;
 /// A way of the probe longer than this in one pass [mm] is a jump, not a stroke.
 pub const MAX_WAY: f64 = 500.0;
 /// A pass lasts so long at most [s]; what is beyond it did no work.
