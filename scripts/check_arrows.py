@@ -18,6 +18,7 @@ FLOORS = {
     "palpate-haptics": 1,
     "palpate-device": 1,
     "palpate-surface": 1,
+    "palpate-tools": 1,
     "palpate-engine": 2,
     "palpate-py": 3,
 }

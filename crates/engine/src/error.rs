@@ -2,6 +2,8 @@
 
 use palpate_haptics::ball::BallError;
 use palpate_haptics::scene::{MAX_OBJECTS, PoseError};
+use palpate_tools::journal_error::JournalError;
+use palpate_tools::tool::ToolError;
 use palpate_volume::voxels::VoxelsError;
 
 use crate::mapping::ViewError;
@@ -89,6 +91,15 @@ pub enum SessionError {
     /// Settings that make no surface.
     #[error(transparent)]
     Surface(#[from] palpate_surface::settings::SettingsError),
+    /// A tool that cannot be made.
+    #[error(transparent)]
+    Tool(#[from] ToolError),
+    /// A journal that cannot be written or followed.
+    #[error(transparent)]
+    Journal(#[from] JournalError),
+    /// No tool is chosen.
+    #[error("a stroke without a tool given; allowed: choosing a tool first")]
+    NoTool,
     /// View axes that are none.
     #[error(transparent)]
     View(#[from] ViewError),

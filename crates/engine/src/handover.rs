@@ -186,6 +186,12 @@ pub struct ServoStatus {
     pub contact: bool,
     /// The segment that is touched; 0 where there is none.
     pub touched: u8,
+    /// Time of the tick [s].
+    pub time: f64,
+    /// Out of the surface that is touched; zero without contact.
+    pub normal: DVec3,
+    /// Size of the force that was last sent to the device [N].
+    pub sent_force: f64,
 }
 
 /// Servo → picture: one tick.

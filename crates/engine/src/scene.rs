@@ -10,6 +10,8 @@ use crate::scan_values::{ScanValues, Threshold};
 use crate::touchable::{MovedPart, Part};
 use glam::DAffine3;
 use palpate_haptics::scene::MAX_OBJECTS;
+use palpate_tools::stroke::bytes_of;
+use palpate_volume::bits::Bits;
 use palpate_volume::edit::{Edit, SegmentId};
 use palpate_volume::segment::Segment;
 use palpate_volume::voxel_box::VoxelBox;
@@ -144,11 +146,7 @@ impl Step {
     #[must_use]
     pub fn bytes(&self) -> usize {
         match self {
-            Self::Edit { edit, .. } => {
-                let bits: usize = edit.segments.iter().map(|(_, swaps)| swaps.len()).sum();
-                // a brick of bits with its counters, a brick of values
-                bits * 128 + edit.intensities.len() * 1040
-            }
+            Self::Edit { edit, .. } => bytes_of(edit),
             Self::Replace { segment, .. } | Self::Insert { segment, .. } => segment.memory_bytes(),
             Self::Remove { .. } | Self::Move { .. } => 0,
         }

@@ -181,7 +181,7 @@ impl ServoLoop {
         let output = self.touch(&self.input(inputs));
 
         self.publish_force(inputs, &output);
-        self.publish_status(inputs, &output);
+        self.publish_status(inputs, &output, sent_in_device);
         self.record(inputs, &output, sent_in_device);
         self.state.tick += 1;
         self.publish_snapshot();
@@ -390,7 +390,7 @@ impl ServoLoop {
         });
     }
 
-    fn publish_status(&mut self, inputs: &TickInputs, output: &TickOutput) {
+    fn publish_status(&mut self, inputs: &TickInputs, output: &TickOutput, sent_in_device: DVec3) {
         self.ends.status.write(ServoStatus {
             received: self.state.received,
             held_root: self.occupancy.held_root(),
@@ -403,6 +403,9 @@ impl ServoLoop {
             proxy: output.proxy_in_scene,
             contact: output.contact,
             touched: self.state.touched,
+            time: inputs.time,
+            normal: output.normal,
+            sent_force: sent_in_device.length(),
         });
     }
 

@@ -10,6 +10,9 @@ use palpate_device::DeviceLimits;
 use palpate_haptics::ball::{BallError, BallShape};
 use palpate_haptics::scene::{MAX_OBJECTS, ObjectPose};
 use palpate_surface::settings::SurfaceSettings;
+use palpate_tools::journal_entry::Action;
+use palpate_tools::journal_file::JournalFile;
+use palpate_tools::undo::UndoJournal;
 use palpate_volume::edit::{Edit, SegmentId};
 use palpate_volume::grid::Grid;
 use palpate_volume::segment::Segment;
@@ -20,13 +23,16 @@ use crate::error::SessionError;
 use crate::feel::Feel;
 use crate::frame::Notice;
 use crate::handover::{ServoCommand, SimulationChannels};
-use crate::journal::Journal;
 use crate::placement::{REACH, free_point};
 use crate::scene::{Properties, Scene, Step, ThresholdRange};
 use crate::scene_news::SceneNews;
 use crate::settings::Settings;
 use crate::tape::{MAX_TAPE_BYTES, TapeRecorder};
+use crate::tool_stroke::ToolStroke;
 use crate::touch_sender::{TouchSender, touchable_of};
+
+pub mod recovery;
+mod tools;
 
 /// What the picture shows of the simulation.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -79,7 +85,9 @@ pub type PictureEnds = (
 #[derive(Debug)]
 pub struct Simulation {
     scene: Scene,
-    journal: Journal<Step>,
+    journal: UndoJournal<Step>,
+    stroke: ToolStroke,
+    file: Option<JournalFile>,
     touch: TouchSender,
     status: triple_buffer::Input<SimulationStatus>,
     notices: Sender<Notice>,
@@ -108,7 +116,9 @@ impl Simulation {
     ) -> Self {
         Self {
             scene,
-            journal: Journal::default(),
+            journal: UndoJournal::default(),
+            stroke: ToolStroke::default(),
+            file: None,
             touch: TouchSender::new(channels, settings.probe_radius),
             status,
             notices,
@@ -157,9 +167,11 @@ impl Simulation {
     /// One pass: exchanges with the servo and publishes what is shown.
     pub fn step(&mut self) {
         self.touch.exchange(&self.scene);
+        self.advance_tool();
         self.tell_of_held_changes();
         self.tell_of_refused_places();
         self.tell_of_full_tape();
+        self.tell_of_journal();
         self.publish();
     }
 
@@ -192,6 +204,7 @@ impl Simulation {
         properties: Properties,
         undoable: bool,
     ) -> Result<SegmentId, SessionError> {
+        self.close_step();
         if let Some(pose) = properties.pose {
             self.check_pose(pose)?;
             self.check_room_for_moved()?;
@@ -202,9 +215,10 @@ impl Simulation {
             segment,
             properties,
         };
-        let inverse = self.perform(step)?;
+        let action = if undoable { Action::Do } else { Action::Start };
+        let inverse = self.perform(step, action)?;
         if undoable {
-            self.journal.done(inverse, 0);
+            self.done(inverse);
         }
         self.publish();
         Ok(id)
@@ -295,10 +309,11 @@ impl Simulation {
         if before.is_none_or(|before| before == DAffine3::IDENTITY) {
             self.check_room_for_moved()?;
         }
+        self.close_step();
         let goes_on = self.journal.newest().and_then(Step::moves) == Some(id);
-        let inverse = self.perform(Step::Move { id, pose })?;
+        let inverse = self.perform(Step::Move { id, pose }, Action::Do)?;
         if !goes_on || self.journal.can_redo() {
-            self.journal.done(inverse, 0);
+            self.done(inverse);
         }
         self.publish();
         Ok(())
@@ -335,11 +350,13 @@ impl Simulation {
     /// # Errors
     /// Never, unless the journal is wrong.
     pub fn undo(&mut self) -> Result<bool, SessionError> {
+        self.close_step();
         let Some(step) = self.journal.pop_undo() else {
             return Ok(false);
         };
-        let inverse = self.perform(step)?;
-        self.journal.undone(inverse);
+        let inverse = self.perform(step, Action::Undo)?;
+        let bytes = inverse.bytes();
+        self.journal.undone(inverse, bytes);
         self.publish();
         Ok(true)
     }
@@ -349,10 +366,11 @@ impl Simulation {
     /// # Errors
     /// Never, unless the journal is wrong.
     pub fn redo(&mut self) -> Result<bool, SessionError> {
+        self.close_step();
         let Some(step) = self.journal.pop_redo() else {
             return Ok(false);
         };
-        let inverse = self.perform(step)?;
+        let inverse = self.perform(step, Action::Redo)?;
         let bytes = inverse.bytes();
         self.journal.redone(inverse, bytes);
         self.publish();
@@ -370,6 +388,8 @@ impl Simulation {
         hand: u64,
         device_too: bool,
     ) -> Result<DVec3, SessionError> {
+        // a jump is no stroke
+        self.stroke.lift();
         let grid = *self.voxels().grid();
         let touchable = touchable_of(&self.scene, self.settings.probe_radius);
         let free = free_point(&touchable.scene(&grid), point).ok_or(SessionError::NoFreeVoxel {
@@ -414,14 +434,14 @@ impl Simulation {
     }
 
     fn change(&mut self, step: Step) -> Result<(), SessionError> {
-        let inverse = self.perform(step)?;
-        let bytes = inverse.bytes();
-        self.journal.done(inverse, bytes);
+        self.close_step();
+        let inverse = self.perform(step, Action::Do)?;
+        self.done(inverse);
         self.publish();
         Ok(())
     }
 
-    fn perform(&mut self, step: Step) -> Result<Step, SessionError> {
+    fn perform(&mut self, step: Step, action: Action) -> Result<Step, SessionError> {
         let (inverse, change) = self.scene.perform(step)?;
         self.touch.send_change(&self.scene, &change);
         self.segments_version += 1;
@@ -429,6 +449,7 @@ impl Simulation {
             self.voxels_version += u64::from(news.needs_labels());
             self.tell_picture(news);
         }
+        self.write_down(action, &inverse);
         Ok(inverse)
     }
 
@@ -445,6 +466,15 @@ impl Simulation {
             return Err(SessionError::TooManyMoved);
         }
         Ok(())
+    }
+
+    /// Notes the inverse of a whole step.
+    fn done(&mut self, inverse: Step) {
+        let bytes = inverse.bytes();
+        self.journal.done(inverse, bytes);
+        if let Some(file) = &mut self.file {
+            file.end_step();
+        }
     }
 
     /// The lowest number that no segment has and no undo or redo would bring back.
@@ -509,7 +539,7 @@ impl Simulation {
             touched: self.touch.status().touched,
             probe_radius: self.touch.status().radius,
             pending: self.touch.pending(),
-            can_undo: self.journal.can_undo(),
+            can_undo: self.journal.can_undo() || self.stroke.has_changed(),
             can_redo: self.journal.can_redo(),
             segments_version: self.segments_version,
             voxels_version: self.voxels_version,

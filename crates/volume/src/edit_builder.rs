@@ -28,25 +28,37 @@ struct BrickChange {
     segments: Vec<(SegmentId, BitBrick)>,
 }
 
-/// A label edit: new bits of one segment.
+/// A label edit: new bits of some segments, each given once, in all bricks that a box meets.
 pub(crate) fn label_edit(
-    (id, segment): (SegmentId, &Segment),
-    region: &VoxelBox,
-    solid: impl Fn(IVec3, bool) -> bool + Sync,
+    segments: &[(SegmentId, &Segment)],
+    boxes: &[VoxelBox],
+    solid: impl Fn(SegmentId, IVec3, bool) -> bool + Sync,
 ) -> Edit {
-    let bricks = segment.occupancy().bricks();
-    let changes = changed_bricks(bricks, region, |index, voxels| {
-        let old = bricks.get(index).map_or(BitBrick::EMPTY, |brick| **brick);
-        let mut new = old;
-        for voxel in voxels.voxels() {
-            new.set(voxel, solid(voxel, old.contains(voxel)));
-        }
-        BrickChange {
+    let Some((_, first)) = segments.first() else {
+        return Edit::empty(EditKind::Label);
+    };
+    let bricks = first.occupancy().bricks();
+    let changes = changed_bricks(bricks, boxes, |index, voxels| {
+        let mut change = BrickChange {
             index,
-            dirty: moved(old.difference(&new), bricks.box_of(index).min),
+            dirty: VoxelBox::EMPTY,
             intensities: None,
-            segments: vec![(id, new)],
+            segments: Vec::new(),
+        };
+        for &(id, segment) in segments {
+            let brick = segment.occupancy().bricks().get(index);
+            let old = brick.map_or(BitBrick::EMPTY, |brick| **brick);
+            let mut new = old;
+            for voxel in voxels.voxels() {
+                new.set(voxel, solid(id, voxel, old.contains(voxel)));
+            }
+            if new != old {
+                let differs = moved(old.difference(&new), bricks.box_of(index).min);
+                change.dirty = change.dirty.union(&differs);
+                change.segments.push((id, new));
+            }
         }
+        change
     });
     collect(EditKind::Label, changes)
 }
@@ -58,7 +70,7 @@ pub(crate) fn matter_edit(
     change: impl Fn(IVec3, Matter) -> Matter + Sync,
 ) -> Edit {
     let bricks = voxels.overlay().bricks();
-    let changes = changed_bricks(bricks, region, |index, region| {
+    let changes = changed_bricks(bricks, &[*region], |index, region| {
         let old_values = voxels.overlay().brick(voxels.intensities(), index);
         let old_bits = bits_of_all(voxels, index);
         let (mut new_values, mut new_bits) = (old_values.clone(), old_bits.clone());
@@ -114,22 +126,43 @@ fn segments_at(bits: &[(SegmentId, BitBrick)], voxel: IVec3) -> SegmentSet {
         .collect()
 }
 
-/// Asks for every brick that a region meets, with the part of the region in it.
+/// Asks for every brick that a box meets, once, with the part of the boxes in it.
 fn changed_bricks<B: Send + Sync>(
     bricks: &BrickGrid<B>,
-    region: &VoxelBox,
+    boxes: &[VoxelBox],
     change: impl Fn(u32, VoxelBox) -> BrickChange + Sync,
 ) -> Vec<BrickChange> {
-    let indices = bricks.indices_in(region);
-    let change = |&index: &u32| {
-        let change = change(index, bricks.box_of(index).intersect(region));
+    let parts = parts_by_brick(bricks, boxes);
+    let change = |(index, part): &(u32, VoxelBox)| {
+        let change = change(*index, *part);
         (!change.dirty.is_empty()).then_some(change)
     };
-    if indices.len() < PARALLEL_BRICKS {
-        indices.iter().filter_map(change).collect()
+    if parts.len() < PARALLEL_BRICKS {
+        parts.iter().filter_map(change).collect()
     } else {
-        indices.par_iter().filter_map(change).collect()
+        parts.par_iter().filter_map(change).collect()
     }
+}
+
+/// The bricks that boxes meet, by rising place, each with the smallest box of what they
+/// cover of it.
+fn parts_by_brick<B>(bricks: &BrickGrid<B>, boxes: &[VoxelBox]) -> Vec<(u32, VoxelBox)> {
+    let mut parts: Vec<(u32, VoxelBox)> = boxes
+        .iter()
+        .flat_map(|region| {
+            let part = |index| (index, bricks.box_of(index).intersect(region));
+            bricks.indices_in(region).into_iter().map(part)
+        })
+        .collect();
+    parts.sort_unstable_by_key(|(index, _)| *index);
+    parts.dedup_by(|next, kept| {
+        let same = next.0 == kept.0;
+        if same {
+            kept.1 = kept.1.union(&next.1);
+        }
+        same
+    });
+    parts
 }
 
 /// Puts the changes of all bricks together.

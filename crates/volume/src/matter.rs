@@ -38,6 +38,20 @@ impl SegmentSet {
         self.0[usize::from(id.0 >> 6)] >> (id.0 & 63) & 1 != 0
     }
 
+    /// Segments of the set, by rising number.
+    pub fn ids(&self) -> impl Iterator<Item = SegmentId> {
+        let set = *self;
+        (0..=u8::MAX)
+            .map(SegmentId)
+            .filter(move |id| set.contains(*id))
+    }
+
+    /// The segments of both sets.
+    #[must_use]
+    pub fn intersect(&self, other: &Self) -> Self {
+        Self(std::array::from_fn(|i| self.0[i] & other.0[i]))
+    }
+
     /// Whether no segment belongs to it.
     pub fn is_empty(&self) -> bool {
         *self == Self::EMPTY

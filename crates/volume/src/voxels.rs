@@ -4,7 +4,7 @@
 //! it; every change raises the edit number, by which others know what they show.
 //! Frame: grid.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use glam::{IVec3, UVec3};
 use thiserror::Error;
@@ -219,9 +219,34 @@ impl Voxels {
         region: &VoxelBox,
         solid: impl Fn(IVec3, bool) -> bool + Sync,
     ) -> Result<Edit, VoxelsError> {
-        let segment = self.segment(id).ok_or(VoxelsError::UnknownSegment(id.0))?;
-        let region = region.intersect(&self.grid.bounds());
-        Ok(edit_builder::label_edit((id, segment), &region, solid))
+        self.label_edit_of(&[id], &[*region], |_, voxel, was| solid(voxel, was))
+    }
+
+    /// Builds a change of some segments at once: `solid(segment, voxel, was_solid)` is asked
+    /// for each voxel of the boxes inside the grid, and maybe for others in the bricks that
+    /// the boxes meet; boxes may overlap, numbers may come twice. Nothing changes before
+    /// [`Self::apply`].
+    ///
+    /// # Errors
+    /// Where one of the segments does not exist.
+    pub fn label_edit_of(
+        &self,
+        ids: &[SegmentId],
+        boxes: &[VoxelBox],
+        solid: impl Fn(SegmentId, IVec3, bool) -> bool + Sync,
+    ) -> Result<Edit, VoxelsError> {
+        let ids = ids.iter().copied().collect::<BTreeSet<_>>();
+        let find = |id: SegmentId| {
+            let segment = self.segment(id).ok_or(VoxelsError::UnknownSegment(id.0))?;
+            Ok((id, segment))
+        };
+        let segments = ids.into_iter().map(find).collect::<Result<Vec<_>, _>>()?;
+        let bounds = self.grid.bounds();
+        let boxes: Vec<_> = boxes
+            .iter()
+            .map(|region| region.intersect(&bounds))
+            .collect();
+        Ok(edit_builder::label_edit(&segments, &boxes, solid))
     }
 
     /// Builds a change of intensities and all segments: `change(voxel, was)` is asked for each

@@ -124,6 +124,45 @@ fn a_label_edit_sets_what_it_says_and_never_touches_intensities() {
 }
 
 #[test]
+fn a_label_edit_of_several_segments_is_their_single_edits_in_turn() {
+    let mut random = Random::new(29);
+    for _ in 0..40 {
+        let mut together = voxels(&mut random);
+        let mut in_turn = together.clone();
+        // boxes that overlap, reach beyond the grid or are empty; a number given twice
+        let boxes: Vec<_> = (0..3).map(|_| random.voxel_box(DIMENSIONS)).collect();
+        let inside = |voxel| boxes.iter().any(|region| region.contains(voxel));
+        let ids: Vec<_> = together.segments().map(|(id, _)| id).collect();
+        let given: Vec<_> = ids.iter().chain(&ids).copied().collect();
+        let solid = |id: SegmentId, voxel: IVec3, was: bool| {
+            if inside(voxel) {
+                (voxel.x + i32::from(id.0)) % 2 == 0
+            } else {
+                was
+            }
+        };
+
+        let edit = together
+            .label_edit_of(&given, &boxes, solid)
+            .expect("they exist");
+        let before = Dense::of(&together);
+        let dirty = edit.dirty;
+        let inverse = together.apply(edit).expect("it fits");
+        for id in ids {
+            let all = grid().bounds();
+            let edit = in_turn.label_edit(id, &all, |voxel, was| solid(id, voxel, was));
+            in_turn.apply(edit.expect("it exists")).expect("it fits");
+        }
+
+        let after = Dense::of(&together);
+        assert_eq!(after, Dense::of(&in_turn));
+        assert_eq!(dirty, before.changed(&after, &grid()));
+        together.apply(inverse).expect("it fits");
+        assert_eq!(Dense::of(&together), before);
+    }
+}
+
+#[test]
 fn a_drilled_voxel_is_air_and_belongs_to_no_segment() {
     let mut random = Random::new(122);
     for _ in 0..20 {

@@ -1,0 +1,94 @@
+//! Tools in the hand of the simulation, and how much undo holds.
+
+use palpate_tools::journal_entry::Action;
+use palpate_tools::tool::{ToolReport, ToolSettings};
+use palpate_volume::edit::SegmentId;
+use palpate_volume::voxels::VoxelsError;
+
+use super::Simulation;
+use crate::error::SessionError;
+use crate::frame::Notice;
+use crate::scene::Step;
+use crate::tool_stroke::ProbeNow;
+
+impl Simulation {
+    /// Chooses the tool for the next strokes, or none; a stroke that is on ends.
+    ///
+    /// # Errors
+    /// Where a setting is out of range, or a segment does not exist.
+    pub fn set_tool(&mut self, settings: Option<ToolSettings>) -> Result<(), SessionError> {
+        if let Some(settings) = &settings {
+            settings.build(self.voxels().grid())?;
+            let unknown = |id: &&SegmentId| self.voxels().segment(**id).is_none();
+            if let Some(id) = settings.segments.iter().find(unknown) {
+                return Err(VoxelsError::UnknownSegment(id.0).into());
+            }
+        }
+        self.end_stroke();
+        self.stroke.set_tool(settings);
+        Ok(())
+    }
+
+    /// Begins a stroke of the chosen tool, or ends it: what it changed is one step of undo.
+    ///
+    /// # Errors
+    /// Where it is to begin and no tool is chosen, or the tool does not fit any more.
+    pub fn stroke(&mut self, on: bool) -> Result<(), SessionError> {
+        if !on {
+            self.end_stroke();
+            return Ok(());
+        }
+        let left_out = self.stroke.begin(&self.scene)?;
+        if left_out > 0 {
+            self.tell(Notice::info(format!(
+                "{left_out} of the chosen segments stand elsewhere than the first one: the tool \
+                 passes them over."
+            )));
+        }
+        Ok(())
+    }
+
+    /// What the tool has done in the stroke that is on, or in the last one.
+    #[must_use]
+    pub fn tool_report(&self) -> ToolReport {
+        self.stroke.report()
+    }
+
+    /// Bytes that undo and redo hold on to, and how many they may.
+    #[must_use]
+    pub fn undo_bytes(&self) -> (usize, usize) {
+        (self.journal.bytes(), self.journal.budget())
+    }
+
+    /// One pass of the tool, from where the probe was to where it is.
+    pub(super) fn advance_tool(&mut self) {
+        let probe = ProbeNow::of(self.touch.status());
+        let edit = match self.stroke.advance(&self.scene, &probe) {
+            Ok(Some(edit)) => edit,
+            Ok(None) => return,
+            Err(error) => return self.break_off(&error.into()),
+        };
+        match self.perform(Step::of_edit(edit), Action::Do) {
+            Ok(inverse) => self.stroke.note(inverse),
+            Err(error) => self.break_off(&error),
+        }
+    }
+
+    fn break_off(&mut self, error: &SessionError) {
+        self.end_stroke();
+        self.tell(Notice::warning(format!("The tool stops: {error}.")));
+    }
+
+    pub(super) fn end_stroke(&mut self) {
+        self.close_step();
+        self.stroke.end();
+        self.publish();
+    }
+
+    /// Makes a step of what the stroke has changed so far: another change follows.
+    pub(super) fn close_step(&mut self) {
+        if let Some(inverse) = self.stroke.take_inverse() {
+            self.done(inverse);
+        }
+    }
+}

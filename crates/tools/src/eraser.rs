@@ -1,0 +1,61 @@
+//! The eraser: a ball that frees voxels of the chosen segments on its way.
+//!
+//! A label edit: the picture of the scan stays as it is.
+
+use palpate_volume::edit::{Edit, SegmentId};
+use palpate_volume::voxels::{Voxels, VoxelsError};
+
+use crate::measure::changed_voxels;
+use crate::sweep::Sweep;
+use crate::tool::{Tool, ToolInput, ToolReport};
+
+/// A ball that frees voxels.
+#[derive(Clone, Debug)]
+pub struct Eraser {
+    radius: f64,
+    segments: Vec<SegmentId>,
+    report: ToolReport,
+}
+
+impl Eraser {
+    pub(crate) fn new(radius: f64, segments: Vec<SegmentId>) -> Self {
+        Self {
+            radius,
+            segments,
+            report: ToolReport::default(),
+        }
+    }
+}
+
+impl Tool for Eraser {
+    fn advance(&mut self, voxels: &Voxels, input: &ToolInput) -> Result<Option<Edit>, VoxelsError> {
+        let Some((from, to)) = input.way() else {
+            return Ok(None);
+        };
+        let sweep = Sweep::new(voxels.grid(), from, to, self.radius);
+        let edit = voxels.label_edit_of(&self.segments, sweep.boxes(), |_, voxel, was| {
+            was && !sweep.holds(voxel)
+        })?;
+        Ok(self.report.noted(voxels, edit, input.dt))
+    }
+
+    fn report(&self) -> ToolReport {
+        self.report
+    }
+}
+
+impl ToolReport {
+    /// Counts a label edit; none where it is empty.
+    pub(crate) fn noted(&mut self, voxels: &Voxels, edit: Edit, dt: f64) -> Option<Edit> {
+        if dt > 0.0 {
+            self.time += dt.min(crate::tool::MAX_PASS);
+        }
+        if edit.is_empty() {
+            return None;
+        }
+        let changed = changed_voxels(voxels, &edit);
+        self.voxels += changed;
+        self.volume += changed as f64 * voxels.grid().voxel_volume();
+        Some(edit)
+    }
+}

@@ -1,0 +1,216 @@
+//! What all tools share: what they are told of the probe, and what they tell.
+//!
+//! Frame: patient (LPS mm) of the scan. For a segment that was moved, whoever calls brings
+//! the probe into the segment's own frame first ([`ToolInput::moved`]).
+
+use std::fmt;
+
+use glam::{DAffine3, DVec3};
+use palpate_volume::edit::{Edit, SegmentId};
+use palpate_volume::grid::Grid;
+use palpate_volume::matter::SegmentSet;
+use palpate_volume::voxels::{Voxels, VoxelsError};
+use thiserror::Error;
+
+use crate::adder::Adder;
+use crate::drill::{Drill, DrillSettings, MAX_BURR_IN_VOXELS};
+use crate::eraser::Eraser;
+
+/// Radius of a tool, at most [mm].
+pub const MAX_RADIUS: f64 = 50.0;
+/// Radius of a tool, at most [smallest voxel sides]; with it, the voxels of a pass are bounded.
+pub const MAX_RADIUS_IN_VOXELS: f64 = 32.0;
+/// A way of the probe longer than this in one pass [mm] is a jump, not a stroke.
+pub const MAX_WAY: f64 = 500.0;
+/// A pass lasts so long at most [s]; what is beyond it did no work.
+pub const MAX_PASS: f64 = 0.1;
+
+/// What a tool is told in one pass.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ToolInput {
+    /// Where the probe was in the last pass [mm].
+    pub from: DVec3,
+    /// Where it is now [mm].
+    pub to: DVec3,
+    /// Radius of the probe's own body [mm], 0 for a point; none where nothing that the tool
+    /// changes is an obstacle to it.
+    pub body_radius: Option<f64>,
+    /// Size of the force that was sent to the hand [N].
+    pub force: f64,
+    /// Direction out of the obstacle, of any length; zero without contact.
+    pub contact_normal: DVec3,
+    /// Time since the last pass [s].
+    pub dt: f64,
+}
+
+impl ToolInput {
+    /// The same probe in another frame, such as that of a segment which was moved.
+    #[must_use]
+    pub fn moved(&self, target_from_source: &DAffine3) -> Self {
+        Self {
+            from: target_from_source.transform_point3(self.from),
+            to: target_from_source.transform_point3(self.to),
+            contact_normal: target_from_source.transform_vector3(self.contact_normal),
+            ..*self
+        }
+    }
+
+    /// The probe's way of this pass [mm]; none where a number is no place, and only its end
+    /// where it jumped.
+    pub(crate) fn way(&self) -> Option<(DVec3, DVec3)> {
+        if !self.to.is_finite() || !self.from.is_finite() {
+            return None;
+        }
+        let is_jump = self.from.distance(self.to) > MAX_WAY;
+        Some((if is_jump { self.to } else { self.from }, self.to))
+    }
+}
+
+/// What a tool has done since it was made.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ToolReport {
+    /// Voxels that it changed.
+    pub voxels: u64,
+    /// Their volume [mm³].
+    pub volume: f64,
+    /// Time at work [s].
+    pub time: f64,
+    /// Work done on matter [N·mm]; 0 for tools that do none.
+    pub energy: f64,
+    /// Power of the newest pass [N·mm/s].
+    pub load: f64,
+}
+
+/// A tool that changes voxels while the probe moves with the button pressed.
+pub trait Tool: Send + fmt::Debug {
+    /// What the probe's way of this pass changes, built from the present voxels; none where
+    /// nothing changes. The caller applies it.
+    ///
+    /// # Errors
+    /// Where a chosen segment does not exist.
+    fn advance(&mut self, voxels: &Voxels, input: &ToolInput) -> Result<Option<Edit>, VoxelsError>;
+
+    /// The button is released: what a stroke left open is forgotten.
+    fn release(&mut self) {}
+
+    /// What it has done so far.
+    fn report(&self) -> ToolReport;
+}
+
+/// The tools, by name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ToolKind {
+    /// Frees voxels of segments.
+    Eraser,
+    /// Makes voxels of segments solid.
+    Adder,
+    /// Removes matter by work.
+    Drill,
+}
+
+impl ToolKind {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Eraser, Self::Adder, Self::Drill];
+
+    /// As users write it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Eraser => "eraser",
+            Self::Adder => "adder",
+            Self::Drill => "drill",
+        }
+    }
+
+    /// The tool of a name.
+    ///
+    /// # Errors
+    /// Where there is none.
+    pub fn from_name(name: &str) -> Result<Self, ToolError> {
+        let known = Self::ALL.into_iter().find(|kind| kind.name() == name);
+        known.ok_or_else(|| ToolError::UnknownTool(name.to_owned()))
+    }
+}
+
+/// A tool that cannot be made.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum ToolError {
+    /// There is no such tool.
+    #[error("tool {0:?} given; allowed: eraser, adder, drill")]
+    UnknownTool(String),
+    /// Not a radius, or too large.
+    #[error("radius {given} mm given; allowed: above 0 to {allowed} mm")]
+    Radius {
+        /// As given [mm].
+        given: f64,
+        /// The largest one in this scan [mm].
+        allowed: f64,
+    },
+    /// A number of the drill's that is none.
+    #[error("{what} {given} of the drill given; allowed: {allowed}")]
+    Drill {
+        /// Which one.
+        what: &'static str,
+        /// As given.
+        given: f64,
+        /// What may be given.
+        allowed: &'static str,
+    },
+    /// Nothing to work on.
+    #[error("no segment given; allowed: one or more to work on")]
+    NoSegment,
+}
+
+/// How a tool works.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ToolSettings {
+    /// Which one.
+    pub kind: ToolKind,
+    /// Radius of its ball [mm].
+    pub radius: f64,
+    /// Segments that it changes; for the drill, those that it cuts.
+    pub segments: Vec<SegmentId>,
+    /// How the drill works; other tools pass it over.
+    pub drill: DrillSettings,
+    /// Segments that lose nothing to the drill, since they were moved elsewhere.
+    pub spared: SegmentSet,
+}
+
+impl ToolSettings {
+    /// Makes the tool for a scan.
+    ///
+    /// # Errors
+    /// Where the radius is none for voxels of this size, no segment is chosen, or a number of
+    /// the drill's is out of range.
+    pub fn build(&self, grid: &Grid) -> Result<Box<dyn Tool>, ToolError> {
+        self.check(grid)?;
+        let segments = self.segments.clone();
+        Ok(match self.kind {
+            ToolKind::Eraser => Box::new(Eraser::new(self.radius, segments)),
+            ToolKind::Adder => Box::new(Adder::new(self.radius, segments)),
+            ToolKind::Drill => Box::new(Drill::new(self.radius, segments, self.drill, self.spared)),
+        })
+    }
+
+    fn check(&self, grid: &Grid) -> Result<(), ToolError> {
+        let in_voxels = match self.kind {
+            ToolKind::Eraser | ToolKind::Adder => MAX_RADIUS_IN_VOXELS,
+            ToolKind::Drill => MAX_BURR_IN_VOXELS,
+        };
+        let allowed = MAX_RADIUS.min(in_voxels * grid.smallest_spacing());
+        // written so that NaN is refused
+        if !(self.radius > 0.0 && self.radius <= allowed) {
+            return Err(ToolError::Radius {
+                given: self.radius,
+                allowed,
+            });
+        }
+        if self.segments.is_empty() {
+            return Err(ToolError::NoSegment);
+        }
+        if self.kind == ToolKind::Drill {
+            self.drill.check()?;
+        }
+        Ok(())
+    }
+}
