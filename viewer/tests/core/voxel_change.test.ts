@@ -50,7 +50,7 @@ test.each([1, 2, 3].flatMap((step) => boxes.map(([low, high]) => [step, low, hig
     const expected = volumeOf(scan, (centre) => (inside(centre) ? after(voxelAt(centre)) : -7), step);
 
     const changed = decodeVoxels(change(low, high, after, () => 0), volume);
-    if (changed?.values != null) {
+    if (changed !== null && changed.values !== null) {
       writeBox(volume.values, volume.dimensions, changed.box, changed.values);
       updateBricks(volume.bricks, volume, changed.box);
     }
@@ -82,7 +82,7 @@ test("after many random edits bricks are those of the whole scan", () => {
     // labels come and go
     const changed = change(end(0), end(1), () => random.whole(-2000, 3000), () => random.whole(-3, 1) + 3 * (i % 2));
     const voxels = decodeVoxels(changed, volume);
-    if (voxels?.values != null && voxels.labels !== null) {
+    if (voxels !== null && voxels.values !== null && voxels.labels !== null) {
       writeBox(volume.values, dimensions, voxels.box, voxels.values);
       updateBricks(volume.bricks, volume, voxels.box);
       updateLabels(labels, voxels.box, voxels.labels);
