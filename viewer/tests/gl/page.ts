@@ -257,7 +257,10 @@ export interface EditResult {
 
 async function edit(test: EditTest): Promise<EditResult> {
   const complaints: string[] = [];
-  const edits = new ShownEdits((text) => complaints.push(text));
+  const edits = new ShownEdits({
+    complain: (text) => complaints.push(text),
+    download: () => Promise.reject(new Error("there is no engine")),
+  });
   const volume = fieldOf(test.scan);
   const held = { volume, bricks: brickRanges(volume) };
   const extent = outlineOf(test.scan);
