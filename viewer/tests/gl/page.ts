@@ -349,7 +349,7 @@ function drawnTriangles(ball: SurfaceTest, target: Vec3, away: number): number {
   picture.resize(edge, edge);
   picture.useLevel(1);
   renderer.info.reset();
-  surfaces.draw(renderer, picture, 1, [0, 0, 0]);
+  surfaces.draw(renderer, picture, { divisor: 1, shift: [0, 0, 0], depth: 4 });
   const { triangles } = renderer.info.render;
   renderer.dispose();
   renderer.forceContextLoss();
