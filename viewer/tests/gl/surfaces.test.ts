@@ -200,3 +200,39 @@ test("patches outside of the view are not drawn", async () => {
   expect(close).toBeLessThan(3000);
   expect(await triangles([200, 24, 24], 30)).toBe(0);
 });
+
+test.each([[2, 48], [3, 7], [4, 1]])("at 1/%d of the resolution, in strips of %d rows, surfaces stand where they should", async (divisor, strip) => {
+  const size = edge / divisor;
+  const pixels = await browser.page.evaluate(
+    ([scan, balls, d, s]) => window.glTests?.coarseLevel(scan, balls, d, s) ?? Promise.reject(new Error("no page")),
+    [green, [redDot(8), { ...red, radius: 4, centre: [24, 42, 24] as Vec3 }], divisor, strip] as const,
+  );
+  expect(pixels).toHaveLength(4 * size * size);
+  const channel = (x: number, y: number, c: number): number => pixels[4 * (x + size * y) + c] ?? 0;
+  for (let y = 0; y < size; ++y) {
+    for (let x = 0; x < size; ++x) {
+      const away = divisor * Math.hypot(x + 0.5 - size / 2, y + 0.5 - size / 2);
+      const [red, green] = [channel(x, y, 0), channel(x, y, 1)];
+      // the near dot is 4 mm, a little larger for being near; then comes the scan's ball
+      if (away < outlineRadius(3.5)) {
+        expect([x, y, red > green]).toEqual([x, y, true]);
+      } else if (away > outlineRadius(5) + divisor && away < outlineRadius(13.5) - divisor) {
+        expect([x, y, green > red]).toEqual([x, y, true]);
+      } else if (away > outlineRadius(14.5) + divisor) {
+        expect([x, y, red + green]).toEqual([x, y, 0]);
+      }
+    }
+  }
+});
+
+test.each([1, 0.7])("the probe is plain before a surface and a ghost behind it, opacity %d", async (opacity) => {
+  const probeAt = async (y: number): Promise<number> => {
+    const probe: Vec3 = [24, y, 24];
+    const surfaces = [{ ...red, look: { colour: [0.5, 0, 0] as const, opacity } }];
+    const pixels = await show({ scan: air, surfaces, markers: { probe, device: probe, pixel: 0.5 } });
+    return pixelAt(pixels, centre, centre)[2];
+  };
+  // the ball reaches from 12 to 36
+  const [before, behind] = [await probeAt(8), await probeAt(30)];
+  expect(before).toBeGreaterThan(behind + 60);
+});
