@@ -52,7 +52,7 @@ Friction = Annotated[float, msgspec.Meta(ge=0.0, le=2.0)]
 ShownAs = Literal["volume", "surface", "both"]
 """Whether a segment is drawn from its voxels, as a surface, or in both ways."""
 
-SmoothingDegree = Annotated[int, msgspec.Meta(ge=0, le=20)]
+SmoothingDegree = Annotated[int, msgspec.Meta(ge=0, le=12)]
 """How often the vertices of a surface are moved to the mean of their neighbours."""
 
 Index = Annotated[int, msgspec.Meta(ge=-(2**31), lt=2**31)]

@@ -20,7 +20,7 @@ from palpate.session import Session
 __all__ = ["ShownSegments"]
 
 
-DEFAULT_SMOOTHING = 10
+DEFAULT_SMOOTHING = 3
 """Degree that takes the steps of voxels away and keeps what is larger than a few of them."""
 
 

@@ -46,7 +46,7 @@ PROPERTIES = {
     "touchable": True,
     "shown_as": "both",
     "opacity": 0.5,
-    "smoothing": 20,
+    "smoothing": 12,
     "wireframe": True,
 }
 
@@ -79,7 +79,7 @@ PROPERTIES = {
         {"type": "move_segment", "id": 1, "pose": [1.0] * 15},
         PROPERTIES | {"shown_as": "mesh"},
         PROPERTIES | {"opacity": 1.1},
-        PROPERTIES | {"smoothing": 21},
+        PROPERTIES | {"smoothing": 13},
         PROPERTIES | {"smoothing": 0.5},
         PROPERTIES | {"wireframe": 1},
     ],

@@ -11,7 +11,6 @@ use crate::touchable::{MovedPart, Part};
 use glam::DAffine3;
 use palpate_haptics::scene::MAX_OBJECTS;
 use palpate_tools::stroke::bytes_of;
-use palpate_volume::bits::Bits;
 use palpate_volume::edit::{Edit, SegmentId};
 use palpate_volume::segment::Segment;
 use palpate_volume::voxel_box::VoxelBox;

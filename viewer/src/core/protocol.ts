@@ -557,7 +557,7 @@ const isFriction = real({ ge: 0, le: 2 });
 
 const isShownAs = oneOf("volume", "surface", "both");
 
-const isSmoothingDegree = whole({ ge: 0, le: 20 });
+const isSmoothingDegree = whole({ ge: 0, le: 12 });
 
 const isIndex = whole({ ge: -2147483648, lt: 2147483648 });
 

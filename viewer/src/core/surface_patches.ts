@@ -86,7 +86,9 @@ function decodePatch(patch: SurfacePatch, segment: number): Patch {
     triangleLength % (3 * numberBytes) === 0,
     `${String(triangleLength)} bytes of triangles; allowed: ${String(3 * numberBytes)} each`,
   );
-  const numbers = numberBytes === 4 ? new Uint32Array(aligned(triangles)) : new Uint16Array(aligned(triangles));
+  const sent = numberBytes === 4 ? new Uint32Array(aligned(triangles)) : new Uint16Array(aligned(triangles));
+  // the largest number of two bytes does not name a vertex for WebGL2, it ends a strip
+  const numbers = count > mostShortVertices - 1 ? Uint32Array.from(sent) : sent;
   const largest = largestOf(numbers);
   expect(largest < count, `a triangle has vertex ${String(largest)} of ${String(count)}`);
   return {

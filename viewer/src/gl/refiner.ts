@@ -9,6 +9,7 @@ import { levelsAfter, Pace } from "../core/pace";
 import type { GpuClock } from "./gpu_clock";
 import { PictureTarget } from "./picture_target";
 import type { RayMarcher, Shift } from "./ray_marcher";
+import { mostLayers } from "./surface_layers";
 import type { Surfaces } from "./surfaces";
 
 export interface RefinerOptions {
@@ -112,6 +113,11 @@ export class Refiner {
     return this.options.software ? steps.software : steps.gpu;
   }
 
+  /** Translucent layers while the view moves: each costs all triangles once, however coarse the picture. */
+  private get movingLayers(): number {
+    return this.options.software ? 2 : mostLayers;
+  }
+
   private get averaging(): boolean {
     return (
       this.jitter &&
@@ -129,7 +135,7 @@ export class Refiner {
   private drawMoving(now: number): void {
     const divisor = this.pace.movingDivisor(this.pixels(1));
     this.working.useLevel(divisor);
-    this.drawSurfaces(divisor, [0, 0, 0]);
+    this.surfaces.draw(this.renderer, this.working, { divisor, shift: [0, 0, 0], depth: this.movingLayers });
     this.drawRows(0, this.working.height, this.steps.moving, [0, 0, 0]);
     this.swap(divisor);
     this.stale = false;
@@ -143,7 +149,7 @@ export class Refiner {
     const level = this.levels[0] ?? 1;
     this.working.useLevel(level);
     if (this.row === 0) {
-      this.drawSurfaces(level, [0, 0, 0]);
+      this.surfaces.draw(this.renderer, this.working, { divisor: level, shift: [0, 0, 0], depth: mostLayers });
     }
     const to = Math.min(this.working.height, this.row + this.pace.stripRows(this.working.width, this.working.height));
     this.drawRows(this.row, to, this.steps.resting, [0, 0, 0]);
@@ -165,18 +171,13 @@ export class Refiner {
     const shift: Shift = [halton(count, 2) - 0.5, halton(count, 3) - 0.5, count];
     const { shown, working } = this;
     this.working = shown;
-    this.drawSurfaces(1, shift);
+    this.surfaces.draw(this.renderer, this.working, { divisor: 1, shift, depth: mostLayers });
     this.marcher.blend = 1 / count;
     this.drawRows(0, shown.height, this.steps.resting, shift);
     this.marcher.blend = null;
     this.working = working;
     this.pass = count;
     return true;
-  }
-
-  /** Draws the surfaces of a level, which the ray caster reads with every strip of it. */
-  private drawSurfaces(divisor: number, shift: Shift): void {
-    this.surfaces.draw(this.renderer, this.working, divisor, shift);
   }
 
   private drawRows(from: number, to: number, stepsPerVoxel: number, shift: Shift): void {

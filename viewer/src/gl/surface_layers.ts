@@ -7,7 +7,7 @@ import * as THREE from "three";
 import { PictureTarget } from "./picture_target";
 
 /** Translucent layers behind one another: what lies farther is left out. */
-const mostLayers = 4;
+export const mostLayers = 4;
 
 export class SurfaceLayers {
   readonly opaque: PictureTarget;
@@ -21,9 +21,13 @@ export class SurfaceLayers {
     this.layers = Array.from({ length: mostLayers }, target);
   }
 
-  /** Makes room for a level of the picture; translucent layers cost memory only where they are used. */
-  use(full: { readonly width: number; readonly height: number }, divisor: number, translucent: boolean): void {
-    this.translucent = translucent ? this.layers : [];
+  /**
+   * Makes room for a level of the picture; layers cost memory only where they are used.
+   *
+   * @param translucent how many layers are drawn, at most `mostLayers`.
+   */
+  use(full: { readonly width: number; readonly height: number }, divisor: number, translucent: number): void {
+    this.translucent = this.layers.slice(0, translucent);
     for (const layer of [this.opaque, ...this.translucent]) {
       if (layer.target.width !== full.width || layer.target.height !== full.height) {
         layer.resize(full.width, full.height);

@@ -14,6 +14,14 @@ import type { PictureTarget } from "./picture_target";
 import { SurfaceLayers } from "./surface_layers";
 import { SurfaceMesh } from "./surface_mesh";
 
+export interface SurfaceDrawing {
+  /** Of the picture's resolution. */
+  readonly divisor: number;
+  readonly shift: Shift;
+  /** Translucent layers behind one another that are drawn, at most. */
+  readonly depth: number;
+}
+
 export class Surfaces {
   private readonly scene = new THREE.Scene();
   private readonly meshes = new Map<number, SurfaceMesh>();
@@ -82,7 +90,7 @@ export class Surfaces {
   }
 
   /** Draws all surfaces for a level of the picture and hands them to the ray caster. */
-  draw(renderer: THREE.WebGLRenderer, picture: PictureTarget, divisor: number, shift: Shift): void {
+  draw(renderer: THREE.WebGLRenderer, picture: PictureTarget, { divisor, shift, depth }: SurfaceDrawing): void {
     const shown = this.shown;
     if (shown.length === 0) {
       this.marcher.setSurfaces(null);
@@ -90,7 +98,7 @@ export class Surfaces {
     }
     const { layers, shared } = this;
     const translucent = shown.filter((mesh) => mesh.translucent);
-    layers.use(picture.target, divisor, translucent.length > 0);
+    layers.use(picture.target, divisor, translucent.length > 0 ? depth : 0);
     for (const mesh of shown) {
       mesh.compile(this.marcher.fieldDefines);
     }

@@ -27,6 +27,14 @@ export interface HeldScan {
   readonly bricks: BrickRanges;
 }
 
+/** What is asked of the rest of the page. */
+export interface Outside {
+  /** Tells the person at the page. */
+  readonly complain: (text: string) => void;
+  /** Fetches the segment of each voxel. */
+  readonly download: (volume: ScanVolume) => Promise<LabelVolume>;
+}
+
 export class ShownEdits {
   private readonly surfaces = new SurfacePatches();
   /** Size of each surface that is there. */
@@ -38,10 +46,12 @@ export class ShownEdits {
 
   private waiting: Waiting[] = [];
   private labels: LabelVolume | null = null;
+  /** Version of the labels on display, or on their way. */
+  private labelVersion: number | null = null;
   /** Changes of labels since newer ones were asked for; null where none are on their way. */
   private sinceAsked: VoxelChange[] | null = null;
 
-  constructor(private readonly complain: (text: string) => void) {}
+  constructor(private readonly outside: Outside) {}
 
   /** Takes an edit that has arrived; shown with the next frame. */
   add(changed: Changed, arrived: number): void {
@@ -66,6 +76,7 @@ export class ShownEdits {
     this.surfaces.clear();
     this.sizes = this.surfaces.sizes;
     this.labels = null;
+    this.labelVersion = null;
     this.sinceAsked = null;
   }
 
@@ -77,13 +88,36 @@ export class ShownEdits {
     );
   }
 
-  /** Newer labels are on their way: edits until then may not be in them. */
-  expectLabels(): void {
+  /**
+   * Shows the labels of a version, downloaded where they are others than those on display;
+   * null where no segment needs any. Edits that arrive meanwhile are kept.
+   */
+  async showLabels(version: number | null, volume: ScanVolume, picture: () => Picture | null): Promise<void> {
+    if (version === this.labelVersion) {
+      return;
+    }
+    this.labelVersion = version;
+    if (version === null) {
+      this.takeLabels(null, picture());
+      return;
+    }
     this.sinceAsked = [];
+    const still = (): boolean => version === this.labelVersion;
+    try {
+      const labels = await this.outside.download(volume);
+      if (still()) {
+        this.takeLabels(labels, picture());
+      }
+    } catch (error) {
+      if (still()) {
+        this.labelVersion = null;
+        this.sinceAsked = null;
+        this.outside.complain(`The segments' voxels did not arrive: ${messageOf(error)}`);
+      }
+    }
   }
 
-  /** Labels have arrived, or none are needed any more (null). */
-  takeLabels(labels: LabelVolume | null, picture: Picture | null): void {
+  private takeLabels(labels: LabelVolume | null, picture: Picture | null): void {
     for (const { box, labels: ids } of this.sinceAsked ?? []) {
       if (labels !== null && ids !== null) {
         updateLabels(labels, box, ids);
@@ -99,7 +133,7 @@ export class ShownEdits {
     try {
       edit = { voxels: decodeVoxels(changed, scan.volume), surfaces: changed.surfaces.map(decodeSurface) };
     } catch (error) {
-      this.complain(`Edit ${String(changed.edit)} cannot be shown: ${error instanceof Error ? error.message : String(error)}.`);
+      this.outside.complain(`Edit ${String(changed.edit)} cannot be shown: ${messageOf(error)}.`);
       return;
     }
     if (edit.voxels !== null) {
@@ -140,4 +174,8 @@ export function needsLabels(segments: readonly Segment[]): boolean {
 function noLabels({ dimensions }: ScanVolume, { counts }: BrickRanges): LabelVolume {
   const [x, y, z] = dimensions;
   return { ids: new Uint8Array(x * y * z), dimensions, bricks: new Uint8Array(counts[0] * counts[1] * counts[2]) };
+}
+
+function messageOf(error: unknown): string {
+  return error instanceof Error ? error.message : String(error);
 }

@@ -79,8 +79,6 @@ export class Stage {
   private frames = 0;
   private countedAt = 0;
   private request = 0;
-  /** Version of the labels on display. */
-  private shownLabels = "none";
 
   constructor(
     private readonly session: Session,
@@ -89,8 +87,11 @@ export class Stage {
   ) {
     // a long line is dear to draw again and again without a graphics card
     this.shown = recall("shown", { ...this.shown, path: !support.software });
-    this.edits = new ShownEdits((text) => {
-      session.notify("error", text);
+    this.edits = new ShownEdits({
+      complain: (text) => {
+        session.notify("error", text);
+      },
+      download: (volume) => downloadLabels(volume, token),
     });
     session.onChanged((changed, arrived) => {
       this.edits.add(changed, arrived);
@@ -187,26 +188,10 @@ export class Stage {
   }
 
   /** Shows the segments that are no threshold; `version` tells when their voxels have changed. */
-  async showLabels(segments: readonly Segment[], version: number): Promise<void> {
-    const { volume, edits } = this;
-    const key = needsLabels(segments) ? String(version) : "none";
-    if (volume === null || key === this.shownLabels) {
-      return;
-    }
-    this.shownLabels = key;
-    if (key === "none") {
-      edits.takeLabels(null, this.picture);
-      return;
-    }
-    try {
-      edits.expectLabels();
-      const labels = await downloadLabels(volume, this.token);
-      if (volume === this.volume && key === this.shownLabels) {
-        edits.takeLabels(labels, this.picture);
-      }
-    } catch (error) {
-      this.shownLabels = "none";
-      this.session.notify("error", `The segments' voxels did not arrive: ${messageOf(error)}`);
+  showLabels(segments: readonly Segment[], version: number): void {
+    if (this.volume !== null) {
+      const key = needsLabels(segments) ? version : null;
+      void this.edits.showLabels(key, this.volume, () => this.picture);
     }
   }
 
@@ -291,7 +276,6 @@ export class Stage {
   private show(volume: ScanVolume, bricks: BrickRanges, scan: Scan): void {
     this.volume = volume;
     this.bricks = bricks;
-    this.shownLabels = "none";
     const air = scan.soft_tissue - 1.5 * (scan.bone - scan.soft_tissue);
     const [low, high] = biasedRange(air, Math.max(scan.range[1], air), volume.frame.rescale);
     const { frame: scanFrame, step } = volume;
@@ -299,7 +283,7 @@ export class Stage {
     this.extent = extentOf(hull.map((point) => transformPoint(scanFrame.sceneFromGrid, point)));
     this.resetView();
     this.fillPicture();
-    void this.showLabels(this.session.segments, this.session.labels);
+    this.showLabels(this.session.segments, this.session.labels);
   }
 
   /** Makes the picture, also anew after the graphics were reset. */

@@ -2,30 +2,31 @@
 import type { SegmentSurface, SurfacePatch } from "../../src/core/protocol";
 import { addScaled, type Vec3 } from "../../src/core/vector";
 
-/** Rings from pole to pole, and columns around all of it. */
-const rings = 32;
-const columns = 64;
-
-/** A ball cut into sectors about the z axis, each a patch with a box of its own [mm]. */
-export function ballSurface(id: number, centre: Vec3, radius: number, sectors: number): SegmentSurface {
-  const patches = Array.from({ length: sectors }, (_, i) => sectorOf(centre, radius, i, columns / sectors));
+/**
+ * A ball cut into sectors about the z axis, each a patch with a box of its own [mm].
+ *
+ * @param rings from pole to pole; there are twice as many columns around all of it.
+ */
+export function ballSurface(id: number, centre: Vec3, radius: number, sectors: number, rings = 32): SegmentSurface {
+  const patches = Array.from({ length: sectors }, (_, i) => sectorOf(centre, radius, i, sectors, rings));
   return { id, whole: true, dropped: [], patches };
 }
 
 /** Outward unit normal at a ring and a column. */
-function normalAt(ring: number, column: number): Vec3 {
-  const [polar, around] = [(Math.PI * ring) / rings, (2 * Math.PI * column) / columns];
+function normalAt(ring: number, column: number, rings: number): Vec3 {
+  const [polar, around] = [(Math.PI * ring) / rings, (Math.PI * column) / rings];
   return [Math.sin(polar) * Math.cos(around), Math.sin(polar) * Math.sin(around), Math.cos(polar)];
 }
 
-function sectorOf(centre: Vec3, radius: number, sector: number, width: number): SurfacePatch {
+function sectorOf(centre: Vec3, radius: number, sector: number, sectors: number, rings: number): SurfacePatch {
+  const width = (2 * rings) / sectors;
   const normals: Vec3[] = [];
   const triangles: number[] = [];
   for (let ring = 0; ring <= rings; ++ring) {
     for (let column = 0; column <= width; ++column) {
       const here = normals.length;
       // the last column is the first again, to the bit
-      normals.push(normalAt(ring, (sector * width + column) % columns));
+      normals.push(normalAt(ring, (sector * width + column) % (2 * rings), rings));
       if (ring < rings && column < width) {
         const below = here + width + 1;
         triangles.push(here, below, here + 1, here + 1, below, below + 1);

@@ -58,7 +58,7 @@ export const segment: Segment = {
   pose: null,
   shown_as: "volume",
   opacity: 1,
-  smoothing: 10,
+  smoothing: 3,
   wireframe: false,
 };
 

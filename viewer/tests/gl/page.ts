@@ -10,7 +10,7 @@ import type { Look } from "../../src/core/look";
 import type { ScanVolume } from "../../src/core/scan_volume";
 import { PathTrail } from "../../src/core/path_trail";
 import type { TransferFunction } from "../../src/core/transfer_function";
-import type { Segment } from "../../src/core/protocol";
+import type { Changed, Segment, SegmentSurface } from "../../src/core/protocol";
 import { decodeSurface } from "../../src/core/surface_patches";
 import { distance, type Vec3 } from "../../src/core/vector";
 import { FieldTexture, type FieldFormat } from "../../src/gl/field_texture";
@@ -20,6 +20,9 @@ import type { MarkerState } from "../../src/gl/markers";
 import { Picture } from "../../src/gl/picture";
 import { PictureTarget } from "../../src/gl/picture_target";
 import { RayMarcher } from "../../src/gl/ray_marcher";
+import { Surfaces } from "../../src/gl/surfaces";
+import { ThreeCamera } from "../../src/gl/three_camera";
+import { ShownEdits } from "../../src/ui/shown_edits.svelte";
 import { ballSurface } from "../core/ball_surface";
 import { scanOf, segment, volumeOf } from "../core/volumes";
 
@@ -162,6 +165,8 @@ export interface SurfaceTest {
   readonly radius: number;
   /** Patches that the ball is cut into. */
   readonly sectors: number;
+  /** From pole to pole. */
+  readonly rings?: number;
   readonly look: Partial<Segment>;
 }
 
@@ -169,7 +174,7 @@ function showSurfaces(picture: Picture, surfaces: readonly SurfaceTest[]): void 
   const segments = surfaces.map(({ look }, i) => ({ ...segment, shown_as: "surface" as const, id: i + 1, ...look }));
   picture.setSegments(segments);
   picture.changeSurfaces(
-    surfaces.map(({ centre, radius, sectors }, i) => decodeSurface(ballSurface(i + 1, centre, radius, sectors))),
+    surfaces.map(({ centre, radius, sectors, rings }, i) => decodeSurface(ballSurface(i + 1, centre, radius, sectors, rings))),
   );
 }
 
@@ -178,17 +183,40 @@ function screen(test: MarchTest, markers: MarkerTest | null, jitter = false): Pr
   return show({ scan: test, jitter, ...(markers === null ? {} : { markers }) });
 }
 
-async function show({ scan: test, markers, jitter = false, surfaces = [] }: ScreenTest): Promise<number[]> {
+/** A picture on a canvas of its own, before anything stands on it. */
+function pictureOf(jitter: boolean): { readonly picture: Picture; readonly gl: WebGL2RenderingContext } {
   const support = gpuSupport();
+  const canvas = document.createElement("canvas");
   if (support === null) {
     throw new Error("no WebGL2");
   }
-  const canvas = document.createElement("canvas");
   const picture = new Picture(canvas, { support, mostPixelRatio: 1 });
   picture.jitter = jitter;
+  picture.resize(edge, edge);
+  const gl = canvas.getContext("webgl2");
+  if (gl === null) {
+    throw new Error("no WebGL2 on the canvas");
+  }
+  return { picture, gl };
+}
+
+/** The picture once it is as fine as it gets; sRGB bytes, rows from the bottom. */
+async function finished({ picture, gl }: ReturnType<typeof pictureOf>): Promise<number[]> {
+  do {
+    picture.advance(performance.now());
+    await new Promise((resolve) => setTimeout(resolve, 5));
+  } while (!picture.quality.finished || !picture.hasPicture);
+  const bytes = new Uint8Array(4 * edge * edge);
+  gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+  gl.readPixels(0, 0, edge, edge, gl.RGBA, gl.UNSIGNED_BYTE, bytes);
+  return [...bytes];
+}
+
+async function show({ scan: test, markers, jitter = false, surfaces = [] }: ScreenTest): Promise<number[]> {
+  const drawn = pictureOf(jitter);
+  const { picture } = drawn;
   const volume = fieldOf(test);
   const extent = outlineOf(test);
-  picture.resize(edge, edge);
   picture.setScan(volume, bricksOf(volume, true));
   picture.setLook(lookOf(test));
   picture.setCamera(lookFrom(test.from, extent, viewport), extent);
@@ -196,22 +224,175 @@ async function show({ scan: test, markers, jitter = false, surfaces = [] }: Scre
   if (markers !== undefined) {
     picture.setMarkers({ ...stillMarkers(extent.centre), ...markers, trail: trailThrough(markers.way ?? []) });
   }
-  while (!picture.quality.finished || !picture.hasPicture) {
-    picture.advance(performance.now());
-    await new Promise((resolve) => setTimeout(resolve, 5));
-  }
-  const bytes = new Uint8Array(4 * edge * edge);
-  const gl = canvas.getContext("webgl2");
-  gl?.bindFramebuffer(gl.FRAMEBUFFER, null);
-  gl?.readPixels(0, 0, edge, edge, gl.RGBA, gl.UNSIGNED_BYTE, bytes);
+  const pixels = await finished(drawn);
   picture.dispose();
-  return [...bytes];
+  return pixels;
 }
+
+/** An edit of a picture: a box of voxels gets a value and a label, a surface other patches. */
+export interface EditTest {
+  readonly scan: MarchTest;
+  readonly low: Vec3;
+  readonly high: Vec3;
+  readonly value: number | null;
+  readonly label: number | null;
+  /** Of the segments, in the order of their ids. */
+  readonly looks: readonly Partial<Segment>[];
+  readonly before?: readonly SegmentSurface[];
+  readonly surfaces?: readonly SegmentSurface[];
+}
+
+export interface EditResult {
+  readonly before: number[];
+  readonly after: number[];
+  /** The same, drawn by a new picture from what the page holds after the edit. */
+  readonly afresh: number[];
+  /** Boxes that were sent to 3-D textures by the edit: x, y, z, width, height, depth. */
+  readonly uploads: readonly (readonly number[])[];
+  /** Calls that sent whole textures or buffers. */
+  readonly buffers: number;
+  readonly complaints: readonly string[];
+  readonly milliseconds: number | null;
+}
+
+async function edit(test: EditTest): Promise<EditResult> {
+  const complaints: string[] = [];
+  const edits = new ShownEdits({
+    complain: (text) => complaints.push(text),
+    download: () => Promise.reject(new Error("there is no engine")),
+  });
+  const volume = fieldOf(test.scan);
+  const held = { volume, bricks: brickRanges(volume) };
+  const extent = outlineOf(test.scan);
+  const segments = test.looks.map((look, i) => ({ ...segment, id: i + 1, ...look }));
+  const open = (): ReturnType<typeof pictureOf> => {
+    const drawn = pictureOf(false);
+    drawn.picture.setScan(volume, held.bricks);
+    drawn.picture.setLook(lookOf(test.scan));
+    drawn.picture.setCamera(lookFrom(test.scan.from, extent, viewport), extent);
+    edits.showAll(drawn.picture);
+    drawn.picture.setSegments(segments);
+    return drawn;
+  };
+  const changed = (part: Partial<Changed>): Changed => {
+    const nothing = { low: [0, 0, 0], high: [0, 0, 0], stored: null, labels: null, surfaces: [] } as const;
+    return { type: "changed", edit: 1, ...nothing, ...part };
+  };
+  edits.add(changed({ surfaces: test.before ?? [] }), performance.now());
+  edits.show(held, null);
+  const drawn = open();
+  const before = await finished(drawn);
+
+  const count = test.high.reduce((product, end, axis) => product * (end - (test.low[axis] ?? 0)), 1);
+  const { value, label } = test;
+  edits.add(
+    changed({
+      low: test.low,
+      high: test.high,
+      stored: value === null ? null : new Uint8Array(new Int16Array(count).fill(value).buffer),
+      labels: label === null ? null : new Uint8Array(count).fill(label),
+      surfaces: test.surfaces ?? [],
+    }),
+    performance.now(),
+  );
+  const watched = watchUploads(drawn.gl);
+  edits.show(held, drawn.picture);
+  const { uploads, buffers } = watched();
+  const after = await finished(drawn);
+  drawn.picture.dispose();
+  const again = open();
+  const afresh = await finished(again);
+  again.picture.dispose();
+  return { before, after, afresh, uploads, buffers, complaints, milliseconds: edits.lastMilliseconds };
+}
+
+/** Notes what is sent to 3-D textures and buffers until the returned function is called. */
+function watchUploads(gl: WebGL2RenderingContext): () => { uploads: number[][]; buffers: number } {
+  const uploads: number[][] = [];
+  let buffers = 0;
+  const { texSubImage3D, bufferData } = gl;
+  gl.texSubImage3D = (...call: unknown[]): void => {
+    // target, level, then the box
+    uploads.push(call.slice(2, 8) as number[]);
+    texSubImage3D.apply(gl, call as Parameters<typeof texSubImage3D>);
+  };
+  gl.bufferData = (...call: unknown[]): void => {
+    buffers += 1;
+    (bufferData as (...call: unknown[]) => void).apply(gl, call);
+  };
+  return () => {
+    Object.assign(gl, { texSubImage3D, bufferData });
+    return { uploads, buffers };
+  };
+}
+
+/** Surfaces and ray caster as the refiner drives them, for one view of the scan. */
+function surfaceBench(test: MarchTest, balls: readonly SurfaceTest[], view: Camera) {
+  const renderer = new THREE.WebGLRenderer({ canvas: document.createElement("canvas") });
+  renderer.autoClear = false;
+  renderer.info.autoReset = false;
+  const volume = fieldOf(test);
+  const field = new FieldTexture(volume, "rg8");
+  while (!field.uploadSlab(renderer));
+  const marcher = new RayMarcher();
+  marcher.setField(field, brickRanges(volume));
+  marcher.setLook(lookOf(test));
+  const surfaces = new Surfaces(marcher, true);
+  surfaces.setFrame(volume.frame);
+  surfaces.setSegments(balls.map(({ look }, i) => ({ ...segment, shown_as: "surface", id: i + 1, ...look })));
+  surfaces.apply(
+    renderer,
+    balls.map(({ centre, radius, sectors }, i) => decodeSurface(ballSurface(i + 1, centre, radius, sectors))),
+  );
+  const extent = outlineOf(test);
+  const camera = new ThreeCamera();
+  camera.update(view, extent, 1);
+  surfaces.setCamera(view, camera.camera);
+  marcher.setCamera(view, extent, 1);
+  const picture = new PictureTarget(true);
+  picture.resize(edge, edge);
+  const close = (): void => {
+    renderer.dispose();
+    renderer.forceContextLoss();
+  };
+  return { renderer, marcher, surfaces, picture, close };
+}
+
+/** Triangles that are drawn of a ball in patches, from a camera `away` mm before `target`. */
+function drawnTriangles(ball: SurfaceTest, target: Vec3, away: number): number {
+  const test: MarchTest = { field: "ball", spacing: [1, 1, 1], from: "A", stepsPerVoxel: 1 };
+  const view = { ...lookFrom("A", outlineOf(test), viewport), target, distance: away };
+  const { renderer, surfaces, picture, close } = surfaceBench(test, [ball], view);
+  picture.useLevel(1);
+  renderer.info.reset();
+  surfaces.draw(renderer, picture, { divisor: 1, shift: [0, 0, 0], depth: 4 });
+  const { triangles } = renderer.info.render;
+  close();
+  return triangles;
+}
+
+/** A coarse level of the picture, drawn in strips; linear RGBA, rows from the bottom. */
+function coarseLevel(test: MarchTest, balls: readonly SurfaceTest[], divisor: number, strip: number): number[] {
+  const view = lookFrom(test.from, outlineOf(test), viewport);
+  const { renderer, marcher, surfaces, picture, close } = surfaceBench(test, balls, view);
+  picture.useLevel(divisor);
+  surfaces.draw(renderer, picture, { divisor, shift: [0, 0, 0], depth: 4 });
+  for (let row = 0; row < picture.height; row += strip) {
+    picture.useRows(row, Math.min(picture.height, row + strip));
+    marcher.draw(renderer, picture, { stepsPerVoxel: test.stepsPerVoxel, jitter: false }, [0, 0, 0]);
+  }
+  const halves = new Uint16Array(4 * picture.width * picture.height);
+  renderer.readRenderTargetPixels(picture.target, 0, 0, picture.width, picture.height, halves);
+  close();
+  return Array.from(halves, (half) => THREE.DataUtils.fromHalfFloat(half));
+}
+
+const glTests = { march, screen, show, edit, drawnTriangles, coarseLevel };
 
 declare global {
   interface Window {
-    glTests?: { march: typeof march; screen: typeof screen; show: typeof show };
+    glTests?: typeof glTests;
   }
 }
 
-window.glTests = { march, screen, show };
+window.glTests = glTests;

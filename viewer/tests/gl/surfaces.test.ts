@@ -57,3 +57,182 @@ test("a ball of patches is a red disc of the right size, without holes", async (
     }
   }
 });
+
+/** How many pixels two pictures differ in by more than `most` in any channel. */
+function differing(one: readonly number[], other: readonly number[], most: number): number {
+  let count = 0;
+  for (let i = 0; i < one.length; i += 4) {
+    count += [0, 1, 2].some((c) => Math.abs((one[i + c] ?? 0) - (other[i + c] ?? 0)) > most) ? 1 : 0;
+  }
+  return count;
+}
+
+/** A green ball of the scan itself, of 14 mm. */
+const green: MarchTest = { field: "ball", spacing: [1, 1, 1], from: "A", stepsPerVoxel: 2, segment: "visible", softTissue: 0 };
+const bone: Partial<SurfaceTest["look"]> = { colour: [0, 1, 0], range: [0, 32767] };
+const redDot = (y: number, opacity = 1): SurfaceTest => ({ centre: [24, y, 24], radius: 4, sectors: 4, look: { colour: [1, 0, 0], opacity } });
+const centre = edge / 2;
+
+test("of a surface and the scan the nearer one is seen", async () => {
+  const plain = pixelAt(await show({ scan: green }), centre, centre);
+  // the viewer stands at smaller y; the scan's ball reaches from 10 to 38
+  expect(isRed(pixelAt(await show({ scan: green, surfaces: [redDot(8)] }), centre, centre))).toBe(true);
+  expect(pixelAt(await show({ scan: green, surfaces: [redDot(24)] }), centre, centre)).toEqual(plain);
+  expect(pixelAt(await show({ scan: green, surfaces: [redDot(42)] }), centre, centre)).toEqual(plain);
+});
+
+test("a surface half inside of the scan's ball is cut where it goes in", async () => {
+  const pixels = await show({ scan: green, surfaces: [redDot(10)] });
+  // a red cap in the middle, green around it
+  const [r, g] = pixelAt(pixels, centre, centre);
+  expect(r).toBeGreaterThan(2 * g);
+  expect(isRed(pixelAt(pixels, centre + 10, centre))).toBe(false);
+});
+
+test("tissue before a surface veils it, tissue behind does not", async () => {
+  const tissue: MarchTest = { field: "flat", spacing: [1, 1, 1], from: "A", stepsPerVoxel: 1, extinction: 0.6 };
+  const redness = async (y: number): Promise<number> => {
+    const [r, , b] = pixelAt(await show({ scan: tissue, surfaces: [redDot(y)] }), centre, centre);
+    return r - b;
+  };
+  const [before, within, deep] = [await redness(-6), await redness(16), await redness(40)];
+  expect(before).toBeGreaterThan(within + 20);
+  expect(within).toBeGreaterThan(deep + 20);
+});
+
+test("a ball drawn as a surface looks like the ball drawn from its voxels", async () => {
+  const hidden: MarchTest = { ...green, segment: "hidden" };
+  const ball: SurfaceTest = { centre: middle, radius: 14, sectors: 4, look: bone };
+  const [voxels, surface] = [await show({ scan: green }), await show({ scan: hidden, surfaces: [ball] })];
+  const inside = (i: number): boolean => Math.hypot((i % edge) + 0.5 - centre, Math.floor(i / edge) + 0.5 - centre) < outlineRadius(13);
+  const differences = Array.from({ length: edge * edge }, (_, i) => i)
+    .filter(inside)
+    .map((i) => Math.abs((voxels[4 * i + 1] ?? 0) - (surface[4 * i + 1] ?? 0)));
+  // normals of 8 bits and of central differences: a few degrees, and so a few of 255 in the light
+  expect(differences.reduce((sum, d) => sum + d, 0) / differences.length).toBeLessThan(4);
+  expect(Math.max(...differences)).toBeLessThan(30);
+});
+
+test.each([1, 0.5])("seams between patches do not show, opacity %d", async (opacity) => {
+  const cut = async (sectors: number): Promise<number[]> =>
+    show({ scan: green, surfaces: [{ centre: middle, radius: 17, sectors, look: { colour: [1, 0, 0], opacity } }] });
+  // boxes of other sizes move a vertex by up to 0.3 µm, which may turn the odd pixel at an edge
+  expect(differing(await cut(1), await cut(16), 6)).toBeLessThan(8);
+});
+
+test("a translucent surface lets the scan behind it through, as much as its opacity says", async () => {
+  const [r0, g0] = pixelAt(await show({ scan: green }), centre, centre);
+  const reds: number[] = [];
+  for (const opacity of [0.2, 0.5, 0.8]) {
+    const [r, g] = pixelAt(await show({ scan: green, surfaces: [redDot(4, opacity)] }), centre, centre);
+    expect(g).toBeLessThan(g0);
+    expect(g).toBeGreaterThan(20);
+    reds.push(r - r0);
+  }
+  expect(reds).toEqual([...reds].sort((a, b) => a - b));
+  expect(reds[0]).toBeGreaterThan(20);
+});
+
+test("a translucent surface behind the scan or behind an opaque surface is not seen", async () => {
+  expect(differing(await show({ scan: green }), await show({ scan: green, surfaces: [redDot(42, 0.5)] }), 3)).toBe(0);
+  const blue: SurfaceTest = { centre: [24, 6, 24], radius: 6, sectors: 2, look: { colour: [0, 0, 1] } };
+  const covered = await show({ scan: green, surfaces: [blue, redDot(6, 0.5)] });
+  expect(differing(await show({ scan: green, surfaces: [blue] }), covered, 3)).toBe(0);
+});
+
+test("translucent surfaces in one another look the same in whatever order they are listed", async () => {
+  const outer: SurfaceTest = { centre: middle, radius: 12, sectors: 4, look: { colour: [0, 0, 1], opacity: 0.4 } };
+  const inner: SurfaceTest = { centre: middle, radius: 6, sectors: 4, look: { colour: [1, 0, 0], opacity: 0.6 } };
+  const [one, other] = [await show({ scan: air, surfaces: [outer, inner] }), await show({ scan: air, surfaces: [inner, outer] })];
+  expect(differing(one, other, 2)).toBe(0);
+  const [r, , b] = pixelAt(one, centre, centre);
+  const [rimRed, , rimBlue] = pixelAt(one, centre + 14, centre);
+  expect(r).toBeGreaterThan(b);
+  expect(rimBlue).toBeGreaterThan(2 * rimRed);
+});
+
+test("a wireframe is lines between which one looks through", async () => {
+  const ball = (wireframe: boolean): SurfaceTest => ({ centre: middle, radius: 20, sectors: 4, rings: 8, look: { colour: [1, 0, 0], wireframe } });
+  const reds = async (wireframe: boolean): Promise<number> => {
+    const pixels = await show({ scan: green, surfaces: [ball(wireframe)] });
+    return Array.from({ length: edge * edge }, (_, i) => pixelAt(pixels, i % edge, Math.floor(i / edge))).filter(isRed).length;
+  };
+  const [lines, solid] = [await reds(true), await reds(false)];
+  expect(lines).toBeGreaterThan(100);
+  expect(lines).toBeLessThan(0.8 * solid);
+});
+
+test("a segment stands where its pose puts it", async () => {
+  // a quarter turn about z, then 6 mm up: (24, 14, 24) comes to (34, 24, 30)
+  const pose = [0, -1, 0, 48, 1, 0, 0, 0, 0, 0, 1, 6, 0, 0, 0, 1];
+  const posed = await show({ scan: air, surfaces: [{ ...redDot(14), look: { colour: [1, 0, 0], pose } }] });
+  const there = await show({ scan: air, surfaces: [{ ...redDot(14), centre: [34, 24, 30] }] });
+  // the ball's own columns have turned with it: facets at its outline
+  expect(differing(posed, there, 30)).toBeLessThan(15);
+});
+
+test("hidden segments, and those of no opacity, draw no surface", async () => {
+  const none = await show({ scan: green });
+  for (const look of [{ visible: false }, { opacity: 0 }, { shown_as: "volume" as const }]) {
+    expect(differing(none, await show({ scan: green, surfaces: [{ ...redDot(8), look }] }), 0)).toBe(0);
+  }
+});
+
+test("averaged pictures smooth the outline of a surface and leave the rest", async () => {
+  const [plain, averaged] = [await show({ scan: air, surfaces: [red] }), await show({ scan: air, surfaces: [red], jitter: true })];
+  expect(pixelAt(averaged, centre, centre)[0]).toBeCloseTo(pixelAt(plain, centre, centre)[0], -1);
+  const between = (pixels: readonly number[]): number =>
+    Array.from({ length: edge }, (_, x) => pixelAt(pixels, x, centre)[0]).filter((r) => r > 50 && r < 90).length;
+  expect(between(averaged)).toBeGreaterThanOrEqual(between(plain));
+});
+
+test("patches outside of the view are not drawn", async () => {
+  const triangles = (target: Vec3, away: number): Promise<number> =>
+    browser.page.evaluate(
+      ([t, a]) => window.glTests?.drawnTriangles({ centre: [24, 24, 24], radius: 12, sectors: 16, look: {} }, t, a) ?? Promise.reject(new Error("no page")),
+      [target, away] as const,
+    );
+  // 32 rings of 64 columns, two triangles each
+  expect(await triangles(middle, 120)).toBe(4096);
+  // to the right of the ball: the sectors on its left are out of view
+  const close = await triangles([50, 24, 24], 30);
+  expect(close).toBeGreaterThan(0);
+  expect(close).toBeLessThan(3000);
+  expect(await triangles([200, 24, 24], 30)).toBe(0);
+});
+
+test.each([[2, 48], [3, 7], [4, 1]])("at 1/%d of the resolution, in strips of %d rows, surfaces stand where they should", async (divisor, strip) => {
+  const size = edge / divisor;
+  const pixels = await browser.page.evaluate(
+    ([scan, balls, d, s]) => window.glTests?.coarseLevel(scan, balls, d, s) ?? Promise.reject(new Error("no page")),
+    [green, [redDot(8), { ...red, radius: 4, centre: [24, 42, 24] as Vec3 }], divisor, strip] as const,
+  );
+  expect(pixels).toHaveLength(4 * size * size);
+  const channel = (x: number, y: number, c: number): number => pixels[4 * (x + size * y) + c] ?? 0;
+  for (let y = 0; y < size; ++y) {
+    for (let x = 0; x < size; ++x) {
+      const away = divisor * Math.hypot(x + 0.5 - size / 2, y + 0.5 - size / 2);
+      const [red, green] = [channel(x, y, 0), channel(x, y, 1)];
+      // the near dot is 4 mm, a little larger for being near; then comes the scan's ball
+      if (away < outlineRadius(3.5)) {
+        expect([x, y, red > green]).toEqual([x, y, true]);
+      } else if (away > outlineRadius(5) + divisor && away < outlineRadius(13.5) - divisor) {
+        expect([x, y, green > red]).toEqual([x, y, true]);
+      } else if (away > outlineRadius(14.5) + divisor) {
+        expect([x, y, red + green]).toEqual([x, y, 0]);
+      }
+    }
+  }
+});
+
+test.each([1, 0.7])("the probe is plain before a surface and a ghost behind it, opacity %d", async (opacity) => {
+  const probeAt = async (y: number): Promise<number> => {
+    const probe: Vec3 = [24, y, 24];
+    const surfaces = [{ ...red, look: { colour: [0.5, 0, 0] as const, opacity } }];
+    const pixels = await show({ scan: air, surfaces, markers: { probe, device: probe, pixel: 0.5 } });
+    return pixelAt(pixels, centre, centre)[2];
+  };
+  // the ball reaches from 12 to 36
+  const [before, behind] = [await probeAt(8), await probeAt(30)];
+  expect(before).toBeGreaterThan(behind + 60);
+});

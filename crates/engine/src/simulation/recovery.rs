@@ -119,6 +119,7 @@ impl Simulation {
                         id,
                         segment,
                         range: None,
+                        made_by: None,
                     }
                 } else {
                     Step::Insert {

@@ -113,7 +113,7 @@ impl Touch {
         )
         .expect("a ball of some voxels fits");
         let exact = Exact {
-            limits: touched.world.limits(),
+            limits: touched.limits(),
         };
         match self {
             Self::Exact | Self::Ball(_) => feel(exact, Smoothing::Bits, touched, grid, start),

@@ -1,0 +1,50 @@
+import { expect, test } from "vitest";
+import { linearFromSrgb } from "../../src/core/colour";
+import {
+  drawnAsSurface,
+  drawnFromVoxels,
+  pickable,
+  rangeHolding,
+  showable,
+  shownRanges,
+} from "../../src/core/shown_segments";
+import { segment } from "./volumes";
+
+const rescale = { slope: 1, intercept: 0 };
+
+test.each([
+  ["volume", true, false],
+  ["surface", false, true],
+  ["both", true, true],
+] as const)("a segment shown as %s is drawn from its voxels: %s, as a surface: %s", (shown_as, voxels, surface) => {
+  const shown = { ...segment, shown_as };
+  expect(drawnFromVoxels(shown)).toBe(voxels);
+  expect(drawnAsSurface(shown)).toBe(surface);
+  expect(drawnFromVoxels({ ...shown, visible: false }) || drawnAsSurface({ ...shown, visible: false })).toBe(false);
+});
+
+test("the voxels of a segment that is a surface are left out of the picture", () => {
+  const [range] = shownRanges([{ ...segment, shown_as: "surface", colour: [1, 0.5, 0] }], rescale);
+  expect(range).toMatchObject({ visible: false, colour: linearFromSrgb([1, 0.5, 0]) });
+});
+
+test("as long as a surface has not arrived the voxels are drawn in its place", () => {
+  const asked = { ...segment, shown_as: "surface" as const };
+  expect(drawnFromVoxels(showable(asked, false, null))).toBe(true);
+  expect(drawnFromVoxels(showable(asked, true, null))).toBe(false);
+});
+
+test("while a range is dragged the voxels of the new range are drawn, not the old surface", () => {
+  const dragged = showable({ ...segment, shown_as: "both" }, true, [100, 200]);
+  expect(dragged.range).toEqual([100, 200]);
+  expect(drawnAsSurface(dragged)).toBe(false);
+});
+
+test("a surface that hides what is behind it is what is picked, one that does not is not", () => {
+  const picked = (opacity: number): boolean | undefined => {
+    const surface = { ...segment, shown_as: "surface" as const, opacity };
+    return rangeHolding(shownRanges([pickable(surface)], rescale), 33000)?.visible;
+  };
+  expect(picked(1)).toBe(true);
+  expect(picked(0.3)).toBe(false);
+});

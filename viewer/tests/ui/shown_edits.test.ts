@@ -1,0 +1,103 @@
+import { expect, test } from "vitest";
+import { labelledBricks } from "../../src/core/bricks";
+import type { Changed } from "../../src/core/protocol";
+import type { Vec3 } from "../../src/core/vector";
+import type { LabelVolume } from "../../src/core/voxel_change";
+import type { Picture } from "../../src/gl/picture";
+import { ShownEdits } from "../../src/ui/shown_edits.svelte";
+import { ballSurface } from "../core/ball_surface";
+import { scanOf, volumeOf } from "../core/volumes";
+
+const dimensions: Vec3 = [12, 10, 9];
+const voxels = 12 * 10 * 9;
+
+function labelsOf(id: number): LabelVolume {
+  const ids = new Uint8Array(voxels).fill(id);
+  return { ids, dimensions, bricks: labelledBricks(ids, dimensions) };
+}
+
+/** Labels 7 in one voxel, or a surface. */
+function changed(edit: number, part: Partial<Changed> = {}): Changed {
+  const voxel = { low: [1, 0, 0], high: [2, 1, 1], labels: new Uint8Array([7]) } as const;
+  return { type: "changed", edit, ...voxel, stored: null, surfaces: [], ...part };
+}
+
+function setUp(download: () => Promise<LabelVolume> = () => Promise.resolve(labelsOf(3))) {
+  const complaints: string[] = [];
+  const shown: (LabelVolume | null)[] = [];
+  const volume = volumeOf(scanOf(dimensions, [1, 1, 1]), () => 0);
+  const edits = new ShownEdits({ complain: (text) => complaints.push(text), download });
+  const picture = {
+    setLabels: (labels: LabelVolume | null) => shown.push(labels),
+    changeVoxels: () => undefined,
+    changeSurfaces: () => undefined,
+  } as unknown as Picture;
+  const show = (...messages: readonly Changed[]): void => {
+    for (const message of messages) {
+      edits.add(message, performance.now());
+    }
+    edits.show({ volume, bricks: volume.bricks }, picture);
+  };
+  return { edits, volume, picture, complaints, shown, show };
+}
+
+test("an edit that arrives while labels are on their way is in them", async () => {
+  let arrive: (labels: LabelVolume) => void = () => undefined;
+  const { edits, volume, picture, shown, show } = setUp(() => new Promise((resolve) => (arrive = resolve)));
+  const asked = edits.showLabels(1, volume, () => picture);
+  show(changed(1));
+  // seen at once, among labels that are not here yet
+  expect([...(shown.at(-1)?.ids.subarray(0, 3) ?? [])]).toEqual([0, 7, 0]);
+  arrive(labelsOf(3));
+  await asked;
+  expect([...(shown.at(-1)?.ids.subarray(0, 3) ?? [])]).toEqual([3, 7, 3]);
+});
+
+test("labels are asked for once for each version, and let go when none are needed", async () => {
+  let asked = 0;
+  const { edits, volume, picture, shown } = setUp(() => {
+    asked += 1;
+    return Promise.resolve(labelsOf(asked));
+  });
+  for (const version of [4, 4, 5, 5, null, null]) {
+    await edits.showLabels(version, volume, () => picture);
+  }
+  expect(asked).toBe(2);
+  expect(shown.map((labels) => labels?.ids[0] ?? null)).toEqual([1, 2, null]);
+});
+
+test("labels that do not arrive are told of, and asked for again at the next occasion", async () => {
+  let asked = 0;
+  const { edits, volume, picture, complaints, shown } = setUp(() => {
+    asked += 1;
+    return asked === 1 ? Promise.reject(new Error("the engine answered 500")) : Promise.resolve(labelsOf(2));
+  });
+  await edits.showLabels(1, volume, () => picture);
+  expect(complaints).toEqual(["The segments' voxels did not arrive: the engine answered 500"]);
+  await edits.showLabels(1, volume, () => picture);
+  expect(shown.at(-1)?.ids[0]).toBe(2);
+});
+
+test("all edits that wait are shown in one frame, in their order; one that lies is left out", () => {
+  const { edits, show, complaints } = setUp();
+  const surface = ballSurface(1, [4, 4, 4], 3, 2);
+  show(
+    changed(1, { surfaces: [surface] }),
+    changed(2, { labels: new Uint8Array(5) }),
+    changed(3, { surfaces: [{ id: 1, whole: false, dropped: [[0, 0, 0]], patches: [] }] }),
+  );
+  expect(complaints).toHaveLength(1);
+  expect(complaints[0]).toContain("Edit 2 cannot be shown: 5 bytes for a box of 1 voxels");
+  expect(edits.lastEdit).toBe(3);
+  expect(edits.sizes.get(1)?.patches).toBe(1);
+  expect(edits.lastMilliseconds).toBeGreaterThanOrEqual(0);
+});
+
+test("another scan forgets the surfaces of the one before, but no edit that waits", () => {
+  const { edits, show } = setUp();
+  show(changed(1, { surfaces: [ballSurface(1, [4, 4, 4], 3, 2)] }));
+  edits.add(changed(2, { surfaces: [ballSurface(2, [4, 4, 4], 3, 4)] }), performance.now());
+  edits.clear();
+  show();
+  expect([...edits.sizes.keys()]).toEqual([2]);
+});
