@@ -25,14 +25,7 @@ def messages_of(change: dict[str, Any]) -> Iterator[protocol.Changed]:
     first, *others = _parts(changed.surfaces)
     yield msgspec.structs.replace(changed, surfaces=first)
     for surfaces in others:
-        yield protocol.Changed(
-            edit=changed.edit,
-            low=(0, 0, 0),
-            high=(0, 0, 0),
-            stored=None,
-            labels=None,
-            surfaces=surfaces,
-        )
+        yield protocol.Changed(edit=changed.edit, voxels=[], surfaces=surfaces)
 
 
 def _parts(surfaces: list[protocol.SegmentSurface]) -> list[list[protocol.SegmentSurface]]:

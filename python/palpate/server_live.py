@@ -43,6 +43,7 @@ class Live:
         self._hello = hello
         self._outboxes: set[Outbox] = set()
         self._thresholds = ThresholdJobs(self._make_threshold)
+        self._presses: Outbox | None = None
         self._from_threads: SimpleQueue[protocol.ToPage] = SimpleQueue()
 
     async def run(self) -> None:
@@ -62,8 +63,9 @@ class Live:
         outbox.tell(self.segments.message)
         self._outboxes.add(outbox)
         # a change that comes meanwhile is told twice, which does no harm
-        for change in await asyncio.to_thread(self.session.whole_surfaces):
-            for message in messages_of(change):
+        whole = await asyncio.to_thread(self.session.whole_surfaces)
+        if whole["surfaces"]:
+            for message in messages_of(whole):
                 outbox.tell(message)
         sender = asyncio.create_task(_send(websocket, outbox))
         try:
@@ -74,6 +76,9 @@ class Live:
         finally:
             self._outboxes.discard(outbox)
             sender.cancel()
+            if self._presses is outbox:
+                # nobody is left to release the tool
+                await asyncio.to_thread(self._release)
 
     # --- to pages -------------------------------------------------------------------------
 
@@ -117,6 +122,9 @@ class Live:
                     self.session.hand(target)
                 case protocol.Threshold():
                     self._thresholds.ask(message)
+                case protocol.Stroke(on):
+                    await asyncio.to_thread(self.session.stroke, on=on)
+                    self._presses = outbox if on else None
                 case _:
                     await asyncio.to_thread(self._do, message)
         except msgspec.DecodeError as error:
@@ -125,6 +133,11 @@ class Live:
             outbox.tell(protocol.Notice(level="error", text=str(error)))
         except RuntimeError as error:
             outbox.tell(protocol.Notice(level="error", text=str(error)))
+
+    def _release(self) -> None:
+        self._presses = None
+        with suppress(RuntimeError):
+            self.session.stroke(on=False)
 
     def _do(self, message: protocol.FromPage) -> None:
         match message:
@@ -136,6 +149,11 @@ class Live:
                 self._record(on=on)
             case protocol.ChangeSettings(settings):
                 self._change_settings(settings)
+            case protocol.Tool(kind, radius, segment_ids):
+                if kind == "none":
+                    self.session.set_tool(None)
+                else:
+                    self.session.set_tool(kind, radius=radius, segment_ids=segment_ids)
             case protocol.Undo():
                 self.session.undo()
             case protocol.Redo():

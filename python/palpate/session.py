@@ -48,6 +48,13 @@ class SessionOptions:
     """How touch feels."""
 
 
+AIR = -1000.0
+"""What a scan in HU reads where the drill has taken matter away."""
+
+CORTICAL_ENERGY = 1300.0
+"""Work of the drill per volume of cortical bone [mJ/mm³] (docs/algorithms/tools.md)."""
+
+
 class Session:
     """A running session; leaving its ``with`` block stops it and takes the force away."""
 
@@ -229,6 +236,53 @@ class Session:
         with _given():
             self._internal.fill_box(segment_id, low, high, solid)
 
+    # --- tools ----------------------------------------------------------------------------
+
+    def set_tool(
+        self,
+        kind: Literal["eraser", "adder", "drill"] | None,
+        *,
+        radius: float = 1.0,
+        segment_ids: Sequence[int] = (),
+    ) -> None:
+        """Chooses the tool for the next strokes; a stroke that is on ends.
+
+        The eraser frees voxels of the segments along the probe's way, the adder makes them
+        solid, the drill removes matter by the work that touch does on it. Where the scan's unit
+        is not HU, the drill takes the same work for each mm³, that of cortical bone, and leaves
+        the scan's lowest value behind.
+
+        Args:
+            kind: Which tool; None empties the hand.
+            radius: Of the tool's ball [mm].
+            segment_ids: Segments that it may change.
+
+        Raises:
+            OptionError: The radius does not fit the scan's voxels, or there is no such segment.
+        """
+        with _given():
+            if kind is None:
+                self._internal.set_tool(None)
+                return
+            volume = self.scene.volume
+            is_density = volume.unit == "HU"
+            self._internal.set_tool(
+                kind,
+                radius=radius,
+                segment_ids=list(segment_ids),
+                air=AIR if is_density else volume.range[0],
+                energy=None if is_density else CORTICAL_ENERGY,
+            )
+
+    def stroke(self, *, on: bool) -> None:
+        """Begins a stroke of the chosen tool, or ends it: it is one step of undo.
+
+        Raises:
+            OptionError: It is to begin, and no tool is chosen.
+        """
+        with _given():
+            self._internal.stroke(on)
+
     # --- the picture ----------------------------------------------------------------------
 
     def show_surface(self, segment_id: int, *, smoothing: int = 3, step: int = 1) -> None:
@@ -261,8 +315,8 @@ class Session:
         """
         return self._internal.picture_changes()
 
-    def whole_surfaces(self) -> list[dict[str, Any]]:
-        """Returns all surfaces as they are, in the form of ``picture_changes``."""
+    def whole_surfaces(self) -> dict[str, Any]:
+        """Returns all surfaces as they are, as one of ``picture_changes``."""
         return self._internal.whole_surfaces()
 
     def undo(self) -> bool:
