@@ -351,7 +351,24 @@ class Notice(Message, frozen=True, tag="notice"):
     text: str
 
 
-ToPage = Hello | State | Segments | Changed | SettingsChanged | Notice
+class Offer(msgspec.Struct, frozen=True):
+    """Changes of this scan that an earlier session left: how many, when the last (ISO 8601).
+
+    ``lost_bytes`` at the end of their file are not whole.
+    """
+
+    steps: int
+    when: str
+    lost_bytes: int
+
+
+class Recovery(Message, frozen=True, tag="recovery"):
+    """What can be brought back; null once somebody has decided, or where there is nothing."""
+
+    offer: Offer | None
+
+
+ToPage = Hello | State | Segments | Changed | SettingsChanged | Recovery | Notice
 
 # --- page -> engine -------------------------------------------------------------------
 
@@ -444,6 +461,12 @@ class Stroke(Message, frozen=True, tag="stroke"):
     on: bool
 
 
+class Recover(Message, frozen=True, tag="recover"):
+    """Brings back what an earlier session left, or keeps it aside and starts afresh."""
+
+    bring_back: bool
+
+
 class Undo(Message, frozen=True, tag="undo"):
     """Takes the last edit back."""
 
@@ -465,6 +488,7 @@ FromPage = (
     | ChangeSettings
     | Tool
     | Stroke
+    | Recover
     | Undo
     | Redo
 )

@@ -16,6 +16,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from palpate import protocol
 from palpate.errors import PalpateError
+from palpate.journal import Journal
 from palpate.server_changes import messages_of
 from palpate.server_outbox import Outbox
 from palpate.server_recording import Recorder
@@ -35,16 +36,24 @@ IDLE_HZ = 5.0
 class Live:
     """Tells pages what is, and the session what they want."""
 
-    def __init__(self, session: Session, hello: protocol.Hello, recorder: Recorder) -> None:
+    def __init__(
+        self,
+        session: Session,
+        hello: protocol.Hello,
+        recorder: Recorder,
+        journal: Journal | None = None,
+    ) -> None:
         """Shows a session; ``hello`` is what each page is told first."""
+        self._from_threads: SimpleQueue[protocol.ToPage] = SimpleQueue()
         self.session = session
         self.recorder = recorder
-        self.segments = ShownSegments(session)
+        self.journal = journal
+        self.segments = ShownSegments(session, None if journal is None else journal.note)
+        self._restore_looks()
         self._hello = hello
         self._outboxes: set[Outbox] = set()
         self._thresholds = ThresholdJobs(self._make_threshold)
         self._presses: Outbox | None = None
-        self._from_threads: SimpleQueue[protocol.ToPage] = SimpleQueue()
 
     async def run(self) -> None:
         """Tells all pages what is, until it is cancelled or the session ends by itself."""
@@ -61,6 +70,10 @@ class Live:
         outbox = Outbox()
         outbox.tell(msgspec.structs.replace(self._hello, segments=self.segments.message.segments))
         outbox.tell(self.segments.message)
+        if self.journal is not None:
+            outbox.tell(protocol.Recovery(_offer_of(self.journal)))
+            if self.journal.problem is not None:
+                outbox.tell(protocol.Notice(level="warning", text=self.journal.problem))
         self._outboxes.add(outbox)
         # a change that comes meanwhile is told twice, which does no harm
         whole = await asyncio.to_thread(self.session.whole_surfaces)
@@ -154,6 +167,8 @@ class Live:
                     self.session.set_tool(None)
                 else:
                     self.session.set_tool(kind, radius=radius, segment_ids=segment_ids)
+            case protocol.Recover(bring_back):
+                self._recover(bring_back=bring_back)
             case protocol.Undo():
                 self.session.undo()
             case protocol.Redo():
@@ -188,11 +203,38 @@ class Live:
             said = self.recorder.stop()
             self._from_threads.put(protocol.Notice(level="info", text=f"Recorded {said}."))
 
+    def _recover(self, *, bring_back: bool) -> None:
+        if self.journal is None or self.journal.offer is None:
+            return
+        self.journal.decide(bring_back=bring_back)
+        self._restore_looks()
+        self._from_threads.put(protocol.Recovery(None))
+        if self.journal.problem is not None:
+            self._from_threads.put(protocol.Notice(level="warning", text=self.journal.problem))
+
+    def _restore_looks(self) -> None:
+        if self.journal is None or not self.journal.is_running:
+            return
+        if self.journal.looks is not None:
+            try:
+                self.segments.restore(self.journal.looks)
+            except PalpateError as error:
+                self._from_threads.put(protocol.Notice(level="warning", text=str(error)))
+        else:
+            self.segments.keep()
+
     def _make_threshold(self, wanted: protocol.Threshold) -> None:
         try:
             self.segments.threshold(wanted)
         except (PalpateError, RuntimeError) as error:
             self._from_threads.put(protocol.Notice(level="error", text=str(error)))
+
+
+def _offer_of(journal: Journal) -> protocol.Offer | None:
+    offer = journal.offer
+    return offer and protocol.Offer(
+        steps=offer.steps, when=offer.when.isoformat(timespec="seconds"), lost_bytes=offer.lost_bytes
+    )
 
 
 async def _receive(websocket: WebSocket) -> bytes:

@@ -10,6 +10,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
 from datetime import UTC, datetime
+from pathlib import Path
 from types import TracebackType
 from typing import Any, Literal, Self
 
@@ -282,6 +283,47 @@ class Session:
         """
         with _given():
             self._internal.stroke(on)
+
+    # --- the journal ----------------------------------------------------------------------
+
+    def look_at_journal(self, path: Path, scan_hash: bytes) -> tuple[int, int] | None:
+        """Counts the steps of a journal and the bytes at its end that are lost.
+
+        Returns:
+            Both, or None where there is no such file.
+
+        Raises:
+            OptionError: The file is no journal of this scan.
+            OSError: The disk refuses it, or another session writes it (BlockingIOError).
+        """
+        with _given():
+            return self._internal.look_at_journal(path, scan_hash)
+
+    def begin_journal(self, path: Path, scan_hash: bytes) -> None:
+        """Writes every change to a new file from now on, after what is there now.
+
+        Raises:
+            OSError: The file exists already, or the disk refuses it.
+        """
+        with _given():
+            self._internal.begin_journal(path, scan_hash)
+
+    def recover_journal(self, path: Path, scan_hash: bytes) -> tuple[int, int, list[bytes]]:
+        """Does again what a journal says, step by step, and goes on with that file.
+
+        Returns:
+            Steps, bytes at the end that are lost, and notes, oldest first.
+
+        Raises:
+            OptionError: A record cannot be; what came before it is there then.
+            OSError: The disk refuses it, or another session writes it (BlockingIOError).
+        """
+        with _given():
+            return self._internal.recover_journal(path, scan_hash)
+
+    def note_in_journal(self, note: bytes) -> None:
+        """Keeps bytes beside the voxels, where there is a journal."""
+        self._internal.note_in_journal(note)
 
     # --- the picture ----------------------------------------------------------------------
 

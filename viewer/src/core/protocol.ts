@@ -321,6 +321,23 @@ export interface SettingsChanged {
   readonly settings: Settings;
 }
 
+/**
+ * Changes of this scan that an earlier session left: how many, when the last (ISO 8601).
+ *
+ * `lost_bytes` at the end of their file are not whole.
+ */
+export interface Offer {
+  readonly steps: number;
+  readonly when: string;
+  readonly lost_bytes: number;
+}
+
+/** What can be brought back; null once somebody has decided, or where there is nothing. */
+export interface Recovery {
+  readonly type: "recovery";
+  readonly offer: Offer | null;
+}
+
 /** A sentence for the person at the page. */
 export interface Notice {
   readonly type: "notice";
@@ -416,6 +433,12 @@ export interface Stroke {
   readonly on: boolean;
 }
 
+/** Brings back what an earlier session left, or keeps it aside and starts afresh. */
+export interface Recover {
+  readonly type: "recover";
+  readonly bring_back: boolean;
+}
+
 /** Takes the last edit back. */
 export interface Undo {
   readonly type: "undo";
@@ -433,6 +456,7 @@ export type ToPage =
   | Segments
   | Changed
   | SettingsChanged
+  | Recovery
   | Notice;
 
 /** A message of the page. */
@@ -449,6 +473,7 @@ export type FromPage =
   | ChangeSettings
   | Tool
   | Stroke
+  | Recover
   | Undo
   | Redo;
 
@@ -798,6 +823,17 @@ const isSettingsChanged = record({
   settings: isSettings,
 });
 
+const isOffer = record({
+  steps: whole(),
+  when: text(),
+  lost_bytes: whole(),
+});
+
+const isRecovery = record({
+  type: oneOf("recovery"),
+  offer: nullable(isOffer),
+});
+
 const isNotice = record({
   type: oneOf("notice"),
   level: oneOf("info", "warning", "error"),
@@ -810,5 +846,6 @@ const TO_PAGE: ReadonlyMap<string, Check> = new Map([
   ["segments", isSegments],
   ["changed", isChanged],
   ["settings_changed", isSettingsChanged],
+  ["recovery", isRecovery],
   ["notice", isNotice],
 ]);

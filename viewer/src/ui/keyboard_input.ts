@@ -65,7 +65,8 @@ export class KeyboardInput {
   }
 
   private press(event: KeyboardEvent): void {
-    if (belongsTo(event.target, event.key)) {
+    // what waits for an answer waits for it alone
+    if (belongsTo(event.target, event.key) || this.session.offer !== null) {
       return;
     }
     if (event.key in moves) {
