@@ -331,9 +331,11 @@ class Changed(Message, frozen=True, tag="changed"):
     """All that edits up to number ``edit`` change in the picture, shown in one and the same frame.
 
     Boxes of voxels are in the order of their edits: of two that overlap, the later one holds.
+    ``applied`` is when the oldest of these edits was applied [s since 1970]; null without one.
     """
 
     edit: int
+    applied: float | None
     voxels: list[ChangedVoxels]
     surfaces: list[SegmentSurface]
 

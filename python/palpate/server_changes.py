@@ -25,7 +25,9 @@ def messages_of(change: dict[str, Any]) -> Iterator[protocol.Changed]:
     first, *others = _parts(changed.surfaces)
     yield msgspec.structs.replace(changed, surfaces=first)
     for surfaces in others:
-        yield protocol.Changed(edit=changed.edit, voxels=[], surfaces=surfaces)
+        yield protocol.Changed(
+            edit=changed.edit, applied=changed.applied, voxels=[], surfaces=surfaces
+        )
 
 
 def _parts(surfaces: list[protocol.SegmentSurface]) -> list[list[protocol.SegmentSurface]]:

@@ -2,6 +2,8 @@
 //!
 //! The keys are the fields of `protocol.Changed`.
 
+use std::time::{SystemTime, UNIX_EPOCH};
+
 use palpate_engine::packed_patch::PackedPatch;
 use palpate_engine::surfaces::{PictureChange, SurfaceChange, VoxelChange};
 use palpate_surface::PatchId;
@@ -27,9 +29,15 @@ pub fn change_dict<'py>(py: Python<'py>, change: &PictureChange) -> PyResult<Bou
         .collect::<PyResult<_>>()?;
     dictionary!(py,
         "edit": change.edit,
+        "applied": change.applied.map(seconds_since_1970),
         "voxels": voxels,
         "surfaces": surfaces,
     )
+}
+
+fn seconds_since_1970(moment: SystemTime) -> f64 {
+    let since = moment.duration_since(UNIX_EPOCH);
+    since.map_or(0.0, |since| since.as_secs_f64())
 }
 
 fn voxels_dict<'py>(py: Python<'py>, voxels: &VoxelChange) -> PyResult<Bound<'py, PyDict>> {

@@ -119,7 +119,7 @@ def test_the_bytes_of_a_patch_are_sent_as_they_are() -> None:
     )
     surface = protocol.SegmentSurface(id=1, whole=True, dropped=[(1, 1, 1)], patches=[patch])
     box = protocol.ChangedVoxels(low=(1, 2, 3), high=(2, 3, 4), stored=b"\x05\xfc", labels=None)
-    changed = protocol.Changed(edit=7, voxels=[box, box], surfaces=[surface])
+    changed = protocol.Changed(edit=7, applied=None, voxels=[box, box], surfaces=[surface])
     sent = msgspec.msgpack.decode(protocol.encode_to_page(changed))
     assert sent["type"] == "changed"
     assert sent["surfaces"][0]["patches"][0]["vertices"] == bytes(range(18))

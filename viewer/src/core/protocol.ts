@@ -307,10 +307,12 @@ export interface SegmentSurface {
  * All that edits up to number `edit` change in the picture, shown in one and the same frame.
  *
  * Boxes of voxels are in the order of their edits: of two that overlap, the later one holds.
+ * `applied` is when the oldest of these edits was applied [s since 1970]; null without one.
  */
 export interface Changed {
   readonly type: "changed";
   readonly edit: number;
+  readonly applied: number | null;
   readonly voxels: readonly ChangedVoxels[];
   readonly surfaces: readonly SegmentSurface[];
 }
@@ -814,6 +816,7 @@ const isSegmentSurface = record({
 const isChanged = record({
   type: oneOf("changed"),
   edit: whole(),
+  applied: nullable(real()),
   voxels: list(isChangedVoxels),
   surfaces: list(isSegmentSurface),
 });

@@ -9,6 +9,19 @@ import { decodeSurface, SurfacePatches, type SurfaceChange, type SurfaceSize } f
 import { decodeVoxels, updateBricks, updateLabels, writeBox, type LabelVolume, type VoxelChange } from "../core/voxel_change";
 import type { Picture } from "../gl/picture";
 
+/** What an edit took on its way [ms]. */
+export interface EditTimes {
+  /** From when the engine applied it, by the clock of its machine, until it arrived. */
+  readonly way: number;
+  /** Until the next frame began: others were drawn meanwhile. */
+  readonly wait: number;
+  /** Until all of it was handed to the GPU. */
+  readonly work: number;
+}
+
+/** Times of edits that are kept. */
+const mostTimes = 1000;
+
 interface Waiting {
   readonly changed: Changed;
   /** As `performance.now()` tells time. */
@@ -42,6 +55,8 @@ export class ShownEdits {
   sizes = $state.raw<ReadonlyMap<number, SurfaceSize>>(this.surfaces.sizes);
   /** From the arrival of the last edit until all of it was handed to the GPU [ms]; null before the first. */
   lastMilliseconds: number | null = null;
+  /** Of the last edits, the newest last. */
+  readonly times: EditTimes[] = [];
   /** Number of the last edit on display; 0 before the first. */
   lastEdit = 0;
 
@@ -67,8 +82,15 @@ export class ShownEdits {
     const edits = this.waiting;
     this.waiting = [];
     for (const { changed, arrived } of edits) {
+      const began = performance.now();
       this.showOne(changed, scan, picture);
-      this.lastMilliseconds = performance.now() - arrived;
+      const ended = performance.now();
+      this.lastMilliseconds = ended - arrived;
+      if (changed.applied !== null) {
+        const ago = Date.now() - 1000 * changed.applied;
+        this.times.push({ way: ago - (ended - arrived), wait: began - arrived, work: ended - began });
+        this.times.splice(0, this.times.length - mostTimes);
+      }
     }
     if (edits.some(({ changed }) => changed.surfaces.length > 0)) {
       this.sizes = this.surfaces.sizes;

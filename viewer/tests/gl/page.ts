@@ -274,7 +274,7 @@ async function edit(test: EditTest): Promise<EditResult> {
     drawn.picture.setSegments(segments);
     return drawn;
   };
-  const changed = (part: Partial<Changed>): Changed => ({ type: "changed", edit: 1, voxels: [], surfaces: [], ...part });
+  const changed = (part: Partial<Changed>): Changed => ({ type: "changed", edit: 1, applied: null, voxels: [], surfaces: [], ...part });
   edits.add(changed({ surfaces: test.before ?? [] }), performance.now());
   edits.show(held, null);
   const drawn = open();

@@ -23,7 +23,7 @@ function labelled(x: number, ids: readonly number[]): ChangedVoxels {
 
 /** Labels 7 in one voxel, or a surface. */
 function changed(edit: number, part: Partial<Changed> = {}): Changed {
-  return { type: "changed", edit, voxels: [labelled(1, [7])], surfaces: [], ...part };
+  return { type: "changed", edit, applied: null, voxels: [labelled(1, [7])], surfaces: [], ...part };
 }
 
 function setUp(download: () => Promise<LabelVolume> = () => Promise.resolve(labelsOf(3))) {
