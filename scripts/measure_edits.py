@@ -15,11 +15,13 @@ from pathlib import Path
 
 from browser import Browser, browser, palpate
 
-SIZE = {"width": 1280, "height": 800}
-"""Size of the browser's window [pixels]."""
+SIZE = {"width": 960, "height": 400}
+"""Size of the browser's window [pixels]: small, so that drawing in software leaves time to the rest."""
 SECONDS = 15.0
 RADIUS = 4.0
 """Of the eraser [mm], the page's own choice."""
+CIRCLE = 15.0
+"""Radius of the circles in which it is led [mm]."""
 
 
 def press(page: Browser, *, on: bool) -> None:
@@ -29,16 +31,25 @@ def press(page: Browser, *, on: bool) -> None:
 
 
 def erase(page: Browser) -> None:
-    """Leads the eraser to and fro through the scan's middle, ever deeper."""
-    x, y, z = page.read("window.palpate.camera.target")
-    page.do("doubleClick", x=SIZE["width"] / 2 - 280, y=SIZE["height"] / 2 - 120)
+    """Leads the eraser in circles over what stands in the picture's middle, ever deeper."""
+    middle = page.read(
+        "(({x, y, width, height}) => [width / 2, height / 2])"
+        "(document.querySelector('[data-testid=canvas]').getBoundingClientRect())"
+    )
+    seen = page.read(f"window.palpate.pick({middle[0]}, {middle[1] - 60}).point")
+    right, up, back = page.read("(({right, up, back}) => [right, up, back])(window.palpate.camera)")
+    page.read(f"window.palpate.place({seen})")
     page.do("press", key="e")
     press(page, on=True)
-    ends, step = time.monotonic() + SECONDS, 0
-    while time.monotonic() < ends:
-        angle = step * math.tau / 60.0
-        page.read(f"window.palpate.hand({[x + 40.0 * math.sin(angle), y - 60.0 + 0.2 * step, z]})")
-        step += 1
+    began = time.monotonic()
+    while (passed := time.monotonic() - began) < SECONDS:
+        across, along = CIRCLE * math.cos(2.0 * passed), CIRCLE * math.sin(2.0 * passed)
+        deep = 1.0 * passed
+        point = [
+            p + across * r + along * u - deep * b
+            for p, r, u, b in zip(seen, right, up, back, strict=True)
+        ]
+        page.read(f"window.palpate.hand({point})")
     press(page, on=False)
 
 
