@@ -184,9 +184,7 @@ def open_scan(  # noqa: PLR0913  # one per option of the command line
             scene = scene_of(volume, bounds=bounds, label_map=segments, progress=display)
         for warning in volume.warnings:
             warn(warning)
-        show(
-            scene, listener, rate=rate, browser=browser, journalled=journal, recover=recover
-        )
+        show(scene, listener, rate=rate, browser=browser, journalled=journal, recover=recover)
 
 
 @app.command()

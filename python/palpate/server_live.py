@@ -233,7 +233,9 @@ class Live:
 def _offer_of(journal: Journal) -> protocol.Offer | None:
     offer = journal.offer
     return offer and protocol.Offer(
-        steps=offer.steps, when=offer.when.isoformat(timespec="seconds"), lost_bytes=offer.lost_bytes
+        steps=offer.steps,
+        when=offer.when.isoformat(timespec="seconds"),
+        lost_bytes=offer.lost_bytes,
     )
 
 

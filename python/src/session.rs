@@ -301,7 +301,10 @@ impl PySession {
     /// What changed in the picture since the call before.
     fn picture_changes<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
         let changes = self.session.picture_changes();
-        changes.iter().map(|change| change_dict(py, change)).collect()
+        changes
+            .iter()
+            .map(|change| change_dict(py, change))
+            .collect()
     }
 
     /// All surfaces as they are now.
@@ -342,7 +345,12 @@ impl PySession {
         Ok(kept.map(|kept| (kept.steps, kept.ignored_bytes)))
     }
 
-    fn begin_journal(&self, py: Python<'_>, path: PathBuf, scan_hash: [u8; 32]) -> Result<(), CoreError> {
+    fn begin_journal(
+        &self,
+        py: Python<'_>,
+        path: PathBuf,
+        scan_hash: [u8; 32],
+    ) -> Result<(), CoreError> {
         Ok(py.detach(|| self.session.begin_journal(path, ScanHash(scan_hash)))?)
     }
 

@@ -2,10 +2,10 @@
 
 use palpate_engine::frame::Frame;
 use palpate_tools::drill::DrillSettings;
-use palpate_volume::matter::SegmentSet;
 use palpate_tools::specific_energy::SpecificEnergy;
 use palpate_tools::tool::{ToolKind, ToolSettings};
 use palpate_volume::edit::SegmentId;
+use palpate_volume::matter::SegmentSet;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 

@@ -139,7 +139,9 @@ def test_a_file_that_is_no_journal_is_kept_aside(left: Path) -> None:
         journal, told = begun(session, left)
         assert journal.is_running
         assert "kept aside" in told[0]
-        assert sorted(path.read_bytes()[:10] for path in left.rglob("*.journal"))[1] == b"no journal"
+        assert (
+            sorted(path.read_bytes()[:10] for path in left.rglob("*.journal"))[1] == b"no journal"
+        )
 
 
 def test_a_folder_that_cannot_be_written_is_told_of_once_and_work_goes_on(tmp_path: Path) -> None:

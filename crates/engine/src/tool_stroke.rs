@@ -196,7 +196,10 @@ impl ToolStroke {
     pub fn now(&self) -> ToolNow {
         ToolNow {
             kind: self.settings.as_ref().map(|settings| settings.kind),
-            radius: self.settings.as_ref().map_or(0.0, |settings| settings.radius),
+            radius: self
+                .settings
+                .as_ref()
+                .map_or(0.0, |settings| settings.radius),
             on: self.pressed.is_some(),
             report: self.report,
         }
