@@ -161,6 +161,38 @@ fn after_each_random_edit_all_patches_are_those_of_a_fresh_extraction() {
 }
 
 #[test]
+fn a_single_voxel_at_any_distance_from_a_border_changes_all_patches_that_it_can() {
+    let dimensions = UVec3::new(64, 14, 14);
+    let grid = cubes(dimensions);
+    for smoothing in [0, 1, 2, 4] {
+        let mut bits = noise(dimensions, 6, 0.5);
+        let mut surface = surface(&grid, &bits, settings(smoothing));
+        let mut reached = [0, 0];
+        // the border of the two blocks is at sample 32
+        for x in 20..45 {
+            let voxel = IVec3::new(x, 7, 7);
+            let solid = !bits.is_solid(voxel);
+            let dirty = edited(&mut bits, voxel, 0, solid);
+            let changes = surface.update(&VoxelSource::of_bits(&bits), &dirty);
+            let fresh = support::surface(&grid, &bits, settings(smoothing));
+            assert!(shown_of(&surface) == shown_of(&fresh), "{smoothing} {x}");
+            for change in changes {
+                reached[usize::from(change.id.block[0])] += 1;
+            }
+        }
+        // twelve on the own side; beyond it and on it up to the margin, which nothing exceeds
+        let margin = usize::from(smoothing) + 2;
+        assert!(
+            reached[0] <= 13 + margin && reached[1] <= 13 + margin,
+            "{reached:?}"
+        );
+        if smoothing > 0 {
+            assert_eq!(reached, [13 + margin, 12 + margin + 1], "{smoothing}");
+        }
+    }
+}
+
+#[test]
 fn edited_intensities_move_the_surface_as_a_fresh_extraction_has_it() {
     let dimensions = UVec3::new(50, 40, 45);
     let grid = turned_slices(dimensions);
