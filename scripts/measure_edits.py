@@ -16,7 +16,7 @@ from pathlib import Path
 from browser import Browser, browser, palpate
 
 SIZE = {"width": 960, "height": 400}
-"""Size of the browser's window [pixels]: small, so that drawing in software leaves time to the rest."""
+"""Size of the browser's window [pixels]: small, since drawing in software takes all cores."""
 SECONDS = 15.0
 RADIUS = 4.0
 """Of the eraser [mm], the page's own choice."""

@@ -1,4 +1,4 @@
-"""Tools on the page in a real browser: what the mouse erases, what the drill tells, what comes back.
+"""Tools on the page in a real browser: what the mouse erases, what the drill tells, recovery.
 
 The scan is a flat block, written here, as in ``test_browser_touch.py``.
 """

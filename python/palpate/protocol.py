@@ -450,7 +450,7 @@ class ChangeSettings(Message, frozen=True, tag="change_settings"):
 
 
 class Tool(Message, frozen=True, tag="tool"):
-    """Chooses the tool for the next strokes: radius of its ball [mm], segments that it may change."""
+    """Chooses the tool for the next strokes: the radius of its ball [mm], and what it changes."""
 
     kind: ToolKind
     radius: Annotated[float, msgspec.Meta(gt=0.0, le=50.0)]
