@@ -75,7 +75,7 @@ def make_app(
     Recordings are those of ``recorder``; what ``journal`` offers, pages are asked about.
     """
     kept = Recorder(session) if recorder is None else recorder
-    live = Live(session, hello_of(session), kept, journal)
+    live = Live(session, hello_of(session), kept, journal=journal)
 
     @asynccontextmanager
     async def lifespan(_: Starlette) -> AsyncIterator[None]:

@@ -41,6 +41,7 @@ class Live:
         session: Session,
         hello: protocol.Hello,
         recorder: Recorder,
+        *,
         journal: Journal | None = None,
     ) -> None:
         """Shows a session; ``hello`` is what each page is told first."""
@@ -232,11 +233,10 @@ class Live:
 
 def _offer_of(journal: Journal) -> protocol.Offer | None:
     offer = journal.offer
-    return offer and protocol.Offer(
-        steps=offer.steps,
-        when=offer.when.isoformat(timespec="seconds"),
-        lost_bytes=offer.lost_bytes,
-    )
+    if offer is None:
+        return None
+    when = offer.when.isoformat(timespec="seconds")
+    return protocol.Offer(steps=offer.steps, when=when, lost_bytes=offer.lost_bytes)
 
 
 async def _receive(websocket: WebSocket) -> bytes:
