@@ -118,7 +118,8 @@ class Segment(msgspec.Struct, frozen=True):
     ``range`` holds the threshold (low, high) while the segment is just that threshold;
     null where its voxels come from elsewhere: then they stand in ``/api/labels`` under
     the segment's ``id`` (1..255). ``pose`` takes the segment from where the scan has it to
-    where it stands; null where it was not moved. ``opacity``, ``smoothing`` and
+    where it stands; null where it was not moved. ``bounds`` are the voxels of the scan that
+    hold it, half open; null where it is empty. ``opacity``, ``smoothing`` and
     ``wireframe`` are those of its surface.
     """
 
@@ -133,10 +134,18 @@ class Segment(msgspec.Struct, frozen=True):
     pending: bool
     feel: Feel
     pose: Pose | None
+    bounds: tuple[GridPlace, GridPlace] | None
     shown_as: ShownAs
     opacity: Share
     smoothing: SmoothingDegree
     wireframe: bool
+
+
+class MovedPose(msgspec.Struct, frozen=True):
+    """Where a moved segment stands by now: ``Segment.pose`` is where it was asked to go."""
+
+    id: SegmentId
+    pose: Pose
 
 
 class Settings(msgspec.Struct, frozen=True):
@@ -225,7 +234,8 @@ class State(Message, frozen=True, tag="state"):
     rows (time, force x, force y, force z). ``contact_point`` is where the force comes from:
     on the smooth surface, beside ``proxy``, which no solid voxel holds; ``normal`` points out
     of the surface there, and is zero without contact. ``probe_radius`` is what the probe has
-    [mm]: less than the settings' where there is no room for it. ``recording`` says since how
+    [mm]: less than the settings' where there is no room for it. ``poses`` says where moved
+    segments stand by now, ``grabbed`` which segment is in the hand, 0 for none. ``recording`` says since how
     long every input of the servo is kept [s].
     """
 
@@ -242,6 +252,8 @@ class State(Message, frozen=True, tag="state"):
     depth: float
     touched: int
     probe_radius: float
+    poses: list[MovedPose]
+    grabbed: int
     pending: int
     can_undo: bool
     can_redo: bool
@@ -381,6 +393,27 @@ class MoveSegment(Message, frozen=True, tag="move_segment"):
     pose: Pose
 
 
+class Grab(Message, frozen=True, tag="grab"):
+    """Takes a segment in the hand, null lets go of it; ``collides`` stops it at the others."""
+
+    id: SegmentId | None
+    collides: bool
+
+
+class TurnGrabbed(Message, frozen=True, tag="turn_grabbed"):
+    """Turns the segment in the hand about the probe by a rotation vector [rad]."""
+
+    rotation: Vector
+
+
+class CutSegment(Message, frozen=True, tag="cut_segment"):
+    """Parts a segment by the plane through a point; what lies before it is a new segment."""
+
+    id: SegmentId
+    point: Vector
+    normal: Vector
+
+
 class RecordSession(Message, frozen=True, tag="record"):
     """Begins to keep every input of the servo, or ends it: the file is at ``/api/recording``."""
 
@@ -415,6 +448,9 @@ FromPage = (
     | SegmentProperties
     | SegmentFeel
     | MoveSegment
+    | Grab
+    | TurnGrabbed
+    | CutSegment
     | RecordSession
     | RemoveSegment
     | ChangeSettings

@@ -94,6 +94,8 @@ class Live:
         versions = [frame.pop(f"{kind}_version") for kind in ("segments", "voxels")]
         if self.segments.refresh(versions[0], voxels_version=versions[1], pending=frame["pending"]):
             self._tell(self.segments.message)
+            for text in self.segments.take_notices():
+                self._tell(protocol.Notice(level="info", text=text))
         for change in self.session.picture_changes():
             for message in messages_of(change):
                 self._tell(message)
@@ -149,6 +151,12 @@ class Live:
                 self.segments.change(message)
             case protocol.MoveSegment(segment_id, pose):
                 self.session.move_segment(segment_id, np.reshape(pose, (4, 4)))
+            case protocol.Grab(segment_id, collides):
+                self.session.grab(segment_id, collides=collides)
+            case protocol.TurnGrabbed(rotation):
+                self.session.turn_grabbed(rotation)
+            case protocol.CutSegment(segment_id, point, normal):
+                self.segments.cut(segment_id, point, normal)
             case protocol.SegmentFeel(segment_id, feel):
                 self.session.set_feel(segment_id, **msgspec.structs.asdict(feel))
             case protocol.RemoveSegment(segment_id):

@@ -138,6 +138,8 @@ impl Picture {
             depth: latest.depth,
             touched: if latest.contact { status.touched } else { 0 },
             probe_radius: status.probe_radius,
+            poses: status.poses.into_iter().flatten().collect(),
+            grabbed: status.grabbed,
             pending: status.pending,
             can_undo: status.can_undo,
             can_redo: status.can_redo,

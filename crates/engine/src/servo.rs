@@ -406,6 +406,9 @@ impl ServoLoop {
             time: inputs.time,
             normal: output.normal,
             sent_force: sent_in_device.length(),
+            poses: self.state.poses.current(),
+            axes: self.state.mapping.rotation,
+            orientation: inputs.orientation,
         });
     }
 

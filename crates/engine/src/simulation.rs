@@ -22,7 +22,9 @@ use palpate_volume::voxels::{Voxels, VoxelsError};
 use crate::error::SessionError;
 use crate::feel::Feel;
 use crate::frame::Notice;
+use crate::grip::Grip;
 use crate::handover::{ServoCommand, SimulationChannels};
+use crate::moved_poses::CurrentPoses;
 use crate::placement::{REACH, free_point};
 use crate::scene::{Properties, Scene, Step, ThresholdRange};
 use crate::scene_news::SceneNews;
@@ -31,6 +33,7 @@ use crate::tape::{MAX_TAPE_BYTES, TapeRecorder};
 use crate::tool_stroke::ToolStroke;
 use crate::touch_sender::{TouchSender, touchable_of};
 
+mod objects;
 pub mod recovery;
 mod tools;
 
@@ -43,6 +46,10 @@ pub struct SimulationStatus {
     pub touched: u8,
     /// Radius that the probe has [mm]: less than the settings', where there is no room for it.
     pub probe_radius: f64,
+    /// Where moved segments stand by now.
+    pub poses: CurrentPoses,
+    /// The segment that follows the probe; 0 where none does.
+    pub grabbed: u8,
     /// Changes that touch does not follow yet.
     pub pending: usize,
     /// Whether there is a change to take back.
@@ -62,6 +69,8 @@ pub struct SegmentState {
     pub id: SegmentId,
     /// Solid voxels.
     pub voxels: u64,
+    /// A box that just holds them; none where there are none.
+    pub bounds: Option<VoxelBox>,
     /// Whether it is an obstacle.
     pub touchable: bool,
     /// Whether touch does not follow its newest voxels yet.
@@ -87,6 +96,7 @@ pub struct Simulation {
     scene: Scene,
     journal: UndoJournal<Step>,
     stroke: ToolStroke,
+    grip: Option<Grip>,
     file: Option<JournalFile>,
     touch: TouchSender,
     status: triple_buffer::Input<SimulationStatus>,
@@ -118,6 +128,7 @@ impl Simulation {
             scene,
             journal: UndoJournal::default(),
             stroke: ToolStroke::default(),
+            grip: None,
             file: None,
             touch: TouchSender::new(channels, settings.probe_radius),
             status,
@@ -155,6 +166,7 @@ impl Simulation {
             .map(|(id, segment, properties)| SegmentState {
                 id,
                 voxels: segment.count(),
+                bounds: segment.bounding_box(),
                 touchable: properties.touchable,
                 pending: self.touch.is_pending(id),
                 range: properties.range,
@@ -167,6 +179,7 @@ impl Simulation {
     /// One pass: exchanges with the servo and publishes what is shown.
     pub fn step(&mut self) {
         self.touch.exchange(&self.scene);
+        self.advance_grip();
         self.advance_tool();
         self.tell_of_held_changes();
         self.tell_of_refused_places();
@@ -247,6 +260,7 @@ impl Simulation {
     /// # Errors
     /// Where there is no such segment.
     pub fn remove_segment(&mut self, id: SegmentId) -> Result<(), SessionError> {
+        self.let_go();
         self.change(Step::Remove { id })
     }
 
@@ -256,7 +270,7 @@ impl Simulation {
     /// Where there is no such segment.
     pub fn set_touchable(&mut self, id: SegmentId, touchable: bool) -> Result<(), SessionError> {
         if self.scene.set_touchable(id, touchable)? {
-            let change = crate::scene::TouchChange::All(id);
+            let change = crate::scene::TouchChange::All(vec![id]);
             self.touch.send_change(&self.scene, &change);
             self.publish();
         }
@@ -305,6 +319,7 @@ impl Simulation {
     /// Where the pose is no rigid motion, there is no such segment, or too many are moved.
     pub fn move_segment(&mut self, id: SegmentId, pose: DAffine3) -> Result<(), SessionError> {
         self.check_pose(pose)?;
+        self.let_go();
         let before = self.scene.properties_of(id).pose;
         if before.is_none_or(|before| before == DAffine3::IDENTITY) {
             self.check_room_for_moved()?;
@@ -350,6 +365,7 @@ impl Simulation {
     /// # Errors
     /// Never, unless the journal is wrong.
     pub fn undo(&mut self) -> Result<bool, SessionError> {
+        self.let_go();
         self.close_step();
         let Some(step) = self.journal.pop_undo() else {
             return Ok(false);
@@ -366,6 +382,7 @@ impl Simulation {
     /// # Errors
     /// Never, unless the journal is wrong.
     pub fn redo(&mut self) -> Result<bool, SessionError> {
+        self.let_go();
         self.close_step();
         let Some(step) = self.journal.pop_redo() else {
             return Ok(false);
@@ -445,7 +462,7 @@ impl Simulation {
         let (inverse, change) = self.scene.perform(step)?;
         self.touch.send_change(&self.scene, &change);
         self.segments_version += 1;
-        if let Some(news) = SceneNews::of(&inverse, &self.scene, &self.labelled) {
+        for news in SceneNews::of(&inverse, &self.scene, &self.labelled) {
             self.voxels_version += u64::from(news.needs_labels());
             self.tell_picture(news);
         }
@@ -482,7 +499,7 @@ impl Simulation {
         let returns = |id: SegmentId| {
             self.journal
                 .steps()
-                .any(|step| step.inserted() == Some(id) || step.removed() == Some(id))
+                .any(|step| step.needs(id))
         };
         let is_new = |id: &SegmentId| self.voxels().segment(*id).is_none();
         let ids = || (1..=u8::MAX).map(SegmentId).filter(is_new);
@@ -538,6 +555,8 @@ impl Simulation {
             edit: self.voxels().edit_number(),
             touched: self.touch.status().touched,
             probe_radius: self.touch.status().radius,
+            poses: self.current_poses(),
+            grabbed: self.grip.as_ref().map_or(0, |grip| grip.id().0),
             pending: self.touch.pending(),
             can_undo: self.journal.can_undo() || self.stroke.has_changed(),
             can_redo: self.journal.can_redo(),

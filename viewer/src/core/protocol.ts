@@ -95,7 +95,8 @@ export interface Feel {
  * `range` holds the threshold (low, high) while the segment is just that threshold;
  * null where its voxels come from elsewhere: then they stand in `/api/labels` under
  * the segment's `id` (1..255). `pose` takes the segment from where the scan has it to
- * where it stands; null where it was not moved. `opacity`, `smoothing` and
+ * where it stands; null where it was not moved. `bounds` are the voxels of the scan that
+ * hold it, half open; null where it is empty. `opacity`, `smoothing` and
  * `wireframe` are those of its surface.
  */
 export interface Segment {
@@ -110,6 +111,7 @@ export interface Segment {
   readonly pending: boolean;
   readonly feel: Feel;
   readonly pose: Pose | null;
+  readonly bounds: readonly [GridPlace, GridPlace] | null;
   readonly shown_as: ShownAs;
   readonly opacity: Share;
   readonly smoothing: SmoothingDegree;
@@ -149,6 +151,12 @@ export interface Hello {
   readonly defaults: Settings;
   readonly device: string;
   readonly device_limits: DeviceLimits;
+}
+
+/** Where a moved segment stands by now: `Segment.pose` is where it was asked to go. */
+export interface MovedPose {
+  readonly id: SegmentId;
+  readonly pose: Pose;
 }
 
 /**
@@ -200,7 +208,8 @@ export interface Safety {
  * rows (time, force x, force y, force z). `contact_point` is where the force comes from:
  * on the smooth surface, beside `proxy`, which no solid voxel holds; `normal` points out
  * of the surface there, and is zero without contact. `probe_radius` is what the probe has
- * [mm]: less than the settings' where there is no room for it. `recording` says since how
+ * [mm]: less than the settings' where there is no room for it. `poses` says where moved
+ * segments stand by now, `grabbed` which segment is in the hand, 0 for none. `recording` says since how
  * long every input of the servo is kept [s].
  */
 export interface State {
@@ -218,6 +227,8 @@ export interface State {
   readonly depth: number;
   readonly touched: number;
   readonly probe_radius: number;
+  readonly poses: readonly MovedPose[];
+  readonly grabbed: number;
   readonly pending: number;
   readonly can_undo: boolean;
   readonly can_redo: boolean;
@@ -353,6 +364,27 @@ export interface MoveSegment {
   readonly pose: Pose;
 }
 
+/** Takes a segment in the hand, null lets go of it; `collides` stops it at the others. */
+export interface Grab {
+  readonly type: "grab";
+  readonly id: SegmentId | null;
+  readonly collides: boolean;
+}
+
+/** Turns the segment in the hand about the probe by a rotation vector [rad]. */
+export interface TurnGrabbed {
+  readonly type: "turn_grabbed";
+  readonly rotation: Vector;
+}
+
+/** Parts a segment by the plane through a point; what lies before it is a new segment. */
+export interface CutSegment {
+  readonly type: "cut_segment";
+  readonly id: SegmentId;
+  readonly point: Vector;
+  readonly normal: Vector;
+}
+
 /** Begins to keep every input of the servo, or ends it: the file is at `/api/recording`. */
 export interface RecordSession {
   readonly type: "record";
@@ -399,6 +431,9 @@ export type FromPage =
   | SegmentProperties
   | SegmentFeel
   | MoveSegment
+  | Grab
+  | TurnGrabbed
+  | CutSegment
   | RecordSession
   | RemoveSegment
   | ChangeSettings
@@ -606,6 +641,7 @@ const isSegment = record({
   pending: flag,
   feel: isFeel,
   pose: nullable(isPose),
+  bounds: nullable(tuple(isGridPlace, isGridPlace)),
   shown_as: isShownAs,
   opacity: isShare,
   smoothing: isSmoothingDegree,
@@ -638,6 +674,11 @@ const isHello = record({
   defaults: isSettings,
   device: text(),
   device_limits: isDeviceLimits,
+});
+
+const isMovedPose = record({
+  id: isSegmentId,
+  pose: isPose,
 });
 
 const isRate = record({
@@ -685,6 +726,8 @@ const isState = record({
   depth: real(),
   touched: whole(),
   probe_radius: real(),
+  poses: list(isMovedPose),
+  grabbed: whole(),
   pending: whole(),
   can_undo: flag,
   can_redo: flag,

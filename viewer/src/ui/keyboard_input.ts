@@ -22,6 +22,8 @@ const views: Readonly<Record<string, Letter>> = { "1": "A", "2": "P", "3": "L", 
 /** Speed of the hand while a key is held, and with Alt [pixels per second]. */
 const speed = 60;
 const fineSpeed = 12;
+/** Turn of what the probe holds by one press [rad]. */
+const turnStep = (2 * Math.PI) / 180;
 /** A key that is only touched moves the hand as if held this long [s]. */
 const shortest = 1 / 30;
 
@@ -50,12 +52,19 @@ export class KeyboardInput {
     const aborter = new AbortController();
     const { signal } = aborter;
     window.addEventListener("keydown", this.press.bind(this), { signal });
-    window.addEventListener("keyup", (event) => this.held.delete(event.key), { signal });
+    window.addEventListener("keyup", this.lift.bind(this), { signal });
     window.addEventListener("blur", this.held.clear.bind(this.held), { signal });
     return () => {
       aborter.abort();
       this.held.clear();
     };
+  }
+
+  private lift(event: KeyboardEvent): void {
+    this.held.delete(event.key);
+    if (event.key.toLowerCase() === "g") {
+      this.stage.objects.release();
+    }
   }
 
   private press(event: KeyboardEvent): void {
@@ -122,8 +131,15 @@ export class KeyboardInput {
         this.stage.frameAll();
         return true;
       case "g":
-        this.actions.guarantees();
+        if (shift) {
+          this.actions.guarantees();
+        } else if (!this.stage.objects.holds) {
+          this.stage.objects.grab();
+        }
         return true;
+      case ",":
+      case ".":
+        return this.turnHeld(key === "," ? 1 : -1);
       case "n":
         this.stage.mark({ normal: !this.stage.shown.normal });
         return true;
@@ -153,6 +169,16 @@ export class KeyboardInput {
       default:
         return false;
     }
+  }
+
+  /** Turns what the probe holds in the picture; false where it holds nothing. */
+  private turnHeld(direction: number): boolean {
+    const { camera, objects } = this.stage;
+    if (camera === null || !objects.holds) {
+      return false;
+    }
+    objects.turn(camera.back, direction * turnStep);
+    return true;
   }
 
   private actWithControl(key: string, shift: boolean): boolean {

@@ -56,6 +56,7 @@ export const segment: Segment = {
   pending: false,
   feel: { stiffness: null, friction_static: null, friction_kinetic: null },
   pose: null,
+  bounds: null,
   shown_as: "volume",
   opacity: 1,
   smoothing: 3,
