@@ -68,8 +68,10 @@ pub enum SessionError {
         normal: glam::DVec3,
     },
     /// A cut that parts nothing.
-    #[error("the plane through {point} leaves all of segment {id} on one side; allowed: a plane \
-             with some of it on both")]
+    #[error(
+        "the plane through {point} leaves all of segment {id} on one side; allowed: a plane \
+             with some of it on both"
+    )]
     CutMisses {
         /// Which segment.
         id: u8,

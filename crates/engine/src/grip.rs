@@ -98,7 +98,11 @@ impl Grip {
 
     /// Turns what the hand wants about the probe by a rotation vector [rad].
     pub fn turn(&mut self, rotation: DVec3, status: &ServoStatus) {
-        self.move_wanted(status.proxy, DQuat::from_scaled_axis(rotation), status.proxy);
+        self.move_wanted(
+            status.proxy,
+            DQuat::from_scaled_axis(rotation),
+            status.proxy,
+        );
     }
 
     /// Follows probe and handle to where they are.
@@ -158,43 +162,27 @@ impl HeldSurface {
         }
     }
 
-    /// How far it comes on its way, in steps of a voxel.
+    /// How far it comes on its way in one pass: straight, then what is left of it along axes.
     fn way(&self, grid: &Grid, others: &[Other<'_>], ends: (DAffine3, DAffine3)) -> DAffine3 {
-        let (mut pose, wanted) = ends;
+        let (start, wanted) = ends;
         let middle = grid
             .patient_from_grid()
             .transform_point3((self.bounds.min + self.bounds.max).as_dvec3() / 2.0);
-        let length = |from: &DAffine3, to: &DAffine3| {
-            to.transform_point3(middle) - from.transform_point3(middle)
+        let mut walk = Walk {
+            surface: self,
+            grid,
+            others,
+            middle,
+            pose: start,
+            inside: self.inside(&start, others),
+            tests: 1,
         };
-        let steps = (length(&pose, &wanted).length() / grid.smallest_spacing()).ceil();
-        let Ok(mut motion) = PoseMotion::new(grid, self.bounds, pose, wanted, steps as u32) else {
-            return pose;
-        };
-        let mut inside = self.inside(&pose, others);
-        let mut tests = 1;
-        while !motion.is_done() && tests < MOST_TESTS {
-            let next = motion.next_pose();
-            let step = length(&pose, &next);
-            let parts = ALONG.map(|axes| DAffine3::from_translation(step * axes) * pose);
-            let mut tried = std::iter::once(next).chain(parts);
-            let free = tried.find_map(|candidate| {
-                tests += 1;
-                let within = self.inside(&candidate, others);
-                (tests <= MOST_TESTS + 1 && within <= inside).then_some((candidate, within))
-            });
-            let Some((candidate, within)) = free else {
-                break;
-            };
-            let slid = candidate != next;
-            (pose, inside) = (candidate, within);
-            if slid {
-                // the rest of the way begins elsewhere now
-                break;
-            }
-            motion.advance();
+        walk.go(wanted);
+        for axes in ALONG {
+            let left = wanted.transform_point3(middle) - walk.pose.transform_point3(middle);
+            walk.go(DAffine3::from_translation(left * axes) * walk.pose);
         }
-        pose
+        walk.pose
     }
 
     /// Surface voxels whose middle is inside of another segment.
@@ -210,6 +198,42 @@ impl HeldSurface {
                 self.middles.iter().filter(within).count()
             })
             .sum()
+    }
+}
+
+/// A way in steps of a voxel, none of which brings more of the surface into others.
+struct Walk<'a> {
+    surface: &'a HeldSurface,
+    grid: &'a Grid,
+    others: &'a [Other<'a>],
+    middle: DVec3,
+    pose: DAffine3,
+    inside: usize,
+    tests: usize,
+}
+
+impl Walk<'_> {
+    /// Goes toward a pose up to the first step that is not free.
+    fn go(&mut self, to: DAffine3) {
+        if to == self.pose {
+            return;
+        }
+        let way = to.transform_point3(self.middle) - self.pose.transform_point3(self.middle);
+        let steps = (way.length() / self.grid.smallest_spacing()).ceil() as u32;
+        let motion = PoseMotion::new(self.grid, self.surface.bounds, self.pose, to, steps);
+        let Ok(mut motion) = motion else {
+            return;
+        };
+        while !motion.is_done() && self.tests < MOST_TESTS {
+            let next = motion.next_pose();
+            let inside = self.surface.inside(&next, self.others);
+            self.tests += 1;
+            if inside > self.inside {
+                return;
+            }
+            (self.pose, self.inside) = (next, inside);
+            motion.advance();
+        }
     }
 }
 

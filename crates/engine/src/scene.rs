@@ -266,8 +266,7 @@ impl Scene {
 
     /// All obstacles with their properties, by rising number.
     pub fn obstacles(&self) -> impl Iterator<Item = (SegmentId, &Segment, Properties)> {
-        self.segments()
-            .filter(|(id, _, _)| self.is_obstacle(*id))
+        self.segments().filter(|(id, _, _)| self.is_obstacle(*id))
     }
 
     /// All obstacles, by rising number, with copies of their directories of bricks.
@@ -467,11 +466,7 @@ impl Scene {
     }
 
     fn bricks_to_touch(&self, edit: &Edit) -> TouchChange {
-        let touched = || {
-            edit.segments
-                .iter()
-                .filter(|(id, _)| self.is_obstacle(*id))
-        };
+        let touched = || edit.segments.iter().filter(|(id, _)| self.is_obstacle(*id));
         let mut bricks: Vec<u32> = touched()
             .flat_map(|(_, swaps)| swaps.iter().map(|swap| swap.index))
             .collect();

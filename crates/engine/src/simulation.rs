@@ -496,11 +496,7 @@ impl Simulation {
 
     /// The lowest number that no segment has and no undo or redo would bring back.
     fn free_id(&self) -> Result<SegmentId, VoxelsError> {
-        let returns = |id: SegmentId| {
-            self.journal
-                .steps()
-                .any(|step| step.needs(id))
-        };
+        let returns = |id: SegmentId| self.journal.steps().any(|step| step.needs(id));
         let is_new = |id: &SegmentId| self.voxels().segment(*id).is_none();
         let ids = || (1..=u8::MAX).map(SegmentId).filter(is_new);
         ids()

@@ -85,10 +85,8 @@ impl Simulation {
         };
         self.change(Step::Several(vec![replaced, inserted]))?;
         // the new one feels alike
-        self.touch.send(crate::handover::ServoCommand::Feel(
-            new_id,
-            properties.feel,
-        ));
+        self.touch
+            .send(crate::handover::ServoCommand::Feel(new_id, properties.feel));
         Ok(new_id)
     }
 
