@@ -332,7 +332,20 @@ class Notice(Message, frozen=True, tag="notice"):
     text: str
 
 
-ToPage = Hello | State | Segments | Changed | SettingsChanged | Notice
+class Gap(Message, frozen=True, tag="gap"):
+    """The gap from the surface of segment ``id`` to segment ``other``, as they stand by now.
+
+    ``minimum`` and ``mean`` [mm], ``overlap`` [mm³]; null where one of them is gone or empty.
+    """
+
+    id: SegmentId
+    other: SegmentId
+    minimum: float | None
+    mean: float | None
+    overlap: float | None
+
+
+ToPage = Hello | State | Segments | Changed | SettingsChanged | Notice | Gap
 
 # --- page -> engine -------------------------------------------------------------------
 
@@ -414,6 +427,12 @@ class CutSegment(Message, frozen=True, tag="cut_segment"):
     normal: Vector
 
 
+class WatchGap(Message, frozen=True, tag="watch_gap"):
+    """Has the gap between two segments measured while they move; null ends that."""
+
+    pair: tuple[SegmentId, SegmentId] | None
+
+
 class RecordSession(Message, frozen=True, tag="record"):
     """Begins to keep every input of the servo, or ends it: the file is at ``/api/recording``."""
 
@@ -451,6 +470,7 @@ FromPage = (
     | Grab
     | TurnGrabbed
     | CutSegment
+    | WatchGap
     | RecordSession
     | RemoveSegment
     | ChangeSettings

@@ -17,6 +17,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from palpate import protocol
 from palpate.errors import PalpateError
 from palpate.server_changes import messages_of
+from palpate.server_gap import GapWatch
 from palpate.server_outbox import Outbox
 from palpate.server_recording import Recorder
 from palpate.server_segments import ShownSegments
@@ -44,15 +45,19 @@ class Live:
         self._outboxes: set[Outbox] = set()
         self._thresholds = ThresholdJobs(self._make_threshold)
         self._from_threads: SimpleQueue[protocol.ToPage] = SimpleQueue()
+        self._gaps = GapWatch(session, self._from_threads.put)
+        self._scene_of_now: object = None
 
     async def run(self) -> None:
         """Tells all pages what is, until it is cancelled or the session ends by itself."""
         worker = asyncio.create_task(self._thresholds.run())
+        gaps = asyncio.create_task(self._gaps.run(lambda: self._scene_of_now))
         try:
             while self._tell_state():
                 await asyncio.sleep(1.0 / (STATES_HZ if self._outboxes else IDLE_HZ))
         finally:
             worker.cancel()
+            gaps.cancel()
 
     async def serve(self, websocket: WebSocket) -> None:
         """Serves one page until it leaves."""
@@ -73,6 +78,11 @@ class Live:
             pass
         finally:
             self._outboxes.discard(outbox)
+            if not self._outboxes:
+                # nobody looks at the gap any more, nor lets go of what is in the hand
+                self._gaps.choose(None)
+                with suppress(PalpateError, RuntimeError):
+                    await asyncio.to_thread(self.session.grab, None)
             sender.cancel()
 
     # --- to pages -------------------------------------------------------------------------
@@ -91,6 +101,7 @@ class Live:
         if not self.session.is_running:
             self._tell(protocol.Notice(level="error", text="the session has ended: start it again"))
             return False
+        self._scene_of_now = (frame["edit"], frame["poses"])
         versions = [frame.pop(f"{kind}_version") for kind in ("segments", "voxels")]
         if self.segments.refresh(versions[0], voxels_version=versions[1], pending=frame["pending"]):
             self._tell(self.segments.message)
@@ -138,6 +149,8 @@ class Live:
                 self._record(on=on)
             case protocol.ChangeSettings(settings):
                 self._change_settings(settings)
+            case protocol.WatchGap(pair):
+                self._gaps.choose(pair)
             case protocol.Undo():
                 self.session.undo()
             case protocol.Redo():

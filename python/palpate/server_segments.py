@@ -48,7 +48,7 @@ class ShownSegments:
         """Takes the looks from the session's scene."""
         self._session = session
         self._looks = {
-            segment_id: Look(shown.name, shown.colour, shown.visible)
+            segment_id: Look(shown.name, shown.colour, shown.visible, shown.shown_as)
             for segment_id, shown in zip(session.ids, session.scene, strict=True)
         }
         self._lock = Lock()
@@ -57,6 +57,9 @@ class ShownSegments:
         self._looks_version = 0
         self._labels_key: Any = None
         self._labels = 0
+        for segment_id, look in self._looks.items():
+            if (smoothing := _surface_of(look)) is not None:
+                session.show_surface(segment_id, smoothing=smoothing)
         self.message = self._make_message(0)
 
     def refresh(self, segments_version: int, *, voxels_version: int, pending: int) -> bool:

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from palpate import _core
 from palpate.errors import OptionError
+from palpate.gap import Gap
 from palpate.package_version import package_version
 from palpate.recording import Recording
 from palpate.recording_file import FORMAT, VERSION, About, AboutScan, AboutSegment
@@ -225,6 +226,15 @@ class Session:
         """
         with _given():
             return self._internal.cut(segment_id, _triple(point), _triple(normal))
+
+    def gap(self, segment_id: int, other_id: int) -> Gap:
+        """Measures the gap from the surface of one segment to another, where both stand by now.
+
+        Raises:
+            OptionError: There is no such segment, or one of them is empty.
+        """
+        with _given():
+            return Gap(*self._internal.gap(segment_id, other_id))
 
     def set_feel(
         self,

@@ -266,6 +266,12 @@ impl PySession {
         Ok(cut?.0)
     }
 
+    /// Minimum and mean distance [mm] of one segment's surface to another, overlap [mm³].
+    fn gap(&self, py: Python<'_>, from_id: u8, to_id: u8) -> Result<Triple, CoreError> {
+        let gap = py.detach(|| self.session.gap(SegmentId(from_id), SegmentId(to_id)))?;
+        Ok((gap.minimum, gap.mean, gap.overlap))
+    }
+
     /// Makes a segment of a threshold of the scan as edited, or gives it to a segment.
     #[pyo3(signature = (low, high, segment_id = None))]
     fn threshold(

@@ -9,6 +9,7 @@
  *   {"do": "screenshot", "path": …, "testid": optional}
  *   {"do": "doubleClick", "x": …, "y": …}                     in pixels of the picture
  *   {"do": "drag", "x": …, "y": …}                            left button held: turns the picture
+ *   {"do": "dragElement", "testid": …, "x": …, "y": …}        a handle in the picture, "from": [x, y] of its middle
  *   {"do": "touch", "x": …, "y": …, "depth": wheel pixels}    Shift held: move by x, y; wheel (< 0 is deeper)
  *   {"do": "wheel", "y": …}                                   over the picture's middle (< 0 is nearer)
  *   {"do": "click", "testid": …}                              {"do": "choose", "testid": …, "value": …} of a list
@@ -76,6 +77,15 @@ const actions = {
   async drag({ x = 0, y = 0, steps = 10 }) {
     const box = await picture().boundingBox();
     const [startX, startY] = [box.x + box.width / 2, box.y + box.height / 2];
+    await page.mouse.move(startX, startY);
+    await page.mouse.down();
+    await page.mouse.move(startX + x, startY + y, { steps });
+    await page.mouse.up();
+    return {};
+  },
+  async dragElement({ testid, x = 0, y = 0, steps = 10, from = [0, 0] }) {
+    const box = await byTestId(testid).boundingBox();
+    const [startX, startY] = [box.x + box.width / 2 + from[0], box.y + box.height / 2 + from[1]];
     await page.mouse.move(startX, startY);
     await page.mouse.down();
     await page.mouse.move(startX + x, startY + y, { steps });

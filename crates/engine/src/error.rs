@@ -67,6 +67,9 @@ pub enum SessionError {
         /// The normal given.
         normal: glam::DVec3,
     },
+    /// A gap from or to nothing.
+    #[error("gap from segment {0} to segment {1}: one of them is empty; allowed: both with voxels")]
+    NoGap(u8, u8),
     /// A cut that parts nothing.
     #[error(
         "the plane through {point} leaves all of segment {id} on one side; allowed: a plane \

@@ -15,6 +15,7 @@ pub mod device_loop;
 pub mod error;
 pub mod feel;
 pub mod frame;
+pub mod gap;
 pub mod grip;
 pub mod handover;
 pub mod known_shares;
@@ -31,6 +32,7 @@ pub mod picture;
 pub mod placement;
 #[cfg(feature = "planted-fault")]
 mod planted_fault;
+pub mod point_tree;
 pub mod priority;
 pub mod probe;
 pub mod rate;

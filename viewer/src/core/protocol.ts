@@ -308,6 +308,20 @@ export interface Notice {
   readonly text: string;
 }
 
+/**
+ * The gap from the surface of segment `id` to segment `other`, as they stand by now.
+ *
+ * `minimum` and `mean` [mm], `overlap` [mm³]; null where one of them is gone or empty.
+ */
+export interface Gap {
+  readonly type: "gap";
+  readonly id: SegmentId;
+  readonly other: SegmentId;
+  readonly minimum: number | null;
+  readonly mean: number | null;
+  readonly overlap: number | null;
+}
+
 /** Where the hand pulls the device to [scene]; latest wins. */
 export interface Hand {
   readonly type: "hand";
@@ -385,6 +399,12 @@ export interface CutSegment {
   readonly normal: Vector;
 }
 
+/** Has the gap between two segments measured while they move; null ends that. */
+export interface WatchGap {
+  readonly type: "watch_gap";
+  readonly pair: readonly [SegmentId, SegmentId] | null;
+}
+
 /** Begins to keep every input of the servo, or ends it: the file is at `/api/recording`. */
 export interface RecordSession {
   readonly type: "record";
@@ -420,7 +440,8 @@ export type ToPage =
   | Segments
   | Changed
   | SettingsChanged
-  | Notice;
+  | Notice
+  | Gap;
 
 /** A message of the page. */
 export type FromPage =
@@ -434,6 +455,7 @@ export type FromPage =
   | Grab
   | TurnGrabbed
   | CutSegment
+  | WatchGap
   | RecordSession
   | RemoveSegment
   | ChangeSettings
@@ -780,6 +802,15 @@ const isNotice = record({
   text: text(),
 });
 
+const isGap = record({
+  type: oneOf("gap"),
+  id: isSegmentId,
+  other: isSegmentId,
+  minimum: nullable(real()),
+  mean: nullable(real()),
+  overlap: nullable(real()),
+});
+
 const TO_PAGE: ReadonlyMap<string, Check> = new Map([
   ["hello", isHello],
   ["state", isState],
@@ -787,4 +818,5 @@ const TO_PAGE: ReadonlyMap<string, Check> = new Map([
   ["changed", isChanged],
   ["settings_changed", isSettingsChanged],
   ["notice", isNotice],
+  ["gap", isGap],
 ]);

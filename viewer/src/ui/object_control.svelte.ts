@@ -15,6 +15,9 @@ export class ObjectControl {
   /** Whether a segment in the hand of the probe stops at others. */
   collides = $state(false);
 
+  /** The segments whose gap is watched. */
+  watched = $state.raw<readonly [number, number] | null>(null);
+
   private sending = false;
   private grabbing = false;
 
@@ -23,6 +26,13 @@ export class ObjectControl {
   /** Where a segment was asked to stand. */
   asked({ id, pose }: Segment): Pose {
     return this.dragged?.id === id ? this.dragged.pose : (pose ?? unmoved);
+  }
+
+  /** Has the gap of a pair measured while it moves, or none. */
+  watch(pair: readonly [number, number] | null): void {
+    this.watched = pair;
+    this.session.gap = null;
+    this.session.send({ type: "watch_gap", pair });
   }
 
   /** Asks for a pose, at most once a frame. */

@@ -8,6 +8,7 @@ import {
   type Changed,
   type DeviceLimits,
   type FromPage,
+  type Gap,
   type Hello,
   type Notice,
   type Scan,
@@ -50,6 +51,8 @@ export class Session {
   live = $state.raw<State | null>(null);
   /** Length of the recording that can be saved [s]; null where there is none. */
   recorded = $state.raw<number | null>(null);
+  /** The gap that is watched; null before it was measured. */
+  gap = $state.raw<Gap | null>(null);
   notices = $state.raw<readonly ShownNotice[]>([]);
   /** How often the engine has refused something. */
   refusals = $state.raw(0);
@@ -178,6 +181,9 @@ export class Session {
         this.answered = message.settings;
         this.answeredAt = performance.now();
         this.settle();
+        break;
+      case "gap":
+        this.gap = message;
         break;
       case "notice":
         this.notify(message.level, message.text);
