@@ -64,7 +64,7 @@ def main(arguments: list[str]) -> None:
     for step, gap in enumerate(gaps[::4]):
         print(f"{0.4 * step:.1f} s: {gap.minimum:5.2f} mm, mean {gap.mean:5.2f} mm")
     print(f"placed: {final.minimum:.2f} mm, mean {final.mean:.2f} mm, carried {-pose[1, 3]:.1f} mm")
-    check(gaps, final, pose, volume)
+    check(gaps[0], final, -pose[1, 3], voxel=max(volume.spacing))
     print("the plate lies on the bone, and not in it")
 
 
@@ -92,17 +92,14 @@ def box_at(middle: np.ndarray) -> Mesh:
     )
 
 
-def check(
-    gaps: list[palpate.Gap], final: palpate.Gap, pose: np.ndarray, volume: palpate.Volume
-) -> None:
+def check(first: palpate.Gap, final: palpate.Gap, carried: float, *, voxel: float) -> None:
     """Checks that the plate came to the bone and not into it."""
-    voxel = max(volume.spacing)
-    assert gaps[0].minimum > DISTANCE - voxel
+    assert first.minimum > DISTANCE - voxel
     # it stops a voxel before it would overlap, and surfaces are right to half a voxel
     assert final.minimum < 1.5 * voxel
     assert final.overlap == 0.0
     # less than the hand went: bone was in the way; and straight
-    assert 0.0 < -pose[1, 3] < 20.0
+    assert 0.0 < carried < 20.0
 
 
 if __name__ == "__main__":

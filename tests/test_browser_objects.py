@@ -113,4 +113,3 @@ def test_a_cut_makes_another_object(page: Browser) -> None:
 def gap(page: Browser) -> float:
     """Returns the minimum that the page shows [mm]."""
     return float(page.text("gap").split()[0])
-

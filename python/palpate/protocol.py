@@ -149,7 +149,7 @@ class MovedPose(msgspec.Struct, frozen=True):
 
 
 class Settings(msgspec.Struct, frozen=True):
-    """What a person can set about touch."""
+    """What a person can set about touch; ``gain`` is scene mm per mm of the device."""
 
     model: Literal["exact", "thesis-original", "thesis-improved"]
     stiffness: Stiffness
@@ -159,6 +159,7 @@ class Settings(msgspec.Struct, frozen=True):
     smoothing: Literal["intensities", "bits", "off"]
     probe_radius: Annotated[float, msgspec.Meta(ge=0.0, le=20.0)]
     force_limit: Annotated[float, msgspec.Meta(gt=0.0, le=40.0)]
+    gain: Annotated[float, msgspec.Meta(ge=0.1, le=10.0)]
 
 
 class Rate(msgspec.Struct, frozen=True):
@@ -205,10 +206,14 @@ class Safety(msgspec.Struct, frozen=True):
 
 
 class DeviceLimits(msgspec.Struct, frozen=True):
-    """What a device bears: settings that ask for more are cut to it."""
+    """What a device bears: settings that ask for more are cut to it.
+
+    ``reach`` is how far it comes from the middle of its workspace [device mm].
+    """
 
     stiffness: Stiffness
     force: float
+    reach: float
 
 
 class Hello(Message, frozen=True, tag="hello"):
@@ -235,7 +240,9 @@ class State(Message, frozen=True, tag="state"):
     on the smooth surface, beside ``proxy``, which no solid voxel holds; ``normal`` points out
     of the surface there, and is zero without contact. ``probe_radius`` is what the probe has
     [mm]: less than the settings' where there is no room for it. ``poses`` says where moved
-    segments stand by now, ``grabbed`` which segment is in the hand, 0 for none. ``recording`` says since how
+    segments stand by now, ``grabbed`` which segment is in the hand, 0 for none.
+    ``clutched`` says that the device moves without the probe, ``device_origin`` is the middle of
+    its workspace. ``recording`` says since how
     long every input of the servo is kept [s].
     """
 
@@ -254,6 +261,8 @@ class State(Message, frozen=True, tag="state"):
     probe_radius: float
     poses: list[MovedPose]
     grabbed: int
+    clutched: bool
+    device_origin: Vector
     pending: int
     can_undo: bool
     can_redo: bool
@@ -369,6 +378,12 @@ class View(Message, frozen=True, tag="view"):
     up: Vector
 
 
+class Clutch(Message, frozen=True, tag="clutch"):
+    """Has the device move without the probe, or with it again."""
+
+    on: bool
+
+
 class Threshold(Message, frozen=True, tag="threshold"):
     """Makes a segment of all voxels with low <= value <= high, or changes segment ``id``."""
 
@@ -463,6 +478,7 @@ FromPage = (
     Hand
     | Place
     | View
+    | Clutch
     | Threshold
     | SegmentProperties
     | SegmentFeel

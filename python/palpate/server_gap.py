@@ -51,6 +51,4 @@ class GapWatch:
             # one of them is gone or empty: there is no gap, and no reason to disturb
             self._tell(protocol.Gap(*pair, minimum=None, mean=None, overlap=None))
             return
-        self._tell(
-            protocol.Gap(*pair, minimum=gap.minimum, mean=gap.mean, overlap=gap.overlap)
-        )
+        self._tell(protocol.Gap(*pair, minimum=gap.minimum, mean=gap.mean, overlap=gap.overlap))

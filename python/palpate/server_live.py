@@ -83,6 +83,7 @@ class Live:
                 self._gaps.choose(None)
                 with suppress(PalpateError, RuntimeError):
                     await asyncio.to_thread(self.session.grab, None)
+                    await asyncio.to_thread(self.session.clutch, on=False)
             sender.cancel()
 
     # --- to pages -------------------------------------------------------------------------
@@ -145,6 +146,8 @@ class Live:
                 self.session.place(point)
             case protocol.View(right, up):
                 self.session.view(right=right, up=up)
+            case protocol.Clutch(on):
+                self.session.clutch(on=on)
             case protocol.RecordSession(on):
                 self._record(on=on)
             case protocol.ChangeSettings(settings):

@@ -116,6 +116,11 @@ class Session:
         """The largest stiffness [N/mm] and force [N] that the device bears."""
         return self._internal.device_limits
 
+    @property
+    def device_reach(self) -> float:
+        """How far from the middle of its workspace the device reaches [device mm]."""
+        return self._internal.device_reach
+
     # --- the hand -------------------------------------------------------------------------
 
     def hand(self, target: Point) -> None:
@@ -152,6 +157,15 @@ class Session:
         """
         with _given():
             return self._internal.settings(asdict(changes or TouchSettings()))
+
+    def clutch(self, *, on: bool) -> None:
+        """Has the device move without the probe, or with it again from where both are then.
+
+        So a device with a small workspace goes on beyond its end. Without the probe it feels
+        nothing.
+        """
+        with _given():
+            self._internal.clutch(on)
 
     # --- segments -------------------------------------------------------------------------
 
@@ -259,7 +273,7 @@ class Session:
         return Segment(internal, name=name, volume=self.scene.volume, range=None)
 
     def segments(self) -> list[dict[str, Any]]:
-        """Lists the segments as they are now: id, voxels, bounds, touchable, pending, range, …"""
+        """Lists the segments as they are now: id, voxels, bounds, touchable, pending, range."""
         return self._internal.segments_state()
 
     def fill_box(

@@ -46,6 +46,8 @@ pub fn frame_dict<'py>(py: Python<'py>, frame: &Frame) -> PyResult<Bound<'py, Py
         "probe_radius": frame.probe_radius,
         "poses": frame.poses.iter().map(|pose| pose_dict(py, *pose)).collect::<PyResult<Vec<_>>>()?,
         "grabbed": frame.grabbed,
+        "clutched": frame.clutched,
+        "device_origin": triple(frame.device_origin),
         "pending": frame.pending,
         "can_undo": frame.can_undo,
         "can_redo": frame.can_redo,

@@ -236,6 +236,16 @@ impl PySession {
         Ok(py.detach(|| self.session.move_segment(SegmentId(segment_id), pose))?)
     }
 
+    fn clutch(&self, py: Python<'_>, on: bool) -> Result<(), CoreError> {
+        Ok(py.detach(|| self.session.clutch(on))?)
+    }
+
+    /// Radius of the ball that the device reaches [device mm].
+    #[getter]
+    fn device_reach(&self) -> f64 {
+        self.session.device_limits().workspace_radius
+    }
+
     /// Takes a segment in the hand, or lets go of the one that is.
     #[pyo3(signature = (segment_id = None, collides = false))]
     fn grab(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from palpate import OptionError, Scene, ScriptedPath, Session, SessionOptions, Volume
+from palpate import OptionError, Scene, ScriptedPath, Session, SessionOptions, TouchSettings, Volume
 
 SPACING = (1.0, 1.0, 1.5)
 SHAPE = (40, 48, 48)
@@ -62,8 +62,8 @@ def test_a_session_with_a_grabbed_segment_is_replayed_bit_for_bit() -> None:
     path = (
         ScriptedPath(start)
         .move(above, seconds=0.3)
-        .move(above + [6.0, 0.0, 0.0], seconds=0.3)
-        .move(above + [14.0, 2.0, -8.0], seconds=0.5)
+        .move(above + np.array([6.0, 0.0, 0.0]), seconds=0.3)
+        .move(above + np.array([14.0, 2.0, -8.0]), seconds=0.5)
         .hold(0.3)
     )
     with Session(balls(), device=path, options=OFFLINE) as session:
@@ -111,3 +111,28 @@ def test_what_cannot_be_grabbed_is_refused() -> None:
             session.grab(7)
         with pytest.raises(OptionError, match="turn"):
             session.turn_grabbed((float("nan"), 0.0, 0.0))
+
+
+def test_a_session_with_gain_and_clutch_is_replayed_bit_for_bit() -> None:
+    start = np.array([14.0, 24.0, 45.0])
+    path = ScriptedPath(start).move(start - np.array([0.0, 0.0, 8.0]), seconds=0.6).hold(0.4)
+    with Session(balls(), device=path, options=OFFLINE) as session:
+        session.start_recording()
+        session.let_pass(0.1)
+        held = session.settings(TouchSettings(gain=0.5))
+        assert held["gain"] == 0.5
+        session.let_pass(0.2)
+        session.clutch(on=True)
+        session.let_pass(0.2)
+        assert session.frame()["clutched"]
+        session.clutch(on=False)
+        session.let_pass(0.5)
+        recording = session.stop_recording()
+    # 8 mm of the device, half of them from 0.1 s on, none from 0.3 s to 0.5 s
+    expected = 45.0 - 8.0 / 6.0 - 0.5 * 8.0 / 3.0 - 0.5 * 8.0 / 6.0
+    assert recording.positions[-1][2] == pytest.approx(expected, abs=0.3)
+    assert recording.replay().is_equal
+    with Session(balls(), options=OFFLINE) as session:
+        for gain in (0.0, 11.0, float("nan")):
+            with pytest.raises(OptionError, match="gain"):
+                session.settings(TouchSettings(gain=gain))

@@ -156,6 +156,10 @@ pub struct Frame {
     pub poses: Vec<(u8, DAffine3)>,
     /// The segment that follows the probe; 0 where none does.
     pub grabbed: u8,
+    /// Whether the device moves without the probe.
+    pub clutched: bool,
+    /// The middle of the device's workspace.
+    pub device_origin: DVec3,
     /// Changes of the voxels that touch does not follow yet.
     pub pending: usize,
     /// Whether there is an edit to take back.

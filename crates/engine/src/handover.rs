@@ -92,6 +92,8 @@ pub enum ServoCommand {
     },
     /// Turns the axes in which the device moves the probe.
     Turn(DMat3),
+    /// Has the device move without the probe, or with it again.
+    Clutch(bool),
     /// New settings.
     Settings(Settings),
     /// Where a moved segment is to go, a rigid motion [mm].
@@ -199,6 +201,8 @@ pub struct ServoStatus {
     pub axes: DMat3,
     /// `device_from_handle`.
     pub orientation: DQuat,
+    /// The middle of the device's workspace in the scene [mm].
+    pub origin: DVec3,
 }
 
 /// Servo → picture: one tick.

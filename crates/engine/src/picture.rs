@@ -140,6 +140,8 @@ impl Picture {
             probe_radius: status.probe_radius,
             poses: status.poses.into_iter().flatten().collect(),
             grabbed: status.grabbed,
+            clutched: status.clutched,
+            device_origin: status.device_origin,
             pending: status.pending,
             can_undo: status.can_undo,
             can_redo: status.can_redo,

@@ -50,6 +50,10 @@ pub struct SimulationStatus {
     pub poses: CurrentPoses,
     /// The segment that follows the probe; 0 where none does.
     pub grabbed: u8,
+    /// Whether the device moves without the probe.
+    pub clutched: bool,
+    /// The middle of the device's workspace in the scene [mm].
+    pub device_origin: DVec3,
     /// Changes that touch does not follow yet.
     pub pending: usize,
     /// Whether there is a change to take back.
@@ -97,6 +101,7 @@ pub struct Simulation {
     journal: UndoJournal<Step>,
     stroke: ToolStroke,
     grip: Option<Grip>,
+    clutched: bool,
     file: Option<JournalFile>,
     touch: TouchSender,
     status: triple_buffer::Input<SimulationStatus>,
@@ -129,6 +134,7 @@ impl Simulation {
             journal: UndoJournal::default(),
             stroke: ToolStroke::default(),
             grip: None,
+            clutched: false,
             file: None,
             touch: TouchSender::new(channels, settings.probe_radius),
             status,
@@ -434,6 +440,15 @@ impl Simulation {
         self.touch.send(ServoCommand::Turn(rotation));
     }
 
+    /// Has the device move without the probe, or with it again from where both are then.
+    pub fn clutch(&mut self, on: bool) {
+        if self.clutched != on {
+            self.clutched = on;
+            self.touch.send(ServoCommand::Clutch(on));
+            self.publish();
+        }
+    }
+
     /// Takes new settings, as far as the device bears them; gives those that hold.
     ///
     /// # Errors
@@ -553,6 +568,8 @@ impl Simulation {
             probe_radius: self.touch.status().radius,
             poses: self.current_poses(),
             grabbed: self.grip.as_ref().map_or(0, |grip| grip.id().0),
+            clutched: self.clutched,
+            device_origin: self.touch.status().origin,
             pending: self.touch.pending(),
             can_undo: self.journal.can_undo() || self.stroke.has_changed(),
             can_redo: self.journal.can_redo(),

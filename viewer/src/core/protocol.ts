@@ -118,7 +118,7 @@ export interface Segment {
   readonly wireframe: boolean;
 }
 
-/** What a person can set about touch. */
+/** What a person can set about touch; `gain` is scene mm per mm of the device. */
 export interface Settings {
   readonly model: "exact" | "thesis-original" | "thesis-improved";
   readonly stiffness: Stiffness;
@@ -128,12 +128,18 @@ export interface Settings {
   readonly smoothing: "intensities" | "bits" | "off";
   readonly probe_radius: number;
   readonly force_limit: number;
+  readonly gain: number;
 }
 
-/** What a device bears: settings that ask for more are cut to it. */
+/**
+ * What a device bears: settings that ask for more are cut to it.
+ *
+ * `reach` is how far it comes from the middle of its workspace [device mm].
+ */
 export interface DeviceLimits {
   readonly stiffness: Stiffness;
   readonly force: number;
+  readonly reach: number;
 }
 
 /**
@@ -209,7 +215,9 @@ export interface Safety {
  * on the smooth surface, beside `proxy`, which no solid voxel holds; `normal` points out
  * of the surface there, and is zero without contact. `probe_radius` is what the probe has
  * [mm]: less than the settings' where there is no room for it. `poses` says where moved
- * segments stand by now, `grabbed` which segment is in the hand, 0 for none. `recording` says since how
+ * segments stand by now, `grabbed` which segment is in the hand, 0 for none.
+ * `clutched` says that the device moves without the probe, `device_origin` is the middle of
+ * its workspace. `recording` says since how
  * long every input of the servo is kept [s].
  */
 export interface State {
@@ -229,6 +237,8 @@ export interface State {
   readonly probe_radius: number;
   readonly poses: readonly MovedPose[];
   readonly grabbed: number;
+  readonly clutched: boolean;
+  readonly device_origin: Vector;
   readonly pending: number;
   readonly can_undo: boolean;
   readonly can_redo: boolean;
@@ -341,6 +351,12 @@ export interface View {
   readonly up: Vector;
 }
 
+/** Has the device move without the probe, or with it again. */
+export interface Clutch {
+  readonly type: "clutch";
+  readonly on: boolean;
+}
+
 /** Makes a segment of all voxels with low <= value <= high, or changes segment `id`. */
 export interface Threshold {
   readonly type: "threshold";
@@ -448,6 +464,7 @@ export type FromPage =
   | Hand
   | Place
   | View
+  | Clutch
   | Threshold
   | SegmentProperties
   | SegmentFeel
@@ -679,11 +696,13 @@ const isSettings = record({
   smoothing: oneOf("intensities", "bits", "off"),
   probe_radius: real({ ge: 0, le: 20 }),
   force_limit: real({ gt: 0, le: 40 }),
+  gain: real({ ge: 0.1, le: 10 }),
 });
 
 const isDeviceLimits = record({
   stiffness: isStiffness,
   force: real(),
+  reach: real(),
 });
 
 const isHello = record({
@@ -750,6 +769,8 @@ const isState = record({
   probe_radius: real(),
   poses: list(isMovedPose),
   grabbed: whole(),
+  clutched: flag,
+  device_origin: isVector,
   pending: whole(),
   can_undo: flag,
   can_redo: flag,

@@ -53,17 +53,25 @@ export class KeyboardInput {
     const { signal } = aborter;
     window.addEventListener("keydown", this.press.bind(this), { signal });
     window.addEventListener("keyup", this.lift.bind(this), { signal });
-    window.addEventListener("blur", this.held.clear.bind(this.held), { signal });
+    window.addEventListener("blur", this.liftAll.bind(this), { signal });
     return () => {
       aborter.abort();
-      this.held.clear();
+      this.liftAll();
     };
+  }
+
+  /** The page sees no key any more. */
+  private liftAll(): void {
+    this.held.clear();
+    this.hand.clutch(false);
   }
 
   private lift(event: KeyboardEvent): void {
     this.held.delete(event.key);
     if (event.key.toLowerCase() === "g") {
       this.stage.objects.release();
+    } else if (event.key.toLowerCase() === "x") {
+      this.hand.clutch(false);
     }
   }
 
@@ -155,6 +163,9 @@ export class KeyboardInput {
         return true;
       case "s":
         this.actions.sound();
+        return true;
+      case "x":
+        this.hand.clutch(true);
         return true;
       case "t":
         this.hand.touchMode = !this.hand.touchMode;

@@ -71,6 +71,7 @@ export const settings: Settings = {
   friction_kinetic: 0,
   smoothing: "intensities",
   probe_radius: 0,
+  gain: 1,
   force_limit: 4,
 };
 

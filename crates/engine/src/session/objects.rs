@@ -37,6 +37,15 @@ impl Session {
         self.ask(move |simulation| simulation.turn_grabbed(rotation))
     }
 
+    /// Has the device move without the probe, to take it up elsewhere, or with it again. Without
+    /// the probe it feels no contact.
+    ///
+    /// # Errors
+    /// Where the session has ended.
+    pub fn clutch(&self, on: bool) -> Result<(), SessionError> {
+        self.ask(move |simulation| simulation.clutch(on))
+    }
+
     /// Parts a segment by a plane: it keeps what lies behind the plane, a new segment has what
     /// lies before it. Gives the new one's number.
     ///
