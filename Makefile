@@ -164,6 +164,8 @@ bench: setup bench-page ## measure everything: the page, Rust benchmarks, all of
 	$(BIN)/palpate bench touch-quality
 	$(BIN)/palpate bench stress --moves 100000000
 	$(BIN)/palpate bench servo
+	$(BIN)/pip install --quiet "palpate[bench]"  # VTK, to measure beside it
+	$(BIN)/palpate bench surface
 
 SCANS ?= $(addprefix $(or $(PALPATE_DATA),../shared/data)/,cthead_stanford/CThead.mha amos_0336/amos_0336.mhd)
 

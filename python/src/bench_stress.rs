@@ -16,6 +16,10 @@ const MAX_THREADS: usize = 256;
 /// Makes runs `first` to `first + count` of a seed, in parts of this bone.
 #[pyfunction]
 #[pyo3(signature = (seed, first, count, model, threads, volume = None, segment = None))]
+#[expect(
+    clippy::too_many_arguments,
+    reason = "they are keywords in Python, and what a violation is replayed by"
+)]
 pub fn bench_stress<'py>(
     py: Python<'py>,
     seed: u64,

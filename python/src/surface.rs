@@ -101,6 +101,7 @@ struct State {
 impl PySurface {
     /// Makes the whole surface; without a step or a degree of smoothing the usual one.
     #[new]
+    #[expect(clippy::too_many_arguments, reason = "one type per argument")]
     fn new(
         py: Python<'_>,
         segment: &PySegment,

@@ -9,7 +9,7 @@
 mod common;
 
 use common::*;
-use glam::{DMat3, DVec3, IVec3, UVec3};
+use glam::{DAffine3, DMat3, DVec3, IVec3, UVec3};
 use palpate_engine::replay::{ReplayEnd, replay};
 use palpate_engine::scene::Properties;
 use palpate_engine::session::Session;
@@ -160,6 +160,20 @@ fn the_surface_follows_a_threshold_between_voxels() {
             "{low}: {height} mm for {expected} mm"
         );
     }
+}
+
+/// A segment that was moved is a body of its own, in whose grid the same values hold.
+#[test]
+fn a_moved_segment_takes_its_shares_along() {
+    let session = session(of_threshold(HALF), Some(HALF), Smoothing::Intensities);
+    let up = 0.37 * outward();
+    let pose = DAffine3::from_translation(up);
+    session.move_segment(SegmentId(1), pose).unwrap();
+    let heights = heights(&session, INNER.0, INNER.1);
+    // as above
+    assert!(ripple(&heights) < 0.05, "{} h", ripple(&heights));
+    let height = mean(&heights);
+    assert!((height - 0.37).abs() < 0.05, "{height} mm");
 }
 
 #[test]

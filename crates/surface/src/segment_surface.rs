@@ -7,7 +7,7 @@
 //! vertices keep to their edge, so that nothing needs to be cut.
 
 use std::collections::BTreeMap;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use glam::{DVec3, IVec3};
 use palpate_volume::grid::Grid;
@@ -39,7 +39,14 @@ pub struct SegmentSurface {
     settings: SurfaceSettings,
     grid: Grid,
     extraction: Arc<Extraction>,
-    patches: BTreeMap<PatchId, Arc<Patch>>,
+    patches: BTreeMap<PatchId, Kept>,
+}
+
+/// A patch, and its box so that nobody has to ask all vertices for it.
+#[derive(Clone, Debug)]
+struct Kept {
+    patch: Arc<Patch>,
+    bounds: Option<Bounds>,
 }
 
 impl SegmentSurface {
@@ -69,23 +76,23 @@ impl SegmentSurface {
 
     /// All patches, by their number.
     pub fn patches(&self) -> impl ExactSizeIterator<Item = (PatchId, &Arc<Patch>)> {
-        self.patches.iter().map(|(&id, patch)| (id, patch))
+        self.patches.iter().map(|(&id, kept)| (id, &kept.patch))
     }
 
     /// The smallest box of all vertices [mm from the origin]; none without a surface.
     pub fn bounds(&self) -> Option<Bounds> {
-        let bounds = self.patches.values().filter_map(|patch| patch.bounds());
+        let bounds = self.patches.values().filter_map(|kept| kept.bounds);
         bounds.reduce(Bounds::union)
     }
 
     /// Area [mm²].
     pub fn area(&self) -> f64 {
-        self.patches.values().map(|patch| patch.area()).sum()
+        self.patches().map(|(_, patch)| patch.area()).sum()
     }
 
     /// Volume enclosed [mm³].
     pub fn volume(&self) -> f64 {
-        self.patches.values().map(|patch| patch.volume()).sum()
+        self.patches().map(|(_, patch)| patch.volume()).sum()
     }
 
     /// Makes the patches again that a change of the voxels in `dirty` can have changed, in
@@ -99,6 +106,13 @@ impl SegmentSurface {
             self.grid.dimensions(),
             "voxels of another grid"
         );
+        if let Some((scan, _)) = voxels.values {
+            assert_eq!(
+                scan.dimensions(),
+                self.grid.dimensions(),
+                "values of another grid"
+            );
+        }
         let extraction = &self.extraction;
         let blocks = extraction.blocks.touched_by(*dirty, &self.settings);
         let made: Vec<Vec<(PatchId, Patch)>> = blocks
@@ -130,11 +144,15 @@ impl SegmentSurface {
             }
         }
         for (id, patch) in made {
-            if self.patches.get(&id).is_some_and(|old| **old == patch) {
+            if self.patches.get(&id).is_some_and(|old| *old.patch == patch) {
                 continue;
             }
-            let patch = Arc::new(patch);
-            self.patches.insert(id, Arc::clone(&patch));
+            let (bounds, patch) = (patch.bounds(), Arc::new(patch));
+            let kept = Kept {
+                patch: Arc::clone(&patch),
+                bounds,
+            };
+            self.patches.insert(id, kept);
             changes.push(PatchChange {
                 id,
                 patch: Some(patch),
@@ -157,7 +175,8 @@ struct Extraction {
     settings: SurfaceSettings,
     blocks: Blocks,
     frame: Frame,
-    midpoints: Midpoints,
+    /// Made when first asked for: most surfaces are smoothed.
+    midpoints: OnceLock<Midpoints>,
     blur: Blur,
 }
 
@@ -168,7 +187,7 @@ impl Extraction {
             settings,
             blocks: Blocks::new(grid.dimensions(), i32::from(settings.step)),
             frame,
-            midpoints: Midpoints::new(&frame),
+            midpoints: OnceLock::new(),
             blur: Blur::new(grid.spacing(), settings.smoothing),
         }
     }
@@ -219,12 +238,8 @@ impl Extraction {
         let limits = self.settings.limits.filter(|_| voxels.values.is_some());
         let step_mm = f64::from(step);
         let patch = if self.settings.smoothing == 0 && limits.is_none() {
-            march(
-                samples,
-                own,
-                (&self.frame, step_mm, &self.midpoints),
-                scratch,
-            )
+            let midpoints = self.midpoints.get_or_init(|| Midpoints::new(&self.frame));
+            march(samples, own, (&self.frame, step_mm, midpoints), scratch)
         } else {
             let active = samples.crossed(own)?;
             let alone = self.settings.mode == SmoothingMode::Local && self.settings.smoothing > 0;

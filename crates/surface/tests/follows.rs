@@ -10,6 +10,10 @@ use palpate_surface::{SurfaceSettings, VoxelSource};
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;
+use palpate_volume::intensities::Intensities;
+use palpate_volume::overlay::Overlay;
+use palpate_volume::segment::Segment;
+use palpate_volume::threshold::threshold;
 use palpate_volume::voxel_box::VoxelBox;
 use support::{
     assert_closed, ball, bits_where, cubes, noise, settings, surface, turned_slices,
@@ -153,6 +157,96 @@ fn after_each_random_edit_all_patches_are_those_of_a_fresh_extraction() {
             }
             assert_eq!(shown, shown_of(&surface));
         }
+    }
+}
+
+#[test]
+fn a_single_voxel_at_any_distance_from_a_border_changes_all_patches_that_it_can() {
+    let dimensions = UVec3::new(64, 14, 14);
+    let grid = cubes(dimensions);
+    for smoothing in [0, 1, 2, 4] {
+        let mut bits = noise(dimensions, 6, 0.5);
+        let mut surface = surface(&grid, &bits, settings(smoothing));
+        let mut reached = [0, 0];
+        // the border of the two blocks is at sample 32
+        for x in 20..45 {
+            let voxel = IVec3::new(x, 7, 7);
+            let solid = !bits.is_solid(voxel);
+            let dirty = edited(&mut bits, voxel, 0, solid);
+            let changes = surface.update(&VoxelSource::of_bits(&bits), &dirty);
+            let fresh = support::surface(&grid, &bits, settings(smoothing));
+            assert!(shown_of(&surface) == shown_of(&fresh), "{smoothing} {x}");
+            for change in changes {
+                reached[usize::from(change.id.block[0])] += 1;
+            }
+        }
+        // twelve on the own side; beyond it and on it up to the margin, which nothing exceeds
+        let margin = usize::from(smoothing) + 2;
+        assert!(
+            reached[0] <= 13 + margin && reached[1] <= 13 + margin,
+            "{reached:?}"
+        );
+        if smoothing > 0 {
+            assert_eq!(reached, [13 + margin, 12 + margin + 1], "{smoothing}");
+        }
+    }
+}
+
+#[test]
+fn edited_intensities_move_the_surface_as_a_fresh_extraction_has_it() {
+    let dimensions = UVec3::new(50, 40, 45);
+    let grid = turned_slices(dimensions);
+    let mut random = oorandom::Rand64::new(5);
+    let count = grid.voxel_count();
+    let values: Vec<i16> = (0..count)
+        .map(|_| random.rand_range(0..2000) as i16)
+        .collect();
+    let scan = Intensities::new(dimensions, values, 1.0, -1000.0).unwrap();
+    let low = 200.0;
+    let segment = threshold(&scan, None, low, f64::INFINITY);
+    for (smoothing, step) in [(0, 1), (2, 1), (1, 2)] {
+        let limits = Some(Limits {
+            low,
+            high: f64::INFINITY,
+        });
+        let settings = SurfaceSettings {
+            limits,
+            step,
+            ..settings(smoothing)
+        };
+        let mut overlay = Overlay::empty(dimensions);
+        let all = |overlay: &Overlay| {
+            let mut surface = SegmentSurface::new(&grid, settings).unwrap();
+            surface.update(&source(&segment, &scan, overlay), &grid.bounds());
+            surface
+        };
+        let mut surface = all(&overlay);
+        for _ in 0..5 {
+            // one brick of other values, under the same bits
+            let index = random.rand_range(0..overlay.bricks().len() as u64) as u32;
+            let mut brick = overlay.brick(&scan, index);
+            let dirty = overlay.bricks().box_of(index).intersect(&grid.bounds());
+            for voxel in dirty.voxels() {
+                brick.set(voxel, random.rand_range(0..2000) as i16);
+            }
+            let brick = Some(brick.into());
+            overlay.swap(&mut BrickSwap { index, brick });
+
+            let changes = surface.update(&source(&segment, &scan, &overlay), &dirty);
+            assert!(!changes.is_empty());
+            assert!(shown_of(&surface) == shown_of(&all(&overlay)));
+        }
+    }
+}
+
+fn source<'a>(
+    segment: &'a Segment,
+    scan: &'a Intensities,
+    overlay: &'a Overlay,
+) -> VoxelSource<'a> {
+    VoxelSource {
+        bits: segment.occupancy(),
+        values: Some((scan, Some(overlay))),
     }
 }
 

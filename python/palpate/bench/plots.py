@@ -120,11 +120,12 @@ def plot_haptics(rows: Iterable[Row], path: Path) -> None:
     rates = [figures["rate"].value for figures in others.values()]
     left.plot(rates, places, "x", color=GREY, label="published, other machines")
     left.set_yticks(range(len(cases) + len(others)), [*cases, *others], fontsize=8)
+    left.margins(y=0.01)
     left.invert_yaxis()
     for panel in (left, right):
         panel.set_xscale("log")
-    left.set_xlabel("calls a second [M/s]; grey line: least that is asked for")
-    right.set_xlabel("time of a call, 99.9th percentile [µs]; grey line: most that is allowed")
+    left.set_xlabel("calls a second [M/s]; grey: goal")
+    right.set_xlabel("99.9 % of calls end within [µs]; grey: goal")
     _finish(figure, [left, right], left, path=path)
 
 
@@ -189,5 +190,6 @@ def _finish(figure: Figure, panels: list[Axes], legend_of: Axes, *, path: Path) 
         panel.set_axisbelow(True)
         panel.spines[["top", "right"]].set_visible(False)
     handles, labels = legend_of.get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper center", ncols=len(labels), frameon=False)
+    columns = min(len(labels), 4)
+    figure.legend(handles, labels, loc="outside upper center", ncols=columns, frameon=False)
     figure.savefig(path, dpi=150)

@@ -22,6 +22,8 @@ export class PictureTarget {
   }
 
   resize(width: number, height: number): void {
+    // else three.js gives the depth its old size if it is read before it is drawn
+    Object.assign(this.target.depthTexture?.image ?? {}, { width, height });
     this.target.setSize(width, height);
   }
 

@@ -229,6 +229,30 @@ async function show({ scan: test, markers, jitter = false, surfaces = [] }: Scre
   return pixels;
 }
 
+/** The middle pixel after the canvas became smaller while the GPU was at work. */
+async function resizedMiddle({ scan: test, surfaces = [] }: ScreenTest): Promise<number[]> {
+  const drawn = pictureOf(false);
+  const { picture, gl } = drawn;
+  const volume = fieldOf(test);
+  const extent = outlineOf(test);
+  picture.setScan(volume, bricksOf(volume, true));
+  picture.setLook(lookOf(test));
+  picture.setCamera(lookFrom(test.from, extent, viewport), extent);
+  showSurfaces(picture, surfaces);
+  await finished(drawn);
+  picture.setCamera(lookFrom(test.from, extent, viewport), extent);
+  picture.advance(performance.now());
+  const size = edge / 2;
+  picture.resize(size, size);
+  // what was begun is not done: the screen is drawn from a picture that is not there yet
+  picture.advance(performance.now());
+  await finished(drawn);
+  const pixel = new Uint8Array(4);
+  gl.readPixels(size / 2, size / 2, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
+  picture.dispose();
+  return [...pixel];
+}
+
 /** An edit of a picture: a box of voxels gets a value and a label, a surface other patches. */
 export interface EditTest {
   readonly scan: MarchTest;
@@ -387,7 +411,7 @@ function coarseLevel(test: MarchTest, balls: readonly SurfaceTest[], divisor: nu
   return Array.from(halves, (half) => THREE.DataUtils.fromHalfFloat(half));
 }
 
-const glTests = { march, screen, show, edit, drawnTriangles, coarseLevel };
+const glTests = { march, screen, show, resizedMiddle, edit, drawnTriangles, coarseLevel };
 
 declare global {
   interface Window {

@@ -236,3 +236,16 @@ test.each([1, 0.7])("the probe is plain before a surface and a ghost behind it, 
   const [before, behind] = [await probeAt(8), await probeAt(30)];
   expect(before).toBeGreaterThan(behind + 60);
 });
+
+test.each([
+  ["a scan", [], [0, 255, 0]],
+  ["a surface", [{ ...red, centre: [24, 8, 24] as Vec3 }], [255, 0, 0]],
+])("%s is drawn again where the canvas becomes smaller while the GPU is at work", async (_, surfaces, colour) => {
+  const pixel = await browser.page.evaluate(
+    (t) => window.glTests?.resizedMiddle(t) ?? Promise.reject(new Error("no page")),
+    { scan: green, surfaces },
+  );
+  const brightest = Math.max(...pixel.slice(0, 3));
+  expect(brightest).toBeGreaterThan(100);
+  expect(colour[pixel.indexOf(brightest)]).toBe(255);
+});

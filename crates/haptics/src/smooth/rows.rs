@@ -116,8 +116,8 @@ impl<const LOG: u32> Rows<LOG> {
     /// connected to it through faces; false where there was no end to it. A layer has `words`.
     pub(super) fn flood(words: usize, first: usize, free: &[u64], reached: &mut [u64]) -> bool {
         let layers = free.len() / words.max(1);
-        // a bit for each layer that is to grow
-        let mut waiting = 1_u32 << (first & 31);
+        // a bit for each layer that is to grow, of at most 32, and one beyond
+        let mut waiting = 1_u64 << (first & 31);
         for _ in 0..MAX_GROWTHS * layers {
             if waiting == 0 {
                 return true;
@@ -128,13 +128,13 @@ impl<const LOG: u32> Rows<LOG> {
             let (here, above) = rest.split_at_mut(words);
             let (free_below, free) = free.split_at(z * words);
             let (free, free_above) = free.split_at(words);
-            waiting |= u32::from(Self::grow(here, free)) << z;
+            waiting |= u64::from(Self::grow(here, free)) << z;
             if z > 0 {
                 let last = (z - 1) * words;
                 let any = pour(here, &free_below[last..], &mut below[last..]);
-                waiting |= u32::from(any) << (z - 1);
+                waiting |= u64::from(any) << (z - 1);
             }
-            waiting |= u32::from(pour(here, free_above, above)) << (z + 1);
+            waiting |= u64::from(pour(here, free_above, above)) << (z + 1);
         }
         false
     }
@@ -183,5 +183,86 @@ impl<const LOG: u32> Rows<LOG> {
             let bits = !word >> (8 * byte) & 0xff;
             cells | groups[bits as usize] << (64 / bytes * byte)
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The same, voxel by voxel; rows of `width` voxels, `height` of them in a layer.
+    fn reached_plainly(free: &[u64], [width, height]: [usize; 2], start: usize) -> Vec<u64> {
+        let is_set = |bits: &[u64], voxel: usize| bits[voxel / 64] >> (voxel % 64) & 1 == 1;
+        let (layer, count) = (width * height, free.len() * 64);
+        let mut filled = vec![0; free.len()];
+        let mut stack = vec![start];
+        while let Some(voxel) = stack.pop() {
+            if !is_set(free, voxel) || is_set(&filled, voxel) {
+                continue;
+            }
+            filled[voxel / 64] |= 1 << (voxel % 64);
+            let [x, y, z] = [voxel % width, voxel / width % height, voxel / layer];
+            let steps = [
+                (x > 0, voxel.wrapping_sub(1)),
+                (x + 1 < width, voxel + 1),
+                (y > 0, voxel.wrapping_sub(width)),
+                (y + 1 < height, voxel + width),
+                (z > 0, voxel.wrapping_sub(layer)),
+                ((z + 1) * layer < count, voxel + layer),
+            ];
+            stack.extend(
+                steps
+                    .into_iter()
+                    .filter_map(|(inside, to)| inside.then_some(to)),
+            );
+        }
+        filled
+    }
+
+    fn check<const LOG: u32>(words: usize) {
+        let mut random = oorandom::Rand64::new(u128::from(LOG));
+        let mut finished = 0;
+        for run in 0..3000 {
+            let share = 0.3 + 0.1 * f64::from(run % 7);
+            let mut free = vec![0_u64; 8 * words];
+            for word in &mut free {
+                *word = (0..64).fold(0, |word, _| {
+                    word << 1 | u64::from(random.rand_float() < share)
+                });
+            }
+            let start = random.rand_range(0..64 * free.len() as u64) as usize;
+            free[start / 64] |= 1 << (start % 64);
+            let mut reached = vec![0; free.len()];
+            reached[start / 64] = 1 << (start % 64);
+            let complete = Rows::<LOG>::flood(words, start / 64 / words, &free, &mut reached);
+            let size = [1 << LOG, (words * 64) >> LOG];
+            let truth = reached_plainly(&free, size, start);
+            let beyond = reached
+                .iter()
+                .zip(&truth)
+                .any(|(flood, truth)| flood & !truth != 0);
+            assert!(!beyond, "a voxel that no way leads to");
+            assert!(!complete || reached == truth, "not all of it");
+            finished += u32::from(complete);
+        }
+        // ways through noise just dense enough to connect are the longest
+        assert!(finished > 2990, "{finished} of 3000 came to an end");
+    }
+
+    #[test]
+    fn a_flood_through_rows_of_any_length_reaches_what_single_steps_reach() {
+        check::<3>(1);
+        check::<4>(4);
+        check::<5>(16);
+        check::<4>(2);
+    }
+
+    #[test]
+    fn a_flood_goes_up_to_the_last_of_32_layers() {
+        let free = vec![u64::MAX; 32];
+        let mut reached = vec![0; 32];
+        reached[3] = 1;
+        assert!(Rows::<3>::flood(1, 3, &free, &mut reached));
+        assert!(reached == free);
     }
 }

@@ -141,3 +141,49 @@ impl Place {
         value.dot(Vec4::new(low.x, middle.x, high.x, 0.0))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Nodes of a noise.
+    fn nodes(random: &mut oorandom::Rand32) -> Nodes {
+        let mut nodes = Nodes::NONE;
+        for width in [Width::Fine, Width::Wide] {
+            let cells = [[0; 8]; 64].map(|row| row.map(|_: i32| random.rand_u32() as u16));
+            nodes.put(&cells, 1.0 / 65536.0, width);
+        }
+        nodes
+    }
+
+    #[test]
+    fn the_gradient_is_the_change_of_the_value_and_has_no_step_between_nodes() {
+        let mut random = oorandom::Rand32::new(3);
+        let nodes = nodes(&mut random);
+        for _ in 0..2000 {
+            let point = [(); 3].map(|()| 0.6 + 5.7 * random.rand_float());
+            // also where the three nodes become others
+            let point = Vec3A::from_array(point.map(|x| if x < 2.0 { x.round() + 0.5 } else { x }));
+            for width in [Width::Fine, Width::Wide] {
+                let level = |at: Vec3A| nodes.level(&Place::of(at), width);
+                let here = level(point);
+                let alone = nodes.value(&Place::of(point), width);
+                assert!(
+                    (here.value - alone).abs() < 1e-6,
+                    "{} or {alone}",
+                    here.value
+                );
+                for axis in [Vec3A::X, Vec3A::Y, Vec3A::Z] {
+                    let way = axis * 0.01;
+                    let change = level(point + way).value - level(point - way).value;
+                    let expected = here.gradient.dot(axis);
+                    // a slope changes by less than 4 per node, single precision gives 1e-5
+                    assert!(
+                        (change / 0.02 - expected).abs() < 0.03,
+                        "{change} at {point}"
+                    );
+                }
+            }
+        }
+    }
+}

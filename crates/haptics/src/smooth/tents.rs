@@ -137,3 +137,53 @@ fn column<const TENTS: usize>(rows: &mut Blurred, first: usize, step: usize) {
 fn mean(a: u16, b: u16) -> u16 {
     ((u32::from(a) + u32::from(b) + 1) >> 1) as u16
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// One tent along each axis.
+    fn blurred_plainly(cells: &[f64; 512]) -> [f64; 512] {
+        let mut cells = *cells;
+        for step in [1, 8, 64] {
+            let before = cells;
+            for (place, cell) in cells.iter_mut().enumerate() {
+                let along = place / step % 8;
+                let lower = place - if along > 0 { step } else { 0 };
+                let upper = place + if along < 7 { step } else { 0 };
+                *cell = 0.25 * before[lower] + 0.5 * before[place] + 0.25 * before[upper];
+            }
+        }
+        cells
+    }
+
+    #[test]
+    fn both_kernels_are_one_tent_and_three_along_each_axis() {
+        let mut random = oorandom::Rand64::new(9);
+        for voxels in [2, 4, 8, 16] {
+            let unit = unit_of(voxels);
+            let counts: [u64; 64] = std::array::from_fn(|_| {
+                (0..8).fold(0, |row, _| {
+                    row << 8 | random.rand_range(0..u64::from(voxels) + 1)
+                })
+            });
+            let mut plain: [f64; 512] = std::array::from_fn(|place| {
+                let count = counts[place / 8] >> (8 * (place % 8)) & 0xff;
+                64.0 * f64::from(unit) * count as f64
+            });
+            Cells::of_counts(&counts, unit).blur(|width, rows| {
+                let times = if matches!(width, Width::Fine) { 1 } else { 2 };
+                (0..times).for_each(|_| plain = blurred_plainly(&plain));
+                for (place, plain) in plain.iter().enumerate() {
+                    let x = place % 8;
+                    let number = f64::from(rows[place / 8][x / 2 + 4 * (x % 2)]);
+                    // each of two means in each of six tents is rounded up by ½ at most
+                    assert!(
+                        (-1e-6..=6.0).contains(&(number - plain)),
+                        "{number} for {plain}"
+                    );
+                }
+            });
+        }
+    }
+}
