@@ -162,7 +162,8 @@ def open_scan(  # noqa: PLR0913  # one per option of the command line
     rate: Rate = 1000,
 ) -> None:
     """Show a scan and feel it."""
-    from palpate.cli_open import add_mesh, check_start, parse_threshold, scene_of, show
+    from palpate.cli_open import check_start, parse_threshold, scene_of, show
+    from palpate.cli_surface import add_mesh
     from palpate.io import read
     from palpate.server import bind
 

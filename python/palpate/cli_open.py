@@ -24,7 +24,6 @@ from palpate.session import Session, SessionOptions
 from palpate.volume import Volume
 
 __all__ = [
-    "add_mesh",
     "check_page",
     "check_rate",
     "check_start",
@@ -99,27 +98,6 @@ def add_labels(scene: Scene, path: Path, progress: Progress) -> None:
     for done, value in enumerate(values):
         progress(f"making {len(values)} segments", done / len(values))
         scene.add(labels.threshold(value, value).part_of(volume, name=f"label {value:g}"))
-
-
-def add_mesh(scene: Scene, path: Path, *, frame: str | None, unit: str | None) -> None:
-    """Adds the voxels of a closed mesh, on the scan's grid, shown as a surface.
-
-    Raises:
-        OptionError: Its frame or its unit is not known, or it has holes.
-        MeshFormatError: It holds no mesh.
-        EmptySegmentError: None of it lies in the scan.
-    """
-    from palpate.cli_surface import mesh_file
-    from palpate.mesh_io import segment_of_mesh
-
-    file = mesh_file(path, frame=frame, unit=unit, close=False)
-    segment = segment_of_mesh(file, scene.volume)
-    scene.add(segment, shown_as="surface")
-    thinnest = min(scene.volume.spacing)
-    typer.echo(
-        f"{file.name}: {segment.voxel_count} voxels of the scan, {segment.volume_ml:.2f} ml; "
-        f"what is thinner than a voxel ({thinnest:g} mm) may be missing"
-    )
 
 
 def _stored_values(volume: Volume) -> list[int]:

@@ -1,6 +1,9 @@
 //! Gaps between bodies whose distance is known.
 
-mod common;
+#![allow(
+    clippy::unwrap_used,
+    reason = "helpers of tests may fail a test, as the tests themselves"
+)]
 
 use std::sync::Arc;
 
