@@ -329,7 +329,7 @@ def test_the_light_is_green_opens_what_is_counted_and_has_a_name(page: Browser) 
 
     # by the keyboard alone: G opens it, Escape closes it
     opened = "document.querySelector('[data-testid=guarantees]').matches(':popover-open')"
-    page.do("press", key="g")
+    page.do("press", key="Shift+G")
     assert page.read(opened)
     assert "inside of anything solid" in page.text("guarantees")
     page.do("press", key="Escape")

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
         SeriesChoiceError,
         VolumeFormatError,
     )
+    from palpate.gap import Gap
     from palpate.io import read
     from palpate.phantom_scan import Phantom, phantom
     from palpate.recording import Recording, Replay
@@ -37,6 +38,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "EmptySegmentError",
+    "Gap",
     "MeshFormatError",
     "OptionError",
     "PalpateError",
@@ -66,6 +68,7 @@ _HOMES = {
     "RecordingFormatError": "errors",
     "SeriesChoiceError": "errors",
     "VolumeFormatError": "errors",
+    "Gap": "gap",
     "read": "io",
     "Phantom": "phantom_scan",
     "phantom": "phantom_scan",

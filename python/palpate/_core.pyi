@@ -144,7 +144,26 @@ class Session:
         """The largest stiffness [N/mm] and force [N] that the device bears."""
 
     @property
+    def device_reach(self) -> float:
+        """Radius of the ball that the device reaches [device mm]."""
+
+    @property
     def is_running(self) -> bool: ...
+    def clutch(self, on: bool) -> None:
+        """Has the device move without the probe, or with it again."""
+
+    def grab(self, segment_id: int | None = None, collides: bool = False) -> None:
+        """Takes a segment in the hand, or lets go of the one that is."""
+
+    def turn_grabbed(self, x: float, y: float, z: float) -> None:
+        """Turns the segment in the hand about the probe by a rotation vector [rad]."""
+
+    def cut(self, segment_id: int, point: _Triple, normal: _Triple) -> int:
+        """Parts a segment by a plane; returns the number of the part before it."""
+
+    def gap(self, from_id: int, to_id: int) -> _Triple:
+        """Minimum and mean distance [mm] of one segment's surface to another, overlap [mm³]."""
+
     def hand(self, x: float, y: float, z: float) -> None:
         """Moves the target to which the hand pulls the device."""
 

@@ -131,6 +131,12 @@ Threshold = Annotated[
     str | None, typer.Option(help="Values of the segment to touch.", metavar="LOW[,HIGH]")
 ]
 Segments = Annotated[Path | None, typer.Option(help="Label map: each label becomes a segment.")]
+Mesh = Annotated[
+    Path | None,
+    typer.Option(help="Closed .stl, .ply, .obj or .glb: becomes a segment that can be moved."),
+]
+MeshFrame = Annotated[str | None, typer.Option(help="LPS or RAS, where the mesh does not say.")]
+MeshUnit = Annotated[str | None, typer.Option(help="mm or m, where the mesh does not say.")]
 Port = Annotated[int, typer.Option(help="Port of 127.0.0.1; 0 takes a free one.")]
 Browser = Annotated[bool, typer.Option(help="Open the page, where there is a display.")]
 Plot = Annotated[Path | None, typer.Option(help="Draw the figures: .png, .svg or .pdf.")]
@@ -148,6 +154,9 @@ def open_scan(  # noqa: PLR0913  # one per option of the command line
     max_voxels: MaxVoxels = 1024**3,
     threshold: Threshold = None,
     segments: Segments = None,
+    mesh: Mesh = None,
+    mesh_frame: MeshFrame = None,
+    mesh_unit: MeshUnit = None,
     port: Port = 0,
     browser: Browser = True,
     rate: Rate = 1000,
@@ -165,6 +174,7 @@ def open_scan(  # noqa: PLR0913  # one per option of the command line
 ) -> None:
     """Show a scan and feel it."""
     from palpate.cli_open import check_start, parse_threshold, scene_of, show
+    from palpate.cli_surface import add_mesh
     from palpate.io import read
     from palpate.server import bind
 
@@ -182,6 +192,8 @@ def open_scan(  # noqa: PLR0913  # one per option of the command line
                 progress=display,
             )
             scene = scene_of(volume, bounds=bounds, label_map=segments, progress=display)
+            if mesh is not None:
+                add_mesh(scene, mesh, frame=mesh_frame, unit=mesh_unit)
         for warning in volume.warnings:
             warn(warning)
         show(scene, listener, rate=rate, browser=browser, journalled=journal, recover=recover)

@@ -26,6 +26,7 @@ from palpate.volume import Volume
 
 __all__ = [
     "MASK_SUFFIXES",
+    "add_mesh",
     "check_target",
     "choose_segment",
     "export_surface",
@@ -93,6 +94,24 @@ def mesh_file(path: Path, *, frame: str | None, unit: str | None, close: bool) -
     for note in file.notes:
         warn(f"{file.name}: {note}")
     return file
+
+
+def add_mesh(scene: Scene, path: Path, *, frame: str | None, unit: str | None) -> None:
+    """Adds the voxels of a closed mesh, on the scan's grid, shown as a surface.
+
+    Raises:
+        OptionError: Its frame or its unit is not known, or it has holes.
+        MeshFormatError: It holds no mesh.
+        EmptySegmentError: None of it lies in the scan.
+    """
+    file = mesh_file(path, frame=frame, unit=unit, close=False)
+    segment = segment_of_mesh(file, scene.volume)
+    scene.add(segment, shown_as="surface")
+    thinnest = min(scene.volume.spacing)
+    typer.echo(
+        f"{file.name}: {segment.voxel_count} voxels of the scan, {segment.volume_ml:.2f} ml; "
+        f"what is thinner than a voxel ({thinnest:g} mm) may be missing"
+    )
 
 
 def write_voxels(file: MeshFile, path: Path, *, grid: Volume | float, shell: bool) -> None:

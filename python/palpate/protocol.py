@@ -121,7 +121,8 @@ class Segment(msgspec.Struct, frozen=True):
     ``range`` holds the threshold (low, high) while the segment is just that threshold;
     null where its voxels come from elsewhere: then they stand in ``/api/labels`` under
     the segment's ``id`` (1..255). ``pose`` takes the segment from where the scan has it to
-    where it stands; null where it was not moved. ``opacity``, ``smoothing`` and
+    where it stands; null where it was not moved. ``bounds`` are the voxels of the scan that
+    hold it, half open; null where it is empty. ``opacity``, ``smoothing`` and
     ``wireframe`` are those of its surface.
     """
 
@@ -136,14 +137,22 @@ class Segment(msgspec.Struct, frozen=True):
     pending: bool
     feel: Feel
     pose: Pose | None
+    bounds: tuple[GridPlace, GridPlace] | None
     shown_as: ShownAs
     opacity: Share
     smoothing: SmoothingDegree
     wireframe: bool
 
 
+class MovedPose(msgspec.Struct, frozen=True):
+    """Where a moved segment stands by now: ``Segment.pose`` is where it was asked to go."""
+
+    id: SegmentId
+    pose: Pose
+
+
 class Settings(msgspec.Struct, frozen=True):
-    """What a person can set about touch."""
+    """What a person can set about touch; ``gain`` is scene mm per mm of the device."""
 
     model: Literal["exact", "thesis-original", "thesis-improved"]
     stiffness: Stiffness
@@ -153,6 +162,7 @@ class Settings(msgspec.Struct, frozen=True):
     smoothing: Literal["intensities", "bits", "off"]
     probe_radius: Annotated[float, msgspec.Meta(ge=0.0, le=20.0)]
     force_limit: Annotated[float, msgspec.Meta(gt=0.0, le=40.0)]
+    gain: Annotated[float, msgspec.Meta(ge=0.1, le=10.0)]
 
 
 class Rate(msgspec.Struct, frozen=True):
@@ -219,10 +229,14 @@ class ToolState(msgspec.Struct, frozen=True):
 
 
 class DeviceLimits(msgspec.Struct, frozen=True):
-    """What a device bears: settings that ask for more are cut to it."""
+    """What a device bears: settings that ask for more are cut to it.
+
+    ``reach`` is how far it comes from the middle of its workspace [device mm].
+    """
 
     stiffness: Stiffness
     force: float
+    reach: float
 
 
 class Hello(Message, frozen=True, tag="hello"):
@@ -248,7 +262,10 @@ class State(Message, frozen=True, tag="state"):
     rows (time, force x, force y, force z). ``contact_point`` is where the force comes from:
     on the smooth surface, beside ``proxy``, which no solid voxel holds; ``normal`` points out
     of the surface there, and is zero without contact. ``probe_radius`` is what the probe has
-    [mm]: less than the settings' where there is no room for it. ``recording`` says since how
+    [mm]: less than the settings' where there is no room for it. ``poses`` says where moved
+    segments stand by now, ``grabbed`` which segment is in the hand, 0 for none.
+    ``clutched`` says that the device moves without the probe, ``device_origin`` is the middle of
+    its workspace. ``recording`` says since how
     long every input of the servo is kept [s].
     """
 
@@ -265,6 +282,10 @@ class State(Message, frozen=True, tag="state"):
     depth: float
     touched: int
     probe_radius: float
+    poses: list[MovedPose]
+    grabbed: int
+    clutched: bool
+    device_origin: Vector
     pending: int
     can_undo: bool
     can_redo: bool
@@ -370,7 +391,20 @@ class Recovery(Message, frozen=True, tag="recovery"):
     offer: Offer | None
 
 
-ToPage = Hello | State | Segments | Changed | SettingsChanged | Recovery | Notice
+class Gap(Message, frozen=True, tag="gap"):
+    """The gap from the surface of segment ``id`` to segment ``other``, as they stand by now.
+
+    ``minimum`` and ``mean`` [mm], ``overlap`` [mm³]; null where one of them is gone or empty.
+    """
+
+    id: SegmentId
+    other: SegmentId
+    minimum: float | None
+    mean: float | None
+    overlap: float | None
+
+
+ToPage = Hello | State | Segments | Changed | SettingsChanged | Recovery | Notice | Gap
 
 # --- page -> engine -------------------------------------------------------------------
 
@@ -392,6 +426,12 @@ class View(Message, frozen=True, tag="view"):
 
     right: Vector
     up: Vector
+
+
+class Clutch(Message, frozen=True, tag="clutch"):
+    """Has the device move without the probe, or with it again."""
+
+    on: bool
 
 
 class Threshold(Message, frozen=True, tag="threshold"):
@@ -429,6 +469,33 @@ class MoveSegment(Message, frozen=True, tag="move_segment"):
 
     id: SegmentId
     pose: Pose
+
+
+class Grab(Message, frozen=True, tag="grab"):
+    """Takes a segment in the hand, null lets go of it; ``collides`` stops it at the others."""
+
+    id: SegmentId | None
+    collides: bool
+
+
+class TurnGrabbed(Message, frozen=True, tag="turn_grabbed"):
+    """Turns the segment in the hand about the probe by a rotation vector [rad]."""
+
+    rotation: Vector
+
+
+class CutSegment(Message, frozen=True, tag="cut_segment"):
+    """Parts a segment by the plane through a point; what lies before it is a new segment."""
+
+    id: SegmentId
+    point: Vector
+    normal: Vector
+
+
+class WatchGap(Message, frozen=True, tag="watch_gap"):
+    """Has the gap between two segments measured while they move; null ends that."""
+
+    pair: tuple[SegmentId, SegmentId] | None
 
 
 class RecordSession(Message, frozen=True, tag="record"):
@@ -481,10 +548,15 @@ FromPage = (
     Hand
     | Place
     | View
+    | Clutch
     | Threshold
     | SegmentProperties
     | SegmentFeel
     | MoveSegment
+    | Grab
+    | TurnGrabbed
+    | CutSegment
+    | WatchGap
     | RecordSession
     | RemoveSegment
     | ChangeSettings

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from typing import Literal
 
 from palpate.errors import OptionError
 from palpate.segment import Segment
@@ -12,6 +13,8 @@ from palpate.volume import Volume
 __all__ = ["PALETTE", "Scene", "SceneSegment"]
 
 Colour = tuple[float, float, float]
+
+ShownAs = Literal["volume", "surface", "both"]
 
 PALETTE: tuple[Colour, ...] = (
     (0.94, 0.89, 0.78),
@@ -38,6 +41,7 @@ class SceneSegment:
     colour: Colour
     visible: bool
     touchable: bool
+    shown_as: ShownAs = "volume"
 
 
 class Scene:
@@ -67,6 +71,7 @@ class Scene:
         colour: Colour | None = None,
         visible: bool = True,
         touchable: bool = True,
+        shown_as: ShownAs = "volume",
     ) -> SceneSegment:
         """Adds a segment.
 
@@ -75,6 +80,7 @@ class Scene:
             colour: sRGB, each 0..1; by default the next of the palette.
             visible: Whether it is shown.
             touchable: Whether the probe is stopped by it.
+            shown_as: Drawn from its voxels, as a surface, or both.
 
         Raises:
             OptionError: It is of another scan's size, or there are too many.
@@ -89,6 +95,6 @@ class Scene:
                 f"segment {segment.name!r} is one too many; allowed: {MOST_SEGMENTS} in a scene"
             )
         chosen = colour or PALETTE[len(self._segments) % len(PALETTE)]
-        added = SceneSegment(segment, segment.name, chosen, visible, touchable)
+        added = SceneSegment(segment, segment.name, chosen, visible, touchable, shown_as)
         self._segments.append(added)
         return added

@@ -22,7 +22,9 @@ def hello_of(session: Session) -> protocol.Hello:
         settings=settings,
         defaults=settings,
         device=session.device,
-        device_limits=protocol.DeviceLimits(stiffness=stiffness, force=force),
+        device_limits=protocol.DeviceLimits(
+            stiffness=stiffness, force=force, reach=session.device_reach
+        ),
     )
 
 

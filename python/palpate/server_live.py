@@ -18,6 +18,7 @@ from palpate import protocol
 from palpate.errors import PalpateError
 from palpate.journal import Journal
 from palpate.server_changes import messages_of
+from palpate.server_gap import GapWatch
 from palpate.server_outbox import Outbox
 from palpate.server_recording import Recorder
 from palpate.server_segments import ShownSegments
@@ -55,15 +56,19 @@ class Live:
         self._outboxes: set[Outbox] = set()
         self._thresholds = ThresholdJobs(self._make_threshold)
         self._presses: Outbox | None = None
+        self._gaps = GapWatch(session, self._from_threads.put)
+        self._scene_of_now: object = None
 
     async def run(self) -> None:
         """Tells all pages what is, until it is cancelled or the session ends by itself."""
         worker = asyncio.create_task(self._thresholds.run())
+        gaps = asyncio.create_task(self._gaps.run(lambda: self._scene_of_now))
         try:
             while self._tell_state():
                 await asyncio.sleep(1.0 / (STATES_HZ if self._outboxes else IDLE_HZ))
         finally:
             worker.cancel()
+            gaps.cancel()
 
     async def serve(self, websocket: WebSocket) -> None:
         """Serves one page until it leaves."""
@@ -89,6 +94,12 @@ class Live:
             pass
         finally:
             self._outboxes.discard(outbox)
+            if not self._outboxes:
+                # nobody looks at the gap any more, nor lets go of what is in the hand
+                self._gaps.choose(None)
+                with suppress(PalpateError, RuntimeError):
+                    await asyncio.to_thread(self.session.grab, None)
+                    await asyncio.to_thread(self.session.clutch, on=False)
             sender.cancel()
             if self._presses is outbox:
                 # nobody is left to release the tool
@@ -110,9 +121,12 @@ class Live:
         if not self.session.is_running:
             self._tell(protocol.Notice(level="error", text="the session has ended: start it again"))
             return False
+        self._scene_of_now = (frame["edit"], frame["poses"])
         versions = [frame.pop(f"{kind}_version") for kind in ("segments", "voxels")]
         if self.segments.refresh(versions[0], voxels_version=versions[1], pending=frame["pending"]):
             self._tell(self.segments.message)
+            for text in self.segments.take_notices():
+                self._tell(protocol.Notice(level="info", text=text))
         for change in self.session.picture_changes():
             for message in messages_of(change):
                 self._tell(message)
@@ -159,6 +173,8 @@ class Live:
                 self.session.place(point)
             case protocol.View(right, up):
                 self.session.view(right=right, up=up)
+            case protocol.Clutch(on):
+                self.session.clutch(on=on)
             case protocol.RecordSession(on):
                 self._record(on=on)
             case protocol.ChangeSettings(settings):
@@ -170,6 +186,8 @@ class Live:
                     self.session.set_tool(kind, radius=radius, segment_ids=segment_ids)
             case protocol.Recover(bring_back):
                 self._recover(bring_back=bring_back)
+            case protocol.WatchGap(pair):
+                self._gaps.choose(pair)
             case protocol.Undo():
                 self.session.undo()
             case protocol.Redo():
@@ -183,6 +201,12 @@ class Live:
                 self.segments.change(message)
             case protocol.MoveSegment(segment_id, pose):
                 self.session.move_segment(segment_id, np.reshape(pose, (4, 4)))
+            case protocol.Grab(segment_id, collides):
+                self.session.grab(segment_id, collides=collides)
+            case protocol.TurnGrabbed(rotation):
+                self.session.turn_grabbed(rotation)
+            case protocol.CutSegment(segment_id, point, normal):
+                self.segments.cut(segment_id, point, normal)
             case protocol.SegmentFeel(segment_id, feel):
                 self.session.set_feel(segment_id, **msgspec.structs.asdict(feel))
             case protocol.RemoveSegment(segment_id):

@@ -27,6 +27,10 @@ DEFAULT_SMOOTHING = 3
 """Degree that takes the steps of voxels away and keeps what is larger than a few of them."""
 
 
+_UNMOVED = [float(row == column) for row in range(4) for column in range(4)]
+"""A pose where the scan has it."""
+
+
 @dataclass(frozen=True)
 class Look:
     """How a segment is shown; opacity, smoothing and wireframe are those of its surface."""
@@ -57,14 +61,18 @@ class ShownSegments:
         self._session = session
         self._keep = keep
         self._looks = {
-            segment_id: Look(shown.name, shown.colour, shown.visible)
+            segment_id: Look(shown.name, shown.colour, shown.visible, shown.shown_as)
             for segment_id, shown in zip(session.ids, session.scene, strict=True)
         }
         self._lock = Lock()
         self._seen: tuple[int, ...] | None = None
+        self._notices: list[str] = []
         self._looks_version = 0
         self._labels_key: Any = None
         self._labels = 0
+        for segment_id, look in self._looks.items():
+            if (smoothing := _surface_of(look)) is not None:
+                session.show_surface(segment_id, smoothing=smoothing)
         self.message = self._make_message(0)
 
     def refresh(self, segments_version: int, *, voxels_version: int, pending: int) -> bool:
@@ -141,6 +149,44 @@ class ShownSegments:
                 self._show(each.id, each.look)
             self._set_look(each.id, each.look)
 
+    def cut(
+        self,
+        segment_id: int,
+        point: tuple[float, float, float],
+        normal: tuple[float, float, float],
+    ) -> None:
+        """Parts a segment by a plane; the new part looks alike, in a colour of its own.
+
+        Raises:
+            PalpateError: The plane leaves all of it on one side.
+        """
+        part = self._session.cut(segment_id, point, normal)
+        look = self._look_of(segment_id)
+        name = f"{look.name[:80]}, part {part}"
+        self._looks.pop(part, None)
+        self._show(part, replace(look, name=name, colour=_colour_of(part)))
+        self._set_look(part, replace(look, name=name, colour=_colour_of(part)))
+
+    def take_notices(self) -> list[str]:
+        """Returns what pages should be told since the call before."""
+        with self._lock:
+            notices, self._notices = self._notices, []
+        return notices
+
+    def _show_moved_as_surface(self, segment_id: int, pose: list[float] | None) -> None:
+        """Shows a segment that stands elsewhere as a surface: voxels stay where the scan is."""
+        look = self._look_of(segment_id)
+        if pose is None or pose == _UNMOVED or look.shown_as == "surface":
+            return
+        look = replace(look, shown_as="surface")
+        self._show(segment_id, look)
+        with self._lock:
+            self._looks[segment_id] = look
+            self._notices.append(
+                f"{look.name} was moved: it is shown as a surface from now on, since voxels "
+                "are drawn where the scan has them."
+            )
+
     def _show(self, segment_id: int, look: Look) -> None:
         """Has the engine make a surface where a look needs one that is not made yet."""
         wanted = _surface_of(look)
@@ -172,6 +218,8 @@ class ShownSegments:
 
     def _make_message(self, voxels_version: int) -> protocol.Segments:
         states = self._session.segments()
+        for state in states:
+            self._show_moved_as_surface(state["id"], state["pose"])
         segments = [self._segment(state) for state in states]
         labelled = [segment.id for segment in segments if segment.visible and not segment.range]
         # labels change with their voxels, and with which segments have them
@@ -199,6 +247,7 @@ class ShownSegments:
             pending=state["pending"],
             feel=protocol.Feel(**state["feel"]),
             pose=state["pose"],
+            bounds=state["bounds"],
             shown_as=look.shown_as,
             opacity=look.opacity,
             smoothing=look.smoothing,

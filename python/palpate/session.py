@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from palpate import _core
 from palpate.errors import OptionError
+from palpate.gap import Gap
 from palpate.package_version import package_version
 from palpate.recording import Recording
 from palpate.recording_file import FORMAT, VERSION, About, AboutScan, AboutSegment
@@ -123,6 +124,11 @@ class Session:
         """The largest stiffness [N/mm] and force [N] that the device bears."""
         return self._internal.device_limits
 
+    @property
+    def device_reach(self) -> float:
+        """How far from the middle of its workspace the device reaches [device mm]."""
+        return self._internal.device_reach
+
     # --- the hand -------------------------------------------------------------------------
 
     def hand(self, target: Point) -> None:
@@ -159,6 +165,15 @@ class Session:
         """
         with _given():
             return self._internal.settings(asdict(changes or TouchSettings()))
+
+    def clutch(self, *, on: bool) -> None:
+        """Has the device move without the probe, or with it again from where both are then.
+
+        So a device with a small workspace goes on beyond its end. Without the probe it feels
+        nothing.
+        """
+        with _given():
+            self._internal.clutch(on)
 
     # --- segments -------------------------------------------------------------------------
 
@@ -199,6 +214,50 @@ class Session:
             matrix = np.ascontiguousarray(pose, dtype=np.float64)
             self._internal.move_segment(segment_id, matrix)
 
+    def grab(self, segment_id: int | None, *, collides: bool = False) -> None:
+        """Takes a segment in the hand, or lets go of it (thesis 4.7, no-collision mode).
+
+        It follows the probe's way and the turn of the device's handle, and is no obstacle for
+        the probe meanwhile; let go, it is one again as soon as the probe is out of it.
+
+        Args:
+            segment_id: Which segment; None lets go.
+            collides: Whether other touchable segments stop it.
+
+        Raises:
+            OptionError: There is no such segment, or 16 segments are moved already.
+        """
+        with _given():
+            self._internal.grab(segment_id, collides)
+
+    def turn_grabbed(self, rotation: Point) -> None:
+        """Turns the segment in the hand about the probe by a rotation vector [rad]."""
+        with _given():
+            self._internal.turn_grabbed(*_triple(rotation))
+
+    def cut(self, segment_id: int, point: Point, normal: Point) -> int:
+        """Parts a segment by a plane of the scene; one step of undo.
+
+        The segment keeps what lies behind the plane.
+
+        Returns:
+            The number of a new segment, which has what lies before it, where ``normal`` points.
+
+        Raises:
+            OptionError: The plane leaves all of the segment on one side.
+        """
+        with _given():
+            return self._internal.cut(segment_id, _triple(point), _triple(normal))
+
+    def gap(self, segment_id: int, other_id: int) -> Gap:
+        """Measures the gap from the surface of one segment to another, where both stand by now.
+
+        Raises:
+            OptionError: There is no such segment, or one of them is empty.
+        """
+        with _given():
+            return Gap(*self._internal.gap(segment_id, other_id))
+
     def set_feel(
         self,
         segment_id: int,
@@ -222,7 +281,7 @@ class Session:
         return Segment(internal, name=name, volume=self.scene.volume, range=None)
 
     def segments(self) -> list[dict[str, Any]]:
-        """Lists the segments as they are now: id, voxels, touchable, pending, range."""
+        """Lists the segments as they are now: id, voxels, bounds, touchable, pending, range."""
         return self._internal.segments_state()
 
     def fill_box(

@@ -35,3 +35,5 @@ class TouchSettings:
     """Radius of the probe [mm]; 0 is a point."""
     force_limit: float | None = None
     """Largest force [N], more than 0, at most 40."""
+    gain: float | None = None
+    """Millimetres that the probe goes per millimetre of the device, 0.1 to 10."""

@@ -45,6 +45,10 @@ pub fn frame_dict<'py>(py: Python<'py>, frame: &Frame) -> PyResult<Bound<'py, Py
         "depth": frame.depth,
         "touched": frame.touched,
         "probe_radius": frame.probe_radius,
+        "poses": frame.poses.iter().map(|pose| pose_dict(py, *pose)).collect::<PyResult<Vec<_>>>()?,
+        "grabbed": frame.grabbed,
+        "clutched": frame.clutched,
+        "device_origin": triple(frame.device_origin),
         "pending": frame.pending,
         "can_undo": frame.can_undo,
         "can_redo": frame.can_redo,
@@ -64,12 +68,17 @@ pub fn segment_dict<'py>(py: Python<'py>, segment: &SegmentState) -> PyResult<Bo
     dictionary!(py,
         "id": segment.id.0,
         "voxels": segment.voxels,
+        "bounds": segment.bounds.map(|bounds| (bounds.min.to_array(), bounds.max.to_array())),
         "touchable": segment.touchable,
         "pending": segment.pending,
         "range": segment.range,
         "feel": feel_dict(py, segment.feel)?,
         "pose": segment.pose.map(rows_of),
     )
+}
+
+fn pose_dict(py: Python<'_>, (id, pose): (u8, glam::DAffine3)) -> PyResult<Bound<'_, PyDict>> {
+    dictionary!(py, "id": id, "pose": rows_of(pose))
 }
 
 /// A homogeneous matrix by rows, sixteen numbers.

@@ -239,6 +239,52 @@ impl PySession {
         Ok(py.detach(|| self.session.move_segment(SegmentId(segment_id), pose))?)
     }
 
+    fn clutch(&self, py: Python<'_>, on: bool) -> Result<(), CoreError> {
+        Ok(py.detach(|| self.session.clutch(on))?)
+    }
+
+    /// Radius of the ball that the device reaches [device mm].
+    #[getter]
+    fn device_reach(&self) -> f64 {
+        self.session.device_limits().workspace_radius
+    }
+
+    /// Takes a segment in the hand, or lets go of the one that is.
+    #[pyo3(signature = (segment_id = None, collides = false))]
+    fn grab(
+        &self,
+        py: Python<'_>,
+        segment_id: Option<u8>,
+        collides: bool,
+    ) -> Result<(), CoreError> {
+        let id = segment_id.map(SegmentId);
+        Ok(py.detach(|| self.session.grab(id, collides))?)
+    }
+
+    /// Turns the segment in the hand about the probe by a rotation vector [rad].
+    fn turn_grabbed(&self, py: Python<'_>, x: f64, y: f64, z: f64) -> Result<(), CoreError> {
+        Ok(py.detach(|| self.session.turn_grabbed(vector((x, y, z))))?)
+    }
+
+    /// Parts a segment by a plane; returns the number of the part before it.
+    fn cut(
+        &self,
+        py: Python<'_>,
+        segment_id: u8,
+        point: Triple,
+        normal: Triple,
+    ) -> Result<u8, CoreError> {
+        let (point, normal) = (vector(point), vector(normal));
+        let cut = py.detach(|| self.session.cut(SegmentId(segment_id), point, normal));
+        Ok(cut?.0)
+    }
+
+    /// Minimum and mean distance [mm] of one segment's surface to another, overlap [mm³].
+    fn gap(&self, py: Python<'_>, from_id: u8, to_id: u8) -> Result<Triple, CoreError> {
+        let gap = py.detach(|| self.session.gap(SegmentId(from_id), SegmentId(to_id)))?;
+        Ok((gap.minimum, gap.mean, gap.overlap))
+    }
+
     /// Makes a segment of a threshold of the scan as edited, or gives it to a segment.
     #[pyo3(signature = (low, high, segment_id = None))]
     fn threshold(

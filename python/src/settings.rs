@@ -49,6 +49,7 @@ pub fn changed(mut settings: Settings, changes: Option<&Bound<'_, PyDict>>) -> P
             "smoothing" => settings.smoothing = smoothing_named(&value.extract::<String>()?)?,
             "probe_radius" => settings.probe_radius = value.extract()?,
             "force_limit" => settings.force_limit = value.extract()?,
+            "gain" => settings.gain = value.extract()?,
             _ => return Err(CoreError::value(format!("no setting has the name {name:?}")).into()),
         }
     }
@@ -66,5 +67,6 @@ pub fn settings_dict(py: Python<'_>, settings: Settings) -> PyResult<Bound<'_, P
     dictionary.set_item("smoothing", settings.smoothing.name())?;
     dictionary.set_item("probe_radius", settings.probe_radius)?;
     dictionary.set_item("force_limit", settings.force_limit)?;
+    dictionary.set_item("gain", settings.gain)?;
     Ok(dictionary)
 }

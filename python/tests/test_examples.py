@@ -31,6 +31,16 @@ def test_a_session_is_recorded_kept_and_replayed() -> None:
     assert "every bit is the same" in run("replay_session.py")
 
 
+def test_a_plate_is_placed_on_the_spine_of_the_phantom() -> None:
+    assert "the plate lies on the bone" in run("place_plate.py")
+
+
+@pytest.mark.data
+def test_a_plate_is_placed_on_a_real_skull(data_folder: Path) -> None:
+    scan = str(data_folder / "cthead_stanford/CThead.mha")
+    assert "the plate lies on the bone" in run("place_plate.py", scan, "1350")
+
+
 @pytest.mark.data
 @pytest.mark.parametrize(
     ("name", "threshold"),

@@ -9,6 +9,7 @@
  *   {"do": "screenshot", "path": …, "testid": optional}
  *   {"do": "doubleClick", "x": …, "y": …}                     in pixels of the picture
  *   {"do": "drag", "x": …, "y": …}                            left button held: turns the picture
+ *   {"do": "dragElement", "testid": …, "x": …, "y": …}        a handle in the picture, "from": [x, y] of its middle
  *   {"do": "touch", "x": …, "y": …, "depth": wheel pixels}    Shift held: move by x, y; wheel (< 0 is deeper)
  *   {"do": "stroke", "x": …, "y": …, "depth": …}              the same with the left button pressed too
  *   {"do": "wheel", "y": …}                                   over the picture's middle (< 0 is nearer)
@@ -90,6 +91,15 @@ const actions = {
     await page.mouse.down();
     await page.keyboard.up("Shift");
     await actions.touch(options);
+    await page.mouse.up();
+    return {};
+  },
+  async dragElement({ testid, x = 0, y = 0, steps = 10, from = [0, 0] }) {
+    const box = await byTestId(testid).boundingBox();
+    const [startX, startY] = [box.x + box.width / 2 + from[0], box.y + box.height / 2 + from[1]];
+    await page.mouse.move(startX, startY);
+    await page.mouse.down();
+    await page.mouse.move(startX + x, startY + y, { steps });
     await page.mouse.up();
     return {};
   },

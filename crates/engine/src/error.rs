@@ -59,6 +59,28 @@ pub enum SessionError {
         /// Voxels of the scan.
         dimensions: glam::UVec3,
     },
+    /// A plane that is none.
+    #[error("plane through {point} with normal {normal} given; allowed: finite, normal not zero")]
+    Plane {
+        /// The point given, scene mm.
+        point: glam::DVec3,
+        /// The normal given.
+        normal: glam::DVec3,
+    },
+    /// A gap from or to nothing.
+    #[error("gap from segment {0} to segment {1}: one of them is empty; allowed: both with voxels")]
+    NoGap(u8, u8),
+    /// A cut that parts nothing.
+    #[error(
+        "the plane through {point} leaves all of segment {id} on one side; allowed: a plane \
+             with some of it on both"
+    )]
+    CutMisses {
+        /// Which segment.
+        id: u8,
+        /// The point given, scene mm.
+        point: glam::DVec3,
+    },
     /// A threshold that is none.
     #[error("threshold {low} to {high} given; allowed: finite, low not above high")]
     Range {

@@ -2,7 +2,7 @@
 //!
 //! Points in scene mm (LPS), forces in N in scene axes, times in s since the start.
 
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
 pub use palpate_haptics::safety::ForceOff;
 
 use crate::rate::Rate;
@@ -153,6 +153,14 @@ pub struct Frame {
     pub touched: u8,
     /// Radius that the probe has [mm]: less than the settings', where there is no room for it.
     pub probe_radius: f64,
+    /// Where moved segments stand by now, by number [mm, from the scan to the scene].
+    pub poses: Vec<(u8, DAffine3)>,
+    /// The segment that follows the probe; 0 where none does.
+    pub grabbed: u8,
+    /// Whether the device moves without the probe.
+    pub clutched: bool,
+    /// The middle of the device's workspace.
+    pub device_origin: DVec3,
     /// Changes of the voxels that touch does not follow yet.
     pub pending: usize,
     /// Whether there is an edit to take back.

@@ -6,7 +6,7 @@
 //!
 //! Frames: `_in_device` is the device's own, all else is the scene; mm, N, s.
 
-use glam::{DAffine3, DMat3, DVec3};
+use glam::{DAffine3, DMat3, DQuat, DVec3};
 use palpate_device::DeviceState;
 use palpate_haptics::local_force::LocalForce;
 use palpate_volume::bit_brick::BitBrick;
@@ -17,6 +17,7 @@ use rtrb::{Consumer, Producer, RingBuffer};
 use triple_buffer::{Input, Output, triple_buffer};
 
 use crate::feel::Feel;
+use crate::moved_poses::CurrentPoses;
 use crate::servo_state::{ServoState, TickInputs};
 use crate::settings::Settings;
 use crate::touch_occupancy::GARBAGE_PER_CHANGE;
@@ -91,6 +92,8 @@ pub enum ServoCommand {
     },
     /// Turns the axes in which the device moves the probe.
     Turn(DMat3),
+    /// Has the device move without the probe, or with it again.
+    Clutch(bool),
     /// New settings.
     Settings(Settings),
     /// Where a moved segment is to go, a rigid motion [mm].
@@ -192,6 +195,14 @@ pub struct ServoStatus {
     pub normal: DVec3,
     /// Size of the force that was last sent to the device [N].
     pub sent_force: f64,
+    /// Where moved segments stand by now.
+    pub poses: CurrentPoses,
+    /// `scene_from_device`, axes only.
+    pub axes: DMat3,
+    /// `device_from_handle`.
+    pub orientation: DQuat,
+    /// The middle of the device's workspace in the scene [mm].
+    pub origin: DVec3,
 }
 
 /// Servo → picture: one tick.

@@ -85,6 +85,15 @@ impl Mapping {
         self.offset = point_in_scene - self.rotation * (point_in_device * self.scale);
     }
 
+    /// Changes the scale about the device, which stays where it stands in the scene.
+    pub fn rescale(&mut self, point_in_device: DVec3, scale: f64) {
+        if self.scale != scale {
+            let stays = self.point_to_scene(point_in_device);
+            self.scale = scale;
+            self.place(point_in_device, stays);
+        }
+    }
+
     /// Turns the axes about the device, which stays where it stands in the scene.
     pub fn turn(&mut self, point_in_device: DVec3, rotation: DMat3) {
         let stays = self.point_to_scene(point_in_device);
@@ -178,6 +187,17 @@ mod tests {
         // and a push to the left now moves the probe to the patient's right
         let left = mapping.point_to_scene(device + DVec3::NEG_X) - point;
         assert!(left.distance(DVec3::NEG_X * 2.5) < ROUNDING);
+    }
+
+    #[test]
+    fn another_scale_leaves_the_device_where_it_is_and_stretches_its_way() {
+        let mut mapping = oblique();
+        let device = DVec3::new(8.0, -2.0, 1.0);
+        let stays = mapping.point_to_scene(device);
+        mapping.rescale(device, 0.5);
+        assert!(mapping.point_to_scene(device).distance(stays) < ROUNDING);
+        let way = mapping.point_to_scene(device + DVec3::X * 3.0) - stays;
+        assert!((way.length() - 1.5).abs() < ROUNDING);
     }
 
     #[test]

@@ -23,6 +23,9 @@ use crate::touchable::Touchable;
 /// Ticks that a move takes at least: what a page sends 60 times a second joins without a stop.
 const MOVE_TICKS: u32 = 17;
 
+/// Where moved segments stand now, by number: poses from the scan to the scene [mm].
+pub type CurrentPoses = [Option<(u8, DAffine3)>; MAX_OBJECTS];
+
 /// One segment.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Moved {
@@ -123,6 +126,13 @@ impl MovedPoses {
 
     fn find(&self, id: SegmentId) -> Option<&Moved> {
         self.moved.iter().flatten().find(|moved| moved.id == id.0)
+    }
+
+    /// Where all of them stand by now.
+    #[must_use]
+    pub fn current(&self) -> CurrentPoses {
+        self.moved
+            .map(|place| place.map(|moved| (moved.id, moved.pose)))
     }
 
     /// Whether any segment is on its way.

@@ -250,6 +250,7 @@ impl<'a> Player<'a> {
                 device_too,
             },
             TapeCommand::Turn(rotation) => ServoCommand::Turn(rotation),
+            TapeCommand::Clutch(on) => ServoCommand::Clutch(on),
             TapeCommand::Settings(settings) => ServoCommand::Settings(settings),
             TapeCommand::Pose(id, pose) => ServoCommand::Pose(SegmentId(id), pose),
             TapeCommand::Feel(id, feel) => ServoCommand::Feel(SegmentId(id), feel),

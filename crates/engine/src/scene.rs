@@ -76,6 +76,8 @@ pub enum Step {
         /// Where to [mm, from the scan to the scene]; a rigid motion.
         pose: DAffine3,
     },
+    /// These, one after the other, as one.
+    Several(Vec<Step>),
 }
 
 /// What a step changes of the occupancy of touchable segments.
@@ -85,12 +87,24 @@ pub enum TouchChange {
     Nothing,
     /// These bricks, by rising place in the directory, each once, of these segments.
     Bricks(Vec<u32>, Vec<SegmentId>),
-    /// Anything, of this segment.
-    All(SegmentId),
+    /// Anything, of these segments.
+    All(Vec<SegmentId>),
     /// Where this segment stands, which was moved before.
     Pose(SegmentId, DAffine3),
     /// That this segment is moved from now on, and where to.
     FirstPose(SegmentId, DAffine3),
+}
+
+impl TouchChange {
+    /// The segments that it concerns.
+    #[must_use]
+    pub fn segments(self) -> Vec<SegmentId> {
+        match self {
+            Self::Nothing => Vec::new(),
+            Self::Bricks(_, segments) | Self::All(segments) => segments,
+            Self::Pose(id, _) | Self::FirstPose(id, _) => vec![id],
+        }
+    }
 }
 
 impl Properties {
@@ -114,12 +128,13 @@ impl Step {
         Self::Edit { edit, ranges }
     }
 
-    /// The segment whose number the step needs, if it brings one back.
+    /// Whether the step brings a segment back under this number, or takes it away.
     #[must_use]
-    pub fn inserted(&self) -> Option<SegmentId> {
+    pub fn needs(&self, number: SegmentId) -> bool {
         match self {
-            Self::Insert { id, .. } => Some(*id),
-            _ => None,
+            Self::Insert { id, .. } | Self::Remove { id } => *id == number,
+            Self::Several(steps) => steps.iter().any(|step| step.needs(number)),
+            _ => false,
         }
     }
 
@@ -132,15 +147,6 @@ impl Step {
         }
     }
 
-    /// The segment that the step takes away, if it does.
-    #[must_use]
-    pub fn removed(&self) -> Option<SegmentId> {
-        match self {
-            Self::Remove { id } => Some(*id),
-            _ => None,
-        }
-    }
-
     /// Roughly the bytes that the step holds on to.
     #[must_use]
     pub fn bytes(&self) -> usize {
@@ -148,6 +154,7 @@ impl Step {
             Self::Edit { edit, .. } => bytes_of(edit),
             Self::Replace { segment, .. } | Self::Insert { segment, .. } => segment.memory_bytes(),
             Self::Remove { .. } | Self::Move { .. } => 0,
+            Self::Several(steps) => steps.iter().map(Self::bytes).sum(),
         }
     }
 }
@@ -159,6 +166,8 @@ pub struct Scene {
     /// The scan's values as touch reads them.
     values: ScanValues,
     properties: BTreeMap<SegmentId, Properties>,
+    /// The segment that is in the hand: no obstacle meanwhile.
+    held: Option<SegmentId>,
 }
 
 impl Scene {
@@ -174,6 +183,7 @@ impl Scene {
             voxels,
             values,
             properties,
+            held: None,
         }
     }
 
@@ -239,10 +249,24 @@ impl Scene {
         Ok(())
     }
 
+    /// Whether the probe is stopped by a segment: not by the one in the hand.
+    #[must_use]
+    pub fn is_obstacle(&self, id: SegmentId) -> bool {
+        self.properties_of(id).touchable && self.held != Some(id)
+    }
+
+    /// Takes a segment in the hand, or none; gives those that are, or are no more, obstacles by it.
+    pub fn hold(&mut self, id: Option<SegmentId>) -> Vec<SegmentId> {
+        let before = std::mem::replace(&mut self.held, id);
+        let changed = before.into_iter().chain(id);
+        changed
+            .filter(|id| self.properties_of(*id).touchable)
+            .collect()
+    }
+
     /// All obstacles with their properties, by rising number.
     pub fn obstacles(&self) -> impl Iterator<Item = (SegmentId, &Segment, Properties)> {
-        self.segments()
-            .filter(|(_, _, properties)| properties.touchable)
+        self.segments().filter(|(id, _, _)| self.is_obstacle(*id))
     }
 
     /// All obstacles, by rising number, with copies of their directories of bricks.
@@ -284,7 +308,35 @@ impl Scene {
             } => self.insert(id, segment, properties),
             Step::Remove { id } => self.remove(id),
             Step::Move { id, pose } => self.move_to(id, pose),
+            Step::Several(steps) => self.several(steps),
         }
+    }
+
+    /// Performs steps in turn; where one does not fit, those before it are taken back.
+    fn several(&mut self, steps: Vec<Step>) -> Result<(Step, TouchChange), VoxelsError> {
+        let mut inverses = Vec::with_capacity(steps.len());
+        let mut changed = Vec::new();
+        for step in steps {
+            match self.perform(step) {
+                Ok((inverse, change)) => {
+                    inverses.push(inverse);
+                    changed.extend(change.segments());
+                }
+                Err(error) => {
+                    for inverse in inverses.into_iter().rev() {
+                        self.perform(inverse)?;
+                    }
+                    return Err(error);
+                }
+            }
+        }
+        inverses.reverse();
+        let change = if changed.is_empty() {
+            TouchChange::Nothing
+        } else {
+            TouchChange::All(changed)
+        };
+        Ok((Step::Several(inverses), change))
     }
 
     /// A segment that was moved once stays a body of its own, also where it is taken back, as
@@ -299,7 +351,7 @@ impl Scene {
             .get_mut(&id)
             .ok_or(VoxelsError::UnknownSegment(id.0))?;
         let before = properties.pose.replace(pose);
-        let touchable = properties.touchable;
+        let touchable = self.is_obstacle(id);
         if before.is_none() {
             self.make_room_for_moved(id);
         }
@@ -406,19 +458,15 @@ impl Scene {
     }
 
     fn all_to_touch(&self, id: SegmentId) -> TouchChange {
-        if self.properties_of(id).touchable {
-            TouchChange::All(id)
+        if self.is_obstacle(id) {
+            TouchChange::All(vec![id])
         } else {
             TouchChange::Nothing
         }
     }
 
     fn bricks_to_touch(&self, edit: &Edit) -> TouchChange {
-        let touched = || {
-            edit.segments
-                .iter()
-                .filter(|(id, _)| self.properties_of(*id).touchable)
-        };
+        let touched = || edit.segments.iter().filter(|(id, _)| self.is_obstacle(*id));
         let mut bricks: Vec<u32> = touched()
             .flat_map(|(_, swaps)| swaps.iter().map(|swap| swap.index))
             .collect();

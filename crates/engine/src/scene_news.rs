@@ -48,16 +48,20 @@ pub struct EditNews {
 }
 
 impl SceneNews {
-    /// What a step changed, told from its inverse; none where no voxel is another one.
+    /// What a step changed, told from its inverse; nothing where no voxel is another one.
     #[must_use]
-    pub fn of(inverse: &Step, scene: &Scene, labelled: &[SegmentId]) -> Option<Self> {
+    pub fn of(inverse: &Step, scene: &Scene, labelled: &[SegmentId]) -> Vec<Self> {
         let voxels = scene.voxels();
         match inverse {
-            Step::Edit { edit, .. } => Some(Self::Edit(EditNews::of(edit, voxels, labelled))),
+            Step::Edit { edit, .. } => vec![Self::Edit(EditNews::of(edit, voxels, labelled))],
             Step::Replace { id, .. } | Step::Insert { id, .. } | Step::Remove { id } => {
-                Some(Self::Segment(*id, bits_of(voxels, *id)))
+                vec![Self::Segment(*id, bits_of(voxels, *id))]
             }
-            Step::Move { .. } => None,
+            Step::Move { .. } => Vec::new(),
+            Step::Several(inverses) => {
+                let news = |inverse| Self::of(inverse, scene, labelled);
+                inverses.iter().rev().flat_map(news).collect()
+            }
         }
     }
 

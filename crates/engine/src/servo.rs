@@ -92,16 +92,19 @@ impl ServoLoop {
     #[must_use]
     pub fn new(start: ServoStart, channels: ServoChannels, shared: Arc<Shared>) -> Self {
         let probe_in_grid = start.grid.grid_from_patient().transform_point3(start.probe);
+        let mut mapping = start.mapping;
+        mapping.rescale(mapping.point_to_device(start.probe), start.settings.gain);
         let proxy = Proxy::at(probe_in_grid).expect("the probe starts at a finite point");
         let state = ServoState {
             touch: TickState::new(proxy),
-            mapping: start.mapping,
+            mapping,
             settings: start.settings,
             feels: start.feels,
             radius: start.touchable.radius,
             poses: MovedPoses::default(),
             touched: 0,
             hand: start.probe,
+            clutch: None,
             forgotten_hand: 0,
             received: 0,
             refused_places: 0,
@@ -176,6 +179,7 @@ impl ServoLoop {
             self.retry_held_changes();
         }
         self.obey(inputs);
+        self.hold_clutch(inputs);
         self.move_segments();
 
         let output = self.touch(&self.input(inputs));
@@ -188,8 +192,18 @@ impl ServoLoop {
     }
 
     fn follow_hand(&mut self, target: HandTarget) {
-        if target.number > self.state.forgotten_hand {
+        if target.number > self.state.forgotten_hand && self.state.clutch.is_none() {
             self.state.hand = target.point;
+        }
+    }
+
+    /// Takes the mapping along with the device, so that it stands where the probe was.
+    fn hold_clutch(&mut self, inputs: &TickInputs) {
+        if let Some(point) = self.state.clutch {
+            self.state.hand = point;
+            if inputs.is_read() {
+                self.state.mapping.place(inputs.position_in_device, point);
+            }
         }
     }
 
@@ -280,7 +294,14 @@ impl ServoLoop {
                 self.place(point, device_too.then_some(device));
             }
             Some(ServoCommand::Turn(rotation)) => self.state.mapping.turn(device, rotation),
+            Some(ServoCommand::Clutch(on)) => {
+                let proxy = self.state.touch.proxy.point();
+                let point = self.grid.patient_from_grid().transform_point3(proxy);
+                self.state.clutch = on.then_some(point);
+                self.state.forgotten_hand = self.state.forgotten_hand.max(inputs.hand.number);
+            }
             Some(ServoCommand::Settings(settings)) => {
+                self.state.mapping.rescale(device, settings.gain);
                 self.state.settings = settings;
                 self.occupancy.want_radius(settings.probe_radius);
                 self.state.touch.blend.tell();
@@ -318,6 +339,7 @@ impl ServoLoop {
             .patient_from_grid()
             .transform_point3(proxy.point());
         self.state.hand = placed;
+        self.state.clutch = self.state.clutch.map(|_| placed);
         if let Some(device) = device {
             self.state.mapping.place(device, placed);
         }
@@ -329,10 +351,13 @@ impl ServoLoop {
         let device = self.device_in_scene(inputs);
         TickInput {
             device_in_scene: if known { device } else { DVec3::NAN },
-            velocity_in_scene: self
-                .state
-                .mapping
-                .velocity_to_scene(inputs.velocity_in_device),
+            velocity_in_scene: if self.state.clutch.is_some() {
+                DVec3::ZERO
+            } else {
+                self.state
+                    .mapping
+                    .velocity_to_scene(inputs.velocity_in_device)
+            },
             damping: self.state.settings.damping,
             smoothing: self.state.settings.smoothing,
         }
@@ -406,6 +431,10 @@ impl ServoLoop {
             time: inputs.time,
             normal: output.normal,
             sent_force: sent_in_device.length(),
+            poses: self.state.poses.current(),
+            axes: self.state.mapping.rotation,
+            orientation: inputs.orientation,
+            origin: self.state.mapping.offset,
         });
     }
 

@@ -35,6 +35,9 @@ pub struct ServoState {
     pub touched: u8,
     /// Where the hand pulls the device to [mm].
     pub hand: DVec3,
+    /// Where the probe stays while the device moves without it [mm].
+    #[serde(default)]
+    pub clutch: Option<DVec3>,
     /// Hand targets up to this number are older than the last placement.
     pub forgotten_hand: u64,
     /// The last change of what is solid that was taken from the inbox.

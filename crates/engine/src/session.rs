@@ -34,6 +34,9 @@ use crate::surfaces::{PictureChange, Surfaces};
 use crate::tape::{Tape, TapeRecorder};
 
 mod changes;
+mod objects;
+
+use objects::GapBodies;
 
 /// Edits of more voxels than this are built outside the simulation thread.
 const SMALL_EDIT: u64 = 1 << 20;
@@ -57,6 +60,7 @@ pub struct Session {
     shared: Arc<Shared>,
     notices: Sender<Notice>,
     tape: Arc<Mutex<TapeRecorder>>,
+    gap_bodies: Mutex<GapBodies>,
     grid: Grid,
     device_name: String,
     device_limits: DeviceLimits,
@@ -104,6 +108,7 @@ impl Session {
             shared,
             notices,
             tape,
+            gap_bodies: Mutex::default(),
             grid,
             device_name,
             device_limits,

@@ -30,6 +30,14 @@ pub struct Settings {
     pub probe_radius: f64,
     /// Largest force [N], > 0, at most 40.
     pub force_limit: f64,
+    /// Scene mm that the probe goes per mm of the device, 0.1..=10.
+    #[serde(default = "no_gain")]
+    pub gain: f64,
+}
+
+/// Of recordings that are older than the setting.
+fn no_gain() -> f64 {
+    1.0
 }
 
 impl Default for Settings {
@@ -44,6 +52,7 @@ impl Default for Settings {
             smoothing: Smoothing::default(),
             probe_radius: 0.0,
             force_limit: ForceLimits::default().max_force,
+            gain: no_gain(),
         }
     }
 }
@@ -115,6 +124,12 @@ impl Settings {
                 self.force_limit > 0.0 && self.force_limit <= 40.0,
                 "more than 0, at most 40",
             ),
+            (
+                "gain",
+                self.gain,
+                (0.1..=10.0).contains(&self.gain),
+                "0.1 to 10",
+            ),
         ];
         for (name, given, fits, allowed) in rows {
             if !fits {
@@ -148,7 +163,10 @@ impl Settings {
     #[must_use]
     pub fn within(self, limits: &DeviceLimits) -> Self {
         Self {
-            stiffness: self.stiffness.min(limits.max_stiffness),
+            // a millimetre of the device is `gain` millimetres of the spring
+            stiffness: self
+                .stiffness
+                .min(limits.max_stiffness / self.gain.max(1.0)),
             force_limit: self.force_limit.min(limits.max_force),
             ..self
         }
@@ -206,6 +224,14 @@ mod tests {
                 },
                 "force limit [N]",
             ),
+            (
+                Settings {
+                    gain: f64::NAN,
+                    ..good
+                },
+                "gain",
+            ),
+            (Settings { gain: 10.1, ..good }, "gain"),
         ] {
             assert_eq!(bad.check().unwrap_err().name, name);
         }

@@ -22,7 +22,9 @@ use palpate_volume::voxels::{Voxels, VoxelsError};
 use crate::error::SessionError;
 use crate::feel::Feel;
 use crate::frame::Notice;
+use crate::grip::Grip;
 use crate::handover::{ServoCommand, SimulationChannels};
+use crate::moved_poses::CurrentPoses;
 use crate::placement::{REACH, free_point};
 use crate::scene::{Properties, Scene, Step, ThresholdRange};
 use crate::scene_news::SceneNews;
@@ -31,6 +33,7 @@ use crate::tape::{MAX_TAPE_BYTES, TapeRecorder};
 use crate::tool_stroke::{ToolNow, ToolStroke};
 use crate::touch_sender::{TouchSender, touchable_of};
 
+mod objects;
 pub mod recovery;
 mod tools;
 
@@ -43,6 +46,14 @@ pub struct SimulationStatus {
     pub touched: u8,
     /// Radius that the probe has [mm]: less than the settings', where there is no room for it.
     pub probe_radius: f64,
+    /// Where moved segments stand by now.
+    pub poses: CurrentPoses,
+    /// The segment that follows the probe; 0 where none does.
+    pub grabbed: u8,
+    /// Whether the device moves without the probe.
+    pub clutched: bool,
+    /// The middle of the device's workspace in the scene [mm].
+    pub device_origin: DVec3,
     /// Changes that touch does not follow yet.
     pub pending: usize,
     /// Whether there is a change to take back.
@@ -68,6 +79,8 @@ pub struct SegmentState {
     pub id: SegmentId,
     /// Solid voxels.
     pub voxels: u64,
+    /// A box that just holds them; none where there are none.
+    pub bounds: Option<VoxelBox>,
     /// Whether it is an obstacle.
     pub touchable: bool,
     /// Whether touch does not follow its newest voxels yet.
@@ -93,6 +106,8 @@ pub struct Simulation {
     scene: Scene,
     journal: UndoJournal<Step>,
     stroke: ToolStroke,
+    grip: Option<Grip>,
+    clutched: bool,
     file: Option<JournalFile>,
     touch: TouchSender,
     status: triple_buffer::Input<SimulationStatus>,
@@ -124,6 +139,8 @@ impl Simulation {
             scene,
             journal: UndoJournal::default(),
             stroke: ToolStroke::default(),
+            grip: None,
+            clutched: false,
             file: None,
             touch: TouchSender::new(channels, settings.probe_radius),
             status,
@@ -161,6 +178,7 @@ impl Simulation {
             .map(|(id, segment, properties)| SegmentState {
                 id,
                 voxels: segment.count(),
+                bounds: segment.bounding_box(),
                 touchable: properties.touchable,
                 pending: self.touch.is_pending(id),
                 range: properties.range,
@@ -173,6 +191,7 @@ impl Simulation {
     /// One pass: exchanges with the servo and publishes what is shown.
     pub fn step(&mut self) {
         self.touch.exchange(&self.scene);
+        self.advance_grip();
         self.advance_tool();
         self.tell_of_held_changes();
         self.tell_of_refused_places();
@@ -253,6 +272,7 @@ impl Simulation {
     /// # Errors
     /// Where there is no such segment.
     pub fn remove_segment(&mut self, id: SegmentId) -> Result<(), SessionError> {
+        self.let_go();
         self.change(Step::Remove { id })
     }
 
@@ -262,7 +282,7 @@ impl Simulation {
     /// Where there is no such segment.
     pub fn set_touchable(&mut self, id: SegmentId, touchable: bool) -> Result<(), SessionError> {
         if self.scene.set_touchable(id, touchable)? {
-            let change = crate::scene::TouchChange::All(id);
+            let change = crate::scene::TouchChange::All(vec![id]);
             self.touch.send_change(&self.scene, &change);
             self.publish();
         }
@@ -311,6 +331,7 @@ impl Simulation {
     /// Where the pose is no rigid motion, there is no such segment, or too many are moved.
     pub fn move_segment(&mut self, id: SegmentId, pose: DAffine3) -> Result<(), SessionError> {
         self.check_pose(pose)?;
+        self.let_go();
         let before = self.scene.properties_of(id).pose;
         if before.is_none_or(|before| before == DAffine3::IDENTITY) {
             self.check_room_for_moved()?;
@@ -356,6 +377,7 @@ impl Simulation {
     /// # Errors
     /// Never, unless the journal is wrong.
     pub fn undo(&mut self) -> Result<bool, SessionError> {
+        self.let_go();
         self.close_step();
         let Some(step) = self.journal.pop_undo() else {
             return Ok(false);
@@ -372,6 +394,7 @@ impl Simulation {
     /// # Errors
     /// Never, unless the journal is wrong.
     pub fn redo(&mut self) -> Result<bool, SessionError> {
+        self.let_go();
         self.close_step();
         let Some(step) = self.journal.pop_redo() else {
             return Ok(false);
@@ -423,6 +446,15 @@ impl Simulation {
         self.touch.send(ServoCommand::Turn(rotation));
     }
 
+    /// Has the device move without the probe, or with it again from where both are then.
+    pub fn clutch(&mut self, on: bool) {
+        if self.clutched != on {
+            self.clutched = on;
+            self.touch.send(ServoCommand::Clutch(on));
+            self.publish();
+        }
+    }
+
     /// Takes new settings, as far as the device bears them; gives those that hold.
     ///
     /// # Errors
@@ -451,7 +483,7 @@ impl Simulation {
         let (inverse, change) = self.scene.perform(step)?;
         self.touch.send_change(&self.scene, &change);
         self.segments_version += 1;
-        if let Some(news) = SceneNews::of(&inverse, &self.scene, &self.labelled) {
+        for news in SceneNews::of(&inverse, &self.scene, &self.labelled) {
             self.voxels_version += u64::from(news.needs_labels());
             self.tell_picture(news);
         }
@@ -485,11 +517,7 @@ impl Simulation {
 
     /// The lowest number that no segment has and no undo or redo would bring back.
     fn free_id(&self) -> Result<SegmentId, VoxelsError> {
-        let returns = |id: SegmentId| {
-            self.journal
-                .steps()
-                .any(|step| step.inserted() == Some(id) || step.removed() == Some(id))
-        };
+        let returns = |id: SegmentId| self.journal.steps().any(|step| step.needs(id));
         let is_new = |id: &SegmentId| self.voxels().segment(*id).is_none();
         let ids = || (1..=u8::MAX).map(SegmentId).filter(is_new);
         ids()
@@ -544,6 +572,10 @@ impl Simulation {
             edit: self.voxels().edit_number(),
             touched: self.touch.status().touched,
             probe_radius: self.touch.status().radius,
+            poses: self.current_poses(),
+            grabbed: self.grip.as_ref().map_or(0, |grip| grip.id().0),
+            clutched: self.clutched,
+            device_origin: self.touch.status().origin,
             pending: self.touch.pending(),
             can_undo: self.journal.can_undo() || self.stroke.has_changed(),
             can_redo: self.journal.can_redo(),

@@ -57,6 +57,8 @@ pub enum TapeCommand {
     },
     /// The axes of the device were turned.
     Turn(DMat3),
+    /// The device moved without the probe, or with it again.
+    Clutch(bool),
     /// New settings.
     Settings(Settings),
     /// A moved segment was to go there.
@@ -295,6 +297,7 @@ impl Writer {
                 device_too,
             },
             ServoCommand::Turn(rotation) => TapeCommand::Turn(*rotation),
+            ServoCommand::Clutch(on) => TapeCommand::Clutch(*on),
             ServoCommand::Settings(settings) => TapeCommand::Settings(*settings),
             ServoCommand::Pose(id, pose) => TapeCommand::Pose(id.0, *pose),
             ServoCommand::Feel(id, feel) => TapeCommand::Feel(id.0, *feel),

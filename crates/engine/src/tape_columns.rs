@@ -363,7 +363,10 @@ fn check(command: &TapeCommand, bricks: usize, grid: &Grid) -> Result<(), TapeEr
             feel.check()?;
             0
         }
-        TapeCommand::Place { .. } | TapeCommand::Turn(_) | TapeCommand::Mark => 0,
+        TapeCommand::Place { .. }
+        | TapeCommand::Turn(_)
+        | TapeCommand::Clutch(_)
+        | TapeCommand::Mark => 0,
     };
     if bricks > allowed {
         return Err(TapeError::Bricks);

@@ -137,7 +137,7 @@ impl TouchSender {
                 self.send_bricks(scene, bricks, segments.clone());
             }
             TouchChange::Bricks(_, segments) => self.send_root(scene, segments.clone()),
-            TouchChange::All(id) => self.send_root(scene, vec![*id]),
+            TouchChange::All(segments) => self.send_root(scene, segments.clone()),
             TouchChange::Pose(id, pose) => self.send(ServoCommand::Pose(*id, *pose)),
             TouchChange::FirstPose(id, pose) => {
                 self.send_split(scene, *id);

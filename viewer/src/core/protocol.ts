@@ -98,7 +98,8 @@ export interface Feel {
  * `range` holds the threshold (low, high) while the segment is just that threshold;
  * null where its voxels come from elsewhere: then they stand in `/api/labels` under
  * the segment's `id` (1..255). `pose` takes the segment from where the scan has it to
- * where it stands; null where it was not moved. `opacity`, `smoothing` and
+ * where it stands; null where it was not moved. `bounds` are the voxels of the scan that
+ * hold it, half open; null where it is empty. `opacity`, `smoothing` and
  * `wireframe` are those of its surface.
  */
 export interface Segment {
@@ -113,13 +114,14 @@ export interface Segment {
   readonly pending: boolean;
   readonly feel: Feel;
   readonly pose: Pose | null;
+  readonly bounds: readonly [GridPlace, GridPlace] | null;
   readonly shown_as: ShownAs;
   readonly opacity: Share;
   readonly smoothing: SmoothingDegree;
   readonly wireframe: boolean;
 }
 
-/** What a person can set about touch. */
+/** What a person can set about touch; `gain` is scene mm per mm of the device. */
 export interface Settings {
   readonly model: "exact" | "thesis-original" | "thesis-improved";
   readonly stiffness: Stiffness;
@@ -129,12 +131,18 @@ export interface Settings {
   readonly smoothing: "intensities" | "bits" | "off";
   readonly probe_radius: number;
   readonly force_limit: number;
+  readonly gain: number;
 }
 
-/** What a device bears: settings that ask for more are cut to it. */
+/**
+ * What a device bears: settings that ask for more are cut to it.
+ *
+ * `reach` is how far it comes from the middle of its workspace [device mm].
+ */
 export interface DeviceLimits {
   readonly stiffness: Stiffness;
   readonly force: number;
+  readonly reach: number;
 }
 
 /**
@@ -152,6 +160,12 @@ export interface Hello {
   readonly defaults: Settings;
   readonly device: string;
   readonly device_limits: DeviceLimits;
+}
+
+/** Where a moved segment stands by now: `Segment.pose` is where it was asked to go. */
+export interface MovedPose {
+  readonly id: SegmentId;
+  readonly pose: Pose;
 }
 
 /**
@@ -223,7 +237,10 @@ export interface Safety {
  * rows (time, force x, force y, force z). `contact_point` is where the force comes from:
  * on the smooth surface, beside `proxy`, which no solid voxel holds; `normal` points out
  * of the surface there, and is zero without contact. `probe_radius` is what the probe has
- * [mm]: less than the settings' where there is no room for it. `recording` says since how
+ * [mm]: less than the settings' where there is no room for it. `poses` says where moved
+ * segments stand by now, `grabbed` which segment is in the hand, 0 for none.
+ * `clutched` says that the device moves without the probe, `device_origin` is the middle of
+ * its workspace. `recording` says since how
  * long every input of the servo is kept [s].
  */
 export interface State {
@@ -241,6 +258,10 @@ export interface State {
   readonly depth: number;
   readonly touched: number;
   readonly probe_radius: number;
+  readonly poses: readonly MovedPose[];
+  readonly grabbed: number;
+  readonly clutched: boolean;
+  readonly device_origin: Vector;
   readonly pending: number;
   readonly can_undo: boolean;
   readonly can_redo: boolean;
@@ -347,6 +368,20 @@ export interface Notice {
   readonly text: string;
 }
 
+/**
+ * The gap from the surface of segment `id` to segment `other`, as they stand by now.
+ *
+ * `minimum` and `mean` [mm], `overlap` [mm³]; null where one of them is gone or empty.
+ */
+export interface Gap {
+  readonly type: "gap";
+  readonly id: SegmentId;
+  readonly other: SegmentId;
+  readonly minimum: number | null;
+  readonly mean: number | null;
+  readonly overlap: number | null;
+}
+
 /** Where the hand pulls the device to [scene]; latest wins. */
 export interface Hand {
   readonly type: "hand";
@@ -364,6 +399,12 @@ export interface View {
   readonly type: "view";
   readonly right: Vector;
   readonly up: Vector;
+}
+
+/** Has the device move without the probe, or with it again. */
+export interface Clutch {
+  readonly type: "clutch";
+  readonly on: boolean;
 }
 
 /** Makes a segment of all voxels with low <= value <= high, or changes segment `id`. */
@@ -403,6 +444,33 @@ export interface MoveSegment {
   readonly pose: Pose;
 }
 
+/** Takes a segment in the hand, null lets go of it; `collides` stops it at the others. */
+export interface Grab {
+  readonly type: "grab";
+  readonly id: SegmentId | null;
+  readonly collides: boolean;
+}
+
+/** Turns the segment in the hand about the probe by a rotation vector [rad]. */
+export interface TurnGrabbed {
+  readonly type: "turn_grabbed";
+  readonly rotation: Vector;
+}
+
+/** Parts a segment by the plane through a point; what lies before it is a new segment. */
+export interface CutSegment {
+  readonly type: "cut_segment";
+  readonly id: SegmentId;
+  readonly point: Vector;
+  readonly normal: Vector;
+}
+
+/** Has the gap between two segments measured while they move; null ends that. */
+export interface WatchGap {
+  readonly type: "watch_gap";
+  readonly pair: readonly [SegmentId, SegmentId] | null;
+}
+
 /** Begins to keep every input of the servo, or ends it: the file is at `/api/recording`. */
 export interface RecordSession {
   readonly type: "record";
@@ -421,7 +489,7 @@ export interface ChangeSettings {
   readonly settings: Settings;
 }
 
-/** Chooses the tool for the next strokes: radius of its ball [mm], segments that it may change. */
+/** Chooses the tool for the next strokes: the radius of its ball [mm], and what it changes. */
 export interface Tool {
   readonly type: "tool";
   readonly kind: ToolKind;
@@ -459,17 +527,23 @@ export type ToPage =
   | Changed
   | SettingsChanged
   | Recovery
-  | Notice;
+  | Notice
+  | Gap;
 
 /** A message of the page. */
 export type FromPage =
   | Hand
   | Place
   | View
+  | Clutch
   | Threshold
   | SegmentProperties
   | SegmentFeel
   | MoveSegment
+  | Grab
+  | TurnGrabbed
+  | CutSegment
+  | WatchGap
   | RecordSession
   | RemoveSegment
   | ChangeSettings
@@ -682,6 +756,7 @@ const isSegment = record({
   pending: flag,
   feel: isFeel,
   pose: nullable(isPose),
+  bounds: nullable(tuple(isGridPlace, isGridPlace)),
   shown_as: isShownAs,
   opacity: isShare,
   smoothing: isSmoothingDegree,
@@ -697,11 +772,13 @@ const isSettings = record({
   smoothing: oneOf("intensities", "bits", "off"),
   probe_radius: real({ ge: 0, le: 20 }),
   force_limit: real({ gt: 0, le: 40 }),
+  gain: real({ ge: 0.1, le: 10 }),
 });
 
 const isDeviceLimits = record({
   stiffness: isStiffness,
   force: real(),
+  reach: real(),
 });
 
 const isHello = record({
@@ -714,6 +791,11 @@ const isHello = record({
   defaults: isSettings,
   device: text(),
   device_limits: isDeviceLimits,
+});
+
+const isMovedPose = record({
+  id: isSegmentId,
+  pose: isPose,
 });
 
 const isToolState = record({
@@ -774,6 +856,10 @@ const isState = record({
   depth: real(),
   touched: whole(),
   probe_radius: real(),
+  poses: list(isMovedPose),
+  grabbed: whole(),
+  clutched: flag,
+  device_origin: isVector,
   pending: whole(),
   can_undo: flag,
   can_redo: flag,
@@ -843,6 +929,15 @@ const isNotice = record({
   text: text(),
 });
 
+const isGap = record({
+  type: oneOf("gap"),
+  id: isSegmentId,
+  other: isSegmentId,
+  minimum: nullable(real()),
+  mean: nullable(real()),
+  overlap: nullable(real()),
+});
+
 const TO_PAGE: ReadonlyMap<string, Check> = new Map([
   ["hello", isHello],
   ["state", isState],
@@ -851,4 +946,5 @@ const TO_PAGE: ReadonlyMap<string, Check> = new Map([
   ["settings_changed", isSettingsChanged],
   ["recovery", isRecovery],
   ["notice", isNotice],
+  ["gap", isGap],
 ]);

@@ -4,7 +4,7 @@
  */
 import type { DeviceLimits, Feel, Settings } from "./protocol";
 
-type NumberSetting = "stiffness" | "damping" | "friction_static" | "friction_kinetic" | "probe_radius" | "force_limit";
+type NumberSetting = "stiffness" | "damping" | "friction_static" | "friction_kinetic" | "probe_radius" | "force_limit" | "gain";
 
 interface Range {
   readonly min: number;
@@ -19,6 +19,7 @@ const taken: Readonly<Record<NumberSetting, Range>> = {
   friction_kinetic: { min: 0, max: 2 },
   probe_radius: { min: 0, max: 20 },
   force_limit: { min: 1e-6, max: 40 },
+  gain: { min: 0.1, max: 10 },
 };
 
 /** What the controls offer, where the device bears it. */
@@ -28,6 +29,7 @@ export const offered = {
   friction: { min: 0, max: 1 },
   probe_radius: { min: 0, max: 10 },
   force_limit: { min: 0.5, max: 20 },
+  gain: { min: 0.1, max: 10 },
 } as const satisfies Readonly<Record<string, Range>>;
 
 /** A sliding probe is held back by this share of what holds a resting one. */

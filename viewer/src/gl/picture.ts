@@ -6,7 +6,7 @@ import * as THREE from "three";
 import type { BrickRanges } from "../core/bricks";
 import { project, type Camera, type Extent, type Viewport } from "../core/camera";
 import type { Look } from "../core/look";
-import type { Segment } from "../core/protocol";
+import type { MovedPose, Segment } from "../core/protocol";
 import type { ScanVolume } from "../core/scan_volume";
 import type { SurfaceChange } from "../core/surface_patches";
 import type { Box, LabelVolume } from "../core/voxel_change";
@@ -141,6 +141,13 @@ export class Picture {
   changeSurfaces(changes: readonly SurfaceChange[]): void {
     this.surfaces.apply(this.renderer, changes);
     this.refiner.restart();
+  }
+
+  /** Where moved segments stand now. */
+  setPoses(poses: readonly MovedPose[]): void {
+    if (this.surfaces.setPoses(poses)) {
+      this.refiner.restart();
+    }
   }
 
   setCamera(camera: Camera, extent: Extent): void {

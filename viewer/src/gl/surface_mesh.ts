@@ -100,7 +100,8 @@ export class SurfaceMesh {
     this.material.dispose();
   }
 
-  private stand(pose: readonly number[], { gridFromScene, axes }: ScanFrame): void {
+  /** Puts it where its segment stands now. */
+  stand(pose: readonly number[], { gridFromScene, axes }: ScanFrame): void {
     const { group, own } = this;
     group.matrix.fromArray(columnMajor(pose));
     const gridFromSurface = new THREE.Matrix4().fromArray(columnMajor(gridFromScene));

@@ -5,7 +5,7 @@
  */
 import * as THREE from "three";
 import { eyeOf, type Camera } from "../core/camera";
-import type { Segment } from "../core/protocol";
+import type { MovedPose, Segment } from "../core/protocol";
 import type { ScanFrame } from "../core/scan_volume";
 import { drawnAsSurface } from "../core/shown_segments";
 import type { SurfaceChange } from "../core/surface_patches";
@@ -30,6 +30,7 @@ export class Surfaces {
   private readonly shared;
   private segments: readonly Segment[] = [];
   private frame: ScanFrame | null = null;
+  private poses: readonly MovedPose[] = [];
 
   constructor(
     private readonly marcher: RayMarcher,
@@ -74,9 +75,23 @@ export class Surfaces {
     this.segments = segments;
     for (const segment of segments) {
       if (this.frame !== null) {
-        this.meshes.get(segment.id)?.setSegment(segment, this.frame);
+        this.meshes.get(segment.id)?.setSegment(this.standing(segment), this.frame);
       }
     }
+  }
+
+  /** Puts moved segments where they stand now; false where they stand there already. */
+  setPoses(poses: readonly MovedPose[]): boolean {
+    if (samePoses(poses, this.poses)) {
+      return false;
+    }
+    this.poses = poses;
+    for (const { id, pose } of poses) {
+      if (this.frame !== null) {
+        this.meshes.get(id)?.stand(pose, this.frame);
+      }
+    }
+    return true;
   }
 
   setCamera(view: Camera, camera: THREE.Camera): void {
@@ -125,6 +140,12 @@ export class Surfaces {
     return this.segments.filter(drawnAsSurface).flatMap(({ id }) => this.meshes.get(id) ?? []);
   }
 
+  /** A segment where it stands now; its list has where it was asked to go. */
+  private standing(segment: Segment): Segment {
+    const moved = this.poses.find(({ id }) => id === segment.id);
+    return moved === undefined ? segment : { ...segment, pose: moved.pose };
+  }
+
   private drawLayer(
     renderer: THREE.WebGLRenderer,
     layer: PictureTarget,
@@ -148,6 +169,12 @@ export class Surfaces {
       this.meshes.delete(id);
     }
   }
+}
+
+function samePoses(a: readonly MovedPose[], b: readonly MovedPose[]): boolean {
+  const same = (one: MovedPose, other: MovedPose | undefined): boolean =>
+    one.id === other?.id && one.pose.every((number, place) => number === other.pose[place]);
+  return a.length === b.length && a.every((moved, place) => same(moved, b[place]));
 }
 
 /** The camera for a picture that is shifted within its pixels, as the ray caster shifts its rays. */

@@ -130,6 +130,14 @@ export class GamepadInput {
   }
 
   private press(index: number): void {
+    if (index === button.north) {
+      const { objects } = this.stage;
+      if (objects.holds) {
+        objects.release();
+      } else {
+        objects.grab();
+      }
+    }
     if (index === button.south) {
       this.touching = !this.touching;
     } else if (index === button.east) {

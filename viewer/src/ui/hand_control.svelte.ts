@@ -16,6 +16,8 @@ export class HandControl {
   /** The person has moved the hand at least once. */
   used = $state(false);
 
+  /** The hand moves without the probe. */
+  private clutched = false;
   private hand: Vec3 | null = null;
   private movedAt = -Infinity;
   private sending = false;
@@ -32,11 +34,24 @@ export class HandControl {
     if (camera === null || state === null) {
       return;
     }
+    if (this.clutched || state.clutched) {
+      this.hand = null;
+      return;
+    }
     const now = performance.now();
     const rested = now - this.movedAt > resumeAfter;
     const from = this.hand === null || rested ? state.hand : this.hand;
     const sideways = moveInView(from, state.proxy, right, down, camera, viewport);
     this.goTo(moveInDepth(sideways, state.proxy, away, camera, viewport));
+  }
+
+  /** Has the hand move without the probe, or with it again. */
+  clutch(on: boolean): void {
+    if (on !== this.clutched) {
+      this.clutched = on;
+      this.hand = null;
+      this.session.send({ type: "clutch", on });
+    }
   }
 
   /** Puts the hand at a point of the scene [mm]. */

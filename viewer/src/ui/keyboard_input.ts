@@ -24,9 +24,14 @@ const views: Readonly<Record<string, Letter>> = { "1": "A", "2": "P", "3": "L", 
 /** Held, it presses the tool. */
 const pressKey = "x";
 
+/** Held, the hand moves without the probe. */
+const clutchKey = "k";
+
 /** Speed of the hand while a key is held, and with Alt [pixels per second]. */
 const speed = 60;
 const fineSpeed = 12;
+/** Turn of what the probe holds by one press [rad]. */
+const turnStep = (2 * Math.PI) / 180;
 /** A key that is only touched moves the hand as if held this long [s]. */
 const shortest = 1 / 30;
 
@@ -56,12 +61,31 @@ export class KeyboardInput {
     const aborter = new AbortController();
     const { signal } = aborter;
     window.addEventListener("keydown", this.press.bind(this), { signal });
-    window.addEventListener("keyup", this.letGo.bind(this), { signal });
-    window.addEventListener("blur", this.letAllGo.bind(this), { signal });
+    window.addEventListener("keyup", this.lift.bind(this), { signal });
+    window.addEventListener("blur", this.liftAll.bind(this), { signal });
     return () => {
       aborter.abort();
-      this.letAllGo();
+      this.liftAll();
     };
+  }
+
+  /** Keys that are let go elsewhere are not told of. */
+  private liftAll(): void {
+    this.held.clear();
+    this.hand.clutch(false);
+    this.tool.release();
+  }
+
+  private lift(event: KeyboardEvent): void {
+    this.held.delete(event.key);
+    const key = event.key.toLowerCase();
+    if (key === "g") {
+      this.stage.objects.release();
+    } else if (key === clutchKey) {
+      this.hand.clutch(false);
+    } else if (key === pressKey) {
+      this.tool.release();
+    }
   }
 
   private press(event: KeyboardEvent): void {
@@ -89,19 +113,6 @@ export class KeyboardInput {
       return true;
     }
     return this.actOnTool(key) || this.actOnTouch(key) || this.actOnPage(key, event.shiftKey);
-  }
-
-  private letGo(event: KeyboardEvent): void {
-    this.held.delete(event.key);
-    if (event.key.toLowerCase() === pressKey) {
-      this.tool.release();
-    }
-  }
-
-  /** Keys that are let go elsewhere are not told of. */
-  private letAllGo(): void {
-    this.held.clear();
-    this.tool.release();
   }
 
   private actOnTool(key: string): boolean {
@@ -153,8 +164,15 @@ export class KeyboardInput {
         this.stage.frameAll();
         return true;
       case "g":
-        this.actions.guarantees();
+        if (shift) {
+          this.actions.guarantees();
+        } else if (!this.stage.objects.holds) {
+          this.stage.objects.grab();
+        }
         return true;
+      case ",":
+      case ".":
+        return this.turnHeld(key === "," ? 1 : -1);
       case "n":
         this.stage.mark({ normal: !this.stage.shown.normal });
         return true;
@@ -171,6 +189,9 @@ export class KeyboardInput {
       case "s":
         this.actions.sound();
         return true;
+      case clutchKey:
+        this.hand.clutch(true);
+        return true;
       case "t":
         this.hand.touchMode = !this.hand.touchMode;
         return true;
@@ -184,6 +205,16 @@ export class KeyboardInput {
       default:
         return false;
     }
+  }
+
+  /** Turns what the probe holds in the picture; false where it holds nothing. */
+  private turnHeld(direction: number): boolean {
+    const { camera, objects } = this.stage;
+    if (camera === null || !objects.holds) {
+      return false;
+    }
+    objects.turn(camera.back, direction * turnStep);
+    return true;
   }
 
   private actWithControl(key: string, shift: boolean): boolean {

@@ -104,8 +104,10 @@ export class PointerInput {
     event.preventDefault();
     // with Shift held some browsers turn the wheel into a sideways one
     const turned = pixelsOf(event, event.deltaY === 0 ? event.deltaX : event.deltaY);
-    const { camera, content } = this.stage;
-    if (this.drag === "hand" || this.drag === "tool" || event.shiftKey || (this.hand.touchMode && this.drag === null && !event.ctrlKey)) {
+    const { camera, content, objects } = this.stage;
+    if (event.altKey && camera !== null && objects.holds) {
+      objects.turn(camera.back, turned * turnSpeed * 0.1);
+    } else if (this.drag === "hand" || this.drag === "tool" || event.shiftKey || (this.hand.touchMode && this.drag === null && !event.ctrlKey)) {
       this.hand.move(0, 0, -turned * depthSpeed);
     } else if (camera !== null && content !== null) {
       this.stage.camera = zoom(camera, Math.exp(turned * zoomSpeed), content);

@@ -8,6 +8,7 @@ import {
   type Changed,
   type DeviceLimits,
   type FromPage,
+  type Gap,
   type Hello,
   type Notice,
   type Offer,
@@ -51,6 +52,8 @@ export class Session {
   live = $state.raw<State | null>(null);
   /** Length of the recording that can be saved [s]; null where there is none. */
   recorded = $state.raw<number | null>(null);
+  /** The gap that is watched; null before it was measured. */
+  gap = $state.raw<Gap | null>(null);
   notices = $state.raw<readonly ShownNotice[]>([]);
   /** Changes that an earlier session left, as long as nobody has decided about them. */
   offer = $state.raw<Offer | null>(null);
@@ -190,6 +193,9 @@ export class Session {
         this.answered = message.settings;
         this.answeredAt = performance.now();
         this.settle();
+        break;
+      case "gap":
+        this.gap = message;
         break;
       case "notice":
         this.notify(message.level, message.text);

@@ -35,6 +35,7 @@ import { Picture } from "../gl/picture";
 import { downloadLabels, downloadVolume } from "../live/volume_download";
 import { recall, remember } from "./remembered";
 import type { Session } from "./session.svelte";
+import { ObjectControl } from "./object_control.svelte";
 import { needsLabels, ShownEdits } from "./shown_edits.svelte";
 
 /** Most values of a scan that are taken to the GPU: 1 GiB in 16 bit. */
@@ -64,6 +65,8 @@ export class Stage {
   shown = $state.raw<Shown>({ contactPoint: true, normal: true, ball: true, path: true });
   /** Edits of the voxels, and the surfaces of segments. */
   readonly edits: ShownEdits;
+  /** Segments that are moved. */
+  readonly objects: ObjectControl;
   framesPerSecond = $state.raw(0);
   /** When the first picture stood on the screen [ms since the page was opened]. */
   firstPicture = $state.raw<number | null>(null);
@@ -90,6 +93,7 @@ export class Stage {
   ) {
     // a long line is dear to draw again and again without a graphics card
     this.shown = recall("shown", { ...this.shown, path: !support.software });
+    this.objects = new ObjectControl(session);
     this.edits = new ShownEdits({
       complain: (text) => {
         session.notify("error", text);
@@ -347,6 +351,7 @@ export class Stage {
         this.drawnCamera = camera;
         this.drawnState = null;
       }
+      picture.setPoses(this.session.latest?.poses ?? []);
       this.sendView(camera);
       this.moveMarkers(camera, picture);
     }

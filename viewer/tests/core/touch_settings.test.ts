@@ -70,7 +70,7 @@ test("settings are compared by all their values", () => {
 });
 
 test("keys step through stiffness and radius and stop at their ends", () => {
-  const weak = { stiffness: 2, force: 3.3 };
+  const weak = { stiffness: 2, force: 3.3, reach: 80 };
   expect(stiffer(1, 1, weak)).toBe(1.25);
   expect(stiffer(1.25, -1, weak)).toBe(1);
   expect(stiffer(1.9, 1, weak)).toBe(2);
@@ -83,11 +83,11 @@ test("keys step through stiffness and radius and stop at their ends", () => {
 });
 
 test("controls end where the device does, and never offer more than makes sense", () => {
-  expect(offeredBy({ stiffness: 2, force: 3.3 })).toEqual({
+  expect(offeredBy({ stiffness: 2, force: 3.3, reach: 80 })).toEqual({
     stiffness: { min: 0.05, max: 2 },
     force_limit: { min: 0.5, max: 3.3 },
   });
-  expect(offeredBy({ stiffness: 10, force: 40 }).stiffness.max).toBe(offered.stiffness.max);
+  expect(offeredBy({ stiffness: 10, force: 40, reach: 80 }).stiffness.max).toBe(offered.stiffness.max);
   expect(offeredBy(null).force_limit.max).toBe(offered.force_limit.max);
 });
 

@@ -56,6 +56,7 @@ export const segment: Segment = {
   pending: false,
   feel: { stiffness: null, friction_static: null, friction_kinetic: null },
   pose: null,
+  bounds: null,
   shown_as: "volume",
   opacity: 1,
   smoothing: 3,
@@ -70,6 +71,7 @@ export const settings: Settings = {
   friction_kinetic: 0,
   smoothing: "intensities",
   probe_radius: 0,
+  gain: 1,
   force_limit: 4,
 };
 

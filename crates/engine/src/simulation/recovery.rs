@@ -111,6 +111,13 @@ impl Simulation {
 
     /// Writes down what was just performed, by its inverse.
     pub(super) fn write_down(&mut self, action: Action, inverse: &Step) {
+        if let Step::Several(inverses) = inverse {
+            // inverses stand the other way round
+            for inverse in inverses.iter().rev() {
+                self.write_down(action, inverse);
+            }
+            return;
+        }
         let Some(file) = &mut self.file else {
             return;
         };
@@ -123,7 +130,7 @@ impl Simulation {
                 }
             }
             Step::Insert { id, .. } => file.remove(action, *id),
-            Step::Move { .. } => {}
+            Step::Move { .. } | Step::Several(_) => {}
         }
     }
 

@@ -1,0 +1,116 @@
+//! What a session does to segments as objects. Points in scene mm (LPS).
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use glam::DVec3;
+use palpate_volume::edit::SegmentId;
+use palpate_volume::segment::Segment;
+use palpate_volume::voxels::VoxelsError;
+
+use super::{Session, lock};
+use crate::cut::Plane;
+use crate::error::SessionError;
+use crate::gap::{Gap, GapBody};
+use crate::session_config::check_point;
+
+/// Segments made ready to be measured, with the number of the edit that they follow.
+pub type GapBodies = BTreeMap<u8, (u64, Arc<GapBody>)>;
+
+impl Session {
+    /// Takes a segment in the hand, or lets go of the one that is: it follows the probe's way and
+    /// the handle's turn, and does not stop the probe meanwhile. Where `collides` other obstacles
+    /// stop it.
+    ///
+    /// # Errors
+    /// Where there is no such segment, too many are moved, or the session has ended.
+    pub fn grab(&self, id: Option<SegmentId>, collides: bool) -> Result<(), SessionError> {
+        self.ask(move |simulation| simulation.grab(id, collides))?
+    }
+
+    /// Turns the segment in the hand about the probe by a rotation vector [rad].
+    ///
+    /// # Errors
+    /// Where the vector is not allowed or the session has ended.
+    pub fn turn_grabbed(&self, rotation: DVec3) -> Result<(), SessionError> {
+        check_point("turn", rotation)?;
+        self.ask(move |simulation| simulation.turn_grabbed(rotation))
+    }
+
+    /// Has the device move without the probe, to take it up elsewhere, or with it again. Without
+    /// the probe it feels no contact.
+    ///
+    /// # Errors
+    /// Where the session has ended.
+    pub fn clutch(&self, on: bool) -> Result<(), SessionError> {
+        self.ask(move |simulation| simulation.clutch(on))
+    }
+
+    /// Parts a segment by a plane: it keeps what lies behind the plane, a new segment has what
+    /// lies before it. Gives the new one's number.
+    ///
+    /// # Errors
+    /// Where the plane is none or leaves all on one side, there is no such segment, there are
+    /// 255, or the session has ended.
+    pub fn cut(
+        &self,
+        id: SegmentId,
+        point: DVec3,
+        normal: DVec3,
+    ) -> Result<SegmentId, SessionError> {
+        let pose = self.ask(move |simulation| simulation.current_pose(id))?;
+        let plane = Plane::in_scan(point, normal, &pose.unwrap_or_default())
+            .ok_or(SessionError::Plane { point, normal })?;
+        self.build_and_commit(
+            move |voxels| {
+                let segment = voxels.segment(id);
+                let segment = segment.ok_or(VoxelsError::UnknownSegment(id.0))?;
+                let (behind, before) = plane.part(segment, voxels.grid());
+                if behind.count() == 0 || before.count() == 0 {
+                    return Err(SessionError::CutMisses { id: id.0, point });
+                }
+                Ok((behind, before))
+            },
+            move |simulation, parts| simulation.part_segment(id, parts),
+        )
+    }
+
+    /// The gap from the surface of one segment to another, where both stand by now. The first
+    /// call after an edit makes their surfaces; neither servo nor simulation waits for that.
+    ///
+    /// # Errors
+    /// Where there is no such segment, one of them is empty, or the session has ended.
+    pub fn gap(&self, from: SegmentId, to: SegmentId) -> Result<Gap, SessionError> {
+        let (edit, ends) = self.ask(move |simulation| {
+            let voxels = simulation.voxels();
+            let ends = [from, to].map(|id| {
+                let segment = voxels.segment(id).cloned();
+                let pose = simulation.current_pose(id).unwrap_or_default();
+                Ok((segment.ok_or(VoxelsError::UnknownSegment(id.0))?, pose))
+            });
+            (voxels.edit_number(), ends)
+        })?;
+        let [first, second]: [Result<_, VoxelsError>; 2] = ends;
+        let ((first, first_pose), (second, second_pose)) = (first?, second?);
+        let [one, other] =
+            [(from, first), (to, second)].map(|(id, segment)| self.gap_body(id, &segment, edit));
+        let to_other = second_pose.inverse() * first_pose;
+        one.gap_to(&other, &to_other)
+            .ok_or(SessionError::NoGap(from.0, to.0))
+    }
+
+    /// A segment made ready to be measured, made anew where it was edited.
+    fn gap_body(&self, id: SegmentId, segment: &Segment, edit: u64) -> Arc<GapBody> {
+        let mut bodies = lock(&self.gap_bodies);
+        if let Some((made_at, body)) = bodies.get(&id.0)
+            && *made_at == edit
+        {
+            return Arc::clone(body);
+        }
+        // what was made for other voxels is of no use any more
+        bodies.retain(|_, (made_at, _)| *made_at == edit);
+        let body = Arc::new(GapBody::new(segment, &self.grid));
+        bodies.insert(id.0, (edit, Arc::clone(&body)));
+        body
+    }
+}

@@ -1,0 +1,168 @@
+//! Segments as objects: in the hand, and parted.
+
+use glam::{DAffine3, DVec3};
+use palpate_haptics::scene::MAX_OBJECTS;
+use palpate_tools::journal_entry::Action;
+use palpate_volume::edit::SegmentId;
+use palpate_volume::segment::Segment;
+use palpate_volume::voxels::VoxelsError;
+
+use super::Simulation;
+use crate::error::SessionError;
+use crate::grip::Grip;
+use crate::moved_poses::CurrentPoses;
+use crate::scene::{Properties, Step, TouchChange};
+
+impl Simulation {
+    /// Takes a segment in the hand, or lets go of the one that is: it follows the probe, and is
+    /// no obstacle meanwhile. Where `collides` it stops at other obstacles.
+    ///
+    /// # Errors
+    /// Where there is no such segment, or too many are moved.
+    pub fn grab(&mut self, id: Option<SegmentId>, collides: bool) -> Result<(), SessionError> {
+        self.close_step();
+        self.let_go();
+        let Some(id) = id else {
+            return Ok(());
+        };
+        let segment = self.voxels().segment(id);
+        let segment = segment.ok_or(VoxelsError::UnknownSegment(id.0))?.clone();
+        let asked = self.scene.properties_of(id).pose;
+        if asked.is_none_or(|pose| pose == DAffine3::IDENTITY) {
+            self.check_room_for_moved()?;
+        }
+        // from where it is by now, which is not always where it was to go
+        let pose = self.current_pose(id).unwrap_or(DAffine3::IDENTITY);
+        let grid = *self.voxels().grid();
+        self.grip = Some(Grip::new(id, pose, collides.then_some((&segment, &grid))));
+        let changed = self.scene.hold(Some(id));
+        self.send_all(changed);
+        self.publish();
+        Ok(())
+    }
+
+    /// Turns the segment in the hand about the probe by a rotation vector [rad]; nothing where
+    /// none is.
+    pub fn turn_grabbed(&mut self, rotation: DVec3) {
+        let status = *self.touch.status();
+        if let Some(grip) = &mut self.grip {
+            grip.turn(rotation, &status);
+        }
+    }
+
+    /// Gives a segment the voxels behind a cut, and a new one, which looks and stands alike, those
+    /// before it; one step of undo. Gives the new one's number.
+    ///
+    /// # Errors
+    /// Where there is no such segment, or no room for one more.
+    pub fn part_segment(
+        &mut self,
+        id: SegmentId,
+        (behind, before): (Segment, Segment),
+    ) -> Result<SegmentId, SessionError> {
+        self.let_go();
+        let properties = self.scene.properties_of(id);
+        if properties
+            .pose
+            .is_some_and(|pose| pose != DAffine3::IDENTITY)
+        {
+            self.check_room_for_moved()?;
+        }
+        let new_id = self.free_id()?;
+        let replaced = Step::Replace {
+            id,
+            segment: behind,
+            range: None,
+            made_by: properties.made_by,
+        };
+        let inserted = Step::Insert {
+            id: new_id,
+            segment: before,
+            properties: Properties {
+                range: None,
+                ..properties
+            },
+        };
+        self.change(Step::Several(vec![replaced, inserted]))?;
+        // the new one feels alike
+        self.touch
+            .send(crate::handover::ServoCommand::Feel(new_id, properties.feel));
+        Ok(new_id)
+    }
+
+    /// Where a segment stands by now; none where the scan has it.
+    #[must_use]
+    pub fn current_pose(&self, id: SegmentId) -> Option<DAffine3> {
+        let asked = self.scene.properties_of(id).pose?;
+        let by_servo = self.touch.status().poses;
+        let followed = by_servo
+            .into_iter()
+            .flatten()
+            .find(|(other, _)| *other == id.0 && self.scene.is_obstacle(id));
+        Some(followed.map_or(asked, |(_, pose)| pose))
+    }
+
+    /// Where all moved segments stand by now.
+    pub(super) fn current_poses(&self) -> CurrentPoses {
+        let mut poses = CurrentPoses::default();
+        let moved = self
+            .scene
+            .segments()
+            .filter_map(|(id, _, _)| Some((id.0, self.current_pose(id)?)));
+        for (place, moved) in poses.iter_mut().zip(moved.take(MAX_OBJECTS)) {
+            *place = Some(moved);
+        }
+        poses
+    }
+
+    /// Lets go of the segment in the hand: it is an obstacle again as soon as the probe is free.
+    pub(super) fn let_go(&mut self) {
+        if self.grip.take().is_some() {
+            let changed = self.scene.hold(None);
+            self.segments_version += 1;
+            self.send_all(changed);
+        }
+    }
+
+    /// Has the segment in the hand follow the probe.
+    pub(super) fn advance_grip(&mut self) {
+        let Some(mut grip) = self.grip.take() else {
+            return;
+        };
+        if self.touch.is_pending(grip.id()) {
+            // still an obstacle: as it goes, the probe comes up to the device
+            grip.pause();
+        } else {
+            grip.follow(self.touch.status());
+            if grip.advance(&self.scene) {
+                self.move_held(&mut grip);
+            }
+        }
+        self.grip = Some(grip);
+    }
+
+    fn move_held(&mut self, grip: &mut Grip) {
+        let step = Step::Move {
+            id: grip.id(),
+            pose: grip.pose(),
+        };
+        // what touches nothing is told to nobody but the picture, which asks for poses
+        let Ok((inverse, _)) = self.scene.perform(step) else {
+            return;
+        };
+        let goes_on = self.journal.newest().and_then(Step::moves) == Some(grip.id());
+        if !(grip.noted && goes_on) || self.journal.can_redo() {
+            grip.noted = true;
+            self.segments_version += 1;
+            self.write_down(Action::Do, &inverse);
+            self.done(inverse);
+        }
+    }
+
+    fn send_all(&mut self, segments: Vec<SegmentId>) {
+        if !segments.is_empty() {
+            let change = TouchChange::All(segments);
+            self.touch.send_change(&self.scene, &change);
+        }
+    }
+}

@@ -1,0 +1,115 @@
+"""Objects at the page: dragged by their handles, in the probe's hand, and the gap between them."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+import SimpleITK
+from browser import ROOT, Browser, browser, palpate
+
+pytestmark = pytest.mark.browser
+
+OUTPUT = ROOT / "tests" / "output"
+SPACING = 1.0
+MIDDLES = ((20.0, 32.0, 32.0), (46.0, 32.0, 32.0))
+RADIUS = 9.0
+SIZE = {"width": 1100, "height": 760}
+
+
+@pytest.fixture(scope="module")
+def page(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
+    """Two balls of a label map, on the page."""
+    folder = tmp_path_factory.mktemp("objects")
+    z, y, x = np.indices((64, 64, 68))
+    labels = np.zeros(z.shape, np.uint8)
+    for label, middle in enumerate(MIDDLES, start=1):
+        labels[np.linalg.norm(np.stack([x, y, z], -1) - middle, axis=-1) <= RADIUS] = label
+    paths = folder / "scan.mha", folder / "labels.mha"
+    for array, path in zip(((labels > 0) * np.int16(1000), labels), paths, strict=True):
+        SimpleITK.WriteImage(SimpleITK.GetImageFromArray(array), str(path))
+    with palpate("open", paths[0], "--segments", paths[1]) as command, browser() as opened:
+        assert opened.do("open", url=command.url, **SIZE)["firstPicture"] is not None
+        yield opened
+
+
+def pose_of(page: Browser, segment: int) -> np.ndarray:
+    """Returns where a segment stands by now, by the engine's own words."""
+    poses = page.read("window.palpate.state.poses")
+    found = [moved["pose"] for moved in poses if moved["id"] == segment]
+    return np.reshape(found[0], (4, 4)) if found else np.eye(4)
+
+
+def test_the_arrow_drags_an_object_along_its_axis_and_the_gap_follows(page: Browser) -> None:
+    page.do("click", testid="move-object")
+    page.do("choose", testid="gap-to", value="2")
+    apart = 26.0 - 2 * RADIUS
+    page.wait("/mean/.test(document.querySelector('[data-testid=gap]').textContent)")
+    # half a voxel
+    assert gap(page) == pytest.approx(apart, abs=0.5)
+
+    page.read("window.palpate.setView('A')")
+    page.do("dragElement", testid="arrow-L", x=25, y=0)
+    page.wait("window.palpate.state.poses.some(({ id }) => id === 1)")
+    time.sleep(1.0)
+    pose = pose_of(page, 1)
+    np.testing.assert_allclose(pose[:3, :3], np.eye(3), atol=1e-12)
+    assert pose[0, 3] > 1.0
+    np.testing.assert_allclose(pose[1:3, 3], 0.0, atol=1e-9)
+    # the same stairs, nearer
+    assert gap(page) == pytest.approx(apart - pose[0, 3], abs=0.7)
+    assert page.read("window.palpate.triangles[1]") > 0, "it is shown as a surface"
+    page.finish()
+    page.do("screenshot", path=str(OUTPUT / "objects.png"))
+
+    # a drag is one step back
+    page.do("press", key="Control+z")
+    page.wait("Math.abs(window.palpate.state.poses.find(({ id }) => id === 1).pose[3]) < 1e-6")
+
+
+def test_a_ring_turns_an_object_about_its_middle(page: Browser) -> None:
+    # half way between two other rings, which are seen from their edges
+    page.do("dragElement", testid="ring-P", x=20, y=20, **{"from": [44, -44]})
+    time.sleep(1.0)
+    pose = pose_of(page, 1)
+    assert not np.allclose(pose[:3, :3], np.eye(3), atol=0.05)
+    middle = np.append(np.add(MIDDLES[0], 0.0), 1.0)
+    np.testing.assert_allclose((pose @ middle)[:3], middle[:3], atol=1e-6)
+    page.do("click", testid="reset-object")
+    page.wait(
+        "window.palpate.state.poses.find(({ id }) => id === 1).pose"
+        ".every((number, place) => Math.abs(number - (place % 5 === 0 ? 1 : 0)) < 1e-9)"
+    )
+
+
+def test_the_object_in_the_probes_hand_follows_it(page: Browser) -> None:
+    page.read("window.palpate.place([20, 32, 50])")
+    time.sleep(0.5)
+    page.do("click", testid="grab-object")
+    page.wait("window.palpate.state.grabbed === 1")
+    before = page.settled()["proxy"]
+    page.read("window.palpate.hand([24, 30, 54])")
+    after = page.settled()["proxy"]
+    pose = pose_of(page, 1)
+    # what is shown of the probe is some ms older than the pose
+    np.testing.assert_allclose(pose[:3, 3], np.subtract(after, before), atol=0.1)
+    assert np.linalg.norm(pose[:3, 3]) > 3.0
+    page.do("click", testid="grab-object")
+    page.wait("window.palpate.state.grabbed === 0")
+
+
+def test_a_cut_makes_another_object(page: Browser) -> None:
+    page.read("window.palpate.place([24, 30, 54])")
+    time.sleep(0.5)
+    page.do("click", testid="cut-object")
+    page.wait("document.querySelector('[data-testid=segment-3]') !== null")
+    page.do("press", key="Control+z")
+    page.wait("document.querySelector('[data-testid=segment-3]') === null")
+    assert page.complaints == []
+
+
+def gap(page: Browser) -> float:
+    """Returns the minimum that the page shows [mm]."""
+    return float(page.text("gap").split()[0])
