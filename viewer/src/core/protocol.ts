@@ -421,7 +421,7 @@ export interface ChangeSettings {
   readonly settings: Settings;
 }
 
-/** Chooses the tool for the next strokes: radius of its ball [mm], segments that it may change. */
+/** Chooses the tool for the next strokes: the radius of its ball [mm], and what it changes. */
 export interface Tool {
   readonly type: "tool";
   readonly kind: ToolKind;
