@@ -11,6 +11,7 @@
  *   {"do": "drag", "x": …, "y": …}                            left button held: turns the picture
  *   {"do": "dragElement", "testid": …, "x": …, "y": …}        a handle in the picture, "from": [x, y] of its middle
  *   {"do": "touch", "x": …, "y": …, "depth": wheel pixels}    Shift held: move by x, y; wheel (< 0 is deeper)
+ *   {"do": "stroke", "x": …, "y": …, "depth": …}              the same with the left button pressed too
  *   {"do": "wheel", "y": …}                                   over the picture's middle (< 0 is nearer)
  *   {"do": "click", "testid": …}                              {"do": "choose", "testid": …, "value": …} of a list
  *   {"do": "slide", "testid": …, "value": …}                  a slider, with the mouse
@@ -80,6 +81,16 @@ const actions = {
     await page.mouse.move(startX, startY);
     await page.mouse.down();
     await page.mouse.move(startX + x, startY + y, { steps });
+    await page.mouse.up();
+    return {};
+  },
+  async stroke(options) {
+    const box = await picture().boundingBox();
+    await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+    await page.keyboard.down("Shift");
+    await page.mouse.down();
+    await page.keyboard.up("Shift");
+    await actions.touch(options);
     await page.mouse.up();
     return {};
   },

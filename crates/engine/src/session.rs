@@ -33,6 +33,7 @@ use crate::simulation::{SegmentState, Simulation, checked_box};
 use crate::surfaces::{PictureChange, Surfaces};
 use crate::tape::{Tape, TapeRecorder};
 
+mod changes;
 mod objects;
 
 use objects::GapBodies;
