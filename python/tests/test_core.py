@@ -127,6 +127,8 @@ def test_a_frame_is_what_the_protocol_says() -> None:
 def test_thresholds_follow_undo() -> None:
     session = pressing()
     (state,) = session.segments_state()
+    low, high = state.pop("bounds")
+    assert (np.subtract(high, low).prod()) == 20_000
     feel = state.pop("feel")
     assert set(feel) == {"stiffness", "friction_static", "friction_kinetic"}
     assert state == {
