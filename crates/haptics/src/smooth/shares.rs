@@ -12,41 +12,6 @@
 
 use glam::IVec3;
 use palpate_volume::intensities::Intensities;
-use palpate_volume::occupancy::Occupancy;
-
-/// Tells shares of voxels.
-pub trait Shares {
-    /// Whether it ever tells one.
-    const ANY: bool;
-
-    /// The share of a voxel at the surface that is solid; see [`Occupancy::share`].
-    fn share(&self, voxel: IVec3, solid: bool) -> Option<f32>;
-}
-
-/// Bits and no more.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct NoShares;
-
-impl Shares for NoShares {
-    const ANY: bool = false;
-
-    fn share(&self, _voxel: IVec3, _solid: bool) -> Option<f32> {
-        None
-    }
-}
-
-/// What a body knows of itself.
-#[derive(Debug)]
-pub struct OwnShares<'a, O: ?Sized>(pub &'a O);
-
-impl<O: Occupancy + ?Sized> Shares for OwnShares<'_, O> {
-    const ANY: bool = true;
-
-    #[inline]
-    fn share(&self, voxel: IVec3, solid: bool) -> Option<f32> {
-        self.0.share(voxel, solid)
-    }
-}
 
 /// Stored values of a voxel and of its neighbours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -143,38 +108,50 @@ impl Limits {
         self.count == 0
     }
 
-    /// How far a value is within the limits; negative outside of them.
+    /// How far a value is within a range; negative outside of it.
     #[inline]
-    fn within(&self, stored: i16) -> f32 {
+    fn within_range([low, high]: [f32; 2], stored: i16) -> f32 {
         let stored = f32::from(stored);
-        let within = |[low, high]: [f32; 2]| (stored - low).min(high - stored);
-        // of the first apart, since there is mostly but one
-        let others = self.ranges[1..].iter().take(self.count.saturating_sub(1));
-        others.fold(within(self.ranges[0]), |most, range| {
-            most.max(within(*range))
-        })
+        (stored - low).min(high - stored)
     }
 
-    /// The share of a voxel that is solid; see [`Occupancy::share`].
+    /// How far a value is within the limits; negative outside of them.
+    fn within(&self, stored: i16) -> f32 {
+        let ranges = self.ranges.iter().take(self.count);
+        let within = ranges.map(|range| Self::within_range(*range, stored));
+        within.fold(f32::NEG_INFINITY, f32::max)
+    }
+
+    /// The share of a voxel that is solid; see `Occupancy::share`.
     #[inline]
     #[must_use]
     pub fn share(&self, around: &Around, solid: bool) -> Option<f32> {
-        if self.is_empty() {
-            return None;
+        match self.count {
+            0 => None,
+            // there is mostly but one
+            1 => share(around, solid, |stored| {
+                Self::within_range(self.ranges[0], stored)
+            }),
+            _ => share(around, solid, |stored| self.within(stored)),
         }
-        let here = self.within(around.here);
-        // an edit, or another segment, made it what it is
-        if solid != (here >= 0.0) {
-            return None;
-        }
-        // a plane through the voxel at distance d leaves the share ½ + d over the voxel's
-        // width across it, which is the sum of its normal's parts; and d is the value over
-        // the slope
-        let [x, y, z] = around.beside.map(|beside| {
-            let [before, after] = beside.map(|stored| self.within(stored));
-            0.5 * (after - before).abs()
-        });
-        let share = 0.5 + here / (x + y + z);
-        share.is_finite().then(|| share.clamp(0.0, 1.0))
     }
+}
+
+/// The share of a voxel that is solid, from how far values are within what is solid.
+#[inline]
+fn share(around: &Around, solid: bool, within: impl Fn(i16) -> f32) -> Option<f32> {
+    let here = within(around.here);
+    // an edit, or another segment, made it what it is
+    if solid != (here >= 0.0) {
+        return None;
+    }
+    // a plane through the voxel at distance d leaves the share ½ + d over the voxel's
+    // width across it, which is the sum of its normal's parts; and d is the value over
+    // the slope
+    let [x, y, z] = around.beside.map(|beside| {
+        let [before, after] = beside.map(&within);
+        0.5 * (after - before).abs()
+    });
+    let share = 0.5 + here / (x + y + z);
+    share.is_finite().then(|| share.clamp(0.0, 1.0))
 }

@@ -46,21 +46,18 @@ impl Cells {
         }
     }
 
-    /// Adds to each cell, x fastest, but leaves it from nothing to `full`.
-    pub(super) fn add(&mut self, change: &[[i32; 8]; 64], full: i32) {
-        for (row, change) in change.iter().enumerate() {
-            for (x, change) in change.iter().enumerate() {
-                let words = if x & 1 == 0 {
-                    &mut self.even
-                } else {
-                    &mut self.odd
-                };
-                let (word, place) = (&mut words[row], 8 * (x & !1));
-                let cell = (*word >> place & FIRST) as i32;
-                let changed = (cell + change).clamp(0, full) as u64;
-                *word = *word & !(FIRST << place) | changed << place;
-            }
-        }
+    /// Adds to a cell, but leaves it from nothing to `full`.
+    #[inline]
+    pub(super) fn add(&mut self, row: usize, x: usize, change: i32, full: i32) {
+        let words = if x & 1 == 0 {
+            &mut self.even
+        } else {
+            &mut self.odd
+        };
+        let (word, place) = (&mut words[row & 63], 8 * (x & 6));
+        let cell = (*word >> place & FIRST) as i32;
+        let changed = (cell + change).clamp(0, full) as u64;
+        *word = *word & !(FIRST << place) | changed << place;
     }
 
     /// The sums ¼, ½, ¼ along x, four times too large.

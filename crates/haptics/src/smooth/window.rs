@@ -16,6 +16,9 @@ use std::f64::consts::SQRT_2;
 pub(crate) const CELLS: i32 = 8;
 /// Words of the largest window, of cells of 4×4×1 voxels.
 const MAX_WORDS: usize = 128;
+/// Words of its largest layer of cells.
+const MAX_CELL_LAYER: usize = MAX_WORDS / CELLS as usize;
+
 /// How many voxels a cell has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct CellShape {
@@ -79,15 +82,69 @@ impl CellShape {
     }
 }
 
-/// A voxel on either side of the surface.
+/// The voxels of a cell on either side of the surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct SurfaceVoxel {
-    /// In the grid.
-    pub(crate) voxel: IVec3,
-    /// Its cell in the window: x, y, z.
-    pub(crate) cell: [usize; 3],
-    /// On which side it is.
-    pub(crate) solid: bool,
+pub(crate) struct SurfaceCell {
+    /// Its number: x, y, z.
+    pub(crate) number: IVec3,
+    /// Its row in the window, y before z.
+    pub(crate) row: usize,
+    /// Its place in the row.
+    pub(crate) x: usize,
+    /// Voxels that are reached, next to those that are not; one bit each, x fastest.
+    pub(crate) free: u16,
+    /// Solid ones next to those that are reached.
+    pub(crate) solid: u16,
+}
+
+impl SurfaceCell {
+    /// Tells its voxels and whether they are solid, z by z and row by row.
+    #[inline]
+    pub(crate) fn voxels(&self, shape: CellShape) -> impl Iterator<Item = (IVec3, bool)> + use<> {
+        let (min, solid) = (self.number * shape.voxels(), self.solid);
+        let [log_x, log_y, _] = shape.log;
+        let mut left = self.free | solid;
+        std::iter::from_fn(move || {
+            let bit = (left != 0).then(|| left.trailing_zeros() as i32)?;
+            left &= left - 1;
+            let [x, y] = [(1 << log_x) - 1, (1 << log_y) - 1];
+            let offset = IVec3::new(bit & x, bit >> log_x & y, bit >> (log_x + log_y));
+            Some((min + offset, solid >> bit & 1 == 1))
+        })
+    }
+}
+
+/// Voxels at the surface, one bit each.
+#[derive(Clone, Copy, Debug, Default)]
+struct Surface {
+    /// Reached ones next to others.
+    free: u64,
+    /// Solid ones next to those that are reached.
+    solid: u64,
+}
+
+/// Voxels of eight cells along x, 16 bits for each cell.
+#[derive(Clone, Copy, Debug, Default)]
+struct RowOfCells([u64; 2]);
+
+impl RowOfCells {
+    /// Adds the first row of a word, as the voxels from a number on in each cell.
+    #[inline]
+    fn add<const LOG: u32>(&mut self, word: u64, first: u32) {
+        let [low, high] = Rows::<LOG>::in_cells(word);
+        self.0[0] |= low << first;
+        self.0[1] |= high << first;
+    }
+
+    fn is_empty(&self) -> bool {
+        self.0 == [0; 2]
+    }
+
+    /// The voxels of a cell.
+    #[inline]
+    fn cell(&self, x: usize) -> u16 {
+        (self.0[x >> 2 & 1] >> (16 * (x & 3))) as u16
+    }
 }
 
 /// Which voxels of a window are reached from the proxy's.
@@ -202,9 +259,9 @@ impl Window {
         counts
     }
 
-    /// Tells the voxels that are reached next to solid ones, and solid ones next to those that
-    /// are reached; of the cells inside the window, since the others hardly count.
-    pub(crate) fn visit_surface(&self, tell: &mut impl FnMut(SurfaceVoxel)) {
+    /// Tells the cells with voxels that are reached next to others, or solid ones next to those
+    /// that are reached; of the cells inside the window, since the others hardly count.
+    pub(crate) fn visit_surface(&self, tell: &mut impl FnMut(SurfaceCell)) {
         match self.shape.log_width() {
             3 => self.visit_surface_of::<3>(tell),
             4 => self.visit_surface_of::<4>(tell),
@@ -212,41 +269,68 @@ impl Window {
         }
     }
 
-    fn visit_surface_of<const LOG: u32>(&self, tell: &mut impl FnMut(SurfaceVoxel)) {
-        let shape = self.shape;
-        let words = shape.layer();
-        let min = self.first * shape.voxels();
-        let layers = self.reached[..shape.words()].chunks_exact(words);
-        let layer_of = |z: usize| layers.clone().nth(z).unwrap_or(&[]);
-        for (z, reached) in layers.clone().enumerate() {
-            let near = [layer_of(z.wrapping_sub(1)), layer_of(z + 1)];
-            for (word, &here) in reached.iter().enumerate() {
-                let [solid, open] = [!here, here];
-                // what is next to a voxel of the other kind; beyond the window nothing is
-                let beside = |kind: fn(u64) -> u64| {
-                    let near = near.iter().filter_map(|layer| layer.get(word));
-                    let near = near.fold(0, |all, &word| all | kind(word));
-                    near | Rows::<LOG>::beside(reached, word, kind)
-                };
-                let filled = solid & !self.free[z * words + word];
-                let mut left = open & beside(|word| !word) | filled & beside(|word| word);
-                while left != 0 {
-                    let bit = left.trailing_zeros();
-                    left &= left - 1;
-                    let in_rows = word as i32 * 64 + bit as i32;
-                    let width = 1 << LOG;
-                    let offset = IVec3::new(in_rows & (width - 1), in_rows >> LOG, z as i32);
-                    let cell = shape.cell_of_half(2 * offset);
-                    let inside = cell.cmpge(IVec3::ONE).all() && cell.cmplt(IVec3::splat(7)).all();
-                    if inside {
-                        tell(SurfaceVoxel {
-                            voxel: min + offset,
-                            cell: cell.to_array().map(|cell| cell as usize),
-                            solid: solid >> bit & 1 == 1,
+    fn visit_surface_of<const LOG: u32>(&self, tell: &mut impl FnMut(SurfaceCell)) {
+        let [log_x, log_y, log_z] = self.shape.log;
+        let log_rows = 6 - LOG;
+        let layer = self.shape.layer();
+        for z in 1..7 {
+            let first = (z << log_z) * layer;
+            let words: [_; MAX_CELL_LAYER] =
+                std::array::from_fn(|word| match word >> log_z < layer {
+                    true => self.surface_of::<LOG>(first + word),
+                    false => Surface::default(),
+                });
+            for y in 1..7 {
+                let mut cells = [RowOfCells::default(); 2];
+                for in_cell in 0..1 << (log_y + log_z) {
+                    let row = (y << log_y) + (in_cell & ((1 << log_y) - 1));
+                    let word = (in_cell >> log_y) * layer + (row >> log_rows);
+                    let surface = words[word & (MAX_CELL_LAYER - 1)];
+                    let place = (row & ((1 << log_rows) - 1)) << LOG;
+                    let voxels = (in_cell as u32) << log_x;
+                    for (side, cells) in [surface.free, surface.solid].into_iter().zip(&mut cells) {
+                        cells.add::<LOG>(side >> place, voxels);
+                    }
+                }
+                let [free, solid] = cells;
+                if free.is_empty() && solid.is_empty() {
+                    continue;
+                }
+                for x in 1..7 {
+                    let (free, solid) = (free.cell(x), solid.cell(x));
+                    if free | solid != 0 {
+                        tell(SurfaceCell {
+                            number: self.first + IVec3::new(x as i32, y as i32, z as i32),
+                            row: 8 * z + y,
+                            x,
+                            free,
+                            solid,
                         });
                     }
                 }
             }
+        }
+    }
+
+    /// Voxels of a word at the surface; only those of cells inside the window are right, for
+    /// beyond its border are others.
+    #[inline]
+    fn surface_of<const LOG: u32>(&self, word: usize) -> Surface {
+        let at = |word: usize| self.reached[word & (MAX_WORDS - 1)];
+        let (here, layer, row) = (at(word), self.shape.layer(), 1 << LOG);
+        let beside = [
+            here << 1,
+            here >> 1,
+            here << row | at(word.wrapping_sub(1)) >> (64 - row),
+            here >> row | at(word + 1) << (64 - row),
+            at(word.wrapping_sub(layer)),
+            at(word + layer),
+        ];
+        let all = beside.iter().fold(u64::MAX, |all, beside| all & beside);
+        let any = beside.iter().fold(0, |any, beside| any | beside);
+        Surface {
+            free: here & !all,
+            solid: !here & !self.free[word & (MAX_WORDS - 1)] & any,
         }
     }
 
