@@ -104,8 +104,8 @@ impl<const LOG: u32> Rows<LOG> {
     /// connected to it through faces; false where there was no end to it. A layer has `words`.
     pub(super) fn flood(words: usize, first: usize, free: &[u64], reached: &mut [u64]) -> bool {
         let layers = free.len() / words.max(1);
-        // a bit for each layer that is to grow
-        let mut waiting = 1_u32 << (first & 31);
+        // a bit for each layer that is to grow, and for one beyond the last of 32
+        let mut waiting = 1_u64 << (first & 31);
         for _ in 0..MAX_GROWTHS * layers {
             if waiting == 0 {
                 return true;
@@ -116,13 +116,13 @@ impl<const LOG: u32> Rows<LOG> {
             let (here, above) = rest.split_at_mut(words);
             let (free_below, free) = free.split_at(z * words);
             let (free, free_above) = free.split_at(words);
-            waiting |= u32::from(Self::grow(here, free)) << z;
+            waiting |= u64::from(Self::grow(here, free)) << z;
             if z > 0 {
                 let last = (z - 1) * words;
                 let any = pour(here, &free_below[last..], &mut below[last..]);
-                waiting |= u32::from(any) << (z - 1);
+                waiting |= u64::from(any) << (z - 1);
             }
-            waiting |= u32::from(pour(here, free_above, above)) << (z + 1);
+            waiting |= u64::from(pour(here, free_above, above)) << (z + 1);
         }
         false
     }

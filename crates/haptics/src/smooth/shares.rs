@@ -10,50 +10,75 @@
 //!
 //! Frame: grid. Values and limits as stored.
 
-use glam::IVec3;
+use glam::{IVec3, Vec3A};
 use palpate_volume::intensities::Intensities;
 
 /// Stored values of a voxel and of its neighbours.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Around {
     /// Its own.
-    pub here: i16,
-    /// Those before and after it along x, y and z.
-    pub beside: [[i16; 2]; 3],
+    pub here: f32,
+    /// Those before it along x, y and z.
+    pub before: Vec3A,
+    /// Those after it.
+    pub after: Vec3A,
 }
 
 impl Around {
     /// Of a voxel of a scan; beyond its border the outermost values go on, so that a body that
     /// the border cuts ends there as its bits do.
+    #[inline]
     #[must_use]
     pub fn of(scan: &Intensities, voxel: IVec3) -> Self {
         let last = scan.dimensions().as_ivec3() - 1;
-        let values = scan.values();
-        let [nx, ny] = [scan.dimensions().x as usize, scan.dimensions().y as usize];
-        let strides = [1, nx, nx * ny];
-        let place = |voxel: IVec3| {
-            let [x, y, z] = voxel.to_array().map(|i| i as usize);
-            z * strides[2] + y * strides[1] + x
-        };
-        let value = |place: usize| values.get(place).copied().unwrap_or_default();
         let is_inner = voxel.cmpgt(IVec3::ZERO).all() && voxel.cmplt(last).all();
         if is_inner {
-            let here = place(voxel);
-            return Self {
-                here: value(here),
-                beside: strides.map(|stride| [value(here - stride), value(here + stride)]),
-            };
+            Self::of_inner(scan, voxel)
+        } else {
+            Self::of_outer(scan, voxel)
         }
-        Self::from_fn(voxel, |voxel| value(place(voxel.clamp(IVec3::ZERO, last))))
+    }
+
+    /// Of a voxel that is not at the border.
+    #[inline]
+    fn of_inner(scan: &Intensities, voxel: IVec3) -> Self {
+        let values = &**scan.values();
+        let [nx, ny] = [scan.dimensions().x as usize, scan.dimensions().y as usize];
+        let [x, y, z] = voxel.to_array().map(|i| i as usize);
+        let layer = nx * ny;
+        let here = z * layer + y * nx + x;
+        // there are as many before it as after it
+        let Some(near) = values.get(here - layer..=here + layer) else {
+            return Self::default();
+        };
+        let value = |place: usize| near.get(place).map_or(0.0, |&value| f32::from(value));
+        Self {
+            here: value(layer),
+            before: Vec3A::new(value(layer - 1), value(layer - nx), value(0)),
+            after: Vec3A::new(value(layer + 1), value(layer + nx), value(2 * layer)),
+        }
+    }
+
+    /// Of any voxel.
+    #[inline(never)]
+    fn of_outer(scan: &Intensities, voxel: IVec3) -> Self {
+        let size = scan.dimensions().as_ivec3();
+        Self::from_fn(voxel, |voxel| {
+            let [x, y, z] = voxel.clamp(IVec3::ZERO, size - 1).to_array();
+            let place = (z as usize * size.y as usize + y as usize) * size.x as usize + x as usize;
+            scan.values().get(place).copied().unwrap_or_default()
+        })
     }
 
     /// Of a voxel, from the stored value of each.
     #[must_use]
     pub fn from_fn(voxel: IVec3, stored: impl Fn(IVec3) -> i16) -> Self {
+        let value = |voxel: IVec3| f32::from(stored(voxel));
+        let [x, y, z] = [IVec3::X, IVec3::Y, IVec3::Z];
         Self {
-            here: stored(voxel),
-            beside: [IVec3::X, IVec3::Y, IVec3::Z]
-                .map(|axis| [stored(voxel - axis), stored(voxel + axis)]),
+            here: value(voxel),
+            before: Vec3A::new(value(voxel - x), value(voxel - y), value(voxel - z)),
+            after: Vec3A::new(value(voxel + x), value(voxel + y), value(voxel + z)),
         }
     }
 }
@@ -108,17 +133,10 @@ impl Limits {
         self.count == 0
     }
 
-    /// How far a value is within a range; negative outside of it.
-    #[inline]
-    fn within_range([low, high]: [f32; 2], stored: i16) -> f32 {
-        let stored = f32::from(stored);
-        (stored - low).min(high - stored)
-    }
-
     /// How far a value is within the limits; negative outside of them.
-    fn within(&self, stored: i16) -> f32 {
+    fn within(&self, stored: f32) -> f32 {
         let ranges = self.ranges.iter().take(self.count);
-        let within = ranges.map(|range| Self::within_range(*range, stored));
+        let within = ranges.map(|[low, high]| (stored - low).min(high - stored));
         within.fold(f32::NEG_INFINITY, f32::max)
     }
 
@@ -126,21 +144,32 @@ impl Limits {
     #[inline]
     #[must_use]
     pub fn share(&self, around: &Around, solid: bool) -> Option<f32> {
+        let Around {
+            here,
+            before,
+            after,
+        } = *around;
         match self.count {
             0 => None,
             // there is mostly but one
-            1 => share(around, solid, |stored| {
-                Self::within_range(self.ranges[0], stored)
-            }),
-            _ => share(around, solid, |stored| self.within(stored)),
+            1 => {
+                let [low, high] = self.ranges[0];
+                let within = |values: Vec3A| (values - low).min(high - values);
+                let here = (here - low).min(high - here);
+                share(here, within(after) - within(before), solid)
+            }
+            _ => {
+                let within = |values: Vec3A| values.map(|stored| self.within(stored));
+                share(self.within(here), within(after) - within(before), solid)
+            }
         }
     }
 }
 
-/// The share of a voxel that is solid, from how far values are within what is solid.
+/// The share of a voxel that is solid, from how far its value is within what is solid, and how
+/// much farther the value after it is along each axis than that before it.
 #[inline]
-fn share(around: &Around, solid: bool, within: impl Fn(i16) -> f32) -> Option<f32> {
-    let here = within(around.here);
+fn share(here: f32, rise: Vec3A, solid: bool) -> Option<f32> {
     // an edit, or another segment, made it what it is
     if solid != (here >= 0.0) {
         return None;
@@ -148,10 +177,7 @@ fn share(around: &Around, solid: bool, within: impl Fn(i16) -> f32) -> Option<f3
     // a plane through the voxel at distance d leaves the share ½ + d over the voxel's
     // width across it, which is the sum of its normal's parts; and d is the value over
     // the slope
-    let [x, y, z] = around.beside.map(|beside| {
-        let [before, after] = beside.map(&within);
-        0.5 * (after - before).abs()
-    });
+    let [x, y, z] = (0.5 * rise.abs()).to_array();
     let share = 0.5 + here / (x + y + z);
     share.is_finite().then(|| share.clamp(0.0, 1.0))
 }

@@ -27,6 +27,9 @@ pub(crate) struct CellShape {
 }
 
 impl CellShape {
+    /// One voxel.
+    pub(crate) const ONE: Self = Self { log: [0; 3] };
+
     /// Cells as near to cubes as powers of two get them: two voxels along the finest axis, or
     /// as long as a voxel of the coarsest where that is more. So none has more than 16 voxels.
     pub(crate) fn for_spacing(spacing: DVec3) -> Self {
@@ -82,34 +85,50 @@ impl CellShape {
     }
 }
 
-/// The voxels of a cell on either side of the surface.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct SurfaceCell {
-    /// Its number: x, y, z.
-    pub(crate) number: IVec3,
-    /// Its row in the window, y before z.
-    pub(crate) row: usize,
-    /// Its place in the row.
-    pub(crate) x: usize,
-    /// Voxels that are reached, next to those that are not; one bit each, x fastest.
-    pub(crate) free: u16,
+/// The voxels of eight cells along x on either side of the surface: 16 bits for each cell.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct SurfaceRow {
+    /// Voxels that are reached, next to those that are not.
+    pub(crate) free: u128,
     /// Solid ones next to those that are reached.
-    pub(crate) solid: u16,
+    pub(crate) solid: u128,
 }
 
-impl SurfaceCell {
-    /// Tells its voxels and whether they are solid, z by z and row by row.
+impl SurfaceRow {
+    /// Those of the cell whose bits begin at a place.
     #[inline]
-    pub(crate) fn voxels(&self, shape: CellShape) -> impl Iterator<Item = (IVec3, bool)> + use<> {
-        let (min, solid) = (self.number * shape.voxels(), self.solid);
+    pub(crate) fn cell_at(&self, place: u32) -> SurfaceCell {
+        let bits = |cells: u128| u32::from((cells >> place) as u16);
+        SurfaceCell(bits(self.free) | bits(self.solid) << 16)
+    }
+}
+
+/// The voxels of a cell on either side of the surface, one bit each, x fastest: first those that
+/// are reached, next to those that are not; 16 bits on, solid ones next to those that are reached.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct SurfaceCell(u32);
+
+impl SurfaceCell {
+    /// No voxel.
+    pub(crate) const NONE: Self = Self(0);
+
+    /// Tells the voxels of this cell and whether they are solid, z by z and row by row.
+    #[inline]
+    pub(crate) fn voxels(
+        self,
+        shape: CellShape,
+        number: IVec3,
+    ) -> impl Iterator<Item = (IVec3, bool)> {
+        let min = number * shape.voxels();
         let [log_x, log_y, _] = shape.log;
-        let mut left = self.free | solid;
+        let [last_x, last_y] = [(1 << log_x) - 1, (1 << log_y) - 1];
+        let mut left = (self.0 | self.0 >> 16) & 0xffff;
         std::iter::from_fn(move || {
             let bit = (left != 0).then(|| left.trailing_zeros() as i32)?;
             left &= left - 1;
-            let [x, y] = [(1 << log_x) - 1, (1 << log_y) - 1];
-            let offset = IVec3::new(bit & x, bit >> log_x & y, bit >> (log_x + log_y));
-            Some((min + offset, solid >> bit & 1 == 1))
+            let (y, z) = (bit >> log_x & last_y, bit >> (log_x + log_y));
+            let voxel = min + IVec3::new(bit & last_x, y, z);
+            Some((voxel, self.0 >> (16 + bit) & 1 == 1))
         })
     }
 }
@@ -136,14 +155,11 @@ impl RowOfCells {
         self.0[1] |= high << first;
     }
 
-    fn is_empty(&self) -> bool {
-        self.0 == [0; 2]
-    }
-
-    /// The voxels of a cell.
+    /// Those of the cells inside the window.
     #[inline]
-    fn cell(&self, x: usize) -> u16 {
-        (self.0[x >> 2 & 1] >> (16 * (x & 3))) as u16
+    fn inside(self) -> u128 {
+        let [low, high] = self.0;
+        u128::from(low >> 16 << 16) | u128::from(high << 16 >> 16) << 64
     }
 }
 
@@ -164,7 +180,7 @@ pub(crate) struct Window {
 impl Window {
     /// No window.
     pub(crate) const NONE: Self = Self {
-        shape: CellShape { log: [0; 3] },
+        shape: CellShape::ONE,
         first: IVec3::ZERO,
         seed: None,
         complete: false,
@@ -259,9 +275,10 @@ impl Window {
         counts
     }
 
-    /// Tells the cells with voxels that are reached next to others, or solid ones next to those
-    /// that are reached; of the cells inside the window, since the others hardly count.
-    pub(crate) fn visit_surface(&self, tell: &mut impl FnMut(SurfaceCell)) {
+    /// Tells rows of cells, y and z in the window, with voxels that are reached next to others,
+    /// or solid ones next to those that are reached. Only what is inside the window is told and
+    /// right, without its outermost cells: those hardly count.
+    pub(crate) fn visit_surface(&self, tell: &mut impl FnMut(usize, usize, SurfaceRow)) {
         match self.shape.log_width() {
             3 => self.visit_surface_of::<3>(tell),
             4 => self.visit_surface_of::<4>(tell),
@@ -269,44 +286,35 @@ impl Window {
         }
     }
 
-    fn visit_surface_of<const LOG: u32>(&self, tell: &mut impl FnMut(SurfaceCell)) {
+    #[inline]
+    fn visit_surface_of<const LOG: u32>(&self, tell: &mut impl FnMut(usize, usize, SurfaceRow)) {
         let [log_x, log_y, log_z] = self.shape.log;
-        let log_rows = 6 - LOG;
-        let layer = self.shape.layer();
+        let (log_rows, layer) = (6 - LOG, self.shape.layer());
+        let mut words = [Surface::default(); MAX_CELL_LAYER];
         for z in 1..7 {
             let first = (z << log_z) * layer;
-            let words: [_; MAX_CELL_LAYER] =
-                std::array::from_fn(|word| match word >> log_z < layer {
-                    true => self.surface_of::<LOG>(first + word),
-                    false => Surface::default(),
-                });
+            for (place, word) in words.iter_mut().enumerate().take(layer << log_z) {
+                *word = self.surface_of::<LOG>(first + place);
+            }
             for y in 1..7 {
-                let mut cells = [RowOfCells::default(); 2];
+                let [mut near_free, mut near_solid] = [RowOfCells::default(); 2];
+                let mut any = false;
                 for in_cell in 0..1 << (log_y + log_z) {
                     let row = (y << log_y) + (in_cell & ((1 << log_y) - 1));
                     let word = (in_cell >> log_y) * layer + (row >> log_rows);
-                    let surface = words[word & (MAX_CELL_LAYER - 1)];
+                    let Surface { free, solid } = words[word & (MAX_CELL_LAYER - 1)];
                     let place = (row & ((1 << log_rows) - 1)) << LOG;
+                    if (free | solid) >> place & ((1 << (1 << LOG)) - 1) == 0 {
+                        continue;
+                    }
+                    any = true;
                     let voxels = (in_cell as u32) << log_x;
-                    for (side, cells) in [surface.free, surface.solid].into_iter().zip(&mut cells) {
-                        cells.add::<LOG>(side >> place, voxels);
-                    }
+                    near_free.add::<LOG>(free >> place, voxels);
+                    near_solid.add::<LOG>(solid >> place, voxels);
                 }
-                let [free, solid] = cells;
-                if free.is_empty() && solid.is_empty() {
-                    continue;
-                }
-                for x in 1..7 {
-                    let (free, solid) = (free.cell(x), solid.cell(x));
-                    if free | solid != 0 {
-                        tell(SurfaceCell {
-                            number: self.first + IVec3::new(x as i32, y as i32, z as i32),
-                            row: 8 * z + y,
-                            x,
-                            free,
-                            solid,
-                        });
-                    }
+                if any {
+                    let (free, solid) = (near_free.inside(), near_solid.inside());
+                    tell(y, z, SurfaceRow { free, solid });
                 }
             }
         }
@@ -334,7 +342,8 @@ impl Window {
         }
     }
 
-    fn is_reached(&self, voxel: IVec3) -> bool {
+    /// Whether a voxel is reached; none outside is.
+    pub(super) fn is_reached(&self, voxel: IVec3) -> bool {
         self.place_of(voxel)
             .is_some_and(|(word, bit)| self.reached[word] & bit != 0)
     }
