@@ -169,6 +169,12 @@ bench: setup bench-page ## measure everything: the page, Rust benchmarks, all of
 
 SCANS ?= $(addprefix $(or $(PALPATE_DATA),../shared/data)/,cthead_stanford/CThead.mha amos_0336/amos_0336.mhd)
 
+.PHONY: bench-edit
+bench-edit: setup chromium ## measure edits at the page with SCANS=PATH: applied until handed to the GPU
+	$(call say,edits at the page)
+	CHROMIUM="$$(scripts/chromium.sh)" PYTHONPATH=tests/support \
+		$(BIN)/python scripts/measure_edits.py $(firstword $(SCANS))
+
 .PHONY: bench-page
 bench-page: setup chromium ## measure the page with SCANS="PATH ...": first picture, late ticks, memory
 	$(call say,page)

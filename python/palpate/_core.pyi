@@ -1,6 +1,7 @@
 """The engine. Arrays are [z, y, x], x fastest; points (x, y, z), LPS [mm]; forces [N]."""
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
@@ -211,8 +212,41 @@ class Session:
     def picture_changes(self) -> list[dict[str, Any]]:
         """What changed since the call before: the fields of ``protocol.Changed``."""
 
-    def whole_surfaces(self) -> list[dict[str, Any]]:
+    def whole_surfaces(self) -> dict[str, Any]:
         """All surfaces as they are now, in the same form."""
+
+    def set_tool(
+        self,
+        kind: str | None,
+        *,
+        radius: float = 0.0,
+        segment_ids: list[int] = ...,
+        air: float | None = None,
+        energy: float | None = None,
+    ) -> None:
+        """Chooses the tool for the next strokes; None empties the hand.
+
+        ``air`` is what the scan reads where the drill was, ``energy`` its work per volume
+        [mJ/mm³]; None is -1000 and bone by HU.
+        """
+
+    def stroke(self, on: bool) -> None:
+        """Begins a stroke of the chosen tool, or ends it."""
+
+    def look_at_journal(self, path: Path, scan_hash: bytes) -> tuple[int, int] | None:
+        """Counts the steps of a journal and the bytes that are lost; None without a file."""
+
+    def begin_journal(self, path: Path, scan_hash: bytes) -> None:
+        """Begins a journal in a new file, with what is there now."""
+
+    def recover_journal(self, path: Path, scan_hash: bytes) -> tuple[int, int, list[bytes]]:
+        """Does again what a journal says and goes on with it; steps, lost bytes, notes."""
+
+    def note_in_journal(self, note: bytes) -> None:
+        """Keeps bytes beside the voxels, where there is a journal."""
+
+    def end_journal(self) -> None:
+        """Writes what waits and closes the journal."""
 
     def undo(self) -> bool:
         """Takes the newest change back; False where there is none."""

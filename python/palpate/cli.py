@@ -151,6 +151,17 @@ def open_scan(  # noqa: PLR0913  # one per option of the command line
     port: Port = 0,
     browser: Browser = True,
     rate: Rate = 1000,
+    recover: Annotated[
+        bool | None,
+        typer.Option(
+            "--recover/--no-recover",
+            help="Bring back changes that an earlier session left, or keep them aside; by default "
+            "the page asks.",
+        ),
+    ] = None,
+    journal: Annotated[
+        bool, typer.Option("--journal/--no-journal", help="Keep changes on disk as they are made.")
+    ] = True,
 ) -> None:
     """Show a scan and feel it."""
     from palpate.cli_open import check_start, parse_threshold, scene_of, show
@@ -173,7 +184,7 @@ def open_scan(  # noqa: PLR0913  # one per option of the command line
             scene = scene_of(volume, bounds=bounds, label_map=segments, progress=display)
         for warning in volume.warnings:
             warn(warning)
-        show(scene, listener, rate=rate, browser=browser)
+        show(scene, listener, rate=rate, browser=browser, journalled=journal, recover=recover)
 
 
 @app.command()

@@ -15,6 +15,7 @@ import typer
 from palpate.console import warn
 from palpate.errors import EmptySegmentError, OptionError
 from palpate.io import read
+from palpate.journal import Journal
 from palpate.progress import Progress
 from palpate.scene import Scene
 from palpate.server import PAGE, serve
@@ -140,16 +141,44 @@ def check_page() -> None:
         raise OptionError(f"the page is not built in {PAGE}; allowed: after `make setup`")
 
 
-def show(scene: Scene, listener: socket.socket, *, rate: int, browser: bool) -> None:
-    """Serves a scene until Ctrl-C; a recording that still runs then is kept."""
+def show(
+    scene: Scene,
+    listener: socket.socket,
+    *,
+    rate: int,
+    browser: bool,
+    journalled: bool = False,
+    recover: bool | None = None,
+) -> None:
+    """Serves a scene until Ctrl-C; a recording that still runs then is kept.
+
+    Changes are ``journalled``; what an earlier session left is brought back (``recover``), kept
+    aside, or asked about on the page (None).
+    """
     with Session(scene, options=SessionOptions(rate_hz=rate)) as session:
         recorder = Recorder(session)
+        journal = begin_journal(session, recover=recover) if journalled else None
         try:
-            serve_page(session, listener, recorder=recorder, browser=browser)
+            serve_page(session, listener, recorder=recorder, journal=journal, browser=browser)
             if recorder.is_running:
                 keep_unfinished(recorder)
         finally:
             recorder.close()
+            session.stop()
+            if journal is not None:
+                journal.close()
+
+
+def begin_journal(session: Session, *, recover: bool | None) -> Journal:
+    """Begins to keep a session's changes on disk, and says what an earlier session left."""
+    journal = Journal(session, tell=warn)
+    journal.start(recover=recover)
+    if offer := journal.offer:
+        warn(
+            f"{offer.steps} changes of this scan are kept from {offer.when:%d %B %Y, %H:%M}: the "
+            "page asks whether to bring them back; --recover and --no-recover answer before"
+        )
+    return journal
 
 
 def serve_page(
@@ -158,6 +187,7 @@ def serve_page(
     *,
     recorder: Recorder,
     browser: bool,
+    journal: Journal | None = None,
     seconds: float | None = None,
 ) -> None:
     """Serves a session until Ctrl-C, or for so long."""
@@ -171,7 +201,15 @@ def serve_page(
             webbrowser.open(access.url)
 
     try:
-        serve(session, listener, access=access, ready=ready, recorder=recorder, seconds=seconds)
+        serve(
+            session,
+            listener,
+            access=access,
+            ready=ready,
+            recorder=recorder,
+            journal=journal,
+            seconds=seconds,
+        )
     except KeyboardInterrupt:
         typer.echo("stopped")
 

@@ -55,6 +55,9 @@ ShownAs = Literal["volume", "surface", "both"]
 SmoothingDegree = Annotated[int, msgspec.Meta(ge=0, le=12)]
 """How often the vertices of a surface are moved to the mean of their neighbours."""
 
+ToolKind = Literal["none", "eraser", "adder", "drill"]
+"""What the probe does to voxels while it is pressed; none leaves them as they are."""
+
 Index = Annotated[int, msgspec.Meta(ge=-(2**31), lt=2**31)]
 """A voxel's or a patch's place along one axis."""
 
@@ -195,6 +198,26 @@ class Safety(msgspec.Struct, frozen=True):
     off: Literal["not-started", "waiting", "servo-late", "stopped", "not-finite"] | None
 
 
+class ToolState(msgspec.Struct, frozen=True):
+    """The tool in the hand, and what it did in the stroke that is on, or in the last one.
+
+    ``radius`` is that of its ball [mm]; ``voxels`` and ``volume`` [mm³] are what it changed,
+    ``time`` how long it was at work [s], ``energy`` the work done on matter [mJ], ``load`` the
+    power of this moment [mW]. Undo and redo hold on to ``undo_bytes``, at most ``undo_budget``.
+    """
+
+    kind: ToolKind
+    radius: float
+    on: bool
+    voxels: int
+    volume: float
+    time: float
+    energy: float
+    load: float
+    undo_bytes: int
+    undo_budget: int
+
+
 class DeviceLimits(msgspec.Struct, frozen=True):
     """What a device bears: settings that ask for more are cut to it."""
 
@@ -245,6 +268,7 @@ class State(Message, frozen=True, tag="state"):
     pending: int
     can_undo: bool
     can_redo: bool
+    tool: ToolState
     rates: Rates
     safety: Safety
     recording: float | None
@@ -290,20 +314,29 @@ class SegmentSurface(msgspec.Struct, frozen=True):
     patches: list[SurfacePatch]
 
 
-class Changed(Message, frozen=True, tag="changed"):
-    """All that one edit changes in the picture: shown in one and the same frame.
+class ChangedVoxels(msgspec.Struct, frozen=True):
+    """A box of voxels, from ``low`` up to, but without, ``high``, as they are now.
 
-    ``low`` and ``high`` are the box of voxels whose values or labels are sent, half open;
-    empty where only surfaces change. ``stored`` holds the stored values of the box as
-    little-endian int16, ``labels`` the number of each voxel's segment as uint8, both with x
-    fastest; null where they stay as they are.
+    ``stored`` holds their stored values as little-endian int16, ``labels`` the number of each
+    voxel's segment as uint8, both with x fastest; null where they stay as they are.
     """
 
-    edit: int
     low: GridPlace
     high: GridPlace
     stored: bytes | None
     labels: bytes | None
+
+
+class Changed(Message, frozen=True, tag="changed"):
+    """All that edits up to number ``edit`` change in the picture, shown in one and the same frame.
+
+    Boxes of voxels are in the order of their edits: of two that overlap, the later one holds.
+    ``applied`` is when the oldest of these edits was applied [s since 1970]; null without one.
+    """
+
+    edit: int
+    applied: float | None
+    voxels: list[ChangedVoxels]
     surfaces: list[SegmentSurface]
 
 
@@ -320,7 +353,24 @@ class Notice(Message, frozen=True, tag="notice"):
     text: str
 
 
-ToPage = Hello | State | Segments | Changed | SettingsChanged | Notice
+class Offer(msgspec.Struct, frozen=True):
+    """Changes of this scan that an earlier session left: how many, when the last (ISO 8601).
+
+    ``lost_bytes`` at the end of their file are not whole.
+    """
+
+    steps: int
+    when: str
+    lost_bytes: int
+
+
+class Recovery(Message, frozen=True, tag="recovery"):
+    """What can be brought back; null once somebody has decided, or where there is nothing."""
+
+    offer: Offer | None
+
+
+ToPage = Hello | State | Segments | Changed | SettingsChanged | Recovery | Notice
 
 # --- page -> engine -------------------------------------------------------------------
 
@@ -399,6 +449,26 @@ class ChangeSettings(Message, frozen=True, tag="change_settings"):
     settings: Settings
 
 
+class Tool(Message, frozen=True, tag="tool"):
+    """Chooses the tool for the next strokes: the radius of its ball [mm], and what it changes."""
+
+    kind: ToolKind
+    radius: Annotated[float, msgspec.Meta(gt=0.0, le=50.0)]
+    segments: list[SegmentId]
+
+
+class Stroke(Message, frozen=True, tag="stroke"):
+    """Begins a stroke of the tool, or ends it: what it changed is one step of undo."""
+
+    on: bool
+
+
+class Recover(Message, frozen=True, tag="recover"):
+    """Brings back what an earlier session left, or keeps it aside and starts afresh."""
+
+    bring_back: bool
+
+
 class Undo(Message, frozen=True, tag="undo"):
     """Takes the last edit back."""
 
@@ -418,6 +488,9 @@ FromPage = (
     | RecordSession
     | RemoveSegment
     | ChangeSettings
+    | Tool
+    | Stroke
+    | Recover
     | Undo
     | Redo
 )

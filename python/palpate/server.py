@@ -25,6 +25,7 @@ from starlette.staticfiles import StaticFiles
 from starlette.websockets import WebSocket
 
 from palpate.errors import OptionError
+from palpate.journal import Journal
 from palpate.server_data import parse_step, voxels_response
 from palpate.server_hello import hello_of
 from palpate.server_live import Live
@@ -62,11 +63,19 @@ def bind(port: int) -> socket.socket:
 
 
 def make_app(
-    session: Session, *, access: Access, page: Path = PAGE, recorder: Recorder | None = None
+    session: Session,
+    *,
+    access: Access,
+    page: Path = PAGE,
+    recorder: Recorder | None = None,
+    journal: Journal | None = None,
 ) -> Starlette:
-    """Makes the application that shows a session; recordings are those of ``recorder``."""
+    """Makes the application that shows a session.
+
+    Recordings are those of ``recorder``; what ``journal`` offers, pages are asked about.
+    """
     kept = Recorder(session) if recorder is None else recorder
-    live = Live(session, hello_of(session), kept)
+    live = Live(session, hello_of(session), kept, journal=journal)
 
     @asynccontextmanager
     async def lifespan(_: Starlette) -> AsyncIterator[None]:
@@ -166,6 +175,7 @@ def serve(
     access: Access,
     ready: Callable[[], None],
     recorder: Recorder | None = None,
+    journal: Journal | None = None,
     seconds: float | None = None,
 ) -> None:
     """Serves a session until the process is asked to end; then stops the session.
@@ -176,6 +186,7 @@ def serve(
         access: Who is let in.
         ready: Called once it answers.
         recorder: Keeps the recordings that pages ask for.
+        journal: Keeps the session's changes on disk.
         seconds: Ends by itself after so long.
 
     Raises:
@@ -187,7 +198,8 @@ def serve(
         raise OptionError(
             f"port {access.port} cannot be used ({error.strerror}); allowed: a free port"
         ) from None
-    server = make_server(make_app(session, access=access, recorder=recorder), ready=ready)
+    app = make_app(session, access=access, recorder=recorder, journal=journal)
+    server = make_server(app, ready=ready)
     timer = Timer(seconds or 0.0, server.end)
     if seconds is not None:
         timer.start()

@@ -26,12 +26,7 @@ def messages_of(change: dict[str, Any]) -> Iterator[protocol.Changed]:
     yield msgspec.structs.replace(changed, surfaces=first)
     for surfaces in others:
         yield protocol.Changed(
-            edit=changed.edit,
-            low=(0, 0, 0),
-            high=(0, 0, 0),
-            stored=None,
-            labels=None,
-            surfaces=surfaces,
+            edit=changed.edit, applied=changed.applied, voxels=[], surfaces=surfaces
         )
 
 

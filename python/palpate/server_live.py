@@ -16,6 +16,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from palpate import protocol
 from palpate.errors import PalpateError
+from palpate.journal import Journal
 from palpate.server_changes import messages_of
 from palpate.server_outbox import Outbox
 from palpate.server_recording import Recorder
@@ -35,15 +36,25 @@ IDLE_HZ = 5.0
 class Live:
     """Tells pages what is, and the session what they want."""
 
-    def __init__(self, session: Session, hello: protocol.Hello, recorder: Recorder) -> None:
+    def __init__(
+        self,
+        session: Session,
+        hello: protocol.Hello,
+        recorder: Recorder,
+        *,
+        journal: Journal | None = None,
+    ) -> None:
         """Shows a session; ``hello`` is what each page is told first."""
+        self._from_threads: SimpleQueue[protocol.ToPage] = SimpleQueue()
         self.session = session
         self.recorder = recorder
-        self.segments = ShownSegments(session)
+        self.journal = journal
+        self.segments = ShownSegments(session, None if journal is None else journal.note)
+        self._restore_looks()
         self._hello = hello
         self._outboxes: set[Outbox] = set()
         self._thresholds = ThresholdJobs(self._make_threshold)
-        self._from_threads: SimpleQueue[protocol.ToPage] = SimpleQueue()
+        self._presses: Outbox | None = None
 
     async def run(self) -> None:
         """Tells all pages what is, until it is cancelled or the session ends by itself."""
@@ -60,10 +71,15 @@ class Live:
         outbox = Outbox()
         outbox.tell(msgspec.structs.replace(self._hello, segments=self.segments.message.segments))
         outbox.tell(self.segments.message)
+        if self.journal is not None:
+            outbox.tell(protocol.Recovery(_offer_of(self.journal)))
+            if self.journal.problem is not None:
+                outbox.tell(protocol.Notice(level="warning", text=self.journal.problem))
         self._outboxes.add(outbox)
         # a change that comes meanwhile is told twice, which does no harm
-        for change in await asyncio.to_thread(self.session.whole_surfaces):
-            for message in messages_of(change):
+        whole = await asyncio.to_thread(self.session.whole_surfaces)
+        if whole["surfaces"]:
+            for message in messages_of(whole):
                 outbox.tell(message)
         sender = asyncio.create_task(_send(websocket, outbox))
         try:
@@ -74,6 +90,9 @@ class Live:
         finally:
             self._outboxes.discard(outbox)
             sender.cancel()
+            if self._presses is outbox:
+                # nobody is left to release the tool
+                await asyncio.to_thread(self._release)
 
     # --- to pages -------------------------------------------------------------------------
 
@@ -117,6 +136,9 @@ class Live:
                     self.session.hand(target)
                 case protocol.Threshold():
                     self._thresholds.ask(message)
+                case protocol.Stroke(on):
+                    await asyncio.to_thread(self.session.stroke, on=on)
+                    self._presses = outbox if on else None
                 case _:
                     await asyncio.to_thread(self._do, message)
         except msgspec.DecodeError as error:
@@ -125,6 +147,11 @@ class Live:
             outbox.tell(protocol.Notice(level="error", text=str(error)))
         except RuntimeError as error:
             outbox.tell(protocol.Notice(level="error", text=str(error)))
+
+    def _release(self) -> None:
+        self._presses = None
+        with suppress(RuntimeError):
+            self.session.stroke(on=False)
 
     def _do(self, message: protocol.FromPage) -> None:
         match message:
@@ -136,6 +163,13 @@ class Live:
                 self._record(on=on)
             case protocol.ChangeSettings(settings):
                 self._change_settings(settings)
+            case protocol.Tool(kind, radius, segment_ids):
+                if kind == "none":
+                    self.session.set_tool(None)
+                else:
+                    self.session.set_tool(kind, radius=radius, segment_ids=segment_ids)
+            case protocol.Recover(bring_back):
+                self._recover(bring_back=bring_back)
             case protocol.Undo():
                 self.session.undo()
             case protocol.Redo():
@@ -170,11 +204,39 @@ class Live:
             said = self.recorder.stop()
             self._from_threads.put(protocol.Notice(level="info", text=f"Recorded {said}."))
 
+    def _recover(self, *, bring_back: bool) -> None:
+        if self.journal is None or self.journal.offer is None:
+            return
+        self.journal.decide(bring_back=bring_back)
+        self._restore_looks()
+        self._from_threads.put(protocol.Recovery(None))
+        if self.journal.problem is not None:
+            self._from_threads.put(protocol.Notice(level="warning", text=self.journal.problem))
+
+    def _restore_looks(self) -> None:
+        if self.journal is None or not self.journal.is_running:
+            return
+        if self.journal.looks is not None:
+            try:
+                self.segments.restore(self.journal.looks)
+            except PalpateError as error:
+                self._from_threads.put(protocol.Notice(level="warning", text=str(error)))
+        else:
+            self.segments.keep()
+
     def _make_threshold(self, wanted: protocol.Threshold) -> None:
         try:
             self.segments.threshold(wanted)
         except (PalpateError, RuntimeError) as error:
             self._from_threads.put(protocol.Notice(level="error", text=str(error)))
+
+
+def _offer_of(journal: Journal) -> protocol.Offer | None:
+    offer = journal.offer
+    if offer is None:
+        return None
+    when = offer.when.isoformat(timespec="seconds")
+    return protocol.Offer(steps=offer.steps, when=when, lost_bytes=offer.lost_bytes)
 
 
 async def _receive(websocket: WebSocket) -> bytes:

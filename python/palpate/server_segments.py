@@ -5,14 +5,17 @@ Names and colours are kept when a segment is removed, since undo may bring it ba
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from threading import Lock
 from typing import Any
 
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
 from palpate import protocol
+from palpate.errors import OptionError
 from palpate.scene import PALETTE
 from palpate.server_data import labels_of
 from palpate.session import Session
@@ -37,12 +40,22 @@ class Look:
     wireframe: bool = False
 
 
+@dataclass(frozen=True)
+class KeptLook:
+    """A segment's look as a journal keeps it."""
+
+    id: protocol.SegmentId
+    touchable: bool
+    look: Look
+
+
 class ShownSegments:
     """Segments of a session and their looks; every method may be called from any thread."""
 
-    def __init__(self, session: Session) -> None:
-        """Takes the looks from the session's scene."""
+    def __init__(self, session: Session, keep: Callable[[bytes], None] | None = None) -> None:
+        """Takes the looks from the session's scene; ``keep`` is given them when they change."""
         self._session = session
+        self._keep = keep
         self._looks = {
             segment_id: Look(shown.name, shown.colour, shown.visible)
             for segment_id, shown in zip(session.ids, session.scene, strict=True)
@@ -84,6 +97,7 @@ class ShownSegments:
         )
         self._show(wanted.id, look)
         self._set_look(wanted.id, look)
+        self.keep()
 
     def threshold(self, wanted: protocol.Threshold) -> None:
         """Makes a segment of a range of values, or changes one.
@@ -98,6 +112,34 @@ class ShownSegments:
         else:
             self._session.replace_segment(wanted.id, segment)
             self._set_look(wanted.id, replace(self._look_of(wanted.id), name=wanted.name))
+        self.keep()
+
+    def keep(self) -> None:
+        """Hands the looks over to be kept, with which segments can be touched."""
+        if self._keep is None:
+            return
+        kept = [
+            KeptLook(id=state["id"], touchable=state["touchable"], look=self._look_of(state["id"]))
+            for state in self._session.segments()
+        ]
+        self._keep(msgspec.json.encode(kept))
+
+    def restore(self, kept: bytes) -> None:
+        """Takes looks that were kept.
+
+        Raises:
+            OptionError: The bytes are none.
+        """
+        try:
+            looks = msgspec.json.decode(kept, type=list[KeptLook])
+        except msgspec.DecodeError as error:
+            raise OptionError(f"names and colours cannot be read: {error}") from None
+        there = {state["id"] for state in self._session.segments()}
+        for each in looks:
+            if each.id in there:
+                self._session.set_touchable(each.id, touchable=each.touchable)
+                self._show(each.id, each.look)
+            self._set_look(each.id, each.look)
 
     def _show(self, segment_id: int, look: Look) -> None:
         """Has the engine make a surface where a look needs one that is not made yet."""

@@ -10,6 +10,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
 from datetime import UTC, datetime
+from pathlib import Path
 from types import TracebackType
 from typing import Any, Literal, Self
 
@@ -46,6 +47,13 @@ class SessionOptions:
     """Where the device starts [scene]; by default beside the scan."""
     touch: TouchSettings = field(default_factory=TouchSettings)
     """How touch feels."""
+
+
+AIR = -1000.0
+"""What a scan in HU reads where the drill has taken matter away."""
+
+CORTICAL_ENERGY = 1300.0
+"""Work of the drill per volume of cortical bone [mJ/mm³] (docs/algorithms/tools.md)."""
 
 
 class Session:
@@ -229,6 +237,94 @@ class Session:
         with _given():
             self._internal.fill_box(segment_id, low, high, solid)
 
+    # --- tools ----------------------------------------------------------------------------
+
+    def set_tool(
+        self,
+        kind: Literal["eraser", "adder", "drill"] | None,
+        *,
+        radius: float = 1.0,
+        segment_ids: Sequence[int] = (),
+    ) -> None:
+        """Chooses the tool for the next strokes; a stroke that is on ends.
+
+        The eraser frees voxels of the segments along the probe's way, the adder makes them
+        solid, the drill removes matter by the work that touch does on it. Where the scan's unit
+        is not HU, the drill takes the same work for each mm³, that of cortical bone, and leaves
+        the scan's lowest value behind.
+
+        Args:
+            kind: Which tool; None empties the hand.
+            radius: Of the tool's ball [mm].
+            segment_ids: Segments that it may change.
+
+        Raises:
+            OptionError: The radius does not fit the scan's voxels, or there is no such segment.
+        """
+        with _given():
+            if kind is None:
+                self._internal.set_tool(None)
+                return
+            volume = self.scene.volume
+            is_density = volume.unit == "HU"
+            self._internal.set_tool(
+                kind,
+                radius=radius,
+                segment_ids=list(segment_ids),
+                air=AIR if is_density else volume.range[0],
+                energy=None if is_density else CORTICAL_ENERGY,
+            )
+
+    def stroke(self, *, on: bool) -> None:
+        """Begins a stroke of the chosen tool, or ends it: it is one step of undo.
+
+        Raises:
+            OptionError: It is to begin, and no tool is chosen.
+        """
+        with _given():
+            self._internal.stroke(on)
+
+    # --- the journal ----------------------------------------------------------------------
+
+    def look_at_journal(self, path: Path, scan_hash: bytes) -> tuple[int, int] | None:
+        """Counts the steps of a journal and the bytes at its end that are lost.
+
+        Returns:
+            Both, or None where there is no such file.
+
+        Raises:
+            OptionError: The file is no journal of this scan.
+            OSError: The disk refuses it, or another session writes it (BlockingIOError).
+        """
+        with _given():
+            return self._internal.look_at_journal(path, scan_hash)
+
+    def begin_journal(self, path: Path, scan_hash: bytes) -> None:
+        """Writes every change to a new file from now on, after what is there now.
+
+        Raises:
+            OSError: The file exists already, or the disk refuses it.
+        """
+        with _given():
+            self._internal.begin_journal(path, scan_hash)
+
+    def recover_journal(self, path: Path, scan_hash: bytes) -> tuple[int, int, list[bytes]]:
+        """Does again what a journal says, step by step, and goes on with that file.
+
+        Returns:
+            Steps, bytes at the end that are lost, and notes, oldest first.
+
+        Raises:
+            OptionError: A record cannot be; what came before it is there then.
+            OSError: The disk refuses it, or another session writes it (BlockingIOError).
+        """
+        with _given():
+            return self._internal.recover_journal(path, scan_hash)
+
+    def note_in_journal(self, note: bytes) -> None:
+        """Keeps bytes beside the voxels, where there is a journal."""
+        self._internal.note_in_journal(note)
+
     # --- the picture ----------------------------------------------------------------------
 
     def show_surface(self, segment_id: int, *, smoothing: int = 3, step: int = 1) -> None:
@@ -261,8 +357,8 @@ class Session:
         """
         return self._internal.picture_changes()
 
-    def whole_surfaces(self) -> list[dict[str, Any]]:
-        """Returns all surfaces as they are, in the form of ``picture_changes``."""
+    def whole_surfaces(self) -> dict[str, Any]:
+        """Returns all surfaces as they are, as one of ``picture_changes``."""
         return self._internal.whole_surfaces()
 
     def undo(self) -> bool:

@@ -1,7 +1,7 @@
 //! The one place where errors of the engine become Python exceptions.
 //!
 //! `ValueError` for what the caller gave, `RuntimeError` for what the session cannot do any
-//! more. The sentences are the engine's own.
+//! more, `OSError` for what the disk refuses. The sentences are the engine's own.
 
 use palpate_device::scripted::PathError;
 use palpate_device::simulated::SettingsError;
@@ -9,11 +9,13 @@ use palpate_engine::bench::BenchError;
 use palpate_engine::error::SessionError;
 use palpate_surface::SettingsError as SurfaceSettingsError;
 use palpate_surface::voxelise::MeshError;
+use palpate_tools::journal_error::JournalError;
+use palpate_tools::tool::ToolError;
 use palpate_volume::grid::GridError;
 use palpate_volume::intensities::IntensitiesError;
 use palpate_volume::segment::SegmentError;
 use pyo3::PyErr;
-use pyo3::exceptions::{PyRuntimeError, PyValueError};
+use pyo3::exceptions::{PyBlockingIOError, PyOSError, PyRuntimeError, PyValueError};
 
 /// An error of the engine on its way to Python.
 #[derive(Debug)]
@@ -41,6 +43,12 @@ impl From<CoreError> for PyErr {
                 | SessionError::Thread { .. }
                 | SessionError::NotOffline),
             ) => PyRuntimeError::new_err(error.to_string()),
+            CoreError::Session(SessionError::Journal(error @ JournalError::InUse(_))) => {
+                PyBlockingIOError::new_err(error.to_string())
+            }
+            CoreError::Session(SessionError::Journal(
+                error @ (JournalError::Disk { .. } | JournalError::Exists(_)),
+            )) => PyOSError::new_err(error.to_string()),
             CoreError::Session(error) => PyValueError::new_err(error.to_string()),
         }
     }
@@ -71,5 +79,6 @@ value_errors!(
     PathError,
     SettingsError,
     SurfaceSettingsError,
+    ToolError,
     MeshError
 );

@@ -12,6 +12,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::arrays::triple;
+use crate::tool::tool_dict;
 
 /// Makes a dictionary of `name: value` pairs.
 macro_rules! dictionary {
@@ -47,6 +48,7 @@ pub fn frame_dict<'py>(py: Python<'py>, frame: &Frame) -> PyResult<Bound<'py, Py
         "pending": frame.pending,
         "can_undo": frame.can_undo,
         "can_redo": frame.can_redo,
+        "tool": tool_dict(py, frame)?,
         "rates": rates_dict(py, &frame.rates)?,
         "safety": safety_dict(py, frame.safety)?,
         "recording": frame.recording,

@@ -18,6 +18,7 @@ mod segment;
 mod session;
 mod settings;
 mod surface;
+mod tool;
 mod volume;
 
 use pyo3::prelude::*;

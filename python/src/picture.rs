@@ -1,6 +1,8 @@
 //! What changed in the picture, as the dictionaries that the package reads.
 //!
-//! The keys are the fields of `protocol.Changed`; a change may come in several of them.
+//! The keys are the fields of `protocol.Changed`.
+
+use std::time::{SystemTime, UNIX_EPOCH};
 
 use palpate_engine::packed_patch::PackedPatch;
 use palpate_engine::surfaces::{PictureChange, SurfaceChange, VoxelChange};
@@ -15,40 +17,31 @@ use crate::frame::dictionary;
 
 type Place = (i64, i64, i64);
 
-/// A change as one dictionary for each box of voxels, the surfaces with the last.
-pub fn change_dicts<'py>(
-    py: Python<'py>,
-    change: &PictureChange,
-) -> PyResult<Vec<Bound<'py, PyDict>>> {
+/// A change of voxels and surfaces.
+pub fn change_dict<'py>(py: Python<'py>, change: &PictureChange) -> PyResult<Bound<'py, PyDict>> {
+    let voxels = change.voxels.iter();
+    let voxels: Vec<_> = voxels
+        .map(|voxels| voxels_dict(py, voxels))
+        .collect::<PyResult<_>>()?;
     let surfaces = change.surfaces.iter();
-    let mut surfaces: Vec<_> = surfaces
+    let surfaces: Vec<_> = surfaces
         .map(|(id, surface)| surface_dict(py, *id, surface))
         .collect::<PyResult<_>>()?;
-    let mut dicts = Vec::with_capacity(change.voxels.len().max(1));
-    for (place, voxels) in change.voxels.iter().enumerate() {
-        let is_last = place + 1 == change.voxels.len();
-        let with = if is_last {
-            std::mem::take(&mut surfaces)
-        } else {
-            Vec::new()
-        };
-        dicts.push(changed_dict(py, change.edit, Some(voxels), with)?);
-    }
-    if change.voxels.is_empty() {
-        dicts.push(changed_dict(py, change.edit, None, surfaces)?);
-    }
-    Ok(dicts)
+    dictionary!(py,
+        "edit": change.edit,
+        "applied": change.applied.map(seconds_since_1970),
+        "voxels": voxels,
+        "surfaces": surfaces,
+    )
 }
 
-fn changed_dict<'py>(
-    py: Python<'py>,
-    edit: u64,
-    voxels: Option<&VoxelChange>,
-    surfaces: Vec<Bound<'py, PyDict>>,
-) -> PyResult<Bound<'py, PyDict>> {
-    let region = voxels.map_or(VoxelBox::EMPTY, |voxels| voxels.region);
-    let stored = voxels.and_then(|voxels| voxels.stored.as_ref());
-    let labels = voxels.and_then(|voxels| voxels.labels.as_ref());
+fn seconds_since_1970(moment: SystemTime) -> f64 {
+    let since = moment.duration_since(UNIX_EPOCH);
+    since.map_or(0.0, |since| since.as_secs_f64())
+}
+
+fn voxels_dict<'py>(py: Python<'py>, voxels: &VoxelChange) -> PyResult<Bound<'py, PyDict>> {
+    let VoxelBox { min, max } = voxels.region;
     let little_endian = |stored: &Vec<i16>| -> Vec<u8> {
         stored
             .iter()
@@ -56,12 +49,10 @@ fn changed_dict<'py>(
             .collect()
     };
     dictionary!(py,
-        "edit": edit,
-        "low": (region.min.x, region.min.y, region.min.z),
-        "high": (region.max.x, region.max.y, region.max.z),
-        "stored": stored.map(|stored| PyBytes::new(py, &little_endian(stored))),
-        "labels": labels.map(|labels| PyBytes::new(py, labels)),
-        "surfaces": surfaces,
+        "low": (min.x, min.y, min.z),
+        "high": (max.x, max.y, max.z),
+        "stored": voxels.stored.as_ref().map(|stored| PyBytes::new(py, &little_endian(stored))),
+        "labels": voxels.labels.as_ref().map(|labels| PyBytes::new(py, labels)),
     )
 }
 

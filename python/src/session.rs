@@ -1,5 +1,6 @@
 //! `_core.Session`: a scan that is touched with a device.
 
+use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError, Weak};
 
 use glam::{DAffine3, IVec3};
@@ -13,18 +14,20 @@ use palpate_engine::session::Session;
 use palpate_engine::session_config::{Reference, SessionConfig};
 use palpate_engine::settings::Settings;
 use palpate_surface::SurfaceSettings;
+use palpate_tools::journal_entry::ScanHash;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::segment::Segment;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyBytes, PyDict};
 
 use crate::arrays::{Triple, triple, vector};
 use crate::errors::CoreError;
 use crate::frame::{frame_dict, lateness_dict, segment_dict};
-use crate::picture::change_dicts;
+use crate::picture::change_dict;
 use crate::recording::{recording_dict, tape_dict};
 use crate::segment::PySegment;
 use crate::settings::{changed, settings_dict};
+use crate::tool::tool_settings;
 use crate::volume::PyVolume;
 
 /// A segment to begin with: its voxels, whether it is an obstacle, the threshold that it is.
@@ -297,20 +300,78 @@ impl PySession {
 
     /// What changed in the picture since the call before.
     fn picture_changes<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
-        let mut dicts = Vec::new();
-        for change in self.session.picture_changes() {
-            dicts.extend(change_dicts(py, &change)?);
-        }
-        Ok(dicts)
+        let changes = self.session.picture_changes();
+        changes
+            .iter()
+            .map(|change| change_dict(py, change))
+            .collect()
     }
 
     /// All surfaces as they are now.
-    fn whole_surfaces<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
+    fn whole_surfaces<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let whole = py.detach(|| self.session.whole_surfaces());
-        if whole.surfaces.is_empty() {
-            return Ok(Vec::new());
-        }
-        change_dicts(py, &whole)
+        change_dict(py, &whole)
+    }
+
+    /// Chooses the tool for the next strokes by its name; none empties the hand.
+    #[pyo3(signature = (kind, *, radius = 0.0, segment_ids = Vec::new(), air = None,
+        energy = None))]
+    fn set_tool(
+        &self,
+        py: Python<'_>,
+        kind: Option<&str>,
+        radius: f64,
+        segment_ids: Vec<u8>,
+        air: Option<f64>,
+        energy: Option<f64>,
+    ) -> Result<(), CoreError> {
+        let settings = kind.map(|kind| tool_settings(kind, radius, segment_ids, air, energy));
+        let settings = settings.transpose()?;
+        Ok(py.detach(|| self.session.set_tool(settings))?)
+    }
+
+    fn stroke(&self, py: Python<'_>, on: bool) -> Result<(), CoreError> {
+        Ok(py.detach(|| self.session.stroke(on))?)
+    }
+
+    /// How many steps a journal holds and how many bytes of it are lost; None without a file.
+    fn look_at_journal(
+        &self,
+        py: Python<'_>,
+        path: PathBuf,
+        scan_hash: [u8; 32],
+    ) -> Result<Option<(usize, u64)>, CoreError> {
+        let kept = py.detach(|| self.session.look_at_journal(path, ScanHash(scan_hash)))?;
+        Ok(kept.map(|kept| (kept.steps, kept.ignored_bytes)))
+    }
+
+    fn begin_journal(
+        &self,
+        py: Python<'_>,
+        path: PathBuf,
+        scan_hash: [u8; 32],
+    ) -> Result<(), CoreError> {
+        Ok(py.detach(|| self.session.begin_journal(path, ScanHash(scan_hash)))?)
+    }
+
+    /// Steps, bytes that are lost, and notes of a journal that is followed.
+    fn recover_journal<'py>(
+        &self,
+        py: Python<'py>,
+        path: PathBuf,
+        scan_hash: [u8; 32],
+    ) -> Result<(usize, u64, Vec<Bound<'py, PyBytes>>), CoreError> {
+        let found = py.detach(|| self.session.recover_journal(path, ScanHash(scan_hash)))?;
+        let notes = found.notes.iter().map(|note| PyBytes::new(py, note));
+        Ok((found.steps, found.ignored_bytes, notes.collect()))
+    }
+
+    fn note_in_journal(&self, py: Python<'_>, note: Vec<u8>) -> Result<(), CoreError> {
+        Ok(py.detach(|| self.session.note_in_journal(note))?)
+    }
+
+    fn end_journal(&self, py: Python<'_>) -> Result<(), CoreError> {
+        Ok(py.detach(|| self.session.end_journal())?)
     }
 
     fn undo(&self, py: Python<'_>) -> Result<bool, CoreError> {

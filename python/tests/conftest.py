@@ -17,6 +17,7 @@ import numpy as np
 import pytest
 import SimpleITK
 from numpy.typing import NDArray
+from palpate.journal import Journal
 from palpate.scene import Scene
 from palpate.server import bind, make_app, make_server
 from palpate.server_security import Access
@@ -135,6 +136,7 @@ class RunningServer:
 
     access: Access
     session: Session
+    journal: Journal | None = None
 
     @property
     def base(self) -> str:
@@ -187,17 +189,21 @@ def write_page(folder: Path) -> Path:
 
 
 @contextmanager
-def running(scene: Scene, page: Path) -> Iterator[RunningServer]:
-    """Runs the real server with a real session on a free port."""
+def running(scene: Scene, page: Path, *, state: Path | None = None) -> Iterator[RunningServer]:
+    """Runs the real server with a real session on a free port, with a journal in ``state``."""
     with bind(0) as listener, Session(scene) as session:
         access = Access(port=listener.getsockname()[1])
         ready = Event()
-        server = make_server(make_app(session, access=access, page=page), ready=ready.set)
+        journal = None if state is None else Journal(session, folder=state, tell=lambda _: None)
+        if journal is not None:
+            journal.start()
+        app = make_app(session, access=access, page=page, journal=journal)
+        server = make_server(app, ready=ready.set)
         listener.listen()
         thread = Thread(target=server.run, kwargs={"sockets": [listener]})
         thread.start()
         assert ready.wait(10.0)
-        yield RunningServer(access, session)
+        yield RunningServer(access, session, journal)
         server.should_exit = True
         thread.join(10.0)
         assert not thread.is_alive()

@@ -118,10 +118,10 @@ def test_the_bytes_of_a_patch_are_sent_as_they_are() -> None:
         triangles=bytes([0, 0, 1, 0, 2, 0]),
     )
     surface = protocol.SegmentSurface(id=1, whole=True, dropped=[(1, 1, 1)], patches=[patch])
-    changed = protocol.Changed(
-        edit=7, low=(0, 0, 0), high=(0, 0, 0), stored=None, labels=None, surfaces=[surface]
-    )
+    box = protocol.ChangedVoxels(low=(1, 2, 3), high=(2, 3, 4), stored=b"\x05\xfc", labels=None)
+    changed = protocol.Changed(edit=7, applied=None, voxels=[box, box], surfaces=[surface])
     sent = msgspec.msgpack.decode(protocol.encode_to_page(changed))
     assert sent["type"] == "changed"
     assert sent["surfaces"][0]["patches"][0]["vertices"] == bytes(range(18))
-    assert sent["stored"] is None
+    assert [voxels["stored"] for voxels in sent["voxels"]] == 2 * [b"\x05\xfc"]
+    assert sent["voxels"][0]["labels"] is None

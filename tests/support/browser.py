@@ -14,6 +14,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import IO, Any
 
 import numpy as np
@@ -146,19 +147,34 @@ TOOL = (ROOT / ".venv" / "bin" / "palpate",)
 
 @contextmanager
 def palpate(
-    *arguments: str | Path, real_time: bool = True, tool: Sequence[str | Path] = TOOL
+    *arguments: str | Path,
+    real_time: bool = True,
+    tool: Sequence[str | Path] = TOOL,
+    state: Path | None = None,
 ) -> Iterator[Command]:
-    """Runs the command line tool until the address is printed, and to its end."""
-    process = subprocess.Popen(
-        [*(() if real_time else NO_PRIORITY), *tool, *arguments, "--no-browser"],
-        env=os.environ | {"PYTHONUNBUFFERED": "1"},
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-    )
+    """Runs the command line tool until the address is printed, and to its end.
+
+    Journals are kept in ``state``, by default in a folder of their own.
+    """
+    with TemporaryDirectory() as fresh:
+        environment = {"PALPATE_STATE": str(state or fresh), "PYTHONUNBUFFERED": "1"}
+        process = subprocess.Popen(
+            [*(() if real_time else NO_PRIORITY), *tool, *arguments, "--no-browser"],
+            env=os.environ | environment,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+        )
+        with ended(process):
+            yield Command(process, address_in(process))
+
+
+@contextmanager
+def ended(process: subprocess.Popen[str]) -> Iterator[None]:
+    """Ends a process, whatever happens."""
     with process:
         try:
-            yield Command(process, address_in(process))
+            yield
         finally:
             process.kill()
 

@@ -10,6 +10,7 @@
  *   {"do": "doubleClick", "x": …, "y": …}                     in pixels of the picture
  *   {"do": "drag", "x": …, "y": …}                            left button held: turns the picture
  *   {"do": "touch", "x": …, "y": …, "depth": wheel pixels}    Shift held: move by x, y; wheel (< 0 is deeper)
+ *   {"do": "stroke", "x": …, "y": …, "depth": …}              the same with the left button pressed too
  *   {"do": "wheel", "y": …}                                   over the picture's middle (< 0 is nearer)
  *   {"do": "click", "testid": …}                              {"do": "choose", "testid": …, "value": …} of a list
  *   {"do": "slide", "testid": …, "value": …}                  a slider, with the mouse
@@ -79,6 +80,16 @@ const actions = {
     await page.mouse.move(startX, startY);
     await page.mouse.down();
     await page.mouse.move(startX + x, startY + y, { steps });
+    await page.mouse.up();
+    return {};
+  },
+  async stroke(options) {
+    const box = await picture().boundingBox();
+    await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+    await page.keyboard.down("Shift");
+    await page.mouse.down();
+    await page.keyboard.up("Shift");
+    await actions.touch(options);
     await page.mouse.up();
     return {};
   },

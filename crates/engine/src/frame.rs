@@ -6,6 +6,7 @@ use glam::DVec3;
 pub use palpate_haptics::safety::ForceOff;
 
 use crate::rate::Rate;
+use crate::tool_stroke::ToolNow;
 
 /// How much a notice matters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -162,6 +163,12 @@ pub struct Frame {
     pub segments_version: u64,
     /// Rises with each change of voxels that no [`crate::surfaces::PictureChange`] tells.
     pub voxels_version: u64,
+    /// The tool in the hand, and what it has done.
+    pub tool: ToolNow,
+    /// Bytes that undo and redo hold on to.
+    pub undo_bytes: usize,
+    /// How many they may.
+    pub undo_budget: usize,
     /// The pace of each thread.
     pub rates: Rates,
     /// Interventions and violations.

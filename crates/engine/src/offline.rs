@@ -61,6 +61,8 @@ impl Offline {
     pub fn stop(&mut self) {
         self.shared.stop();
         self.loops.device.0.release();
+        // where threads end, what they hold goes with them
+        self.simulation().end_journal();
     }
 
     /// One tick of the servo and of all that is due before it.

@@ -3,6 +3,8 @@
 //! Bricks are shared, never copied, so that telling an edit costs what the edit costs. Boxes are
 //! in voxels of the grid.
 
+use std::time::SystemTime;
+
 use palpate_surface::settings::SurfaceSettings;
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::bits::Bits;
@@ -32,6 +34,8 @@ pub enum SceneNews {
 pub struct EditNews {
     /// Its number.
     pub edit: u64,
+    /// When it was applied.
+    pub applied: SystemTime,
     /// The voxels that differ by it.
     pub dirty: VoxelBox,
     /// The bricks as they are now, by segment.
@@ -78,6 +82,7 @@ impl EditNews {
         });
         Self {
             edit: voxels.edit_number(),
+            applied: SystemTime::now(),
             dirty,
             segments: segments.collect(),
             stored: (small && !inverse.intensities.is_empty()).then(|| voxels.stored_in(&dirty)),

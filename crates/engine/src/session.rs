@@ -33,6 +33,8 @@ use crate::simulation::{SegmentState, Simulation, checked_box};
 use crate::surfaces::{PictureChange, Surfaces};
 use crate::tape::{Tape, TapeRecorder};
 
+mod changes;
+
 /// Edits of more voxels than this are built outside the simulation thread.
 const SMALL_EDIT: u64 = 1 << 20;
 /// How often such an edit is built again because another came in between.

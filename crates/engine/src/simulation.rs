@@ -28,7 +28,7 @@ use crate::scene::{Properties, Scene, Step, ThresholdRange};
 use crate::scene_news::SceneNews;
 use crate::settings::Settings;
 use crate::tape::{MAX_TAPE_BYTES, TapeRecorder};
-use crate::tool_stroke::ToolStroke;
+use crate::tool_stroke::{ToolNow, ToolStroke};
 use crate::touch_sender::{TouchSender, touchable_of};
 
 pub mod recovery;
@@ -53,6 +53,12 @@ pub struct SimulationStatus {
     pub segments_version: u64,
     /// Rises with each change of voxels that the picture is not told box by box.
     pub voxels_version: u64,
+    /// The tool in the hand.
+    pub tool: ToolNow,
+    /// Bytes that undo and redo hold on to.
+    pub undo_bytes: usize,
+    /// How many they may.
+    pub undo_budget: usize,
 }
 
 /// A segment as the session holds it.
@@ -543,6 +549,9 @@ impl Simulation {
             can_redo: self.journal.can_redo(),
             segments_version: self.segments_version,
             voxels_version: self.voxels_version,
+            tool: self.stroke.now(),
+            undo_bytes: self.journal.bytes(),
+            undo_budget: self.journal.budget(),
         };
         self.status.write(status);
     }

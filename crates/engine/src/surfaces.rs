@@ -8,6 +8,7 @@
 
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
+use std::time::SystemTime;
 
 use palpate_surface::settings::{PATCH_CELLS, SurfaceSettings};
 use palpate_surface::{PatchChange, PatchId, SegmentSurface, VoxelSource};
@@ -35,6 +36,8 @@ pub struct SurfaceChange {
 pub struct PictureChange {
     /// The newest edit in it.
     pub edit: u64,
+    /// When the oldest one in it was applied; none where there is no edit in it.
+    pub applied: Option<SystemTime>,
     /// Boxes of voxels with their stored values and labels.
     pub voxels: Vec<VoxelChange>,
     /// Surfaces, by segment.
@@ -140,6 +143,7 @@ impl Surfaces {
     fn take_edit(&mut self, news: EditNews) {
         let EditNews {
             edit,
+            applied,
             dirty,
             segments,
             stored,
@@ -153,6 +157,7 @@ impl Surfaces {
             shown.dirty = shown.dirty.union(&dirty);
         }
         self.next.edit = edit;
+        self.next.applied.get_or_insert(applied);
         if stored.is_some() || labels.is_some() {
             self.next.voxels.push(VoxelChange {
                 region: dirty,

@@ -58,6 +58,19 @@ struct Pressed {
     last: Option<(DVec3, f64)>,
 }
 
+/// The tool in the hand as the picture shows it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ToolNow {
+    /// Which one; none where the hand is empty.
+    pub kind: Option<ToolKind>,
+    /// Radius of its ball [mm]; 0 where the hand is empty.
+    pub radius: f64,
+    /// Whether a stroke is on.
+    pub on: bool,
+    /// What it has done in the stroke that is on, or in the last one.
+    pub report: ToolReport,
+}
+
 /// The chosen tool and its stroke.
 #[derive(Debug, Default)]
 pub struct ToolStroke {
@@ -176,6 +189,20 @@ impl ToolStroke {
     pub fn end(&mut self) {
         self.lift();
         self.pressed = None;
+    }
+
+    /// What the picture shows of it.
+    #[must_use]
+    pub fn now(&self) -> ToolNow {
+        ToolNow {
+            kind: self.settings.as_ref().map(|settings| settings.kind),
+            radius: self
+                .settings
+                .as_ref()
+                .map_or(0.0, |settings| settings.radius),
+            on: self.pressed.is_some(),
+            report: self.report,
+        }
     }
 
     /// What the tool has done since it was pressed last.

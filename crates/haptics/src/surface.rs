@@ -161,8 +161,8 @@ impl Holders {
             } else {
                 within[axis]
             };
-            // also false where something is not finite
-            if !(to_face <= AT_FACE && pull[axis] != 0.0) {
+            // also false where something is not finite, or beyond all voxels
+            if !((0.0..=AT_FACE).contains(&to_face) && pull[axis] != 0.0) {
                 continue;
             }
             let mut beyond = voxel;

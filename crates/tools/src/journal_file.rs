@@ -243,7 +243,7 @@ impl Drop for JournalFile {
 }
 
 /// Makes sure that no other session writes the file; the system lets go when a process ends.
-fn lock(file: &File, path: &Path) -> Result<(), JournalError> {
+pub(crate) fn lock(file: &File, path: &Path) -> Result<(), JournalError> {
     file.try_lock().map_err(|error| match error {
         std::fs::TryLockError::WouldBlock => JournalError::InUse(path.to_owned()),
         std::fs::TryLockError::Error(source) => JournalError::disk(path)(source),

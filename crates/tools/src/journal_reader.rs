@@ -11,8 +11,8 @@ use palpate_volume::voxels::Voxels;
 
 use crate::journal_entry::{Action, Entry, ScanHash};
 use crate::journal_error::JournalError;
-use crate::journal_file::{HEAD_BYTES, MAGIC, VERSION, checksum_after, head};
-use crate::journal_record::{Record, decode};
+use crate::journal_file::{HEAD_BYTES, MAGIC, VERSION, checksum_after, head, lock};
+use crate::journal_record::{Counted, Record, counted, decode};
 
 /// What was found in a journal.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -121,16 +121,36 @@ impl JournalReader {
             return Ok(None);
         };
         let at = self.found.valid_bytes;
-        let length = bytes.len() as u64 + 9;
-        let checksum = checksum_after(self.found.checksum, kind, &bytes);
-        let entry =
-            decode((kind, bytes), voxels).map_err(|what| JournalError::Record { at, what })?;
-
-        self.found.checksum = checksum;
-        self.found.valid_bytes += length;
-        self.found.ignored_bytes -= length;
-        self.count(&entry);
+        let wrong = |what| JournalError::Record { at, what };
+        let entry = decode(kind, &bytes, voxels).map_err(wrong)?;
+        let count = counted(kind, &bytes).map_err(wrong)?;
+        self.pass(kind, &bytes);
+        self.count(count);
         Ok(Some(entry))
+    }
+
+    /// Makes sure that no session writes the file now.
+    ///
+    /// # Errors
+    /// Where one does.
+    pub fn check_unused(&self) -> Result<(), JournalError> {
+        let file = self.file.get_ref();
+        lock(file, &self.path)?;
+        file.unlock().map_err(JournalError::disk(&self.path))
+    }
+
+    /// Counts what is whole to the end, without following it.
+    ///
+    /// # Errors
+    /// Where the disk says no, or a whole record cannot be.
+    pub fn skim(mut self) -> Result<Recovery, JournalError> {
+        while let Some((kind, bytes)) = self.record().map_err(JournalError::disk(&self.path))? {
+            let at = self.found.valid_bytes;
+            let count = counted(kind, &bytes).map_err(|what| JournalError::Record { at, what })?;
+            self.pass(kind, &bytes);
+            self.count(count);
+        }
+        Ok(self.found)
     }
 
     /// What was found so far.
@@ -161,20 +181,23 @@ impl JournalReader {
         Ok(is_whole.then_some((kind, bytes)))
     }
 
-    fn count(&mut self, entry: &Entry) {
-        let action = match entry {
-            Entry::Edit(action, _) | Entry::Put(action, ..) | Entry::Remove(action, _) => *action,
-            Entry::Note(_) => return,
-            Entry::StepEnd => {
+    /// Goes on behind a record that is whole.
+    fn pass(&mut self, kind: u8, bytes: &[u8]) {
+        let length = bytes.len() as u64 + 9;
+        self.found.checksum = checksum_after(self.found.checksum, kind, bytes);
+        self.found.valid_bytes += length;
+        self.found.ignored_bytes -= length;
+    }
+
+    fn count(&mut self, counted: Counted) {
+        match counted {
+            Counted::Nothing | Counted::Change(Action::Start) => {}
+            Counted::Change(Action::Do) => self.found.step_is_open = true,
+            Counted::Change(Action::Undo | Action::Redo) => self.found.steps += 1,
+            Counted::StepEnd => {
                 self.found.steps += usize::from(self.found.step_is_open);
                 self.found.step_is_open = false;
-                return;
             }
-        };
-        match action {
-            Action::Start => {}
-            Action::Do => self.found.step_is_open = true,
-            Action::Undo | Action::Redo => self.found.steps += 1,
         }
     }
 }

@@ -36,6 +36,8 @@ const REMOVE: u8 = 3;
 const NOTE: u8 = 4;
 const STEP_END: u8 = 5;
 
+const UNKNOWN_KIND: Wrong = "a kind of record that this version does not know";
+
 /// LZ4 makes at most so many bytes of one.
 const MOST_EXPANSION: usize = 255;
 
@@ -57,17 +59,39 @@ pub(crate) fn encode(entry: &Written, scan: &Intensities) -> Record {
 }
 
 /// Reads an entry that follows on these voxels; what is wrong with it where it cannot be.
-pub(crate) fn decode((kind, bytes): Record, voxels: &Voxels) -> Result<Entry, Wrong> {
+pub(crate) fn decode(kind: u8, bytes: &[u8], voxels: &Voxels) -> Result<Entry, Wrong> {
     match kind {
-        EDIT => edit_of(&unpack(&bytes)?, voxels),
-        PUT => put_of(&unpack(&bytes)?, voxels.grid()),
+        EDIT => edit_of(&unpack(bytes)?, voxels),
+        PUT => put_of(&unpack(bytes)?, voxels.grid()),
         REMOVE => {
-            let mut reader = Reader(&bytes);
+            let mut reader = Reader(bytes);
             Ok(Entry::Remove(reader.action()?, SegmentId(reader.byte()?)))
         }
-        NOTE => Ok(Entry::Note(bytes)),
+        NOTE => Ok(Entry::Note(bytes.to_vec())),
         STEP_END => Ok(Entry::StepEnd),
-        _ => Err("a kind of record that this version does not know"),
+        _ => Err(UNKNOWN_KIND),
+    }
+}
+
+/// What a record counts for where steps are counted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Counted {
+    /// A note.
+    Nothing,
+    /// Something changed.
+    Change(Action),
+    /// What changed since the last end is one step.
+    StepEnd,
+}
+
+/// What a record counts for; it is not looked into further.
+pub(crate) fn counted(kind: u8, bytes: &[u8]) -> Result<Counted, Wrong> {
+    match kind {
+        EDIT | PUT => Reader(&unpack(bytes)?).action().map(Counted::Change),
+        REMOVE => Reader(bytes).action().map(Counted::Change),
+        NOTE => Ok(Counted::Nothing),
+        STEP_END => Ok(Counted::StepEnd),
+        _ => Err(UNKNOWN_KIND),
     }
 }
 

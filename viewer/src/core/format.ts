@@ -3,6 +3,11 @@
  */
 import type { Vec3 } from "./vector";
 
+const months = [
+  "January", "February", "March", "April", "May", "June",
+  "July", "August", "September", "October", "November", "December",
+];
+
 /** "-12.3 4.0 806.0" */
 export function formatPoint(point: Vec3): string {
   return point.map((c) => c.toFixed(1)).join(" ");
@@ -32,6 +37,13 @@ export function formatSpacing(spacing: Vec3): string {
 export function formatBytes(bytes: number): string {
   const mega = bytes / 2 ** 20;
   return mega >= 1024 ? `${(mega / 1024).toFixed(1)} GiB` : `${mega.toFixed(0)} MiB`;
+}
+
+/** "20 November 2026, 16:34": a moment of ISO 8601, in the time of day that it names. */
+export function formatMoment(iso: string): string {
+  const [, year, month, day, time] = /^(\d{4})-(\d\d)-(\d\d)T(\d\d:\d\d)/.exec(iso) ?? [];
+  const name = months[Number(month) - 1];
+  return year === undefined || name === undefined ? iso : `${String(Number(day))} ${name} ${year}, ${time ?? ""}`;
 }
 
 /** "0:07", "12:34" */

@@ -12,7 +12,7 @@ export interface Pad {
 }
 
 /** Buttons and axes of the standard arrangement. */
-export const button = { south: 0, east: 1, west: 2, leftShoulder: 4, leftTrigger: 6, rightTrigger: 7 } as const;
+export const button = { south: 0, east: 1, west: 2, leftShoulder: 4, rightShoulder: 5, leftTrigger: 6, rightTrigger: 7 } as const;
 const axis = { leftX: 0, leftY: 1, rightX: 2, rightY: 3 } as const;
 
 /** Sticks at rest are not quite in the middle. */

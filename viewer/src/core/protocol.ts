@@ -42,6 +42,9 @@ export type ShownAs = "volume" | "surface" | "both";
 /** How often the vertices of a surface are moved to the mean of their neighbours. */
 export type SmoothingDegree = number;
 
+/** What the probe does to voxels while it is pressed; none leaves them as they are. */
+export type ToolKind = "none" | "eraser" | "adder" | "drill";
+
 /** A voxel's or a patch's place along one axis. */
 export type Index = number;
 
@@ -152,6 +155,26 @@ export interface Hello {
 }
 
 /**
+ * The tool in the hand, and what it did in the stroke that is on, or in the last one.
+ *
+ * `radius` is that of its ball [mm]; `voxels` and `volume` [mm³] are what it changed,
+ * `time` how long it was at work [s], `energy` the work done on matter [mJ], `load` the
+ * power of this moment [mW]. Undo and redo hold on to `undo_bytes`, at most `undo_budget`.
+ */
+export interface ToolState {
+  readonly kind: ToolKind;
+  readonly radius: number;
+  readonly on: boolean;
+  readonly voxels: number;
+  readonly volume: number;
+  readonly time: number;
+  readonly energy: number;
+  readonly load: number;
+  readonly undo_bytes: number;
+  readonly undo_budget: number;
+}
+
+/**
  * How a thread keeps its pace over the last second.
  *
  * `late` counts ticks since the start that began more than 2 ms after their time.
@@ -221,6 +244,7 @@ export interface State {
   readonly pending: number;
   readonly can_undo: boolean;
   readonly can_redo: boolean;
+  readonly tool: ToolState;
   readonly rates: Rates;
   readonly safety: Safety;
   readonly recording: number | null;
@@ -232,6 +256,19 @@ export interface Segments {
   readonly type: "segments";
   readonly segments: readonly Segment[];
   readonly labels: number;
+}
+
+/**
+ * A box of voxels, from `low` up to, but without, `high`, as they are now.
+ *
+ * `stored` holds their stored values as little-endian int16, `labels` the number of each
+ * voxel's segment as uint8, both with x fastest; null where they stay as they are.
+ */
+export interface ChangedVoxels {
+  readonly low: GridPlace;
+  readonly high: GridPlace;
+  readonly stored: Uint8Array | null;
+  readonly labels: Uint8Array | null;
 }
 
 /**
@@ -267,20 +304,16 @@ export interface SegmentSurface {
 }
 
 /**
- * All that one edit changes in the picture: shown in one and the same frame.
+ * All that edits up to number `edit` change in the picture, shown in one and the same frame.
  *
- * `low` and `high` are the box of voxels whose values or labels are sent, half open;
- * empty where only surfaces change. `stored` holds the stored values of the box as
- * little-endian int16, `labels` the number of each voxel's segment as uint8, both with x
- * fastest; null where they stay as they are.
+ * Boxes of voxels are in the order of their edits: of two that overlap, the later one holds.
+ * `applied` is when the oldest of these edits was applied [s since 1970]; null without one.
  */
 export interface Changed {
   readonly type: "changed";
   readonly edit: number;
-  readonly low: GridPlace;
-  readonly high: GridPlace;
-  readonly stored: Uint8Array | null;
-  readonly labels: Uint8Array | null;
+  readonly applied: number | null;
+  readonly voxels: readonly ChangedVoxels[];
   readonly surfaces: readonly SegmentSurface[];
 }
 
@@ -288,6 +321,23 @@ export interface Changed {
 export interface SettingsChanged {
   readonly type: "settings_changed";
   readonly settings: Settings;
+}
+
+/**
+ * Changes of this scan that an earlier session left: how many, when the last (ISO 8601).
+ *
+ * `lost_bytes` at the end of their file are not whole.
+ */
+export interface Offer {
+  readonly steps: number;
+  readonly when: string;
+  readonly lost_bytes: number;
+}
+
+/** What can be brought back; null once somebody has decided, or where there is nothing. */
+export interface Recovery {
+  readonly type: "recovery";
+  readonly offer: Offer | null;
 }
 
 /** A sentence for the person at the page. */
@@ -371,6 +421,26 @@ export interface ChangeSettings {
   readonly settings: Settings;
 }
 
+/** Chooses the tool for the next strokes: radius of its ball [mm], segments that it may change. */
+export interface Tool {
+  readonly type: "tool";
+  readonly kind: ToolKind;
+  readonly radius: number;
+  readonly segments: readonly SegmentId[];
+}
+
+/** Begins a stroke of the tool, or ends it: what it changed is one step of undo. */
+export interface Stroke {
+  readonly type: "stroke";
+  readonly on: boolean;
+}
+
+/** Brings back what an earlier session left, or keeps it aside and starts afresh. */
+export interface Recover {
+  readonly type: "recover";
+  readonly bring_back: boolean;
+}
+
 /** Takes the last edit back. */
 export interface Undo {
   readonly type: "undo";
@@ -388,6 +458,7 @@ export type ToPage =
   | Segments
   | Changed
   | SettingsChanged
+  | Recovery
   | Notice;
 
 /** A message of the page. */
@@ -402,6 +473,9 @@ export type FromPage =
   | RecordSession
   | RemoveSegment
   | ChangeSettings
+  | Tool
+  | Stroke
+  | Recover
   | Undo
   | Redo;
 
@@ -559,6 +633,8 @@ const isShownAs = oneOf("volume", "surface", "both");
 
 const isSmoothingDegree = whole({ ge: 0, le: 12 });
 
+const isToolKind = oneOf("none", "eraser", "adder", "drill");
+
 const isIndex = whole({ ge: -2147483648, lt: 2147483648 });
 
 const isGridPlace = tuple(isIndex, isIndex, isIndex);
@@ -640,6 +716,19 @@ const isHello = record({
   device_limits: isDeviceLimits,
 });
 
+const isToolState = record({
+  kind: isToolKind,
+  radius: real(),
+  on: flag,
+  voxels: whole(),
+  volume: real(),
+  time: real(),
+  energy: real(),
+  load: real(),
+  undo_bytes: whole(),
+  undo_budget: whole(),
+});
+
 const isRate = record({
   asked_hz: real(),
   hz: real(),
@@ -688,6 +777,7 @@ const isState = record({
   pending: whole(),
   can_undo: flag,
   can_redo: flag,
+  tool: isToolState,
   rates: isRates,
   safety: isSafety,
   recording: nullable(real()),
@@ -698,6 +788,13 @@ const isSegments = record({
   type: oneOf("segments"),
   segments: list(isSegment),
   labels: whole(),
+});
+
+const isChangedVoxels = record({
+  low: isGridPlace,
+  high: isGridPlace,
+  stored: nullable(bytes),
+  labels: nullable(bytes),
 });
 
 const isSurfacePatch = record({
@@ -719,16 +816,25 @@ const isSegmentSurface = record({
 const isChanged = record({
   type: oneOf("changed"),
   edit: whole(),
-  low: isGridPlace,
-  high: isGridPlace,
-  stored: nullable(bytes),
-  labels: nullable(bytes),
+  applied: nullable(real()),
+  voxels: list(isChangedVoxels),
   surfaces: list(isSegmentSurface),
 });
 
 const isSettingsChanged = record({
   type: oneOf("settings_changed"),
   settings: isSettings,
+});
+
+const isOffer = record({
+  steps: whole(),
+  when: text(),
+  lost_bytes: whole(),
+});
+
+const isRecovery = record({
+  type: oneOf("recovery"),
+  offer: nullable(isOffer),
 });
 
 const isNotice = record({
@@ -743,5 +849,6 @@ const TO_PAGE: ReadonlyMap<string, Check> = new Map([
   ["segments", isSegments],
   ["changed", isChanged],
   ["settings_changed", isSettingsChanged],
+  ["recovery", isRecovery],
   ["notice", isNotice],
 ]);

@@ -41,6 +41,20 @@ export function showable(segment: Segment, hasSurface: boolean, preview: readonl
   return hasSurface ? segment : { ...segment, shown_as: "volume" };
 }
 
+/** The ranges that segments had last: an edited one is shown by its own until its labels are here. */
+export class LastRanges {
+  private readonly ranges = new Map<number, Segment["range"]>();
+
+  /** Takes a segment as it is; returns it with its last range where it has none and awaits its labels. */
+  stand(segment: Segment, awaitsLabels: boolean): Segment {
+    if (segment.range !== null) {
+      this.ranges.set(segment.id, segment.range);
+    }
+    const range = awaitsLabels ? (this.ranges.get(segment.id) ?? null) : segment.range;
+    return segment.range === null && range !== null ? { ...segment, range } : segment;
+  }
+}
+
 /** Surfaces that can be picked as if their voxels were drawn: those that hide what is behind. */
 export function pickable(segment: Segment): Segment {
   return drawnAsSurface(segment) && segment.opacity > 0.5 ? { ...segment, shown_as: "volume" } : segment;

@@ -5,7 +5,7 @@
  * run x fastest. What arrives is checked before anything of it is taken.
  */
 import { brickEdge, rangeOfBrick, type BrickRanges } from "./bricks";
-import type { Changed } from "./protocol";
+import type { ChangedVoxels } from "./protocol";
 import type { ScanVolume } from "./scan_volume";
 import { biasInPlace, type StoredVolume } from "./stored_values";
 import type { Vec3 } from "./vector";
@@ -38,11 +38,11 @@ export class ChangeError extends Error {
 }
 
 /**
- * Reads the voxels of an edit; null where it changes none that the page holds.
+ * Reads a box of voxels of an edit; null where it changes none that the page holds.
  *
  * @throws ChangeError where the box lies outside of the scan, or bytes are missing.
  */
-export function decodeVoxels(changed: Changed, { frame, step }: ScanVolume): VoxelChange | null {
+export function decodeVoxels(changed: ChangedVoxels, { frame, step }: ScanVolume): VoxelChange | null {
   const { low, high, stored, labels } = changed;
   const axes = [0, 1, 2] as const;
   const fits = axes.every((axis) => 0 <= low[axis] && low[axis] <= high[axis] && high[axis] <= frame.dimensions[axis]);

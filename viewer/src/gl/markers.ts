@@ -26,6 +26,11 @@ export interface Shown {
   readonly path: boolean;
 }
 
+export interface ToolBall {
+  readonly radius: number;
+  readonly colour: Vec3;
+}
+
 export interface MarkerState {
   readonly probe: Vec3;
   /** Of the probe's ball [mm]; 0 is a point. */
@@ -35,6 +40,8 @@ export interface MarkerState {
   readonly normal: Vec3;
   readonly trail: PathTrail;
   readonly show: Shown;
+  /** The ball of the tool in the hand: radius [mm], colour sRGB 0..1; null without one. */
+  readonly tool: ToolBall | null;
   readonly device: Vec3;
   /** [N] */
   readonly force: Vec3;
@@ -153,6 +160,7 @@ export class Markers {
   private readonly shaft = new Marker(cylinder(), 1);
   private readonly head = new Marker(cone(), 1);
   private readonly ball = new Marker(new THREE.IcosahedronGeometry(1, 5), 0.42, 0.55);
+  private readonly toolBall = new Marker(new THREE.IcosahedronGeometry(1, 5), 0.34, 0.6);
   private readonly dot = new Marker(new THREE.IcosahedronGeometry(1, 3), 1);
   private readonly plane = new Marker(ring(), 0.5, usualGhost, THREE.DoubleSide);
   private readonly normalShaft = new Marker(cylinder(), 1);
@@ -185,6 +193,7 @@ export class Markers {
     }
     this.shown = state;
     this.showProbe(state);
+    this.showTool(state);
     this.showForce(state);
     this.showContact(state);
     this.path.group.visible = state.show.path;
@@ -199,8 +208,8 @@ export class Markers {
     if (this.shown === null) {
       return [];
     }
-    const { probe, device, radius, show, trail } = this.shown;
-    const ball = show.ball ? around(probe, radius) : [];
+    const { probe, device, radius, show, trail, tool } = this.shown;
+    const ball = around(probe, Math.max(show.ball ? radius : 0, tool?.radius ?? 0));
     return [probe, device, this.tip, this.normalTip, ...ball, ...(show.path ? trail.points : [])];
   }
 
@@ -224,6 +233,16 @@ export class Markers {
     this.device.ball(device, 4.5 * pixel);
     this.line.span(probe, device, pixel);
     this.device.group.visible = distance(probe, device) > 1.5 * pixel;
+  }
+
+  private showTool({ probe, tool }: MarkerState): void {
+    this.toolBall.group.visible = tool !== null;
+    if (tool !== null) {
+      this.toolBall.paint(tool.colour);
+      this.toolBall.ball(probe, tool.radius);
+      // the tool's ball is what matters then: two balls cannot be told apart
+      this.ball.group.visible = false;
+    }
   }
 
   private showForce({ probe, force, pixel, fullForce }: MarkerState): void {
@@ -261,8 +280,8 @@ export class Markers {
   }
 
   private get all(): readonly Marker[] {
-    const { ball, dot, plane, normalShaft, normalHead } = this;
-    return [this.probe, this.device, this.line, this.shaft, this.head, ball, dot, plane, normalShaft, normalHead];
+    const { ball, toolBall, dot, plane, normalShaft, normalHead } = this;
+    return [this.probe, this.device, this.line, this.shaft, this.head, ball, toolBall, dot, plane, normalShaft, normalHead];
   }
 }
 
@@ -279,6 +298,8 @@ function looksSame(a: MarkerState, b: MarkerState): boolean {
     // half a degree
     distance(a.normal, b.normal) < 0.01 &&
     a.radius === b.radius &&
+    a.tool?.radius === b.tool?.radius &&
+    a.tool?.colour === b.tool?.colour &&
     a.show === b.show &&
     !(b.show.path && b.trail.alive) &&
     distance(a.force, b.force) < 0.002 * b.fullForce

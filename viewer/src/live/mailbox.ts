@@ -40,8 +40,7 @@ export function memoryOf(letters: readonly Letter[]): ArrayBuffer[] {
   const views = letters.flatMap(({ message }) =>
     message.type === "changed"
       ? [
-          message.stored,
-          message.labels,
+          ...message.voxels.flatMap(({ stored, labels }) => [stored, labels]),
           ...message.surfaces.flatMap(({ patches }) =>
             patches.flatMap(({ vertices, normals, triangles }) => [vertices, normals, triangles]),
           ),

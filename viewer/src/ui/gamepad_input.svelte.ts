@@ -9,6 +9,7 @@ import type { HandControl } from "./hand_control.svelte";
 import { recall, remember } from "./remembered";
 import type { Session } from "./session.svelte";
 import type { Stage } from "./stage.svelte";
+import type { ToolHand } from "./tool_hand.svelte";
 
 /** Pace of the motors, and how long they run without another word [ms]. */
 const rumblePace = 50;
@@ -35,6 +36,7 @@ export class GamepadInput {
     private readonly session: Session,
     private readonly stage: Stage,
     private readonly hand: HandControl,
+    private readonly tool: ToolHand,
   ) {}
 
   /** Listens until the returned function is called. */
@@ -77,6 +79,7 @@ export class GamepadInput {
     }
     this.running = false;
     this.name = null;
+    this.tool.release();
     this.before = null;
     this.felt = null;
   }
@@ -105,6 +108,7 @@ export class GamepadInput {
     for (const index of pressed(this.before, pad)) {
       this.press(index);
     }
+    this.work(pad);
     const { right, down, away, turn } = moveOf(pad, this.touching);
     if (right !== 0 || down !== 0 || away !== 0) {
       this.hand.move(right * seconds, down * seconds, away * seconds);
@@ -112,6 +116,16 @@ export class GamepadInput {
     const { camera } = this.stage;
     if (camera !== null && (turn[0] !== 0 || turn[1] !== 0)) {
       this.stage.camera = orbit(camera, turn[0] * seconds, turn[1] * seconds);
+    }
+  }
+
+  /** The right shoulder presses the tool as long as it is held. */
+  private work(pad: ConnectedPad): void {
+    const held = (of: Pad | null): boolean => of?.buttons[button.rightShoulder]?.pressed === true;
+    if (held(pad) && !held(this.before)) {
+      this.tool.press();
+    } else if (!held(pad) && held(this.before)) {
+      this.tool.release();
     }
   }
 

@@ -2,10 +2,12 @@
  * Keys of the page. Arrow and page keys move the hand while they are held; letters act once.
  */
 import type { Letter } from "../core/anatomy";
+import { toolChoices } from "../core/tools";
 import { larger, stiffer } from "../core/touch_settings";
 import type { HandControl } from "./hand_control.svelte";
 import type { Session } from "./session.svelte";
 import type { Stage } from "./stage.svelte";
+import type { ToolHand } from "./tool_hand.svelte";
 
 /** Direction of the hand for a key: right, down, away. */
 const moves: Readonly<Record<string, readonly [number, number, number]>> = {
@@ -18,6 +20,9 @@ const moves: Readonly<Record<string, readonly [number, number, number]>> = {
 };
 
 const views: Readonly<Record<string, Letter>> = { "1": "A", "2": "P", "3": "L", "4": "R", "5": "S", "6": "I" };
+
+/** Held, it presses the tool. */
+const pressKey = "x";
 
 /** Speed of the hand while a key is held, and with Alt [pixels per second]. */
 const speed = 60;
@@ -42,6 +47,7 @@ export class KeyboardInput {
     private readonly session: Session,
     private readonly stage: Stage,
     private readonly hand: HandControl,
+    private readonly tool: ToolHand,
     private readonly actions: KeyActions,
   ) {}
 
@@ -50,16 +56,17 @@ export class KeyboardInput {
     const aborter = new AbortController();
     const { signal } = aborter;
     window.addEventListener("keydown", this.press.bind(this), { signal });
-    window.addEventListener("keyup", (event) => this.held.delete(event.key), { signal });
-    window.addEventListener("blur", this.held.clear.bind(this.held), { signal });
+    window.addEventListener("keyup", this.letGo.bind(this), { signal });
+    window.addEventListener("blur", this.letAllGo.bind(this), { signal });
     return () => {
       aborter.abort();
-      this.held.clear();
+      this.letAllGo();
     };
   }
 
   private press(event: KeyboardEvent): void {
-    if (belongsTo(event.target, event.key)) {
+    // what waits for an answer waits for it alone
+    if (belongsTo(event.target, event.key) || this.session.offer !== null) {
       return;
     }
     if (event.key in moves) {
@@ -81,7 +88,31 @@ export class KeyboardInput {
       this.stage.lookFrom(view);
       return true;
     }
-    return this.actOnTouch(key) || this.actOnPage(key, event.shiftKey);
+    return this.actOnTool(key) || this.actOnTouch(key) || this.actOnPage(key, event.shiftKey);
+  }
+
+  private letGo(event: KeyboardEvent): void {
+    this.held.delete(event.key);
+    if (event.key.toLowerCase() === pressKey) {
+      this.tool.release();
+    }
+  }
+
+  /** Keys that are let go elsewhere are not told of. */
+  private letAllGo(): void {
+    this.held.clear();
+    this.tool.release();
+  }
+
+  private actOnTool(key: string): boolean {
+    if (key === pressKey) {
+      return this.tool.press();
+    }
+    const choice = toolChoices.find((other) => other.key === key);
+    if (choice !== undefined) {
+      this.tool.choose(choice.kind);
+    }
+    return choice !== undefined;
   }
 
   /** Settings of touch, for a hand that does not want to leave the picture. */

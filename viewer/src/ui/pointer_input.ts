@@ -3,15 +3,17 @@
  *
  * Left drag turns, middle or Ctrl + left drag moves the picture, the wheel zooms. Right drag,
  * Shift + move, or any move in touch mode moves the hand in the view plane; meanwhile the
- * wheel moves it in depth. A double click brings the probe to what is seen there.
+ * wheel moves it in depth. With a tool chosen, the left button presses it wherever the mouse
+ * moves the hand without a button. A double click brings the probe to what is seen there.
  */
 import { orbit, pan, zoom } from "../core/camera";
 import { addScaled } from "../core/vector";
 import type { HandControl } from "./hand_control.svelte";
 import type { Session } from "./session.svelte";
 import type { Stage } from "./stage.svelte";
+import type { ToolHand } from "./tool_hand.svelte";
 
-type Drag = "orbit" | "pan" | "hand";
+type Drag = "orbit" | "pan" | "hand" | "tool";
 
 /** Turn per pixel [rad]. */
 const turnSpeed = 0.0075;
@@ -31,6 +33,7 @@ export class PointerInput {
     private readonly session: Session,
     private readonly stage: Stage,
     private readonly hand: HandControl,
+    private readonly tool: ToolHand,
   ) {}
 
   /** Listens until the returned function is called. */
@@ -63,7 +66,7 @@ export class PointerInput {
       this.drag = "pan";
       event.preventDefault();
     } else if (event.button === 0) {
-      this.drag = "orbit";
+      this.drag = (event.shiftKey || this.hand.touchMode) && this.tool.press() ? "tool" : "orbit";
     }
     this.last = [event.clientX, event.clientY];
   }
@@ -82,12 +85,15 @@ export class PointerInput {
       this.stage.camera = orbit(camera, x * turnSpeed, y * turnSpeed);
     } else if (doing === "pan") {
       this.stage.camera = pan(camera, x, y, viewport);
-    } else if (doing === "hand" || event.shiftKey || this.hand.touchMode) {
+    } else if (doing === "hand" || doing === "tool" || event.shiftKey || this.hand.touchMode) {
       this.hand.move(x, y, 0);
     }
   }
 
   private release(event: PointerEvent): void {
+    if (this.drag === "tool") {
+      this.tool.release();
+    }
     this.drag = null;
     if (this.canvas.hasPointerCapture(event.pointerId)) {
       this.canvas.releasePointerCapture(event.pointerId);
@@ -99,7 +105,7 @@ export class PointerInput {
     // with Shift held some browsers turn the wheel into a sideways one
     const turned = pixelsOf(event, event.deltaY === 0 ? event.deltaX : event.deltaY);
     const { camera, content } = this.stage;
-    if (this.drag === "hand" || event.shiftKey || (this.hand.touchMode && this.drag === null && !event.ctrlKey)) {
+    if (this.drag === "hand" || this.drag === "tool" || event.shiftKey || (this.hand.touchMode && this.drag === null && !event.ctrlKey)) {
       this.hand.move(0, 0, -turned * depthSpeed);
     } else if (camera !== null && content !== null) {
       this.stage.camera = zoom(camera, Math.exp(turned * zoomSpeed), content);
@@ -107,6 +113,10 @@ export class PointerInput {
   }
 
   private bringProbe(event: MouseEvent): void {
+    // two short strokes are no double click
+    if (this.tool.kind !== "none" && (event.shiftKey || this.hand.touchMode)) {
+      return;
+    }
     const picked = this.stage.pick(event.offsetX, event.offsetY);
     const { camera } = this.stage;
     if (picked === null || camera === null) {

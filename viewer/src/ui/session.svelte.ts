@@ -10,6 +10,7 @@ import {
   type FromPage,
   type Hello,
   type Notice,
+  type Offer,
   type Scan,
   type Segment,
   type Settings,
@@ -51,6 +52,8 @@ export class Session {
   /** Length of the recording that can be saved [s]; null where there is none. */
   recorded = $state.raw<number | null>(null);
   notices = $state.raw<readonly ShownNotice[]>([]);
+  /** Changes that an earlier session left, as long as nobody has decided about them. */
+  offer = $state.raw<Offer | null>(null);
   /** How often the engine has refused something. */
   refusals = $state.raw(0);
   /** Why page and engine do not understand each other. */
@@ -132,6 +135,12 @@ export class Session {
     this.send({ type: "record", on: (this.latest?.recording ?? null) === null });
   }
 
+  /** Brings back what an earlier session left, or keeps it aside. */
+  recover(bringBack: boolean): void {
+    this.offer = null;
+    this.send({ type: "recover", bring_back: bringBack });
+  }
+
   /** Back to what the engine was started with. */
   resetSettings(): void {
     if (this.defaults !== null) {
@@ -173,6 +182,9 @@ export class Session {
         for (const listener of this.editListeners) {
           listener(message, arrived);
         }
+        break;
+      case "recovery":
+        this.offer = message.offer;
         break;
       case "settings_changed":
         this.answered = message.settings;

@@ -9,6 +9,19 @@ import { decodeSurface, SurfacePatches, type SurfaceChange, type SurfaceSize } f
 import { decodeVoxels, updateBricks, updateLabels, writeBox, type LabelVolume, type VoxelChange } from "../core/voxel_change";
 import type { Picture } from "../gl/picture";
 
+/** What an edit took on its way [ms]. */
+export interface EditTimes {
+  /** From when the engine applied it, by the clock of its machine, until it arrived. */
+  readonly way: number;
+  /** Until the next frame began: others were drawn meanwhile. */
+  readonly wait: number;
+  /** Until all of it was handed to the GPU. */
+  readonly work: number;
+}
+
+/** Times of edits that are kept. */
+const mostTimes = 1000;
+
 interface Waiting {
   readonly changed: Changed;
   /** As `performance.now()` tells time. */
@@ -17,7 +30,8 @@ interface Waiting {
 
 /** Everything an edit changes, read and found whole. */
 interface Edit {
-  readonly voxels: VoxelChange | null;
+  /** In the order in which they hold. */
+  readonly voxels: readonly VoxelChange[];
   readonly surfaces: readonly SurfaceChange[];
 }
 
@@ -41,8 +55,13 @@ export class ShownEdits {
   sizes = $state.raw<ReadonlyMap<number, SurfaceSize>>(this.surfaces.sizes);
   /** From the arrival of the last edit until all of it was handed to the GPU [ms]; null before the first. */
   lastMilliseconds: number | null = null;
+  /** Of the last edits, the newest last. */
+  readonly times: EditTimes[] = [];
   /** Number of the last edit on display; 0 before the first. */
   lastEdit = 0;
+
+  /** The first labels are on their way: until they are here no segment can be shown by them. */
+  awaitsLabels = $state(false);
 
   private waiting: Waiting[] = [];
   private labels: LabelVolume | null = null;
@@ -63,8 +82,15 @@ export class ShownEdits {
     const edits = this.waiting;
     this.waiting = [];
     for (const { changed, arrived } of edits) {
+      const began = performance.now();
       this.showOne(changed, scan, picture);
-      this.lastMilliseconds = performance.now() - arrived;
+      const ended = performance.now();
+      this.lastMilliseconds = ended - arrived;
+      if (changed.applied !== null) {
+        const ago = Date.now() - 1000 * changed.applied;
+        this.times.push({ way: ago - (ended - arrived), wait: began - arrived, work: ended - began });
+        this.times.splice(0, this.times.length - mostTimes);
+      }
     }
     if (edits.some(({ changed }) => changed.surfaces.length > 0)) {
       this.sizes = this.surfaces.sizes;
@@ -78,6 +104,7 @@ export class ShownEdits {
     this.labels = null;
     this.labelVersion = null;
     this.sinceAsked = null;
+    this.awaitsLabels = false;
   }
 
   /** Hands all that is held to a new picture. */
@@ -102,6 +129,7 @@ export class ShownEdits {
       return;
     }
     this.sinceAsked = [];
+    this.awaitsLabels = this.labels === null;
     const still = (): boolean => version === this.labelVersion;
     try {
       const labels = await this.outside.download(volume);
@@ -112,6 +140,7 @@ export class ShownEdits {
       if (still()) {
         this.labelVersion = null;
         this.sinceAsked = null;
+        this.awaitsLabels = false;
         this.outside.complain(`The segments' voxels did not arrive: ${messageOf(error)}`);
       }
     }
@@ -124,6 +153,7 @@ export class ShownEdits {
       }
     }
     this.sinceAsked = null;
+    this.awaitsLabels = false;
     this.labels = labels;
     picture?.setLabels(labels);
   }
@@ -131,13 +161,14 @@ export class ShownEdits {
   private showOne(changed: Changed, scan: HeldScan, picture: Picture | null): void {
     let edit: Edit;
     try {
-      edit = { voxels: decodeVoxels(changed, scan.volume), surfaces: changed.surfaces.map(decodeSurface) };
+      const voxels = changed.voxels.map((box) => decodeVoxels(box, scan.volume));
+      edit = { voxels: voxels.filter((change) => change !== null), surfaces: changed.surfaces.map(decodeSurface) };
     } catch (error) {
       this.outside.complain(`Edit ${String(changed.edit)} cannot be shown: ${messageOf(error)}.`);
       return;
     }
-    if (edit.voxels !== null) {
-      this.changeVoxels(edit.voxels, scan, picture);
+    for (const change of edit.voxels) {
+      this.changeVoxels(change, scan, picture);
     }
     for (const change of edit.surfaces) {
       this.surfaces.apply(change);
@@ -156,24 +187,18 @@ export class ShownEdits {
     }
     if (labels !== null) {
       this.sinceAsked?.push(change);
-      if (this.labels === null) {
-        this.labels = noLabels(volume, bricks);
-        picture?.setLabels(this.labels);
+      if (this.labels !== null) {
+        updateLabels(this.labels, box, labels);
       }
-      updateLabels(this.labels, box, labels);
     }
-    picture?.changeVoxels(box, { values: values !== null, labels: labels !== null });
+    // labels that are not here will come with this edit in them
+    picture?.changeVoxels(box, { values: values !== null, labels: labels !== null && this.labels !== null });
   }
 }
 
 /** Whether any segment has voxels that no threshold describes. */
 export function needsLabels(segments: readonly Segment[]): boolean {
   return segments.some((segment) => segment.range === null);
-}
-
-function noLabels({ dimensions }: ScanVolume, { counts }: BrickRanges): LabelVolume {
-  const [x, y, z] = dimensions;
-  return { ids: new Uint8Array(x * y * z), dimensions, bricks: new Uint8Array(counts[0] * counts[1] * counts[2]) };
 }
 
 function messageOf(error: unknown): string {

@@ -18,17 +18,19 @@ import {
   type Extent,
   type Viewport,
 } from "../core/camera";
+import { srgbFromHex } from "../core/colour";
 import { contentHull } from "../core/content_hull";
 import type { Look } from "../core/look";
 import { PathTrail } from "../core/path_trail";
 import { pickSurface, type Picked } from "../core/pick_surface";
-import type { Scan, Segment } from "../core/protocol";
+import type { Scan, Segment, State } from "../core/protocol";
 import { frameOf, type ScanVolume } from "../core/scan_volume";
-import { pickable, showable, shownRanges } from "../core/shown_segments";
+import { LastRanges, pickable, showable, shownRanges } from "../core/shown_segments";
+import { toolColours } from "../core/tools";
 import { biasedRange } from "../core/stored_values";
 import { subsamplingStep } from "../core/subsampling";
 import type { GpuSupport } from "../gl/gpu_support";
-import type { Shown } from "../gl/markers";
+import type { Shown, ToolBall } from "../gl/markers";
 import { Picture } from "../gl/picture";
 import { downloadLabels, downloadVolume } from "../live/volume_download";
 import { recall, remember } from "./remembered";
@@ -75,6 +77,7 @@ export class Stage {
   private sentCamera: Camera | null = null;
   private sentTo = 0;
   private drawnState: object | null = null;
+  private readonly lastRanges = new LastRanges();
   private readonly trail = new PathTrail(trailSeconds, trailPoints, trailSpacing);
   private frames = 0;
   private countedAt = 0;
@@ -176,9 +179,14 @@ export class Stage {
 
   /** Segments as the picture can show them now. */
   readonly segments = $derived.by((): readonly Segment[] => {
-    const { preview } = this;
+    const { preview, edits } = this;
+    const { awaitsLabels } = edits;
     return this.session.segments.map((segment) =>
-      showable(segment, this.edits.sizes.has(segment.id), segment.id === preview?.id ? preview.range : null),
+      showable(
+        this.lastRanges.stand(segment, awaitsLabels),
+        edits.sizes.has(segment.id),
+        segment.id === preview?.id ? preview.range : null,
+      ),
     );
   });
 
@@ -359,6 +367,7 @@ export class Stage {
       normal: state.normal,
       trail: this.trail,
       show: this.shown,
+      tool: toolBall(state),
       device: state.device,
       force: state.force,
       contact: state.contact,
@@ -396,6 +405,16 @@ export class Stage {
       this.countedAt = now;
     }
   }
+}
+
+const toolPaints = {
+  eraser: srgbFromHex(toolColours.eraser),
+  adder: srgbFromHex(toolColours.adder),
+  drill: srgbFromHex(toolColours.drill),
+} as const;
+
+function toolBall({ tool }: State): ToolBall | null {
+  return tool.kind === "none" ? null : { radius: tool.radius, colour: toolPaints[tool.kind] };
 }
 
 function messageOf(error: unknown): string {

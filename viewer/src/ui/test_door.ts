@@ -9,6 +9,7 @@ import type { Vec3 } from "../core/vector";
 import type { HandControl } from "./hand_control.svelte";
 import type { Hearing } from "./hearing.svelte";
 import type { Session } from "./session.svelte";
+import type { EditTimes } from "./shown_edits.svelte";
 import type { Stage } from "./stage.svelte";
 
 export interface TestDoor {
@@ -27,6 +28,8 @@ export interface TestDoor {
   readonly sound: { readonly running: boolean; readonly level: number };
   /** From the arrival of the last edit until all of it was handed to the GPU [ms]; null before the first. */
   readonly lastEditMilliseconds: number | null;
+  /** What each of the last edits took on its way. */
+  readonly editTimes: readonly EditTimes[];
   /** Number of the last edit on display. */
   readonly lastEdit: number;
   /** Triangles of each segment's surface. */
@@ -71,6 +74,9 @@ export function openTestDoor(session: Session, stage: Stage, hand: HandControl, 
     },
     get lastEditMilliseconds() {
       return stage.edits.lastMilliseconds;
+    },
+    get editTimes() {
+      return stage.edits.times;
     },
     get lastEdit() {
       return stage.edits.lastEdit;

@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import { brickRanges, labelledBricks } from "../../src/core/bricks";
-import type { Changed } from "../../src/core/protocol";
+import type { ChangedVoxels } from "../../src/core/protocol";
 import type { ScanVolume } from "../../src/core/scan_volume";
 import type { Vec3 } from "../../src/core/vector";
 import { ChangeError, decodeVoxels, updateBricks, updateLabels, writeBox } from "../../src/core/voxel_change";
@@ -10,7 +10,7 @@ import { scanOf, volumeOf } from "./volumes";
 const dimensions: Vec3 = [21, 17, 26];
 
 /** An edit of a box; the stored value and the label of each voxel are given. */
-function change(low: Vec3, high: Vec3, stored: (voxel: Vec3) => number, label: (voxel: Vec3) => number): Changed {
+function change(low: Vec3, high: Vec3, stored: (voxel: Vec3) => number, label: (voxel: Vec3) => number): ChangedVoxels {
   const voxels: Vec3[] = [];
   for (let z = low[2]; z < high[2]; ++z) {
     for (let y = low[1]; y < high[1]; ++y) {
@@ -20,15 +20,7 @@ function change(low: Vec3, high: Vec3, stored: (voxel: Vec3) => number, label: (
     }
   }
   const values = Int16Array.from(voxels, stored);
-  return {
-    type: "changed",
-    edit: 1,
-    low,
-    high,
-    stored: new Uint8Array(values.buffer),
-    labels: Uint8Array.from(voxels, label),
-    surfaces: [],
-  };
+  return { low, high, stored: new Uint8Array(values.buffer), labels: Uint8Array.from(voxels, label) };
 }
 
 const before = (): number => -7;
@@ -65,10 +57,10 @@ test("a box between the voxels that are held changes nothing", () => {
   expect(decodeVoxels(change([1, 1, 1], [4, 4, 4], after, () => 1), volume)).toBeNull();
 });
 
-test("an edit of surfaces alone changes no voxel", () => {
+test("a box without values and labels changes no voxel", () => {
   const volume = volumeOf(scanOf(dimensions, [1, 1, 1]), before);
-  const surfacesOnly = { ...change([0, 0, 0], [0, 0, 0], after, () => 0), stored: null, labels: null };
-  expect(decodeVoxels(surfacesOnly, volume)).toBeNull();
+  const empty = { ...change([0, 0, 0], [3, 3, 3], after, () => 0), stored: null, labels: null };
+  expect(decodeVoxels(empty, volume)).toBeNull();
 });
 
 test("after many random edits bricks are those of the whole scan", () => {
@@ -92,7 +84,7 @@ test("after many random edits bricks are those of the whole scan", () => {
   expect(labels.bricks).toEqual(labelledBricks(labels.ids, dimensions));
 });
 
-function refused(lie: Partial<Changed>): () => unknown {
+function refused(lie: Partial<ChangedVoxels>): () => unknown {
   const volume: ScanVolume = volumeOf(scanOf(dimensions, [1, 1, 1]), before);
   return () => decodeVoxels({ ...change([1, 2, 3], [4, 5, 6], after, () => 1), ...lie }, volume);
 }

@@ -139,7 +139,7 @@ export type MarkerTest = Omit<Partial<MarkerState>, "trail"> & { readonly way?: 
 function stillMarkers(at: Vec3): Omit<MarkerState, "trail"> {
   const show = { contactPoint: true, normal: true, ball: true, path: true };
   const contact = { contact: false, contactPoint: at, normal: [0, 0, 0] as const };
-  return { probe: at, device: at, force: [0, 0, 0], radius: 0, ...contact, show, pixel: 1, fullForce: 1 };
+  return { probe: at, device: at, force: [0, 0, 0], radius: 0, ...contact, show, tool: null, pixel: 1, fullForce: 1 };
 }
 
 /** A way of the probe through points, a tenth of a second each. */
@@ -298,10 +298,7 @@ async function edit(test: EditTest): Promise<EditResult> {
     drawn.picture.setSegments(segments);
     return drawn;
   };
-  const changed = (part: Partial<Changed>): Changed => {
-    const nothing = { low: [0, 0, 0], high: [0, 0, 0], stored: null, labels: null, surfaces: [] } as const;
-    return { type: "changed", edit: 1, ...nothing, ...part };
-  };
+  const changed = (part: Partial<Changed>): Changed => ({ type: "changed", edit: 1, applied: null, voxels: [], surfaces: [], ...part });
   edits.add(changed({ surfaces: test.before ?? [] }), performance.now());
   edits.show(held, null);
   const drawn = open();
@@ -311,10 +308,14 @@ async function edit(test: EditTest): Promise<EditResult> {
   const { value, label } = test;
   edits.add(
     changed({
-      low: test.low,
-      high: test.high,
-      stored: value === null ? null : new Uint8Array(new Int16Array(count).fill(value).buffer),
-      labels: label === null ? null : new Uint8Array(count).fill(label),
+      voxels: [
+        {
+          low: test.low,
+          high: test.high,
+          stored: value === null ? null : new Uint8Array(new Int16Array(count).fill(value).buffer),
+          labels: label === null ? null : new Uint8Array(count).fill(label),
+        },
+      ],
       surfaces: test.surfaces ?? [],
     }),
     performance.now(),

@@ -54,10 +54,8 @@ test("the bytes of an edit are handed over once, however many lie in the same me
   const message: Changed = {
     type: "changed",
     edit: 1,
-    low: [0, 0, 0],
-    high: [1, 1, 3],
-    stored: part(40),
-    labels: null,
+    applied: null,
+    voxels: [{ low: [0, 0, 0], high: [1, 1, 3], stored: part(40), labels: null }],
     surfaces: [{ id: 1, whole: false, dropped: [], patches: [patch, patch] }],
   };
   expect(memoryOf([{ message, arrived: 0 }, { message: state(1), arrived: 0 }])).toEqual([memory]);

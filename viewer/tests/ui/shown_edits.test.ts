@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import { labelledBricks } from "../../src/core/bricks";
-import type { Changed } from "../../src/core/protocol";
+import type { Changed, ChangedVoxels } from "../../src/core/protocol";
 import type { Vec3 } from "../../src/core/vector";
 import type { LabelVolume } from "../../src/core/voxel_change";
 import type { Picture } from "../../src/gl/picture";
@@ -16,10 +16,14 @@ function labelsOf(id: number): LabelVolume {
   return { ids, dimensions, bricks: labelledBricks(ids, dimensions) };
 }
 
+/** Labels in a row of voxels from x on. */
+function labelled(x: number, ids: readonly number[]): ChangedVoxels {
+  return { low: [x, 0, 0], high: [x + 1, 1, 1], stored: null, labels: Uint8Array.from(ids) };
+}
+
 /** Labels 7 in one voxel, or a surface. */
 function changed(edit: number, part: Partial<Changed> = {}): Changed {
-  const voxel = { low: [1, 0, 0], high: [2, 1, 1], labels: new Uint8Array([7]) } as const;
-  return { type: "changed", edit, ...voxel, stored: null, surfaces: [], ...part };
+  return { type: "changed", edit, applied: null, voxels: [labelled(1, [7])], surfaces: [], ...part };
 }
 
 function setUp(download: () => Promise<LabelVolume> = () => Promise.resolve(labelsOf(3))) {
@@ -45,12 +49,37 @@ test("an edit that arrives while labels are on their way is in them", async () =
   let arrive: (labels: LabelVolume) => void = () => undefined;
   const { edits, volume, picture, shown, show } = setUp(() => new Promise((resolve) => (arrive = resolve)));
   const asked = edits.showLabels(1, volume, () => picture);
+  expect(edits.awaitsLabels).toBe(true);
   show(changed(1));
-  // seen at once, among labels that are not here yet
-  expect([...(shown.at(-1)?.ids.subarray(0, 3) ?? [])]).toEqual([0, 7, 0]);
+  // the edited voxel alone would be all that is seen of its segment
+  expect(shown).toEqual([]);
   arrive(labelsOf(3));
   await asked;
+  expect(edits.awaitsLabels).toBe(false);
   expect([...(shown.at(-1)?.ids.subarray(0, 3) ?? [])]).toEqual([3, 7, 3]);
+});
+
+test("of two boxes of one edit that overlap the later one holds, and both are shown at once", async () => {
+  const { edits, volume, picture, show, shown } = setUp();
+  await edits.showLabels(1, volume, () => picture);
+  show(changed(1, { voxels: [labelled(1, [7]), labelled(2, [8]), labelled(1, [9])] }));
+  expect([...(shown.at(-1)?.ids.subarray(0, 4) ?? [])]).toEqual([3, 9, 8, 3]);
+});
+
+test("an edit with a box that lies changes nothing, not even by its other boxes", async () => {
+  const { edits, volume, picture, show, shown } = setUp();
+  await edits.showLabels(1, volume, () => picture);
+  show(changed(1, { voxels: [labelled(1, [7]), labelled(2, [8, 8])] }));
+  expect([...(shown.at(-1)?.ids.subarray(0, 4) ?? [])]).toEqual([3, 3, 3, 3]);
+});
+
+test("newer labels replace those on display without a gap", async () => {
+  const { edits, volume, picture, shown } = setUp();
+  await edits.showLabels(1, volume, () => picture);
+  const asked = edits.showLabels(2, volume, () => picture);
+  expect(edits.awaitsLabels).toBe(false);
+  await asked;
+  expect(shown).toHaveLength(2);
 });
 
 test("labels are asked for once for each version, and let go when none are needed", async () => {
@@ -83,7 +112,7 @@ test("all edits that wait are shown in one frame, in their order; one that lies 
   const surface = ballSurface(1, [4, 4, 4], 3, 2);
   show(
     changed(1, { surfaces: [surface] }),
-    changed(2, { labels: new Uint8Array(5) }),
+    changed(2, { voxels: [labelled(2, [1, 2, 3, 4, 5])] }),
     changed(3, { surfaces: [{ id: 1, whole: false, dropped: [[0, 0, 0]], patches: [] }] }),
   );
   expect(complaints).toHaveLength(1);

@@ -8,6 +8,9 @@ use std::path::Path;
 use palpate_tools::journal_entry::{Action, Entry, ScanHash};
 use palpate_tools::journal_file::JournalFile;
 use palpate_tools::journal_reader::JournalReader;
+use palpate_volume::edit::SegmentId;
+use palpate_volume::segment::Segment;
+use palpate_volume::voxels::Voxels;
 
 use super::Simulation;
 use crate::error::SessionError;
@@ -23,6 +26,34 @@ pub struct Recovered {
     pub ignored_bytes: u64,
     /// What was noted beside the voxels, in turn.
     pub notes: Vec<Vec<u8>>,
+}
+
+/// What a journal holds, without following it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Kept {
+    /// Steps that were done, undone or done again.
+    pub steps: usize,
+    /// Bytes at the end that are not whole.
+    pub ignored_bytes: u64,
+}
+
+impl Kept {
+    /// Looks into a file; none where there is none.
+    ///
+    /// # Errors
+    /// Where it is no journal of this scan, or another session writes it.
+    pub fn at(path: &Path, hash: ScanHash, voxels: &Voxels) -> Result<Option<Self>, SessionError> {
+        if !path.exists() {
+            return Ok(None);
+        }
+        let reader = JournalReader::open(path, hash, voxels)?;
+        reader.check_unused()?;
+        let found = reader.skim()?;
+        Ok(Some(Self {
+            steps: found.steps + usize::from(found.step_is_open),
+            ignored_bytes: found.ignored_bytes,
+        }))
+    }
 }
 
 impl Simulation {
@@ -103,6 +134,13 @@ impl Simulation {
         }
     }
 
+    fn has_same_voxels(&self, id: SegmentId, other: &Segment) -> bool {
+        self.voxels().segment(id).is_some_and(|segment| {
+            let difference = segment.occupancy().difference(other.occupancy());
+            difference.is_empty()
+        })
+    }
+
     /// Does what an entry says; gives a note.
     fn follow(&mut self, entry: Entry) -> Result<Option<Vec<u8>>, SessionError> {
         let (action, step) = match entry {
@@ -113,6 +151,10 @@ impl Simulation {
             }
             Entry::Edit(action, edit) => (action, Step::of_edit(edit)),
             Entry::Remove(action, id) => (action, Step::Remove { id }),
+            // so that a threshold stays one: a journal does not say what is
+            Entry::Put(Action::Start, id, segment) if self.has_same_voxels(id, &segment) => {
+                return Ok(None);
+            }
             Entry::Put(action, id, segment) => {
                 let step = if self.voxels().segment(id).is_some() {
                     Step::Replace {

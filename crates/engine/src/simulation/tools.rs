@@ -26,6 +26,7 @@ impl Simulation {
         }
         self.end_stroke();
         self.stroke.set_tool(settings);
+        self.publish();
         Ok(())
     }
 
@@ -45,6 +46,7 @@ impl Simulation {
                  passes them over."
             )));
         }
+        self.publish();
         Ok(())
     }
 

@@ -104,7 +104,7 @@ impl<const LOG: u32> Rows<LOG> {
     /// connected to it through faces; false where there was no end to it. A layer has `words`.
     pub(super) fn flood(words: usize, first: usize, free: &[u64], reached: &mut [u64]) -> bool {
         let layers = free.len() / words.max(1);
-        // a bit for each layer that is to grow, and for one beyond the last of 32
+        // a bit for each layer that is to grow, of at most 32, and one beyond
         let mut waiting = 1_u64 << (first & 31);
         for _ in 0..MAX_GROWTHS * layers {
             if waiting == 0 {

@@ -1,0 +1,80 @@
+//! Tools in the hand of a session, and the journal that keeps its changes on disk.
+
+use std::path::PathBuf;
+
+use palpate_tools::journal_entry::ScanHash;
+use palpate_tools::tool::ToolSettings;
+
+use super::Session;
+use crate::error::SessionError;
+use crate::simulation::Simulation;
+use crate::simulation::recovery::{Kept, Recovered};
+
+impl Session {
+    /// Chooses the tool for the next strokes, or none; a stroke that is on ends.
+    ///
+    /// # Errors
+    /// Where a setting is out of range, a segment does not exist, or the session has ended.
+    pub fn set_tool(&self, settings: Option<ToolSettings>) -> Result<(), SessionError> {
+        self.ask(move |simulation| simulation.set_tool(settings))?
+    }
+
+    /// Begins a stroke of the chosen tool, or ends it: what it changed is one step of undo.
+    ///
+    /// # Errors
+    /// Where it is to begin and no tool is chosen, or the session has ended.
+    pub fn stroke(&self, on: bool) -> Result<(), SessionError> {
+        self.ask(move |simulation| simulation.stroke(on))?
+    }
+
+    /// What a journal of this scan holds; none where there is no such file.
+    ///
+    /// # Errors
+    /// Where the file is no journal of this scan, another session writes it, or the session has
+    /// ended.
+    pub fn look_at_journal(
+        &self,
+        path: PathBuf,
+        hash: ScanHash,
+    ) -> Result<Option<Kept>, SessionError> {
+        // the file may be long: only the voxels come from the simulation
+        let voxels = self.ask(|simulation| simulation.voxels().clone())?;
+        Kept::at(&path, hash, &voxels)
+    }
+
+    /// Begins a journal in a new file, with what is there now.
+    ///
+    /// # Errors
+    /// Where the file exists already, the disk says no, or the session has ended.
+    pub fn begin_journal(&self, path: PathBuf, hash: ScanHash) -> Result<(), SessionError> {
+        self.ask(move |simulation| simulation.begin_journal(&path, hash))?
+    }
+
+    /// Does again what a journal of this scan says, and goes on with it.
+    ///
+    /// # Errors
+    /// Where the file is no journal of this scan, a record cannot be, or the session has ended.
+    pub fn recover_journal(
+        &self,
+        path: PathBuf,
+        hash: ScanHash,
+    ) -> Result<Recovered, SessionError> {
+        self.ask(move |simulation| simulation.recover_journal(&path, hash))?
+    }
+
+    /// Keeps bytes beside the voxels, where there is a journal.
+    ///
+    /// # Errors
+    /// Where the session has ended.
+    pub fn note_in_journal(&self, bytes: Vec<u8>) -> Result<(), SessionError> {
+        self.ask(move |simulation| simulation.note_in_journal(bytes))
+    }
+
+    /// Writes what waits and closes the journal.
+    ///
+    /// # Errors
+    /// Where the session has ended.
+    pub fn end_journal(&self) -> Result<(), SessionError> {
+        self.ask(Simulation::end_journal)
+    }
+}

@@ -1,0 +1,180 @@
+"""The journal of a scan's changes on disk, and what becomes of one that an earlier session left.
+
+One file for each scan, named by a hash of its values and its place, in ``state_folder()``. A file
+that holds steps is offered for recovery; one that is not wanted is kept aside under another name.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from datetime import datetime
+from hashlib import blake2b
+from pathlib import Path
+from threading import Lock
+
+import numpy as np
+
+from palpate.errors import OptionError
+from palpate.session import Session
+from palpate.volume import Volume
+
+__all__ = ["Journal", "Offer", "scan_hash", "state_folder"]
+
+
+def state_folder() -> Path:
+    """Returns where journals are kept: ``PALPATE_STATE``, or the user's folder for state."""
+    if given := os.environ.get("PALPATE_STATE"):
+        return Path(given)
+    if sys.platform == "darwin":
+        return Path.home() / "Library" / "Application Support" / "palpate"
+    if sys.platform == "win32" and (local := os.environ.get("LOCALAPPDATA")):
+        return Path(local) / "palpate"
+    return Path(os.environ.get("XDG_STATE_HOME") or Path.home() / ".local" / "state") / "palpate"
+
+
+def scan_hash(volume: Volume) -> bytes:
+    """Returns 32 bytes that tell a scan from others by its stored values and its geometry."""
+    hasher = blake2b(digest_size=32)
+    hasher.update(np.asarray(volume.dimensions, "<i8").tobytes())
+    hasher.update(np.asarray(volume.patient_from_grid, "<f8").tobytes())
+    hasher.update(np.asarray([volume.slope, volume.intercept], "<f8").tobytes())
+    for plane in volume.array:
+        hasher.update(np.ascontiguousarray(plane, "<i2").data)
+    return hasher.digest()
+
+
+@dataclass(frozen=True)
+class Offer:
+    """What an earlier session left."""
+
+    steps: int
+    """Changes, those that were taken back or done again included."""
+    when: datetime
+    """When the last of them was written, in local time."""
+    lost_bytes: int
+    """Bytes at the end that are not whole: what was being written when it ended."""
+
+
+class Journal:
+    """The journal of one session's changes; every method may be called from any thread."""
+
+    def __init__(
+        self, session: Session, *, folder: Path | None = None, tell: Callable[[str], None] = print
+    ) -> None:
+        """Finds the place of the journal; nothing is written before ``start``.
+
+        Args:
+            session: Whose changes are written down.
+            folder: Where; by default that of ``state_folder``.
+            tell: Takes a sentence for the person.
+        """
+        self._session = session
+        self._tell = tell
+        self._lock = Lock()
+        self._hash = scan_hash(session.scene.volume)
+        self._running = False
+        self.path = (folder or state_folder()) / "journals" / f"{self._hash.hex()[:32]}.journal"
+        self.offer: Offer | None = None
+        """What an earlier session left, as long as nobody has decided about it."""
+        self.problem: str | None = None
+        """Why changes are not written down; None where they are, or an offer is open."""
+        self.looks: bytes | None = None
+        """The newest note of a journal that was brought back."""
+
+    @property
+    def is_running(self) -> bool:
+        """Whether changes are written down."""
+        return self._running
+
+    def start(self, *, recover: bool | None = None) -> None:
+        """Begins the journal, unless there is one to ask about.
+
+        Args:
+            recover: Brings back what an earlier session left, or keeps it aside; None asks.
+        """
+        with self._lock:
+            try:
+                self.path.parent.mkdir(parents=True, exist_ok=True)
+                self._look()
+            except (OSError, OptionError) as error:
+                self._give_up(error)
+        if self.problem is None and (self.offer is None or recover is not None):
+            self.decide(bring_back=bool(recover))
+
+    def decide(self, *, bring_back: bool) -> None:
+        """Brings back what an earlier session left, or keeps it aside, and goes on from there.
+
+        A second decision does nothing. Where the file cannot be followed to its end, what can be
+        is there, the file is kept aside, and a new journal begins.
+        """
+        with self._lock:
+            if self._running or self.problem is not None:
+                return
+            offer, self.offer = self.offer, None
+            try:
+                if offer is not None and bring_back:
+                    self._bring_back()
+                else:
+                    self._keep_aside(held=offer is not None)
+                    self._session.begin_journal(self.path, self._hash)
+                self._running = True
+            except (OSError, OptionError) as error:
+                self._give_up(error)
+
+    def note(self, looks: bytes) -> None:
+        """Keeps how segments look beside their voxels."""
+        if self._running:
+            self._session.note_in_journal(looks)
+
+    def close(self) -> None:
+        """Removes a journal without changes; says of another one that it will be offered.
+
+        To be called after the session was stopped.
+        """
+        if not self._running:
+            return
+        self._running = False
+        frame = self._session.frame()
+        if frame["can_undo"] or frame["can_redo"]:
+            self._tell("Your changes are kept: the next start with this scan offers them.")
+        else:
+            self.path.unlink(missing_ok=True)
+
+    def _look(self) -> None:
+        try:
+            found = self._session.look_at_journal(self.path, self._hash)
+        except OptionError as error:
+            # no journal any more: it is in the way, and perhaps somebody can still read it
+            aside = self._keep_aside(held=True)
+            self._tell(f"{error}; it was kept aside as {aside}")
+            return
+        if found is not None and found != (0, 0):
+            when = datetime.fromtimestamp(self.path.stat().st_mtime).astimezone()
+            self.offer = Offer(steps=found[0], when=when, lost_bytes=found[1])
+
+    def _bring_back(self) -> None:
+        try:
+            _, _, notes = self._session.recover_journal(self.path, self._hash)
+        except OptionError as error:
+            aside = self._keep_aside(held=True)
+            self._session.begin_journal(self.path, self._hash)
+            self._tell(f"Not all could be brought back: {error}. The file was kept as {aside}.")
+            return
+        self.looks = notes[-1] if notes else None
+
+    def _keep_aside(self, *, held: bool) -> Path | None:
+        """Makes room for a new file; one that ``held`` changes gets another name."""
+        if not self.path.exists():
+            return None
+        if not held:
+            self.path.unlink()
+            return None
+        moment = datetime.now().astimezone().strftime("%Y%m%d-%H%M%S-%f")
+        return self.path.rename(self.path.with_name(f"{self.path.stem}-{moment}.journal"))
+
+    def _give_up(self, error: Exception) -> None:
+        self.problem = f"Changes are not kept for a crash: {error}"
+        self._tell(self.problem)

@@ -1,0 +1,269 @@
+"""The journal of a scan's changes: what is kept, offered, brought back, or kept aside."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import numpy as np
+import pytest
+from palpate.journal import Journal, scan_hash, state_folder
+from palpate.scene import Scene
+from palpate.session import Session, SessionOptions
+from palpate.volume import Volume
+
+from .conftest import make_ball, running, write_page
+
+STILL = SessionOptions(real_time=False)
+
+
+def open_box(session: Session, z: int) -> None:
+    session.fill_box(1, low=(18, 18, z), high=(22, 22, z + 2), solid=False)
+
+
+@pytest.fixture
+def left(tmp_path: Path) -> Path:
+    """A folder with the journal of two changes to the ball."""
+    with Session(make_ball(), options=STILL) as session:
+        journal = Journal(session, folder=tmp_path)
+        journal.start()
+        open_box(session, 18)
+        open_box(session, 22)
+    journal.close()
+    return tmp_path
+
+
+def begun(session: Session, folder: Path, **options: Any) -> tuple[Journal, list[str]]:
+    told: list[str] = []
+    journal = Journal(session, folder=folder, tell=told.append)
+    journal.start(**options)
+    return journal, told
+
+
+def test_what_a_session_left_is_offered_and_brought_back_step_by_step(left: Path) -> None:
+    with Session(make_ball(), options=STILL) as session:
+        whole = session.segment(1).mask()
+        journal, told = begun(session, left)
+        assert journal.offer is not None
+        assert (journal.offer.steps, journal.offer.lost_bytes, told) == (2, 0, [])
+        assert not journal.is_running
+        journal.decide(bring_back=True)
+        assert journal.is_running
+        assert journal.offer is None
+        assert session.segment(1).mask()[18:20, 18:22, 18:22].sum() == 0
+        assert session.undo()
+        assert session.undo()
+        np.testing.assert_array_equal(session.segment(1).mask(), whole)
+        assert not session.undo()
+        assert session.segments()[0]["range"] == (0.0, 100.0)
+
+
+def test_a_journal_goes_on_after_it_was_brought_back(left: Path) -> None:
+    with Session(make_ball(), options=STILL) as session:
+        begun(session, left, recover=True)
+        open_box(session, 25)
+        expected = session.segment(1).mask()
+    with Session(make_ball(), options=STILL) as session:
+        journal, _ = begun(session, left)
+        assert journal.offer is not None
+        assert journal.offer.steps == 3
+        journal.decide(bring_back=True)
+        np.testing.assert_array_equal(session.segment(1).mask(), expected)
+
+
+def test_starting_fresh_keeps_the_old_file_aside(left: Path) -> None:
+    (old,) = left.rglob("*.journal")
+    content = old.read_bytes()
+    with Session(make_ball(), options=STILL) as session:
+        whole = session.segment(1).mask()
+        journal, _ = begun(session, left, recover=False)
+        assert journal.is_running
+        np.testing.assert_array_equal(session.segment(1).mask(), whole)
+        (aside,) = [file for file in left.rglob("*.journal") if file != old]
+        assert aside.read_bytes() == content
+    with Session(make_ball(), options=STILL) as session:
+        assert begun(session, left)[0].offer is None
+
+
+def test_a_session_without_changes_leaves_no_file(tmp_path: Path) -> None:
+    with Session(make_ball(), options=STILL) as session:
+        journal, told = begun(session, tmp_path)
+    journal.close()
+    assert told == []
+    assert list(tmp_path.rglob("*.journal")) == []
+
+
+def test_a_session_with_changes_says_that_they_are_kept(tmp_path: Path) -> None:
+    with Session(make_ball(), options=STILL) as session:
+        journal, told = begun(session, tmp_path)
+        open_box(session, 18)
+    journal.close()
+    assert told == ["Your changes are kept: the next start with this scan offers them."]
+
+
+def test_a_second_session_of_the_same_scan_keeps_none_and_says_so(left: Path) -> None:
+    with Session(make_ball(), options=STILL) as first:
+        begun(first, left, recover=True)
+        with Session(make_ball(), options=STILL) as second:
+            journal, told = begun(second, left)
+            assert not journal.is_running
+            assert "in use by another session" in told[0]
+            open_box(second, 18)
+        open_box(first, 25)
+    with Session(make_ball(), options=STILL) as session:
+        journal, _ = begun(session, left)
+        assert journal.offer is not None
+        assert journal.offer.steps == 3
+
+
+def test_another_scan_has_another_journal(left: Path) -> None:
+    ball = make_ball().volume
+    moved = Volume(ball.array, spacing=ball.spacing, origin=(1.0, 0.0, 0.0))
+    brighter = Volume(ball.array + 1, spacing=ball.spacing)
+    assert len({scan_hash(volume) for volume in (ball, moved, brighter)}) == 3
+    assert scan_hash(make_ball().volume) == scan_hash(ball)
+    with Session(Scene(moved, [moved.threshold(0.0)]), options=STILL) as session:
+        assert begun(session, left)[0].offer is None
+
+
+def test_a_file_that_is_no_journal_is_kept_aside(left: Path) -> None:
+    (file,) = left.rglob("*.journal")
+    file.write_bytes(b"no journal")
+    with Session(make_ball(), options=STILL) as session:
+        journal, told = begun(session, left)
+        assert journal.is_running
+        assert "kept aside" in told[0]
+        assert (
+            sorted(path.read_bytes()[:10] for path in left.rglob("*.journal"))[1] == b"no journal"
+        )
+
+
+def test_a_folder_that_cannot_be_written_is_told_of_once_and_work_goes_on(tmp_path: Path) -> None:
+    in_the_way = tmp_path / "state"
+    in_the_way.write_text("a file where a folder should be")
+    with Session(make_ball(), options=STILL) as session:
+        journal, told = begun(session, in_the_way)
+        assert not journal.is_running
+        assert len(told) == 1
+        assert told[0].startswith("Changes are not kept for a crash")
+        open_box(session, 18)
+        assert session.frame()["can_undo"]
+
+
+def test_the_folder_is_the_users_unless_said_otherwise(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PALPATE_STATE", "/somewhere")
+    assert state_folder() == Path("/somewhere")
+    monkeypatch.delenv("PALPATE_STATE")
+    monkeypatch.setenv("XDG_STATE_HOME", "/state")
+    if sys.platform == "linux":
+        assert state_folder() == Path("/state/palpate")
+
+
+CRASH = """
+import os, sys
+from pathlib import Path
+import numpy as np
+sys.path.insert(0, sys.argv[2])
+from conftest import make_ball
+from palpate.journal import Journal
+from palpate.session import Session, SessionOptions
+
+session = Session(make_ball(), options=SessionOptions(real_time=False, start=(20.0, 20.0, 34.0)))
+Journal(session, folder=Path(sys.argv[1])).start()
+session.set_tool("eraser", radius=2.0, segment_ids=[1])
+session.stroke(on=True)
+session.hand((20.0, 20.0, 16.0))
+session.let_pass(0.4)
+np.save(Path(sys.argv[1]) / "mask.npy", session.segment(1).mask())
+print("pressed", flush=True)
+sys.stdin.read()
+"""
+
+
+def test_a_stroke_comes_back_after_the_process_was_killed_in_its_middle(tmp_path: Path) -> None:
+    process = subprocess.Popen(
+        [sys.executable, "-c", CRASH, tmp_path, Path(__file__).parent],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+    with process:
+        assert process.stdout is not None
+        assert process.stdout.readline() == "pressed\n"
+        (file,) = tmp_path.rglob("*.journal")
+        # what waits is with the system milliseconds later: the file stands still then
+        size = -1
+        while size != (size := file.stat().st_size):
+            time.sleep(0.2)
+        os.kill(process.pid, signal.SIGKILL)
+    with Session(make_ball(), options=STILL) as session:
+        whole = session.segment(1).mask()
+        journal, _ = begun(session, tmp_path)
+        assert journal.offer is not None
+        assert journal.offer.steps == 1
+        journal.decide(bring_back=True)
+        back = session.segment(1).mask()
+        np.testing.assert_array_equal(back, np.load(tmp_path / "mask.npy"))
+        assert back.sum() < whole.sum()
+        assert session.undo()
+        np.testing.assert_array_equal(session.segment(1).mask(), whole)
+
+
+# --- at the page ------------------------------------------------------------------------
+
+
+def test_a_page_is_asked_and_names_come_back_with_the_voxels(tmp_path: Path) -> None:
+    page_folder = write_page(tmp_path / "page")
+    properties = {
+        "type": "segment_properties",
+        "id": 1,
+        "name": "tumour",
+        "colour": [0.5, 0.25, 0.0],
+        "visible": True,
+        "touchable": False,
+        "shown_as": "both",
+        "opacity": 0.5,
+        "smoothing": 2,
+        "wireframe": False,
+    }
+    with (
+        running(make_ball(), page_folder, state=tmp_path / "state") as server,
+        server.page() as page,
+    ):
+        assert page.receive("recovery")["offer"] is None
+        page.send(properties)
+        page.receive("segments", until=lambda m: m["segments"][0]["name"] == "tumour")
+        open_box(server.session, 18)
+        expected = server.session.segment(1).mask()
+    with (
+        running(make_ball(), page_folder, state=tmp_path / "state") as server,
+        server.page() as page,
+    ):
+        offer = page.receive("recovery")["offer"]
+        assert offer["steps"] == 1
+        page.send({"type": "recover", "bring_back": True})
+        assert page.receive("recovery")["offer"] is None
+        named = page.receive("segments", until=lambda m: m["segments"][0]["name"] == "tumour")
+        (segment,) = named["segments"]
+        assert not segment["touchable"]
+        assert (segment["colour"], segment["shown_as"]) == ([0.5, 0.25, 0.0], "both")
+        np.testing.assert_array_equal(server.session.segment(1).mask(), expected)
+
+
+def test_a_note_that_is_none_is_told_of_and_the_voxels_are_back(left: Path, tmp_path: Path) -> None:
+    with Session(make_ball(), options=STILL) as session:
+        journal, _ = begun(session, left, recover=True)
+        journal.note(b"\xff no looks")
+    with (
+        running(make_ball(), write_page(tmp_path / "page"), state=left) as server,
+        server.page() as page,
+    ):
+        page.send(msgspec.to_builtins({"type": "recover", "bring_back": True}))
+        page.receive("notice", until=lambda m: "names and colours" in m["text"])
+        assert server.session.frame()["can_undo"]

@@ -1,0 +1,177 @@
+"""Tools on the page in a real browser: what the mouse erases, what the drill tells, recovery.
+
+The scan is a flat block, written here, as in ``test_browser_touch.py``.
+"""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from browser import ROOT, Browser, browser, palpate
+
+pytestmark = pytest.mark.browser
+
+OUTPUT = ROOT / "tests" / "output"
+EDGE = 48
+"""Voxels along the scan, each 1 mm."""
+SURFACE = 23.5
+"""Where the block begins along y [mm]; it fills everything from there to the back."""
+MIDDLE = EDGE / 2
+OPTIONS = ("--threshold", "500", "--unit", "HU", "--port", "0")
+LABELLED = (
+    "fetch('/api/labels').then(answer => answer.arrayBuffer())"
+    ".then(bytes => new Uint8Array(bytes).reduce((sum, id) => sum + (id === 1 ? 1 : 0), 0))"
+)
+"""How many voxels the block has, once it was edited."""
+TOOL = "window.palpate.state.tool"
+
+
+@pytest.fixture(scope="module")
+def block(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A scan of a flat block in air."""
+    import SimpleITK
+
+    values = np.full((EDGE, EDGE, EDGE), -1000, np.int16)
+    values[:, EDGE // 2 :, :] = 1000
+    path = tmp_path_factory.mktemp("block") / "block.mha"
+    SimpleITK.WriteImage(SimpleITK.GetImageFromArray(values), str(path))
+    return path
+
+
+@pytest.fixture
+def page(block: Path) -> Iterator[Browser]:
+    """The block on the page, seen from before, with the probe close to it."""
+    with palpate("open", block, *OPTIONS) as command, browser() as opened:
+        show(opened, command.url)
+        yield opened
+        assert opened.complaints == []
+
+
+def show(page: Browser, url: str) -> None:
+    assert page.do("open", url=url, width=1000, height=640)["firstPicture"] is not None
+    page.read("window.palpate.setView('A')")
+    page.read(f"window.palpate.place({[MIDDLE, SURFACE - 2, MIDDLE]})")
+    page.wait(f"Math.abs(window.palpate.state.proxy[1] - {SURFACE - 2}) < 0.5")
+
+
+def choose(page: Browser, kind: str) -> None:
+    page.do("click", testid=f"tool-{kind}")
+    page.wait(f"{TOOL}.kind === '{kind}'")
+
+
+def show_surface(page: Browser) -> int:
+    """Shows the block as a surface over its voxels; gives its triangles."""
+    page.read("document.querySelector('[data-testid=shown-as-both]').click()")
+    page.wait("window.palpate.triangles[1] > 0")
+    triangles: int = page.read("window.palpate.triangles[1]")
+    return triangles
+
+
+def hold(page: Browser, *, on: bool) -> None:
+    """Holds the key of the tool, or lets it go."""
+    kind = "keydown" if on else "keyup"
+    page.read(f"void window.dispatchEvent(new KeyboardEvent('{kind}', {{key: 'x'}}))")
+
+
+def test_the_mouse_erases_what_volume_and_surface_show_and_undo_brings_it_back(
+    page: Browser,
+) -> None:
+    triangles = show_surface(page)
+    page.picture(OUTPUT / "tools-before.png")
+    choose(page, "eraser")
+    page.read(
+        "void (() => { window.__frames = []; const look = () => {"
+        " window.__frames.push([window.palpate.lastEdit, window.palpate.triangles[1]]);"
+        " requestAnimationFrame(look); }; look(); })()"
+    )
+    page.do("stroke", x=60, y=20, depth=-200, steps=20)
+    page.wait(f"!{TOOL}.on")
+    erased = page.read(f"{TOOL}.voxels")
+    assert erased > 20
+    page.wait(f"{LABELLED}.then(count => count === {EDGE * EDGE * EDGE // 2 - erased})")
+    page.wait("window.palpate.lastEdit === window.palpate.state.edit")
+    assert page.text("tool-volume").endswith("mm³")
+    # voxels and surface of an edit come in one message: its number tells which surface is seen
+    shown = {tuple(frame) for frame in page.read("window.__frames")}
+    edits = [edit for edit, _ in shown]
+    assert len(edits) > 2
+    assert len(edits) == len(set(edits))
+    assert page.read("window.palpate.triangles[1]") != triangles
+
+    page.do("press", key="Control+z")
+    page.wait("!window.palpate.state.can_undo")
+    page.wait(f"window.palpate.triangles[1] === {triangles}")
+    page.do("press", key="Control+Shift+z")
+    page.wait("!window.palpate.state.can_redo")
+    page.wait(f"window.palpate.triangles[1] !== {triangles}")
+
+
+def test_a_stroke_does_not_turn_the_picture_and_a_drag_without_shift_does(page: Browser) -> None:
+    choose(page, "eraser")
+    before = page.read("window.palpate.camera.right")
+    page.do("stroke", x=40, y=0)
+    assert page.read("window.palpate.camera.right") == before
+    page.do("drag", x=40, y=0)
+    assert page.read("window.palpate.camera.right") != before
+    assert not page.read(f"{TOOL}.on")
+
+
+def test_the_drill_takes_time_and_tells_what_it_removed(page: Browser) -> None:
+    choose(page, "drill")
+    radius = page.read(f"{TOOL}.radius")
+    page.wait(f"Math.abs(window.palpate.settings.probe_radius - {radius}) < 1e-6")
+    hold(page, on=True)
+    page.read(f"window.palpate.hand({[MIDDLE, SURFACE + 2, MIDDLE]})")
+    page.wait(f"{TOOL}.volume > 2", seconds=30.0)
+    assert page.read(f"{TOOL}.load") > 0.0
+    assert not page.text("tool-volume").startswith("0.00")
+    assert float(page.text("tool-time").split()[0]) > 0.0
+    page.do("screenshot", path=str(OUTPUT / "tools-drill.png"))
+    hold(page, on=False)
+    page.wait(f"!{TOOL}.on")
+    choose(page, "none")
+    # the probe is a point again, as it was
+    page.wait("window.palpate.settings.probe_radius === 0")
+
+
+def test_a_tool_without_a_segment_says_so(page: Browser) -> None:
+    page.do("press", key="e")
+    page.wait(f"{TOOL}.kind === 'eraser'")
+    page.do("press", key="h")
+    page.read("document.querySelector('[aria-label=\"Remove threshold\"]').click()")
+    page.wait("document.querySelector('[data-testid=segment-1]') === null")
+    page.do("press", key="e")
+    page.wait("document.body.textContent.includes('There is no segment to work on')")
+
+
+def test_after_a_kill_the_page_offers_what_was_done_and_brings_it_back(
+    block: Path, tmp_path: Path
+) -> None:
+    with palpate("open", block, *OPTIONS, state=tmp_path) as command, browser() as page:
+        show(page, command.url)
+        choose(page, "eraser")
+        page.do("stroke", x=30, y=0, depth=-200, steps=10)
+        page.wait(f"!{TOOL}.on && {TOOL}.voxels > 0")
+        left = page.read(LABELLED)
+        (journal,) = tmp_path.rglob("*.journal")
+        written = journal.stat().st_size
+        hold(page, on=True)
+        page.read(f"window.palpate.hand({[MIDDLE - 8, SURFACE + 3, MIDDLE]})")
+        page.wait(f"{TOOL}.on && {TOOL}.voxels > 0")
+        assert journal.stat().st_size > written
+        command.process.send_signal(signal.SIGKILL)
+    with palpate("open", block, *OPTIONS, state=tmp_path) as command, browser() as page:
+        page.do("open", url=command.url, width=1000, height=640)
+        page.wait("document.querySelector('[data-testid=recovery]') !== null")
+        assert "2 changes of this scan are kept" in page.text("recovery")
+        page.do("screenshot", path=str(OUTPUT / "tools-recovery.png"))
+        page.do("click", testid="bring-back")
+        page.wait("window.palpate.state.can_undo")
+        page.wait(f"{LABELLED}.then(count => 0 < count && count < {left})")
+        page.do("press", key="Control+z")
+        page.wait(f"{LABELLED}.then(count => count === {left})")
+        assert page.complaints == []

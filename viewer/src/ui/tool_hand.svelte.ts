@@ -1,0 +1,120 @@
+/**
+ * The tool in the person's hand: which one, how large, what it works on, and when it is pressed.
+ */
+import type { State, ToolKind } from "../core/protocol";
+import { fittingRadius, segmentsOf, type ToolName, type Works } from "../core/tools";
+import { recall, remember } from "./remembered";
+import type { Session } from "./session.svelte";
+
+type Radii = Partial<Record<ToolName, number>>;
+
+export class ToolHand {
+  kind = $state<ToolKind>("none");
+  works = $state<Works>("touched");
+  /** Whether a stroke is on, as far as this page is concerned. */
+  pressed = $state(false);
+  private radii = $state.raw<Radii>(recall<Radii>("tools", {}));
+
+  /** The segment that is touched, or was last. */
+  private touched = 0;
+  /** What the engine was told last, as text. */
+  private told = "";
+  /** The probe's radius before it took that of the burr [mm]; null where it has its own. */
+  private ownRadius: number | null = null;
+
+  constructor(private readonly session: Session) {
+    session.onState((state) => {
+      this.follow(state);
+    });
+  }
+
+  /** Radius of the tool in the hand [mm]; 0 of none. */
+  get radius(): number {
+    const { scan } = this.session;
+    return this.kind === "none" || scan === null
+      ? 0
+      : fittingRadius(this.kind, scan.spacing, this.radii[this.kind] ?? null);
+  }
+
+  choose(kind: ToolKind): void {
+    this.release();
+    this.kind = kind;
+    this.tell();
+    this.fitProbe();
+  }
+
+  setRadius(radius: number): void {
+    if (this.kind !== "none") {
+      this.radii = { ...this.radii, [this.kind]: radius };
+      remember("tools", this.radii);
+      this.tell();
+      this.fitProbe();
+    }
+  }
+
+  setWorks(works: Works): void {
+    this.works = works;
+    this.tell();
+  }
+
+  /** Begins a stroke; false where there is no tool to begin it with. */
+  press(): boolean {
+    if (this.kind === "none") {
+      return false;
+    }
+    if (!this.pressed && this.tell()) {
+      this.pressed = true;
+      this.session.send({ type: "stroke", on: true });
+    }
+    return true;
+  }
+
+  release(): void {
+    if (this.pressed) {
+      this.pressed = false;
+      this.session.send({ type: "stroke", on: false });
+    }
+  }
+
+  /** Tells the engine what is chosen, where it does not know; false where there is nothing to work on. */
+  private tell(): boolean {
+    const { kind, radius, works, touched } = this;
+    const segments = kind === "none" ? [] : segmentsOf(kind, works, this.session.segments, touched);
+    if (kind !== "none" && segments.length === 0) {
+      this.session.notify("info", "There is no segment to work on: add one by a threshold.");
+      return false;
+    }
+    const text = JSON.stringify([this.session.greetings, kind, radius, segments]);
+    if (text !== this.told) {
+      this.told = text;
+      this.session.send({ type: "tool", kind, radius: kind === "none" ? 1 : radius, segments: [...segments] });
+    }
+    return true;
+  }
+
+  /** With the drill the probe has the burr's radius, so that it sinks in as the burr does. */
+  private fitProbe(): void {
+    const { settings } = this.session;
+    if (settings === null) {
+      return;
+    }
+    if (this.kind !== "drill") {
+      if (this.ownRadius !== null) {
+        this.session.changeSettings({ probe_radius: this.ownRadius });
+        this.ownRadius = null;
+      }
+      return;
+    }
+    if (this.ownRadius === null) {
+      this.ownRadius = settings.probe_radius;
+      this.session.notify("info", `The probe is as large as the burr now: ${this.radius.toFixed(1)} mm.`);
+    }
+    this.session.changeSettings({ probe_radius: this.radius });
+  }
+
+  private follow(state: State): void {
+    if (state.touched !== 0) {
+      this.touched = state.touched;
+    }
+  }
+}
