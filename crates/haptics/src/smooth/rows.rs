@@ -259,4 +259,13 @@ mod tests {
         check::<5>(16);
         check::<4>(2);
     }
+
+    #[test]
+    fn a_flood_goes_up_to_the_last_of_32_layers() {
+        let free = vec![u64::MAX; 32];
+        let mut reached = vec![0; 32];
+        reached[3] = 1;
+        assert!(Rows::<3>::flood(1, 3, &free, &mut reached));
+        assert!(reached == free);
+    }
 }
