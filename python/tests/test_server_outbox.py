@@ -35,7 +35,6 @@ def state(tick: int, samples: int = 4) -> protocol.State:
         grabbed=0,
         clutched=False,
         device_origin=ZERO,
-        tool=protocol.ToolState("eraser", 2.0, False, 0, 0.0, 0.0, 0.0, 0.0, 0, 1),  # noqa: FBT003
         pending=0,
         can_undo=False,
         can_redo=False,
