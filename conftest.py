@@ -8,6 +8,7 @@ out, and the summary says how many.
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -25,6 +26,14 @@ def find_data_folder() -> Path:
 def data_folder() -> Path:
     """The folder of the real scans; only for tests marked ``data``."""
     return find_data_folder()
+
+
+@pytest.fixture(scope="session", autouse=True)
+def state_of_its_own(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """Keeps the journals of tests, and of what they start, away from those of the user."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("PALPATE_STATE", str(tmp_path_factory.mktemp("state")))
+        yield
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
