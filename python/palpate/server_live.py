@@ -175,23 +175,26 @@ class Live:
                 self.session.view(right=right, up=up)
             case protocol.Clutch(on):
                 self.session.clutch(on=on)
-            case protocol.RecordSession(on):
-                self._record(on=on)
-            case protocol.ChangeSettings(settings):
-                self._change_settings(settings)
             case protocol.Tool(kind, radius, segment_ids):
-                if kind == "none":
-                    self.session.set_tool(None)
-                else:
-                    self.session.set_tool(kind, radius=radius, segment_ids=segment_ids)
-            case protocol.Recover(bring_back):
-                self._recover(bring_back=bring_back)
-            case protocol.WatchGap(pair):
-                self._gaps.choose(pair)
+                chosen = None if kind == "none" else kind
+                self.session.set_tool(chosen, radius=radius, segment_ids=segment_ids)
             case protocol.Undo():
                 self.session.undo()
             case protocol.Redo():
                 self.session.redo()
+            case _:
+                self._do_to_session(message)
+
+    def _do_to_session(self, message: protocol.FromPage) -> None:
+        match message:
+            case protocol.RecordSession(on):
+                self._record(on=on)
+            case protocol.ChangeSettings(settings):
+                self._change_settings(settings)
+            case protocol.Recover(bring_back):
+                self._recover(bring_back=bring_back)
+            case protocol.WatchGap(pair):
+                self._gaps.choose(pair)
             case _:
                 self._do_to_segment(message)
 

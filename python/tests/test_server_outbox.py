@@ -13,6 +13,9 @@ RATE = protocol.Rate(asked_hz=1000.0, hz=1000.0, ticks=1, late=0, worst_late_ms=
 ZERO = (0.0, 0.0, 0.0)
 
 
+NO_TOOL = protocol.ToolState("none", 0.0, False, 0, 0.0, 0.0, 0.0, 0.0, 0, 1)  # noqa: FBT003
+
+
 def state(tick: int, samples: int = 4) -> protocol.State:
     return protocol.State(
         tick=tick,
@@ -35,6 +38,7 @@ def state(tick: int, samples: int = 4) -> protocol.State:
         pending=0,
         can_undo=False,
         can_redo=False,
+        tool=NO_TOOL,
         rates=protocol.Rates(RATE, RATE, RATE, RATE, real_time=False),
         safety=protocol.Safety(0, 0, 0, 0, 0, 0, 0, 0, 0, "on", None),
         recording=None,

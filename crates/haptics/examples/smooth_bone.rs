@@ -5,9 +5,10 @@
 //!
 //!     cargo run --release -p palpate-haptics --example smooth_bone
 //!
-//! With `once` it only makes one pass of complete ticks, for tools that count instructions:
+//! With `once` and `bits` or `intensities` it only makes one pass of complete ticks, for tools
+//! that count instructions:
 //!
-//!     valgrind --tool=callgrind --toggle-collect='*complete_ticks*' .../smooth_bone once
+//!     valgrind --tool=callgrind --toggle-collect='*complete_ticks*' .../smooth_bone once bits
 #![expect(clippy::print_stdout, reason = "a table is what this example is for")]
 
 #[path = "../tests/support/mod.rs"]
@@ -181,8 +182,13 @@ fn main() {
     let mut random = Random::new(3);
     for depth in [1.5, 3.0] {
         let (first, path) = stroke_in_contact(&scene, depth, &mut random);
-        if std::env::args().any(|argument| argument == "once") {
-            (0..UPDATES).for_each(complete_ticks(&scene, first, &path, Smoothing::Bits));
+        let is_asked = |name: &str| std::env::args().any(|argument| argument == name);
+        if is_asked("once") {
+            let smoothing = match is_asked("intensities") {
+                true => Smoothing::Intensities,
+                false => Smoothing::Bits,
+            };
+            (0..UPDATES).for_each(complete_ticks(&scene, first, &path, smoothing));
             continue;
         }
         let ticks = Smoothing::ALL

@@ -18,6 +18,7 @@
 
 pub mod blur;
 pub mod cache;
+mod cell_shares;
 mod descent;
 pub mod field;
 mod half_spaces;

@@ -758,3 +758,61 @@ fn shares_that_are_switched_leave_nothing_in_the_cache() {
     let [bits, shares] = ways.map(|ways| mean(&ways));
     assert!((bits - shares).abs() > 1e-3, "{bits} mm, {shares} mm");
 }
+
+/// What is kept of cells is taken for what it was made from, and for nothing else.
+#[test]
+fn a_cold_cache_gives_the_same_shares_to_the_bit() {
+    for spacing in [
+        DVec3::ONE,
+        DVec3::new(0.7, 0.7, 2.5),
+        DVec3::new(1.0, 1.0, 2.0),
+    ] {
+        let grid = grid(UVec3::splat(48), spacing);
+        let mut random = Random::new(29);
+        let values: Vec<i16> = VoxelBox::of_dimensions(grid.dimensions())
+            .voxels()
+            .map(|v| {
+                let waves = (v.as_dvec3() * 0.3).map(f64::sin);
+                let height = f64::from(v.z) - 24.0 - 3.0 * waves.x * waves.y;
+                (500.0 - 200.0 * height.clamp(-2.0, 2.0) + random.between(-60.0, 60.0)) as i16
+            })
+            .collect();
+        let scan = Intensities::new(grid.dimensions(), values, 1.0, 0.0).expect("all values");
+        let whole = threshold(&scan, None, THRESHOLD, f64::INFINITY);
+        // edited by hand, under another epoch
+        let cut = Segment::from_fn(grid.dimensions(), |v| {
+            whole.contains(v) && (v.x + 2 * v.y + 3 * v.z) % 7 != 0
+        });
+        let range = (THRESHOLD, f64::INFINITY);
+        let bodies = [&whole, &cut].map(|solid| Thresholded::new(solid.occupancy(), &scan, range));
+        let scenes = bodies
+            .each_ref()
+            .map(|body| TouchScene::of_world(body, &grid));
+        let start = DVec3::new(24.0, 24.0, 31.0) * spacing;
+        let [mut warm, mut cold] = [(); 2].map(|()| Hand::at(scenes[0], start));
+        let (mut device, mut heading) = (start, random.direction());
+        let mut touched = 0;
+        for tick in 0..3000 {
+            if tick % 300 == 299 {
+                let scene = scenes[tick / 300 % 2];
+                if scene.occupancy.is_solid(warm.proxy.voxel()) {
+                    continue;
+                }
+                for hand in [&mut warm, &mut cold] {
+                    hand.scene = scene;
+                    hand.epoch += 1;
+                }
+            }
+            cold.cache = SmoothCache::default();
+            heading = (heading + random.direction() * 0.3).normalize();
+            device += heading * 0.4;
+            // about the surface
+            let [low, high] = [DVec3::new(4.0, 4.0, 20.0), DVec3::new(44.0, 44.0, 30.0)];
+            device = device.clamp(low * spacing, high * spacing);
+            let contact = warm.tick(device);
+            assert_eq!(contact, cold.tick(device), "tick {tick}, {spacing} mm");
+            touched += i32::from(contact.weight > 0.0 && warm.met.touching);
+        }
+        assert!(touched > 300, "touched in {touched} ticks only");
+    }
+}

@@ -1,7 +1,7 @@
 /**
  * Whether contact is heard, and how loud; off until a person switches it on.
  */
-import { ContactSound } from "../core/contact_sound";
+import { ContactSound, withDrill } from "../core/contact_sound";
 import type { State } from "../core/protocol";
 import { recall, remember } from "./remembered";
 import type { Session } from "./session.svelte";
@@ -97,7 +97,7 @@ export class Hearing {
     }
     const touched = this.session.segments.find((segment) => segment.id === state.touched);
     const stiffness = touched?.feel.stiffness ?? this.session.settings?.stiffness ?? 1;
-    this.player.play(this.sound.next(state, stiffness));
+    this.player.play(withDrill(this.sound.next(state, stiffness), state.tool));
   }
 
   private keep(): void {

@@ -1,4 +1,5 @@
 import { expect, test } from "vitest";
+import { withDrill } from "../../src/core/contact_sound";
 import { formatMoment } from "../../src/core/format";
 import type { Segment } from "../../src/core/protocol";
 import { LastRanges } from "../../src/core/shown_segments";
@@ -60,6 +61,18 @@ test("what was removed, and the load, are told in units that can be read", () =>
   expect(loadShare({ on: true, load: 3000 })).toBe(0.5);
   expect(loadShare({ on: false, load: 3000 })).toBe(0);
   expect(loadShare({ on: true, load: NaN })).toBe(0);
+});
+
+test("a drill that runs hums, louder and lower under load; no other tool is heard", () => {
+  const silent = { strike: null, scrape: { gain: 0, frequency: 170 } };
+  const hum = (load: number): { gain: number; frequency: number } =>
+    withDrill(silent, { kind: "drill", on: true, load }).scrape;
+  expect(hum(0).gain).toBeGreaterThan(0);
+  expect(hum(4000).gain).toBeGreaterThan(hum(1000).gain);
+  expect(hum(4000).frequency).toBeLessThan(hum(1000).frequency);
+  expect(hum(1e9).gain).toBeLessThan(0.5);
+  expect(withDrill(silent, { kind: "drill", on: false, load: 0 })).toBe(silent);
+  expect(withDrill(silent, { kind: "eraser", on: true, load: 0 })).toBe(silent);
 });
 
 test("a moment is told as people write it; what is none stays as it is", () => {

@@ -12,8 +12,9 @@
 //!
 //! Frame: grid.
 
+use super::cache::Source;
+use super::cell_shares::CellShares;
 use super::field::{Field, FieldSample, Kernel};
-use super::shares::Shares;
 use super::spline::{Nodes, Place, Width};
 use super::tents::{Cells, unit_of};
 use super::window::{CELLS, CellShape, Window};
@@ -56,14 +57,14 @@ impl BlurField {
     }
 
     /// Makes it the field around a point in a free voxel, with what is known of the shares of
-    /// voxels at the surface. Where that voxel is solid, nothing
-    /// can be told apart, and the field is that of nothing.
-    pub(crate) fn around<K: Shares>(
+    /// voxels at the surface, where they are to count. Where that voxel is solid, nothing can be
+    /// told apart, and the field is that of nothing.
+    pub(super) fn around(
         &mut self,
         occupancy: &(impl Occupancy + ?Sized),
         point: DVec3,
         spacing: DVec3,
-        known: &K,
+        known: Option<(Source, &mut CellShares)>,
     ) {
         if self.spacing != spacing {
             self.spacing = spacing;
@@ -79,24 +80,16 @@ impl BlurField {
         let unit = unit_of(self.shape.volume());
         let full = unit * self.shape.volume();
         let mut cells = Cells::of_counts(&self.window.counts(), unit);
-        if K::ANY {
-            cells.add(&self.corrections(known), full.into());
+        if let Some((source, known)) = known {
+            known.keep(source, self.shape);
+            self.window.visit_surface(&mut |y, z, row| {
+                let first = first + IVec3::new(0, y as i32, z as i32);
+                let changes = known.changes(occupancy, first, row);
+                cells.add(8 * z + y, changes, full);
+            });
         }
         let scale = 1.0 / (64.0 * f32::from(full));
         cells.blur(|width, cells| self.nodes.put(cells, scale, width));
-    }
-
-    /// What is known of the shares of voxels at the surface, beyond their bits.
-    fn corrections(&self, known: &impl Shares) -> [[i32; 8]; 64] {
-        let unit = f32::from(unit_of(self.shape.volume()));
-        let mut corrections = [[0.0_f32; 8]; 64];
-        self.window.visit_surface(&mut |at| {
-            if let Some(share) = known.share(at.voxel, at.solid) {
-                let [x, y, z] = at.cell.map(|cell| cell & 7);
-                corrections[8 * z + y][x] += share - f32::from(u8::from(at.solid));
-            }
-        });
-        corrections.map(|row| row.map(|beyond| (beyond * unit).round_ties_even() as i32))
     }
 
     /// Whether there is any surface in it.

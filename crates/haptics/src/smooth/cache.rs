@@ -5,8 +5,9 @@
 //! to the bit, with an empty cache.
 
 use super::blur::BlurField;
+use super::cell_shares::CellShares;
 use super::field::Field;
-use super::shares::{NoShares, OwnShares};
+use crate::ball_probe::MAX_BODIES;
 use crate::proxy::Proxy;
 use crate::scene::{MAX_OBJECTS, TouchScene};
 use glam::{DMat3, DVec3, Mat3A, Vec3A};
@@ -24,6 +25,8 @@ pub struct SmoothCache {
     fields: Box<[BlurField; ENTRIES]>,
     /// What each field was made from; none where it is not to be used.
     sources: [Option<Source>; ENTRIES],
+    /// What is known of the cells of each body: the world's, then those of objects.
+    shares: Box<[CellShares; MAX_BODIES]>,
     /// The field of the world that was used last.
     world: usize,
 }
@@ -43,6 +46,7 @@ impl Default for SmoothCache {
         Self {
             fields: Box::new(std::array::from_fn(|_| BlurField::empty())),
             sources: [None; ENTRIES],
+            shares: Box::new([CellShares::EMPTY; MAX_BODIES]),
             world: 0,
         }
     }
@@ -161,6 +165,7 @@ impl SmoothCache {
     /// Has every field made anew.
     pub fn forget(&mut self) {
         self.sources = [None; ENTRIES];
+        self.shares.iter_mut().for_each(CellShares::forget);
     }
 
     /// The fields of the bodies that are solid near the proxy; where those are more than three,
@@ -294,12 +299,10 @@ impl SmoothCache {
         spacing: DVec3,
     ) {
         self.sources[place] = Some(source);
-        let field = &mut self.fields[place];
-        if source.shares && occupancy.knows_shares() {
-            field.around(occupancy, point, spacing, &OwnShares(occupancy));
-        } else {
-            field.around(occupancy, point, spacing, &NoShares);
-        }
+        let body = place.saturating_sub(1);
+        let known =
+            (source.shares && occupancy.knows_shares()).then(|| (source, &mut self.shares[body]));
+        self.fields[place].around(occupancy, point, spacing, known);
     }
 }
 

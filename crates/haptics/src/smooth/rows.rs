@@ -30,18 +30,6 @@ impl<const LOG: u32> Rows<LOG> {
         along | word << Self::BITS | word >> Self::BITS
     }
 
-    /// The neighbours of voxels of a layer in one of its words.
-    #[inline]
-    pub(super) fn beside(layer: &[u64], word: usize, kind: impl Fn(u64) -> u64) -> u64 {
-        let at = |word: usize| layer.get(word).map_or(0, |&word| kind(word));
-        let above = at(word + 1) << (64 - Self::BITS);
-        let below = match word {
-            0 => 0,
-            _ => at(word - 1) >> (64 - Self::BITS),
-        };
-        Self::spread(at(word)) | above | below
-    }
-
     /// All of `free` that `seed` reaches first along the rows of a word, then across them.
     #[inline]
     fn grown(seed: u64, free: u64) -> u64 {
@@ -183,6 +171,21 @@ impl<const LOG: u32> Rows<LOG> {
             let bits = !word >> (8 * byte) & 0xff;
             cells | groups[bits as usize] << (64 / bytes * byte)
         })
+    }
+}
+
+impl<const LOG: u32> Rows<LOG> {
+    /// The first row of a word in eight groups of bits, each in 16 bits of its own.
+    #[inline]
+    pub(super) fn in_cells(word: u64) -> [u64; 2] {
+        let group = 1 << (LOG - 3);
+        let bits = |count: u32| (1_u64 << count) - 1;
+        let spread = |half: u64| {
+            let pairs =
+                (half | half << (32 - 2 * group)) & (bits(2 * group) * 0x0000_0001_0000_0001);
+            (pairs | pairs << (16 - group)) & (bits(group) * 0x0001_0001_0001_0001)
+        };
+        [0, 4 * group].map(|first| spread(word >> first & bits(4 * group)))
     }
 }
 

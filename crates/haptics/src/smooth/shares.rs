@@ -10,85 +10,75 @@
 //!
 //! Frame: grid. Values and limits as stored.
 
-use glam::IVec3;
+use glam::{IVec3, Vec3A};
 use palpate_volume::intensities::Intensities;
-use palpate_volume::occupancy::Occupancy;
-
-/// Tells shares of voxels.
-pub trait Shares {
-    /// Whether it ever tells one.
-    const ANY: bool;
-
-    /// The share of a voxel at the surface that is solid; see [`Occupancy::share`].
-    fn share(&self, voxel: IVec3, solid: bool) -> Option<f32>;
-}
-
-/// Bits and no more.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct NoShares;
-
-impl Shares for NoShares {
-    const ANY: bool = false;
-
-    fn share(&self, _voxel: IVec3, _solid: bool) -> Option<f32> {
-        None
-    }
-}
-
-/// What a body knows of itself.
-#[derive(Debug)]
-pub struct OwnShares<'a, O: ?Sized>(pub &'a O);
-
-impl<O: Occupancy + ?Sized> Shares for OwnShares<'_, O> {
-    const ANY: bool = true;
-
-    #[inline]
-    fn share(&self, voxel: IVec3, solid: bool) -> Option<f32> {
-        self.0.share(voxel, solid)
-    }
-}
 
 /// Stored values of a voxel and of its neighbours.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Around {
     /// Its own.
-    pub here: i16,
-    /// Those before and after it along x, y and z.
-    pub beside: [[i16; 2]; 3],
+    pub here: f32,
+    /// Those before it along x, y and z.
+    pub before: Vec3A,
+    /// Those after it.
+    pub after: Vec3A,
 }
 
 impl Around {
     /// Of a voxel of a scan; beyond its border the outermost values go on, so that a body that
     /// the border cuts ends there as its bits do.
+    #[inline]
     #[must_use]
     pub fn of(scan: &Intensities, voxel: IVec3) -> Self {
         let last = scan.dimensions().as_ivec3() - 1;
-        let values = scan.values();
-        let [nx, ny] = [scan.dimensions().x as usize, scan.dimensions().y as usize];
-        let strides = [1, nx, nx * ny];
-        let place = |voxel: IVec3| {
-            let [x, y, z] = voxel.to_array().map(|i| i as usize);
-            z * strides[2] + y * strides[1] + x
-        };
-        let value = |place: usize| values.get(place).copied().unwrap_or_default();
         let is_inner = voxel.cmpgt(IVec3::ZERO).all() && voxel.cmplt(last).all();
         if is_inner {
-            let here = place(voxel);
-            return Self {
-                here: value(here),
-                beside: strides.map(|stride| [value(here - stride), value(here + stride)]),
-            };
+            Self::of_inner(scan, voxel)
+        } else {
+            Self::of_outer(scan, voxel)
         }
-        Self::from_fn(voxel, |voxel| value(place(voxel.clamp(IVec3::ZERO, last))))
+    }
+
+    /// Of a voxel that is not at the border.
+    #[inline]
+    fn of_inner(scan: &Intensities, voxel: IVec3) -> Self {
+        let values = &**scan.values();
+        let [nx, ny] = [scan.dimensions().x as usize, scan.dimensions().y as usize];
+        let [x, y, z] = voxel.to_array().map(|i| i as usize);
+        let layer = nx * ny;
+        let here = z * layer + y * nx + x;
+        // there are as many before it as after it
+        let Some(near) = values.get(here - layer..=here + layer) else {
+            return Self::default();
+        };
+        let value = |place: usize| near.get(place).map_or(0.0, |&value| f32::from(value));
+        Self {
+            here: value(layer),
+            before: Vec3A::new(value(layer - 1), value(layer - nx), value(0)),
+            after: Vec3A::new(value(layer + 1), value(layer + nx), value(2 * layer)),
+        }
+    }
+
+    /// Of any voxel.
+    #[inline(never)]
+    fn of_outer(scan: &Intensities, voxel: IVec3) -> Self {
+        let size = scan.dimensions().as_ivec3();
+        Self::from_fn(voxel, |voxel| {
+            let [x, y, z] = voxel.clamp(IVec3::ZERO, size - 1).to_array();
+            let place = (z as usize * size.y as usize + y as usize) * size.x as usize + x as usize;
+            scan.values().get(place).copied().unwrap_or_default()
+        })
     }
 
     /// Of a voxel, from the stored value of each.
     #[must_use]
     pub fn from_fn(voxel: IVec3, stored: impl Fn(IVec3) -> i16) -> Self {
+        let value = |voxel: IVec3| f32::from(stored(voxel));
+        let [x, y, z] = [IVec3::X, IVec3::Y, IVec3::Z];
         Self {
-            here: stored(voxel),
-            beside: [IVec3::X, IVec3::Y, IVec3::Z]
-                .map(|axis| [stored(voxel - axis), stored(voxel + axis)]),
+            here: value(voxel),
+            before: Vec3A::new(value(voxel - x), value(voxel - y), value(voxel - z)),
+            after: Vec3A::new(value(voxel + x), value(voxel + y), value(voxel + z)),
         }
     }
 }
@@ -144,37 +134,50 @@ impl Limits {
     }
 
     /// How far a value is within the limits; negative outside of them.
-    #[inline]
-    fn within(&self, stored: i16) -> f32 {
-        let stored = f32::from(stored);
-        let within = |[low, high]: [f32; 2]| (stored - low).min(high - stored);
-        // of the first apart, since there is mostly but one
-        let others = self.ranges[1..].iter().take(self.count.saturating_sub(1));
-        others.fold(within(self.ranges[0]), |most, range| {
-            most.max(within(*range))
-        })
+    fn within(&self, stored: f32) -> f32 {
+        let ranges = self.ranges.iter().take(self.count);
+        let within = ranges.map(|[low, high]| (stored - low).min(high - stored));
+        within.fold(f32::NEG_INFINITY, f32::max)
     }
 
-    /// The share of a voxel that is solid; see [`Occupancy::share`].
+    /// The share of a voxel that is solid; see `Occupancy::share`.
     #[inline]
     #[must_use]
     pub fn share(&self, around: &Around, solid: bool) -> Option<f32> {
-        if self.is_empty() {
-            return None;
+        let Around {
+            here,
+            before,
+            after,
+        } = *around;
+        match self.count {
+            0 => None,
+            // there is mostly but one
+            1 => {
+                let [low, high] = self.ranges[0];
+                let within = |values: Vec3A| (values - low).min(high - values);
+                let here = (here - low).min(high - here);
+                share(here, within(after) - within(before), solid)
+            }
+            _ => {
+                let within = |values: Vec3A| values.map(|stored| self.within(stored));
+                share(self.within(here), within(after) - within(before), solid)
+            }
         }
-        let here = self.within(around.here);
-        // an edit, or another segment, made it what it is
-        if solid != (here >= 0.0) {
-            return None;
-        }
-        // a plane through the voxel at distance d leaves the share ½ + d over the voxel's
-        // width across it, which is the sum of its normal's parts; and d is the value over
-        // the slope
-        let [x, y, z] = around.beside.map(|beside| {
-            let [before, after] = beside.map(|stored| self.within(stored));
-            0.5 * (after - before).abs()
-        });
-        let share = 0.5 + here / (x + y + z);
-        share.is_finite().then(|| share.clamp(0.0, 1.0))
     }
+}
+
+/// The share of a voxel that is solid, from how far its value is within what is solid, and how
+/// much farther the value after it is along each axis than that before it.
+#[inline]
+fn share(here: f32, rise: Vec3A, solid: bool) -> Option<f32> {
+    // an edit, or another segment, made it what it is
+    if solid != (here >= 0.0) {
+        return None;
+    }
+    // a plane through the voxel at distance d leaves the share ½ + d over the voxel's
+    // width across it, which is the sum of its normal's parts; and d is the value over
+    // the slope
+    let [x, y, z] = (0.5 * rise.abs()).to_array();
+    let share = 0.5 + here / (x + y + z);
+    share.is_finite().then(|| share.clamp(0.0, 1.0))
 }

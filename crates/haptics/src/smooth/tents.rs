@@ -30,6 +30,75 @@ const EVEN: u64 = 0x00ff_00ff_00ff_00ff;
 const FIRST: u64 = 0xffff;
 const LAST: u64 = 0xffff << 48;
 
+/// A one in each of four numbers.
+const EACH: u64 = 0x0001_0001_0001_0001;
+
+/// A bit above all numbers.
+const BIT: u32 = 12;
+
+/// What is to be added to the eight cells of a row, each less than 2¹⁰ up or down.
+///
+/// 16 bits for each, of the change plus 2¹² with that bit turned: so that nothing is 0, and
+/// nothing goes from one to the next.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Changes(u128);
+
+impl Changes {
+    /// None.
+    pub(super) const NONE: Self = Self(0);
+
+    /// Sets that of the cell whose bits begin at a place.
+    #[inline]
+    pub(super) fn set(&mut self, place: u32, change: i32) {
+        let bits = ((change + (1 << BIT)) ^ (1 << BIT)) as u16;
+        self.0 = self.0 & !(0xffff << place) | u128::from(bits) << place;
+    }
+
+    /// That of the cell whose bits begin at a place.
+    #[cfg(test)]
+    pub(super) fn get(self, place: u32) -> i32 {
+        i32::from((self.0 >> place) as u16 ^ 1 << BIT) - (1 << BIT)
+    }
+
+    /// Those of the cells so many places on, and nothing where there were none.
+    pub(super) fn moved(self, cells: i32) -> Self {
+        Self(moved(self.0, cells))
+    }
+
+    /// Those of even x and those of odd x.
+    #[inline]
+    fn even_and_odd(self) -> [u64; 2] {
+        let pair = |half: u64| half & FIRST | half >> 16 & FIRST << 16;
+        let [low, high] = [self.0 as u64, (self.0 >> 64) as u64];
+        [0, 16].map(|place| pair(low >> place) | pair(high >> place) << 32)
+    }
+}
+
+/// Eight numbers of 16 bits, so many places on.
+pub(super) fn moved(numbers: u128, cells: i32) -> u128 {
+    let bits = 16 * cells.unsigned_abs();
+    let moved = match cells >= 0 {
+        true => numbers.checked_shr(bits),
+        false => numbers.checked_shl(bits),
+    };
+    moved.unwrap_or(0)
+}
+
+/// Four numbers and changes of them, each sum from nothing to the number of `full`.
+#[inline]
+fn sum(numbers: u64, changes: u64, full: u64) -> u64 {
+    /// All bits of those numbers that have the bit.
+    fn with_bit(numbers: u64) -> u64 {
+        (numbers >> BIT & EACH) * 0xffff
+    }
+    // the bit keeps numbers above zero, and is gone where they would be below
+    let bits = EACH << BIT;
+    let sum = numbers + (changes ^ bits);
+    let sum = sum & !bits & with_bit(sum);
+    let within = with_bit((full | bits) - sum);
+    sum & within | full & !within
+}
+
 /// The share of one of so many voxels in a cell, as large as it may be.
 pub(super) fn unit_of(voxels: u16) -> u16 {
     LARGEST / voxels
@@ -46,21 +115,13 @@ impl Cells {
         }
     }
 
-    /// Adds to each cell, x fastest, but leaves it from nothing to `full`.
-    pub(super) fn add(&mut self, change: &[[i32; 8]; 64], full: i32) {
-        for (row, change) in change.iter().enumerate() {
-            for (x, change) in change.iter().enumerate() {
-                let words = if x & 1 == 0 {
-                    &mut self.even
-                } else {
-                    &mut self.odd
-                };
-                let (word, place) = (&mut words[row], 8 * (x & !1));
-                let cell = (*word >> place & FIRST) as i32;
-                let changed = (cell + change).clamp(0, full) as u64;
-                *word = *word & !(FIRST << place) | changed << place;
-            }
-        }
+    /// Adds to the cells of a row, but leaves each from nothing to `full`.
+    #[inline]
+    pub(super) fn add(&mut self, row: usize, changes: Changes, full: u16) {
+        let [even, odd] = changes.even_and_odd();
+        let (row, full) = (row & 63, u64::from(full) * EACH);
+        self.even[row] = sum(self.even[row], even, full);
+        self.odd[row] = sum(self.odd[row], odd, full);
     }
 
     /// The sums ¼, ½, ¼ along x, four times too large.
@@ -155,6 +216,41 @@ mod tests {
             }
         }
         cells
+    }
+
+    #[test]
+    fn what_is_added_leaves_cells_from_nothing_to_full() {
+        let mut random = oorandom::Rand64::new(5);
+        let largest = i64::from(LARGEST);
+        for full in [LARGEST, 1020, 1008] {
+            for _ in 0..2000 {
+                let cells: [u16; 8] =
+                    std::array::from_fn(|_| random.rand_range(0..u64::from(full) + 1) as u16);
+                let change: [i32; 8] = std::array::from_fn(|_| {
+                    let change = random.rand_range(0..2 * largest as u64 + 1);
+                    (change as i64 - largest) as i32
+                });
+                let word = |first: usize| {
+                    (0..4).fold(0, |word, i| {
+                        word | u64::from(cells[2 * i + first]) << (16 * i)
+                    })
+                };
+                let mut sums = Cells {
+                    even: [word(0); 64],
+                    odd: [word(1); 64],
+                };
+                let mut changes = Changes::default();
+                (0..8).for_each(|x| changes.set(16 * x as u32, change[x]));
+                sums.add(9, changes, full);
+                for x in 0..8 {
+                    let word = if x % 2 == 0 { sums.even } else { sums.odd };
+                    let number = (word[9] >> (8 * (x & 6)) & FIRST) as i32;
+                    let plain = (i32::from(cells[x]) + change[x]).clamp(0, full.into());
+                    assert_eq!(number, plain, "{cells:?} and {change:?}");
+                }
+                assert_eq!(sums.even[8], word(0));
+            }
+        }
     }
 
     #[test]

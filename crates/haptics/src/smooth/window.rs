@@ -16,6 +16,9 @@ use std::f64::consts::SQRT_2;
 pub(crate) const CELLS: i32 = 8;
 /// Words of the largest window, of cells of 4×4×1 voxels.
 const MAX_WORDS: usize = 128;
+/// Words of its largest layer of cells.
+const MAX_CELL_LAYER: usize = MAX_WORDS / CELLS as usize;
+
 /// How many voxels a cell has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct CellShape {
@@ -24,6 +27,9 @@ pub(crate) struct CellShape {
 }
 
 impl CellShape {
+    /// One voxel.
+    pub(crate) const ONE: Self = Self { log: [0; 3] };
+
     /// Cells as near to cubes as powers of two get them: two voxels along the finest axis, or
     /// as long as a voxel of the coarsest where that is more. So none has more than 16 voxels.
     pub(crate) fn for_spacing(spacing: DVec3) -> Self {
@@ -79,15 +85,82 @@ impl CellShape {
     }
 }
 
-/// A voxel on either side of the surface.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct SurfaceVoxel {
-    /// In the grid.
-    pub(crate) voxel: IVec3,
-    /// Its cell in the window: x, y, z.
-    pub(crate) cell: [usize; 3],
-    /// On which side it is.
-    pub(crate) solid: bool,
+/// The voxels of eight cells along x on either side of the surface: 16 bits for each cell.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct SurfaceRow {
+    /// Voxels that are reached, next to those that are not.
+    pub(crate) free: u128,
+    /// Solid ones next to those that are reached.
+    pub(crate) solid: u128,
+}
+
+impl SurfaceRow {
+    /// Those of the cell whose bits begin at a place.
+    #[inline]
+    pub(crate) fn cell_at(&self, place: u32) -> SurfaceCell {
+        let bits = |cells: u128| u32::from((cells >> place) as u16);
+        SurfaceCell(bits(self.free) | bits(self.solid) << 16)
+    }
+}
+
+/// The voxels of a cell on either side of the surface, one bit each, x fastest: first those that
+/// are reached, next to those that are not; 16 bits on, solid ones next to those that are reached.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct SurfaceCell(u32);
+
+impl SurfaceCell {
+    /// No voxel.
+    pub(crate) const NONE: Self = Self(0);
+
+    /// Tells the voxels of this cell and whether they are solid, z by z and row by row.
+    #[inline]
+    pub(crate) fn voxels(
+        self,
+        shape: CellShape,
+        number: IVec3,
+    ) -> impl Iterator<Item = (IVec3, bool)> {
+        let min = number * shape.voxels();
+        let [log_x, log_y, _] = shape.log;
+        let [last_x, last_y] = [(1 << log_x) - 1, (1 << log_y) - 1];
+        let mut left = (self.0 | self.0 >> 16) & 0xffff;
+        std::iter::from_fn(move || {
+            let bit = (left != 0).then(|| left.trailing_zeros() as i32)?;
+            left &= left - 1;
+            let (y, z) = (bit >> log_x & last_y, bit >> (log_x + log_y));
+            let voxel = min + IVec3::new(bit & last_x, y, z);
+            Some((voxel, self.0 >> (16 + bit) & 1 == 1))
+        })
+    }
+}
+
+/// Voxels at the surface, one bit each.
+#[derive(Clone, Copy, Debug, Default)]
+struct Surface {
+    /// Reached ones next to others.
+    free: u64,
+    /// Solid ones next to those that are reached.
+    solid: u64,
+}
+
+/// Voxels of eight cells along x, 16 bits for each cell.
+#[derive(Clone, Copy, Debug, Default)]
+struct RowOfCells([u64; 2]);
+
+impl RowOfCells {
+    /// Adds the first row of a word, as the voxels from a number on in each cell.
+    #[inline]
+    fn add<const LOG: u32>(&mut self, word: u64, first: u32) {
+        let [low, high] = Rows::<LOG>::in_cells(word);
+        self.0[0] |= low << first;
+        self.0[1] |= high << first;
+    }
+
+    /// Those of the cells inside the window.
+    #[inline]
+    fn inside(self) -> u128 {
+        let [low, high] = self.0;
+        u128::from(low >> 16 << 16) | u128::from(high << 16 >> 16) << 64
+    }
 }
 
 /// Which voxels of a window are reached from the proxy's.
@@ -107,7 +180,7 @@ pub(crate) struct Window {
 impl Window {
     /// No window.
     pub(crate) const NONE: Self = Self {
-        shape: CellShape { log: [0; 3] },
+        shape: CellShape::ONE,
         first: IVec3::ZERO,
         seed: None,
         complete: false,
@@ -202,9 +275,10 @@ impl Window {
         counts
     }
 
-    /// Tells the voxels that are reached next to solid ones, and solid ones next to those that
-    /// are reached; of the cells inside the window, since the others hardly count.
-    pub(crate) fn visit_surface(&self, tell: &mut impl FnMut(SurfaceVoxel)) {
+    /// Tells rows of cells, y and z in the window, with voxels that are reached next to others,
+    /// or solid ones next to those that are reached. Only what is inside the window is told and
+    /// right, without its outermost cells: those hardly count.
+    pub(crate) fn visit_surface(&self, tell: &mut impl FnMut(usize, usize, SurfaceRow)) {
         match self.shape.log_width() {
             3 => self.visit_surface_of::<3>(tell),
             4 => self.visit_surface_of::<4>(tell),
@@ -212,45 +286,64 @@ impl Window {
         }
     }
 
-    fn visit_surface_of<const LOG: u32>(&self, tell: &mut impl FnMut(SurfaceVoxel)) {
-        let shape = self.shape;
-        let words = shape.layer();
-        let min = self.first * shape.voxels();
-        let layers = self.reached[..shape.words()].chunks_exact(words);
-        let layer_of = |z: usize| layers.clone().nth(z).unwrap_or(&[]);
-        for (z, reached) in layers.clone().enumerate() {
-            let near = [layer_of(z.wrapping_sub(1)), layer_of(z + 1)];
-            for (word, &here) in reached.iter().enumerate() {
-                let [solid, open] = [!here, here];
-                // what is next to a voxel of the other kind; beyond the window nothing is
-                let beside = |kind: fn(u64) -> u64| {
-                    let near = near.iter().filter_map(|layer| layer.get(word));
-                    let near = near.fold(0, |all, &word| all | kind(word));
-                    near | Rows::<LOG>::beside(reached, word, kind)
-                };
-                let filled = solid & !self.free[z * words + word];
-                let mut left = open & beside(|word| !word) | filled & beside(|word| word);
-                while left != 0 {
-                    let bit = left.trailing_zeros();
-                    left &= left - 1;
-                    let in_rows = word as i32 * 64 + bit as i32;
-                    let width = 1 << LOG;
-                    let offset = IVec3::new(in_rows & (width - 1), in_rows >> LOG, z as i32);
-                    let cell = shape.cell_of_half(2 * offset);
-                    let inside = cell.cmpge(IVec3::ONE).all() && cell.cmplt(IVec3::splat(7)).all();
-                    if inside {
-                        tell(SurfaceVoxel {
-                            voxel: min + offset,
-                            cell: cell.to_array().map(|cell| cell as usize),
-                            solid: solid >> bit & 1 == 1,
-                        });
+    #[inline]
+    fn visit_surface_of<const LOG: u32>(&self, tell: &mut impl FnMut(usize, usize, SurfaceRow)) {
+        let [log_x, log_y, log_z] = self.shape.log;
+        let (log_rows, layer) = (6 - LOG, self.shape.layer());
+        let mut words = [Surface::default(); MAX_CELL_LAYER];
+        for z in 1..7 {
+            let first = (z << log_z) * layer;
+            for (place, word) in words.iter_mut().enumerate().take(layer << log_z) {
+                *word = self.surface_of::<LOG>(first + place);
+            }
+            for y in 1..7 {
+                let [mut near_free, mut near_solid] = [RowOfCells::default(); 2];
+                let mut any = false;
+                for in_cell in 0..1 << (log_y + log_z) {
+                    let row = (y << log_y) + (in_cell & ((1 << log_y) - 1));
+                    let word = (in_cell >> log_y) * layer + (row >> log_rows);
+                    let Surface { free, solid } = words[word & (MAX_CELL_LAYER - 1)];
+                    let place = (row & ((1 << log_rows) - 1)) << LOG;
+                    if (free | solid) >> place & ((1 << (1 << LOG)) - 1) == 0 {
+                        continue;
                     }
+                    any = true;
+                    let voxels = (in_cell as u32) << log_x;
+                    near_free.add::<LOG>(free >> place, voxels);
+                    near_solid.add::<LOG>(solid >> place, voxels);
+                }
+                if any {
+                    let (free, solid) = (near_free.inside(), near_solid.inside());
+                    tell(y, z, SurfaceRow { free, solid });
                 }
             }
         }
     }
 
-    fn is_reached(&self, voxel: IVec3) -> bool {
+    /// Voxels of a word at the surface; only those of cells inside the window are right, for
+    /// beyond its border are others.
+    #[inline]
+    fn surface_of<const LOG: u32>(&self, word: usize) -> Surface {
+        let at = |word: usize| self.reached[word & (MAX_WORDS - 1)];
+        let (here, layer, row) = (at(word), self.shape.layer(), 1 << LOG);
+        let beside = [
+            here << 1,
+            here >> 1,
+            here << row | at(word.wrapping_sub(1)) >> (64 - row),
+            here >> row | at(word + 1) << (64 - row),
+            at(word.wrapping_sub(layer)),
+            at(word + layer),
+        ];
+        let all = beside.iter().fold(u64::MAX, |all, beside| all & beside);
+        let any = beside.iter().fold(0, |any, beside| any | beside);
+        Surface {
+            free: here & !all,
+            solid: !here & !self.free[word & (MAX_WORDS - 1)] & any,
+        }
+    }
+
+    /// Whether a voxel is reached; none outside is.
+    pub(super) fn is_reached(&self, voxel: IVec3) -> bool {
         self.place_of(voxel)
             .is_some_and(|(word, bit)| self.reached[word] & bit != 0)
     }
