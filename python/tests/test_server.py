@@ -215,6 +215,7 @@ def test_settings_are_told_as_the_engine_holds_them(server: Any) -> None:
         "smoothing": "off",
         "probe_radius": 1.5,
         "force_limit": 2.0,
+        "gain": 2.0,
     }
     with server.page() as page:
         page.send({"type": "change_settings", "settings": wanted})
