@@ -283,7 +283,10 @@ async function edit(test: EditTest): Promise<EditResult> {
   const complaints: string[] = [];
   const edits = new ShownEdits({
     complain: (text) => complaints.push(text),
-    download: () => Promise.reject(new Error("there is no engine")),
+    download: ({ dimensions }) => {
+      const ids = new Uint8Array(dimensions[0] * dimensions[1] * dimensions[2]);
+      return Promise.resolve({ ids, dimensions, bricks: labelledBricks(ids, dimensions) });
+    },
   });
   const volume = fieldOf(test.scan);
   const held = { volume, bricks: brickRanges(volume) };
@@ -301,6 +304,10 @@ async function edit(test: EditTest): Promise<EditResult> {
   const changed = (part: Partial<Changed>): Changed => ({ type: "changed", edit: 1, applied: null, voxels: [], surfaces: [], ...part });
   edits.add(changed({ surfaces: test.before ?? [] }), performance.now());
   edits.show(held, null);
+  if (test.label !== null) {
+    // no voxel has a label yet
+    await edits.showLabels(1, volume, () => null);
+  }
   const drawn = open();
   const before = await finished(drawn);
 
