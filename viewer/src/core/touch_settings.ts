@@ -95,8 +95,8 @@ export const modelChoices: readonly ModelChoice[] = [
 /** Where the force comes from, as it is offered. */
 export const smoothingChoices: readonly { readonly smoothing: Settings["smoothing"]; readonly name: string }[] = [
   { smoothing: "intensities", name: "smooth" },
-  { smoothing: "bits", name: "by voxels" },
-  { smoothing: "off", name: "voxel stairs" },
+  { smoothing: "bits", name: "mask" },
+  { smoothing: "off", name: "stairs" },
 ];
 
 // --- what outlives a visit --------------------------------------------------------------
