@@ -96,7 +96,10 @@ impl Surfaces {
         match news {
             SceneNews::Edit(edit) => self.take_edit(edit),
             SceneNews::Segment(id, Some(bits)) => self.take_segment(id, bits),
-            SceneNews::Segment(id, None) => self.hide(id),
+            // undo may bring it back, and it is still to be shown as a surface then
+            SceneNews::Segment(id, None) => {
+                self.take_segment(id, Bits::empty(self.grid.dimensions()))
+            }
             SceneNews::Show(id, None) => self.hide(id),
             SceneNews::Show(id, Some((settings, bits))) => self.show(id, settings, bits),
         }
@@ -126,7 +129,11 @@ impl Surfaces {
     /// All surfaces as they are, for whoever has seen none of the changes.
     #[must_use]
     pub fn whole(&self) -> PictureChange {
-        let surfaces = self.shown.iter().map(|(&id, shown)| {
+        let made = self
+            .shown
+            .iter()
+            .filter(|(_, shown)| !shown.packed.is_empty());
+        let surfaces = made.map(|(&id, shown)| {
             let change = SurfaceChange {
                 whole: true,
                 dropped: Vec::new(),

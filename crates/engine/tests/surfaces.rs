@@ -101,6 +101,11 @@ fn a_surface_that_is_shown_no_more_is_dropped_and_a_removed_segment_has_none() {
     follow(&mut patches, &told(&session));
     assert!(patches.is_empty());
     assert!(session.whole_surfaces().surfaces.is_empty());
+
+    // undo brings it back as it was shown
+    assert!(session.undo().unwrap());
+    follow(&mut patches, &told(&session));
+    assert!(!patches.is_empty());
 }
 
 #[test]
