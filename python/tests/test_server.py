@@ -119,15 +119,15 @@ def test_the_hand_presses_the_probe_against_the_ball(server: Any) -> None:
         assert state["safety"]["violations"] == 0
 
 
-def test_samples_of_the_force_are_told_without_gaps(shared_server: Any) -> None:
+def test_samples_of_the_force_are_told_once_and_in_order(shared_server: Any) -> None:
     with shared_server.page() as page:
         page.receive("state")
         times = [sample[0] for _ in range(20) for sample in page.receive("state")["samples"]]
     steps = np.diff(times)
-    # thinned to 250 a second: 4 ms apart; one more tick where a thread was late
+    # by the servo's clock, which runs on where a thread is late: no sample told twice or out of
+    # order. That none is left out is tested in lock-step (crates/engine/tests/offline.rs)
     assert len(times) > 20
     assert steps.min() > 0.0
-    assert np.median(steps) == pytest.approx(0.004, abs=1e-6)
 
 
 def test_a_threshold_makes_a_segment_and_changes_it(server: Any) -> None:
