@@ -15,7 +15,7 @@ use palpate_volume::voxel_box::VoxelBox;
 use rayon::prelude::*;
 
 use crate::block::{Blocks, PARTS, PatchId, patch_id};
-use crate::field::{Blur, FieldScratch, Zeros};
+use crate::field::{Beginning, Blur, FieldScratch, Zeros};
 use crate::frame::Frame;
 use crate::march::{MarchScratch, march};
 use crate::patch::{Bounds, Patch};
@@ -246,21 +246,21 @@ impl Extraction {
             if alone {
                 samples.isolate(own);
             }
-            let kernel = (&self.blur, limits.is_none());
-            let field = field.smooth(kernel, active, |first, values| match limits {
-                None => samples.halves(first, values),
-                Some(limits) => {
-                    for (x, value) in (first.x..).zip(values) {
-                        let sample = first.with_x(x);
-                        let seen = if alone {
-                            sample.clamp(own.min, own.max - 1)
-                        } else {
-                            sample
-                        };
-                        *value = voxels.depth(limits, step, (seen, samples.is_solid(sample)));
-                    }
+            let depths = |first: IVec3, depths: &mut [f32]| {
+                let Some(limits) = limits else { return };
+                if alone {
+                    depths_within(own, first, depths, |first, depths| {
+                        voxels.depths(limits, step, first, depths);
+                    });
+                } else {
+                    voxels.depths(limits, step, first, depths);
                 }
-            });
+            };
+            let beginning = match limits {
+                None => Beginning::Bits,
+                Some(_) => Beginning::Depths(&depths),
+            };
+            let field = field.smooth(&self.blur, samples, (active, &beginning));
             let zeros = Zeros {
                 field,
                 frame: &self.frame,
@@ -269,5 +269,18 @@ impl Extraction {
             march(samples, own, (&self.frame, step_mm, &zeros), scratch)
         };
         (!patch.is_empty()).then_some(patch)
+    }
+}
+
+/// A row of depths where a patch sees but its own samples: whatever lies beyond is as its border.
+fn depths_within(
+    own: VoxelBox,
+    first: IVec3,
+    depths: &mut [f32],
+    depths_of: impl Fn(IVec3, &mut [f32]),
+) {
+    for (x, depth) in (first.x..).zip(depths) {
+        let seen = first.with_x(x).clamp(own.min, own.max - 1);
+        depths_of(seen, std::slice::from_mut(depth));
     }
 }
