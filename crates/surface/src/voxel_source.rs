@@ -33,22 +33,38 @@ impl<'a> VoxelSource<'a> {
             depths.fill(0.0);
             return;
         };
+        let within = |stored: i16| {
+            let value = scan.physical(stored);
+            (value - limits.low)
+                .min(limits.high - value)
+                .clamp(-FARTHEST, FARTHEST)
+        };
+        // beyond the border things look as at the border
         let bounds = VoxelBox::of_dimensions(scan.dimensions());
-        for (x, depth) in (first.x..).zip(depths) {
-            // beyond the border things look as at the border
-            let corner = (first.with_x(x) * step).clamp(IVec3::ZERO, bounds.max - 1);
-            let block = VoxelBox::new(corner, corner + step).intersect(&bounds);
-            let mut sum = 0.0;
-            for voxel in block.voxels() {
-                let stored = match overlay {
+        let inside = |x: i32| (first.with_x(x) * step).clamp(IVec3::ZERO, bounds.max - 1);
+        let samples = (first.x..).zip(depths);
+        match overlay {
+            None if step == 1 => {
+                let [nx, ny, _] = bounds.max.to_array().map(|count| count as usize);
+                let [_, y, z] = inside(0).to_array().map(|place| place as usize);
+                let row = &scan.values()[(z * ny + y) * nx..][..nx];
+                for (x, depth) in samples {
+                    *depth = within(row[inside(x).x as usize]) as f32;
+                }
+            }
+            _ => {
+                let stored = |voxel: IVec3| match overlay {
                     Some(overlay) => overlay.stored(scan, voxel),
                     None => scan.stored(voxel),
                 };
-                let value = scan.physical(stored.unwrap_or_default());
-                let within = (value - limits.low).min(limits.high - value);
-                sum += within.clamp(-FARTHEST, FARTHEST);
+                for (x, depth) in samples {
+                    let corner = inside(x);
+                    let block = VoxelBox::new(corner, corner + step).intersect(&bounds);
+                    let voxels = block.voxels();
+                    let sum: f64 = voxels.map(|v| within(stored(v).unwrap_or_default())).sum();
+                    *depth = (sum / block.voxel_count() as f64) as f32;
+                }
             }
-            *depth = (sum / block.voxel_count() as f64) as f32;
         }
     }
 }

@@ -402,6 +402,41 @@ fn dense_blocks_are_parted_and_the_surface_is_the_same() {
     assert_eq!(keys(&whole), keys(&parted));
 }
 
+/// What an edit sends anew is finer where the segment is dense.
+#[test]
+fn an_edit_in_a_dense_block_changes_the_octants_that_it_reaches() {
+    let dimensions = UVec3::splat(32);
+    let grid = cubes(dimensions);
+    let mut bits = noise(dimensions, 9, 0.5);
+    let settings = SurfaceSettings {
+        most_vertices: Some(2000),
+        ..settings(1)
+    };
+    let mut surface = surface(&grid, &bits, settings);
+    assert_eq!(surface.patches().len(), 8);
+    // the margin is 3: from 6 voxels of the middle on an edit of one voxel reaches one octant
+    let voxel = IVec3::splat(10);
+    let solid = !bits.is_solid(voxel);
+    let dirty = edited(&mut bits, voxel, 0, solid);
+    let changes = surface.update(&VoxelSource::of_bits(&bits), &dirty);
+    assert_eq!(changes.len(), 1);
+    assert_eq!(changes[0].id.part, 1);
+
+    // a block that is dense no more is one patch again
+    let mut dropped = 0;
+    for x in 0..4 {
+        let dirty = edited(&mut bits, IVec3::new(8 * x + 4, 16, 16), 30, false);
+        let changes = surface.update(&VoxelSource::of_bits(&bits), &dirty);
+        dropped += changes
+            .iter()
+            .filter(|change| change.patch.is_none())
+            .count();
+        let fresh = support::surface(&grid, &bits, settings);
+        assert!(shown_of(&surface) == shown_of(&fresh));
+    }
+    assert!(dropped >= 8, "{dropped}");
+}
+
 #[test]
 fn settings_that_make_no_surface_are_refused_with_what_is_allowed() {
     let refused = |settings: SurfaceSettings| {
