@@ -82,7 +82,7 @@ pub fn assemble(config: SessionConfig) -> Result<Assembly, SessionError> {
     let device = DeviceLoop::new(device, channels.device, Arc::clone(&shared), dt, safety);
     let start = servo_start(&scene, reference, probe, settings);
     let servo = ServoLoop::new(start, channels.servo, Arc::clone(&shared));
-    let surfaces = Arc::new(Mutex::new(Surfaces::new(grid)));
+    let surfaces = Arc::new(Mutex::new(Surfaces::new(grid, scene.voxels().intensities().clone())));
     let ends = (status, notices.clone(), news);
     let simulation = first_simulation(
         scene,

@@ -6,6 +6,7 @@
 use std::collections::BTreeMap;
 
 use crate::feel::{Feel, Feels};
+use crate::kept_surface::SegmentVoxels;
 use crate::scan_values::{ScanValues, Threshold};
 use crate::touchable::{MovedPart, Part};
 use glam::DAffine3;
@@ -197,6 +198,15 @@ impl Scene {
     #[must_use]
     pub fn voxels(&self) -> &Voxels {
         &self.voxels
+    }
+
+    /// The voxels of a segment with the threshold that made them.
+    #[must_use]
+    pub fn voxels_of(&self, id: SegmentId) -> Option<SegmentVoxels> {
+        self.voxels.segment(id).map(|segment| SegmentVoxels {
+            bits: segment.occupancy().clone(),
+            made_by: self.properties_of(id).made_by,
+        })
     }
 
     /// All segments with their properties, by rising number.

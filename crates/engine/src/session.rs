@@ -8,7 +8,6 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use glam::{DAffine3, DVec3, IVec3};
 use palpate_device::DeviceLimits;
-use palpate_surface::settings::SurfaceSettings;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
 use palpate_volume::segment::Segment;
@@ -19,7 +18,9 @@ use crate::clock;
 use crate::error::SessionError;
 use crate::feel::Feel;
 use crate::frame::{Frame, Notice, Rates};
+use crate::gap_bodies::GapBodies;
 use crate::handover::HandTarget;
+use crate::kept_surface::SurfaceMaking;
 use crate::live::{Live, Paces};
 use crate::mapping::rotation_of_view;
 use crate::offline::Offline;
@@ -35,8 +36,6 @@ use crate::tape::{Tape, TapeRecorder};
 
 mod changes;
 mod objects;
-
-use objects::GapBodies;
 
 /// Edits of more voxels than this are built outside the simulation thread.
 const SMALL_EDIT: u64 = 1 << 20;
@@ -241,13 +240,13 @@ impl Session {
     /// Shows a segment as a surface made in this way, or as none.
     ///
     /// # Errors
-    /// Where the settings make no surface, there is no such segment, or the session has ended.
+    /// Where such a surface cannot be made, there is no such segment, or the session has ended.
     pub fn show_surface(
         &self,
         id: SegmentId,
-        settings: Option<SurfaceSettings>,
+        making: Option<SurfaceMaking>,
     ) -> Result<(), SessionError> {
-        self.ask(move |simulation| simulation.show_surface(id, settings))?
+        self.ask(move |simulation| simulation.show_surface(id, making))?
     }
 
     /// Names the segments that the picture shows by their labels, the last of several on top.
