@@ -227,6 +227,9 @@ class Session:
         ``of_bits`` makes it from bits also where a threshold made the segment.
         """
 
+    def follow_edits(self, every: int) -> None:
+        """Has the picture follow edits every so many-th of its frames, 1 to 4."""
+
     def hide_surface(self, segment_id: int) -> None:
         """Keeps no surface of a segment any more."""
 

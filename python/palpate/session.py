@@ -419,6 +419,19 @@ class Session:
         with _given():
             self._internal.hide_surface(segment_id)
 
+    def follow_edits(self, every: int) -> None:
+        """Has ``picture_changes`` follow edits every so many-th frame of 60 a second (thesis 5.2.2).
+
+        Args:
+            every: 1 follows at once; up to 4, for slow machines.
+
+        Raises:
+            OptionError: The number is out of range.
+        """
+        if every not in range(1, 5):
+            raise OptionError(f"every {every}th frame given; allowed: 1 to 4")
+        self._internal.follow_edits(every)
+
     def set_labelled(self, segment_ids: list[int]) -> None:
         """Names the segments whose labels ``picture_changes`` tell, the last of several on top."""
         self._internal.set_labelled(segment_ids)

@@ -341,6 +341,11 @@ impl PySession {
         Ok(py.detach(|| self.session.show_surface(SegmentId(segment_id), None))?)
     }
 
+    /// Has the picture follow edits every so many-th of its frames, 1 to 4.
+    fn follow_edits(&self, every: u32) {
+        self.session.follow_edits(every);
+    }
+
     /// Names the segments whose labels edits tell, the last of several on top.
     fn set_labelled(&self, py: Python<'_>, segment_ids: Vec<u8>) -> Result<(), CoreError> {
         let labelled = segment_ids.into_iter().map(SegmentId).collect();

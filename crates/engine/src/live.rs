@@ -109,7 +109,7 @@ impl Live {
             servo,
             simulation,
             picture,
-            surfaces,
+            mut surfaces,
         } = loops;
 
         let [for_device, for_servo, for_simulation, for_picture] =
@@ -122,7 +122,7 @@ impl Live {
         })?;
         live.spawn("picture", move || run_picture(picture, &for_picture))?;
         let shared = Arc::clone(&live.shared);
-        live.spawn("surface", move || run_surfaces(&surfaces, &shared))?;
+        live.spawn("surface", move || run_surfaces(&mut surfaces, &shared))?;
 
         let granted = outcome_of_both(&results);
         Ok((live, granted))
@@ -289,7 +289,7 @@ fn run_simulation(
 /// Surfaces see the end of the session after so long, where nothing changes.
 const SURFACE_PATIENCE: Duration = Duration::from_millis(100);
 
-fn run_surfaces(surfaces: &SurfaceLoop, shared: &Shared) {
+fn run_surfaces(surfaces: &mut SurfaceLoop, shared: &Shared) {
     while !shared.stopping() && surfaces.wait(SURFACE_PATIENCE) {}
 }
 

@@ -31,6 +31,7 @@ use crate::session_config::{SessionConfig, check, check_point};
 use crate::settings::Settings;
 use crate::shared::Shared;
 use crate::simulation::{SegmentState, Simulation, checked_box};
+use crate::surface_loop::SurfacePace;
 use crate::surfaces::{PictureChange, Surfaces};
 use crate::tape::{Tape, TapeRecorder};
 
@@ -55,6 +56,7 @@ pub struct Session {
     run: Run,
     picture: Arc<Mutex<Picture>>,
     surfaces: Arc<Mutex<Surfaces>>,
+    pace: SurfacePace,
     hand: Mutex<(triple_buffer::Input<HandTarget>, u64)>,
     shared: Arc<Shared>,
     notices: Sender<Notice>,
@@ -84,6 +86,7 @@ impl Session {
             loops,
             picture,
             surfaces,
+            pace,
             hand,
             shared,
             notices,
@@ -103,6 +106,7 @@ impl Session {
             run,
             picture,
             surfaces,
+            pace,
             hand: Mutex::new((hand, 0)),
             shared,
             notices,
@@ -247,6 +251,12 @@ impl Session {
         making: Option<SurfaceMaking>,
     ) -> Result<(), SessionError> {
         self.ask(move |simulation| simulation.show_surface(id, making))?
+    }
+
+    /// Has voxels and surfaces that are shown follow edits every so many-th frame of the picture,
+    /// 1 to 4, for machines that are slow (thesis 5.2.2); 1 is at once.
+    pub fn follow_edits(&self, every: u32) {
+        self.pace.set(every);
     }
 
     /// Names the segments that the picture shows by their labels, the last of several on top.

@@ -245,3 +245,32 @@ fn a_surface_from_intensities_follows_threshold_edits_and_undo_as_a_fresh_one() 
     let _ = afresh(&session, SurfaceSource::Intensities);
     assert!(positions(&session) == first);
 }
+
+#[test]
+fn surfaces_that_follow_every_fourth_frame_tell_the_same_in_fewer_changes() {
+    let edits = 16;
+    let told_at = |every: u32| {
+        let session = session();
+        let mut patches = Patches::new();
+        shown(&session, &mut patches);
+        session.follow_edits(every);
+        let mut changes = Vec::new();
+        for edit in 0..edits {
+            let low = IVec3::splat(8 + edit);
+            session.fill_box(ID, low, low + 4, false).unwrap();
+            // a frame of the picture
+            session.run(1.0 / 60.0).unwrap();
+            changes.extend(session.picture_changes());
+        }
+        session.run(0.1).unwrap();
+        changes.extend(session.picture_changes());
+        follow(&mut patches, &changes);
+        assert_eq!(changes.last().unwrap().edit, session.frame().edit);
+        (changes.len(), patches)
+    };
+    let (each, followed) = told_at(1);
+    let (fourth, same) = told_at(4);
+    // ticks and frames do not divide: one frame may hold two edits, and one none
+    assert!(each >= 14 && (4..=5).contains(&fourth), "{each}, {fourth}");
+    assert!(followed == same);
+}
