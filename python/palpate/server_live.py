@@ -56,6 +56,7 @@ class Live:
         self._outboxes: set[Outbox] = set()
         self._thresholds = ThresholdJobs(self._make_threshold)
         self._presses: Outbox | None = None
+        self._paces: dict[Outbox, int] = {}
         self._gaps = GapWatch(session, self._from_threads.put)
         self._scene_of_now: object = None
 
@@ -94,6 +95,7 @@ class Live:
             pass
         finally:
             self._outboxes.discard(outbox)
+            self._follow_edits(outbox, 1)
             if not self._outboxes:
                 # nobody looks at the gap any more, nor lets go of what is in the hand
                 self._gaps.choose(None)
@@ -150,6 +152,8 @@ class Live:
                     self.session.hand(target)
                 case protocol.Threshold():
                     self._thresholds.ask(message)
+                case protocol.FollowEdits(every):
+                    self._follow_edits(outbox, every)
                 case protocol.Stroke(on):
                     await asyncio.to_thread(self.session.stroke, on=on)
                     self._presses = outbox if on else None
@@ -161,6 +165,13 @@ class Live:
             outbox.tell(protocol.Notice(level="error", text=str(error)))
         except RuntimeError as error:
             outbox.tell(protocol.Notice(level="error", text=str(error)))
+
+    def _follow_edits(self, outbox: Outbox, every: int) -> None:
+        """Takes the pace of a page; the slowest page sets that of the engine."""
+        self._paces[outbox] = every
+        self.session.follow_edits(max(self._paces.values()))
+        if every == 1:
+            del self._paces[outbox]
 
     def _release(self) -> None:
         self._presses = None
