@@ -436,6 +436,15 @@ class Session:
         """Names the segments whose labels ``picture_changes`` tell, the last of several on top."""
         self._internal.set_labelled(segment_ids)
 
+    def wait_for_changes(self, heard: int, seconds: float) -> int:
+        """Waits until there may be ``picture_changes`` that were not there before.
+
+        Args:
+            heard: What the call before returned, at first 0.
+            seconds: How long to wait at most.
+        """
+        return self._internal.wait_for_changes(heard, seconds)
+
     def picture_changes(self) -> list[dict[str, Any]]:
         """Returns what changed in voxels and surfaces since the call before, oldest first.
 

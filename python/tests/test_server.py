@@ -13,7 +13,13 @@ from palpate import protocol
 from palpate.errors import OptionError
 from palpate.server import bind
 
-SURFACE_LOOK = {"shown_as": "volume", "opacity": 1.0, "smoothing": 3, "wireframe": False}
+SURFACE_LOOK = {
+    "shown_as": "volume",
+    "opacity": 1.0,
+    "smoothing": 3,
+    "surface_from": "intensities",
+    "wireframe": False,
+}
 """How a surface looks as long as nobody says otherwise."""
 
 
@@ -184,7 +190,13 @@ def test_properties_are_told_to_all_pages(server: Any) -> None:
 
 
 def test_how_a_surface_looks_is_kept_with_its_segment(server: Any) -> None:
-    wanted = {"shown_as": "both", "opacity": 0.4, "smoothing": 5, "wireframe": True}
+    wanted = {
+        "shown_as": "both",
+        "opacity": 0.4,
+        "smoothing": 5,
+        "surface_from": "bits",
+        "wireframe": True,
+    }
     change = {"type": "segment_properties", "id": 1, "name": "ball", "colour": [1, 0, 0]}
     with server.page() as page:
         page.send(change | wanted | {"visible": True, "touchable": True})
