@@ -197,9 +197,7 @@ class ShownSegments:
         if wanted is None:
             self._session.hide_surface(segment_id)
         else:
-            self._session.show_surface(
-                segment_id, smoothing=wanted.smoothing, source=wanted.source
-            )
+            self._session.show_surface(segment_id, smoothing=wanted.smoothing, source=wanted.source)
         with self._lock:
             self._made[segment_id] = wanted
 

@@ -280,9 +280,7 @@ class Session:
         with _given():
             internal = self._internal.segment(segment_id)
         made_by = {state["id"]: state["made_by"] for state in self.segments()}.get(segment_id)
-        return Segment(
-            internal, name=name, volume=self.scene.volume, range=None, made_by=made_by
-        )
+        return Segment(internal, name=name, volume=self.scene.volume, range=None, made_by=made_by)
 
     def segments(self) -> list[dict[str, Any]]:
         """Lists the segments as they are now: id, voxels, bounds, touchable, pending, range, made_by."""

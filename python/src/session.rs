@@ -1,8 +1,8 @@
 //! `_core.Session`: a scan that is touched with a device.
 
-use std::time::Duration;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError, Weak};
+use std::time::Duration;
 
 use glam::{DAffine3, IVec3};
 use numpy::{PyReadonlyArray2, PyUntypedArrayMethods};

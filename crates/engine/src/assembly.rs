@@ -88,7 +88,10 @@ pub fn assemble(config: SessionConfig) -> Result<Assembly, SessionError> {
     let start = servo_start(&scene, reference, probe, settings);
     let servo = ServoLoop::new(start, channels.servo, Arc::clone(&shared));
     let (pace, bell) = (SurfacePace::default(), Arc::new(Bell::default()));
-    let surfaces = Arc::new(Mutex::new(Surfaces::new(grid, scene.voxels().intensities().clone())));
+    let surfaces = Arc::new(Mutex::new(Surfaces::new(
+        grid,
+        scene.voxels().intensities().clone(),
+    )));
     let ends = (status, notices.clone(), news);
     let simulation = first_simulation(
         scene,

@@ -14,8 +14,8 @@ use palpate_volume::grid::Grid;
 use palpate_volume::segment::Segment;
 use palpate_volume::voxels::{Voxels, VoxelsError};
 
-use crate::bell::Bell;
 use crate::assembly::{Assembly, assemble};
+use crate::bell::Bell;
 use crate::clock;
 use crate::error::SessionError;
 use crate::feel::Feel;
