@@ -283,7 +283,10 @@ class Session:
         return Segment(internal, name=name, volume=self.scene.volume, range=None, made_by=made_by)
 
     def segments(self) -> list[dict[str, Any]]:
-        """Lists the segments as they are now: id, voxels, bounds, touchable, pending, range, made_by."""
+        """Lists the segments as they are now: id, voxels, bounds, touchable, range and more.
+
+        ``made_by`` is the threshold that made one, whatever edits did since.
+        """
         return self._internal.segments_state()
 
     def fill_box(
@@ -418,7 +421,9 @@ class Session:
             self._internal.hide_surface(segment_id)
 
     def follow_edits(self, every: int) -> None:
-        """Has ``picture_changes`` follow edits every so many-th frame of 60 a second (thesis 5.2.2).
+        """Has ``picture_changes`` follow edits every so many-th frame, of 60 a second.
+
+        Source: thesis 5.2.2.
 
         Args:
             every: 1 follows at once; up to 4, for slow machines.

@@ -41,10 +41,10 @@ def test_without_a_browser_it_says_what_is_missing(
     for name in ("PALPATE_CHROMIUM", "CHROMIUM"):
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setenv("PATH", str(tmp_path))
-    with pytest.raises(OptionError, match="no browser .*allowed: an installed Chromium"):
+    with pytest.raises(OptionError, match=r"no browser .*allowed: an installed Chromium"):
         chromium()
     monkeypatch.setenv("PALPATE_CHROMIUM", str(tmp_path / "none"))
-    with pytest.raises(OptionError, match="no browser at .*none"):
+    with pytest.raises(OptionError, match=r"no browser at .*none"):
         chromium()
 
 

@@ -66,7 +66,7 @@ class Page:
         self._socket = connect(address, max_size=None, compression=None)
         self._number = 0
 
-    def read(self, expression: str) -> Any:
+    def read(self, expression: str) -> Any:  # noqa: ANN401  # whatever it is
         """Returns the value of an expression in the page; waits for a promise.
 
         Raises:
@@ -100,7 +100,7 @@ class Page:
         """Ends the connection."""
         self._socket.close()
 
-    def _ask(self, method: str, **parameters: Any) -> dict[str, Any]:
+    def _ask(self, method: str, **parameters: object) -> dict[str, Any]:
         self._number += 1
         asked = {"id": self._number, "method": method, "params": parameters}
         self._socket.send(json.dumps(asked))
@@ -129,7 +129,7 @@ def opened(url: str, *, width: int, height: int) -> Iterator[Page]:
         with _running([*command, "about:blank"], "stderr") as (_, output):
             address = _found_in(output, r"ws://([\d.:]+)/\S+", "the browser")
             listing = f"http://{address.group(1)}/json/list"
-            with urllib.request.urlopen(listing, timeout=PATIENCE) as answer:  # noqa: S310
+            with urllib.request.urlopen(listing, timeout=PATIENCE) as answer:
                 pages = json.load(answer)
             page = Page(next(one for one in pages if one["type"] == "page")["webSocketDebuggerUrl"])
             try:
