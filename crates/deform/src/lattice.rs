@@ -1,0 +1,1 @@
+//! The bonded lattice: the default model.
