@@ -13,6 +13,7 @@ use palpate_volume::segment::Segment;
 use palpate_volume::voxels::{Voxels, VoxelsError};
 use triple_buffer::{Input, triple_buffer};
 
+use crate::deformation::Deformation;
 use crate::device_loop::DeviceLoop;
 use crate::error::SessionError;
 use crate::frame::Notice;
@@ -84,8 +85,9 @@ pub fn assemble(config: SessionConfig) -> Result<Assembly, SessionError> {
     let servo = ServoLoop::new(start, channels.servo, Arc::clone(&shared));
     let surfaces = Arc::new(Mutex::new(Surfaces::new(grid)));
     let ends = (status, notices.clone(), news);
+    let (deformation, deformation_loop) = Deformation::new(!config.real_time);
     let simulation = first_simulation(
-        scene,
+        (scene, deformation),
         (settings, limits),
         channels.simulation,
         ends,
@@ -111,6 +113,7 @@ pub fn assemble(config: SessionConfig) -> Result<Assembly, SessionError> {
             simulation: (simulation, simulation_meter),
             picture: (Arc::clone(&picture), picture_meter),
             surfaces: SurfaceLoop::new(news_inbox, Arc::clone(&surfaces)),
+            deformation: deformation_loop,
         },
         picture,
         surfaces,
@@ -140,13 +143,13 @@ fn servo_start(
 
 /// A simulation that brings the device to the probe, where the device is not in the scene.
 fn first_simulation(
-    scene: Scene,
+    (scene, deformation): (Scene, Deformation),
     (settings, limits): (Settings, DeviceLimits),
     channels: SimulationChannels,
     ends: PictureEnds,
     (reference, probe): (Reference, DVec3),
 ) -> Result<Simulation, SessionError> {
-    let mut simulation = Simulation::new(scene, settings, limits, channels, ends);
+    let mut simulation = Simulation::new((scene, deformation), settings, limits, channels, ends);
     if reference == Reference::View {
         simulation.place(probe, 0, true)?;
     }

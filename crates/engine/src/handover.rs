@@ -206,8 +206,8 @@ pub struct ServoStatus {
     pub device: DVec3,
     /// Where the probe is.
     pub proxy: DVec3,
-    /// Where the force comes from: the tool as matter meets it.
-    pub contact_point: DVec3,
+    /// The tool as matter meets it, where that gives way.
+    pub tool: DVec3,
     /// Whether an obstacle holds the probe back.
     pub contact: bool,
     /// The segment that is touched; 0 where there is none.

@@ -445,6 +445,16 @@ impl ServoLoop {
         });
     }
 
+    /// Where matter meets the tool: at the near end of the spring, or where the device is while
+    /// matter that gives way does not push yet.
+    fn tool(&self, inputs: &TickInputs, output: &TickOutput) -> DVec3 {
+        if self.state.soft.is_felt() {
+            self.device_in_scene(inputs) + output.spring
+        } else {
+            output.contact_point_in_scene
+        }
+    }
+
     fn publish_status(&mut self, inputs: &TickInputs, output: &TickOutput, sent_in_device: DVec3) {
         self.ends.status.write(ServoStatus {
             received: self.state.received,
@@ -456,7 +466,7 @@ impl ServoLoop {
             radius: self.state.radius,
             device: self.device_in_scene(inputs),
             proxy: output.proxy_in_scene,
-            contact_point: output.contact_point_in_scene,
+            tool: self.tool(inputs, output),
             contact: output.contact,
             touched: self.state.touched,
             time: inputs.time,
