@@ -48,7 +48,7 @@ def state(tick: int, samples: int = 4) -> protocol.State:
 
 def told(outbox: Outbox, count: int) -> list[Any]:
     async def receive() -> list[bytes]:
-        return [await asyncio.wait_for(outbox.next(), 1.0) for _ in range(count)]
+        return [await asyncio.wait_for(outbox.next(), 60.0) for _ in range(count)]
 
     return [msgspec.msgpack.decode(packed) for packed in asyncio.run(receive())]
 
