@@ -111,13 +111,16 @@ class Live:
         for outbox in self._outboxes:
             outbox.tell(message)
 
+    def _tell_from_threads(self) -> None:
+        while not self._from_threads.empty():
+            self._tell(self._from_threads.get())
+
     def _tell_state(self) -> bool:
         """Tells what is now and what changed; False where the session has ended."""
         frame = self.session.frame()
         for level, text in frame.pop("notices"):
             self._tell(protocol.Notice(level=level, text=text))
-        while not self._from_threads.empty():
-            self._tell(self._from_threads.get())
+        self._tell_from_threads()
         if not self.session.is_running:
             self._tell(protocol.Notice(level="error", text="the session has ended: start it again"))
             return False
@@ -153,6 +156,10 @@ class Live:
                 case protocol.Stroke(on):
                     await asyncio.to_thread(self.session.stroke, on=on)
                     self._presses = outbox if on else None
+                case protocol.Fence(number):
+                    # messages of a page are done one after another: answers go before
+                    self._tell_from_threads()
+                    outbox.tell(protocol.Passed(number, tick=self._following_tick()))
                 case _:
                     await asyncio.to_thread(self._do, message)
         except msgspec.DecodeError as error:
@@ -161,6 +168,12 @@ class Live:
             outbox.tell(protocol.Notice(level="error", text=str(error)))
         except RuntimeError as error:
             outbox.tell(protocol.Notice(level="error", text=str(error)))
+
+    def _following_tick(self) -> int:
+        """Returns the first tick that follows all that the session was told until now."""
+        # one has begun and may be past its commands; the next one takes them
+        ticks: int = self.session.lateness()["servo"]["ticks"]
+        return ticks + 1
 
     def _release(self) -> None:
         self._presses = None
