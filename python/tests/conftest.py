@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from socket import create_connection
+from socket import SO_RCVBUF, SOL_SOCKET, socket
 from threading import Event, Thread
 from typing import Any
 
@@ -160,14 +160,18 @@ class RunningServer:
 
 
 @contextmanager
-def page_at(address: str, port: int, **options: Any) -> Iterator[Page]:
-    """Connects to the live messages of any server on a port of this machine."""
+def page_at(address: str, port: int, *, room: int | None = None, **options: Any) -> Iterator[Page]:
+    """Connects to the live messages of any server on a port of this machine.
+
+    The system keeps ``room`` bytes for a page that does not read; by default many.
+    """
     settings = {"max_size": None, "open_timeout": PATIENCE} | options
-    with (
-        create_connection(("127.0.0.1", port)) as plain,
-        connect(f"ws://{address}", sock=plain, **settings) as socket,
-    ):
-        yield Page(socket)
+    with socket() as plain:
+        if room is not None:
+            plain.setsockopt(SOL_SOCKET, SO_RCVBUF, room)
+        plain.connect(("127.0.0.1", port))
+        with connect(f"ws://{address}", sock=plain, **settings) as connection:
+            yield Page(connection)
 
 
 class Page:

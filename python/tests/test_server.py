@@ -226,6 +226,25 @@ def test_settings_are_told_as_the_engine_holds_them(server: Any) -> None:
         assert page.receive("hello")["settings"] == wanted
 
 
+def test_a_fence_is_passed_when_all_before_it_is_done_and_told(server: Any) -> None:
+    with server.page() as page:
+        settings = page.receive("hello")["settings"] | {"stiffness": 0.25}
+        for number, z in enumerate((34.0, 36.0, 32.0)):
+            page.send({"type": "change_settings", "settings": settings})
+            page.send({"type": "place", "point": [20.0, 20.0, z]})
+            page.send({"type": "hand", "target": [21.0, 20.0, z]})
+            page.send({"type": "fence", "number": number})
+            kinds: list[str] = []
+            while "passed" not in kinds:
+                message = page.next()
+                kinds.append(message["type"])
+            assert message["number"] == number
+            assert "settings_changed" in kinds
+            tick = message["tick"]
+            state = page.receive("state", until=lambda m, tick=tick: m["tick"] >= tick)
+            assert state["hand"] == [21.0, 20.0, z]
+
+
 @pytest.mark.parametrize(
     ("message", "said"),
     [
@@ -269,15 +288,6 @@ def test_pages_are_told_that_the_session_has_ended(server: Any) -> None:
         page.receive("notice", until=lambda m: "the session has ended" in m["text"])
     # data is still there
     assert server.get("/api/volume?step=8").status_code == 200
-
-
-def test_a_page_that_does_not_read_slows_nobody(server: Any) -> None:
-    # a client that reads nothing cannot say goodbye either
-    with server.page(close_timeout=0.1) as lazy, server.page() as page:
-        lazy.receive("hello")
-        page.receive("state")
-        for _ in range(60):
-            page.receive("state")
 
 
 # --- ports ------------------------------------------------------------------------------
