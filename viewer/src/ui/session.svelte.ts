@@ -221,6 +221,7 @@ export class Session {
         break;
       case "passed":
         this.pass(message.number, message.tick);
+        this.settle();
         break;
       case "gap":
         this.gap = message;
@@ -279,7 +280,6 @@ export class Session {
     for (const waiter of passed) {
       waiter.passed(tick);
     }
-    this.settle();
   }
 
   /** Whether the engine has answered the last change of settings, and not only one before. */
