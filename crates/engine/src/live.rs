@@ -31,10 +31,12 @@ pub const PICTURE_HZ: u32 = 60;
 
 /// From the start of the threads to their first tick [ns].
 const HEAD_START_NS: u64 = 20_000_000;
-/// Longest wait for the threads to end; a driver that hangs is left behind.
-const STOP_PATIENCE: Duration = Duration::from_millis(800);
-/// Longest wait for the outcome of the priorities.
-const START_PATIENCE: Duration = Duration::from_millis(500);
+/// How often threads are looked after, a millisecond apart, until they end; a driver that hangs is
+/// left behind. Looks are counted and not time: on a machine that stood still, no thread hangs.
+const STOP_LOOKS: u32 = 800;
+/// Longest wait for the outcome of the priorities, which threads tell first of all. A machine that
+/// is late with its threads has not refused anything.
+const START_PATIENCE: Duration = Duration::from_secs(10);
 
 /// Something to do in the simulation thread.
 pub type Question = Box<dyn FnOnce(&mut Simulation) + Send>;
@@ -157,12 +159,13 @@ impl Live {
         // a question wakes the simulation; one that runs no more needs no waking
         self.ask(Box::new(|_| {}));
 
-        let deadline = clock::now_ns() + STOP_PATIENCE.as_nanos() as u64;
+        let mut looks = 0;
         let mut threads = self.threads.lock().unwrap_or_else(PoisonError::into_inner);
         let mut hanging = Vec::new();
         for (name, thread) in threads.drain(..) {
-            while !thread.is_finished() && clock::now_ns() < deadline {
+            while !thread.is_finished() && looks < STOP_LOOKS {
                 std::thread::sleep(Duration::from_millis(1));
+                looks += 1;
             }
             if thread.is_finished() {
                 // a panic was caught and reported where it happened
