@@ -9,11 +9,11 @@ use palpate_device::HapticDevice;
 use palpate_device::scripted::{PathSample, ScriptedDevice};
 use palpate_device::simulated::{SimulatedDevice, SimulatedSettings};
 use palpate_engine::feel::Feel;
+use palpate_engine::kept_surface::{SurfaceMaking, SurfaceSource};
 use palpate_engine::scene::{Properties, ThresholdRange};
 use palpate_engine::session::Session;
 use palpate_engine::session_config::{Reference, SessionConfig};
 use palpate_engine::settings::Settings;
-use palpate_surface::SurfaceSettings;
 use palpate_tools::journal_entry::ScanHash;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::segment::Segment;
@@ -317,28 +317,36 @@ impl PySession {
         })?)
     }
 
-    /// Shows a segment as a surface: smoothing degree and step [voxels] of its cells.
-    #[pyo3(signature = (segment_id, *, smoothing, step = 1))]
+    /// Shows a segment as a surface: smoothing degree and step [voxels] of its cells, and
+    /// whether it is made from bits although a threshold made the segment.
+    #[pyo3(signature = (segment_id, *, smoothing, step = 1, of_bits = false))]
     fn show_surface(
         &self,
         py: Python<'_>,
         segment_id: u8,
         smoothing: u8,
         step: u8,
+        of_bits: bool,
     ) -> Result<(), CoreError> {
-        let settings = SurfaceSettings {
-            smoothing,
-            step,
-            ..SurfaceSettings::default()
+        let source = if of_bits {
+            SurfaceSource::Bits
+        } else {
+            SurfaceSource::Intensities
         };
+        let making = SurfaceMaking::new(smoothing, step, source);
         Ok(py.detach(|| {
             self.session
-                .show_surface(SegmentId(segment_id), Some(settings))
+                .show_surface(SegmentId(segment_id), Some(making))
         })?)
     }
 
     fn hide_surface(&self, py: Python<'_>, segment_id: u8) -> Result<(), CoreError> {
         Ok(py.detach(|| self.session.show_surface(SegmentId(segment_id), None))?)
+    }
+
+    /// Has the picture follow edits every so many-th of its frames, 1 to 4.
+    fn follow_edits(&self, every: u32) {
+        self.session.follow_edits(every);
     }
 
     /// Names the segments whose labels edits tell, the last of several on top.

@@ -29,7 +29,7 @@ use crate::session_config::{Reference, SessionConfig};
 use crate::settings::Settings;
 use crate::shared::Shared;
 use crate::simulation::{PictureEnds, Simulation, SimulationStatus};
-use crate::surface_loop::SurfaceLoop;
+use crate::surface_loop::{SurfaceLoop, SurfacePace};
 use crate::surfaces::Surfaces;
 use crate::tape::TapeRecorder;
 use crate::touch_sender::touchable_of;
@@ -42,6 +42,8 @@ pub struct Assembly {
     pub picture: Arc<Mutex<Picture>>,
     /// Segments shown as surfaces, and what changed in the picture.
     pub surfaces: Arc<Mutex<Surfaces>>,
+    /// How often they follow the voxels.
+    pub pace: SurfacePace,
     /// Where the hand pulls to.
     pub hand: Input<HandTarget>,
     /// What all threads see.
@@ -83,7 +85,8 @@ pub fn assemble(config: SessionConfig) -> Result<Assembly, SessionError> {
     let device = DeviceLoop::new(device, channels.device, Arc::clone(&shared), dt, safety);
     let start = servo_start(&scene, reference, probe, settings);
     let servo = ServoLoop::new(start, channels.servo, Arc::clone(&shared));
-    let surfaces = Arc::new(Mutex::new(Surfaces::new(grid)));
+    let pace = SurfacePace::default();
+    let surfaces = Arc::new(Mutex::new(Surfaces::new(grid, scene.voxels().intensities().clone())));
     let ends = (status, notices.clone(), news);
     let (deformation, deformation_loop) = Deformation::new(!config.real_time);
     let simulation = first_simulation(
@@ -112,11 +115,12 @@ pub fn assemble(config: SessionConfig) -> Result<Assembly, SessionError> {
             servo: (servo, servo_meter),
             simulation: (simulation, simulation_meter),
             picture: (Arc::clone(&picture), picture_meter),
-            surfaces: SurfaceLoop::new(news_inbox, Arc::clone(&surfaces)),
+            surfaces: SurfaceLoop::new(news_inbox, Arc::clone(&surfaces), pace.clone()),
             deformation: deformation_loop,
         },
         picture,
         surfaces,
+        pace,
         hand: channels.hand,
         shared,
         notices,

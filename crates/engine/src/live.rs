@@ -114,7 +114,7 @@ impl Live {
             servo,
             simulation,
             picture,
-            surfaces,
+            mut surfaces,
             mut deformation,
         } = loops;
 
@@ -128,7 +128,7 @@ impl Live {
         })?;
         live.spawn("picture", move || run_picture(picture, &for_picture))?;
         let shared = Arc::clone(&live.shared);
-        live.spawn("surface", move || run_surfaces(&surfaces, &shared))?;
+        live.spawn("surface", move || run_surfaces(&mut surfaces, &shared))?;
         let shared = Arc::clone(&live.shared);
         live.spawn("deformation", move || {
             while !shared.stopping() && deformation.wait(PATIENCE) {}
@@ -300,7 +300,7 @@ fn run_simulation(
 /// Surfaces and deformation see the end of the session after so long, where nothing changes.
 const PATIENCE: Duration = Duration::from_millis(100);
 
-fn run_surfaces(surfaces: &SurfaceLoop, shared: &Shared) {
+fn run_surfaces(surfaces: &mut SurfaceLoop, shared: &Shared) {
     while !shared.stopping() && surfaces.wait(PATIENCE) {}
 }
 

@@ -9,7 +9,6 @@ use glam::{DAffine3, DMat3, DVec3, IVec3};
 use palpate_device::DeviceLimits;
 use palpate_haptics::ball::{BallError, BallShape};
 use palpate_haptics::scene::{MAX_OBJECTS, ObjectPose};
-use palpate_surface::settings::SurfaceSettings;
 use palpate_tools::journal_entry::Action;
 use palpate_tools::journal_file::JournalFile;
 use palpate_tools::undo::UndoJournal;
@@ -25,6 +24,7 @@ use crate::feel::Feel;
 use crate::frame::Notice;
 use crate::grip::Grip;
 use crate::handover::{ServoCommand, SimulationChannels};
+use crate::kept_surface::{SegmentVoxels, SurfaceMaking};
 use crate::moved_poses::CurrentPoses;
 use crate::placement::{REACH, free_point};
 use crate::scene::{Properties, Scene, Step, ThresholdRange};
@@ -89,6 +89,8 @@ pub struct SegmentState {
     pub pending: bool,
     /// The threshold that it is; none where its voxels come from elsewhere.
     pub range: Option<ThresholdRange>,
+    /// The threshold that made it, whatever edits did since.
+    pub made_by: Option<ThresholdRange>,
     /// How its surface feels.
     pub feel: Feel,
     /// Where it was moved [mm, from the scan to the scene]; none where the scan has it.
@@ -186,6 +188,7 @@ impl Simulation {
                 touchable: properties.touchable,
                 pending: self.touch.is_pending(id),
                 range: properties.range,
+                made_by: properties.made_by,
                 feel: properties.feel,
                 pose: properties.pose,
             })
@@ -314,14 +317,24 @@ impl Simulation {
     pub fn show_surface(
         &mut self,
         id: SegmentId,
-        settings: Option<SurfaceSettings>,
+        making: Option<SurfaceMaking>,
     ) -> Result<(), SessionError> {
-        settings.as_ref().map_or(Ok(()), SurfaceSettings::check)?;
-        let segment = self.voxels().segment(id);
-        let segment = segment.ok_or(VoxelsError::UnknownSegment(id.0))?;
-        let shown = settings.map(|settings| (settings, segment.occupancy().clone()));
+        if let Some(making) = &making {
+            making.settings.check()?;
+        }
+        let voxels = self.voxels_of(id)?;
+        let shown = making.map(|making| (making, voxels));
         self.tell_picture(SceneNews::Show(id, shown));
         Ok(())
+    }
+
+    /// The voxels of a segment with the threshold that made them.
+    ///
+    /// # Errors
+    /// Where there is no such segment.
+    pub fn voxels_of(&self, id: SegmentId) -> Result<SegmentVoxels, SessionError> {
+        let voxels = self.scene.voxels_of(id);
+        voxels.ok_or(VoxelsError::UnknownSegment(id.0).into())
     }
 
     /// Names the segments that the picture shows by their labels: edits tell of these.
