@@ -13,11 +13,12 @@
 //! Frame: grid.
 
 use super::cache::Source;
+use super::cell_shape::{CELLS, CellShape};
 use super::cell_shares::CellShares;
 use super::field::{Field, FieldSample, Kernel};
 use super::spline::{Nodes, Place, Width};
 use super::tents::{Cells, unit_of};
-use super::window::{CELLS, CellShape, Window};
+use super::window::Window;
 use crate::voxel_distance::voxel_of;
 use glam::{DVec3, IVec3, Vec3A};
 use palpate_volume::occupancy::Occupancy;
