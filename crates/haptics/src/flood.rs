@@ -9,6 +9,9 @@ use crate::bit_rows::Rows;
 /// is then a part of what could be, and still legal.
 const MAX_GROWTHS: usize = 24;
 
+/// Voxels by which a layer grows before all of it is swept, which takes as long as some of them.
+const WIDENINGS: usize = 2;
+
 /// The voxels of a window of 8×8×8, a word for each z, bit y·8 + x, that are reached from
 /// `start` through faces and free voxels; `start` is one bit of the word `z`, and counts as free.
 pub(crate) fn reached(free: &[u64; 8], z: usize, start: u64) -> [u64; 8] {
@@ -58,7 +61,7 @@ fn grow<const LOG: u32, const WORDS: usize>(
     free: &[u64; WORDS],
 ) -> bool {
     // from one layer to the next there is little to grow
-    if !widen::<LOG, WORDS>(reached, free) || !widen::<LOG, WORDS>(reached, free) {
+    if !(0..WIDENINGS).all(|_| widen::<LOG, WORDS>(reached, free)) {
         return false;
     }
     let to_next = 64 - Rows::<LOG>::BITS;

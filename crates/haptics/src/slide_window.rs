@@ -74,6 +74,13 @@ fn packed(bits: [u8; 8]) -> u64 {
     u64::from_le_bytes(bits).wrapping_mul(0x0102_0408_1020_4080) >> 56
 }
 
+/// Eight bits as rows of eight.
+fn whole_rows(rows: u64) -> u64 {
+    // each row has the bit of its own number, and so a highest bit where 127 is added
+    let own = (rows * ROWS) & 0x8040_2010_0804_0201;
+    ((own + 0x7f * ROWS) >> 7 & ROWS) * 0xff
+}
+
 /// The smallest and the largest of the distances to layers.
 fn span_of(layers: &[f64; 8]) -> [f64; 2] {
     let smaller = |a: f64, &b: &f64| if b < a { b } else { a };
@@ -113,37 +120,37 @@ impl LayerDistances {
     ///
     /// Sums are taken in the order of [`Self::of`], so that a voxel is never found nearer than
     /// itself; they do not fall where a part of them rises, so that those of the nearest and of
-    /// the farthest column can decide for all between.
+    /// the farthest layer can decide for all between.
     pub(crate) fn nearer(&self, voxels: &[u64; 8], limit: f64) -> [u64; 8] {
-        let [x, y] = [span_of(&self.x), span_of(&self.y)];
+        let [x, y, z] = [&self.x, &self.y, &self.z].map(span_of);
+        // a box around what is nearer, without branches
+        let columns = packed(self.x.map(|x| u8::from(x + y[0] + z[0] < limit))) * ROWS;
+        let rows = whole_rows(packed(self.y.map(|y| u8::from(x[0] + y + z[0] < limit))));
+        let layers = self.z.map(|z| x[0] + y[0] + z < limit);
+        let in_box: [u64; 8] = std::array::from_fn(|z| {
+            let layer = u64::from(layers[z]).wrapping_neg();
+            voxels[z] & columns & rows & layer
+        });
         std::array::from_fn(|z| {
-            let (word, z) = (voxels[z], self.z[z]);
-            if word == 0 || x[0] + y[0] + z >= limit {
-                0
-            } else if x[1] + y[1] + z < limit {
+            let (word, z) = (in_box[z], self.z[z]);
+            if word == 0 || x[1] + y[1] + z < limit {
                 word
             } else {
-                word & self.rows_within(word, z, x, limit)
+                self.within(word, z, limit)
             }
         })
     }
 
-    /// The part of one word within `limit`; rows without a voxel are skipped. `span` has the
-    /// distances of the nearest and of the farthest column.
-    fn rows_within(&self, word: u64, z: f64, span: [f64; 2], limit: f64) -> u64 {
-        let mut within = 0;
-        for (row, y) in self.y.iter().enumerate() {
-            if (word >> (8 * row)) & 0xff == 0 || span[0] + y + z >= limit {
-                continue;
-            }
-            let nearer = if span[1] + y + z < limit {
-                0xff
-            } else {
-                packed(self.x.map(|x| u8::from(x + y + z < limit)))
-            };
-            within |= nearer << (8 * row);
+    /// The part of one word within `limit`.
+    fn within(&self, word: u64, z: f64, limit: f64) -> u64 {
+        let (mut within, mut left) = (0, word);
+        while left != 0 {
+            let row = left.trailing_zeros() / 8;
+            left &= !(0xff << (8 * row));
+            let y = self.y[row as usize & 7];
+            within |= packed(self.x.map(|x| u8::from(x + y + z < limit))) << (8 * row);
         }
-        within
+        word & within
     }
 
     /// The nearest of some voxels, by its offset; the first of several.

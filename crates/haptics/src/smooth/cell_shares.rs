@@ -9,7 +9,7 @@
 
 use super::cache::Source;
 use super::cell_shape::{CELLS, CellShape};
-use super::surface_rows::SurfaceRow;
+use super::surface_rows::{CellsOfRow, SurfaceRow};
 use super::tents::{Changes, unit_of};
 use glam::IVec3;
 use palpate_volume::occupancy::Occupancy;
@@ -104,9 +104,11 @@ impl CellShares {
             ..
         } = kept.moved_to(first, shape);
         if known != surface {
-            for cell in surface.differing(known, shape) {
-                let change = change_of(occupancy, shape, first, (surface, cell));
-                changes.set(16 * cell, change);
+            let cells = surface.differing(known, shape);
+            let shares = shares_of(occupancy, shape, first, (surface, cells));
+            for cell in cells.places(shape) {
+                let change = shares[cell as usize & 7] * f32::from(unit_of(shape.volume()));
+                changes.set(cell, rounded(change));
             }
         }
         *kept = KeptRow {
@@ -118,21 +120,21 @@ impl CellShares {
     }
 }
 
-/// What a cell of a row counts beyond its bits.
+/// How many voxels some cells of a row count beyond their bits; 0 for others.
 #[inline(never)]
-fn change_of(
+fn shares_of(
     occupancy: &(impl Occupancy + ?Sized),
     shape: CellShape,
     first: IVec3,
-    (surface, cell): (SurfaceRow, u32),
-) -> i32 {
-    let mut change = 0.0_f32;
-    surface.visit(shape, first, cell, |voxel, solid| {
+    (surface, cells): (SurfaceRow, CellsOfRow),
+) -> [f32; 8] {
+    let mut sums = [0.0; 8];
+    surface.visit(shape, first, cells, |cell, voxel, solid| {
         if let Some(share) = occupancy.share(voxel, solid) {
-            change += share - f32::from(u8::from(solid));
+            sums[cell & 7] += share - f32::from(u8::from(solid));
         }
     });
-    rounded(change * f32::from(unit_of(shape.volume())))
+    sums
 }
 
 /// The whole number next to a small one, of two the even one, without a call.
@@ -253,7 +255,7 @@ mod tests {
                         continue;
                     }
                     let plain = plainly(&occupancy, &window, shape, first + cell);
-                    let change = told[place as usize / 8].get(16 * cell.x as u32);
+                    let change = told[place as usize / 8].get(cell.x as u32);
                     assert_eq!(change, plain, "step {step}, cell {cell}, {spacing} mm");
                     counted += i32::from(plain != 0);
                 }

@@ -16,82 +16,102 @@ const MAX_CELL_LAYER: usize = MAX_WORDS / CELLS as usize;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct SurfaceRow {
     /// Voxels that are reached, next to those that are not.
-    free: u128,
+    free: [u64; 2],
     /// Solid ones next to those that are reached.
-    solid: u128,
+    solid: [u64; 2],
 }
 
 impl SurfaceRow {
     /// No voxel.
-    pub(super) const NONE: Self = Self { free: 0, solid: 0 };
+    pub(super) const NONE: Self = Self {
+        free: [0; 2],
+        solid: [0; 2],
+    };
 
     /// Those of the cells so many places on, and none where there were none.
     pub(super) fn moved(self, shape: CellShape, cells: i32) -> Self {
-        let [log_x, ..] = shape.log;
-        let row = (1_u64 << (CELLS << log_x)) - 1;
-        let away = cells.unsigned_abs() << log_x;
         if cells.abs() >= CELLS {
             return Self::NONE;
         }
-        if cells >= 0 {
-            let left = in_each_row(shape, row >> away);
-            Self {
-                free: self.free >> away & left,
-                solid: self.solid >> away & left,
-            }
-        } else {
-            let left = in_each_row(shape, row << away & row);
-            Self {
-                free: self.free << away & left,
-                solid: self.solid << away & left,
-            }
+        let [log_x, ..] = shape.log;
+        let row = (1_u64 << (CELLS << log_x)) - 1;
+        let away = cells.unsigned_abs() << log_x;
+        // nothing goes from one row of voxels to the next
+        let (left, right, kept) = match cells >= 0 {
+            true => (0, away, row >> away),
+            false => (away, 0, row << away & row),
+        };
+        let kept = in_each_row(shape, kept);
+        let moved = |word: u64| word << left >> right & kept;
+        Self {
+            free: self.free.map(moved),
+            solid: self.solid.map(moved),
         }
     }
 
-    /// The cells that have other voxels, by their place in the row.
+    /// The cells that have other voxels.
     #[inline]
-    pub(super) fn differing(self, other: Self, shape: CellShape) -> impl Iterator<Item = u32> {
+    pub(super) fn differing(self, other: Self, shape: CellShape) -> CellsOfRow {
         let [log_x, ..] = shape.log;
-        let bits = (self.free ^ other.free) | (self.solid ^ other.solid);
-        let mut left = bits as u64 | (bits >> 64) as u64;
+        let differ = |a: [u64; 2], b: [u64; 2]| (a[0] ^ b[0]) | (a[1] ^ b[1]);
+        let mut bits = differ(self.free, other.free) | differ(self.solid, other.solid);
         // the rows of voxels on one another
-        left |= left >> 32;
-        left |= if log_x < 2 { left >> 16 } else { 0 };
-        left |= if log_x < 1 { left >> 8 } else { 0 };
-        left &= (1 << (CELLS << log_x)) - 1;
-        std::iter::from_fn(move || {
-            let cell = (left != 0).then(|| left.trailing_zeros() >> log_x)?;
-            left &= !(of_cell(shape, cell));
-            Some(cell)
-        })
+        bits |= bits >> 32;
+        bits |= if log_x < 2 { bits >> 16 } else { 0 };
+        bits |= if log_x < 1 { bits >> 8 } else { 0 };
+        let mut cells = bits & ((1 << (CELLS << log_x)) - 1);
+        // all columns of a cell where there is one
+        if log_x > 1 {
+            cells |= cells >> 2 & 0x3333_3333 | (cells & 0x3333_3333) << 2;
+        }
+        if log_x > 0 {
+            cells |= cells >> 1 & 0x5555_5555 | (cells & 0x5555_5555) << 1;
+        }
+        CellsOfRow(cells)
     }
 
-    /// Tells the voxels of a cell and whether they are solid, z by z and row by row, where the
-    /// row has its first cell at a number.
+    /// Tells the voxels of some cells with the place of their cell, and whether they are solid,
+    /// z by z and row by row, where the row has its first cell at a number.
     #[inline]
     pub(super) fn visit(
         self,
         shape: CellShape,
         first: IVec3,
-        cell: u32,
-        mut tell: impl FnMut(IVec3, bool),
+        cells: CellsOfRow,
+        mut tell: impl FnMut(usize, IVec3, bool),
     ) {
         let min = first * shape.voxels();
         let [log_x, log_y, _] = shape.log;
         let [last_x, last_y] = [(CELLS << log_x) - 1, (1 << log_y) - 1];
-        let mask = in_each_row(shape, of_cell(shape, cell));
-        for half in [0, 64] {
-            let mut left = (((self.free | self.solid) & mask) >> half) as u64;
-            let solid = (self.solid >> half) as u64;
+        let cells = in_each_row(shape, cells.0);
+        for (half, (free, solid)) in (0..).zip(self.free.into_iter().zip(self.solid)) {
+            let mut left = (free | solid) & cells;
             while left != 0 {
                 let place = left.trailing_zeros();
                 left &= left - 1;
-                let bit = (place + half) as i32;
-                let row = bit >> (3 + log_x);
-                let voxel = min + IVec3::new(bit & last_x, row & last_y, row >> log_y);
-                tell(voxel, solid >> place & 1 == 1);
+                let bit = 64 * half + place as i32;
+                let (x, row) = (bit & last_x, bit >> (3 + log_x));
+                let voxel = min + IVec3::new(x, row & last_y, row >> log_y);
+                tell((x >> log_x) as usize, voxel, solid >> place & 1 == 1);
             }
         }
+    }
+}
+
+/// Some cells of a row: all their bits in a row of voxels.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CellsOfRow(u64);
+
+impl CellsOfRow {
+    /// Their places in the row.
+    pub(super) fn places(self, shape: CellShape) -> impl Iterator<Item = u32> {
+        let [log_x, ..] = shape.log;
+        let mut left = self.0;
+        std::iter::from_fn(move || {
+            let cell = (left != 0).then(|| left.trailing_zeros() >> log_x)?;
+            left &= !of_cell(shape, cell);
+            Some(cell)
+        })
     }
 }
 
@@ -104,14 +124,12 @@ fn of_cell(shape: CellShape, cell: u32) -> u64 {
 
 /// The same bits in each row of voxels of a row of cells.
 #[inline]
-fn in_each_row(shape: CellShape, row: u64) -> u128 {
-    let in_word = row
-        * match shape.log {
-            [0, ..] => 0x0101_0101_0101_0101,
-            [1, ..] => 0x0001_0001_0001_0001,
-            _ => 0x0000_0001_0000_0001,
-        };
-    u128::from(in_word) << 64 | u128::from(in_word)
+fn in_each_row(shape: CellShape, row: u64) -> u64 {
+    row * match shape.log {
+        [0, ..] => 0x0101_0101_0101_0101,
+        [1, ..] => 0x0001_0001_0001_0001,
+        _ => 0x0000_0001_0000_0001,
+    }
 }
 
 /// Voxels at the surface, one bit each.
@@ -139,7 +157,7 @@ impl Window {
         let [log_x, log_y, log_z] = self.shape.log;
         let (layer, log_bits) = (self.shape.layer(), LOG + log_y);
         let inner = !(of_cell(self.shape, 0) | of_cell(self.shape, 7));
-        let inner = in_each_row(self.shape, inner & ((1 << (CELLS << log_x)) - 1)) as u64;
+        let inner = in_each_row(self.shape, inner & ((1 << (CELLS << log_x)) - 1));
         let mut words = [Surface::default(); MAX_CELL_LAYER];
         for z in 1..7 {
             let first = (z << log_z) * layer;
@@ -155,22 +173,18 @@ impl Window {
                 let mut row = SurfaceRow::NONE;
                 for in_cell in 0..1 << log_z {
                     // the rows of voxels of this row of cells stand side by side
-                    let bit = y << log_bits;
-                    let word = in_cell * layer + bit / 64;
-                    let at = |word: usize| words[word & (MAX_CELL_LAYER - 1)];
-                    let to = in_cell << log_bits;
+                    let [from, to] = [y, in_cell].map(|number| number << log_bits);
+                    let at = |word: usize| words[(in_cell * layer + word) & (MAX_CELL_LAYER - 1)];
                     if log_bits > 6 {
-                        let [low, high] = [at(word), at(word + 1)];
-                        let both = |low: u64, high: u64| u128::from(high) << 64 | u128::from(low);
-                        row.free |= both(low.free, high.free) << to;
-                        row.solid |= both(low.solid, high.solid) << to;
+                        let both = [at(from / 64), at(from / 64 + 1)];
+                        row.free = both.map(|word| word.free);
+                        row.solid = both.map(|word| word.solid);
                     } else {
-                        let bits = |word: u64| {
-                            u128::from(word >> (bit & 63) & (u64::MAX >> (64 - (1 << log_bits))))
-                        };
-                        let Surface { free, solid } = at(word);
-                        row.free |= bits(free) << to;
-                        row.solid |= bits(solid) << to;
+                        let bits = u64::MAX >> (64 - (1 << log_bits)) << (from & 63);
+                        let place = |word: u64| (word & bits) >> (from & 63) << (to & 63);
+                        let Surface { free, solid } = at(from / 64);
+                        row.free[to / 64 & 1] |= place(free);
+                        row.solid[to / 64 & 1] |= place(solid);
                     }
                 }
                 if row != SurfaceRow::NONE {

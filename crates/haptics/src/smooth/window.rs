@@ -43,13 +43,17 @@ impl Window {
         self.first
     }
 
-    /// Whether reading this window again would give the same.
-    pub(crate) fn is_for(&self, shape: CellShape, first: IVec3, seed: IVec3) -> bool {
-        let Some(old_seed) = self.seed else {
-            return false;
-        };
-        let same_place = self.shape == shape && self.first == first;
-        same_place && (old_seed == seed || self.complete && self.is_reached(seed))
+    /// Whether it stands there.
+    #[inline]
+    pub(crate) fn is_at(&self, shape: CellShape, first: IVec3) -> bool {
+        self.first == first && self.shape == shape
+    }
+
+    /// Whether reading it again from this seed would give the same.
+    #[inline]
+    pub(crate) fn is_from(&self, seed: IVec3) -> bool {
+        let is_same = |old| old == seed || self.complete && self.is_reached(seed);
+        self.seed.is_some_and(is_same)
     }
 
     /// Reads the window from cell `first` on, where all that `seed` does not reach through
