@@ -25,7 +25,7 @@ use crate::handover::{
 };
 use crate::mapping::Mapping;
 use crate::model::LimitedModel;
-use crate::moved_poses::MovedPoses;
+use crate::moved_poses::{CurrentPoses, MovedPoses};
 use crate::owners::Owners;
 use crate::probe::Probe;
 use crate::servo_state::{ServoState, TickInputs};
@@ -70,6 +70,8 @@ pub struct ServoLoop {
     owners: Owners,
     /// Whether the state is asked for at the end of this tick.
     marked: bool,
+    /// Whether a moved segment stands elsewhere than was told.
+    moved: bool,
     ends: Ends,
     shared: Arc<Shared>,
 }
@@ -82,6 +84,7 @@ struct Ends {
     hand: triple_buffer::Output<HandTarget>,
     inbox: rtrb::Consumer<ServoCommand>,
     status: triple_buffer::Input<ServoStatus>,
+    poses: triple_buffer::Input<CurrentPoses>,
     records: rtrb::Producer<TickRecord>,
     snapshots: rtrb::Producer<Snapshot>,
 }
@@ -133,6 +136,7 @@ impl ServoLoop {
             inbox,
             garbage,
             status,
+            poses,
             records,
             snapshots,
         } = channels;
@@ -148,12 +152,14 @@ impl ServoLoop {
             cache: TickCache::default(),
             owners: Owners::default(),
             marked: false,
+            moved: true,
             ends: Ends {
                 samples,
                 forces,
                 hand,
                 inbox,
                 status,
+                poses,
                 records,
                 snapshots,
             },
@@ -191,6 +197,7 @@ impl ServoLoop {
         self.give_way(inputs.time, &input, &mut output);
 
         self.publish_force(inputs, &output);
+        self.publish_poses();
         self.publish_status(inputs, &output, sent_in_device);
         self.record(inputs, &output, sent_in_device);
         self.state.tick += 1;
@@ -225,6 +232,7 @@ impl ServoLoop {
     /// Takes a step of each segment that moves; the one that is touched takes along what friction
     /// holds.
     fn move_segments(&mut self) {
+        self.moved |= self.state.poses.is_moving();
         let (proxy, touched) = (&mut self.state.touch.proxy, SegmentId(self.state.touched));
         let carried =
             self.occupancy
@@ -275,6 +283,7 @@ impl ServoLoop {
                 mut touchable,
             }) => {
                 self.state.poses.follow_root(&mut touchable, &self.grid);
+                self.moved = true;
                 self.state.received = sequence;
                 self.occupancy.take_root(sequence, touchable, &mut probe);
             }
@@ -455,6 +464,13 @@ impl ServoLoop {
         }
     }
 
+    /// Before the status, so that who reads that one finds poses as new.
+    fn publish_poses(&mut self) {
+        if std::mem::take(&mut self.moved) {
+            self.ends.poses.write(self.state.poses.current());
+        }
+    }
+
     fn publish_status(&mut self, inputs: &TickInputs, output: &TickOutput, sent_in_device: DVec3) {
         self.ends.status.write(ServoStatus {
             received: self.state.received,
@@ -472,7 +488,6 @@ impl ServoLoop {
             time: inputs.time,
             normal: output.normal,
             sent_force: sent_in_device.length(),
-            poses: self.state.poses.current(),
             axes: self.state.mapping.rotation,
             orientation: inputs.orientation,
             origin: self.state.mapping.offset,

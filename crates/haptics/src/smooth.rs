@@ -18,6 +18,7 @@
 
 pub mod blur;
 pub mod cache;
+mod cell_shape;
 mod cell_shares;
 mod descent;
 pub mod field;
@@ -25,6 +26,7 @@ mod half_spaces;
 mod rows;
 pub mod shares;
 mod spline;
+mod surface_rows;
 mod tents;
 mod window;
 

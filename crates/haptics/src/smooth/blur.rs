@@ -13,11 +13,12 @@
 //! Frame: grid.
 
 use super::cache::Source;
+use super::cell_shape::{CELLS, CellShape};
 use super::cell_shares::CellShares;
 use super::field::{Field, FieldSample, Kernel};
 use super::spline::{Nodes, Place, Width};
 use super::tents::{Cells, unit_of};
-use super::window::{CELLS, CellShape, Window};
+use super::window::Window;
 use crate::voxel_distance::voxel_of;
 use glam::{DVec3, IVec3, Vec3A};
 use palpate_volume::occupancy::Occupancy;
@@ -50,10 +51,9 @@ impl BlurField {
 
     /// Whether this is the field that [`Self::around`] makes for a point of the same solid.
     pub(crate) fn is_around(&self, point: DVec3, spacing: DVec3) -> bool {
-        self.spacing == spacing && {
-            let (first, seed) = (first_cell(point, self.shape), voxel_of(point));
-            self.window.is_for(self.shape, first, seed)
-        }
+        self.spacing == spacing
+            && self.window.is_at(self.shape, first_cell(point, self.shape))
+            && self.window.is_from(voxel_of(point))
     }
 
     /// Makes it the field around a point in a free voxel, with what is known of the shares of
