@@ -16,6 +16,7 @@
 //! Frames: points in the world's grid; vectors in mm along its axes. Closed, like a tick.
 //! Source: `docs/decisions/smooth-force.md` has the measurements.
 
+mod aim;
 pub mod blur;
 pub mod cache;
 mod cell_shares;
@@ -86,6 +87,8 @@ pub struct Smoother {
     pub longest_step: f32,
     /// A step shorter than this is the last [cells].
     pub tolerance: f32,
+    /// A ball's contact that is wrong by less is good [cells].
+    pub turned: f32,
     /// Farthest from the proxy [cells].
     pub reach: f32,
     /// The proxy's distance from the smooth surface [cells]: up to where that is believed, and
@@ -114,6 +117,7 @@ impl Smoother {
         max_steps: 6,
         longest_step: 0.75,
         tolerance: 3e-3,
+        turned: 0.05,
         // the proxy is up to three voxels behind (docs/decisions/sliding.md)
         reach: 1.5,
         // on a plane the proxy is at most half a voxel's diagonal below the surface

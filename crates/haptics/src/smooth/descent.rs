@@ -97,9 +97,42 @@ struct Search<'a, F, const N: usize> {
     smoother: &'a Smoother,
     fields: [Option<&'a PlacedField<'a, F>>; N],
     device: Vec3A,
+    /// From a ball's middle to where it touches each body [mm]; zero for a point.
+    contacts: [Vec3A; N],
+    /// How they were last found to be wrong, and what share of that was taken.
+    turns: [Turn; N],
+    /// The largest of those [mm²].
+    largest_turn: f32,
     /// The shortest edge of a cell [mm].
     length: f32,
     samples: u32,
+}
+
+/// How a contact turns from step to step.
+#[derive(Clone, Copy, Debug)]
+struct Turn {
+    way: Vec3A,
+    share: f32,
+}
+
+impl Turn {
+    const NONE: Self = Self {
+        way: Vec3A::ZERO,
+        share: 1.0,
+    };
+
+    /// The share to take of the next turn, so that the one after it is none where all goes on
+    /// evenly: on a bent surface turns swing back by the ball's radius over that of the bend.
+    fn next(&self, way: Vec3A) -> Self {
+        let square = self.way.length_squared();
+        let ratio = self.way.dot(way) / square;
+        let share = if square > 0.0 && ratio < 0.9 {
+            (self.share / (1.0 - ratio)).clamp(0.2, 1.5)
+        } else {
+            self.share
+        };
+        Self { way, share }
+    }
 }
 
 impl<'a, F: Field, const N: usize> Search<'a, F, N> {
@@ -113,6 +146,9 @@ impl<'a, F: Field, const N: usize> Search<'a, F, N> {
             smoother,
             fields,
             device: query.device.as_vec3a(),
+            contacts: fields.map(|field| field.map_or(Vec3A::ZERO, |field| field.contact)),
+            turns: [Turn::NONE; N],
+            largest_turn: 0.0,
             length: lengths.fold(f32::INFINITY, f32::min),
             samples: 0,
         }
@@ -169,6 +205,7 @@ impl<'a, F: Field, const N: usize> Search<'a, F, N> {
     fn settle(&mut self, mut surfaces: Surfaces<N>) -> (Vec3A, Surfaces<N>) {
         let tolerance = self.smoother.tolerance * self.length;
         let longest = self.smoother.longest_step * self.length;
+        let turned = self.smoother.turned * self.length;
         let mut at = Vec3A::ZERO;
         let mut last_step = Vec3A::ZERO;
         let mut ease = 1.0;
@@ -181,12 +218,13 @@ impl<'a, F: Field, const N: usize> Search<'a, F, N> {
             let next = self.within_reach(at + step * ease);
             let [before, square] = [last_step, next - at].map(Vec3A::length_squared);
             last_step = next - at;
-            if square < tolerance * tolerance {
+            let settled = self.largest_turn <= turned * turned;
+            if settled && square < tolerance * tolerance {
                 break;
             }
             at = next;
             // steps shrink by about the same share: the next one would be too short
-            if ease == 1.0 && square * square < tolerance * tolerance * before {
+            if settled && ease == 1.0 && square * square < tolerance * tolerance * before {
                 for surface in surfaces.iter_mut().flatten() {
                     surface.move_point(last_step);
                 }
@@ -197,12 +235,38 @@ impl<'a, F: Field, const N: usize> Search<'a, F, N> {
         (at, surfaces)
     }
 
+    /// The surfaces as seen from the probe's middle, each where the probe touches it.
     #[inline]
     fn surfaces(&mut self, at: Vec3A) -> Surfaces<N> {
-        self.fields.map(|field| {
-            self.samples += u32::from(field.is_some());
-            field?.surface(at, self.smoother)
-        })
+        self.largest_turn = 0.0;
+        let mut surfaces = [None; N];
+        for (number, field) in self.fields.into_iter().enumerate() {
+            let Some(field) = field else { continue };
+            self.samples += 1;
+            let contact = self.contacts[number];
+            surfaces[number] = field.surface(at + contact, self.smoother);
+            if contact != Vec3A::ZERO
+                && let Some(surface) = &mut surfaces[number]
+            {
+                self.turn(number, surface);
+            }
+        }
+        surfaces
+    }
+
+    /// Turns the contact of a ball with a body toward where its surface is nearest, as seen from
+    /// the old one, and tells the surface as seen from the ball's middle.
+    fn turn(&mut self, number: usize, surface: &mut Surface) {
+        let contact = self.contacts[number];
+        let radius = contact.length();
+        // the ball is under by more where the plane is not square to the contact
+        surface.depth += radius + surface.outward.dot(contact);
+        let wanted = surface.outward * -radius;
+        let turn = self.turns[number].next(wanted - contact);
+        self.turns[number] = turn;
+        self.largest_turn = self.largest_turn.max(turn.way.length_squared());
+        let turned = contact + turn.way * turn.share;
+        self.contacts[number] = turned.normalize_or_zero() * radius;
     }
 
     /// A point no farther from the proxy than allowed.
@@ -214,14 +278,18 @@ impl<'a, F: Field, const N: usize> Search<'a, F, N> {
     fn corrected(&mut self, at: Vec3A, surfaces: &Surfaces<N>) -> Vec3A {
         let largest = self.smoother.largest_correction * self.length;
         let mut corrected = *surfaces;
-        for (surface, field) in corrected.iter_mut().zip(&self.fields) {
+        for ((surface, field), contact) in corrected
+            .iter_mut()
+            .zip(&self.fields)
+            .zip(&self.contacts)
+        {
             let (Some(surface), Some(field)) = (surface, field) else {
                 continue;
             };
             if surface.wide == 0.0 {
                 continue;
             }
-            let pull = field.pull(at, surface, self.smoother.baseline * self.length);
+            let pull = field.pull(at + *contact, surface, self.smoother.baseline * self.length);
             // what stairs may have bent is left alone
             let share = surface.wide * smooth_step(self.smoother.curved, pull.abs() / self.length);
             surface.depth += (share * pull).clamp(-largest, largest);
