@@ -3,8 +3,8 @@
 //!
 //! A ball's middle is a radius away from there, in a direction that has to be known before any
 //! field is. It is that of the solid voxels around: from the middle to the mean place of those
-//! in a somewhat larger ball. Nothing depends on it but where the window stands, and where the
-//! search begins.
+//! in a somewhat larger ball; how far away that is tells how far the surface is. Nothing depends
+//! on it but where the window stands, and where the search begins.
 //!
 //! Frames: the body's grid; ways in mm along its axes.
 
@@ -26,9 +26,9 @@ pub(super) struct Aim {
     pub(super) contact: DVec3,
 }
 
-/// Where the device may be beside the ball's middle [cells] for the window to follow.
-const FARTHEST_ASIDE: f64 = 1.5;
-/// The seed is at most so far above the contact [cells], so that the window holds it.
+/// How far aside of the ball's middle the window follows the device [cells].
+const FARTHEST_ASIDE: f64 = 2.5;
+/// The seed is at most so far above the surface [cells], so that the window holds it.
 const SEED_ABOVE: f64 = 2.0;
 /// Voxels up to so far beyond the ball's surface tell the direction [cells].
 const BEYOND: f64 = 1.5;
@@ -45,7 +45,16 @@ struct Kept {
     source: Source,
     radius_mm: f64,
     voxel: IVec3,
+    solid: Nearest,
+}
+
+/// Where what is solid around a ball begins.
+#[derive(Clone, Copy, Debug)]
+struct Nearest {
+    /// The direction from the ball's middle; zero where nothing is.
     toward: DVec3,
+    /// How far it is from the middle [mm].
+    distance: f64,
 }
 
 impl Aims {
@@ -80,60 +89,82 @@ impl Aims {
         let known = self.kept[body].filter(|kept| {
             (kept.source, kept.voxel, kept.radius_mm) == (source, voxel, radius_mm)
         });
-        let toward = match known {
-            Some(kept) => kept.toward,
-            None => toward_solid(occupancy, spacing, radius_mm, voxel),
+        let solid = match known {
+            Some(kept) => kept.solid,
+            None => Nearest::around(occupancy, spacing, radius_mm, voxel),
         };
         self.kept[body] = Some(Kept {
             source,
             radius_mm,
             voxel,
-            toward,
+            solid,
         });
-        let cell = CellShape::for_spacing(spacing).voxels().as_dvec3() * spacing;
-        let cell = cell.min_element();
+        let Nearest { toward, distance } = solid;
+        let cell = (CellShape::for_spacing(spacing).voxels().as_dvec3() * spacing).min_element();
         let way = (device - middle) * spacing;
         let aside = (way - toward * way.dot(toward)).clamp_length_max(FARTHEST_ASIDE * cell);
-        let contact = toward * radius_mm;
-        let to_seed = toward * (radius_mm - SEED_ABOVE * cell).max(0.0);
+        // in the ball, where nothing is solid
+        let seed = (distance - SEED_ABOVE * cell).clamp(0.0, 0.9 * radius_mm);
         Aim {
-            point: middle + (contact + aside) / spacing,
-            seed: voxel_of(middle + to_seed / spacing),
-            contact,
+            point: middle + (toward * distance + aside) / spacing,
+            seed: voxel_of(middle + toward * seed / spacing),
+            contact: toward * radius_mm,
         }
     }
 }
 
-/// The direction from a voxel to the mean place of what is solid within a ball around it; zero
-/// where nothing is.
-#[inline(never)]
-fn toward_solid<O: Occupancy>(
+impl Nearest {
+    /// What is solid around a voxel, taken as what a plane cuts off a ball.
+    #[inline(never)]
+    fn around<O: Occupancy>(
+        occupancy: &O,
+        spacing: DVec3,
+        radius_mm: f64,
+        voxel: IVec3,
+    ) -> Self {
+        let cell = CellShape::for_spacing(spacing).voxels().as_dvec3() * spacing;
+        let reach_mm = radius_mm + BEYOND * cell.max_element();
+        let (sum, count) = moment_around(occupancy, spacing, reach_mm, voxel);
+        let mean = sum.length() / count.max(1.0);
+        // the mean height of a ball's cap, 3 (R + a)² / (4 (2 R + a)), solved for its beginning a
+        let half = 3.0 * reach_mm - 2.0 * mean;
+        let rest = 3.0 * reach_mm * (3.0 * reach_mm - 8.0 * mean);
+        let distance = ((half * half - rest).max(0.0).sqrt() - half) / 3.0;
+        Self {
+            toward: sum.normalize_or_zero(),
+            distance: distance.clamp(0.5 * radius_mm, reach_mm),
+        }
+    }
+}
+
+/// The sum of the places of what is solid within a ball around a voxel [mm], and how many voxels
+/// that is.
+fn moment_around<O: Occupancy>(
     occupancy: &O,
     spacing: DVec3,
-    radius_mm: f64,
+    reach_mm: f64,
     voxel: IVec3,
-) -> DVec3 {
-    let cell = CellShape::for_spacing(spacing).voxels().as_dvec3() * spacing;
-    let reach_mm = radius_mm + BEYOND * cell.max_element();
+) -> (DVec3, f64) {
     let reach = (reach_mm / spacing).floor().as_ivec3();
-    let mut sum = DVec3::ZERO;
+    let (mut sum, mut count) = (DVec3::ZERO, 0.0);
     for z in (-reach.z..=reach.z).step_by(8) {
         for y in (-reach.y..=reach.y).step_by(8) {
             for x in (-reach.x..=reach.x).step_by(8) {
                 let first = IVec3::new(x, y, z);
                 let block = occupancy.smooth_block(voxel + first);
                 if block.0.iter().any(|&layer| layer != 0) {
-                    sum += moment(&block.0, first, spacing, reach_mm);
+                    let block = moment(&block.0, first, spacing, reach_mm);
+                    (sum, count) = (sum + block.0, count + block.1);
                 }
             }
         }
     }
-    sum.normalize_or_zero()
+    (sum, count)
 }
 
-/// The sum of the places of a block's solid voxels within a ball around the origin [mm].
-fn moment(block: &[u64; 8], first: IVec3, spacing: DVec3, reach_mm: f64) -> DVec3 {
-    let mut sum = DVec3::ZERO;
+/// The same of a block, within a ball around the origin.
+fn moment(block: &[u64; 8], first: IVec3, spacing: DVec3, reach_mm: f64) -> (DVec3, f64) {
+    let (mut sum, mut total) = (DVec3::ZERO, 0.0);
     for (z, layer) in (first.z..).zip(block) {
         let z = f64::from(z) * spacing.z;
         for (y, row) in (first.y..).zip(layer.to_le_bytes()) {
@@ -152,9 +183,10 @@ fn moment(block: &[u64; 8], first: IVec3, spacing: DVec3, reach_mm: f64) -> DVec
             sum.x += (count * f64::from(first.x) + f64::from(places)) * spacing.x;
             sum.y += count * y;
             sum.z += count * z;
+            total += count;
         }
     }
-    sum
+    (sum, total)
 }
 
 /// The sum of the places of the set bits of a byte.

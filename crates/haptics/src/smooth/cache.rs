@@ -68,6 +68,8 @@ pub struct PlacedField<'a, F> {
     pub(crate) proxy: Vec3A,
     /// From a ball's middle to where it touches the body, about [mm]; zero for a point.
     pub(crate) contact: Vec3A,
+    /// Edges of the body's voxels [mm].
+    pub(crate) voxel: Vec3A,
     /// Takes ways of the search to ways along the nodes.
     pub(crate) nodes_from_search: Mat3A,
     /// Takes gradients the other way.
@@ -97,6 +99,7 @@ impl<'a, F: Field> PlacedField<'a, F> {
             proxy: field.nodes_at(near.proxy),
             // axes are those of a rotation, but for the size of voxels
             contact: axes.transpose() * (near.aim.contact.as_vec3a() * spacing),
+            voxel: spacing,
             nodes_from_search,
             gradient_from_nodes: nodes_from_search.transpose(),
             cell: cell_mm.min_element(),

@@ -105,6 +105,8 @@ struct Search<'a, F, const N: usize> {
     largest_turn: f32,
     /// The shortest edge of a cell [mm].
     length: f32,
+    /// Farthest from the proxy [mm].
+    reach: f32,
     samples: u32,
 }
 
@@ -142,6 +144,9 @@ impl<'a, F: Field, const N: usize> Search<'a, F, N> {
         query: &Query,
     ) -> Self {
         let lengths = fields.iter().flatten().map(|field| field.cell);
+        let length = lengths.fold(f32::INFINITY, f32::min);
+        let of_balls = fields.iter().flatten().filter(|field| field.is_of_ball());
+        let farther = of_balls.map(|field| field.thickness() * smoother.reach_by_thickness);
         Self {
             smoother,
             fields,
@@ -149,7 +154,8 @@ impl<'a, F: Field, const N: usize> Search<'a, F, N> {
             contacts: fields.map(|field| field.map_or(Vec3A::ZERO, |field| field.contact)),
             turns: [Turn::NONE; N],
             largest_turn: 0.0,
-            length: lengths.fold(f32::INFINITY, f32::min),
+            length,
+            reach: smoother.reach * length + farther.fold(0.0, f32::max),
             samples: 0,
         }
     }
@@ -190,7 +196,11 @@ impl<'a, F: Field, const N: usize> Search<'a, F, N> {
             };
             let holds = held_by == Some(field.body);
             known |= holds;
-            let depth = surface.depth / self.length;
+            let mut depth = surface.depth / self.length;
+            if field.is_of_ball() && holds {
+                let overshoot = field.overshoot(surface.outward) / self.length;
+                depth = (depth + overshoot).min(depth.max(0.0));
+            }
             farthest = farthest.max(if holds { depth.abs() } else { depth });
         }
         if known {
@@ -271,7 +281,7 @@ impl<'a, F: Field, const N: usize> Search<'a, F, N> {
 
     /// A point no farther from the proxy than allowed.
     fn within_reach(&self, point: Vec3A) -> Vec3A {
-        point.clamp_length_max(self.smoother.reach * self.length)
+        point.clamp_length_max(self.reach)
     }
 
     /// The contact point after the pull of the blur is undone.
@@ -336,6 +346,22 @@ impl<F: Field> PlacedField<'_, F> {
     #[inline]
     fn nodes_from_point(&self, at: Vec3A) -> Vec3A {
         self.proxy + self.nodes_from_search * at
+    }
+
+    fn is_of_ball(&self) -> bool {
+        self.contact != Vec3A::ZERO
+    }
+
+    /// By how much the longest edge of a voxel is longer than the shortest [mm].
+    fn thickness(&self) -> f32 {
+        self.voxel.max_element() - self.voxel.min_element()
+    }
+
+    /// How much too far away a ball may be kept by its cells [mm]: by about one of them.
+    fn overshoot(&self, outward: Vec3A) -> f32 {
+        let in_nodes = self.nodes_from_search * outward;
+        let along_axes = in_nodes.abs() * self.field.cell() * self.voxel;
+        along_axes.dot(self.voxel)
     }
 
     /// The surface as seen from a point; none where the level tells nothing.
