@@ -30,8 +30,10 @@ pub(super) struct Aim {
 const FARTHEST_ASIDE: f64 = 2.5;
 /// The seed is at most so far above the surface [cells], so that the window holds it.
 const SEED_ABOVE: f64 = 2.0;
-/// Voxels up to so far beyond the ball's surface tell the direction [cells].
-const BEYOND: f64 = 1.5;
+/// Voxels up to so far beyond the ball's surface tell the direction: in cells, and in longest
+/// edges of voxels, of which two may be between a ball's cell and what blocks it.
+const CELLS_BEYOND: f64 = 1.5;
+const EDGES_BEYOND: f64 = 2.2;
 
 /// Directions to what is solid around balls, kept while they stay what they are.
 #[derive(Clone, Debug)]
@@ -123,7 +125,8 @@ impl Nearest {
         voxel: IVec3,
     ) -> Self {
         let cell = CellShape::for_spacing(spacing).voxels().as_dvec3() * spacing;
-        let reach_mm = radius_mm + BEYOND * cell.max_element();
+        let beyond = CELLS_BEYOND * cell.max_element();
+        let reach_mm = radius_mm + beyond.max(EDGES_BEYOND * spacing.max_element());
         let (sum, count) = moment_around(occupancy, spacing, reach_mm, voxel);
         let mean = sum.length() / count.max(1.0);
         // the mean height of a ball's cap, 3 (R + a)² / (4 (2 R + a)), solved for its beginning a
