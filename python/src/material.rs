@@ -35,7 +35,10 @@ fn solid((young, poisson, density, breaking_strain, friction): SolidTuple) -> So
 pub fn material_named(name: &str) -> Result<MaterialLaw, CoreError> {
     let names = || PRESETS.iter().map(|preset| preset.name).collect::<Vec<_>>();
     let preset = preset(name).map_err(|_| {
-        CoreError::value(format!("material {name:?} given; allowed: {}", names().join(", ")))
+        CoreError::value(format!(
+            "material {name:?} given; allowed: {}",
+            names().join(", ")
+        ))
     })?;
     Ok(preset.law()?)
 }

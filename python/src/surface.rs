@@ -8,9 +8,7 @@ use numpy::ndarray::Array2;
 use numpy::{Element, PyArray2, PyReadonlyArray2, ToPyArray};
 use palpate_surface::mesh::joined;
 use palpate_surface::voxelise::{Filling, voxelise};
-use palpate_surface::{
-    Limits, Patch, SegmentSurface, SmoothingMode, SurfaceSettings, VoxelSource,
-};
+use palpate_surface::{Limits, Patch, SegmentSurface, SmoothingMode, SurfaceSettings, VoxelSource};
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;

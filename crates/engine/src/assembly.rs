@@ -86,7 +86,10 @@ pub fn assemble(config: SessionConfig) -> Result<Assembly, SessionError> {
     let start = servo_start(&scene, reference, probe, settings);
     let servo = ServoLoop::new(start, channels.servo, Arc::clone(&shared));
     let pace = SurfacePace::default();
-    let surfaces = Arc::new(Mutex::new(Surfaces::new(grid, scene.voxels().intensities().clone())));
+    let surfaces = Arc::new(Mutex::new(Surfaces::new(
+        grid,
+        scene.voxels().intensities().clone(),
+    )));
     let ends = (status, notices.clone(), news);
     let (deformation, deformation_loop) = Deformation::new(!config.real_time);
     let simulation = first_simulation(

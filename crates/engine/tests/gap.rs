@@ -173,7 +173,9 @@ fn patches_of(surface: &KeptSurface) -> BTreeMap<PatchId, Arc<Patch>> {
 /// How many patches are the very same, and that all are equal to those made from nothing.
 fn shared(one: &BTreeMap<PatchId, Arc<Patch>>, other: &BTreeMap<PatchId, Arc<Patch>>) -> usize {
     let same = |(id, patch): &(&PatchId, &Arc<Patch>)| {
-        other.get(*id).is_some_and(|other| Arc::ptr_eq(patch, other))
+        other
+            .get(*id)
+            .is_some_and(|other| Arc::ptr_eq(patch, other))
     };
     one.iter().filter(same).count()
 }

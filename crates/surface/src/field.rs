@@ -156,7 +156,8 @@ impl Field {
     /// touch counts shares of voxels (`palpate-haptics`, `smooth/shares.rs`).
     fn distances(&self, bits: &Samples, first: IVec3, distances: &mut [f32]) {
         let (start, [_, y, z]) = (self.index(first), self.strides());
-        let row = |shift: isize| &self.values[start.wrapping_add_signed(shift)..][..distances.len()];
+        let row =
+            |shift: isize| &self.values[start.wrapping_add_signed(shift)..][..distances.len()];
         let (y, z) = (y as isize, z as isize);
         let beside = [row(-1), row(1), row(-y), row(y), row(-z), row(z)];
         let here = row(0);
@@ -243,7 +244,9 @@ impl FieldScratch {
             Beginning::Bits => field.fill(all, |first, values| bits.halves(first, values)),
             Beginning::Depths(depths) => {
                 self.depths.fill(all.dilate(1), depths);
-                field.fill(all, |first, values| self.depths.distances(bits, first, values));
+                field.fill(all, |first, values| {
+                    self.depths.distances(bits, first, values)
+                });
             }
         }
         if blur.degree == 0 {

@@ -211,7 +211,9 @@ impl Extraction {
         let is_changed = |part: u8| {
             part == 0
                 || was_parted != is_dense
-                || self.blocks.is_touched((block, part), *dirty, &self.settings)
+                || self
+                    .blocks
+                    .is_touched((block, part), *dirty, &self.settings)
         };
         (0..=PARTS)
             .filter(|part| is_changed(*part))

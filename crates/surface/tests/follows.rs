@@ -302,11 +302,7 @@ fn source<'a>(
     source_of(segment.occupancy(), scan, overlay)
 }
 
-fn source_of<'a>(
-    bits: &'a Bits,
-    scan: &'a Intensities,
-    overlay: &'a Overlay,
-) -> VoxelSource<'a> {
+fn source_of<'a>(bits: &'a Bits, scan: &'a Intensities, overlay: &'a Overlay) -> VoxelSource<'a> {
     VoxelSource {
         bits,
         values: Some((scan, Some(overlay))),
