@@ -245,6 +245,22 @@ class Session:
     def whole_surfaces(self) -> dict[str, Any]:
         """All surfaces as they are now, in the same form."""
 
+    def set_deformation(self, model: str | None) -> None:
+        """Chooses the model by which matter gives way; None makes all matter hard."""
+
+    def set_material(
+        self,
+        segment_id: int,
+        *,
+        name: str | None = None,
+        constant: tuple[float, ...] | None = None,
+        linear: tuple[tuple[float, float], tuple[float, ...], tuple[float, ...]] | None = None,
+    ) -> None:
+        """Tells what a segment is made of, in SI; without anything it is hard."""
+
+    def deformation(self) -> dict[str, Any]:
+        """How the deformation goes."""
+
     def set_tool(
         self,
         kind: str | None,
@@ -566,3 +582,9 @@ def bench_stress(
     Raises:
         ValueError: There is no such model, or the numbers are not allowed.
     """
+
+def material_presets() -> list[tuple[str, str]]:
+    """Materials by name, each with the source of its constants."""
+
+def deformation_models() -> list[str]:
+    """Names of the models by which matter gives way."""

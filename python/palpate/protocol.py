@@ -410,7 +410,17 @@ class Gap(Message, frozen=True, tag="gap"):
     overlap: float | None
 
 
-ToPage = Hello | State | Segments | Changed | SettingsChanged | Recovery | Notice | Gap
+class Passed(Message, frozen=True, tag="passed"):
+    """The answer to a ``Fence``: all that this page asked for before it is done.
+
+    Touch follows it from ``tick`` on. Thresholds are made beside all others: they may come later.
+    """
+
+    number: int
+    tick: int
+
+
+ToPage = Hello | State | Segments | Changed | SettingsChanged | Recovery | Notice | Gap | Passed
 
 # --- page -> engine -------------------------------------------------------------------
 
@@ -532,6 +542,12 @@ class ChangeSettings(Message, frozen=True, tag="change_settings"):
     settings: Settings
 
 
+class Fence(Message, frozen=True, tag="fence"):
+    """Asks to be told when all is done that the page asked for before; ``number`` comes back."""
+
+    number: Annotated[int, msgspec.Meta(ge=0)]
+
+
 class Tool(Message, frozen=True, tag="tool"):
     """Chooses the tool for the next strokes: the radius of its ball [mm], and what it changes."""
 
@@ -577,6 +593,7 @@ FromPage = (
     | RecordSession
     | RemoveSegment
     | ChangeSettings
+    | Fence
     | Tool
     | Stroke
     | Recover

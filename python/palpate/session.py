@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from palpate import _core
 from palpate.errors import OptionError
 from palpate.gap import Gap
+from palpate.material import LinearMaterial, Material
 from palpate.package_version import package_version
 from palpate.recording import Recording
 from palpate.recording_file import FORMAT, VERSION, About, AboutScan, AboutSegment
@@ -338,6 +339,60 @@ class Session:
                 air=AIR if is_density else volume.range[0],
                 energy=None if is_density else CORTICAL_ENERGY,
             )
+
+    # --- matter that gives way ------------------------------------------------------------
+
+    def set_deformation(self, model: str | None) -> None:
+        """Chooses the model by which matter gives way under the probe; None makes all hard.
+
+        Segments without a material stay hard (``set_material``). What the probe moves from
+        contact to release is one step of undo.
+
+        Args:
+            model: One of ``palpate.material.deformation_models()``.
+
+        Raises:
+            OptionError: There is no such model.
+        """
+        with _given():
+            self._internal.set_deformation(model)
+
+    def set_material(
+        self, segment_id: int, material: Material | LinearMaterial | str | None
+    ) -> None:
+        """Tells what a segment is made of.
+
+        Args:
+            segment_id: Which one.
+            material: Constants, or a name of ``palpate.material.material_presets()``; None is
+                hard matter.
+
+        Raises:
+            OptionError: There is no such segment or name, or no matter has such constants.
+        """
+        with _given():
+            match material:
+                case str():
+                    self._internal.set_material(segment_id, name=material)
+                case LinearMaterial(interval, low, high):
+                    self._internal.set_material(
+                        segment_id, linear=(interval, tuple(low), tuple(high))
+                    )
+                case None:
+                    self._internal.set_material(segment_id)
+                case Material():
+                    self._internal.set_material(segment_id, constant=tuple(material))
+
+    def deformation(self) -> dict[str, Any]:
+        """Returns how the deformation goes.
+
+        Returns:
+            ``model`` (None where nothing gives way), ``force`` on the tool [N, scene],
+            ``answers`` so far; of the last answer ``iterations``, ``residual`` (what is left of
+            unbalanced force, as a share of the contact's), ``nodes``; ``bonds_broken`` and
+            ``work_broken`` [N·mm] since the start.
+        """
+        return self._internal.deformation()
 
     def stroke(self, *, on: bool) -> None:
         """Begins a stroke of the chosen tool, or ends it: it is one step of undo.

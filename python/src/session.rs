@@ -24,6 +24,9 @@ use pyo3::types::{PyBytes, PyDict};
 use crate::arrays::{Triple, triple, vector};
 use crate::errors::CoreError;
 use crate::frame::{frame_dict, lateness_dict, segment_dict};
+use crate::material::{
+    LinearTuple, SolidTuple, constant_material, deformation_dict, linear_material, material_named,
+};
 use crate::picture::change_dict;
 use crate::recording::{recording_dict, tape_dict};
 use crate::segment::PySegment;
@@ -390,6 +393,35 @@ impl PySession {
         let settings = kind.map(|kind| tool_settings(kind, radius, segment_ids, air, energy));
         let settings = settings.transpose()?;
         Ok(py.detach(|| self.session.set_tool(settings))?)
+    }
+
+    /// Chooses the model by which matter gives way by its name; none makes all matter hard.
+    fn set_deformation(&self, py: Python<'_>, model: Option<String>) -> Result<(), CoreError> {
+        Ok(py.detach(|| self.session.set_deformation(model))?)
+    }
+
+    /// Tells what a segment is made of: by name, by constants, or linear in HU; else it is hard.
+    #[pyo3(signature = (segment_id, *, name = None, constant = None, linear = None))]
+    fn set_material(
+        &self,
+        py: Python<'_>,
+        segment_id: u8,
+        name: Option<&str>,
+        constant: Option<SolidTuple>,
+        linear: Option<LinearTuple>,
+    ) -> Result<(), CoreError> {
+        let law = match (name, constant, linear) {
+            (Some(name), _, _) => Some(material_named(name)?),
+            (None, Some(constant), _) => Some(constant_material(constant)?),
+            (None, None, Some(linear)) => Some(linear_material(linear)?),
+            (None, None, None) => None,
+        };
+        Ok(py.detach(|| self.session.set_material(SegmentId(segment_id), law))?)
+    }
+
+    fn deformation<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let now = py.detach(|| self.session.deformation());
+        deformation_dict(py, &now.map_err(CoreError::from)?)
     }
 
     fn stroke(&self, py: Python<'_>, on: bool) -> Result<(), CoreError> {

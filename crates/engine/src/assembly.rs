@@ -14,6 +14,7 @@ use palpate_volume::voxels::{Voxels, VoxelsError};
 use triple_buffer::{Input, triple_buffer};
 
 use crate::bell::Bell;
+use crate::deformation::Deformation;
 use crate::device_loop::DeviceLoop;
 use crate::error::SessionError;
 use crate::frame::Notice;
@@ -93,8 +94,9 @@ pub fn assemble(config: SessionConfig) -> Result<Assembly, SessionError> {
         scene.voxels().intensities().clone(),
     )));
     let ends = (status, notices.clone(), news);
+    let (deformation, deformation_loop) = Deformation::new(!config.real_time);
     let simulation = first_simulation(
-        scene,
+        (scene, deformation),
         (settings, limits),
         channels.simulation,
         ends,
@@ -124,6 +126,7 @@ pub fn assemble(config: SessionConfig) -> Result<Assembly, SessionError> {
                 Arc::clone(&surfaces),
                 (pace.clone(), Arc::clone(&bell)),
             ),
+            deformation: deformation_loop,
         },
         picture,
         surfaces,
@@ -155,13 +158,13 @@ fn servo_start(
 
 /// A simulation that brings the device to the probe, where the device is not in the scene.
 fn first_simulation(
-    scene: Scene,
+    (scene, deformation): (Scene, Deformation),
     (settings, limits): (Settings, DeviceLimits),
     channels: SimulationChannels,
     ends: PictureEnds,
     (reference, probe): (Reference, DVec3),
 ) -> Result<Simulation, SessionError> {
-    let mut simulation = Simulation::new(scene, settings, limits, channels, ends);
+    let mut simulation = Simulation::new((scene, deformation), settings, limits, channels, ends);
     if reference == Reference::View {
         simulation.place(probe, 0, true)?;
     }

@@ -12,6 +12,8 @@ pub mod bench;
 pub mod body;
 pub mod clock;
 pub mod cut;
+pub mod deformation;
+pub mod deformation_loop;
 pub mod device_loop;
 pub mod error;
 pub mod feel;

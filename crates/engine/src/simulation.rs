@@ -18,6 +18,7 @@ use palpate_volume::segment::Segment;
 use palpate_volume::voxel_box::VoxelBox;
 use palpate_volume::voxels::{Voxels, VoxelsError};
 
+use crate::deformation::Deformation;
 use crate::error::SessionError;
 use crate::feel::Feel;
 use crate::frame::Notice;
@@ -33,6 +34,7 @@ use crate::tape::{MAX_TAPE_BYTES, TapeRecorder};
 use crate::tool_stroke::{ToolNow, ToolStroke};
 use crate::touch_sender::{TouchSender, touchable_of};
 
+mod deformation;
 mod objects;
 pub mod recovery;
 mod tools;
@@ -110,6 +112,7 @@ pub struct Simulation {
     stroke: ToolStroke,
     grip: Option<Grip>,
     clutched: bool,
+    deformation: Deformation,
     file: Option<JournalFile>,
     touch: TouchSender,
     status: triple_buffer::Input<SimulationStatus>,
@@ -131,7 +134,7 @@ impl Simulation {
     /// A simulation of this scene, whose device bears `limits`.
     #[must_use]
     pub fn new(
-        scene: Scene,
+        (scene, deformation): (Scene, Deformation),
         settings: Settings,
         limits: DeviceLimits,
         channels: SimulationChannels,
@@ -143,6 +146,7 @@ impl Simulation {
             stroke: ToolStroke::default(),
             grip: None,
             clutched: false,
+            deformation,
             file: None,
             touch: TouchSender::new(channels, settings.probe_radius),
             status,
@@ -196,6 +200,7 @@ impl Simulation {
         self.touch.exchange(&self.scene);
         self.advance_grip();
         self.advance_tool();
+        self.advance_deformation();
         self.tell_of_held_changes();
         self.tell_of_refused_places();
         self.tell_of_full_tape();
@@ -392,6 +397,7 @@ impl Simulation {
     pub fn undo(&mut self) -> Result<bool, SessionError> {
         self.let_go();
         self.close_step();
+        self.deformation.forget();
         let Some(step) = self.journal.pop_undo() else {
             return Ok(false);
         };
@@ -409,6 +415,7 @@ impl Simulation {
     pub fn redo(&mut self) -> Result<bool, SessionError> {
         self.let_go();
         self.close_step();
+        self.deformation.forget();
         let Some(step) = self.journal.pop_redo() else {
             return Ok(false);
         };

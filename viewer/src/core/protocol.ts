@@ -388,6 +388,17 @@ export interface Gap {
   readonly overlap: number | null;
 }
 
+/**
+ * The answer to a `Fence`: all that this page asked for before it is done.
+ *
+ * Touch follows it from `tick` on. Thresholds are made beside all others: they may come later.
+ */
+export interface Passed {
+  readonly type: "passed";
+  readonly number: number;
+  readonly tick: number;
+}
+
 /** Where the hand pulls the device to [scene]; latest wins. */
 export interface Hand {
   readonly type: "hand";
@@ -506,6 +517,12 @@ export interface ChangeSettings {
   readonly settings: Settings;
 }
 
+/** Asks to be told when all is done that the page asked for before; `number` comes back. */
+export interface Fence {
+  readonly type: "fence";
+  readonly number: number;
+}
+
 /** Chooses the tool for the next strokes: the radius of its ball [mm], and what it changes. */
 export interface Tool {
   readonly type: "tool";
@@ -545,7 +562,8 @@ export type ToPage =
   | SettingsChanged
   | Recovery
   | Notice
-  | Gap;
+  | Gap
+  | Passed;
 
 /** A message of the page. */
 export type FromPage =
@@ -565,6 +583,7 @@ export type FromPage =
   | RecordSession
   | RemoveSegment
   | ChangeSettings
+  | Fence
   | Tool
   | Stroke
   | Recover
@@ -960,6 +979,12 @@ const isGap = record({
   overlap: nullable(real()),
 });
 
+const isPassed = record({
+  type: oneOf("passed"),
+  number: whole(),
+  tick: whole(),
+});
+
 const TO_PAGE: ReadonlyMap<string, Check> = new Map([
   ["hello", isHello],
   ["state", isState],
@@ -969,4 +994,5 @@ const TO_PAGE: ReadonlyMap<string, Check> = new Map([
   ["recovery", isRecovery],
   ["notice", isNotice],
   ["gap", isGap],
+  ["passed", isPassed],
 ]);
