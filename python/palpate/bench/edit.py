@@ -4,7 +4,8 @@ The eraser is led in circles through the bone of a scan that is shown as a surfa
 voxels. What counts is the time from an edit's being applied by the engine to its last upload's
 being issued by the page. It is measured twice: with drawing suspended, so that the machine does
 all but drawing, and while the picture is drawn in software, which takes all cores. In the second
-case the time that an edit waits for a frame that is being drawn is told apart.
+case the time that an edit waits for a frame that is being drawn is told apart. Without drawing the
+picture follows every edit; with it as often as the page finds time for.
 
 The switch that suspends drawing is there for this benchmark only (``window.palpate``): uploads go
 out as always, and no picture is drawn.
@@ -57,7 +58,9 @@ def measure(
         page.wait("Object.values(window.palpate.triangles).some(count => count > 0)")
         for done, case in enumerate((EDIT_SUSPENDED, EDIT_DRAWN)):
             progress(case, done / 2)
-            page.read(f"void window.palpate.suspendDrawing({str(case == EDIT_SUSPENDED).lower()})")
+            suspended = case == EDIT_SUSPENDED
+            page.read(f"void window.palpate.suspendDrawing({str(suspended).lower()})")
+            _choose_pace(page, "1" if suspended else "auto")
             found[case] = _erased(page, seconds)
     for case, times in found.items():
         if not times:
@@ -115,6 +118,14 @@ def _erased(page: Page, seconds: float) -> Times:
     _key(page, "z", control=True)
     page.wait(f"window.palpate.state.edit > {edit}")
     return times
+
+
+def _choose_pace(page: Page, pace: str) -> None:
+    """Chooses how often the picture follows edits, as a person does."""
+    page.read(
+        "(() => { const list = document.querySelector('[data-testid=edit-pace]');"
+        f" list.value = '{pace}'; list.dispatchEvent(new Event('change', {{bubbles: true}})); }})()"
+    )
 
 
 def _aim(page: Page) -> tuple[list[float], list[list[float]]]:
