@@ -30,6 +30,23 @@ export function drawnFromVoxels({ visible, shown_as }: Segment): boolean {
   return visible && shown_as !== "surface";
 }
 
+/** All of segments that the picture depends on: not how many voxels they have, nor their names. */
+export function drawnKey(segments: readonly Segment[]): string {
+  return JSON.stringify(
+    segments.map(({ id, colour, visible, range, made_by, pose, shown_as, opacity, wireframe }) => [
+      id,
+      colour,
+      visible,
+      range,
+      made_by,
+      pose,
+      shown_as,
+      opacity,
+      wireframe,
+    ]),
+  );
+}
+
 /** Whether a segment's surface is drawn. */
 export function drawnAsSurface({ visible, shown_as, opacity }: Segment): boolean {
   return visible && shown_as !== "volume" && opacity > 0;

@@ -25,10 +25,11 @@ import { PathTrail } from "../core/path_trail";
 import { pickSurface, type Picked } from "../core/pick_surface";
 import type { Scan, Segment, State } from "../core/protocol";
 import { frameOf, type ScanVolume } from "../core/scan_volume";
-import { LastRanges, pickable, showable, shownRanges } from "../core/shown_segments";
+import { drawnKey, LastRanges, pickable, showable, shownRanges } from "../core/shown_segments";
 import { toolColours } from "../core/tools";
 import { biasedRange } from "../core/stored_values";
 import { subsamplingStep } from "../core/subsampling";
+import { Unchanged } from "../core/unchanged";
 import type { GpuSupport } from "../gl/gpu_support";
 import type { Shown, ToolBall } from "../gl/markers";
 import { Picture } from "../gl/picture";
@@ -86,6 +87,8 @@ export class Stage {
   private sentTo = 0;
   private drawnState: object | null = null;
   private readonly lastRanges = new LastRanges();
+  private readonly sameSegments = new Unchanged<readonly Segment[]>();
+  private readonly sameLook = new Unchanged<Look>();
   private readonly trail = new PathTrail(trailSeconds, trailPoints, trailSpacing);
   private frames = 0;
   private countedAt = 0;
@@ -192,13 +195,15 @@ export class Stage {
   readonly segments = $derived.by((): readonly Segment[] => {
     const { preview, edits } = this;
     const { awaitsLabels } = edits;
-    return this.session.segments.map((segment) =>
+    const segments = this.session.segments.map((segment) =>
       showable(
         this.lastRanges.stand(segment, awaitsLabels),
         edits.sizes.has(segment.id),
         segment.id === preview?.id ? preview.range : null,
       ),
     );
+    // each edit tells of other numbers of voxels, and the picture is hardly ever another one by that
+    return this.sameSegments.of(segments, drawnKey(segments));
   });
 
   /** Hands colours, poses and surfaces' looks to the picture. */
@@ -220,11 +225,12 @@ export class Stage {
     if (scan === null || this.appearance === null) {
       return null;
     }
-    return {
+    const look = {
       transferFunction: transferFunctionOf(this.appearance),
       ranges: shownRanges(this.segments, scan),
       edgeGradient: edgeShare * Math.abs(this.appearance.window),
     };
+    return this.sameLook.of(look, JSON.stringify(look));
   });
 
   /** Hands the look to the picture. */

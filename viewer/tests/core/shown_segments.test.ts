@@ -1,7 +1,10 @@
 import { expect, test } from "vitest";
 import { linearFromSrgb } from "../../src/core/colour";
+import type { Segment } from "../../src/core/protocol";
+import { Unchanged } from "../../src/core/unchanged";
 import {
   drawnAsSurface,
+  drawnKey,
   drawnFromVoxels,
   pickable,
   rangeHolding,
@@ -21,6 +24,29 @@ test.each([
   expect(drawnFromVoxels(shown)).toBe(voxels);
   expect(drawnAsSurface(shown)).toBe(surface);
   expect(drawnFromVoxels({ ...shown, visible: false }) || drawnAsSurface({ ...shown, visible: false })).toBe(false);
+});
+
+test("what the picture is handed stays the same where an edit only changed numbers of voxels", () => {
+  const same = new Unchanged<readonly Segment[]>();
+  const told = (part: Partial<Segment>): readonly Segment[] => {
+    const segments = [{ ...segment, ...part }];
+    return same.of(segments, drawnKey(segments));
+  };
+  const first = told({ voxels: 10 });
+  expect(told({ voxels: 9, volume_ml: 3, pending: true })).toBe(first);
+  const parts: readonly Partial<Segment>[] = [
+    { range: null },
+    { made_by: [1, 2] },
+    { colour: [0, 0, 1] },
+    { visible: false },
+    { shown_as: "both" },
+    { opacity: 0.5 },
+    { wireframe: true },
+    { pose: Array.from({ length: 16 }, () => 1) },
+  ];
+  for (const part of parts) {
+    expect(told(part)).not.toBe(first);
+  }
 });
 
 test("the voxels of a segment that is a surface are left out of the picture", () => {
