@@ -52,6 +52,9 @@ Friction = Annotated[float, msgspec.Meta(ge=0.0, le=2.0)]
 ShownAs = Literal["volume", "surface", "both"]
 """Whether a segment is drawn from its voxels, as a surface, or in both ways."""
 
+SurfaceSource = Literal["intensities", "bits"]
+"""What a surface is made from: the scan's values where a threshold made the segment, or bits."""
+
 SmoothingDegree = Annotated[int, msgspec.Meta(ge=0, le=12)]
 """How often the vertices of a surface are moved to the mean of their neighbours."""
 
@@ -120,10 +123,11 @@ class Segment(msgspec.Struct, frozen=True):
 
     ``range`` holds the threshold (low, high) while the segment is just that threshold;
     null where its voxels come from elsewhere: then they stand in ``/api/labels`` under
-    the segment's ``id`` (1..255). ``pose`` takes the segment from where the scan has it to
+    the segment's ``id`` (1..255). ``made_by`` is the threshold that made it, whatever edits
+    did since; null where none did. ``pose`` takes the segment from where the scan has it to
     where it stands; null where it was not moved. ``bounds`` are the voxels of the scan that
-    hold it, half open; null where it is empty. ``opacity``, ``smoothing`` and
-    ``wireframe`` are those of its surface.
+    hold it, half open; null where it is empty. ``opacity``,
+    ``smoothing``, ``surface_from`` and ``wireframe`` are those of its surface.
     """
 
     id: SegmentId
@@ -132,6 +136,7 @@ class Segment(msgspec.Struct, frozen=True):
     visible: bool
     touchable: bool
     range: tuple[Value, Value] | None
+    made_by: tuple[Value, Value] | None
     voxels: int
     volume_ml: float
     pending: bool
@@ -141,6 +146,7 @@ class Segment(msgspec.Struct, frozen=True):
     shown_as: ShownAs
     opacity: Share
     smoothing: SmoothingDegree
+    surface_from: SurfaceSource
     wireframe: bool
 
 
@@ -464,6 +470,7 @@ class SegmentProperties(Message, frozen=True, tag="segment_properties"):
     shown_as: ShownAs
     opacity: Share
     smoothing: SmoothingDegree
+    surface_from: SurfaceSource
     wireframe: bool
 
 
@@ -506,6 +513,15 @@ class WatchGap(Message, frozen=True, tag="watch_gap"):
     """Has the gap between two segments measured while they move; null ends that."""
 
     pair: tuple[SegmentId, SegmentId] | None
+
+
+class FollowEdits(Message, frozen=True, tag="follow_edits"):
+    """Has the picture follow edits every so many-th of its frames, of 60 a second.
+
+    Edits in between are shown together. The slowest of several pages sets the pace.
+    """
+
+    every: Annotated[int, msgspec.Meta(ge=1, le=4)]
 
 
 class RecordSession(Message, frozen=True, tag="record"):
@@ -573,6 +589,7 @@ FromPage = (
     | TurnGrabbed
     | CutSegment
     | WatchGap
+    | FollowEdits
     | RecordSession
     | RemoveSegment
     | ChangeSettings

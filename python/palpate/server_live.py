@@ -59,6 +59,7 @@ class Live:
         self._outboxes: set[Outbox] = set()
         self._thresholds = ThresholdJobs(self._make_threshold)
         self._presses: Outbox | None = None
+        self._paces: dict[Outbox, int] = {}
         self._gaps = GapWatch(session, self._from_threads.put)
         self._scene_of_now: object = None
 
@@ -93,6 +94,7 @@ class Live:
             pass
         finally:
             self._outboxes.discard(outbox)
+            self._follow_edits(outbox, 1)
             if not self._outboxes:
                 # nobody looks at the gap any more, nor lets go of what is in the hand
                 self._gaps.choose(None)
@@ -185,6 +187,8 @@ class Live:
                     self.session.hand(target)
                 case protocol.Threshold():
                     self._thresholds.ask(message)
+                case protocol.FollowEdits(every):
+                    self._follow_edits(outbox, every)
                 case protocol.Stroke(on):
                     await asyncio.to_thread(self.session.stroke, on=on)
                     self._presses = outbox if on else None
@@ -206,6 +210,13 @@ class Live:
         # one has begun and may be past its commands; the next one takes them
         ticks: int = self.session.lateness()["servo"]["ticks"]
         return ticks + 1
+
+    def _follow_edits(self, outbox: Outbox, every: int) -> None:
+        """Takes the pace of a page; the slowest page sets that of the engine."""
+        self._paces[outbox] = every
+        self.session.follow_edits(max(self._paces.values()))
+        if every == 1:
+            del self._paces[outbox]
 
     def _release(self) -> None:
         self._presses = None

@@ -1,8 +1,8 @@
 //! The threads of a session that runs in real time.
 //!
 //! device and servo at their rates, half a tick of the faster one apart, so that each finds what
-//! the other made half a tick ago; simulation at 100 Hz, picture at 60 Hz; surfaces
-//! follow the voxels as fast as they can. A panic in any of them takes the
+//! the other made half a tick ago; simulation at 100 Hz, picture at 60 Hz; surfaces and
+//! deformation as fast as they can. A panic in any of them takes the
 //! force away and ends the session; the reason is kept.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -12,6 +12,7 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 
 use crate::clock;
+use crate::deformation_loop::DeformationLoop;
 use crate::device_loop::DeviceLoop;
 use crate::error::SessionError;
 use crate::pacing::Pacer;
@@ -54,6 +55,8 @@ pub struct Loops {
     pub picture: (Arc<Mutex<Picture>>, RateMeter),
     /// The surfaces.
     pub surfaces: SurfaceLoop,
+    /// The deformation.
+    pub deformation: DeformationLoop,
 }
 
 /// How fast the two real-time loops run.
@@ -104,7 +107,7 @@ impl Live {
         };
         let live = Self {
             questions: Mutex::new(questions),
-            threads: Mutex::new(Vec::with_capacity(5)),
+            threads: Mutex::new(Vec::with_capacity(6)),
             shared,
             start_ns: context.start_ns,
         };
@@ -113,7 +116,8 @@ impl Live {
             servo,
             simulation,
             picture,
-            surfaces,
+            mut surfaces,
+            mut deformation,
         } = loops;
 
         let [for_device, for_servo, for_simulation, for_picture] =
@@ -126,7 +130,11 @@ impl Live {
         })?;
         live.spawn("picture", move || run_picture(picture, &for_picture))?;
         let shared = Arc::clone(&live.shared);
-        live.spawn("surface", move || run_surfaces(&surfaces, &shared))?;
+        live.spawn("surface", move || run_surfaces(&mut surfaces, &shared))?;
+        let shared = Arc::clone(&live.shared);
+        live.spawn("deformation", move || {
+            while !shared.stopping() && deformation.wait(PATIENCE) {}
+        })?;
 
         let granted = outcome_of_both(&results);
         Ok((live, granted))
@@ -296,11 +304,11 @@ fn run_simulation(
     }
 }
 
-/// Surfaces see the end of the session after so long, where nothing changes.
-const SURFACE_PATIENCE: Duration = Duration::from_millis(100);
+/// Surfaces and deformation see the end of the session after so long, where nothing changes.
+const PATIENCE: Duration = Duration::from_millis(100);
 
-fn run_surfaces(surfaces: &SurfaceLoop, shared: &Shared) {
-    while !shared.stopping() && surfaces.wait(SURFACE_PATIENCE) {}
+fn run_surfaces(surfaces: &mut SurfaceLoop, shared: &Shared) {
+    while !shared.stopping() && surfaces.wait(PATIENCE) {}
 }
 
 fn run_picture((picture, meter): (Arc<Mutex<Picture>>, RateMeter), context: &Context) {

@@ -13,6 +13,8 @@ use glam::{DMat3, DVec3, IVec3, UVec3};
 use palpate_device::scripted::{PathSample, ScriptedDevice};
 use palpate_device::simulated::{SimulatedDevice, SimulatedSettings};
 use palpate_device::{DeviceLimits, DeviceState, HapticDevice};
+use palpate_engine::deformation::Deformation;
+use palpate_engine::deformation_loop::DeformationLoop;
 use palpate_engine::feel::{Feel, Feels};
 use palpate_engine::frame::{Frame, Notice};
 use palpate_engine::handover::{Channels, DeviceSample, HandTarget, TickRecord};
@@ -215,6 +217,7 @@ impl HapticDevice for Probe {
 pub struct Rig {
     pub servo: ServoLoop,
     pub simulation: Simulation,
+    pub deformation: DeformationLoop,
     pub device: triple_buffer::Input<DeviceSample>,
     pub forces: triple_buffer::Output<palpate_engine::handover::ForceCommand>,
     pub hand: triple_buffer::Input<HandTarget>,
@@ -248,10 +251,13 @@ impl Rig {
             settings: Settings::default(),
             feels: Feels::default(),
         };
+        let scene = Scene::new(Voxels::new(grid(dimensions), scan).unwrap());
+        let (deformation, deformation_loop) = Deformation::new(true);
         Self {
             servo: ServoLoop::new(start, channels.servo, Arc::clone(&shared)),
+            deformation: deformation_loop,
             simulation: Simulation::new(
-                Scene::new(Voxels::new(grid(dimensions), scan).unwrap()),
+                (scene, deformation),
                 Settings::default(),
                 limits(),
                 channels.simulation,
