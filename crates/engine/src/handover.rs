@@ -13,7 +13,9 @@ use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;
 use palpate_volume::edit::SegmentId;
+use palpate_volume::material::LocalContact;
 use rtrb::{Consumer, Producer, RingBuffer};
+use serde::{Deserialize, Serialize};
 use triple_buffer::{Input, Output, triple_buffer};
 
 use crate::feel::Feel;
@@ -100,8 +102,27 @@ pub enum ServoCommand {
     Pose(SegmentId, DAffine3),
     /// How the surface of a segment feels from now on.
     Feel(SegmentId, Feel),
+    /// What gives way from now on, and how it pushes.
+    GiveWay(GivingWay),
     /// Asks for the servo's state at the end of this tick, from where it can be replayed.
     Mark,
+}
+
+/// The newest answer of a deformation model.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct GivingWay {
+    /// Segments that give way, one bit for each number.
+    pub segments: [u64; 4],
+    /// How they push the tool; none where nothing is known of it.
+    pub contact: Option<LocalContact>,
+}
+
+impl GivingWay {
+    /// Whether a segment gives way.
+    #[must_use]
+    pub fn includes(&self, id: SegmentId) -> bool {
+        self.segments[usize::from(id.0 / 64)] >> (id.0 % 64) & 1 == 1
+    }
 }
 
 /// Servo → simulation: where a recording begins.
@@ -185,6 +206,8 @@ pub struct ServoStatus {
     pub device: DVec3,
     /// Where the probe is.
     pub proxy: DVec3,
+    /// The tool as matter meets it, where that gives way.
+    pub tool: DVec3,
     /// Whether an obstacle holds the probe back.
     pub contact: bool,
     /// The segment that is touched; 0 where there is none.

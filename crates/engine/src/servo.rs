@@ -7,9 +7,11 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
 
 use glam::{DAffine3, DVec3};
+use palpate_haptics::coupling::Coupling;
 use palpate_haptics::local_force::LocalForce;
 use palpate_haptics::placement::nearest_free_in;
 use palpate_haptics::proxy::Proxy;
+use palpate_haptics::soft_contact::{SoftContact, SoftInput};
 use palpate_haptics::tick::{TickCache, TickInput, TickOutput, TickState, tick};
 use palpate_volume::bits::Bits;
 use palpate_volume::edit::SegmentId;
@@ -18,8 +20,8 @@ use palpate_volume::grid::Grid;
 use crate::device_loop::WATCHDOG_SECS;
 use crate::feel::Feels;
 use crate::handover::{
-    DeviceSample, ForceCommand, HandTarget, ServoChannels, ServoCommand, ServoStatus, Snapshot,
-    TickRecord,
+    DeviceSample, ForceCommand, GivingWay, HandTarget, ServoChannels, ServoCommand, ServoStatus,
+    Snapshot, TickRecord,
 };
 use crate::mapping::Mapping;
 use crate::model::LimitedModel;
@@ -106,6 +108,8 @@ impl ServoLoop {
             radius: start.touchable.radius,
             poses: MovedPoses::default(),
             touched: 0,
+            giving_way: GivingWay::default(),
+            soft: SoftContact::default(),
             hand: start.probe,
             clutch: None,
             forgotten_hand: 0,
@@ -188,7 +192,9 @@ impl ServoLoop {
         self.hold_clutch(inputs);
         self.move_segments();
 
-        let output = self.touch(&self.input(inputs));
+        let input = self.input(inputs);
+        let mut output = self.touch(&input);
+        self.give_way(inputs.time, &input, &mut output);
 
         self.publish_force(inputs, &output);
         self.publish_poses();
@@ -324,6 +330,12 @@ impl ServoLoop {
                     self.state.poses.lead(id, target, &self.grid, bounds);
                 }
             }
+            Some(ServoCommand::GiveWay(giving_way)) => {
+                self.state.giving_way = giving_way;
+                self.state
+                    .soft
+                    .take(giving_way.contact.as_ref(), inputs.time);
+            }
             Some(ServoCommand::Mark) => {
                 self.marked = true;
                 // a replay knows only what is read from here on
@@ -413,6 +425,24 @@ impl ServoLoop {
         output
     }
 
+    /// Feels matter that gives way as it answers, instead of its voxels.
+    fn give_way(&mut self, time: f64, input: &TickInput, output: &mut TickOutput) {
+        let touched = SegmentId(self.state.touched);
+        let settings = self.state.feels.of(touched).over(&self.state.settings);
+        let input = SoftInput {
+            device: input.device_in_scene,
+            velocity: input.velocity_in_scene,
+            gives_way: !output.contact || self.state.giving_way.includes(touched),
+            coupling: Coupling {
+                stiffness: settings.stiffness,
+                damping: settings.damping,
+            },
+            spacing: self.grid.smallest_spacing(),
+            time,
+        };
+        self.state.soft.follow(&input, output);
+    }
+
     fn publish_force(&mut self, inputs: &TickInputs, output: &TickOutput) {
         let mapping = &self.state.mapping;
         self.ends.forces.write(ForceCommand {
@@ -422,6 +452,16 @@ impl ServoLoop {
             hand_in_device: mapping.point_to_device(self.state.hand),
             max_force: self.state.settings.force_limit,
         });
+    }
+
+    /// Where matter meets the tool: at the near end of the spring, or where the device is while
+    /// matter that gives way does not push yet.
+    fn tool(&self, inputs: &TickInputs, output: &TickOutput) -> DVec3 {
+        if self.state.soft.is_felt() {
+            self.device_in_scene(inputs) + output.spring
+        } else {
+            output.contact_point_in_scene
+        }
     }
 
     /// Before the status, so that who reads that one finds poses as new.
@@ -442,6 +482,7 @@ impl ServoLoop {
             radius: self.state.radius,
             device: self.device_in_scene(inputs),
             proxy: output.proxy_in_scene,
+            tool: self.tool(inputs, output),
             contact: output.contact,
             touched: self.state.touched,
             time: inputs.time,

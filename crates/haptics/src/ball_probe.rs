@@ -199,17 +199,17 @@ impl<O: Occupancy> Occupancy for ProbeSolid<O> {
 
     #[inline]
     fn smooth_block(&self, min: IVec3) -> BitBrick {
-        if self.hard.is_point() {
-            self.inner.smooth_block(min)
-        } else {
-            self.blocked_softly(min)
-        }
+        self.inner.smooth_block(min)
     }
 
-    /// Of a point only: the surface of a ball's cells is another than that of the voxels.
+    #[inline]
+    fn probe_radius_mm(&self) -> f64 {
+        self.shape().radius_mm()
+    }
+
     #[inline]
     fn knows_shares(&self) -> bool {
-        self.hard.is_point() && self.inner.knows_shares()
+        self.inner.knows_shares()
     }
 
     #[inline]

@@ -41,6 +41,7 @@ mod slide;
 mod slide_many;
 mod slide_window;
 pub mod smooth;
+pub mod soft_contact;
 pub mod surface;
 mod thesis_force;
 pub mod thesis_improved;

@@ -40,6 +40,13 @@ pub trait Occupancy {
         self.block(min)
     }
 
+    /// How far the probe's middle keeps from the surface of [`Self::smooth_block`] [mm]: the
+    /// radius of a ball, where solid is what its middle cannot be in.
+    #[inline]
+    fn probe_radius_mm(&self) -> f64 {
+        0.0
+    }
+
     /// Whether [`Self::share`] ever tells anything.
     #[inline]
     fn knows_shares(&self) -> bool {
@@ -153,6 +160,11 @@ impl<O: Occupancy + ?Sized> Occupancy for &O {
     #[inline]
     fn smooth_block(&self, min: IVec3) -> BitBrick {
         (**self).smooth_block(min)
+    }
+
+    #[inline]
+    fn probe_radius_mm(&self) -> f64 {
+        (**self).probe_radius_mm()
     }
 
     #[inline]

@@ -151,7 +151,7 @@ impl Limits {
                 let within = |values: Vec3A| (values - low).min(high - values);
                 let [above, below] = [around.here - low, high - around.here];
                 let here = if above < below { above } else { below };
-                share(here, within(around.after) - within(around.before), solid)
+                share(within(around.before), here, within(around.after), solid)
             }
             _ => self.share_of_many(around, solid),
         }
@@ -164,23 +164,62 @@ impl Limits {
             return None;
         }
         let within = |values: Vec3A| values.map(|stored| self.within(stored));
-        let rise = within(around.after) - within(around.before);
-        share(self.within(around.here), rise, solid)
+        share(
+            within(around.before),
+            self.within(around.here),
+            within(around.after),
+            solid,
+        )
     }
 }
 
-/// The share of a voxel that is solid, from how far its value is within what is solid, and how
-/// much farther the value after it is along each axis than that before it.
+/// The share of a voxel that is solid, from how far values are within what is solid: its own, and
+/// those before and after it along each axis.
+///
+/// Along the axis on which values change most, a surface passes between the middles of one solid
+/// voxel and one free voxel of each column. So each of these two gives or takes half of how far it
+/// is from the middle between them, and the column counts just as much as is solid.
 #[inline]
-fn share(here: f32, rise: Vec3A, solid: bool) -> Option<f32> {
+fn share(before: Vec3A, here: f32, after: Vec3A, solid: bool) -> Option<f32> {
     // an edit, or another segment, made it what it is
     if solid != (here >= 0.0) {
         return None;
     }
-    // a plane through the voxel at distance d leaves the share ½ + d over the voxel's
-    // width across it, which is the sum of its normal's parts; and d is the value over
-    // the slope
-    let [x, y, z] = (0.5 * rise.abs()).to_array();
-    let share = 0.5 + here / (x + y + z);
-    share.is_finite().then(|| share.clamp(0.0, 1.0))
+    let own = Vec3A::splat(here);
+    let axis = (before - own).abs().max((after - own).abs()).max_position();
+    let [before, after] = [before[axis], after[axis]];
+    let share = if solid {
+        let ways = way_to_surface(after, here, before) + way_to_surface(before, here, after);
+        (0.5 * ways).max(0.5)
+    } else {
+        let [before, here, after] = [-before, -here, -after];
+        let ways = way_to_surface(after, here, before) + way_to_surface(before, here, after);
+        (1.0 - 0.5 * ways).min(0.5)
+    };
+    share.is_finite().then_some(share)
+}
+
+/// The way from the middle of a voxel to where values pass zero, of that to the next voxel; 1 where
+/// they do not pass it there. By how far the value before it, its own and that beyond are above it.
+///
+/// Where values go on evenly they are taken as straight lines. Where they do not rise before it,
+/// as if the scanner blurred no more than over a voxel, the two at the surface are what is solid
+/// of them, and the one before is as far above zero as free ones are below. Between, a blend.
+#[inline]
+fn way_to_surface(before: f32, here: f32, beyond: f32) -> f32 {
+    if beyond >= 0.0 {
+        return 1.0;
+    }
+    let most = before.max(here);
+    let fall = here - beyond;
+    let straight = here / fall;
+    let filled = 0.5 + 0.5 * (here + beyond) / most;
+    // none of both where the threshold is met by no value above it
+    let even = ((most - here) / fall).min(1.0);
+    let way = if most > 0.0 {
+        filled + even * (straight - filled)
+    } else {
+        straight
+    };
+    way.clamp(0.0, 1.0)
 }
