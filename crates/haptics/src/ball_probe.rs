@@ -68,8 +68,6 @@ pub struct ProbeSolid<O> {
     inner: O,
     /// Where its centre cannot be.
     hard: Ball,
-    /// The same without the safe side: what the smooth force is made of.
-    soft: Ball,
 }
 
 impl<O: Occupancy> ProbeSolid<O> {
@@ -81,7 +79,6 @@ impl<O: Occupancy> ProbeSolid<O> {
         Ok(Self {
             inner,
             hard: Ball::new(BallShape::new(radius_mm, spacing)?),
-            soft: Ball::new(BallShape::soft(radius_mm, spacing)?),
         })
     }
 
@@ -104,7 +101,6 @@ impl<O: Occupancy> ProbeSolid<O> {
     pub fn change<T>(&mut self, changed: &VoxelBox, change: impl FnOnce(&mut O) -> T) -> T {
         if !self.hard.is_point() {
             self.hard.invalidate_box(changed);
-            self.soft.invalidate_box(changed);
         }
         change(&mut self.inner)
     }
@@ -117,9 +113,7 @@ impl<O: Occupancy> ProbeSolid<O> {
     pub fn set_radius(&mut self, radius_mm: f64) -> Result<(), BallError> {
         let spacing = self.shape().spacing();
         let hard = BallShape::new(radius_mm, spacing)?;
-        let soft = BallShape::soft(radius_mm, spacing)?;
         self.hard.set_shape(hard);
-        self.soft.set_shape(soft);
         Ok(())
     }
 
@@ -161,11 +155,6 @@ impl<O: Occupancy> ProbeSolid<O> {
     #[inline(never)]
     fn blocked(&self, min: IVec3) -> BitBrick {
         self.hard.dilate(&self.inner).block(min)
-    }
-
-    #[inline(never)]
-    fn blocked_softly(&self, min: IVec3) -> BitBrick {
-        self.soft.dilate(&self.inner).block(min)
     }
 }
 
