@@ -227,6 +227,9 @@ class Session:
         ``of_bits`` makes it from bits also where a threshold made the segment.
         """
 
+    def wait_for_changes(self, heard: int, seconds: float) -> int:
+        """Waits until the picture has changed more than ``heard`` times; returns how often."""
+
     def follow_edits(self, every: int) -> None:
         """Has the picture follow edits every so many-th of its frames, 1 to 4."""
 

@@ -574,6 +574,28 @@ def bench_servo(
         write_rows("servo", rows, json_file)
 
 
+@bench.command("edit")
+def bench_edit(
+    scan: Annotated[
+        Path | None, typer.Argument(help="A scan with bone; by default CThead.", metavar="PATH")
+    ] = None,
+    *,
+    seconds: Annotated[float, typer.Option(help="How long to erase in each case.")] = 8.0,
+    json_file: Annotated[
+        Path | None, typer.Option("--json", help="Write the figures to this file.")
+    ] = None,
+) -> None:
+    """Measure how long edits take to a page's GPU; needs an installed Chromium."""
+    from palpate.bench.edit import measure
+    from palpate.bench.report import print_rows, write_rows
+
+    with quiet_libraries(), Display() as display:
+        rows = measure(scan, seconds=seconds, progress=display)
+    print_rows("edit", rows)
+    if json_file is not None:
+        write_rows("edit", rows, json_file)
+
+
 @bench.command("surface")
 def bench_surface(
     *,

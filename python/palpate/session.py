@@ -281,12 +281,13 @@ class Session:
         with _given():
             internal = self._internal.segment(segment_id)
         made_by = {state["id"]: state["made_by"] for state in self.segments()}.get(segment_id)
-        return Segment(
-            internal, name=name, volume=self.scene.volume, range=None, made_by=made_by
-        )
+        return Segment(internal, name=name, volume=self.scene.volume, range=None, made_by=made_by)
 
     def segments(self) -> list[dict[str, Any]]:
-        """Lists the segments as they are now: id, voxels, bounds, touchable, pending, range, made_by."""
+        """Lists the segments as they are now: id, voxels, bounds, touchable, range and more.
+
+        ``made_by`` is the threshold that made one, whatever edits did since.
+        """
         return self._internal.segments_state()
 
     def fill_box(
@@ -475,7 +476,9 @@ class Session:
             self._internal.hide_surface(segment_id)
 
     def follow_edits(self, every: int) -> None:
-        """Has ``picture_changes`` follow edits every so many-th frame of 60 a second (thesis 5.2.2).
+        """Has ``picture_changes`` follow edits every so many-th frame, of 60 a second.
+
+        Source: thesis 5.2.2.
 
         Args:
             every: 1 follows at once; up to 4, for slow machines.
@@ -490,6 +493,15 @@ class Session:
     def set_labelled(self, segment_ids: list[int]) -> None:
         """Names the segments whose labels ``picture_changes`` tell, the last of several on top."""
         self._internal.set_labelled(segment_ids)
+
+    def wait_for_changes(self, heard: int, seconds: float) -> int:
+        """Waits until there may be ``picture_changes`` that were not there before.
+
+        Args:
+            heard: What the call before returned, at first 0.
+            seconds: How long to wait at most.
+        """
+        return self._internal.wait_for_changes(heard, seconds)
 
     def picture_changes(self) -> list[dict[str, Any]]:
         """Returns what changed in voxels and surfaces since the call before, oldest first.

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError, Weak};
+use std::time::Duration;
 
 use glam::{DAffine3, IVec3};
 use numpy::{PyReadonlyArray2, PyUntypedArrayMethods};
@@ -353,6 +354,13 @@ impl PySession {
     fn set_labelled(&self, py: Python<'_>, segment_ids: Vec<u8>) -> Result<(), CoreError> {
         let labelled = segment_ids.into_iter().map(SegmentId).collect();
         Ok(py.detach(|| self.session.set_labelled(labelled))?)
+    }
+
+    /// Waits until the picture has changed more than `heard` times, at most so many seconds;
+    /// gives how often it has.
+    fn wait_for_changes(&self, py: Python<'_>, heard: u64, seconds: f64) -> u64 {
+        let patience = Duration::from_secs_f64(seconds.clamp(0.0, 10.0));
+        py.detach(|| self.session.wait_for_changes(heard, patience))
     }
 
     /// What changed in the picture since the call before.

@@ -7,6 +7,7 @@
 //! Frames: points in the scene, LPS mm, unless a name says otherwise; forces N, times s.
 
 pub mod assembly;
+pub mod bell;
 pub mod bench;
 pub mod body;
 pub mod clock;

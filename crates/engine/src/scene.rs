@@ -28,7 +28,7 @@ pub struct Properties {
     /// The threshold that it is; none once its voxels come from elsewhere.
     pub range: Option<ThresholdRange>,
     /// The threshold that made it, whatever edits did since: touch and surfaces read the scan's
-    /// values there. An end that no value of the scan is beyond is infinite, for it limits nothing.
+    /// values there.
     pub made_by: Option<ThresholdRange>,
     /// How its surface feels.
     pub feel: Feel,
@@ -204,12 +204,16 @@ impl Scene {
         &self.voxels
     }
 
-    /// The voxels of a segment with the threshold that made them.
+    /// The voxels of a segment with the threshold that made them. An end that no value of the scan
+    /// is beyond is infinite: it limits nothing.
     #[must_use]
     pub fn voxels_of(&self, id: SegmentId) -> Option<SegmentVoxels> {
         self.voxels.segment(id).map(|segment| SegmentVoxels {
             bits: segment.occupancy().clone(),
-            made_by: self.properties_of(id).made_by,
+            made_by: self
+                .properties_of(id)
+                .made_by
+                .map(|range| self.limiting(range)),
         })
     }
 
@@ -425,9 +429,8 @@ impl Scene {
     ) -> Result<(Step, TouchChange), VoxelsError> {
         let segment = self.voxels.replace_segment(id, segment)?;
         let range = self.exchange_range(id, range);
-        let limiting = made_by.map(|range| self.limiting(range));
         let properties = self.properties.entry(id).or_default();
-        let made_by = std::mem::replace(&mut properties.made_by, limiting);
+        let made_by = std::mem::replace(&mut properties.made_by, made_by);
         let change = self.all_to_touch(id);
         let inverse = Step::Replace {
             id,
@@ -442,9 +445,8 @@ impl Scene {
         &mut self,
         id: SegmentId,
         segment: Segment,
-        mut properties: Properties,
+        properties: Properties,
     ) -> Result<(Step, TouchChange), VoxelsError> {
-        properties.made_by = properties.made_by.map(|range| self.limiting(range));
         let replaced = self.voxels.insert_segment(id, segment)?;
         assert!(replaced.is_none(), "segment number {} was in use", id.0);
         self.properties.insert(id, properties);
