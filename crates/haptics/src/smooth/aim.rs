@@ -88,9 +88,8 @@ impl Aims {
                 contact: DVec3::ZERO,
             };
         }
-        let known = self.kept[body].filter(|kept| {
-            (kept.source, kept.voxel, kept.radius_mm) == (source, voxel, radius_mm)
-        });
+        let known = self.kept[body]
+            .filter(|kept| (kept.source, kept.voxel, kept.radius_mm) == (source, voxel, radius_mm));
         let solid = match known {
             Some(kept) => kept.solid,
             None => Nearest::around(occupancy, spacing, radius_mm, voxel),
@@ -118,12 +117,7 @@ impl Aims {
 impl Nearest {
     /// What is solid around a voxel, taken as what a plane cuts off a ball.
     #[inline(never)]
-    fn around<O: Occupancy>(
-        occupancy: &O,
-        spacing: DVec3,
-        radius_mm: f64,
-        voxel: IVec3,
-    ) -> Self {
+    fn around<O: Occupancy>(occupancy: &O, spacing: DVec3, radius_mm: f64, voxel: IVec3) -> Self {
         let cell = CellShape::for_spacing(spacing).voxels().as_dvec3() * spacing;
         let beyond = CELLS_BEYOND * cell.max_element();
         let reach_mm = radius_mm + beyond.max(EDGES_BEYOND * spacing.max_element());

@@ -73,9 +73,7 @@ impl BlurField {
             self.kernel = kernel_of(self.shape);
         }
         let first = first_cell(aim.point, self.shape);
-        self.any_solid = self
-            .window
-            .read(occupancy, self.shape, first, aim.seed);
+        self.any_solid = self.window.read(occupancy, self.shape, first, aim.seed);
         if !self.any_solid {
             return;
         }

@@ -238,9 +238,11 @@ impl SmoothCache {
         }
 
         let fields = &self.fields;
-        NearFields::new(near.into_iter().flatten().map(|near| {
-            PlacedField::new(&fields[near.place], &near)
-        }))
+        NearFields::new(
+            near.into_iter()
+                .flatten()
+                .map(|near| PlacedField::new(&fields[near.place], &near)),
+        )
     }
 
     /// Makes one of the two fields of the world the one around an aim: the older of them where

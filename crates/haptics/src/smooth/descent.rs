@@ -288,10 +288,8 @@ impl<'a, F: Field, const N: usize> Search<'a, F, N> {
     fn corrected(&mut self, at: Vec3A, surfaces: &Surfaces<N>) -> Vec3A {
         let largest = self.smoother.largest_correction * self.length;
         let mut corrected = *surfaces;
-        for ((surface, field), contact) in corrected
-            .iter_mut()
-            .zip(&self.fields)
-            .zip(&self.contacts)
+        for ((surface, field), contact) in
+            corrected.iter_mut().zip(&self.fields).zip(&self.contacts)
         {
             let (Some(surface), Some(field)) = (surface, field) else {
                 continue;

@@ -155,7 +155,12 @@ impl Limits {
             1 => {
                 let [low, high] = self.ranges[0];
                 let within = |values: Vec3A| (values - low).min(high - values);
-                share(within(before), (here - low).min(high - here), within(after), solid)
+                share(
+                    within(before),
+                    (here - low).min(high - here),
+                    within(after),
+                    solid,
+                )
             }
             _ => {
                 let within = |values: Vec3A| values.map(|stored| self.within(stored));
@@ -208,6 +213,10 @@ fn way_to_surface(before: f32, here: f32, beyond: f32) -> f32 {
     let filled = 0.5 + 0.5 * (here + beyond) / most;
     // none of both where the threshold is met by no value above it
     let even = ((most - here) / fall).min(1.0);
-    let way = if most > 0.0 { filled + even * (straight - filled) } else { straight };
+    let way = if most > 0.0 {
+        filled + even * (straight - filled)
+    } else {
+        straight
+    };
     way.clamp(0.0, 1.0)
 }
