@@ -12,6 +12,7 @@ use crate::scene::{MAX_OBJECTS, Object, TouchScene};
 use arrayvec::ArrayVec;
 use glam::{DVec3, IVec3};
 use palpate_volume::bit_brick::BitBrick;
+use palpate_volume::first_solid::Traversal;
 use palpate_volume::occupancy::Occupancy;
 use palpate_volume::voxel_box::VoxelBox;
 
@@ -151,6 +152,13 @@ impl<O: Occupancy> ProbeSolid<O> {
     }
 
     #[inline(never)]
+    fn first_blocked(&self, start: DVec3, end: DVec3, max_visits: u32) -> Traversal {
+        self.hard
+            .dilate(&self.inner)
+            .first_solid(start, end, max_visits)
+    }
+
+    #[inline(never)]
     fn blocked(&self, min: IVec3) -> BitBrick {
         self.hard.dilate(&self.inner).block(min)
     }
@@ -163,6 +171,15 @@ impl<O: Occupancy> Occupancy for ProbeSolid<O> {
             self.inner.is_solid(voxel)
         } else {
             self.is_blocked(voxel)
+        }
+    }
+
+    #[inline]
+    fn first_solid(&self, start: DVec3, end: DVec3, max_visits: u32) -> Traversal {
+        if self.hard.is_point() {
+            self.inner.first_solid(start, end, max_visits)
+        } else {
+            self.first_blocked(start, end, max_visits)
         }
     }
 

@@ -19,6 +19,7 @@
 mod aim;
 pub mod blur;
 pub mod cache;
+mod cell_shape;
 mod cell_shares;
 mod descent;
 pub mod field;
@@ -26,6 +27,7 @@ mod half_spaces;
 mod rows;
 pub mod shares;
 mod spline;
+mod surface_rows;
 mod tents;
 mod window;
 

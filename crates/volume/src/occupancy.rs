@@ -5,11 +5,12 @@
 
 use std::sync::Arc;
 
-use glam::{IVec3, UVec3};
+use glam::{DVec3, IVec3, UVec3};
 
 use crate::bit_brick::BitBrick;
 use crate::bits::Bits;
 use crate::block::block_of_bits;
+use crate::first_solid::{Traversal, traversed};
 use crate::segment::Segment;
 
 /// Which voxels are solid. Outside the grid nothing is. Answers must not change during a
@@ -17,6 +18,14 @@ use crate::segment::Segment;
 pub trait Occupancy {
     /// Whether this voxel is solid.
     fn is_solid(&self, voxel: IVec3) -> bool;
+
+    /// The first solid voxel between two points, of at most `max_visits` that are asked for, but
+    /// always one; see [`crate::first_solid::first_solid_bounded`]. Whoever is one of several kinds
+    /// says so here once, and not for each voxel.
+    #[inline]
+    fn first_solid(&self, start: DVec3, end: DVec3, max_visits: u32) -> Traversal {
+        traversed(self, start, end, max_visits)
+    }
 
     /// The 8×8×8 voxels from `min` on, as bits counted from there.
     #[inline]
@@ -136,6 +145,11 @@ impl<O: Occupancy + ?Sized> Occupancy for &O {
     #[inline]
     fn is_solid(&self, voxel: IVec3) -> bool {
         (**self).is_solid(voxel)
+    }
+
+    #[inline]
+    fn first_solid(&self, start: DVec3, end: DVec3, max_visits: u32) -> Traversal {
+        (**self).first_solid(start, end, max_visits)
     }
 
     #[inline]

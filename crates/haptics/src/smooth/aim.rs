@@ -9,7 +9,7 @@
 //! Frames: the body's grid; ways in mm along its axes.
 
 use super::cache::Source;
-use super::window::CellShape;
+use super::cell_shape::CellShape;
 use crate::ball_probe::MAX_BODIES;
 use crate::voxel_distance::voxel_of;
 use glam::{DVec3, IVec3};

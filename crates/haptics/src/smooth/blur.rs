@@ -14,11 +14,12 @@
 
 use super::aim::Aim;
 use super::cache::Source;
+use super::cell_shape::{CELLS, CellShape};
 use super::cell_shares::CellShares;
 use super::field::{Field, FieldSample, Kernel};
 use super::spline::{Nodes, Place, Width};
 use super::tents::{Cells, unit_of};
-use super::window::{CELLS, CellShape, Window};
+use super::window::Window;
 use crate::voxel_distance::voxel_of;
 use glam::{DVec3, IVec3, Vec3A};
 use palpate_volume::occupancy::Occupancy;
@@ -51,10 +52,11 @@ impl BlurField {
 
     /// Whether this is the field that [`Self::around`] makes for an aim at the same solid.
     pub(super) fn is_around(&self, aim: &Aim, spacing: DVec3) -> bool {
-        self.spacing == spacing && {
-            let first = first_cell(aim.point, self.shape);
-            self.window.is_for(self.shape, first, aim.seed)
-        }
+        self.spacing == spacing
+            && self
+                .window
+                .is_at(self.shape, first_cell(aim.point, self.shape))
+            && self.window.is_from(aim.seed)
     }
 
     /// Makes it the field around an aim, whose seed is a free voxel, with what is known of the

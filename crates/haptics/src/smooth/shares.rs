@@ -10,7 +10,7 @@
 //!
 //! Frame: grid. Values and limits as stored.
 
-use glam::{IVec3, Vec3A};
+use glam::{IVec3, UVec3, Vec3A};
 use palpate_volume::intensities::Intensities;
 
 /// Stored values of a voxel and of its neighbours.
@@ -30,33 +30,33 @@ impl Around {
     #[inline]
     #[must_use]
     pub fn of(scan: &Intensities, voxel: IVec3) -> Self {
-        let last = scan.dimensions().as_ivec3() - 1;
-        let is_inner = voxel.cmpgt(IVec3::ZERO).all() && voxel.cmplt(last).all();
-        if is_inner {
-            Self::of_inner(scan, voxel)
-        } else {
-            Self::of_outer(scan, voxel)
-        }
+        Self::of_inner(scan, voxel).unwrap_or_else(|| Self::of_outer(scan, voxel))
     }
 
-    /// Of a voxel that is not at the border.
+    /// Of a voxel that is not at the border; none for others.
     #[inline]
-    fn of_inner(scan: &Intensities, voxel: IVec3) -> Self {
+    fn of_inner(scan: &Intensities, voxel: IVec3) -> Option<Self> {
+        // without its sign, what is negative is large
+        let before = (voxel - 1).as_uvec3();
+        let inner = scan.dimensions().saturating_sub(UVec3::splat(2));
+        if !before.cmplt(inner).all() {
+            return None;
+        }
         let values = &**scan.values();
         let [nx, ny] = [scan.dimensions().x as usize, scan.dimensions().y as usize];
         let [x, y, z] = voxel.to_array().map(|i| i as usize);
         let layer = nx * ny;
-        let here = z * layer + y * nx + x;
-        // there are as many before it as after it
-        let Some(near) = values.get(here - layer..=here + layer) else {
-            return Self::default();
-        };
-        let value = |place: usize| near.get(place).map_or(0.0, |&value| f32::from(value));
-        Self {
-            here: value(layer),
-            before: Vec3A::new(value(layer - 1), value(layer - nx), value(0)),
-            after: Vec3A::new(value(layer + 1), value(layer + nx), value(2 * layer)),
-        }
+        let place = z * layer + y * nx + x;
+        let value = |place: usize| values.get(place).map(|&value| f32::from(value));
+        let row = values.get(place - 1..)?.first_chunk()?;
+        let [before_x, here, after_x] = row.map(|value: i16| f32::from(value));
+        let [before_y, before_z] = [value(place - nx)?, value(place - layer)?];
+        let [after_y, after_z] = [value(place + nx)?, value(place + layer)?];
+        Some(Self {
+            here,
+            before: Vec3A::new(before_x, before_y, before_z),
+            after: Vec3A::new(after_x, after_y, after_z),
+        })
     }
 
     /// Of any voxel.
@@ -144,29 +144,31 @@ impl Limits {
     #[inline]
     #[must_use]
     pub fn share(&self, around: &Around, solid: bool) -> Option<f32> {
-        let Around {
-            here,
-            before,
-            after,
-        } = *around;
         match self.count {
-            0 => None,
             // there is mostly but one
             1 => {
                 let [low, high] = self.ranges[0];
                 let within = |values: Vec3A| (values - low).min(high - values);
-                share(
-                    within(before),
-                    (here - low).min(high - here),
-                    within(after),
-                    solid,
-                )
+                let here = (around.here - low).min(high - around.here);
+                share(within(around.before), here, within(around.after), solid)
             }
-            _ => {
-                let within = |values: Vec3A| values.map(|stored| self.within(stored));
-                share(within(before), self.within(here), within(after), solid)
-            }
+            _ => self.share_of_many(around, solid),
         }
+    }
+
+    /// The same for any number of ranges.
+    #[inline(never)]
+    fn share_of_many(&self, around: &Around, solid: bool) -> Option<f32> {
+        if self.is_empty() {
+            return None;
+        }
+        let within = |values: Vec3A| values.map(|stored| self.within(stored));
+        share(
+            within(around.before),
+            self.within(around.here),
+            within(around.after),
+            solid,
+        )
     }
 }
 
