@@ -6,6 +6,7 @@
 
 use crate::admission::{Admission, admit_scene};
 use crate::ball::{Ball, BallError, BallShape, Dilated};
+use crate::ball_closing::Closing;
 use crate::proxy::Proxy;
 use crate::scene::{MAX_OBJECTS, Object, TouchScene};
 use arrayvec::ArrayVec;
@@ -68,6 +69,8 @@ pub struct ProbeSolid<O> {
     inner: O,
     /// Where its centre cannot be.
     hard: Ball,
+    /// What it cannot get into: the smooth force takes that as solid.
+    closing: Closing,
 }
 
 impl<O: Occupancy> ProbeSolid<O> {
@@ -76,9 +79,11 @@ impl<O: Occupancy> ProbeSolid<O> {
     /// # Errors
     /// Where the ball is too large for these voxels.
     pub fn new(inner: O, radius_mm: f64, spacing: DVec3) -> Result<Self, BallError> {
+        let shape = BallShape::new(radius_mm, spacing)?;
         Ok(Self {
             inner,
-            hard: Ball::new(BallShape::new(radius_mm, spacing)?),
+            hard: Ball::new(shape),
+            closing: Closing::new(&shape),
         })
     }
 
@@ -101,6 +106,7 @@ impl<O: Occupancy> ProbeSolid<O> {
     pub fn change<T>(&mut self, changed: &VoxelBox, change: impl FnOnce(&mut O) -> T) -> T {
         if !self.hard.is_point() {
             self.hard.invalidate_box(changed);
+            self.closing.invalidate_box(changed);
         }
         change(&mut self.inner)
     }
@@ -111,9 +117,9 @@ impl<O: Occupancy> ProbeSolid<O> {
     /// # Errors
     /// Where the ball is too large for these voxels; nothing is changed then.
     pub fn set_radius(&mut self, radius_mm: f64) -> Result<(), BallError> {
-        let spacing = self.shape().spacing();
-        let hard = BallShape::new(radius_mm, spacing)?;
-        self.hard.set_shape(hard);
+        let shape = BallShape::new(radius_mm, self.shape().spacing())?;
+        self.hard.set_shape(shape);
+        self.closing.set_shape(&shape);
         Ok(())
     }
 
@@ -188,7 +194,7 @@ impl<O: Occupancy> Occupancy for ProbeSolid<O> {
 
     #[inline]
     fn smooth_block(&self, min: IVec3) -> BitBrick {
-        self.inner.smooth_block(min)
+        self.closing.block(&self.inner, min)
     }
 
     #[inline]

@@ -12,6 +12,7 @@ pub mod admission;
 pub mod ball;
 mod ball_brick;
 mod ball_cache;
+mod ball_closing;
 pub mod ball_limits;
 mod ball_nearest;
 pub mod ball_probe;
