@@ -1,1 +1,21 @@
-//! The models of particles: `fcc-lj`, `cuboid-lj` and `global-lj`.
+//! Particles that act on one another at a distance: the thesis' potential fields.
+//!
+//! Layout: one array per quantity ([`state`]); each particle has a list of all others within
+//! reach and a margin ([`neighbours`]), so each pair is met twice, once from either side, and
+//! no two threads ever write to one particle. Units are the caller's (the models use mm, N).
+//! Source: thesis 5.3–5.26.
+
+mod cells;
+mod lanes;
+pub mod lattices;
+pub mod neighbours;
+pub mod pair_force;
+pub mod pair_laws;
+pub mod space;
+pub mod state;
+
+pub use neighbours::NeighbourList;
+pub use pair_force::{PairSums, Workers, pair_forces};
+pub use pair_laws::{CuboidLaw, CutLaw, FadedLaw};
+pub use space::Space;
+pub use state::{Particles, Site};

@@ -1,5 +1,6 @@
 //! Every potential against numerical derivatives of its own energy, and the constants against
 //! the corrected numbers of the thesis.
+#![expect(clippy::unwrap_used, reason = "a test stops where a law is refused")]
 
 use glam::DVec3;
 use palpate_deform::potential::{
