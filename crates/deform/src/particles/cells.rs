@@ -1,4 +1,4 @@
-//! Particles sorted into cells, so that neighbours are found in 27 of them.
+//! Particles sorted into cells, so that neighbours are found in the 125 around one's own.
 //!
 //! Dense cells by counting sort: the region is bounded, so no hash is needed (thesis 5.22
 //! hashes |x||y||z| with three bits of sign; its two shift operators are interchanged in the
@@ -13,6 +13,10 @@ use super::lanes::LANES;
 use super::space::Space;
 use super::state::Site;
 
+/// Neighbours lie at most so many cells away: cells of half the reach leave less than half of the
+/// candidates that cells of the whole reach do.
+const SPREAD: i32 = 2;
+
 /// The cells of one moment. Cell (i, j, k) has the number i + nx (j + ny k).
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Cells {
@@ -22,7 +26,7 @@ pub(crate) struct Cells {
     periodic: bool,
     /// First place of each cell in the sorted arrays, and the end.
     starts: Vec<u32>,
-    /// Particles by cell, and within a cell by index.
+    /// Particles by cell, and within a cell by index; eight zeros behind.
     pub(crate) order: Vec<u32>,
     /// Their coordinates, in that order, shape [3][n + 8].
     pub(crate) sorted: [Vec<f64>; 3],
@@ -30,7 +34,7 @@ pub(crate) struct Cells {
 }
 
 impl Cells {
-    /// Sorts particles into cells no smaller than `reach`.
+    /// Sorts particles into cells, so that all within `reach` lie at most [`SPREAD`] cells away.
     pub(crate) fn sort(&mut self, sites: &[Site], reach: f64, space: Space) {
         self.lay(sites, reach, space);
         let cells = self.counts.as_i64vec3().element_product() as usize;
@@ -48,7 +52,7 @@ impl Cells {
         }
 
         self.order.clear();
-        self.order.resize(sites.len(), 0);
+        self.order.resize(sites.len() + LANES, 0);
         let mut next = self.starts.clone();
         for (index, &cell) in self.cell_of.iter().enumerate() {
             self.order[next[cell as usize] as usize] = index as u32;
@@ -57,7 +61,7 @@ impl Cells {
         let at = |axis: usize, index: u32| sites[index as usize].position()[axis];
         for (axis, sorted) in self.sorted.iter_mut().enumerate() {
             sorted.clear();
-            sorted.extend(self.order.iter().map(|&index| at(axis, index)));
+            sorted.extend(self.order[..sites.len()].iter().map(|&index| at(axis, index)));
             // eight more than there are, so that eight can always be read at once
             sorted.extend([f64::INFINITY; LANES]);
         }
@@ -77,7 +81,7 @@ impl Cells {
             }
         };
         let allowed = (4 * sites.len() + 64) as f64;
-        let mut least = reach;
+        let mut least = reach / f64::from(SPREAD);
         let mut counts = (size / least).floor().max(DVec3::ONE);
         while counts.element_product() > allowed {
             least *= 1.5;
@@ -109,16 +113,16 @@ impl Cells {
     pub(crate) fn rows_around(&self, cell: IVec3, rows: &mut Vec<Range<usize>>) {
         rows.clear();
         let x = self.axis(cell, 0);
-        let (first, last, end) = (*x.start(), *x.end(), self.counts.x - 1);
+        let (first, last, count) = (*x.start(), *x.end(), self.counts.x);
         for k in self.axis(cell, 2) {
             for j in self.axis(cell, 1) {
                 let (j, k) = (self.wrap(j, 1), self.wrap(k, 2));
                 if first < 0 {
-                    rows.push(self.row(end, end, j, k));
+                    rows.push(self.row(first + count, count - 1, j, k));
                 }
-                rows.push(self.row(first.max(0), last.min(end), j, k));
-                if last > end {
-                    rows.push(self.row(0, 0, j, k));
+                rows.push(self.row(first.max(0), last.min(count - 1), j, k));
+                if last >= count {
+                    rows.push(self.row(0, last - count, j, k));
                 }
             }
         }
@@ -133,12 +137,12 @@ impl Cells {
     /// Cells to visit along an axis: those beside it, or all where they would meet themselves.
     fn axis(&self, cell: IVec3, axis: usize) -> RangeInclusive<i32> {
         let count = self.counts[axis];
-        if count < 3 {
+        if count < 2 * SPREAD + 1 {
             0..=count - 1
         } else if self.periodic {
-            cell[axis] - 1..=cell[axis] + 1
+            cell[axis] - SPREAD..=cell[axis] + SPREAD
         } else {
-            (cell[axis] - 1).max(0)..=(cell[axis] + 1).min(count - 1)
+            (cell[axis] - SPREAD).max(0)..=(cell[axis] + SPREAD).min(count - 1)
         }
     }
 

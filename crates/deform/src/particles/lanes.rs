@@ -38,6 +38,8 @@ pub trait Lanes: Copy {
     /// # Safety
     /// Every index must lie within `sites`.
     unsafe fn gather(sites: &[Site], indices: &[u32; LANES]) -> [Self; 4];
+    /// Appends those values whose bit is set.
+    fn push_where(mask: u8, values: &[u32; LANES], list: &mut Vec<u32>);
     /// Sum of the lanes, always in the same order.
     fn sum(self) -> f64;
 }
@@ -159,6 +161,13 @@ impl Lanes for Plain {
             Self(std::array::from_fn(|i| site(i).z)),
             Self(std::array::from_fn(|i| site(i).softness)),
         ]
+    }
+    #[inline(always)]
+    fn push_where(mut mask: u8, values: &[u32; LANES], list: &mut Vec<u32>) {
+        while mask != 0 {
+            list.push(values[mask.trailing_zeros() as usize]);
+            mask &= mask - 1;
+        }
     }
     #[inline(always)]
     fn sum(self) -> f64 {
@@ -283,6 +292,18 @@ impl Lanes for Wide {
                 Self(arch::_mm512_permutex2var_pd(odd[0], second, odd[1])),
             ]
         }
+    }
+    #[inline(always)]
+    fn push_where(mask: u8, values: &[u32; LANES], list: &mut Vec<u32>) {
+        let mut picked = [0_u32; 2 * LANES];
+        intrinsic!({
+            let values = arch::_mm512_castsi256_si512(arch::_mm256_loadu_si256(values.as_ptr().cast()));
+            let picks = arch::_mm512_maskz_compress_epi32(u16::from(mask), values);
+            arch::_mm512_storeu_si512(picked.as_mut_ptr().cast(), picks);
+        });
+        let length = list.len() + mask.count_ones() as usize;
+        list.extend_from_slice(&picked[..LANES]);
+        list.truncate(length);
     }
     #[inline(always)]
     fn sum(self) -> f64 {
@@ -415,6 +436,10 @@ impl Lanes for Halves {
             Self(low[2], high[2]),
             Self(low[3], high[3]),
         ]
+    }
+    #[inline(always)]
+    fn push_where(mask: u8, values: &[u32; LANES], list: &mut Vec<u32>) {
+        Plain::push_where(mask, values, list);
     }
     #[inline(always)]
     fn sum(self) -> f64 {

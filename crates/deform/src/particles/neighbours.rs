@@ -1,7 +1,8 @@
 //! Lists of the particles near each particle, kept until one has moved half the margin.
 //!
-//! Full lists: each pair stands in both. Every list is filled up to a multiple of eight with
-//! the particle itself, which the pair loop passes over. Rebuilds are counted.
+//! Full lists: each pair stands in both. Every list holds the
+//! particle itself too, once or more so that its length is a multiple of eight; the pair loop
+//! passes over it. Rebuilds are counted.
 //! Source: Verlet, Phys. Rev. 159 (1967); cells as in thesis 5.22.
 
 use std::ops::Range;
@@ -127,7 +128,7 @@ fn search_with<V: Lanes>(list: &mut NeighbourList) {
     let limit = V::splat((list.reach + list.margin).powi(2));
     let wrap = Wrap::<V>::new(list.space);
     let periodic = list.space != Space::Open;
-    let [x, y, z] = &cells.sorted;
+    let ([x, y, z], order) = (&cells.sorted, &cells.order);
 
     for (index, position) in built_at.iter().enumerate() {
         starts.push(members.len() as u32);
@@ -143,14 +144,8 @@ fn search_with<V: Lanes>(list: &mut NeighbourList) {
                 }
                 let squared = squared_length(offset);
                 let left = (row.end - first).min(LANES);
-                let mut near = squared.less(limit) & (0xff >> (LANES - left));
-                while near != 0 {
-                    let other = cells.order[first + near.trailing_zeros() as usize];
-                    if other as usize != index {
-                        members.push(other);
-                    }
-                    near &= near - 1;
-                }
+                let near = squared.less(limit) & (0xff >> (LANES - left));
+                V::push_where(near, eight(order, first), members);
                 first += LANES;
             }
         }
@@ -162,6 +157,6 @@ fn search_with<V: Lanes>(list: &mut NeighbourList) {
 
 /// Eight values from a place on.
 #[inline(always)]
-fn eight(values: &[f64], first: usize) -> &[f64; LANES] {
+fn eight<T>(values: &[T], first: usize) -> &[T; LANES] {
     values[first..].first_chunk().expect("sorted arrays have eight values more than there are")
 }
