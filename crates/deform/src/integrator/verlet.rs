@@ -21,8 +21,20 @@ impl VelocityVerlet {
     /// First part: velocities and positions; forces must be those of the present positions.
     pub fn before_forces(&self, particles: &mut Particles) {
         let decay = (-self.friction * self.step).exp();
-        let Particles { sites, velocities, forces, masses, held, .. } = particles;
-        let each = sites.iter_mut().zip(velocities).zip(forces).zip(masses).zip(held);
+        let Particles {
+            sites,
+            velocities,
+            forces,
+            masses,
+            held,
+            ..
+        } = particles;
+        let each = sites
+            .iter_mut()
+            .zip(velocities)
+            .zip(forces)
+            .zip(masses)
+            .zip(held);
         for ((((site, velocity), force), mass), held) in each {
             if *held {
                 *velocity = DVec3::ZERO;
@@ -37,8 +49,16 @@ impl VelocityVerlet {
 
     /// Second part: velocities, by the forces of the new positions.
     pub fn after_forces(&self, particles: &mut Particles) {
-        let Particles { velocities, forces, masses, held, .. } = particles;
-        for (((velocity, force), mass), held) in velocities.iter_mut().zip(forces).zip(masses).zip(held) {
+        let Particles {
+            velocities,
+            forces,
+            masses,
+            held,
+            ..
+        } = particles;
+        for (((velocity, force), mass), held) in
+            velocities.iter_mut().zip(forces).zip(masses).zip(held)
+        {
             if !*held {
                 *velocity += 0.5 * self.step / *mass * *force;
             }
@@ -46,7 +66,11 @@ impl VelocityVerlet {
     }
 
     /// A whole step; `forces` computes those of the positions it finds.
-    pub fn advance<R>(&self, particles: &mut Particles, forces: impl FnOnce(&mut Particles) -> R) -> R {
+    pub fn advance<R>(
+        &self,
+        particles: &mut Particles,
+        forces: impl FnOnce(&mut Particles) -> R,
+    ) -> R {
         self.before_forces(particles);
         let result = forces(particles);
         self.after_forces(particles);

@@ -61,7 +61,11 @@ impl Cells {
         let at = |axis: usize, index: u32| sites[index as usize].position()[axis];
         for (axis, sorted) in self.sorted.iter_mut().enumerate() {
             sorted.clear();
-            sorted.extend(self.order[..sites.len()].iter().map(|&index| at(axis, index)));
+            sorted.extend(
+                self.order[..sites.len()]
+                    .iter()
+                    .map(|&index| at(axis, index)),
+            );
             // eight more than there are, so that eight can always be read at once
             sorted.extend([f64::INFINITY; LANES]);
         }
@@ -70,14 +74,24 @@ impl Cells {
     /// Chooses origin, side and number of cells.
     fn lay(&mut self, sites: &[Site], reach: f64, space: Space) {
         let all = |f: fn(DVec3, DVec3) -> DVec3, from| {
-            sites.iter().map(Site::position).filter(|p| p.is_finite()).fold(from, f)
+            sites
+                .iter()
+                .map(Site::position)
+                .filter(|p| p.is_finite())
+                .fold(from, f)
         };
         let (origin, size) = match space {
             Space::Periodic(sides) => (DVec3::ZERO, sides),
             Space::Open => {
-                let (low, high) = (all(DVec3::min, DVec3::INFINITY), all(DVec3::max, DVec3::NEG_INFINITY));
+                let (low, high) = (
+                    all(DVec3::min, DVec3::INFINITY),
+                    all(DVec3::max, DVec3::NEG_INFINITY),
+                );
                 let found = low.cmple(high).all();
-                (if found { low } else { DVec3::ZERO }, if found { high - low } else { DVec3::ZERO })
+                (
+                    if found { low } else { DVec3::ZERO },
+                    if found { high - low } else { DVec3::ZERO },
+                )
             }
         };
         let allowed = (4 * sites.len() + 64) as f64;

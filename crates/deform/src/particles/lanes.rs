@@ -75,7 +75,11 @@ impl<V: Lanes> Wrap<V> {
     /// The shortest of all equal offsets.
     #[inline(always)]
     pub(crate) fn nearest(&self, offset: [V; 3]) -> [V; 3] {
-        [self.along(0, offset[0]), self.along(1, offset[1]), self.along(2, offset[2])]
+        [
+            self.along(0, offset[0]),
+            self.along(1, offset[1]),
+            self.along(2, offset[2]),
+        ]
     }
 
     #[inline(always)]
@@ -150,7 +154,9 @@ impl Lanes for Plain {
     }
     #[inline(always)]
     fn keep(self, mask: u8) -> Self {
-        Self(std::array::from_fn(|i| if mask >> i & 1 != 0 { self.0[i] } else { 0.0 }))
+        Self(std::array::from_fn(|i| {
+            if mask >> i & 1 != 0 { self.0[i] } else { 0.0 }
+        }))
     }
     #[inline(always)]
     unsafe fn gather(sites: &[Site], indices: &[u32; LANES]) -> [Self; 4] {
@@ -262,7 +268,9 @@ impl Lanes for Wide {
     }
     #[inline(always)]
     fn less(self, other: Self) -> u8 {
-        intrinsic!(arch::_mm512_cmp_pd_mask::<{ arch::_CMP_LT_OQ }>(self.0, other.0))
+        intrinsic!(arch::_mm512_cmp_pd_mask::<{ arch::_CMP_LT_OQ }>(
+            self.0, other.0
+        ))
     }
     #[inline(always)]
     fn keep(self, mask: u8) -> Self {
@@ -280,8 +288,14 @@ impl Lanes for Wide {
             ];
             // x x z z | x x z z and y y w w | y y w w
             let (even, odd) = (
-                [arch::_mm512_unpacklo_pd(rows[0], rows[1]), arch::_mm512_unpacklo_pd(rows[2], rows[3])],
-                [arch::_mm512_unpackhi_pd(rows[0], rows[1]), arch::_mm512_unpackhi_pd(rows[2], rows[3])],
+                [
+                    arch::_mm512_unpacklo_pd(rows[0], rows[1]),
+                    arch::_mm512_unpacklo_pd(rows[2], rows[3]),
+                ],
+                [
+                    arch::_mm512_unpackhi_pd(rows[0], rows[1]),
+                    arch::_mm512_unpackhi_pd(rows[2], rows[3]),
+                ],
             );
             let first = arch::_mm512_setr_epi64(0, 1, 8, 9, 4, 5, 12, 13);
             let second = arch::_mm512_setr_epi64(2, 3, 10, 11, 6, 7, 14, 15);
@@ -297,7 +311,8 @@ impl Lanes for Wide {
     fn push_where(mask: u8, values: &[u32; LANES], list: &mut Vec<u32>) {
         let mut picked = [0_u32; 2 * LANES];
         intrinsic!({
-            let values = arch::_mm512_castsi256_si512(arch::_mm256_loadu_si256(values.as_ptr().cast()));
+            let values =
+                arch::_mm512_castsi256_si512(arch::_mm256_loadu_si256(values.as_ptr().cast()));
             let picks = arch::_mm512_maskz_compress_epi32(u16::from(mask), values);
             arch::_mm512_storeu_si512(picked.as_mut_ptr().cast(), picks);
         });
@@ -335,8 +350,14 @@ impl Halves {
                 arch::_mm256_load_pd(first.add(indices[2] as usize).cast()),
                 arch::_mm256_load_pd(first.add(indices[3] as usize).cast()),
             ];
-            let even = [arch::_mm256_unpacklo_pd(rows[0], rows[1]), arch::_mm256_unpacklo_pd(rows[2], rows[3])];
-            let odd = [arch::_mm256_unpackhi_pd(rows[0], rows[1]), arch::_mm256_unpackhi_pd(rows[2], rows[3])];
+            let even = [
+                arch::_mm256_unpacklo_pd(rows[0], rows[1]),
+                arch::_mm256_unpacklo_pd(rows[2], rows[3]),
+            ];
+            let odd = [
+                arch::_mm256_unpackhi_pd(rows[0], rows[1]),
+                arch::_mm256_unpackhi_pd(rows[2], rows[3]),
+            ];
             [
                 arch::_mm256_permute2f128_pd::<0x20>(even[0], even[1]),
                 arch::_mm256_permute2f128_pd::<0x20>(odd[0], odd[1]),
@@ -363,15 +384,24 @@ impl Lanes for Halves {
     }
     #[inline(always)]
     fn add(self, other: Self) -> Self {
-        intrinsic!(Self(arch::_mm256_add_pd(self.0, other.0), arch::_mm256_add_pd(self.1, other.1)))
+        intrinsic!(Self(
+            arch::_mm256_add_pd(self.0, other.0),
+            arch::_mm256_add_pd(self.1, other.1)
+        ))
     }
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
-        intrinsic!(Self(arch::_mm256_sub_pd(self.0, other.0), arch::_mm256_sub_pd(self.1, other.1)))
+        intrinsic!(Self(
+            arch::_mm256_sub_pd(self.0, other.0),
+            arch::_mm256_sub_pd(self.1, other.1)
+        ))
     }
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
-        intrinsic!(Self(arch::_mm256_mul_pd(self.0, other.0), arch::_mm256_mul_pd(self.1, other.1)))
+        intrinsic!(Self(
+            arch::_mm256_mul_pd(self.0, other.0),
+            arch::_mm256_mul_pd(self.1, other.1)
+        ))
     }
     #[inline(always)]
     fn mul_add(self, factor: Self, term: Self) -> Self {
@@ -382,28 +412,46 @@ impl Lanes for Halves {
     }
     #[inline(always)]
     fn div(self, other: Self) -> Self {
-        intrinsic!(Self(arch::_mm256_div_pd(self.0, other.0), arch::_mm256_div_pd(self.1, other.1)))
+        intrinsic!(Self(
+            arch::_mm256_div_pd(self.0, other.0),
+            arch::_mm256_div_pd(self.1, other.1)
+        ))
     }
     #[inline(always)]
     fn sqrt(self) -> Self {
-        intrinsic!(Self(arch::_mm256_sqrt_pd(self.0), arch::_mm256_sqrt_pd(self.1)))
+        intrinsic!(Self(
+            arch::_mm256_sqrt_pd(self.0),
+            arch::_mm256_sqrt_pd(self.1)
+        ))
     }
     #[inline(always)]
     fn max(self, other: Self) -> Self {
-        intrinsic!(Self(arch::_mm256_max_pd(self.0, other.0), arch::_mm256_max_pd(self.1, other.1)))
+        intrinsic!(Self(
+            arch::_mm256_max_pd(self.0, other.0),
+            arch::_mm256_max_pd(self.1, other.1)
+        ))
     }
     #[inline(always)]
     fn min(self, other: Self) -> Self {
-        intrinsic!(Self(arch::_mm256_min_pd(self.0, other.0), arch::_mm256_min_pd(self.1, other.1)))
+        intrinsic!(Self(
+            arch::_mm256_min_pd(self.0, other.0),
+            arch::_mm256_min_pd(self.1, other.1)
+        ))
     }
     #[inline(always)]
     fn abs(self) -> Self {
         let sign = Self::splat(-0.0);
-        intrinsic!(Self(arch::_mm256_andnot_pd(sign.0, self.0), arch::_mm256_andnot_pd(sign.1, self.1)))
+        intrinsic!(Self(
+            arch::_mm256_andnot_pd(sign.0, self.0),
+            arch::_mm256_andnot_pd(sign.1, self.1)
+        ))
     }
     #[inline(always)]
     fn round(self) -> Self {
-        intrinsic!(Self(arch::_mm256_round_pd::<0>(self.0), arch::_mm256_round_pd::<0>(self.1)))
+        intrinsic!(Self(
+            arch::_mm256_round_pd::<0>(self.0),
+            arch::_mm256_round_pd::<0>(self.1)
+        ))
     }
     #[inline(always)]
     fn less(self, other: Self) -> u8 {
@@ -422,14 +470,22 @@ impl Lanes for Halves {
             let high = arch::_mm256_and_si256(arch::_mm256_set1_epi64x(high), bits);
             let low = arch::_mm256_castsi256_pd(arch::_mm256_cmpeq_epi64(low, bits));
             let high = arch::_mm256_castsi256_pd(arch::_mm256_cmpeq_epi64(high, bits));
-            Self(arch::_mm256_and_pd(low, self.0), arch::_mm256_and_pd(high, self.1))
+            Self(
+                arch::_mm256_and_pd(low, self.0),
+                arch::_mm256_and_pd(high, self.1),
+            )
         })
     }
     #[inline(always)]
     unsafe fn gather(sites: &[Site], indices: &[u32; LANES]) -> [Self; 4] {
         let [a, b, c, d, e, f, g, h] = *indices;
         // SAFETY: the caller warrants the indices
-        let (low, high) = unsafe { (Self::four(sites, [a, b, c, d]), Self::four(sites, [e, f, g, h])) };
+        let (low, high) = unsafe {
+            (
+                Self::four(sites, [a, b, c, d]),
+                Self::four(sites, [e, f, g, h]),
+            )
+        };
         [
             Self(low[0], high[0]),
             Self(low[1], high[1]),

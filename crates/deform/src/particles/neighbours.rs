@@ -68,7 +68,8 @@ impl NeighbourList {
     pub fn update(&mut self, sites: &[Site]) {
         let allowed = (0.5 * self.margin).powi(2);
         // not `> allowed`: a place that is no number asks for it too
-        let stays = |(site, &then): (&Site, &DVec3)| site.position().distance_squared(then) <= allowed;
+        let stays =
+            |(site, &then): (&Site, &DVec3)| site.position().distance_squared(then) <= allowed;
         let same = sites.len() == self.built_at.len();
         if !(same && self.builds > 0 && sites.iter().zip(&self.built_at).all(stays)) {
             self.build(sites);
@@ -124,7 +125,14 @@ fn search(list: &mut NeighbourList) {
 // loops and no closures: code in a closure would not be compiled for the wide registers
 #[inline(always)]
 fn search_with<V: Lanes>(list: &mut NeighbourList) {
-    let NeighbourList { cells, starts, members, built_at, rows, .. } = list;
+    let NeighbourList {
+        cells,
+        starts,
+        members,
+        built_at,
+        rows,
+        ..
+    } = list;
     let limit = V::splat((list.reach + list.margin).powi(2));
     let wrap = Wrap::<V>::new(list.space);
     let periodic = list.space != Space::Open;
@@ -132,13 +140,25 @@ fn search_with<V: Lanes>(list: &mut NeighbourList) {
 
     for (index, position) in built_at.iter().enumerate() {
         starts.push(members.len() as u32);
-        let here = [V::splat(position.x), V::splat(position.y), V::splat(position.z)];
+        let here = [
+            V::splat(position.x),
+            V::splat(position.y),
+            V::splat(position.z),
+        ];
         cells.rows_around(cells.cell_at(*position), rows);
         for row in rows.iter() {
             let mut first = row.start;
             while first < row.end {
-                let there = [V::load(eight(x, first)), V::load(eight(y, first)), V::load(eight(z, first))];
-                let mut offset = [there[0].sub(here[0]), there[1].sub(here[1]), there[2].sub(here[2])];
+                let there = [
+                    V::load(eight(x, first)),
+                    V::load(eight(y, first)),
+                    V::load(eight(z, first)),
+                ];
+                let mut offset = [
+                    there[0].sub(here[0]),
+                    there[1].sub(here[1]),
+                    there[2].sub(here[2]),
+                ];
                 if periodic {
                     offset = wrap.nearest(offset);
                 }
@@ -158,5 +178,7 @@ fn search_with<V: Lanes>(list: &mut NeighbourList) {
 /// Eight values from a place on.
 #[inline(always)]
 fn eight<T>(values: &[T], first: usize) -> &[T; LANES] {
-    values[first..].first_chunk().expect("sorted arrays have eight values more than there are")
+    values[first..]
+        .first_chunk()
+        .expect("sorted arrays have eight values more than there are")
 }

@@ -71,9 +71,18 @@ pub fn pair_forces<L: LaneLaw>(
     sums: bool,
     workers: Workers,
 ) -> PairSums {
-    assert_eq!(sites.len(), list.particle_count(), "lists of other particles");
+    assert_eq!(
+        sites.len(),
+        list.particle_count(),
+        "lists of other particles"
+    );
     assert_eq!(sites.len(), forces.len(), "one force per particle");
-    let pairs = Pairs { law, sites, list, depth };
+    let pairs = Pairs {
+        law,
+        sites,
+        list,
+        depth,
+    };
     let task = |(number, forces): (usize, &mut [DVec3])| {
         if sums {
             pairs.accumulate::<true>(number * TASK, forces)
@@ -153,7 +162,11 @@ impl<L: LaneLaw> Pairs<'_, L> {
             for eight in self.list.of(index) {
                 // SAFETY: members of lists are particles of the lists, as many as there are sites
                 let there = unsafe { V::gather(self.sites, eight) };
-                let mut offset = [here[0].sub(there[0]), here[1].sub(there[1]), here[2].sub(there[2])];
+                let mut offset = [
+                    here[0].sub(there[0]),
+                    here[1].sub(there[1]),
+                    here[2].sub(there[2]),
+                ];
                 if PERIODIC {
                     offset = wrap.nearest(offset);
                 }
@@ -181,6 +194,10 @@ impl<L: LaneLaw> Pairs<'_, L> {
             *force = DVec3::new(total[0].sum(), total[1].sum(), total[2].sum());
         }
         // every pair was met from both sides
-        PairSums { energy: 0.5 * energy.sum(), virial: 0.5 * virial.sum(), pairs: pairs / 2 }
+        PairSums {
+            energy: 0.5 * energy.sum(),
+            virial: 0.5 * virial.sum(),
+            pairs: pairs / 2,
+        }
     }
 }

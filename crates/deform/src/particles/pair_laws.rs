@@ -34,7 +34,10 @@ pub struct CutLaw {
 impl CutLaw {
     /// With equilibrium distance a and the distance from which on there is no force.
     pub fn new(equilibrium: f64, cut: f64) -> Self {
-        Self { equilibrium_squared: equilibrium * equilibrium, cut_squared: cut * cut }
+        Self {
+            equilibrium_squared: equilibrium * equilibrium,
+            cut_squared: cut * cut,
+        }
     }
 }
 
@@ -44,7 +47,10 @@ fn lennard_jones<V: Lanes>(equilibrium_squared: f64, squared: V) -> (V, V) {
     let inverse = V::splat(1.0).div(squared);
     let ratio = inverse.mul(V::splat(equilibrium_squared));
     let sixth = ratio.mul(ratio).mul(ratio);
-    let force = sixth.mul_add(sixth, V::splat(0.0).sub(sixth)).mul(inverse).mul(V::splat(12.0));
+    let force = sixth
+        .mul_add(sixth, V::splat(0.0).sub(sixth))
+        .mul(inverse)
+        .mul(V::splat(12.0));
     let energy = sixth.mul(sixth.sub(V::splat(2.0)));
     (force, energy)
 }
@@ -110,7 +116,9 @@ impl sealed::Evaluate for FadedLaw {
         let span = (self.cut_squared - self.from_squared).recip();
         let t = squared.sub(V::splat(self.from_squared)).mul(V::splat(span));
         let t = t.max(V::splat(0.0)).min(V::splat(1.0));
-        let curve = t.mul_add(V::splat(6.0), V::splat(-15.0)).mul_add(t, V::splat(10.0));
+        let curve = t
+            .mul_add(V::splat(6.0), V::splat(-15.0))
+            .mul_add(t, V::splat(10.0));
         let share = V::splat(1.0).sub(t.mul(t).mul(t).mul(curve));
         let hill = t.mul(V::splat(1.0).sub(t));
         let slope = hill.mul(hill).mul(V::splat(60.0 * span));
@@ -169,7 +177,12 @@ impl sealed::Evaluate for CuboidLaw {
         let nearest = V::splat(self.nearest_squared);
         let ratio = V::splat(self.side_squared).div(measure.max(nearest));
         let sixth = ratio.mul(ratio).mul(ratio);
-        let pull = sixth.mul_add(sixth, V::splat(0.0).sub(sixth)).mul(V::splat(12.0));
-        (pull.div(squared.max(nearest)), sixth.mul(sixth.sub(V::splat(2.0))))
+        let pull = sixth
+            .mul_add(sixth, V::splat(0.0).sub(sixth))
+            .mul(V::splat(12.0));
+        (
+            pull.div(squared.max(nearest)),
+            sixth.mul(sixth.sub(V::splat(2.0))),
+        )
     }
 }

@@ -25,7 +25,12 @@ impl Site {
     /// At a place, with the depth D of its matter.
     pub fn new(position: DVec3, depth: f64) -> Self {
         let DVec3 { x, y, z } = position;
-        Self { x, y, z, softness: depth.recip() }
+        Self {
+            x,
+            y,
+            z,
+            softness: depth.recip(),
+        }
     }
 
     /// Where it is.
@@ -132,7 +137,11 @@ impl Particles {
 
     /// Σ m v.
     pub fn momentum(&self) -> DVec3 {
-        self.velocities.iter().zip(&self.masses).map(|(&v, &m)| m * v).sum()
+        self.velocities
+            .iter()
+            .zip(&self.masses)
+            .map(|(&v, &m)| m * v)
+            .sum()
     }
 
     /// Σ m v²/2.
