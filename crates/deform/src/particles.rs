@@ -15,9 +15,12 @@ pub mod pair_force;
 pub mod pair_laws;
 pub mod space;
 pub mod state;
+pub mod system;
 
+pub use lanes::Registers;
 pub use neighbours::NeighbourList;
-pub use pair_force::{PairSums, Workers, pair_forces};
+pub use pair_force::{PairOptions, PairSums, Workers, pair_forces};
 pub use pair_laws::{CuboidLaw, CutLaw, FadedLaw};
 pub use space::Space;
 pub use state::{Particles, Site};
+pub use system::ParticleSystem;

@@ -1,5 +1,4 @@
 //! Perfect lattices: energy, equilibrium and moduli against known lattice sums.
-#![expect(clippy::unwrap_used, reason = "a test stops where a law is refused")]
 
 use glam::{DVec3, IVec3};
 use palpate_deform::material::{MaterialLaw, preset};
@@ -8,7 +7,9 @@ use palpate_deform::particles::elasticity::{
     CubicModuli, compression_modulus, cubic_offsets, fcc_offsets, spacing_without_pressure,
 };
 use palpate_deform::particles::lattices::fcc;
-use palpate_deform::particles::{CutLaw, NeighbourList, Particles, Space, Workers, pair_forces};
+use palpate_deform::particles::{
+    CutLaw, NeighbourList, PairOptions, Particles, Space, pair_forces,
+};
 use palpate_deform::potential::{CuboidLennardJones, LennardJones, PairLaw};
 
 const FCC_VOLUME: f64 = std::f64::consts::FRAC_1_SQRT_2;
@@ -28,15 +29,12 @@ fn the_energy_of_a_large_fcc_lattice_approaches_the_known_sum() {
     list.update(&particles.sites);
     let mut forces = vec![DVec3::ZERO; particles.len()];
     let law = CutLaw::new(1.0, cut);
-    let sums = pair_forces(
-        &law,
-        &particles.sites,
-        &list,
-        Some(1.0),
-        &mut forces,
-        true,
-        Workers::One,
-    );
+    let options = PairOptions {
+        depth: Some(1.0),
+        sums: true,
+        ..Default::default()
+    };
+    let sums = pair_forces(&law, &particles.sites, &list, options, &mut forces);
 
     // the tail beyond the cut, as for matter spread evenly: √2 · 2π ∫ (−2 r⁻⁶) r² dr
     let tail = -std::f64::consts::SQRT_2 * std::f64::consts::TAU * 2.0 / (3.0 * cut.powi(3));

@@ -4,9 +4,7 @@
 //! velocity Verlet. Friction is solved exactly, v e^(−B Δt/m), so no B is too great.
 //! Source: Swope et al., J. Chem. Phys. 76 (1982); thesis 5.48, 5.59.
 
-use glam::DVec3;
-
-use crate::particles::Particles;
+use crate::particles::{ParticleSystem, Particles, pair_laws::LaneLaw};
 
 /// One step of motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,7 +24,7 @@ impl VelocityVerlet {
             velocities,
             forces,
             masses,
-            held,
+            free,
             ..
         } = particles;
         let each = sites
@@ -34,13 +32,9 @@ impl VelocityVerlet {
             .zip(velocities)
             .zip(forces)
             .zip(masses)
-            .zip(held);
-        for ((((site, velocity), force), mass), held) in each {
-            if *held {
-                *velocity = DVec3::ZERO;
-                continue;
-            }
-            *velocity += 0.5 * self.step / *mass * *force;
+            .zip(free);
+        for ((((site, velocity), force), mass), free) in each {
+            *velocity = *free * (*velocity + 0.5 * self.step / *mass * *force);
             let drift = 0.5 * self.step * (1.0 + decay) * *velocity;
             *velocity *= decay;
             site.set_position(site.position() + drift);
@@ -53,27 +47,25 @@ impl VelocityVerlet {
             velocities,
             forces,
             masses,
-            held,
+            free,
             ..
         } = particles;
-        for (((velocity, force), mass), held) in
-            velocities.iter_mut().zip(forces).zip(masses).zip(held)
+        for (((velocity, force), mass), free) in
+            velocities.iter_mut().zip(forces).zip(masses).zip(free)
         {
-            if !*held {
-                *velocity += 0.5 * self.step / *mass * *force;
-            }
+            *velocity = *free * (*velocity + 0.5 * self.step / *mass * *force);
         }
     }
 
-    /// A whole step; `forces` computes those of the positions it finds.
-    pub fn advance<R>(
+    /// A whole step; `evaluate` sets the forces to those of the new positions.
+    pub fn advance<L: LaneLaw, R>(
         &self,
-        particles: &mut Particles,
-        forces: impl FnOnce(&mut Particles) -> R,
+        system: &mut ParticleSystem<L>,
+        evaluate: impl FnOnce(&mut ParticleSystem<L>) -> R,
     ) -> R {
-        self.before_forces(particles);
-        let result = forces(particles);
-        self.after_forces(particles);
+        self.before_forces(&mut system.particles);
+        let result = evaluate(system);
+        self.after_forces(&mut system.particles);
         result
     }
 }

@@ -10,7 +10,7 @@ use std::ops::Range;
 use glam::DVec3;
 
 use super::cells::Cells;
-use super::lanes::{LANES, Lanes, Plain, Wrap, squared_length};
+use super::lanes::{LANES, Lanes, Plain, Registers, Wrap, squared_length};
 use super::space::Space;
 use super::state::Site;
 
@@ -26,6 +26,7 @@ pub struct NeighbourList {
     built_at: Vec<DVec3>,
     builds: u64,
     rows: Vec<Range<usize>>,
+    registers: Registers,
 }
 
 impl NeighbourList {
@@ -41,7 +42,14 @@ impl NeighbourList {
             built_at: Vec::new(),
             builds: 0,
             rows: Vec::new(),
+            registers: Registers::Best,
         }
+    }
+
+    /// Searches in these registers; the lists are the same.
+    pub fn with_registers(mut self, registers: Registers) -> Self {
+        self.registers = registers;
+        self
     }
 
     /// How often the lists were built.
@@ -96,7 +104,7 @@ impl NeighbourList {
     }
 }
 
-/// Fills the lists, with the best that the machine can do.
+/// Fills the lists.
 fn search(list: &mut NeighbourList) {
     #[cfg(target_arch = "x86_64")]
     {
@@ -110,13 +118,12 @@ fn search(list: &mut NeighbourList) {
         fn halves(list: &mut NeighbourList) {
             search_with::<Halves>(list);
         }
-        if is_x86_feature_detected!("avx512f") {
-            // SAFETY: the machine has the feature
-            return unsafe { wide(list) };
-        }
-        if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
-            // SAFETY: the machine has both features
-            return unsafe { halves(list) };
+        match list.registers.there() {
+            // SAFETY: `there` gives only registers that the machine has
+            Registers::Avx512 => return unsafe { wide(list) },
+            // SAFETY: as above
+            Registers::Avx2 => return unsafe { halves(list) },
+            _ => {}
         }
     }
     search_with::<Plain>(list);

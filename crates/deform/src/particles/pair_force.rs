@@ -7,7 +7,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::lanes::{Lanes, Plain, Wrap, squared_length};
+use super::lanes::{Lanes, Plain, Registers, Wrap, squared_length};
 use super::neighbours::NeighbourList;
 use super::pair_laws::LaneLaw;
 use super::space::Space;
@@ -17,12 +17,26 @@ use super::state::Site;
 const TASK: usize = 256;
 
 /// Who computes the forces. The result is the same.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Workers {
     /// The calling thread alone.
+    #[default]
     One,
     /// All threads of the rayon pool.
     Pool,
+}
+
+/// How the forces are computed.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PairOptions {
+    /// D where it is the same for all pairs; none takes the harmonic mean of both particles' own.
+    pub depth: Option<f64>,
+    /// Whether sums are wanted too.
+    pub sums: bool,
+    /// On which threads.
+    pub workers: Workers,
+    /// In which registers.
+    pub registers: Registers,
 }
 
 /// Sums over all pairs, each counted once.
@@ -55,10 +69,7 @@ struct Pairs<'a, L> {
     depth: Option<f64>,
 }
 
-/// Sets `forces` to the sum of all pair forces, with sums where `sums` asks for them.
-///
-/// `depth` is D where it is the same for all pairs; none takes the harmonic mean of both
-/// particles' own.
+/// Sets `forces` to the sum of all pair forces; the sums are zero unless asked for.
 ///
 /// # Panics
 /// Where the lists were built for another number of particles.
@@ -66,10 +77,8 @@ pub fn pair_forces<L: LaneLaw>(
     law: &L,
     sites: &[Site],
     list: &NeighbourList,
-    depth: Option<f64>,
+    options: PairOptions,
     forces: &mut [DVec3],
-    sums: bool,
-    workers: Workers,
 ) -> PairSums {
     assert_eq!(
         sites.len(),
@@ -81,16 +90,17 @@ pub fn pair_forces<L: LaneLaw>(
         law,
         sites,
         list,
-        depth,
+        depth: options.depth,
     };
+    let registers = options.registers.there();
     let task = |(number, forces): (usize, &mut [DVec3])| {
-        if sums {
-            pairs.accumulate::<true>(number * TASK, forces)
+        if options.sums {
+            pairs.accumulate::<true>(number * TASK, forces, registers)
         } else {
-            pairs.accumulate::<false>(number * TASK, forces)
+            pairs.accumulate::<false>(number * TASK, forces, registers)
         }
     };
-    match workers {
+    match options.workers {
         Workers::One => {
             let tasks = forces.chunks_mut(TASK).enumerate();
             tasks.map(task).fold(PairSums::default(), PairSums::plus)
@@ -104,20 +114,22 @@ pub fn pair_forces<L: LaneLaw>(
 }
 
 impl<L: LaneLaw> Pairs<'_, L> {
-    /// Forces of the particles from `first` on, with the best that the machine can do.
-    fn accumulate<const SUMS: bool>(&self, first: usize, forces: &mut [DVec3]) -> PairSums {
-        #[cfg(target_arch = "x86_64")]
-        {
-            if is_x86_feature_detected!("avx512f") {
-                // SAFETY: the machine has the feature
-                return unsafe { self.wide::<SUMS>(first, forces) };
-            }
-            if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
-                // SAFETY: the machine has both features
-                return unsafe { self.halves::<SUMS>(first, forces) };
-            }
+    /// Forces of the particles from `first` on.
+    fn accumulate<const SUMS: bool>(
+        &self,
+        first: usize,
+        forces: &mut [DVec3],
+        registers: Registers,
+    ) -> PairSums {
+        match registers {
+            // SAFETY: `there` gives only registers that the machine has
+            #[cfg(target_arch = "x86_64")]
+            Registers::Avx512 => unsafe { self.wide::<SUMS>(first, forces) },
+            // SAFETY: as above
+            #[cfg(target_arch = "x86_64")]
+            Registers::Avx2 => unsafe { self.halves::<SUMS>(first, forces) },
+            _ => self.choose::<Plain, SUMS>(first, forces),
         }
-        self.choose::<Plain, SUMS>(first, forces)
     }
 
     #[cfg(target_arch = "x86_64")]

@@ -59,8 +59,8 @@ pub struct Particles {
     pub masses: Vec<f64>,
     /// Where each was put when it was taken from the pool: its initial position.
     pub homes: Vec<DVec3>,
-    /// Whether it stands still, whatever pushes it.
-    pub held: Vec<bool>,
+    /// Along which axes it moves: 1, or 0 where it stands still whatever pushes it.
+    pub free: Vec<DVec3>,
 }
 
 impl Particles {
@@ -72,7 +72,7 @@ impl Particles {
             forces: Vec::with_capacity(capacity),
             masses: Vec::with_capacity(capacity),
             homes: Vec::with_capacity(capacity),
-            held: Vec::with_capacity(capacity),
+            free: Vec::with_capacity(capacity),
         }
     }
 
@@ -102,7 +102,7 @@ impl Particles {
         self.forces.push(DVec3::ZERO);
         self.masses.push(mass);
         self.homes.push(home);
-        self.held.push(false);
+        self.free.push(DVec3::ONE);
     }
 
     /// Gives those back for which `leaves` says so, asked by index; the order of the others
@@ -119,7 +119,7 @@ impl Particles {
             self.forces[kept] = self.forces[index];
             self.masses[kept] = self.masses[index];
             self.homes[kept] = self.homes[index];
-            self.held[kept] = self.held[index];
+            self.free[kept] = self.free[index];
             kept += 1;
         }
         self.truncate(kept);
@@ -132,7 +132,7 @@ impl Particles {
         self.forces.truncate(length);
         self.masses.truncate(length);
         self.homes.truncate(length);
-        self.held.truncate(length);
+        self.free.truncate(length);
     }
 
     /// Σ m v.

@@ -3,7 +3,7 @@
 //! A bare cut at 2.1 a makes an energy step of 0.023 D for each pair that crosses it (thesis
 //! 5.6 cuts so); faded over 1.9 a to 2.1 a energy is conserved.
 
-use super::{Characteristics, PairLaw, Potential, PotentialError, bounded, within};
+use super::{Characteristics, PairLaw, Potential, PotentialError, within};
 
 /// S(r) Π(r), with S one up to `from` and zero from `to` on.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,12 +47,20 @@ impl<P: Potential> Switched<P> {
 
 impl<P: Potential> PairLaw for Switched<P> {
     fn energy(&self, distance: f64) -> f64 {
-        let distance = bounded(distance, self.inner.characteristics().equilibrium);
+        let distance = if distance.is_nan() {
+            f64::INFINITY
+        } else {
+            distance.max(0.0)
+        };
         self.fade(distance).0 * self.inner.energy(distance)
     }
 
     fn force(&self, distance: f64) -> f64 {
-        let distance = bounded(distance, self.inner.characteristics().equilibrium);
+        let distance = if distance.is_nan() {
+            f64::INFINITY
+        } else {
+            distance.max(0.0)
+        };
         let (share, slope) = self.fade(distance);
         share * self.inner.force(distance) - slope * self.inner.energy(distance)
     }
