@@ -23,18 +23,17 @@ fn radial(law: &impl PairLaw) -> impl Fn(DVec3) -> DVec3 + Copy {
 fn the_energy_of_a_large_fcc_lattice_approaches_the_known_sum() {
     let side = 10;
     let box_side = f64::from(side) * std::f64::consts::SQRT_2;
-    let particles = Particles::at_rest(&fcc(IVec3::splat(side), 1.0), 1.0, 1.0);
+    let mut particles = Particles::at_rest(&fcc(IVec3::splat(side), 1.0), 1.0, 1.0);
     let cut = 6.5;
     let mut list = NeighbourList::new(cut, 0.1, Space::Periodic(DVec3::splat(box_side)));
     list.update(&particles.sites);
-    let mut forces = vec![DVec3::ZERO; particles.len()];
     let law = CutLaw::new(1.0, cut);
     let options = PairOptions {
         depth: Some(1.0),
         sums: true,
         ..Default::default()
     };
-    let sums = pair_forces(&law, &particles.sites, &list, options, &mut forces);
+    let sums = pair_forces(&law, &mut particles, &list, options);
 
     // the tail beyond the cut, as for matter spread evenly: √2 · 2π ∫ (−2 r⁻⁶) r² dr
     let tail = -std::f64::consts::SQRT_2 * std::f64::consts::TAU * 2.0 / (3.0 * cut.powi(3));
@@ -43,7 +42,7 @@ fn the_energy_of_a_large_fcc_lattice_approaches_the_known_sum() {
     // shells beside the cut are not spread evenly: 2e-3 of a tail of 2e-2
     assert!((energy - expected).abs() < 2e-3, "{energy} {expected}");
     // every particle is a centre of symmetry; rounding of 600 terms
-    assert!(forces.iter().all(|f| f.length() < 1e-11));
+    assert!(particles.forces.iter().all(|f| f.length() < 1e-11));
 }
 
 #[test]

@@ -11,7 +11,7 @@ use super::lanes::{Lanes, Plain, Registers, Wrap, squared_length};
 use super::neighbours::NeighbourList;
 use super::pair_laws::LaneLaw;
 use super::space::Space;
-use super::state::Site;
+use super::state::{Particles, Site};
 
 /// Particles whose forces one task computes: the sums are taken per task, in order.
 const TASK: usize = 256;
@@ -64,33 +64,42 @@ impl PairSums {
 struct Pairs<'a, L> {
     law: &'a L,
     sites: &'a [Site],
+    free: &'a [DVec3],
     list: &'a NeighbourList,
     /// D where all pairs have the same.
     depth: Option<f64>,
 }
 
-/// Sets `forces` to the sum of all pair forces; the sums are zero unless asked for.
+/// Sets the force on each particle that is free along any axis to the sum of its pair forces;
+/// on all others to zero. The sums are zero unless asked for, and complete only where all
+/// particles are free.
 ///
 /// # Panics
 /// Where the lists were built for another number of particles.
 pub fn pair_forces<L: LaneLaw>(
     law: &L,
-    sites: &[Site],
+    particles: &mut Particles,
     list: &NeighbourList,
     options: PairOptions,
-    forces: &mut [DVec3],
 ) -> PairSums {
+    let Particles {
+        sites,
+        forces,
+        free,
+        ..
+    } = particles;
     assert_eq!(
         sites.len(),
         list.particle_count(),
         "lists of other particles"
     );
-    assert_eq!(sites.len(), forces.len(), "one force per particle");
+    let depth = options.depth;
     let pairs = Pairs {
         law,
         sites,
+        free,
         list,
-        depth: options.depth,
+        depth,
     };
     let registers = options.registers.there();
     let task = |(number, forces): (usize, &mut [DVec3])| {
@@ -168,6 +177,10 @@ impl<L: LaneLaw> Pairs<'_, L> {
         let (mut energy, mut virial, mut pairs) = (zero, zero, 0);
 
         for (index, force) in (first..).zip(forces) {
+            if self.free[index] == DVec3::ZERO {
+                *force = DVec3::ZERO;
+                continue;
+            }
             let site = &self.sites[index];
             let here = [V::splat(site.x), V::splat(site.y), V::splat(site.z)];
             let mut total = [zero; 3];

@@ -1,10 +1,11 @@
 //! The state of all particles: where they are, how they move, what they were made of.
 //!
 //! Arrays, one entry per particle, in the order in which particles were taken from the pool;
-//! a particle given back leaves its place to the last one, and no memory is allocated or freed
+//! those given back leave their places to the others, and no memory is allocated or freed
 //! while a model runs (the pool of thesis 5.11, without its flags and lists).
 
-use glam::DVec3;
+use glam::{DVec3, IVec3};
+use palpate_volume::matter::{Matter, SegmentSet};
 
 /// Where a particle is, and how soft its links are. Four doubles, so that one load brings all
 /// that a pair needs to know of it.
@@ -46,6 +47,28 @@ impl Site {
     }
 }
 
+/// The voxel that a particle was made of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Origin {
+    /// Which voxel.
+    pub voxel: IVec3,
+    /// Its intensity and segments.
+    pub matter: Matter,
+}
+
+impl Default for Origin {
+    fn default() -> Self {
+        let matter = Matter {
+            stored: 0,
+            segments: SegmentSet::EMPTY,
+        };
+        Self {
+            voxel: IVec3::ZERO,
+            matter,
+        }
+    }
+}
+
 /// All particles. Every array has one entry per particle.
 #[derive(Clone, Debug, Default)]
 pub struct Particles {
@@ -61,6 +84,8 @@ pub struct Particles {
     pub homes: Vec<DVec3>,
     /// Along which axes it moves: 1, or 0 where it stands still whatever pushes it.
     pub free: Vec<DVec3>,
+    /// What each was made of.
+    pub origins: Vec<Origin>,
 }
 
 impl Particles {
@@ -73,6 +98,7 @@ impl Particles {
             masses: Vec::with_capacity(capacity),
             homes: Vec::with_capacity(capacity),
             free: Vec::with_capacity(capacity),
+            origins: Vec::with_capacity(capacity),
         }
     }
 
@@ -80,7 +106,7 @@ impl Particles {
     pub fn at_rest(positions: &[DVec3], depth: f64, mass: f64) -> Self {
         let mut particles = Self::with_capacity(positions.len());
         for &position in positions {
-            particles.take(position, depth, mass);
+            particles.take(position, depth, mass, Origin::default());
         }
         particles
     }
@@ -96,13 +122,14 @@ impl Particles {
     }
 
     /// Takes one from the pool, at rest at its initial position.
-    pub fn take(&mut self, home: DVec3, depth: f64, mass: f64) {
+    pub fn take(&mut self, home: DVec3, depth: f64, mass: f64, origin: Origin) {
         self.sites.push(Site::new(home, depth));
         self.velocities.push(DVec3::ZERO);
         self.forces.push(DVec3::ZERO);
         self.masses.push(mass);
         self.homes.push(home);
         self.free.push(DVec3::ONE);
+        self.origins.push(origin);
     }
 
     /// Gives those back for which `leaves` says so, asked by index; the order of the others
@@ -120,10 +147,16 @@ impl Particles {
             self.masses[kept] = self.masses[index];
             self.homes[kept] = self.homes[index];
             self.free[kept] = self.free[index];
+            self.origins[kept] = self.origins[index];
             kept += 1;
         }
         self.truncate(kept);
         before - kept
+    }
+
+    /// Gives all back.
+    pub fn clear(&mut self) {
+        self.truncate(0);
     }
 
     fn truncate(&mut self, length: usize) {
@@ -133,6 +166,7 @@ impl Particles {
         self.masses.truncate(length);
         self.homes.truncate(length);
         self.free.truncate(length);
+        self.origins.truncate(length);
     }
 
     /// Σ m v.

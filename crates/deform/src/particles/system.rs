@@ -40,7 +40,6 @@ impl<L: LaneLaw> ParticleSystem<L> {
     /// Sets the forces to those of the present positions.
     pub fn evaluate(&mut self) -> PairSums {
         self.list.update(&self.particles.sites);
-        let Particles { sites, forces, .. } = &mut self.particles;
-        pair_forces(&self.law, sites, &self.list, self.options, forces)
+        pair_forces(&self.law, &mut self.particles, &self.list, self.options)
     }
 }
