@@ -139,17 +139,17 @@ fn the_models_stand_under_their_names() {
 fn a_pressed_block_pushes_back_harder_the_deeper_the_tool() {
     for (name, mut model) in models() {
         let (mut voxels, materials) = scan(DVec3::splat(H));
-        let mut last = 0.0;
-        for step in 0..=20 {
-            let tool = ball(&voxels, -1.0 + 0.1 * f64::from(step));
-            let answer = advance(&mut *model, &mut voxels, &materials, &[tool], 600);
+        let (mut last, mut told) = (0.0, 0.0);
+        for step in 0..=6 {
+            let tool = ball(&voxels, -0.1 + 0.1 * f64::from(step));
+            let answer = advance(&mut *model, &mut voxels, &materials, &[tool], 200);
             let force = force(&answer);
-            if step < 3 {
-                // the particles' shells end half a link above their centres, below the surface
+            if step == 0 {
+                // particles' shells end half a link above their centres, 0.1 voxel over the face
                 assert!(force.length() < 1e-9, "{name}: touched in the air");
             }
             assert!(
-                force.z >= 0.9 * last,
+                force.z >= last,
                 "{name}: weaker at step {step}: {} {last}",
                 force.z
             );
@@ -158,11 +158,22 @@ fn a_pressed_block_pushes_back_harder_the_deeper_the_tool() {
                 force.truncate().length() <= 0.1 * force.z + 1e-9,
                 "{name}: {force}"
             );
+            if step == 6 {
+                // the stiffness that the servo is told, against the step that follows
+                let ratio = (force.z - last) / (told * 0.1 * H);
+                assert!(
+                    ratio > 0.4 && ratio < 2.5,
+                    "{name}: stiffness off by {ratio}"
+                );
+            }
+            let contact = answer.contacts[0].contact;
+            told = contact.map_or(0.0, |contact| -contact.stiffness.z_axis.z);
             last = force.z;
         }
-        // liver of 5.5 kPa under a ball of 1.6 mm, 0.8 mm deep: Hertz says 4/3 E*·√(R δ³) = 8 mN
-        println!("{name}: {:.2} mN at 1 voxel", last * 1e3);
-        assert!(last > 2e-3 && last < 0.1, "{name}: {last} N");
+        // Hertz for 5.5 kPa and nu 0.36, a ball of 1.6 mm 0.48 mm deep: 4/3 E* sqrt(R d³) =
+        // 3.5 mN; particles are as large as the dent, so only the order of it
+        println!("{name}: {:.2} mN half a voxel deep", last * 1e3);
+        assert!(last > 1.5e-3 && last < 10e-3, "{name}: {last} N");
     }
 }
 
@@ -172,9 +183,9 @@ fn what_was_pressed_comes_back_when_the_tool_leaves_to_the_bit() {
         let (mut voxels, materials) = scan(DVec3::splat(H));
         let untouched = picture(&voxels);
         let mut changed = 0;
-        for step in 0..=25 {
-            let tool = ball(&voxels, 0.1 * f64::from(step));
-            advance(&mut *model, &mut voxels, &materials, &[tool], 200);
+        for step in 0..=8 {
+            let tool = ball(&voxels, 0.2 * f64::from(step));
+            advance(&mut *model, &mut voxels, &materials, &[tool], 100);
             let differ = |(a, b): &(&(i16, bool), &(i16, bool))| a != b;
             changed = picture(&voxels)
                 .iter()
@@ -193,8 +204,8 @@ fn what_was_pressed_comes_back_when_the_tool_leaves_to_the_bit() {
 
         // the tool goes up, matter follows, then the tool leaves
         let away = ball(&voxels, -8.0);
-        for _ in 0..20 {
-            advance(&mut *model, &mut voxels, &materials, &[away], 600);
+        for _ in 0..3 {
+            advance(&mut *model, &mut voxels, &materials, &[away], 100);
         }
         let left = picture(&voxels)
             .iter()
@@ -214,9 +225,9 @@ fn the_scans_own_values_are_never_overwritten_and_undo_restores_all() {
         ..Default::default()
     });
     let mut inverses = Vec::new();
-    for step in 0..=20 {
-        let tools = [ball(&voxels, 0.1 * f64::from(step))];
-        let budget = Budget::iterations(100);
+    for step in 0..=8 {
+        let tools = [ball(&voxels, 0.2 * f64::from(step))];
+        let budget = Budget::iterations(60);
         let input = ModelInput {
             voxels: &voxels,
             materials: &materials,
@@ -243,9 +254,9 @@ fn the_same_calls_give_the_same_answers_to_the_bit() {
             let (mut voxels, materials) = scan(DVec3::splat(H));
             let mut model = models().swap_remove(index).1;
             let mut answers = Vec::new();
-            for step in 0..=8 {
-                let tool = ball(&voxels, 0.2 * f64::from(step));
-                let answer = advance(&mut *model, &mut voxels, &materials, &[tool], 60);
+            for step in 0..=4 {
+                let tool = ball(&voxels, 0.3 * f64::from(step));
+                let answer = advance(&mut *model, &mut voxels, &materials, &[tool], 40);
                 answers.push((answer.contacts, answer.displacement, answer.report));
             }
             (answers, picture(&voxels))
@@ -258,9 +269,9 @@ fn the_same_calls_give_the_same_answers_to_the_bit() {
 fn matter_that_a_drill_takes_away_does_not_come_back() {
     for (name, mut model) in models() {
         let (mut voxels, materials) = scan(DVec3::splat(H));
-        for step in 0..=10 {
-            let tool = ball(&voxels, 0.1 * f64::from(step));
-            advance(&mut *model, &mut voxels, &materials, &[tool], 100);
+        for step in 0..=5 {
+            let tool = ball(&voxels, 0.2 * f64::from(step));
+            advance(&mut *model, &mut voxels, &materials, &[tool], 60);
         }
         // a hole beside the tool, made by somebody else
         let hole = VoxelBox::new(IVec3::new(17, 13, TOP - 2), IVec3::new(19, 17, TOP));
@@ -271,8 +282,8 @@ fn matter_that_a_drill_takes_away_does_not_come_back() {
         let edit = voxels.matter_edit(&hole, |_, _| empty);
         voxels.apply(edit).unwrap();
         let away = ball(&voxels, -8.0);
-        for _ in 0..20 {
-            advance(&mut *model, &mut voxels, &materials, &[away], 300);
+        for _ in 0..3 {
+            advance(&mut *model, &mut voxels, &materials, &[away], 100);
         }
         let segment = voxels.segment(SegmentId(1)).unwrap();
         let back = hole.voxels().filter(|v| segment.contains(*v)).count();
@@ -318,10 +329,10 @@ fn the_box_moves_with_the_tool_and_takes_nothing_more_from_memory() {
         box_cells: 9,
         ..Default::default()
     });
-    for step in 0..60 {
+    for step in 0..30 {
         let mut tool = ball(&voxels, 1.0);
-        tool.position.x += H * (0.15 * f64::from(step) - 4.0);
-        let answer = advance(&mut model, &mut voxels, &materials, &[tool], 60);
+        tool.position.x += H * (0.3 * f64::from(step) - 4.0);
+        let answer = advance(&mut model, &mut voxels, &materials, &[tool], 20);
         assert!(force(&answer).is_finite());
         assert!(model.particle_count() <= 4 * 9 * 9 * 9);
     }
@@ -365,13 +376,7 @@ fn absurd_tools_and_settings_give_no_force_and_no_panic() {
         }
         // a tool deep inside matter at once
         let deep = ball(&voxels, 6.0);
-        let answer = advance(
-            &mut *model,
-            &mut voxels,
-            &materials,
-            &[deep],
-            200,
-        );
+        let answer = advance(&mut *model, &mut voxels, &materials, &[deep], 200);
         assert!(force(&answer).is_finite(), "{name}");
         let empty = advance(&mut *model, &mut voxels, &materials, &[], 20);
         assert!(empty.contacts.is_empty(), "{name}");
@@ -409,9 +414,9 @@ fn binding_walls_and_layers_do_what_they_say() {
             ..settings
         });
         let mut z = 0.0;
-        for step in 0..=10 {
+        for step in 0..=4 {
             let tool = ball(&voxels, 0.1 * f64::from(step));
-            z = force(&advance(&mut model, &mut voxels, &materials, &[tool], 600)).z;
+            z = force(&advance(&mut model, &mut voxels, &materials, &[tool], 300)).z;
         }
         let highest = model
             .particles()
@@ -456,19 +461,27 @@ fn voxels_of_other_shapes_carry_isotropic_particles() {
         ..Default::default()
     });
     let top = f64::from(TOP);
-    let place = DVec3::new(15.5, 15.5, top + (2.0 - 1.5) / 2.5);
-    let tool = ToolState {
-        position: voxels.grid().patient_from_grid().transform_point3(place),
-        ..ball(&voxels, 0.0)
+    let tool_at = |depth: f64| ToolState {
+        position: {
+            let place = DVec3::new(15.5, 15.5, top + (2.0 - depth) / 2.5);
+            DMat3::from_diagonal(DVec3::new(H, H, 2.5 * H)) * (place - 0.5)
+                + DVec3::new(5.0, -3.0, 11.0)
+        },
+        ..ball(&scan(DVec3::splat(H)).0, 0.0)
     };
-    let answer = advance(&mut model, &mut voxels, &materials, &[tool], 400);
-    assert!(force(&answer).z > 1e-3, "{:?}", force(&answer));
+    let mut pressed = DVec3::ZERO;
+    for step in 0..=3 {
+        let tool = tool_at(0.2 * f64::from(step));
+        pressed = force(&advance(&mut model, &mut voxels, &materials, &[tool], 150));
+    }
+    assert!(pressed.z > 1e-3, "{pressed}");
+    let tool = tool_at(0.6);
     let away = ToolState {
         position: tool.position + DVec3::Z * 8.0,
         ..tool
     };
-    for _ in 0..20 {
-        advance(&mut model, &mut voxels, &materials, &[away], 400);
+    for _ in 0..3 {
+        advance(&mut model, &mut voxels, &materials, &[away], 100);
     }
     assert!(picture(&voxels) == untouched);
 }
@@ -497,7 +510,7 @@ fn laws_by_intensity_make_denser_bone_stiffer() {
             ..Default::default()
         });
         let tool = ball(&voxels, 0.05);
-        force(&advance(&mut model, &mut voxels, &materials, &[tool], 600)).z
+        force(&advance(&mut model, &mut voxels, &materials, &[tool], 400)).z
     };
     let (low, high) = (press(700), press(3000));
     // E goes from 5 to 21 GPa over the interval; all else is the same

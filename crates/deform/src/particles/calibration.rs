@@ -115,6 +115,15 @@ impl LatticeScale {
         self.young * depth / self.equilibrium.powi(3)
     }
 
+    /// The mean over all directions (Voigt), by which a small tool is pushed back [N/mm²].
+    pub fn mean_young_of_depth(&self, depth: f64) -> f64 {
+        let over_axis = match self.kind {
+            LatticeKind::Fcc => 142.8 / 81.15,
+            LatticeKind::Cuboid => 2.167 / 1.918,
+        };
+        over_axis * self.young_of_depth(depth)
+    }
+
     /// T₀ = 2π √(m/C): period of one particle on one link [s].
     pub fn period(&self, depth: f64, mass: f64) -> f64 {
         std::f64::consts::TAU * (mass * self.equilibrium.powi(2) / (72.0 * depth)).sqrt()

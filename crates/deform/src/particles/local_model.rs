@@ -23,7 +23,8 @@ pub enum Motion {
     ScaledTime {
         /// Δt/T₀ (5.48).
         step_share: f64,
-        /// B/B₀. None takes what is critical for the slowest swing of the box.
+        /// B/B₀. None takes what is critical for the slowest swing of the box; half of B₀
+        /// at least for `cuboid-lj`.
         friction: Option<f64>,
     },
     /// FIRE. For conservative laws only: `cuboid-lj` takes scaled time instead.
@@ -216,7 +217,7 @@ impl<L: LocalLaw> DeformationModel for LocalModel<L> {
             report: relaxed.report,
             ..ModelAnswer::default()
         };
-        if !state.is_finite() {
+        if !state.is_sound() {
             state.forget();
             answer.contacts = state.contacts(input.tools, &[], &[]);
             answer.events.push(ModelEvent::Reset);

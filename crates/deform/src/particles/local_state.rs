@@ -23,6 +23,8 @@ use crate::model::{Budget, DisplacementField, ModelInput, ModelReport, ToolConta
 
 /// Angular frequency of a particle on one link: masses are 72 D/a², so time has the unit T₀/2π.
 const LINK_FREQUENCY: f64 = 1.0;
+/// Stiffness of a lattice's fastest swing over that of a link (FCC, four shells).
+const LATTICE_STIFFNESS: f64 = 12.2;
 /// Unbalanced force, as a share of the contact force, at which particles are at rest.
 const REST: f64 = 1e-4;
 /// Smallest contact force that residuals are measured by, as a share of D/a.
@@ -48,6 +50,10 @@ pub(super) struct LocalState<L> {
     /// Which particles may move at all, before layers freeze some.
     free: Vec<DVec3>,
     before: Vec<DVec3>,
+    /// The contacts of the last call.
+    last: Vec<ToolContact>,
+    /// Stiffest contact with a tool at the last evaluation, over that of a link.
+    stiffest: f64,
     /// Cells with matter at rest, for walls; x fastest within the box.
     filled: Vec<bool>,
 }
@@ -73,6 +79,8 @@ impl<L: LocalLaw> LocalState<L> {
             seen_edit: None,
             free: Vec::with_capacity(each * cells),
             before: Vec::with_capacity(each * cells),
+            last: Vec::new(),
+            stiffest: 0.0,
             filled: vec![false; cells],
         }
     }
@@ -93,12 +101,19 @@ impl<L: LocalLaw> LocalState<L> {
             .map(|(site, &home)| (site.position(), site.position() - home))
     }
 
-    pub fn is_finite(&self) -> bool {
+    /// Whether all particles are where matter can be: no farther from home than the box is wide.
+    pub fn is_sound(&self) -> bool {
         let Particles {
-            sites, velocities, ..
+            sites,
+            velocities,
+            homes,
+            ..
         } = &self.system.particles;
-        sites.iter().all(|site| site.position().is_finite())
-            && velocities.iter().all(|v| v.is_finite())
+        let widest = (f64::from(self.settings.box_cells) * self.scale.cell).powi(2);
+        let near = |(site, home): (&super::state::Site, &DVec3)| {
+            site.position().distance_squared(*home) <= widest
+        };
+        sites.iter().zip(homes).all(near) && velocities.iter().all(|v| v.is_finite())
     }
 
     /// Gives all particles back; what was written is given back by the next edit.
@@ -304,9 +319,9 @@ impl<L: LocalLaw> LocalState<L> {
                 step_share,
                 friction,
             } => {
-                let friction = friction.unwrap_or_else(|| self.critical_friction());
+                let friction = friction.unwrap_or_else(|| self.default_friction());
                 let verlet = VelocityVerlet {
-                    step: step_share * std::f64::consts::TAU / LINK_FREQUENCY,
+                    step: self.stable_step(step_share),
                     friction: 2.0 * LINK_FREQUENCY * friction,
                 };
                 verlet.before_forces(&mut self.system.particles);
@@ -334,11 +349,25 @@ impl<L: LocalLaw> LocalState<L> {
         felt
     }
 
-    /// B/B₀ that is critical for the slowest swing of the box: B ≈ 2 m ω₁, ω₁ ≈ π c/L.
-    fn critical_friction(&self) -> f64 {
+    /// Δt: as chosen, or less where a tool squeezes particles. Between tool and neighbours a
+    /// particle feels the tool's stiffness twice, beside the 12.2 C of its lattice; a quarter of
+    /// the square of what is stable then.
+    fn stable_step(&self, share: f64) -> f64 {
+        let stiffness = LATTICE_STIFFNESS + 2.0 * self.stiffest;
+        (share * std::f64::consts::TAU / LINK_FREQUENCY).min(stiffness.sqrt().recip())
+    }
+
+    /// B/B₀: critical for the slowest swing of the box, B ≈ 2 m ω₁ with ω₁ ≈ π c/L; half of B₀
+    /// where the law gains energy by itself.
+    fn default_friction(&self) -> f64 {
         let inner = self.settings.box_cells - 2 * self.settings.border_cells;
         let length = f64::from(inner) * self.scale.cell;
-        std::f64::consts::PI * self.scale.equilibrium / length
+        let critical = std::f64::consts::PI * self.scale.equilibrium / length;
+        if L::CONSERVATIVE {
+            critical
+        } else {
+            critical.max(0.5)
+        }
     }
 
     /// All forces at the present places, and what the tools feel.
@@ -359,10 +388,10 @@ impl<L: LocalLaw> LocalState<L> {
                 *force -= self.settings.binding * *stiffness * (site.position() - *home);
             }
         }
-        tools
-            .iter()
-            .map(|(_, tool)| self.tool_law.push(tool, particles))
-            .collect()
+        let push = |(_, tool): &(u32, ParticleTool)| self.tool_law.push(tool, particles);
+        let felt: Vec<_> = tools.iter().map(push).collect();
+        self.stiffest = felt.iter().map(|felt| felt.stiffest).fold(0.0, f64::max);
+        felt
     }
 
     /// Largest unbalanced force, as a share of the contact force.
@@ -417,20 +446,22 @@ impl<L: LocalLaw> LocalState<L> {
 
     /// One contact for each tool that was given, usable or not.
     pub fn contacts(
-        &self,
+        &mut self,
         given: &[ToolState],
         tools: &[(u32, ParticleTool)],
         felt: &[ToolForce],
     ) -> Vec<ToolContact> {
-        let contact = |state: &ToolState| {
+        let mut contacts = Vec::with_capacity(given.len());
+        for state in given {
             let found = tools.iter().zip(felt).find(|((id, _), _)| *id == state.id);
             let contact = found.and_then(|(_, felt)| self.contact(state, felt));
-            ToolContact {
+            contacts.push(ToolContact {
                 tool: state.id,
                 contact,
-            }
-        };
-        given.iter().map(contact).collect()
+            });
+        }
+        self.last = contacts.clone();
+        contacts
     }
 
     fn contact(&self, tool: &ToolState, felt: &ToolForce) -> Option<LocalContact> {
@@ -439,17 +470,18 @@ impl<L: LocalLaw> LocalState<L> {
         }
         let force = self.grid.direction() * felt.force;
         let normal = force.normalize_or_zero();
-        // the contact itself and the body behind it in series, the body as under a flat
-        // punch of the area that is touched: 2 E r/(1 − ν²), ν of the lattice near 0.36
+        // the contact itself and the body behind it in series, the body as under a flat punch of
+        // the area that is touched (a² a particle): 2 E r/(1 − ν²), ν of the lattice near 0.36
         let touched = f64::from(felt.touched);
-        let radius = 0.5 * self.scale.equilibrium * touched.sqrt();
-        let body = 2.0 * self.scale.young_of_depth(felt.depth / touched) * radius / 0.87;
+        let radius = self.scale.equilibrium * (touched / std::f64::consts::PI).sqrt();
+        let body = 2.0 * self.scale.mean_young_of_depth(felt.depth / touched) * radius / 0.87;
         let contact = felt.contact_stiffness;
         let stiffness = if contact > 0.0 {
             contact * body / (contact + body)
         } else {
             body
         };
+        let stiffness = self.measured_stiffness(tool, force, stiffness);
         let along = DMat3::from_cols(normal * normal.x, normal * normal.y, normal * normal.z);
         Some(LocalContact {
             position: tool.position,
@@ -457,6 +489,22 @@ impl<L: LocalLaw> LocalState<L> {
             stiffness: -stiffness * along,
             validity: 0.5 * self.scale.cell,
         })
+    }
+
+    /// The stiffness along the force since the last call, where the tool has moved along it; at
+    /// most four times more or less than `expected`, since matter that slips is no spring.
+    fn measured_stiffness(&self, tool: &ToolState, force: DVec3, expected: f64) -> f64 {
+        let normal = force.normalize_or_zero();
+        let same = |last: &&ToolContact| last.tool == tool.id;
+        let Some(last) = self.last.iter().find(same).and_then(|last| last.contact) else {
+            return expected;
+        };
+        let moved = (tool.position - last.position).dot(normal);
+        if moved.abs() < 0.01 * self.scale.cell {
+            return expected;
+        }
+        let measured = (last.force - force).dot(normal) / moved;
+        measured.clamp(0.25 * expected, 4.0 * expected)
     }
 
     /// The edit that shows where matter is now.

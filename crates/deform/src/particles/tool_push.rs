@@ -46,6 +46,8 @@ pub struct ToolForce {
     pub touched: u32,
     /// How fast the push grows along its force, all particles standing still [N/mm].
     pub contact_stiffness: f64,
+    /// Stiffest of these contacts over 72 D/a² of its particle: by it, steps are chosen.
+    pub stiffest: f64,
     /// Σ D over the touched particles [N·mm].
     pub depth: f64,
 }
@@ -99,7 +101,10 @@ impl ToolLaw {
             felt.depth += depth;
             let h = 1e-4 * self.equilibrium;
             let softer = self.unit.force((distance + h).max(0.0));
-            felt.contact_stiffness += (size - depth * softer) / h;
+            let stiffness = (size - depth * softer) / h;
+            felt.contact_stiffness += stiffness;
+            let of_link = 72.0 * depth / self.equilibrium.powi(2);
+            felt.stiffest = felt.stiffest.max(stiffness / of_link);
         }
         felt
     }
