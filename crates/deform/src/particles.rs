@@ -5,6 +5,7 @@
 //! no two threads ever write to one particle. Units are the caller's (the models use mm, N).
 //! Source: thesis 5.3–5.26.
 
+pub mod bench;
 pub mod calibration;
 mod cells;
 pub mod elasticity;

@@ -37,7 +37,7 @@ fn crystal(cells: i32, temperature: f64, periodic: bool, seed: u64) -> ParticleS
     } else {
         Space::Open
     };
-    let mut system = ParticleSystem::new(particles, law(), FADE[1], 1.0, space);
+    let mut system = ParticleSystem::new(particles, law(), FADE[1], 0.3, space);
     system.options.depth = Some(1.0);
     system
 }
@@ -194,7 +194,7 @@ fn the_pair_loop_and_the_potential_agree_at_every_distance() {
         let distance = f64::from(step) / 1000.0;
         let offset = distance * DVec3::new(0.48, -0.6, 0.64);
         let particles = Particles::at_rest(&[DVec3::ZERO, offset], 1.0, 1.0);
-        let mut system = ParticleSystem::new(particles, law(), FADE[1], 1.0, Space::Open);
+        let mut system = ParticleSystem::new(particles, law(), FADE[1], 0.3, Space::Open);
         system.options = PairOptions {
             sums: true,
             ..PairOptions::default()
@@ -237,7 +237,7 @@ fn wave_speed(across: bool) -> (f64, f64, f64) {
         particles,
         scale.faded_law(),
         FADE[1] * scale.equilibrium,
-        scale.equilibrium,
+        0.3 * scale.equilibrium,
         space,
     );
     system.options.depth = Some(depth);
@@ -318,7 +318,13 @@ fn block_modulus(cells: i32, strain: f64) -> f64 {
     let places = fcc(IVec3::splat(cells), spacing);
     let particles = Particles::at_rest(&places, 1.0, 1.0);
     let a = scale.equilibrium;
-    let mut system = ParticleSystem::new(particles, scale.faded_law(), FADE[1] * a, a, Space::Open);
+    let mut system = ParticleSystem::new(
+        particles,
+        scale.faded_law(),
+        FADE[1] * a,
+        0.3 * a,
+        Space::Open,
+    );
     system.options = PairOptions {
         depth: Some(1.0),
         workers: Workers::Pool,
@@ -383,7 +389,7 @@ fn cuboid_heat(periods: u32, friction: f64) -> f64 {
         *velocity = 0.0346 * DVec3::new(one(), one(), one());
     }
     let law = CuboidLaw::new(1.0, 2.1, 0.5);
-    let mut system = ParticleSystem::new(particles, law, 2.1 * 3.0_f64.sqrt(), 1.0, Space::Open);
+    let mut system = ParticleSystem::new(particles, law, 2.1 * 3.0_f64.sqrt(), 0.3, Space::Open);
     system.options.depth = Some(1.0);
     let verlet = VelocityVerlet {
         step: 0.01 * PERIOD,
@@ -426,9 +432,9 @@ fn absurd_positions_never_give_a_force_that_is_no_number_to_others() {
         site.set_position(place);
     }
     for registers in [Registers::Best, Registers::Avx2, Registers::Plain] {
-        let cut = ParticleSystem::new(particles.clone(), law(), FADE[1], 1.0, Space::Open);
+        let cut = ParticleSystem::new(particles.clone(), law(), FADE[1], 0.3, Space::Open);
         let cuboid = CuboidLaw::new(1.0, 2.1, 0.5);
-        let mut cubes = ParticleSystem::new(particles.clone(), cuboid, 3.7, 1.0, Space::Open);
+        let mut cubes = ParticleSystem::new(particles.clone(), cuboid, 3.7, 0.3, Space::Open);
         let mut cut = cut;
         cut.options.registers = registers;
         cubes.options.registers = registers;
@@ -443,7 +449,7 @@ fn absurd_positions_never_give_a_force_that_is_no_number_to_others() {
     }
     // a bare cut has no limit, but two at one place have no direction and no force
     let two = Particles::at_rest(&[DVec3::ONE, DVec3::ONE], 1.0, 1.0);
-    let mut system = ParticleSystem::new(two, CutLaw::new(1.0, 2.1), 2.1, 1.0, Space::Open);
+    let mut system = ParticleSystem::new(two, CutLaw::new(1.0, 2.1), 2.1, 0.3, Space::Open);
     system.evaluate();
     assert_eq!(system.particles.forces, [DVec3::ZERO; 2]);
 }

@@ -13,7 +13,7 @@ use super::local_model::{LocalLaw, LocalSettings, Motion};
 use super::rest_matter::{Ledger, solid_of};
 use super::space::Space;
 use super::state::{Origin, Particles};
-use super::system::ParticleSystem;
+use super::system::{MARGIN, ParticleSystem};
 use super::tool_push::{ParticleTool, ToolForce, ToolLaw};
 use super::walls::keep_inside;
 use super::write_back::WriteBack;
@@ -71,7 +71,13 @@ impl<L: LocalLaw> LocalState<L> {
         Self {
             settings: *settings,
             grid: *grid,
-            system: ParticleSystem::new(particles, L::on(&scale), L::reach(&scale), a, Space::Open),
+            system: ParticleSystem::new(
+                particles,
+                L::on(&scale),
+                L::reach(&scale),
+                MARGIN * a,
+                Space::Open,
+            ),
             tool_law: ToolLaw::new(a),
             scale,
             centre: None,

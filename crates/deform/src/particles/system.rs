@@ -6,8 +6,8 @@ use super::pair_laws::LaneLaw;
 use super::space::Space;
 use super::state::Particles;
 
-/// Margin of the lists over the reach of the law [a].
-const MARGIN: f64 = 0.3;
+/// Margin of the models' lists over the reach of the law [a].
+pub const MARGIN: f64 = 0.3;
 
 /// Particles that act on one another.
 #[derive(Clone, Debug)]
@@ -22,13 +22,13 @@ pub struct ParticleSystem<L> {
 }
 
 impl<L: LaneLaw> ParticleSystem<L> {
-    /// Particles under a law that reaches so far; `equilibrium` is a.
-    pub fn new(particles: Particles, law: L, reach: f64, equilibrium: f64, space: Space) -> Self {
+    /// Particles under a law that reaches so far, with lists that reach by `margin` farther.
+    pub fn new(particles: Particles, law: L, reach: f64, margin: f64, space: Space) -> Self {
         Self {
             particles,
             law,
             options: PairOptions::default(),
-            list: NeighbourList::new(reach, MARGIN * equilibrium, space),
+            list: NeighbourList::new(reach, margin, space),
         }
     }
 
