@@ -19,7 +19,7 @@ use thiserror::Error;
 
 use crate::lattice::LatticeModel;
 use crate::material::Materials;
-use crate::particles::{LocalModel, LocalSettings};
+use crate::particles::{GlobalModel, GlobalSettings, LocalModel, LocalSettings};
 
 /// Sizes of tools that make sense [mm].
 const SIZE_LIMITS: [f64; 2] = [1e-3, 100.0];
@@ -223,6 +223,10 @@ pub const MODELS: &[Registered] = &[
     Registered {
         name: "cuboid-lj",
         make: || Box::new(LocalModel::cuboid_lj(LocalSettings::default())),
+    },
+    Registered {
+        name: "global-lj",
+        make: || Box::new(GlobalModel::global_lj(GlobalSettings::default())),
     },
 ];
 

@@ -6,9 +6,11 @@
 //! Source: thesis 5.3–5.26.
 
 pub mod bench;
+mod body;
 pub mod calibration;
 mod cells;
 pub mod elasticity;
+pub mod global_model;
 mod lanes;
 pub mod lattices;
 pub mod local_model;
@@ -24,6 +26,7 @@ pub mod tool_push;
 mod walls;
 mod write_back;
 
+pub use global_model::{GlobalModel, GlobalSettings};
 pub use lanes::Registers;
 pub use local_model::{LocalModel, LocalSettings, Motion};
 pub use neighbours::NeighbourList;

@@ -180,46 +180,46 @@ impl<L: LocalLaw> LocalModel<L> {
 
     /// Particles in the box.
     pub fn particle_count(&self) -> usize {
-        self.state.as_ref().map_or(0, LocalState::particle_count)
+        self.state
+            .as_ref()
+            .map_or(0, |state| state.body.system.particles.len())
     }
 
     /// Where each particle is and how far it has moved from its initial position [mm, frame of
     /// the grid].
     pub fn particles(&self) -> impl Iterator<Item = (DVec3, DVec3)> {
-        self.state.iter().flat_map(LocalState::places)
+        self.state.iter().flat_map(|state| state.body.places())
     }
 }
 
 impl<L: LocalLaw> DeformationModel for LocalModel<L> {
     fn advance(&mut self, input: &ModelInput<'_>) -> ModelAnswer {
         let grid = input.voxels.grid();
-        if self.state.as_ref().is_none_or(|state| state.grid() != grid) {
+        if self
+            .state
+            .as_ref()
+            .is_none_or(|state| state.body.grid != *grid)
+        {
             self.state = Some(LocalState::new(&self.settings, grid));
         }
         let Some(state) = &mut self.state else {
             return ModelAnswer::default();
         };
 
-        let usable = |tool: &&crate::model::ToolState| tool.is_usable();
-        let tools: Vec<(u32, ParticleTool)> = input
-            .tools
-            .iter()
-            .filter(usable)
-            .map(|tool| (tool.id, ParticleTool::of(tool, grid)))
-            .collect();
+        let tools = ParticleTool::usable(input.tools, grid);
         state.follow_edits(input);
         if let Some((_, tool)) = tools.first() {
             state.move_box(input, tool.centre);
         }
         let relaxed = state.relax(&tools, &input.budget);
         let mut answer = ModelAnswer {
-            contacts: state.contacts(input.tools, &tools, &relaxed.felt),
+            contacts: state.body.contacts(input.tools, &tools, &relaxed.felt),
             report: relaxed.report,
             ..ModelAnswer::default()
         };
         if !state.is_sound() {
             state.forget();
-            answer.contacts = state.contacts(input.tools, &[], &[]);
+            answer.contacts = state.body.contacts(input.tools, &[], &[]);
             answer.events.push(ModelEvent::Reset);
         }
         answer.edit = state.write_back(input.voxels);

@@ -37,6 +37,14 @@ impl ParticleTool {
     }
 }
 
+impl ParticleTool {
+    /// All tools that are bodies at a place, with the numbers by which their contacts are told.
+    pub fn usable(tools: &[ToolState], grid: &Grid) -> Vec<(u32, Self)> {
+        let usable = tools.iter().filter(|tool| tool.is_usable());
+        usable.map(|tool| (tool.id, Self::of(tool, grid))).collect()
+    }
+}
+
 /// What a tool feels.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ToolForce {
