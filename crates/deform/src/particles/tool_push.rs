@@ -90,8 +90,8 @@ impl ToolLaw {
         let Particles { sites, forces, .. } = particles;
         for (site, force) in sites.iter().zip(forces) {
             let offset = site.position() - tool.centre;
-            // written so that what is no number is passed over
-            if !(offset.length_squared() < reach) {
+            let squared = offset.length_squared();
+            if squared.is_nan() || squared >= reach {
                 continue;
             }
             let scaled = own_from_here * offset / half_axes;
