@@ -12,6 +12,8 @@ mod cells;
 pub mod elasticity;
 pub mod global_model;
 mod lanes;
+#[cfg(target_arch = "x86_64")]
+mod lanes_x86;
 pub mod lattices;
 pub mod local_model;
 mod local_state;

@@ -96,6 +96,16 @@ impl NeighbourList {
         self.starts.push(self.members.len() as u32);
     }
 
+    /// All others within reach and margin of one particle when the lists were built.
+    pub fn neighbours(&self, particle: usize) -> impl Iterator<Item = usize> {
+        let all = self
+            .of(particle)
+            .iter()
+            .flatten()
+            .map(|&member| member as usize);
+        all.filter(move |&member| member != particle)
+    }
+
     /// The neighbours of one particle, eight by eight.
     #[inline(always)]
     pub(crate) fn of(&self, particle: usize) -> &[[u32; LANES]] {
