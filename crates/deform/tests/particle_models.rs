@@ -452,6 +452,35 @@ fn binding_walls_and_layers_do_what_they_say() {
     );
 }
 
+/// The box stands around the contact, not around the tool's centre, which is far away here.
+#[test]
+fn a_large_tool_is_felt_by_particles_that_give() {
+    let (mut voxels, materials) = scan(DVec3::splat(H));
+    let mut model = LocalModel::fcc_lj(LocalSettings {
+        box_cells: 11,
+        ..Default::default()
+    });
+    let mut pushed = Vec::new();
+    for step in 0..=3 {
+        let small = ball(&voxels, 0.1 * f64::from(step));
+        let tool = ToolState {
+            shape: ToolShape::Ball(6.0 * H),
+            position: small.position + DVec3::Z * 4.0 * H,
+            ..small
+        };
+        pushed.push(force(&advance(&mut model, &mut voxels, &materials, &[tool], 150)).z);
+    }
+    assert!(
+        pushed.windows(2).all(|pair| pair[1] > pair[0]),
+        "{pushed:?}"
+    );
+    let moved = model
+        .particles()
+        .filter(|(_, moved)| moved.length() > 0.02 * H)
+        .count();
+    assert!(moved > 50, "{moved} particles give way");
+}
+
 #[test]
 fn voxels_of_other_shapes_carry_isotropic_particles() {
     let (mut voxels, materials) = scan(DVec3::new(H, H, 2.5 * H));

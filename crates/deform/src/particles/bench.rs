@@ -1,4 +1,4 @@
-//! Lennard-Jones pairs per second on an FCC crystal: the benchmark of `peers.md`.
+//! Lennard-Jones pairs per second on an FCC crystal.
 //!
 //! A periodic crystal without pressure, plain cut at 2.1 a, velocity Verlet without friction,
 //! double precision, lists rebuilt as particles move. Units a = D = m = 1, as `units lj` of

@@ -209,7 +209,7 @@ impl<L: LocalLaw> DeformationModel for LocalModel<L> {
         let tools = ParticleTool::usable(input.tools, grid);
         state.follow_edits(input);
         if let Some((_, tool)) = tools.first() {
-            state.move_box(input, tool.centre);
+            state.move_box(input, tool);
         }
         let relaxed = state.relax(&tools, &input.budget);
         let mut answer = ModelAnswer {

@@ -17,11 +17,16 @@ use super::write_back::WriteBack;
 use crate::material::Treatment;
 use crate::model::{Budget, DisplacementField, ModelInput};
 
+/// Largest half axis of a tool around which matter is looked for [cells].
+const LARGEST_TOOL: f64 = 12.0;
+
 #[derive(Debug)]
 pub(super) struct LocalState<L> {
     settings: LocalSettings,
     pub body: ParticleBody<L>,
     centre: Option<IVec3>,
+    /// Where the tool's centre was when the box was put there.
+    tool_cell: Option<IVec3>,
     ledger: Ledger,
     seen_edit: Option<u64>,
     /// Which particles may move at all, before layers freeze some.
@@ -45,6 +50,7 @@ impl<L: LocalLaw> LocalState<L> {
             settings: *settings,
             body,
             centre: None,
+            tool_cell: None,
             ledger: Ledger::default(),
             seen_edit: None,
             free: Vec::with_capacity(each * cells),
@@ -63,6 +69,7 @@ impl<L: LocalLaw> LocalState<L> {
         self.body.system.particles.clear();
         self.free.clear();
         self.centre = None;
+        self.tool_cell = None;
         self.seen_edit = None;
     }
 
@@ -119,14 +126,51 @@ impl<L: LocalLaw> LocalState<L> {
         self.fill_box(input);
     }
 
-    /// Puts the box around a place: gives particles back and takes new ones from the pool.
-    pub fn move_box(&mut self, input: &ModelInput<'_>, place: DVec3) {
-        let centre = self.cell_of(place);
-        if self.centre == Some(centre) {
+    /// Puts the box around what a tool touches: gives particles back and takes new ones from
+    /// the pool.
+    pub fn move_box(&mut self, input: &ModelInput<'_>, tool: &ParticleTool) {
+        let cell = self.cell_of(tool.centre);
+        if self.tool_cell == Some(cell) {
             return;
         }
-        self.centre = Some(centre);
-        self.fill_box(input);
+        self.tool_cell = Some(cell);
+        let contact = tool.centre + self.toward_matter(input, tool);
+        let centre = self.cell_of(contact);
+        if self.centre != Some(centre) {
+            self.centre = Some(centre);
+            self.fill_box(input);
+        }
+    }
+
+    /// From the tool's centre to the place on it where matter is. The thesis puts the box around
+    /// the tool's centre (5.10), where half of it is air and a large tool reaches its border.
+    ///
+    /// For a ball on a plane the middle of the matter within R of its centre lies 3/8 R away, and
+    /// the place on its surface r; in the midst of matter both are zero.
+    fn toward_matter(&mut self, input: &ModelInput<'_>, tool: &ParticleTool) -> DVec3 {
+        let (grid, cell) = (self.body.grid, self.body.scale.cell);
+        let radius = tool.half_axes.max_element().min(LARGEST_TOOL * cell);
+        let reach = radius + 2.0 * cell;
+        let side = (reach / cell).ceil() as i32;
+        let middle = self.cell_of(tool.centre);
+        let (mut sum, mut count) = (DVec3::ZERO, 0_u32);
+        for near in VoxelBox::new(middle - side, middle + side + 1).voxels() {
+            let offset = cell * (near.as_dvec3() + 0.5) - tool.centre;
+            let voxel = grid.voxel_at((tool.centre + offset) / grid.spacing());
+            let Some(voxel) = voxel.filter(|_| offset.length() <= reach) else {
+                continue;
+            };
+            let rest = self.ledger.rest(input.voxels, voxel);
+            if rest
+                .and_then(|rest| solid_of(input.voxels, input.materials, voxel, &rest))
+                .is_some()
+            {
+                sum += offset;
+                count += 1;
+            }
+        }
+        let toward = sum / f64::from(count.max(1)) * (8.0 / 3.0 * radius / reach);
+        toward.clamp_length_max(radius)
     }
 
     /// Particles for all cells of the box whose matter takes part, and none elsewhere.
