@@ -178,6 +178,26 @@ fn a_pressed_block_pushes_back_harder_the_deeper_the_tool() {
 }
 
 #[test]
+fn matter_that_nobody_touches_shows_no_displacement() {
+    for (name, mut model) in models() {
+        let (mut voxels, materials) = scan(DVec3::splat(H));
+        let tool = ball(&voxels, -0.5);
+        let answer = advance(&mut *model, &mut voxels, &materials, &[tool], 300);
+        assert!(
+            answer.edit.is_none() && answer.displacement.is_none(),
+            "{name}"
+        );
+        let tool = ball(&voxels, 0.5);
+        let answer = advance(&mut *model, &mut voxels, &materials, &[tool], 300);
+        let field = answer.displacement.unwrap();
+        // a dent of half a voxel, shown as that before any voxel has changed
+        let deepest = field.moved.iter().map(|moved| -moved.z).fold(0.0, f32::max);
+        let deepest = f64::from(deepest) / H;
+        assert!(deepest > 0.3 && deepest < 0.8, "{name}: {deepest} voxels");
+    }
+}
+
+#[test]
 fn what_was_pressed_comes_back_when_the_tool_leaves_to_the_bit() {
     for (name, mut model) in models() {
         let (mut voxels, materials) = scan(DVec3::splat(H));

@@ -17,6 +17,8 @@ use super::write_back::WriteBack;
 use crate::material::Treatment;
 use crate::model::{Budget, DisplacementField, ModelInput};
 
+/// Displacement that is seen [cells].
+const SEEN: f64 = 0.03;
 /// Largest half axis of a tool around which matter is looked for [cells].
 const LARGEST_TOOL: f64 = 12.0;
 
@@ -114,12 +116,18 @@ impl<L: LocalLaw> LocalState<L> {
         }
         let ledger = &mut self.ledger;
         let mut gone: Vec<bool> = Vec::with_capacity(self.body.system.particles.len());
+        // particles of one voxel lie side by side, and are asked for once
+        let mut asked: Option<(IVec3, bool)> = None;
         for (index, origin) in self.body.system.particles.origins.iter().enumerate() {
-            let here = (self.body.system.particles.sites[index].position() / spacing)
-                .floor()
-                .as_ivec3();
-            let rest = ledger.rest(voxels, origin.voxel);
-            let same = rest.is_some_and(|rest| rest.segments == origin.matter.segments);
+            let same = match asked {
+                Some((voxel, same)) if voxel == origin.voxel => same,
+                _ => ledger
+                    .rest(voxels, origin.voxel)
+                    .is_some_and(|rest| rest.segments == origin.matter.segments),
+            };
+            asked = Some((origin.voxel, same));
+            let place = self.body.system.particles.sites[index].position();
+            let here = (place / spacing).floor().as_ivec3();
             gone.push(!same || overruled.contains(&here));
         }
         self.body.system.particles.give_back(|_, index| gone[index]);
@@ -339,8 +347,8 @@ impl<L: LocalLaw> LocalState<L> {
                 sums[place].1 += 1;
             }
         }
-        // a thousandth of a voxel is not seen
-        if farthest.sqrt() < 1e-3 * self.body.scale.cell {
+        // free surfaces of a crystal draw in by themselves, by less than is seen
+        if farthest.sqrt() < SEEN * self.body.scale.cell {
             return None;
         }
         let axes = self.body.grid.direction();
