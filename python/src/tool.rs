@@ -30,6 +30,7 @@ pub fn tool_settings(
             specific_energy: energy.map_or(usual.specific_energy, SpecificEnergy::Everywhere),
             ..usual
         },
+        tissues: Vec::new(),
         spared: SegmentSet::EMPTY,
     })
 }

@@ -25,6 +25,7 @@ use crate::frame::Notice;
 use crate::grip::Grip;
 use crate::handover::{ServoCommand, SimulationChannels};
 use crate::moved_poses::CurrentPoses;
+use crate::needle::NeedleWatch;
 use crate::placement::{REACH, free_point};
 use crate::scene::{Properties, Scene, Step, ThresholdRange};
 use crate::scene_news::SceneNews;
@@ -106,6 +107,7 @@ pub struct Simulation {
     scene: Scene,
     journal: UndoJournal<Step>,
     stroke: ToolStroke,
+    needle: NeedleWatch,
     grip: Option<Grip>,
     clutched: bool,
     file: Option<JournalFile>,
@@ -139,6 +141,7 @@ impl Simulation {
             scene,
             journal: UndoJournal::default(),
             stroke: ToolStroke::default(),
+            needle: NeedleWatch::default(),
             grip: None,
             clutched: false,
             file: None,
@@ -193,6 +196,7 @@ impl Simulation {
         self.touch.exchange(&self.scene);
         self.advance_grip();
         self.advance_tool();
+        self.advance_needle();
         self.tell_of_held_changes();
         self.tell_of_refused_places();
         self.tell_of_full_tape();
@@ -419,6 +423,7 @@ impl Simulation {
     ) -> Result<DVec3, SessionError> {
         // a jump is no stroke
         self.stroke.lift();
+        self.pull_needle();
         let grid = *self.voxels().grid();
         let touchable = touchable_of(&self.scene, self.settings.probe_radius);
         let free = free_point(&touchable.scene(&grid), point).ok_or(SessionError::NoFreeVoxel {
@@ -438,6 +443,7 @@ impl Simulation {
             hand,
             device_too,
         });
+        self.needle.jump(self.touch.commands());
         Ok(free)
     }
 

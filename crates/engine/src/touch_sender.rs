@@ -74,6 +74,12 @@ impl TouchSender {
         &self.status
     }
 
+    /// Commands sent so far.
+    #[must_use]
+    pub fn commands(&self) -> u64 {
+        self.commands
+    }
+
     /// Number of changes that touch does not follow yet, moves that the probe stops among them.
     #[must_use]
     pub fn pending(&self) -> usize {
@@ -210,7 +216,7 @@ impl TouchSender {
         let swaps = swaps.collect();
         let unmoved: Vec<&Bits> = scene
             .obstacles()
-            .filter(|(_, _, properties)| properties.pose.is_none())
+            .filter(|(id, _, _)| scene.stands(*id))
             .map(|(_, segment, _)| segment.occupancy())
             .collect();
         let sequence = self.begin(segments);

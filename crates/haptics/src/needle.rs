@@ -170,7 +170,7 @@ impl Needle {
 
     /// Time since the tick before [s], as far as one counts.
     pub fn pass(&mut self, time: f64) -> f64 {
-        let dt = (time - self.time).max(0.0).min(LONGEST_TICK);
+        let dt = (time - self.time).clamp(0.0, LONGEST_TICK);
         self.time = time;
         dt
     }

@@ -7,6 +7,7 @@ use palpate_tools::tool::ToolSettings;
 
 use super::Session;
 use crate::error::SessionError;
+use crate::needle::NeedleReport;
 use crate::simulation::Simulation;
 use crate::simulation::recovery::{Kept, Recovered};
 
@@ -25,6 +26,14 @@ impl Session {
     /// Where it is to begin and no tool is chosen, or the session has ended.
     pub fn stroke(&self, on: bool) -> Result<(), SessionError> {
         self.ask(move |simulation| simulation.stroke(on))?
+    }
+
+    /// What the needle has done since it was taken in the hand last.
+    ///
+    /// # Errors
+    /// Where the session has ended.
+    pub fn needle_report(&self) -> Result<NeedleReport, SessionError> {
+        self.ask(|simulation| simulation.needle_report())
     }
 
     /// What a journal of this scan holds; none where there is no such file.

@@ -57,7 +57,7 @@ impl Shaft {
     /// Friction of the shaft with the tip at a depth [N]; against the way in where positive.
     #[must_use]
     pub fn friction(&self, tip: f64, meets: &Resistance) -> f64 {
-        let bend = ((tip - self.bristle) / BEND).max(-1.0).min(1.0);
+        let bend = ((tip - self.bristle) / BEND).clamp(-1.0, 1.0);
         meets.friction * bend
     }
 
@@ -77,11 +77,10 @@ impl Shaft {
             }
         }
         let tip = high.min(meets.end);
-        // written so that NaN is no move
-        if !((tip - self.tip).abs() > STILL) {
-            return;
+        // false where it is NaN
+        if (tip - self.tip).abs() > STILL {
+            self.tip = tip;
+            self.bristle = self.bristle.clamp(tip - BEND, tip + BEND);
         }
-        self.tip = tip;
-        self.bristle = self.bristle.max(tip - BEND).min(tip + BEND);
     }
 }
