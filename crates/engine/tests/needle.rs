@@ -10,10 +10,19 @@ mod common;
 
 use common::*;
 use glam::{DVec3, IVec3, UVec3};
+use palpate_engine::handover::TickRecord;
 use palpate_engine::needle_scenario::{
     NeedleDrive, NeedleLayer, NeedleRun, NeedleSample, Phase, drive_needle,
 };
+use palpate_engine::recording::Recording;
+use palpate_engine::replay::{ReplayEnd, replay};
+use palpate_engine::tape::Tape;
+use palpate_engine::tape_columns::TapeColumns;
 use palpate_haptics::needle::events::EventKind::{self, Punctured, Stopped, Withdrawn};
+use palpate_tools::drill::DrillSettings;
+use palpate_tools::tool::{ToolError, ToolKind, ToolSettings};
+use palpate_volume::edit::SegmentId;
+use palpate_volume::matter::SegmentSet;
 use palpate_volume::tissue::Tissue;
 
 const DIMENSIONS: UVec3 = UVec3::new(40, 40, 90);
@@ -179,4 +188,251 @@ fn half_the_speed_gives_the_same_curve() {
     }
     // some ticks around each puncture, of 10 000: the probe follows a pass later
     assert!(apart < 60, "{apart}");
+}
+
+fn needle() -> ToolSettings {
+    ToolSettings {
+        kind: ToolKind::Needle,
+        radius: 0.5,
+        segments: [SKIN, FAT, LIVER].map(SegmentId).to_vec(),
+        drill: DrillSettings::default(),
+        tissues: vec![Tissue::SKIN, Tissue::FAT, Tissue::LIVER],
+        spared: SegmentSet::EMPTY,
+    }
+}
+
+/// A needle in the hand above the layers.
+struct Hand {
+    rig: Rig,
+    device: DVec3,
+    ticks: u64,
+    recording: Recording,
+}
+
+const ABOVE: DVec3 = DVec3::new(20.3, 20.4, 84.0);
+
+impl Hand {
+    fn new() -> Self {
+        let mut rig = Rig::new(DIMENSIONS, ABOVE);
+        for layer in layers() {
+            rig.simulation
+                .add_segment(layer.segment, OBSTACLE, false)
+                .unwrap();
+        }
+        rig.simulation.set_tool(Some(needle())).unwrap();
+        rig.simulation.stroke(true).unwrap();
+        Self {
+            rig,
+            device: ABOVE,
+            ticks: 0,
+            recording: Recording::default(),
+        }
+    }
+
+    fn tick(&mut self, device: DVec3) -> TickRecord {
+        self.device = device;
+        self.ticks += 1;
+        let record = self.rig.tick_at(device);
+        if self.ticks.is_multiple_of(10) {
+            self.rig.simulation.step();
+        }
+        self.recording.push(&record, 0);
+        record
+    }
+
+    /// Straight to a point at a speed [mm/s].
+    fn go(&mut self, to: DVec3, speed: f64) -> Vec<TickRecord> {
+        let (from, way) = (self.device, to - self.device);
+        let ticks = (way.length() / speed * 1000.0).round().max(1.0) as u32;
+        let at = |tick: u32| from + way * f64::from(tick) / f64::from(ticks);
+        (1..=ticks).map(|tick| self.tick(at(tick))).collect()
+    }
+
+    fn rest(&mut self, ticks: u32) -> TickRecord {
+        let records = (0..ticks).map(|_| self.tick(self.device));
+        records.collect::<Vec<_>>().last().copied().unwrap()
+    }
+
+    /// Whether a voxel of a layer on the needle's way stops the probe.
+    fn is_hard(&self, z: i32) -> bool {
+        self.rig.servo.solid().is_solid(IVec3::new(20, 20, z))
+    }
+
+    fn in_liver() -> Self {
+        let mut hand = Self::new();
+        hand.go(ABOVE.with_z(44.0), 20.0);
+        hand
+    }
+}
+
+#[test]
+fn what_is_punctured_is_no_obstacle_until_the_needle_is_out_and_no_voxel_changes() {
+    let mut hand = Hand::in_liver();
+    // skin, fat, liver and bone
+    assert_eq!(
+        [78, 70, 50, 20].map(|z| hand.is_hard(z)),
+        [false, false, false, true]
+    );
+    let proxy = hand.rest(20).proxy;
+    assert!(proxy.z < 55.0 && proxy.z > 30.0, "{proxy}");
+    let report = hand.rig.simulation.needle_report();
+    assert_eq!(report.punctured, [SKIN, FAT, LIVER].map(SegmentId));
+    assert!(report.forces.cutting > 0.5 && report.forces.friction > 0.0);
+    assert!(report.place.unwrap().depth > 20.0);
+
+    hand.go(ABOVE, 40.0);
+    hand.rest(40);
+    assert_eq!([78, 70, 50, 20].map(|z| hand.is_hard(z)), [true; 4]);
+    let report = hand.rig.simulation.needle_report();
+    assert!(report.punctured.is_empty() && report.place.is_none());
+    for (id, layer) in (1..).map(SegmentId).zip(layers()) {
+        let now = hand.rig.simulation.voxels().segment(id).unwrap();
+        assert_eq!(now.count(), layer.segment.count());
+    }
+    // without the needle, the skin is as hard as ever
+    hand.rig.simulation.stroke(false).unwrap();
+    let pressed = hand.go(ABOVE.with_z(75.0), 40.0);
+    let last = pressed.last().unwrap();
+    assert!(last.proxy.z >= 80.0 && last.force.z > 4.5, "{last:?}");
+    assert_eq!(hand.rig.violations(), 0);
+}
+
+/// Pulled aside and pushed down beside its line, with all that is around.
+#[test]
+fn a_push_at_another_angle_meets_the_tissue_beside_the_shaft_and_pops_through_nothing() {
+    let mut hand = Hand::in_liver();
+    hand.rest(50);
+    let before = hand.rig.servo.needle().insertion().copied().unwrap();
+    let mut last = hand.tick(hand.device);
+    for record in hand.go(hand.device + DVec3::new(9.0, 0.0, -14.0), 30.0) {
+        // the coupling's 1 N/mm over the hand's 0.03 mm and what the law lets grow by itself,
+        // in any direction; the fall of a cut is free
+        let grown = record.force.length() - last.force.length();
+        assert!(grown <= 0.03 + 0.02 + 1e-9, "{grown}");
+        assert!(record.proxy.z >= 30.0, "{record:?}");
+        last = record;
+    }
+    let after = hand.rig.servo.needle().insertion().copied().unwrap();
+    assert_eq!(after.line, before.line);
+    assert_eq!(after.punctured, before.punctured);
+    // pulled back to its line: skin, fat and liver hold it with 0.3 to 1 N/mm
+    assert!(
+        last.force.x < -9.0 * 0.25 && last.force.x > -9.0,
+        "{last:?}"
+    );
+    let aside = after.line.aside_of(last.proxy).length();
+    assert!(aside > 1.0 && aside < 7.0, "{aside}");
+
+    // far down and aside: bone holds what the tissue does not
+    for record in hand.go(DVec3::new(39.0, 39.0, -30.0), 200.0) {
+        assert!(record.proxy.z >= 30.0 && record.force.is_finite());
+    }
+    assert_eq!(hand.rig.violations(), 0);
+}
+
+#[test]
+fn a_needle_that_is_let_go_stays_in_until_it_is_drawn_out() {
+    let mut hand = Hand::in_liver();
+    hand.rig.simulation.stroke(false).unwrap();
+    let held = hand.rest(40);
+    assert!(held.force.z > 1.0 && !hand.is_hard(70));
+    let back = hand.go(ABOVE, 40.0);
+    assert!(back.iter().any(|record| record.force.z < -0.3));
+    hand.rest(40);
+    assert!(hand.is_hard(78) && hand.is_hard(70) && hand.is_hard(50));
+    // it is not in the hand any more
+    let pressed = hand.go(ABOVE.with_z(70.0), 40.0);
+    assert!(pressed.last().unwrap().proxy.z >= 80.0);
+}
+
+#[test]
+fn a_placement_takes_the_needle_out() {
+    let mut hand = Hand::in_liver();
+    let placed = hand.rig.simulation.place(ABOVE, 0, true).unwrap();
+    assert_eq!(placed, ABOVE);
+    // the device stays where it is and stands for the new place now
+    let after = hand.rest(60);
+    assert_eq!((after.proxy, after.force), (ABOVE, DVec3::ZERO));
+    assert!(hand.is_hard(78) && hand.is_hard(70) && hand.is_hard(50));
+    assert!(hand.rig.simulation.needle_report().punctured.is_empty());
+}
+
+#[test]
+fn at_rest_in_tissue_probe_and_force_are_constant_to_the_bit_in_the_end() {
+    let mut hand = Hand::in_liver();
+    // relaxation of 2 s, to a ten-thousandth of a millimetre
+    let rest = hand.rest(25_000);
+    for _ in 0..500 {
+        let record = hand.tick(hand.device);
+        assert_eq!((record.proxy, record.force), (rest.proxy, rest.force));
+    }
+}
+
+/// From before the needle is in, and from a state with a needle in.
+#[test]
+fn a_recorded_needle_is_computed_again_bit_for_bit() {
+    for begins_inside in [false, true] {
+        let mut hand = if begins_inside {
+            Hand::in_liver()
+        } else {
+            Hand::new()
+        };
+        hand.rest(30);
+        hand.recording = Recording::default();
+        hand.rig.simulation.begin_tape();
+        hand.go(DVec3::new(22.0, 19.0, 36.0), 30.0);
+        hand.go(DVec3::new(25.0, 20.0, 50.0), 60.0);
+        hand.go(ABOVE, 60.0);
+        hand.rest(50);
+        hand.go(DVec3::new(10.0, 25.0, 40.0), 60.0);
+        let tape = hand.rig.simulation.tape();
+        let tape = tape.lock().unwrap().finish().unwrap();
+        let columns = TapeColumns::from(&tape);
+        let read = Tape::try_from(&columns).unwrap();
+        let replayed = replay(&hand.recording, &read).unwrap();
+        assert_eq!(replayed.end, ReplayEnd::Whole);
+        assert!(replayed.is_equal(), "{:?}", replayed.first_difference);
+        assert!(hand.rig.servo.needle().events().count() >= 5);
+    }
+}
+
+#[test]
+fn a_needle_that_does_not_know_its_tissues_is_refused() {
+    let mut hand = Hand::new();
+    let mut two = needle();
+    two.tissues.pop();
+    let error = hand.rig.simulation.set_tool(Some(two)).unwrap_err();
+    let expected = ToolError::Tissues {
+        tissues: 2,
+        segments: 3,
+    };
+    assert_eq!(error.to_string(), expected.to_string());
+    let mut wrong = needle();
+    wrong.tissues[1].puncture = f64::NAN;
+    assert!(hand.rig.simulation.set_tool(Some(wrong)).is_err());
+}
+
+#[test]
+fn a_drive_that_is_none_is_refused() {
+    for bad in [
+        NeedleDrive {
+            speed: 0.0,
+            ..straight()
+        },
+        NeedleDrive {
+            target: straight().start,
+            ..straight()
+        },
+        NeedleDrive {
+            force_limit: f64::NAN,
+            ..straight()
+        },
+        NeedleDrive {
+            rest_secs: -1.0,
+            ..straight()
+        },
+    ] {
+        let values = intensities(DIMENSIONS);
+        assert!(drive_needle(&grid(DIMENSIONS), values, &layers(), &bad).is_err());
+    }
 }

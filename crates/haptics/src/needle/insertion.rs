@@ -211,7 +211,9 @@ impl Insertion {
             None => tip,
         };
         let is_known = next.is_none_or(|(segment, _)| self.punctured.contains(segment));
-        if is_known {
+        // the smooth surface, where it went in, may stand before the first voxel
+        let begins = from.is_none() && self.place == 1;
+        if is_known && !begins {
             let segment = next.map_or(0, |(segment, _)| segment);
             note(EventKind::Crossed, segment, self.cut);
         }
