@@ -6,7 +6,7 @@
 
 use glam::{DVec3, IVec3};
 use palpate_haptics::needle::events::{Events, NeedleEvent};
-use palpate_haptics::needle::tissues::{Matter, Met, Segments, Tissues};
+use palpate_haptics::needle::tissues::{Layered, Matter, Met, Segments, Tissues};
 use palpate_haptics::needle::{Needle, NeedleForces};
 use palpate_volume::edit::SegmentId;
 
@@ -51,7 +51,7 @@ impl<'a> NeedleMatter<'a> {
 
 impl Matter for NeedleMatter<'_> {
     fn at(&self, voxel: IVec3) -> Met {
-        let mut met = Met::Nothing;
+        let mut layer = Layered::default();
         let stand = |part: &&crate::touchable::Part| part.moved.is_none();
         for part in self.touchable.parts.iter().filter(stand) {
             if !part.bits.is_solid(voxel) {
@@ -60,11 +60,14 @@ impl Matter for NeedleMatter<'_> {
             match self.tissues.place_of(part.id.0) {
                 // what is hard counts before whatever else is there
                 None => return Met::Wall(part.id.0),
-                Some(place) if met == Met::Nothing => met = Met::Tissue(place),
-                Some(_) => {}
+                Some(place) => layer = layer.with(place),
             }
         }
-        met
+        if layer == Layered::default() {
+            Met::Nothing
+        } else {
+            Met::Tissue(layer)
+        }
     }
 
     fn is_open(&self) -> bool {

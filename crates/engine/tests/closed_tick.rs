@@ -111,8 +111,8 @@ fn a_needle_neither_allocates_nor_comes_into_what_it_has_not_punctured() {
     let start = DVec3::splat(-5.0);
     let mut rig = Rig::new(DIMENSIONS, start);
     let skin = box_segment(DIMENSIONS, IVec3::splat(4), IVec3::splat(44));
-    let liver = box_segment(DIMENSIONS, IVec3::splat(8), IVec3::splat(40));
-    let bone = box_segment(DIMENSIONS, IVec3::splat(18), IVec3::splat(30));
+    let liver = box_segment(DIMENSIONS, IVec3::splat(6), IVec3::splat(42));
+    let bone = box_segment(DIMENSIONS, IVec3::splat(14), IVec3::splat(34));
     let add = |rig: &mut Rig, segment| rig.simulation.add_segment(segment, OBSTACLE, false);
     // the skin has all within it, as a threshold has
     for segment in [skin, liver, bone, sponge(DIMENSIONS, 5, 150)] {
@@ -164,6 +164,15 @@ fn a_needle_neither_allocates_nor_comes_into_what_it_has_not_punctured() {
     }
     assert_eq!(rig.violations(), 0);
     // the test means something
+    let events = rig.simulation.needle_report().events;
+    let of = |id: u8| events.iter().filter(|event| event.segment == id).count();
+    assert!(
+        of(2) > 20 && of(3) + of(4) > 20,
+        "{} {} {}",
+        of(2),
+        of(3),
+        of(4)
+    );
     assert!(inside > 20_000, "{inside}");
     assert!(withdrawn > 20, "{withdrawn}");
 }

@@ -131,6 +131,25 @@ fn the_force_rises_at_the_skin_falls_at_the_puncture_rises_at_the_liver_and_ends
     }
 }
 
+/// A threshold takes all soft tissue, and bone, where label maps take each apart.
+#[test]
+fn segments_within_segments_give_the_same_events_as_segments_beside_them() {
+    let mut layers = layers();
+    layers[0].segment = box_segment(
+        DIMENSIONS,
+        IVec3::ZERO.with_z(BORDERS[4]),
+        IVec3::new(40, 40, BORDERS[0]),
+    );
+    let values = intensities(DIMENSIONS);
+    let nested = drive_needle(&grid(DIMENSIONS), values, &layers, &straight()).unwrap();
+    let beside = run(&straight());
+    assert_eq!(kinds(&nested), kinds(&beside));
+    for (one, other) in nested.samples.iter().zip(&beside.samples) {
+        assert_eq!((one.force, one.tip), (other.force, other.tip));
+    }
+    assert_eq!(nested.violations, 0);
+}
+
 /// At steady speed, outside of events, no force is above one and a half times the median of its
 /// neighbours.
 #[test]

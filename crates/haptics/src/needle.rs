@@ -37,7 +37,7 @@ pub mod track;
 
 use events::{EventKind, Events};
 use insertion::Insertion;
-use tissues::{Matter, Segments, Tissues};
+use tissues::{Layered, Matter, Segments, Tissues};
 use track::{Line, Track};
 
 /// Farther than this no hand is [mm].
@@ -280,11 +280,7 @@ impl Needle {
         let hard = output.spring;
         let depth = hard.length();
         let pressed = holder.filter(|_| self.on && depth > 0.0);
-        let tissue = pressed.and_then(|segment| {
-            let place = self.tissues.place_of(segment)?;
-            self.tissues.at(place)
-        });
-        let Some((segment, tissue)) = tissue else {
+        let Some(place) = pressed.and_then(|segment| self.tissues.place_of(segment)) else {
             self.forces.wall = k * depth;
             return (coupling, hard);
         };
@@ -294,8 +290,15 @@ impl Needle {
         };
         // with what is hard right behind it, no deeper than there
         let mut ahead = Track::default();
+        ahead.look(&line, grid, depth, matter);
+        // what overlaps with what is touched is pressed with it
+        let alone = Layered::of(place);
+        let layer = ahead.first().filter(|layer| layer.has(place));
+        let layer = layer.unwrap_or(alone);
+        let Some((segment, tissue)) = self.tissues.top(layer) else {
+            return (coupling, hard);
+        };
         let deflection = deflection(&tissue, depth, k);
-        ahead.look(&line, grid, deflection, matter);
         let end = ahead
             .wall()
             .map_or(deflection, |(wall, _)| wall.min(deflection));
@@ -304,7 +307,8 @@ impl Needle {
         if force >= tissue.puncture {
             self.events
                 .note(EventKind::Punctured, segment, (input.time, 0.0, force));
-            self.insertion = Some(Insertion::new(line, end, segment));
+            let punctured = Segments::of(self.tissues.segments_of(layer));
+            self.insertion = Some(Insertion::new(line, end, punctured));
         }
         (coupling, line.direction * (end - depth))
     }

@@ -3,7 +3,7 @@
 use glam::{DMat3, DVec3, IVec3, UVec3};
 use palpate_haptics::coupling::Coupling;
 use palpate_haptics::needle::events::EventKind;
-use palpate_haptics::needle::tissues::{Matter, Met, Tissues};
+use palpate_haptics::needle::tissues::{Layered, Matter, Met, Tissues};
 use palpate_haptics::needle::{Needle, NeedleForces, NeedleInput};
 use palpate_haptics::scene::Solid;
 use palpate_haptics::tick::TickOutput;
@@ -22,12 +22,12 @@ const COUPLING: Coupling = Coupling {
 };
 
 /// Layers below z = 10, and which of them are open.
-struct Layered {
+struct Body {
     tissues: Tissues,
     open: bool,
 }
 
-impl Matter for Layered {
+impl Matter for Body {
     fn at(&self, voxel: IVec3) -> Met {
         let above = LAYERS
             .iter()
@@ -37,7 +37,7 @@ impl Matter for Layered {
             Some((_, id)) => self
                 .tissues
                 .place_of(*id)
-                .map_or(Met::Wall(*id), Met::Tissue),
+                .map_or(Met::Wall(*id), |place| Met::Tissue(Layered::of(place))),
         }
     }
 
@@ -89,7 +89,7 @@ impl Bench {
 
     fn tick(&mut self, device: DVec3) -> Felt {
         self.now += 1e-3;
-        let matter = Layered {
+        let matter = Body {
             tissues: self.tissues,
             open: self.needle.punctured() != Default::default(),
         };

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::events::{EventKind, Events};
 use super::shaft::{Resistance, Shaft};
-use super::tissues::{Matter, Met, Segments, Tissues};
+use super::tissues::{Layered, Matter, Met, Segments, Tissues};
 use super::track::{Line, Track};
 use super::{NeedleForces, NeedleInput};
 
@@ -41,11 +41,9 @@ pub struct Insertion {
 
 impl Insertion {
     /// A needle that goes in along a line, with its tip as deep as it has pressed the surface
-    /// in of a segment that it punctures just now.
+    /// in of what it punctures just now.
     #[must_use]
-    pub fn new(line: Line, tip: f64, segment: u8) -> Self {
-        let mut punctured = Segments::NONE;
-        punctured.insert(segment);
+    pub fn new(line: Line, tip: f64, punctured: Segments) -> Self {
         Self {
             line,
             shaft: Shaft {
@@ -58,10 +56,18 @@ impl Insertion {
         }
     }
 
-    /// Whether the tissue at the end of the cut is not punctured yet.
-    fn is_before(&self, tissues: &Tissues) -> bool {
-        let tissue = self.tissue(tissues);
-        tissue.is_some_and(|(segment, _)| !self.punctured.contains(segment))
+    /// Whether all of what is at the end of the cut is punctured.
+    fn is_punctured(&self, tissues: &Tissues) -> bool {
+        let mut segments = tissues.segments_of(self.layer());
+        segments.all(|segment| self.punctured.contains(segment))
+    }
+
+    /// What is at the end of the cut.
+    fn layer(&self) -> Layered {
+        match self.track.met(self.place) {
+            Met::Tissue(layer) => layer,
+            Met::Nothing | Met::Wall(_) => Layered::default(),
+        }
     }
 
     /// The segment at the end of the cut; none where nothing is there.
@@ -71,10 +77,7 @@ impl Insertion {
     }
 
     fn tissue(&self, tissues: &Tissues) -> Option<(u8, Tissue)> {
-        match self.track.met(self.place) {
-            Met::Tissue(tissue) => tissues.at(tissue),
-            Met::Nothing | Met::Wall(_) => None,
-        }
+        tissues.top(self.layer())
     }
 
     /// One tick: where the tool is now [mm], and what pushes it.
@@ -97,7 +100,7 @@ impl Insertion {
         let tip_force = self.shaft.tip_force(self.shaft.tip, &meets);
         let friction = self.shaft.friction(self.shaft.tip, &meets);
         let wall = (k * (device - self.shaft.tip) - tip_force - friction).max(0.0);
-        let is_ahead = self.is_before(tissues);
+        let is_ahead = !self.is_punctured(tissues);
         let aside = self.line.aside_of(input.device);
         let lateral = self.reach_of(tissues, |tissue| tissue.lateral);
         let give = k / (k + lateral);
@@ -121,8 +124,8 @@ impl Insertion {
 
     fn meets(&self, tissues: &Tissues) -> Resistance {
         let tissue = self.tissue(tissues);
-        let threshold = tissue.map_or(0.0, |(segment, tissue)| {
-            if self.punctured.contains(segment) {
+        let threshold = tissue.map_or(0.0, |(_, tissue)| {
+            if self.is_punctured(tissues) {
                 tissue.cutting
             } else {
                 tissue.puncture
@@ -149,10 +152,10 @@ impl Insertion {
 
     /// A tip at rest loses some of its cutting force.
     fn relax(&mut self, dt: f64, tissues: &Tissues) {
-        let Some((segment, tissue)) = self.tissue(tissues) else {
+        let Some((_, tissue)) = self.tissue(tissues) else {
             return;
         };
-        if !self.punctured.contains(segment) {
+        if !self.is_punctured(tissues) {
             return;
         }
         let rest = tissue.deflection((1.0 - tissue.relaxation) * tissue.cutting);
@@ -171,11 +174,13 @@ impl Insertion {
             let tissue = self.tissue(tissues);
             let most = match tissue {
                 Some((segment, tissue)) => {
-                    if !self.punctured.contains(segment) {
+                    if !self.is_punctured(tissues) {
                         if force < tissue.puncture {
                             break;
                         }
-                        self.punctured.insert(segment);
+                        for segment in tissues.segments_of(self.layer()) {
+                            self.punctured.insert(segment);
+                        }
                         note(EventKind::Punctured, segment, self.cut);
                     }
                     tissue.deflection(tissue.cutting)
@@ -210,10 +215,9 @@ impl Insertion {
             Some((_, tissue)) => tip - tissue.deflection(force),
             None => tip,
         };
-        let is_known = next.is_none_or(|(segment, _)| self.punctured.contains(segment));
         // the smooth surface, where it went in, may stand before the first voxel
         let begins = from.is_none() && self.place == 1;
-        if is_known && !begins {
+        if self.is_punctured(tissues) && !begins {
             let segment = next.map_or(0, |(segment, _)| segment);
             note(EventKind::Crossed, segment, self.cut);
         }

@@ -37,10 +37,47 @@ impl Tissues {
         u8::try_from(place).ok()
     }
 
-    /// Segment and tissue at a place of the table.
+    /// Segment and tissue of what counts where several are: the last of them, as in the picture.
     #[must_use]
-    pub fn at(&self, place: u8) -> Option<(u8, Tissue)> {
-        *self.0.get(usize::from(place))?
+    pub fn top(&self, layer: Layered) -> Option<(u8, Tissue)> {
+        let there = (0_u8..).zip(self.0).filter(|(place, _)| layer.has(*place));
+        there.filter_map(|(_, entry)| entry).last()
+    }
+
+    /// The segments of a layer.
+    pub fn segments_of(&self, layer: Layered) -> impl Iterator<Item = u8> {
+        let there = (0_u8..)
+            .zip(self.0)
+            .filter(move |(place, _)| layer.has(*place));
+        there.filter_map(|(_, entry)| Some(entry?.0))
+    }
+}
+
+/// Tissues that overlap, one bit for each place in [`Tissues`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Layered(u16);
+
+impl Layered {
+    /// The tissue at a place alone.
+    #[must_use]
+    pub fn of(place: u8) -> Self {
+        Self::default().with(place)
+    }
+
+    /// This one too.
+    #[must_use]
+    pub fn with(self, place: u8) -> Self {
+        Self(self.0 | Self::bit(place))
+    }
+
+    /// Whether the tissue at a place belongs to it.
+    #[must_use]
+    pub fn has(self, place: u8) -> bool {
+        self.0 & Self::bit(place) != 0
+    }
+
+    fn bit(place: u8) -> u16 {
+        1_u16.checked_shl(u32::from(place)).unwrap_or(0)
     }
 }
 
@@ -50,8 +87,8 @@ pub enum Met {
     /// Nothing solid.
     #[default]
     Nothing,
-    /// A tissue, by its place in [`Tissues`].
-    Tissue(u8),
+    /// Tissues; one, where segments do not overlap.
+    Tissue(Layered),
     /// What no needle punctures, by the number of its segment.
     Wall(u8),
 }
@@ -72,6 +109,13 @@ pub struct Segments(pub [u64; 4]);
 impl Segments {
     /// No segment.
     pub const NONE: Self = Self([0; 4]);
+
+    /// These segments.
+    pub fn of(segments: impl IntoIterator<Item = u8>) -> Self {
+        let mut all = Self::NONE;
+        segments.into_iter().for_each(|segment| all.insert(segment));
+        all
+    }
 
     /// Whether it has a segment.
     #[must_use]

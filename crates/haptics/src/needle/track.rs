@@ -9,7 +9,7 @@ use palpate_volume::tissue::Tissue;
 use palpate_volume::walk::Walk;
 use serde::{Deserialize, Serialize};
 
-use super::tissues::{Matter, Met, Tissues};
+use super::tissues::{Layered, Matter, Met, Tissues};
 
 /// Layers that are told apart; what lies beyond counts to the last of them.
 const MAX_LAYERS: usize = 32;
@@ -141,12 +141,12 @@ impl Track {
     pub fn along(&self, depth: f64, tissues: &Tissues, figure: impl Fn(&Tissue) -> f64) -> f64 {
         let mut sum = 0.0;
         for place in 0..self.count {
-            let Met::Tissue(tissue) = self.met(place) else {
+            let Met::Tissue(layer) = self.met(place) else {
                 continue;
             };
             let from = self.layers[usize::from(place)].from.max(0.0);
             let to = self.end(place).unwrap_or(f64::INFINITY).min(depth);
-            if let Some((_, tissue)) = tissues.at(tissue) {
+            if let Some((_, tissue)) = tissues.top(layer) {
                 sum += figure(&tissue) * (to - from).max(0.0);
             }
         }
@@ -158,7 +158,18 @@ impl Track {
     pub fn meets(&self, tissue: u8, depth: f64) -> bool {
         let known = self.layers[..usize::from(self.count)].iter();
         let mut before = known.take_while(|layer| layer.from <= depth);
-        before.any(|layer| layer.met == Met::Tissue(tissue))
+        before.any(|layer| matches!(layer.met, Met::Tissue(met) if met.has(tissue)))
+    }
+
+    /// The first tissue on the line, as far as it is known.
+    #[must_use]
+    pub fn first(&self) -> Option<Layered> {
+        let known = self.layers[..usize::from(self.count)].iter();
+        let mut tissues = known.filter_map(|layer| match layer.met {
+            Met::Tissue(met) => Some(met),
+            Met::Nothing | Met::Wall(_) => None,
+        });
+        tissues.next()
     }
 
     fn note(&mut self, from: f64, met: Met) {
