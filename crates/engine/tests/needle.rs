@@ -16,6 +16,7 @@ use palpate_engine::needle_scenario::{
 };
 use palpate_engine::recording::Recording;
 use palpate_engine::replay::{ReplayEnd, replay};
+use palpate_engine::session_config::{Reference, SessionConfig};
 use palpate_engine::tape::Tape;
 use palpate_engine::tape_columns::TapeColumns;
 use palpate_haptics::needle::events::EventKind::{self, Punctured, Stopped, Withdrawn};
@@ -413,6 +414,46 @@ fn a_recorded_needle_is_computed_again_bit_for_bit() {
         assert!(replayed.is_equal(), "{:?}", replayed.first_difference);
         assert!(hand.rig.servo.needle().events().count() >= 5);
     }
+}
+
+/// A mouse: mass, a hand that pulls, a tick of delay, the whole session around it.
+#[test]
+fn a_simulated_device_pushes_the_needle_in_comes_to_rest_and_draws_it_out() {
+    let mut segments = Vec::new();
+    for layer in layers() {
+        segments.push((layer.segment, OBSTACLE));
+    }
+    let none = box_segment(DIMENSIONS, IVec3::ZERO, IVec3::ZERO);
+    let session = started(SessionConfig {
+        segments,
+        ..offline(DIMENSIONS, none, simulated(), Reference::Scene)
+    });
+    session.place(ABOVE).unwrap();
+    session.set_tool(Some(needle())).unwrap();
+    session.stroke(true).unwrap();
+    // the hand's own spring is 0.3 N/mm: it has to go far to press with 2 N
+    session.hand(ABOVE.with_z(58.0)).unwrap();
+    session.run(3.0).unwrap();
+    session.start_recording().unwrap();
+    session.run(0.5).unwrap();
+    let rest = session.stop_recording().unwrap();
+    let report = session.needle_report().unwrap();
+    assert!(report.punctured.contains(&SegmentId(SKIN)), "{report:?}");
+    let force = |row: usize| rest.force[row].length();
+    let (low, high) = (0..rest.len()).fold((f64::INFINITY, 0.0_f64), |(low, high), row| {
+        (low.min(force(row)), high.max(force(row)))
+    });
+    // it creeps by the tissue's relaxation and does not buzz
+    assert!(high > 0.2 && high - low < 0.05, "{low} to {high}");
+
+    session.hand(ABOVE).unwrap();
+    session.run(3.0).unwrap();
+    let report = session.needle_report().unwrap();
+    assert!(report.place.is_none() && report.punctured.is_empty());
+    assert_eq!(report.events.last().unwrap().kind, Withdrawn);
+    let frame = session.frame();
+    assert_eq!(frame.safety.violations, 0);
+    assert_eq!((frame.force, frame.pending), (DVec3::ZERO, 0));
 }
 
 #[test]
