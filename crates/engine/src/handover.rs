@@ -210,8 +210,8 @@ pub struct ServoStatus {
     pub device: DVec3,
     /// Where the probe is.
     pub proxy: DVec3,
-    /// Where the force comes from: the tool as matter meets it.
-    pub contact_point: DVec3,
+    /// The tool as matter meets it, where that gives way.
+    pub tool: DVec3,
     /// Whether an obstacle holds the probe back.
     pub contact: bool,
     /// The segment that is touched; 0 where there is none.
@@ -222,8 +222,6 @@ pub struct ServoStatus {
     pub normal: DVec3,
     /// Size of the force that was last sent to the device [N].
     pub sent_force: f64,
-    /// Where moved segments stand by now.
-    pub poses: CurrentPoses,
     /// `scene_from_device`, axes only.
     pub axes: DMat3,
     /// `device_from_handle`.
@@ -293,6 +291,8 @@ pub struct ServoChannels {
     pub garbage: Producer<Garbage>,
     /// To the simulation.
     pub status: Input<ServoStatus>,
+    /// To the simulation, where any of them has changed.
+    pub poses: Input<CurrentPoses>,
     /// To the picture.
     pub records: Producer<TickRecord>,
     /// To the simulation.
@@ -308,6 +308,8 @@ pub struct SimulationChannels {
     pub garbage: Consumer<Garbage>,
     /// From the servo.
     pub status: Output<ServoStatus>,
+    /// From the servo: where moved segments stand, at the time of the status or later.
+    pub poses: Output<CurrentPoses>,
     /// From the servo.
     pub snapshots: Consumer<Snapshot>,
 }
@@ -344,6 +346,7 @@ impl Channels {
             number: 0,
         });
         let (status_in, status_out) = triple_buffer(&ServoStatus::default());
+        let (poses_in, poses_out) = triple_buffer(&CurrentPoses::default());
         let (inbox_in, inbox_out) = RingBuffer::new(INBOX);
         let (garbage_in, garbage_out) = RingBuffer::new(GARBAGE);
         let (records_in, records_out) = RingBuffer::new(RECORDS);
@@ -360,6 +363,7 @@ impl Channels {
                 inbox: inbox_out,
                 garbage: garbage_in,
                 status: status_in,
+                poses: poses_in,
                 records: records_in,
                 snapshots: snapshots_in,
             },
@@ -367,6 +371,7 @@ impl Channels {
                 inbox: inbox_in,
                 garbage: garbage_out,
                 status: status_out,
+                poses: poses_out,
                 snapshots: snapshots_out,
             },
             records: records_out,

@@ -6,6 +6,7 @@
 use std::collections::BTreeMap;
 
 use crate::feel::{Feel, Feels};
+use crate::kept_surface::SegmentVoxels;
 use crate::scan_values::{ScanValues, Threshold};
 use crate::touchable::{MovedPart, Part};
 use glam::DAffine3;
@@ -27,7 +28,8 @@ pub struct Properties {
     pub touchable: bool,
     /// The threshold that it is; none once its voxels come from elsewhere.
     pub range: Option<ThresholdRange>,
-    /// The threshold that made it, whatever edits did since: touch reads the scan's values there.
+    /// The threshold that made it, whatever edits did since: touch and surfaces read the scan's
+    /// values there. An end that no value of the scan is beyond is infinite, for it limits nothing.
     pub made_by: Option<ThresholdRange>,
     /// How its surface feels.
     pub feel: Feel,
@@ -166,6 +168,8 @@ pub struct Scene {
     voxels: Voxels,
     /// The scan's values as touch reads them.
     values: ScanValues,
+    /// Lowest and highest of them.
+    value_range: ThresholdRange,
     properties: BTreeMap<SegmentId, Properties>,
     /// The segment that is in the hand: no obstacle meanwhile.
     held: Option<SegmentId>,
@@ -183,6 +187,7 @@ impl Scene {
             .collect();
         let values = ScanValues::of(voxels.intensities());
         Self {
+            value_range: voxels.intensities().range(),
             voxels,
             values,
             properties,
@@ -201,6 +206,15 @@ impl Scene {
     #[must_use]
     pub fn voxels(&self) -> &Voxels {
         &self.voxels
+    }
+
+    /// The voxels of a segment with the threshold that made them.
+    #[must_use]
+    pub fn voxels_of(&self, id: SegmentId) -> Option<SegmentVoxels> {
+        self.voxels.segment(id).map(|segment| SegmentVoxels {
+            bits: segment.occupancy().clone(),
+            made_by: self.properties_of(id).made_by,
+        })
     }
 
     /// All segments with their properties, by rising number.
@@ -431,8 +445,9 @@ impl Scene {
     ) -> Result<(Step, TouchChange), VoxelsError> {
         let segment = self.voxels.replace_segment(id, segment)?;
         let range = self.exchange_range(id, range);
+        let limiting = made_by.map(|range| self.limiting(range));
         let properties = self.properties.entry(id).or_default();
-        let made_by = std::mem::replace(&mut properties.made_by, made_by);
+        let made_by = std::mem::replace(&mut properties.made_by, limiting);
         let change = self.all_to_touch(id);
         let inverse = Step::Replace {
             id,
@@ -447,8 +462,9 @@ impl Scene {
         &mut self,
         id: SegmentId,
         segment: Segment,
-        properties: Properties,
+        mut properties: Properties,
     ) -> Result<(Step, TouchChange), VoxelsError> {
+        properties.made_by = properties.made_by.map(|range| self.limiting(range));
         let replaced = self.voxels.insert_segment(id, segment)?;
         assert!(replaced.is_none(), "segment number {} was in use", id.0);
         self.properties.insert(id, properties);
@@ -466,6 +482,18 @@ impl Scene {
             properties,
         };
         Ok((inverse, change))
+    }
+
+    /// A threshold without ends that limit nothing.
+    fn limiting(&self, (low, high): ThresholdRange) -> ThresholdRange {
+        let (lowest, highest) = self.value_range;
+        let low = if low <= lowest {
+            f64::NEG_INFINITY
+        } else {
+            low
+        };
+        let high = if high >= highest { f64::INFINITY } else { high };
+        (low, high)
     }
 
     fn exchange_range(

@@ -26,7 +26,7 @@ use crate::handover::{
 };
 use crate::mapping::Mapping;
 use crate::model::LimitedModel;
-use crate::moved_poses::MovedPoses;
+use crate::moved_poses::{CurrentPoses, MovedPoses};
 use crate::needle::{self, NeedleMatter, NeedleStatus};
 use crate::owners::Owners;
 use crate::probe::Probe;
@@ -72,6 +72,8 @@ pub struct ServoLoop {
     owners: Owners,
     /// Whether the state is asked for at the end of this tick.
     marked: bool,
+    /// Whether a moved segment stands elsewhere than was told.
+    moved: bool,
     ends: Ends,
     shared: Arc<Shared>,
 }
@@ -84,6 +86,7 @@ struct Ends {
     hand: triple_buffer::Output<HandTarget>,
     inbox: rtrb::Consumer<ServoCommand>,
     status: triple_buffer::Input<ServoStatus>,
+    poses: triple_buffer::Input<CurrentPoses>,
     records: rtrb::Producer<TickRecord>,
     snapshots: rtrb::Producer<Snapshot>,
 }
@@ -136,6 +139,7 @@ impl ServoLoop {
             inbox,
             garbage,
             status,
+            poses,
             records,
             snapshots,
         } = channels;
@@ -151,12 +155,14 @@ impl ServoLoop {
             cache: TickCache::default(),
             owners: Owners::default(),
             marked: false,
+            moved: true,
             ends: Ends {
                 samples,
                 forces,
                 hand,
                 inbox,
                 status,
+                poses,
                 records,
                 snapshots,
             },
@@ -209,6 +215,7 @@ impl ServoLoop {
         self.follow_needle(&needle, &mut output);
 
         self.publish_force(inputs, &output);
+        self.publish_poses();
         self.publish_status(inputs, &output, sent_in_device);
         self.record(inputs, &output, sent_in_device);
         self.state.tick += 1;
@@ -243,6 +250,7 @@ impl ServoLoop {
     /// Takes a step of each segment that moves; the one that is touched takes along what friction
     /// holds.
     fn move_segments(&mut self) {
+        self.moved |= self.state.poses.is_moving();
         let (proxy, touched) = (&mut self.state.touch.proxy, SegmentId(self.state.touched));
         let carried =
             self.occupancy
@@ -293,6 +301,7 @@ impl ServoLoop {
                 mut touchable,
             }) => {
                 self.state.poses.follow_root(&mut touchable, &self.grid);
+                self.moved = true;
                 self.state.received = sequence;
                 self.occupancy.take_root(sequence, touchable, &mut probe);
             }
@@ -504,6 +513,23 @@ impl ServoLoop {
         });
     }
 
+    /// Where matter meets the tool: at the near end of the spring, or where the device is while
+    /// matter that gives way does not push yet.
+    fn tool(&self, inputs: &TickInputs, output: &TickOutput) -> DVec3 {
+        if self.state.soft.is_felt() {
+            self.device_in_scene(inputs) + output.spring
+        } else {
+            output.contact_point_in_scene
+        }
+    }
+
+    /// Before the status, so that who reads that one finds poses as new.
+    fn publish_poses(&mut self) {
+        if std::mem::take(&mut self.moved) {
+            self.ends.poses.write(self.state.poses.current());
+        }
+    }
+
     fn publish_status(&mut self, inputs: &TickInputs, output: &TickOutput, sent_in_device: DVec3) {
         self.ends.status.write(ServoStatus {
             received: self.state.received,
@@ -515,13 +541,12 @@ impl ServoLoop {
             radius: self.state.radius,
             device: self.device_in_scene(inputs),
             proxy: output.proxy_in_scene,
-            contact_point: output.contact_point_in_scene,
+            tool: self.tool(inputs, output),
             contact: output.contact,
             touched: self.state.touched,
             time: inputs.time,
             normal: output.normal,
             sent_force: sent_in_device.length(),
-            poses: self.state.poses.current(),
             axes: self.state.mapping.rotation,
             orientation: inputs.orientation,
             origin: self.state.mapping.offset,

@@ -16,6 +16,7 @@ pub mod ball_limits;
 mod ball_nearest;
 pub mod ball_probe;
 pub mod ball_shape;
+mod bit_rows;
 mod bodies;
 mod border_voxels;
 pub mod contact;
