@@ -10,6 +10,7 @@ mod body;
 pub mod calibration;
 mod cells;
 pub mod elasticity;
+mod global_matter;
 pub mod global_model;
 mod lanes;
 #[cfg(target_arch = "x86_64")]
