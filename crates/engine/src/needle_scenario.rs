@@ -26,6 +26,7 @@ use palpate_volume::tissue::Tissue;
 use palpate_volume::voxels::Voxels;
 use palpate_volume::walk::Walk;
 
+use crate::deformation::Deformation;
 use crate::error::SessionError;
 use crate::feel::Feels;
 use crate::handover::{Channels, DeviceSample, TickRecord};
@@ -292,7 +293,11 @@ impl Rig {
         let mut rig = Self {
             servo: ServoLoop::new(start, channels.servo, Arc::clone(&shared)),
             simulation: Simulation::new(
-                Scene::new(Voxels::new(*grid, intensities)?),
+                (
+                    Scene::new(Voxels::new(*grid, intensities)?),
+                    // nothing gives way but to the needle
+                    Deformation::new(true).0,
+                ),
                 settings,
                 limits,
                 channels.simulation,
