@@ -8,7 +8,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, astuple, dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
 from types import TracebackType
@@ -21,6 +21,7 @@ from palpate import _core
 from palpate.errors import OptionError
 from palpate.gap import Gap
 from palpate.material import LinearMaterial, Material
+from palpate.needle import Tissue
 from palpate.package_version import package_version
 from palpate.recording import Recording
 from palpate.recording_file import FORMAT, VERSION, About, AboutScan, AboutSegment
@@ -306,22 +307,25 @@ class Session:
 
     def set_tool(
         self,
-        kind: Literal["eraser", "adder", "drill"] | None,
+        kind: Literal["eraser", "adder", "drill", "needle"] | None,
         *,
         radius: float = 1.0,
         segment_ids: Sequence[int] = (),
+        tissues: Sequence[Tissue] = (),
     ) -> None:
         """Chooses the tool for the next strokes; a stroke that is on ends.
 
         The eraser frees voxels of the segments along the probe's way, the adder makes them
         solid, the drill removes matter by the work that touch does on it. Where the scan's unit
         is not HU, the drill takes the same work for each mm³, that of cortical bone, and leaves
-        the scan's lowest value behind.
+        the scan's lowest value behind. The needle changes nothing: it goes into the segments, and
+        they are no obstacle for it until it is out.
 
         Args:
             kind: Which tool; None empties the hand.
             radius: Of the tool's ball [mm].
-            segment_ids: Segments that it may change.
+            segment_ids: Segments that it may change, or go into.
+            tissues: What each of them is for the needle.
 
         Raises:
             OptionError: The radius does not fit the scan's voxels, or there is no such segment.
@@ -338,6 +342,7 @@ class Session:
                 segment_ids=list(segment_ids),
                 air=AIR if is_density else volume.range[0],
                 energy=None if is_density else CORTICAL_ENERGY,
+                tissues=[astuple(tissue) for tissue in tissues],
             )
 
     # --- matter that gives way ------------------------------------------------------------

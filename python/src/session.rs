@@ -380,7 +380,11 @@ impl PySession {
 
     /// Chooses the tool for the next strokes by its name; none empties the hand.
     #[pyo3(signature = (kind, *, radius = 0.0, segment_ids = Vec::new(), air = None,
-        energy = None))]
+        energy = None, tissues = Vec::new()))]
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "the binding takes one type per argument"
+    )]
     fn set_tool(
         &self,
         py: Python<'_>,
@@ -389,8 +393,10 @@ impl PySession {
         segment_ids: Vec<u8>,
         air: Option<f64>,
         energy: Option<f64>,
+        tissues: Vec<[f64; 8]>,
     ) -> Result<(), CoreError> {
-        let settings = kind.map(|kind| tool_settings(kind, radius, segment_ids, air, energy));
+        let settings =
+            kind.map(|kind| tool_settings(kind, radius, segment_ids, air, energy, tissues));
         let settings = settings.transpose()?;
         Ok(py.detach(|| self.session.set_tool(settings))?)
     }

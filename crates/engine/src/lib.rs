@@ -28,6 +28,8 @@ pub mod live;
 pub mod mapping;
 pub mod model;
 pub mod moved_poses;
+pub mod needle;
+pub mod needle_scenario;
 pub mod offline;
 pub mod owners;
 pub mod pacing;

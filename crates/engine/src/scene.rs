@@ -10,6 +10,7 @@ use crate::kept_surface::SegmentVoxels;
 use crate::scan_values::{ScanValues, Threshold};
 use crate::touchable::{MovedPart, Part};
 use glam::DAffine3;
+use palpate_haptics::needle::tissues::Segments;
 use palpate_haptics::scene::MAX_OBJECTS;
 use palpate_tools::stroke::bytes_of;
 use palpate_volume::edit::{Edit, SegmentId};
@@ -172,6 +173,8 @@ pub struct Scene {
     properties: BTreeMap<SegmentId, Properties>,
     /// The segment that is in the hand: no obstacle meanwhile.
     held: Option<SegmentId>,
+    /// Segments that a needle is in.
+    punctured: Segments,
 }
 
 impl Scene {
@@ -189,6 +192,7 @@ impl Scene {
             values,
             properties,
             held: None,
+            punctured: Segments::NONE,
         }
     }
 
@@ -282,6 +286,21 @@ impl Scene {
             .collect()
     }
 
+    /// A needle is in these segments; gives the obstacles that change by it.
+    pub fn puncture(&mut self, punctured: Segments) -> Vec<SegmentId> {
+        let before = std::mem::replace(&mut self.punctured, punctured);
+        let changes = |id: &SegmentId| before.contains(id.0) != punctured.contains(id.0);
+        let obstacles = self.obstacles().map(|(id, _, _)| id);
+        obstacles.filter(changes).collect()
+    }
+
+    /// Whether the probe is stopped by a segment where the scan has it: not where it was moved
+    /// or a needle is in it.
+    #[must_use]
+    pub fn stands(&self, id: SegmentId) -> bool {
+        self.properties_of(id).pose.is_none() && !self.punctured.contains(id.0)
+    }
+
     /// All obstacles with their properties, by rising number.
     pub fn obstacles(&self) -> impl Iterator<Item = (SegmentId, &Segment, Properties)> {
         self.segments().filter(|(id, _, _)| self.is_obstacle(*id))
@@ -302,6 +321,7 @@ impl Scene {
                     range,
                     values: self.values.clone(),
                 }),
+                punctured: properties.pose.is_none() && self.punctured.contains(id.0),
             })
             .collect()
     }

@@ -435,8 +435,8 @@ impl Session {
         self.check_running()
     }
 
-    /// Ends the session: zero force, then no threads, in less than a second. Again it does
-    /// nothing.
+    /// Ends the session: zero force, then no threads, in less than a second where no disk keeps the
+    /// journal waiting. Again it does nothing.
     pub fn stop(&self) {
         match &self.run {
             Run::Live(live) => {

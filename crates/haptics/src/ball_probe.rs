@@ -6,6 +6,7 @@
 
 use crate::admission::{Admission, admit_scene};
 use crate::ball::{Ball, BallError, BallShape, Dilated};
+use crate::ball_closing::Closing;
 use crate::proxy::Proxy;
 use crate::scene::{MAX_OBJECTS, Object, TouchScene};
 use arrayvec::ArrayVec;
@@ -68,8 +69,8 @@ pub struct ProbeSolid<O> {
     inner: O,
     /// Where its centre cannot be.
     hard: Ball,
-    /// The same without the safe side: what the smooth force is made of.
-    soft: Ball,
+    /// What it cannot get into: the smooth force takes that as solid.
+    closing: Closing,
 }
 
 impl<O: Occupancy> ProbeSolid<O> {
@@ -78,10 +79,11 @@ impl<O: Occupancy> ProbeSolid<O> {
     /// # Errors
     /// Where the ball is too large for these voxels.
     pub fn new(inner: O, radius_mm: f64, spacing: DVec3) -> Result<Self, BallError> {
+        let shape = BallShape::new(radius_mm, spacing)?;
         Ok(Self {
             inner,
-            hard: Ball::new(BallShape::new(radius_mm, spacing)?),
-            soft: Ball::new(BallShape::soft(radius_mm, spacing)?),
+            hard: Ball::new(shape),
+            closing: Closing::new(&shape),
         })
     }
 
@@ -104,7 +106,7 @@ impl<O: Occupancy> ProbeSolid<O> {
     pub fn change<T>(&mut self, changed: &VoxelBox, change: impl FnOnce(&mut O) -> T) -> T {
         if !self.hard.is_point() {
             self.hard.invalidate_box(changed);
-            self.soft.invalidate_box(changed);
+            self.closing.invalidate_box(changed);
         }
         change(&mut self.inner)
     }
@@ -115,11 +117,9 @@ impl<O: Occupancy> ProbeSolid<O> {
     /// # Errors
     /// Where the ball is too large for these voxels; nothing is changed then.
     pub fn set_radius(&mut self, radius_mm: f64) -> Result<(), BallError> {
-        let spacing = self.shape().spacing();
-        let hard = BallShape::new(radius_mm, spacing)?;
-        let soft = BallShape::soft(radius_mm, spacing)?;
-        self.hard.set_shape(hard);
-        self.soft.set_shape(soft);
+        let shape = BallShape::new(radius_mm, self.shape().spacing())?;
+        self.hard.set_shape(shape);
+        self.closing.set_shape(&shape);
         Ok(())
     }
 
@@ -162,11 +162,6 @@ impl<O: Occupancy> ProbeSolid<O> {
     fn blocked(&self, min: IVec3) -> BitBrick {
         self.hard.dilate(&self.inner).block(min)
     }
-
-    #[inline(never)]
-    fn blocked_softly(&self, min: IVec3) -> BitBrick {
-        self.soft.dilate(&self.inner).block(min)
-    }
 }
 
 impl<O: Occupancy> Occupancy for ProbeSolid<O> {
@@ -199,7 +194,7 @@ impl<O: Occupancy> Occupancy for ProbeSolid<O> {
 
     #[inline]
     fn smooth_block(&self, min: IVec3) -> BitBrick {
-        self.inner.smooth_block(min)
+        self.closing.block(&self.inner, min)
     }
 
     #[inline]

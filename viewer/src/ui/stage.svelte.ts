@@ -444,6 +444,7 @@ const toolPaints = {
   eraser: srgbFromHex(toolColours.eraser),
   adder: srgbFromHex(toolColours.adder),
   drill: srgbFromHex(toolColours.drill),
+  needle: srgbFromHex(toolColours.needle),
 } as const;
 
 function toolBall({ tool }: State): ToolBall | null {

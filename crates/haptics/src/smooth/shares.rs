@@ -149,7 +149,8 @@ impl Limits {
             1 => {
                 let [low, high] = self.ranges[0];
                 let within = |values: Vec3A| (values - low).min(high - values);
-                let here = (around.here - low).min(high - around.here);
+                let [above, below] = [around.here - low, high - around.here];
+                let here = if above < below { above } else { below };
                 share(within(around.before), here, within(around.after), solid)
             }
             _ => self.share_of_many(around, solid),
@@ -186,15 +187,15 @@ fn share(before: Vec3A, here: f32, after: Vec3A, solid: bool) -> Option<f32> {
     }
     let own = Vec3A::splat(here);
     let axis = (before - own).abs().max((after - own).abs()).max_position();
-    let [before, after] = [before[axis], after[axis]];
-    let share = if solid {
-        let ways = way_to_surface(after, here, before) + way_to_surface(before, here, after);
-        (0.5 * ways).max(0.5)
-    } else {
-        let [before, here, after] = [-before, -here, -after];
-        let ways = way_to_surface(after, here, before) + way_to_surface(before, here, after);
-        (1.0 - 0.5 * ways).min(0.5)
-    };
+    let side = if solid { 1.0 } else { -1.0 };
+    let [before, here, after] = [before[axis], here, after[axis]].map(|value| side * value);
+    // no surface passes here along that axis
+    if before >= 0.0 && after >= 0.0 {
+        return None;
+    }
+    let ways = way_to_surface(after, here, before) + way_to_surface(before, here, after);
+    let own = (0.5 * ways).max(0.5);
+    let share = if solid { own } else { 1.0 - own };
     share.is_finite().then_some(share)
 }
 
