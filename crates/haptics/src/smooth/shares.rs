@@ -186,13 +186,14 @@ fn share(before: Vec3A, here: f32, after: Vec3A, solid: bool) -> Option<f32> {
         return None;
     }
     let own = Vec3A::splat(here);
-    let axis = (before - own).abs().max((after - own).abs()).max_position();
-    let side = if solid { 1.0 } else { -1.0 };
-    let [before, here, after] = [before[axis], here, after[axis]].map(|value| side * value);
-    // no surface passes here along that axis
-    if before >= 0.0 && after >= 0.0 {
+    let changes = (before - own).abs().max((after - own).abs());
+    // nothing rises here
+    if changes == Vec3A::ZERO {
         return None;
     }
+    let axis = changes.max_position();
+    let side = if solid { 1.0 } else { -1.0 };
+    let [before, here, after] = [before[axis], here, after[axis]].map(|value| side * value);
     let ways = way_to_surface(after, here, before) + way_to_surface(before, here, after);
     let own = (0.5 * ways).max(0.5);
     let share = if solid { own } else { 1.0 - own };
@@ -217,7 +218,7 @@ fn way_to_surface(before: f32, here: f32, beyond: f32) -> f32 {
     // none of both where the threshold is met by no value above it
     let even = ((most - here) / fall).min(1.0);
     let way = if most > 0.0 {
-        filled + even * (straight - filled)
+        filled + 0.5 * (even + even * even) * (straight - filled)
     } else {
         straight
     };

@@ -15,8 +15,9 @@ use super::body::Body;
 const FULL: f64 = 1000.0;
 /// Values from here on are solid.
 pub const THRESHOLD: f64 = 0.5 * FULL;
-/// Points along each edge of a voxel by which its share is counted.
-const SUBSAMPLES: i32 = 6;
+/// Points along the shortest edge of a voxel by which its share is counted; along the others as
+/// near to each other. So a share is wrong by a twelfth of that edge at most.
+const SUBSAMPLES: f64 = 6.0;
 
 /// A body as voxels.
 #[derive(Clone, Debug)]
@@ -92,8 +93,9 @@ fn voxels(body: &Body, grid: &Grid, is_inside: impl Fn(IVec3) -> bool + Sync) ->
 fn shares(body: &Body, grid: &Grid) -> Vec<i16> {
     let scene_from_grid = grid.patient_from_grid();
     let half_diagonal = 0.5 * grid.spacing().length();
-    let points: Vec<DVec3> = each_voxel(UVec3::splat(SUBSAMPLES as u32))
-        .map(|point| (point.as_dvec3() + 0.5) / f64::from(SUBSAMPLES))
+    let per_edge = (SUBSAMPLES * grid.spacing() / grid.smallest_spacing()).ceil();
+    let points: Vec<DVec3> = each_voxel(per_edge.as_uvec3())
+        .map(|point| (point.as_dvec3() + 0.5) / per_edge)
         .collect();
     each_voxel(grid.dimensions())
         .map(|voxel| {
