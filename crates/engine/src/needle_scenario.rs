@@ -27,6 +27,7 @@ use palpate_volume::voxels::Voxels;
 use palpate_volume::walk::Walk;
 
 use crate::deformation::Deformation;
+use crate::deformation_loop::DeformationLoop;
 use crate::error::SessionError;
 use crate::feel::Feels;
 use crate::handover::{Channels, DeviceSample, TickRecord};
@@ -253,6 +254,7 @@ struct Rig {
     _status: triple_buffer::Output<SimulationStatus>,
     _notices: mpsc::Receiver<crate::frame::Notice>,
     _news: mpsc::Receiver<crate::scene_news::SceneNews>,
+    _deformation: DeformationLoop,
     shared: Arc<Shared>,
     start: DVec3,
     ticks: u64,
@@ -290,14 +292,12 @@ impl Rig {
             damping: 0.0,
             workspace_radius: LONGEST,
         };
+        // without a model nothing asks it for anything
+        let (deformation, deformation_loop) = Deformation::new(true);
         let mut rig = Self {
             servo: ServoLoop::new(start, channels.servo, Arc::clone(&shared)),
             simulation: Simulation::new(
-                (
-                    Scene::new(Voxels::new(*grid, intensities)?),
-                    // nothing gives way but to the needle
-                    Deformation::new(true).0,
-                ),
+                (Scene::new(Voxels::new(*grid, intensities)?), deformation),
                 settings,
                 limits,
                 channels.simulation,
@@ -308,6 +308,7 @@ impl Rig {
             _status: status_out,
             _notices: notice_inbox,
             _news: news_inbox,
+            _deformation: deformation_loop,
             shared,
             start: drive.start,
             ticks: 0,
