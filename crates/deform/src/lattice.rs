@@ -1,4 +1,37 @@
-//! The bonded lattice: the default model.
+//! The bonded lattice: isotropic nodes that carry a body's matter around the tools.
+//!
+//! Nodes stand on a cubic lattice of their own, whatever the voxels' shape; each is bonded to
+//! its 6 face and 12 edge neighbours. Equal springs on all of them are exactly isotropic with
+//! ν = 1/4; a term on the volume of each cell of 8 nodes gives the other ratios. A box of nodes
+//! moves with the tool; its border stands for the body behind it. Each frame the nodes are
+//! brought to rest (FIRE) from where they were.
+//!
+//! Frame of this module: the lattice's own, mm along the axes of the grid; node (i, j, k) of
+//! the box rests at (i, j, k) · spacing. Source: thesis errata, sections 3, 6 and 7;
+//! `docs/algorithms/deformation.md` has the whole method.
+
+mod bond_forces;
+mod border;
+mod coarse;
+mod contact_law;
+mod inelastic;
+mod layout;
+mod moduli;
+mod node_contacts;
+mod nodes;
+mod relax;
+mod tool_contact;
+mod vectors;
+mod volume_forces;
+
+pub use border::Border;
+pub use inelastic::{Breaking, Inelastic, InelasticSettings, Prony};
+
+pub use layout::{FAMILIES, Layout};
+pub use moduli::{LatticeModuli, POISSON_RANGE};
+pub use nodes::{Lattice, NodeMatter};
+pub use relax::{RelaxReport, RelaxSettings, Relaxer};
+pub use tool_contact::{LatticeTool, ToolForce};
 
 use crate::model::{DeformationModel, ModelAnswer, ModelInput};
 
