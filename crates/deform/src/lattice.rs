@@ -10,16 +10,23 @@
 //! the box rests at (i, j, k) · spacing. Source: thesis errata, sections 3, 6 and 7;
 //! `docs/algorithms/deformation.md` has the whole method.
 
+#![allow(
+    clippy::needless_range_loop,
+    reason = "an index names the same node, axis or mode in several arrays at once"
+)]
+
 mod bond_forces;
 mod border;
 mod coarse;
 mod contact_law;
 mod inelastic;
+mod lattice_model;
 mod layout;
 mod moduli;
 mod node_contacts;
 mod nodes;
 mod relax;
+mod resample;
 mod tool_contact;
 mod vectors;
 mod volume_forces;
@@ -27,22 +34,9 @@ mod volume_forces;
 pub use border::Border;
 pub use inelastic::{Breaking, Inelastic, InelasticSettings, Prony};
 
+pub use lattice_model::{LatticeModel, LatticeSettings};
 pub use layout::{FAMILIES, Layout};
 pub use moduli::{LatticeModuli, POISSON_RANGE};
 pub use nodes::{Lattice, NodeMatter};
 pub use relax::{RelaxReport, RelaxSettings, Relaxer};
 pub use tool_contact::{LatticeTool, ToolForce};
-
-use crate::model::{DeformationModel, ModelAnswer, ModelInput};
-
-/// The bonded lattice as a model.
-#[derive(Debug, Default)]
-pub struct LatticeModel {}
-
-impl DeformationModel for LatticeModel {
-    fn advance(&mut self, _input: &ModelInput<'_>) -> ModelAnswer {
-        ModelAnswer::default()
-    }
-
-    fn reset(&mut self) {}
-}

@@ -42,6 +42,7 @@ pub struct Inelastic {
     base: [Vec<f64>; FAMILY_COUNT],
     /// Elongation that the fading part has followed [mm].
     creep: [Vec<f64>; FAMILY_COUNT],
+    broken: [Vec<bool>; FAMILY_COUNT],
 }
 
 /// What broke in one look at all bonds.
@@ -85,6 +86,11 @@ impl Inelastic {
                 .rest
                 .each_ref()
                 .map(|rest| vec![0.0; rest.len()]),
+            broken: lattice
+                .bonds
+                .rest
+                .each_ref()
+                .map(|rest| vec![false; rest.len()]),
         }
     }
 
@@ -122,6 +128,7 @@ impl Inelastic {
             all.count += 1;
             all.work += 0.5 * lattice.bonds.stiffness[family][index] * elongation.powi(2);
             all.place += 0.5 * (lattice.place(index) + lattice.place(far));
+            self.broken[family][index] = true;
             lattice.bonds.stiffness[family][index] = 0.0;
             open_cells(lattice, family, index);
         } else if let Some(strain) = self.settings.yield_strain {
@@ -131,6 +138,36 @@ impl Inelastic {
             lattice.bonds.rest[family][index] += followed - *base;
             *base = followed;
         }
+    }
+
+    /// Takes over what another box, `offset` nodes away, knows of bonds that both have.
+    pub(super) fn adopt(
+        &mut self,
+        lattice: &mut Lattice,
+        old: &Self,
+        from: &Lattice,
+        offset: IVec3,
+    ) {
+        for (node, index) in lattice.layout.nodes() {
+            let Some(before) = from.layout.index_of(node.as_ivec3() + offset) else {
+                continue;
+            };
+            for family in 0..FAMILY_COUNT {
+                if old.broken[family][before] {
+                    self.broken[family][index] = true;
+                    lattice.bonds.stiffness[family][index] = 0.0;
+                    open_cells(lattice, family, index);
+                }
+                self.base[family][index] = old.base[family][before];
+                self.creep[family][index] = old.creep[family][before];
+                lattice.bonds.rest[family][index] = from.bonds.rest[family][before];
+            }
+            let moved = from.moved(before);
+            if lattice.is_mobile(index) {
+                lattice.set_moved(index, moved);
+            }
+        }
+        lattice.settle_structure();
     }
 
     /// Lets the fading part of the force fade for a time [s]; a time that is none passes over.

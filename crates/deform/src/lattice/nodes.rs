@@ -7,6 +7,7 @@ use super::border::{Border, Ground, spring_of_endless_body};
 use super::coarse::Coarse;
 use super::layout::{FAMILIES, FAMILY_COUNT, Layout};
 use super::moduli::LatticeModuli;
+use super::tool_contact::ContactNode;
 use super::vectors::{Field, zero_field};
 use super::volume_forces::{Cells, add_volume_forces, corners, volume_energy};
 use crate::material::{Solid, pair_stiffness};
@@ -228,6 +229,15 @@ impl Lattice {
         }
     }
 
+    /// Moves all nodes by a step of the coarse level, where there is one.
+    pub(super) fn correct_coarsely(&mut self, touched: &[ContactNode]) {
+        // taken out, since it changes the lattice that holds it
+        if let Some(coarse) = self.coarse.take() {
+            coarse.correct(self, touched);
+            self.coarse = Some(coarse);
+        }
+    }
+
     /// Energy of bonds, cells and border [N·mm].
     #[must_use]
     pub fn energy(&self) -> f64 {
@@ -437,6 +447,6 @@ impl Lattice {
 /// The outward normal of a face of the box; faces come in pairs, lower and upper.
 fn outward(face: usize) -> IVec3 {
     let mut normal = IVec3::ZERO;
-    normal[face / 2] = if face % 2 == 0 { -1 } else { 1 };
+    normal[face / 2] = 2 * (face as i32 % 2) - 1;
     normal
 }

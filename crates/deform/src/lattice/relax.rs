@@ -21,6 +21,8 @@ pub struct RelaxSettings {
     pub tolerance: f64,
     /// Iterations at most.
     pub iterations: u32,
+    /// Force that counts where the tools feel less [N]; for tests without a tool.
+    pub reference: f64,
 }
 
 /// How it went.
@@ -85,7 +87,7 @@ impl Relaxer {
             self.evaluate(lattice, tools);
             report.iterations += 1;
             let sums = self.sums(lattice);
-            report.residual = self.residual(sums.force);
+            report.residual = self.residual(sums.force, settings.reference);
             let over = report.residual <= settings.tolerance
                 || report.iterations >= settings.iterations
                 || (report.iterations % LOOK_EVERY == 0 && is_late());
@@ -96,12 +98,9 @@ impl Relaxer {
             if report.iterations % LOOK_EVERY == 0 {
                 self.look_for_nodes(lattice, tools);
             }
-            if report.iterations % CORRECT_EVERY == 0 {
-                if let Some(coarse) = lattice.coarse.take() {
-                    coarse.correct(lattice, &self.touched);
-                    lattice.coarse = Some(coarse);
-                    self.evaluate(lattice, tools);
-                }
+            if report.iterations % CORRECT_EVERY == 0 && lattice.coarse.is_some() {
+                lattice.correct_coarsely(&self.touched);
+                self.evaluate(lattice, tools);
             }
             let stride = pace.next(&sums, lattice.spacing);
             advance(
@@ -160,12 +159,12 @@ impl Relaxer {
     }
 
     /// Unbalanced force as a share of what the tools feel.
-    fn residual(&self, unbalanced: f64) -> f64 {
+    fn residual(&self, unbalanced: f64, reference: f64) -> f64 {
         let felt: f64 = self.felt.iter().map(|felt| felt.force.length()).sum();
         if unbalanced == 0.0 {
             0.0
         } else {
-            unbalanced.sqrt() / felt.max(f64::MIN_POSITIVE)
+            unbalanced.sqrt() / felt.max(reference).max(f64::MIN_POSITIVE)
         }
     }
 }
