@@ -1,15 +1,42 @@
-//! The bonded lattice: the default model.
+//! The bonded lattice: isotropic nodes that carry a body's matter around the tools.
+//!
+//! Nodes stand on a cubic lattice of their own, whatever the voxels' shape; each is bonded to
+//! its 6 face and 12 edge neighbours. Equal springs on all of them are exactly isotropic with
+//! ν = 1/4; a term on the volume of each cell of 8 nodes gives the other ratios. A box of nodes
+//! moves with the tool; its border stands for the body behind it. Each frame the nodes are
+//! brought to rest (FIRE) from where they were.
+//!
+//! Frame of this module: the lattice's own, mm along the axes of the grid; node (i, j, k) of
+//! the box rests at (i, j, k) · spacing. Source: thesis errata, sections 3, 6 and 7;
+//! `docs/algorithms/deformation.md` has the whole method.
 
-use crate::model::{DeformationModel, ModelAnswer, ModelInput};
+#![allow(
+    clippy::needless_range_loop,
+    reason = "an index names the same node, axis or mode in several arrays at once"
+)]
 
-/// The bonded lattice as a model.
-#[derive(Debug, Default)]
-pub struct LatticeModel {}
+mod bond_forces;
+mod border;
+mod coarse;
+mod contact_law;
+mod inelastic;
+mod lattice_model;
+mod layout;
+mod moduli;
+mod node_contacts;
+mod nodes;
+mod relax;
+mod resample;
+mod tool_contact;
+mod vectors;
+mod volume_forces;
 
-impl DeformationModel for LatticeModel {
-    fn advance(&mut self, _input: &ModelInput<'_>) -> ModelAnswer {
-        ModelAnswer::default()
-    }
+pub use border::Border;
+pub use inelastic::{Breaking, Inelastic, InelasticSettings, Prony};
 
-    fn reset(&mut self) {}
-}
+pub use lattice_model::{LatticeModel, LatticeSettings};
+pub use layout::{FAMILIES, Layout};
+pub use moduli::{LatticeModuli, POISSON_RANGE};
+pub use nodes::{Lattice, NodeMatter};
+pub use relax::{RelaxReport, RelaxSettings, Relaxer};
+pub use tool_contact::{LatticeTool, ToolForce};

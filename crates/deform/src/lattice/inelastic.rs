@@ -1,0 +1,222 @@
+//! What does not come back: bonds that break, rest lengths that yield, forces that fade.
+//!
+//! All of it happens between relaxations, on nodes at rest.
+//! - A bond breaks where it is longer than at first by the breaking strain; the energy that was
+//!   in it is counted as work. Its cells lose their volume term, and its nodes can meet again.
+//! - A bond yields where its elastic strain exceeds the yield strain: its rest length follows.
+//! - Prony: of the force of a bond put under strain at once, a share fades with time. With the
+//!   instant stiffness k / (1 - share), a creep c that follows the elongation with the time
+//!   constant, and the rest length moved by share · c, the bond is as stiff as asked in the end.
+//!
+//! Source: thesis errata, sections 6 and 7 (strength and stiffness need parameters of their own).
+
+use glam::{DVec3, IVec3};
+
+use super::bond_forces::{bond_length, rest_length};
+use super::layout::{FAMILIES, FAMILY_COUNT};
+use super::nodes::Lattice;
+
+/// A force that fades with time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Prony {
+    /// Share of the instant force that fades, 0 up to but without 1.
+    pub share: f64,
+    /// Time constant [s].
+    pub time: f64,
+}
+
+/// How matter changes for good; by default it only breaks.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct InelasticSettings {
+    /// Strain from which on rest lengths follow; none for elastic return.
+    pub yield_strain: Option<f64>,
+    /// Viscoelastic part.
+    pub prony: Option<Prony>,
+}
+
+/// The memory of bonds beyond their stiffness. Shape of each array [nodes].
+#[derive(Clone, Debug)]
+pub struct Inelastic {
+    settings: InelasticSettings,
+    /// Rest length without creep [mm].
+    base: [Vec<f64>; FAMILY_COUNT],
+    /// Elongation that the fading part has followed [mm].
+    creep: [Vec<f64>; FAMILY_COUNT],
+    broken: [Vec<bool>; FAMILY_COUNT],
+}
+
+/// What broke in one look at all bonds.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Breaking {
+    /// Bonds.
+    pub count: u32,
+    /// The energy that was in them [N·mm].
+    pub work: f64,
+    /// The middle of them [mm]; zero where none broke.
+    pub place: DVec3,
+}
+
+impl Inelastic {
+    /// For a lattice whose bonds are as they were made. A share that fades makes them stiffer at
+    /// first.
+    ///
+    /// # Panics
+    /// Where the share is not within 0..1 or a time or strain is not above 0.
+    #[must_use]
+    pub fn new(lattice: &mut Lattice, settings: InelasticSettings) -> Self {
+        if let Some(prony) = settings.prony {
+            assert!(
+                (0.0..1.0).contains(&prony.share) && prony.time > 0.0,
+                "{prony:?}"
+            );
+            for stiffness in lattice.bonds.stiffness.iter_mut().flatten() {
+                *stiffness /= 1.0 - prony.share;
+            }
+            lattice.settle_structure();
+        }
+        assert!(
+            settings.yield_strain.is_none_or(|strain| strain > 0.0),
+            "{settings:?}"
+        );
+        Self {
+            settings,
+            base: lattice.bonds.rest.clone(),
+            creep: lattice
+                .bonds
+                .rest
+                .each_ref()
+                .map(|rest| vec![0.0; rest.len()]),
+            broken: lattice
+                .bonds
+                .rest
+                .each_ref()
+                .map(|rest| vec![false; rest.len()]),
+        }
+    }
+
+    /// Breaks what is too long, and lets the rest yield; the lattice is at rest, and must be
+    /// relaxed again where anything broke.
+    pub fn break_and_yield(&mut self, lattice: &mut Lattice) -> Breaking {
+        let mut breaking = Breaking::default();
+        for family in 0..FAMILY_COUNT {
+            for index in 0..lattice.bonds.stiffness[family].len() {
+                if lattice.bonds.stiffness[family][index] > 0.0 {
+                    self.look_at(lattice, family, index, &mut breaking);
+                }
+            }
+        }
+        if breaking.count > 0 {
+            breaking.place /= f64::from(breaking.count);
+            lattice.settle_structure();
+        }
+        breaking
+    }
+
+    fn look_at(&mut self, lattice: &mut Lattice, family: usize, index: usize, all: &mut Breaking) {
+        let length = bond_length(
+            &lattice.layout,
+            lattice.spacing,
+            &lattice.moved,
+            family,
+            index,
+        );
+        let far = index + lattice.layout.offset(family);
+        let at_first = rest_length(family, lattice.spacing);
+        let breaking = breaking_strain(lattice, index).min(breaking_strain(lattice, far));
+        if length > at_first * (1.0 + breaking) {
+            let elongation = length - lattice.bonds.rest[family][index];
+            all.count += 1;
+            all.work += 0.5 * lattice.bonds.stiffness[family][index] * elongation.powi(2);
+            all.place += 0.5 * (lattice.place(index) + lattice.place(far));
+            self.broken[family][index] = true;
+            lattice.bonds.stiffness[family][index] = 0.0;
+            open_cells(lattice, family, index);
+        } else if let Some(strain) = self.settings.yield_strain {
+            let base = &mut self.base[family][index];
+            let most = strain * at_first;
+            let followed = base.clamp(length - most, length + most);
+            lattice.bonds.rest[family][index] += followed - *base;
+            *base = followed;
+        }
+    }
+
+    /// Takes over what another box, `offset` nodes away, knows of bonds that both have.
+    pub(super) fn adopt(
+        &mut self,
+        lattice: &mut Lattice,
+        old: &Self,
+        from: &Lattice,
+        offset: IVec3,
+    ) {
+        for (node, index) in lattice.layout.nodes() {
+            let Some(before) = from.layout.index_of(node.as_ivec3() + offset) else {
+                continue;
+            };
+            for family in 0..FAMILY_COUNT {
+                if old.broken[family][before] {
+                    self.broken[family][index] = true;
+                    lattice.bonds.stiffness[family][index] = 0.0;
+                    open_cells(lattice, family, index);
+                }
+                self.base[family][index] = old.base[family][before];
+                self.creep[family][index] = old.creep[family][before];
+                lattice.bonds.rest[family][index] = from.bonds.rest[family][before];
+            }
+            let moved = from.moved(before);
+            if lattice.is_mobile(index) {
+                lattice.set_moved(index, moved);
+            }
+        }
+        lattice.settle_structure();
+    }
+
+    /// Lets the fading part of the force fade for a time [s]; a time that is none passes over.
+    pub fn fade(&mut self, lattice: &mut Lattice, dt: f64) {
+        let Some(prony) = self.settings.prony else {
+            return;
+        };
+        if !(dt > 0.0 && dt.is_finite()) {
+            return;
+        }
+        let followed = 1.0 - (-dt / prony.time).exp();
+        for family in 0..FAMILY_COUNT {
+            for index in 0..lattice.bonds.stiffness[family].len() {
+                if lattice.bonds.stiffness[family][index] > 0.0 {
+                    let length = bond_length(
+                        &lattice.layout,
+                        lattice.spacing,
+                        &lattice.moved,
+                        family,
+                        index,
+                    );
+                    let base = self.base[family][index];
+                    let creep = &mut self.creep[family][index];
+                    *creep += (length - base - *creep) * followed;
+                    lattice.bonds.rest[family][index] = base + prony.share * *creep;
+                }
+            }
+        }
+    }
+}
+
+fn breaking_strain(lattice: &Lattice, index: usize) -> f64 {
+    let solid = lattice.matter[index].solid();
+    solid.map_or(f64::INFINITY, |solid| solid.breaking_strain)
+}
+
+/// Takes the volume term from the cells that a bond runs through or along.
+fn open_cells(lattice: &mut Lattice, family: usize, index: usize) {
+    let Some(node) = lattice.layout.node_at(index) else {
+        return;
+    };
+    let [first, step] = [node.as_ivec3(), IVec3::from_array(FAMILIES[family])];
+    let (low, high) = (first.min(first + step), first.max(first + step));
+    // a cell holds the bond where it lies within one step of its lowest node
+    for corner in 0..8 {
+        let cell = high - IVec3::new(corner & 1, corner >> 1 & 1, corner >> 2);
+        let holds = cell.cmple(low).all() && (high - cell).max_element() <= 1;
+        if let Some(cell) = lattice.layout.index_of(cell).filter(|_| holds) {
+            lattice.cells.modulus[cell] = 0.0;
+        }
+    }
+}

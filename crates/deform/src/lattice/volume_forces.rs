@@ -1,0 +1,162 @@
+//! The volume term: a pressure in each cell of 8 nodes, for Poisson's ratios above 1/4.
+//!
+//! F is the gradient of the deformation at the middle of the cell, J = det F its volume over
+//! that at rest; the energy is λv/2 · (J - 1)² · h³. It does not feel rotation, and its force is
+//! the exact gradient, so that nothing is gained or lost on a way around.
+
+use super::layout::{CHUNK, Layout};
+use super::vectors::{Field, Lanes, lanes, lanes_mut, widest};
+
+/// The cells of a box, each kept at its lowest node.
+#[derive(Clone, Debug)]
+pub(super) struct Cells {
+    /// λv [N/mm²]; 0 where a node is missing. Shape [nodes].
+    pub modulus: Vec<f64>,
+    /// Whether a chunk of nodes has any cell with a pressure.
+    pub used: Vec<bool>,
+}
+
+impl Cells {
+    /// No pressure yet.
+    pub fn none(layout: &Layout) -> Self {
+        Self {
+            modulus: vec![0.0; layout.len()],
+            used: vec![false; layout.chunks()],
+        }
+    }
+
+    /// Finds the chunks that have cells.
+    pub fn find_used(&mut self) {
+        for (chunk, used) in self.used.iter_mut().enumerate() {
+            *used = self.modulus[chunk * CHUNK..][..CHUNK]
+                .iter()
+                .any(|modulus| *modulus > 0.0);
+        }
+    }
+}
+
+/// From the lowest node of a cell to each of its nodes, x fastest.
+pub(super) fn corners(layout: &Layout) -> [usize; 8] {
+    std::array::from_fn(|corner| {
+        (corner & 1) + (corner >> 1 & 1) * layout.row() + (corner >> 2) * layout.plane()
+    })
+}
+
+/// +1 where a corner lies on the upper side along an axis, else -1.
+#[inline(always)]
+fn side(corner: usize, axis: usize) -> f64 {
+    if corner >> axis & 1 == 1 { 1.0 } else { -1.0 }
+}
+
+widest! {
+    /// Adds the force of every cell's pressure [N] to its nodes, from their displacements [mm].
+    pub(super) fn add_volume_forces(
+        layout: &Layout,
+        spacing: f64,
+        cells: &Cells,
+        moved: &Field,
+        force: &mut Field,
+    ) = add_volume_forces_body
+}
+
+#[inline(always)]
+fn add_volume_forces_body(
+    layout: &Layout,
+    spacing: f64,
+    cells: &Cells,
+    moved: &Field,
+    force: &mut Field,
+) {
+    let corners = corners(layout);
+    for (chunk, _) in cells.used.iter().enumerate().filter(|(_, used)| **used) {
+        let start = chunk * CHUNK;
+        let gradient = gradients(&corners, spacing, moved, start);
+        let push = pushes(lanes(&cells.modulus, start), spacing, &gradient);
+        for (corner, offset) in corners.iter().enumerate() {
+            for axis in 0..3 {
+                let there = lanes_mut(&mut force[axis], start + offset);
+                let [px, py, pz] = &push[axis];
+                let [sx, sy, sz] = [0, 1, 2].map(|along| side(corner, along));
+                for n in 0..CHUNK {
+                    there[n] -= sx * px[n] + sy * py[n] + sz * pz[n];
+                }
+            }
+        }
+    }
+}
+
+/// F of each cell: row = component of the place, column = axis along which it changes.
+#[inline(always)]
+fn gradients(corners: &[usize; 8], spacing: f64, moved: &Field, start: usize) -> [[Lanes; 3]; 3] {
+    let scale = 1.0 / (4.0 * spacing);
+    let mut gradient = [[[0.0; CHUNK]; 3]; 3];
+    for axis in 0..3 {
+        let at = corners.map(|offset| lanes(&moved[axis], start + offset));
+        for n in 0..CHUNK {
+            // sums and differences along x, then y, then z
+            let low = [at[0][n] + at[1][n], at[2][n] + at[3][n]];
+            let high = [at[4][n] + at[5][n], at[6][n] + at[7][n]];
+            let low_step = [at[1][n] - at[0][n], at[3][n] - at[2][n]];
+            let high_step = [at[5][n] - at[4][n], at[7][n] - at[6][n]];
+            gradient[axis][0][n] =
+                scale * ((low_step[0] + low_step[1]) + (high_step[0] + high_step[1]));
+            gradient[axis][1][n] = scale * ((low[1] - low[0]) + (high[1] - high[0]));
+            gradient[axis][2][n] = scale * ((high[0] + high[1]) - (low[0] + low[1]));
+        }
+    }
+    for axis in 0..3 {
+        for n in 0..CHUNK {
+            gradient[axis][axis][n] += 1.0;
+        }
+    }
+    gradient
+}
+
+/// Pressure times the cofactors of F: how the energy grows with each row of corners.
+#[inline(always)]
+fn pushes(modulus: &Lanes, spacing: f64, gradient: &[[Lanes; 3]; 3]) -> [[Lanes; 3]; 3] {
+    let scale = spacing * spacing / 4.0;
+    let mut push = [[[0.0; CHUNK]; 3]; 3];
+    let [x, y, z] = gradient;
+    for n in 0..CHUNK {
+        let cofactor = |a: &[Lanes; 3], b: &[Lanes; 3]| {
+            [
+                a[1][n] * b[2][n] - a[2][n] * b[1][n],
+                a[2][n] * b[0][n] - a[0][n] * b[2][n],
+                a[0][n] * b[1][n] - a[1][n] * b[0][n],
+            ]
+        };
+        let [cx, cy, cz] = [cofactor(y, z), cofactor(z, x), cofactor(x, y)];
+        let volume = x[0][n] * cx[0] + x[1][n] * cx[1] + x[2][n] * cx[2];
+        let pressure = modulus[n] * (volume - 1.0) * scale;
+        for along in 0..3 {
+            push[0][along][n] = pressure * cx[along];
+            push[1][along][n] = pressure * cy[along];
+            push[2][along][n] = pressure * cz[along];
+        }
+    }
+    push
+}
+
+/// Energy of all cells [N·mm].
+pub(super) fn volume_energy(layout: &Layout, spacing: f64, cells: &Cells, moved: &Field) -> f64 {
+    let corners = corners(layout);
+    let mut energy = 0.0;
+    for (_, index) in layout.nodes() {
+        let modulus = cells.modulus[index];
+        if modulus > 0.0 {
+            let entry = |axis: usize, along: usize| {
+                let sum = |(corner, offset): (usize, &usize)| {
+                    side(corner, along) * moved[axis][index + offset]
+                };
+                let slope = corners.iter().enumerate().map(sum).sum::<f64>() / (4.0 * spacing);
+                if axis == along { 1.0 + slope } else { slope }
+            };
+            let column =
+                |along| glam::DVec3::new(entry(0, along), entry(1, along), entry(2, along));
+            let volume = column(0).dot(column(1).cross(column(2)));
+            energy += 0.5 * modulus * (volume - 1.0).powi(2) * spacing.powi(3);
+        }
+    }
+    energy
+}

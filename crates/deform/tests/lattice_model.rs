@@ -1,0 +1,260 @@
+//! The lattice as a model: voxels in, contacts and displacements out.
+
+use std::sync::Arc;
+
+use glam::{DMat3, DQuat, DVec3};
+use palpate_deform::material::{MaterialLaw, Materials, Part, SegmentMatter, SolidSi, Treatment};
+use palpate_deform::model::{
+    Budget, DeformationModel, ModelAnswer, ModelEvent, ModelInput, ToolShape, ToolState,
+    model_from_name,
+};
+use palpate_volume::edit::SegmentId;
+use palpate_volume::grid::Grid;
+use palpate_volume::intensities::Intensities;
+use palpate_volume::segment::Segment;
+use palpate_volume::voxels::Voxels;
+
+const LIVER: SolidSi = SolidSi {
+    young: 1e6,
+    poisson: 0.3,
+    density: 1060.0,
+    breaking_strain: f64::INFINITY,
+    friction: 0.2,
+};
+
+/// A block that fills the lower half of a grid of about 36 mm along each axis, and its number.
+fn body(spacing: DVec3) -> (Voxels, SegmentId, f64) {
+    let dimensions = (36.0 / spacing).round().as_uvec3();
+    let grid = Grid::new(dimensions, spacing, 0.5 * spacing, DMat3::IDENTITY).expect("a grid");
+    let values: Arc<[i16]> = vec![0; grid.voxel_count()].into();
+    let intensities = Intensities::new(dimensions, values, 1.0, 0.0).expect("intensities");
+    let mut voxels = Voxels::new(grid, intensities).expect("one grid");
+    let top = dimensions.z as i32 / 2;
+    let segment = Segment::from_fn(dimensions, |voxel| voxel.z < top);
+    let id = voxels.add_segment(segment).expect("a free number");
+    (voxels, id, f64::from(top) * spacing.z)
+}
+
+fn made_of(id: SegmentId, solid: SolidSi, treatments: Vec<(Part, Treatment)>) -> Materials {
+    let law = MaterialLaw::constant(solid).expect("matter");
+    Materials {
+        segments: vec![SegmentMatter {
+            segment: id,
+            law,
+            treatments,
+        }],
+    }
+}
+
+fn ball(place: DVec3, radius: f64) -> ToolState {
+    ToolState {
+        id: 7,
+        shape: ToolShape::Ball(radius),
+        position: place,
+        orientation: DQuat::IDENTITY,
+    }
+}
+
+fn advance(
+    model: &mut dyn DeformationModel,
+    voxels: &Voxels,
+    materials: &Materials,
+    tool: ToolState,
+) -> ModelAnswer {
+    let budget = Budget::iterations(400);
+    model.advance(&ModelInput {
+        voxels,
+        materials,
+        tools: &[tool],
+        dt: 0.03,
+        budget,
+    })
+}
+
+fn force(answer: &ModelAnswer) -> DVec3 {
+    answer.contacts[0]
+        .contact
+        .map_or(DVec3::ZERO, |contact| contact.force)
+}
+
+#[test]
+fn a_pressed_body_pushes_back_as_stiffly_as_its_contact_says() {
+    let (voxels, id, top) = body(DVec3::ONE);
+    let materials = made_of(id, LIVER, Vec::new());
+    let mut model = model_from_name("lattice").expect("a known name");
+    let at = |depth: f64| ball(DVec3::new(18.0, 18.0, top + 3.0 - depth), 3.0);
+    assert_eq!(
+        force(&advance(&mut *model, &voxels, &materials, at(-1.0))),
+        DVec3::ZERO
+    );
+    let answers = [0.8, 1.0].map(|depth| advance(&mut *model, &voxels, &materials, at(depth)));
+    let [less, more] = answers.each_ref().map(force);
+    assert!(
+        less.z > 0.0 && more.z > less.z && more.x.abs() < 0.1 * more.z,
+        "{less} {more}"
+    );
+
+    let stiffness = answers[1].contacts[0].contact.expect("contact").stiffness;
+    let seen = -(more.z - less.z) / 0.2;
+    let ratio = stiffness.z_axis.z / seen;
+    // nodes come into contact one by one, so that both are stairs: within a factor of two
+    assert!(
+        (0.5..2.0).contains(&ratio),
+        "told {} seen {seen}",
+        stiffness.z_axis.z
+    );
+    let field = answers[1].displacement.as_ref().expect("a field");
+    let deepest = field.moved.iter().map(|moved| moved.z).fold(0.0, f32::min);
+    assert!(
+        (-1.1..-0.6).contains(&deepest),
+        "the dent is as deep as the tool: {deepest}"
+    );
+}
+
+#[test]
+fn flat_voxels_carry_the_same_force_as_cubes() {
+    let press = |spacing: DVec3| {
+        let (voxels, id, top) = body(spacing);
+        let materials = made_of(id, LIVER, Vec::new());
+        let settings = palpate_deform::lattice::LatticeSettings {
+            spacing: Some(1.0),
+            ..Default::default()
+        };
+        let mut model = palpate_deform::lattice::LatticeModel::new(settings);
+        force(&advance(
+            &mut model,
+            &voxels,
+            &materials,
+            ball(DVec3::new(18.0, 18.0, top + 2.0), 3.0),
+        ))
+        .z
+    };
+    let (cubes, flat) = (press(DVec3::ONE), press(DVec3::new(0.6, 0.6, 3.0)));
+    // the body is the same, and nodes stand in the same matter but for rounding at the surface
+    assert!((flat / cubes - 1.0).abs() < 0.02, "{cubes} {flat}");
+}
+
+#[test]
+fn a_box_that_follows_a_sliding_tool_makes_no_step_in_the_force() {
+    let (voxels, id, top) = body(DVec3::ONE);
+    let materials = made_of(id, LIVER, Vec::new());
+    let mut model = model_from_name("lattice").expect("a known name");
+    let mut forces = Vec::new();
+    for step in 0..90 {
+        let aside = 0.1 * f64::from(step);
+        let place = DVec3::new(14.0 + aside, 18.0, top + 2.0);
+        forces.push(force(&advance(&mut *model, &voxels, &materials, ball(place, 3.0))).z);
+    }
+    let peak = forces.iter().copied().fold(0.0, f64::max);
+    for pair in forces.windows(2) {
+        assert!((pair[1] - pair[0]).abs() < 0.1 * peak, "{pair:?} of {peak}");
+    }
+}
+
+#[test]
+fn parts_can_be_rigid_or_as_if_they_were_not_there() {
+    let (voxels, id, top) = body(DVec3::ONE);
+    let press = |treatment| {
+        let materials = made_of(id, LIVER, vec![(Part::Whole, treatment)]);
+        let mut model = model_from_name("lattice").expect("a known name");
+        let place = DVec3::new(18.0, 18.0, top + 2.7);
+        force(&advance(&mut *model, &voxels, &materials, ball(place, 3.0))).z
+    };
+    let (gives, rigid) = (press(Treatment::Deformable), press(Treatment::Rigid));
+    assert!(gives > 0.0 && rigid > 2.0 * gives, "{gives} {rigid}");
+    assert_eq!(press(Treatment::Empty), 0.0);
+}
+
+#[test]
+fn what_breaks_is_told_as_an_event_and_counted() {
+    let (voxels, id, top) = body(DVec3::ONE);
+    let materials = made_of(
+        id,
+        SolidSi {
+            breaking_strain: 0.1,
+            ..LIVER
+        },
+        Vec::new(),
+    );
+    let mut model = model_from_name("lattice").expect("a known name");
+    let mut told = 0;
+    let mut last = ModelAnswer::default();
+    for step in 0..30 {
+        let place = DVec3::new(18.0, 18.0, top + 2.0 - 0.1 * f64::from(step));
+        last = advance(&mut *model, &voxels, &materials, ball(place, 2.0));
+        for event in &last.events {
+            if let ModelEvent::BondsBroken { count, work, .. } = event {
+                assert!(*work > 0.0);
+                told += u64::from(*count);
+            }
+        }
+    }
+    assert!(
+        told > 0 && told == last.report.bonds_broken,
+        "{:?}",
+        last.report
+    );
+}
+
+#[test]
+fn tools_that_are_none_feel_nothing_and_harm_nothing() {
+    let (voxels, id, top) = body(DVec3::ONE);
+    let materials = made_of(id, LIVER, Vec::new());
+    let mut model = model_from_name("lattice").expect("a known name");
+    let good = ball(DVec3::new(18.0, 18.0, top + 2.5), 3.0);
+    let before = force(&advance(&mut *model, &voxels, &materials, good));
+    let absurd = [
+        ball(DVec3::NAN, 3.0),
+        ball(DVec3::splat(f64::INFINITY), 3.0),
+        ball(good.position, f64::NAN),
+        ball(good.position, -1.0),
+        ball(good.position, 1e9),
+        ToolState {
+            orientation: DQuat::from_xyzw(0.0, 0.0, 0.0, 0.0),
+            ..good
+        },
+    ];
+    for tool in absurd {
+        assert_eq!(
+            force(&advance(&mut *model, &voxels, &materials, tool)),
+            DVec3::ZERO
+        );
+    }
+    let after = force(&advance(&mut *model, &voxels, &materials, good));
+    // both are at rest to a thousandth
+    assert!(
+        (before - after).length() < 0.01 * before.length(),
+        "{before} {after}"
+    );
+}
+
+#[test]
+fn ratios_beyond_the_lattice_are_told_once_and_unknown_names_list_the_known() {
+    let (voxels, id, top) = body(DVec3::ONE);
+    let materials = made_of(
+        id,
+        SolidSi {
+            poisson: 0.48,
+            ..LIVER
+        },
+        Vec::new(),
+    );
+    let mut model = model_from_name("lattice").expect("a known name");
+    let tool = ball(DVec3::new(18.0, 18.0, top + 2.5), 3.0);
+    let clamped = ModelEvent::PoissonClamped {
+        asked: 0.48,
+        used: 0.45,
+    };
+    assert_eq!(
+        advance(&mut *model, &voxels, &materials, tool).events,
+        [clamped]
+    );
+    assert_eq!(advance(&mut *model, &voxels, &materials, tool).events, []);
+    let error = model_from_name("jelly")
+        .expect_err("no such model")
+        .to_string();
+    assert!(
+        error.contains("jelly") && error.contains("lattice"),
+        "{error}"
+    );
+}
