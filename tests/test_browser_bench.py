@@ -19,7 +19,7 @@ def test_bench_edit_tells_of_edits_with_drawing_suspended_and_in_software(tmp_pa
     values = np.where(x * x + y * y + z * z <= 24.0**2, 900, -1000).astype(np.int16)
     scan, told = tmp_path / "ball.nrrd", tmp_path / "edit.json"
     SimpleITK.WriteImage(SimpleITK.GetImageFromArray(values), str(scan))
-    command = [*TOOL, "bench", "edit", str(scan), "--seconds", "4", "--json", str(told)]
+    command = [*map(str, TOOL), "bench", "edit", str(scan), "--seconds", "4", "--json", str(told)]
     subprocess.run(command, check=True, timeout=300, capture_output=True, text=True)
 
     report = json.loads(told.read_text(encoding="utf-8"))
