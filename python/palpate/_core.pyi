@@ -195,7 +195,9 @@ class Session:
         """Puts other voxels in the place of a segment's."""
 
     def remove_segment(self, segment_id: int) -> None: ...
-    def move_segment(self, segment_id: int, pose: NDArray[np.float64]) -> None:
+    def move_segment(
+        self, segment_id: int, pose: NDArray[np.float64], goes_on: bool = False
+    ) -> None:
         """Moves a segment to a pose, a homogeneous matrix, shape [4, 4] [mm]."""
 
     def set_feel(

@@ -465,10 +465,14 @@ class SegmentFeel(Message, frozen=True, tag="segment_feel"):
 
 
 class MoveSegment(Message, frozen=True, tag="move_segment"):
-    """Moves a segment to a pose; latest wins, and the servo goes there smoothly."""
+    """Moves a segment to a pose; latest wins, and the servo goes there smoothly.
+
+    Moves of a drag that ``goes_on`` and the one that ends it are one step of undo.
+    """
 
     id: SegmentId
     pose: Pose
+    goes_on: bool
 
 
 class Grab(Message, frozen=True, tag="grab"):

@@ -202,8 +202,8 @@ class Live:
         match message:
             case protocol.SegmentProperties():
                 self.segments.change(message)
-            case protocol.MoveSegment(segment_id, pose):
-                self.session.move_segment(segment_id, np.reshape(pose, (4, 4)))
+            case protocol.MoveSegment(segment_id, pose, goes_on):
+                self.session.move_segment(segment_id, np.reshape(pose, (4, 4)), goes_on=goes_on)
             case protocol.Grab(segment_id, collides):
                 self.session.grab(segment_id, collides=collides)
             case protocol.TurnGrabbed(rotation):

@@ -199,12 +199,15 @@ class Session:
         with _given():
             self._internal.set_touchable(segment_id, touchable)
 
-    def move_segment(self, segment_id: int, pose: NDArray[np.float64]) -> None:
+    def move_segment(
+        self, segment_id: int, pose: NDArray[np.float64], *, goes_on: bool = False
+    ) -> None:
         """Moves a segment from where the scan has it to a pose; touch goes there smoothly.
 
         Args:
             segment_id: Which segment.
             pose: A rigid transform of the scene as a homogeneous matrix, shape [4, 4] [mm].
+            goes_on: Whether the next move of it belongs to the same step of undo.
 
         Raises:
             OptionError: The pose has scale, shear or numbers that are none, or 16 segments are
@@ -212,7 +215,7 @@ class Session:
         """
         with _given():
             matrix = np.ascontiguousarray(pose, dtype=np.float64)
-            self._internal.move_segment(segment_id, matrix)
+            self._internal.move_segment(segment_id, matrix, goes_on)
 
     def grab(self, segment_id: int | None, *, collides: bool = False) -> None:
         """Takes a segment in the hand, or lets go of it (thesis 4.7, no-collision mode).

@@ -228,15 +228,21 @@ impl PySession {
         Ok(py.detach(|| self.session.set_feel(SegmentId(segment_id), feel))?)
     }
 
-    /// Moves a segment to a pose, a homogeneous matrix, shape [4, 4] [mm].
+    /// Moves a segment to a pose, a homogeneous matrix, shape [4, 4] [mm]; where it `goes_on` the
+    /// next move belongs to the same step of undo.
+    #[pyo3(signature = (segment_id, pose, goes_on = false))]
     fn move_segment(
         &self,
         py: Python<'_>,
         segment_id: u8,
         pose: PyReadonlyArray2<'_, f64>,
+        goes_on: bool,
     ) -> Result<(), CoreError> {
-        let pose = affine(&pose)?;
-        Ok(py.detach(|| self.session.move_segment(SegmentId(segment_id), pose))?)
+        let (id, pose) = (SegmentId(segment_id), affine(&pose)?);
+        Ok(py.detach(|| match goes_on {
+            true => self.session.drag_segment(id, pose),
+            false => self.session.move_segment(id, pose),
+        })?)
     }
 
     fn clutch(&self, py: Python<'_>, on: bool) -> Result<(), CoreError> {

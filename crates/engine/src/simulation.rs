@@ -107,6 +107,8 @@ pub struct Simulation {
     journal: UndoJournal<Step>,
     stroke: ToolStroke,
     grip: Option<Grip>,
+    /// The segment on a drag that has not ended.
+    dragged: Option<SegmentId>,
     clutched: bool,
     file: Option<JournalFile>,
     touch: TouchSender,
@@ -140,6 +142,7 @@ impl Simulation {
             journal: UndoJournal::default(),
             stroke: ToolStroke::default(),
             grip: None,
+            dragged: None,
             clutched: false,
             file: None,
             touch: TouchSender::new(channels, settings.probe_radius),
@@ -324,12 +327,22 @@ impl Simulation {
         self.labelled = labelled;
     }
 
-    /// Moves a segment; touch goes there smoothly. Moves of one segment after the other count
-    /// as one for undo.
+    /// Moves a segment; touch goes there smoothly. One step of undo, with all that it was dragged
+    /// since its last move.
     ///
     /// # Errors
     /// Where the pose is no rigid motion, there is no such segment, or too many are moved.
     pub fn move_segment(&mut self, id: SegmentId, pose: DAffine3) -> Result<(), SessionError> {
+        self.drag_segment(id, pose)?;
+        self.dragged = None;
+        Ok(())
+    }
+
+    /// Moves a segment a part of the way of a drag, which [`Self::move_segment`] ends; see there.
+    ///
+    /// # Errors
+    /// See [`Self::move_segment`].
+    pub fn drag_segment(&mut self, id: SegmentId, pose: DAffine3) -> Result<(), SessionError> {
         self.check_pose(pose)?;
         self.let_go();
         let before = self.scene.properties_of(id).pose;
@@ -337,11 +350,15 @@ impl Simulation {
             self.check_room_for_moved()?;
         }
         self.close_step();
-        let goes_on = self.journal.newest().and_then(Step::moves) == Some(id);
+        // whatever came in between ends a drag
+        let goes_on = self.dragged == Some(id)
+            && self.journal.newest().and_then(Step::moves) == Some(id)
+            && !self.journal.can_redo();
         let inverse = self.perform(Step::Move { id, pose }, Action::Do)?;
-        if !goes_on || self.journal.can_redo() {
+        if !goes_on {
             self.done(inverse);
         }
+        self.dragged = Some(id);
         self.publish();
         Ok(())
     }

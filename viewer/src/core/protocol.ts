@@ -437,11 +437,16 @@ export interface SegmentFeel {
   readonly feel: Feel;
 }
 
-/** Moves a segment to a pose; latest wins, and the servo goes there smoothly. */
+/**
+ * Moves a segment to a pose; latest wins, and the servo goes there smoothly.
+ *
+ * Moves of a drag that `goes_on` and the one that ends it are one step of undo.
+ */
 export interface MoveSegment {
   readonly type: "move_segment";
   readonly id: SegmentId;
   readonly pose: Pose;
+  readonly goes_on: boolean;
 }
 
 /** Takes a segment in the hand, null lets go of it; `collides` stops it at the others. */
