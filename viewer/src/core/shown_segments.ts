@@ -55,11 +55,6 @@ export class LastRanges {
   }
 }
 
-/** Surfaces that can be picked as if their voxels were drawn: those that hide what is behind. */
-export function pickable(segment: Segment): Segment {
-  return drawnAsSurface(segment) && segment.opacity > 0.5 ? { ...segment, shown_as: "volume" } : segment;
-}
-
 /** The segments that are just a threshold, in the order of the list. */
 export function shownRanges(segments: readonly Segment[], rescale: Rescale): ShownRange[] {
   return segments.flatMap((segment) => {

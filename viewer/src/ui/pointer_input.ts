@@ -121,6 +121,7 @@ export class PointerInput {
     }
     const picked = this.stage.pick(event.offsetX, event.offsetY);
     const { camera } = this.stage;
+    this.stage.name(picked);
     if (picked === null || camera === null) {
       this.session.notify("info", "Nothing is drawn there: double-click on the scan to bring the probe to it.");
       return;

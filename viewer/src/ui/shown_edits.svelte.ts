@@ -5,8 +5,9 @@
 import type { Changed, Segment } from "../core/protocol";
 import type { ScanVolume } from "../core/scan_volume";
 import type { BrickRanges } from "../core/bricks";
-import { decodeSurface, SurfacePatches, type SurfaceChange, type SurfaceSize } from "../core/surface_patches";
-import { decodeVoxels, updateBricks, updateLabels, writeBox, type LabelVolume, type VoxelChange } from "../core/voxel_change";
+import { decodeSurface, SurfacePatches, type Patch, type SurfaceChange, type SurfaceSize } from "../core/surface_patches";
+import type { Vec3 } from "../core/vector";
+import { decodeVoxels, labelAtPoint, updateBricks, updateLabels, writeBox, type LabelVolume, type VoxelChange } from "../core/voxel_change";
 import type { Picture } from "../gl/picture";
 
 /** What an edit took on its way [ms]. */
@@ -71,6 +72,16 @@ export class ShownEdits {
   private sinceAsked: VoxelChange[] | null = null;
 
   constructor(private readonly outside: Outside) {}
+
+  /** Patches of a segment's surface, as they are on display. */
+  patches(id: number): readonly Patch[] {
+    return this.surfaces.patches(id);
+  }
+
+  /** Number of the segment whose labels are on display at a point of the grid; 0 for none. */
+  labelAt(grid: Vec3, step: number): number {
+    return this.labels === null ? 0 : labelAtPoint(this.labels, grid, step);
+  }
 
   /** Takes an edit that has arrived; shown with the next frame. */
   add(changed: Changed, arrived: number): void {
