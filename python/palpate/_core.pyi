@@ -79,6 +79,15 @@ class Segment:
     def from_mask(mask: NDArray[np.uint8]) -> Segment:
         """Solid where the mask, C-contiguous, is not 0."""
 
+    def on_grid(
+        self, spacing: _Triple, origin: _Triple, direction: tuple[float, ...]
+    ) -> Segment:
+        """The same voxels on a grid of their own instead of a scan's."""
+
+    @property
+    def own_grid(self) -> tuple[_Triple, _Triple, list[float]] | None:
+        """Spacing and origin [mm] and direction, row by row, of its own grid; None without."""
+
     @property
     def dimensions(self) -> _Voxel: ...
     @property
@@ -160,6 +169,26 @@ class Session:
 
     def cut(self, segment_id: int, point: _Triple, normal: _Triple) -> int:
         """Parts a segment by a plane; returns the number of the part before it."""
+
+    def cut_along(
+        self,
+        segment_id: int,
+        line: NDArray[np.float64],
+        eye: _Triple,
+        view: _Triple,
+        closed: bool,
+    ) -> int:
+        """Parts a segment along a painted line; returns the number of the smaller part."""
+
+    def preview_cut(
+        self,
+        segment_id: int,
+        line: NDArray[np.float64],
+        eye: _Triple,
+        view: _Triple,
+        closed: bool,
+    ) -> list[float]:
+        """Volumes of the larger and the smaller part [mm³]."""
 
     def gap(self, from_id: int, to_id: int) -> _Triple:
         """Minimum and mean distance [mm] of one segment's surface to another, overlap [mm³]."""

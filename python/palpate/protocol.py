@@ -121,9 +121,10 @@ class Segment(msgspec.Struct, frozen=True):
     ``range`` holds the threshold (low, high) while the segment is just that threshold;
     null where its voxels come from elsewhere: then they stand in ``/api/labels`` under
     the segment's ``id`` (1..255). ``pose`` takes the segment from where the scan has it to
-    where it stands; null where it was not moved. ``bounds`` are the voxels of the scan that
-    hold it, half open; null where it is empty. ``opacity``, ``smoothing`` and
-    ``wireframe`` are those of its surface.
+    where it stands; null where it was not moved. ``bounds`` are the voxels that hold
+    it, half open; null where it is empty. ``grid`` is the ``patient_from_grid`` of its voxels
+    where they are not the scan's. ``opacity``, ``smoothing`` and ``wireframe`` are those of
+    its surface.
     """
 
     id: SegmentId
@@ -138,6 +139,7 @@ class Segment(msgspec.Struct, frozen=True):
     feel: Feel
     pose: Pose | None
     bounds: tuple[GridPlace, GridPlace] | None
+    grid: Pose | None
     shown_as: ShownAs
     opacity: Share
     smoothing: SmoothingDegree
@@ -404,7 +406,20 @@ class Gap(Message, frozen=True, tag="gap"):
     overlap: float | None
 
 
-ToPage = Hello | State | Segments | Changed | SettingsChanged | Recovery | Notice | Gap
+class CutPreview(Message, frozen=True, tag="cut_preview"):
+    """Volumes of the parts that a painted cut would make of segment ``id`` [ml], larger first.
+
+    Both are null where it would leave all of it on one side.
+    """
+
+    id: SegmentId
+    larger_ml: float | None
+    smaller_ml: float | None
+
+
+ToPage = (
+    Hello | State | Segments | Changed | SettingsChanged | Recovery | Notice | Gap | CutPreview
+)
 
 # --- page -> engine -------------------------------------------------------------------
 
@@ -496,6 +511,22 @@ class CutSegment(Message, frozen=True, tag="cut_segment"):
     normal: Vector
 
 
+class CutAlong(Message, frozen=True, tag="cut_along"):
+    """Parts a segment along a line painted on the picture, extruded away from the eye.
+
+    ``line`` are points under it before the eye; ``view`` is where the eye looks. A ``closed`` line
+    joins its ends, an open one goes on straight. The smaller part is a new segment; with
+    ``preview`` nothing is cut, and ``CutPreview`` answers.
+    """
+
+    id: SegmentId
+    line: Annotated[list[Vector], msgspec.Meta(min_length=2, max_length=1000)]
+    eye: Vector
+    view: Vector
+    closed: bool
+    preview: bool
+
+
 class WatchGap(Message, frozen=True, tag="watch_gap"):
     """Has the gap between two segments measured while they move; null ends that."""
 
@@ -560,6 +591,7 @@ FromPage = (
     | Grab
     | TurnGrabbed
     | CutSegment
+    | CutAlong
     | WatchGap
     | RecordSession
     | RemoveSegment

@@ -21,12 +21,14 @@ from palpate import _core
 from palpate.errors import OptionError
 from palpate.gap import Gap
 from palpate.package_version import package_version
+from palpate.painted_cut import PaintedCut
 from palpate.recording import Recording
 from palpate.recording_file import FORMAT, VERSION, About, AboutScan, AboutSegment
 from palpate.scene import Scene
 from palpate.scripted_path import ScriptedPath
 from palpate.segment import Segment
 from palpate.touch_settings import TouchSettings
+from palpate.volume import Volume
 
 __all__ = ["Session", "SessionOptions"]
 
@@ -252,6 +254,30 @@ class Session:
         with _given():
             return self._internal.cut(segment_id, _triple(point), _triple(normal))
 
+    def cut_along(self, segment_id: int, cut: PaintedCut) -> int:
+        """Parts a segment along a line that was painted on the picture; one step of undo.
+
+        The line is extruded away from the eye. The segment keeps the larger part.
+
+        Returns:
+            The number of a new segment, which has the smaller part.
+
+        Raises:
+            OptionError: The line is none, or leaves all of the segment on one side.
+        """
+        with _given():
+            return self._internal.cut_along(segment_id, *cut.given())
+
+    def preview_cut(self, segment_id: int, cut: PaintedCut) -> tuple[float, float]:
+        """Returns the volumes of the parts that ``cut_along`` would make, larger first [ml].
+
+        Raises:
+            OptionError: The line is none, or leaves all of the segment on one side.
+        """
+        with _given():
+            larger, smaller = self._internal.preview_cut(segment_id, *cut.given())
+            return larger / 1000.0, smaller / 1000.0
+
     def gap(self, segment_id: int, other_id: int) -> Gap:
         """Measures the gap from the surface of one segment to another, where both stand by now.
 
@@ -281,10 +307,15 @@ class Session:
         """Returns the voxels of a segment as they are now."""
         with _given():
             internal = self._internal.segment(segment_id)
-        return Segment(internal, name=name, volume=self.scene.volume, range=None)
+        volume = self.scene.volume if internal.own_grid is None else _grid_of(internal)
+        return Segment(internal, name=name, volume=volume, range=None)
 
     def segments(self) -> list[dict[str, Any]]:
-        """Lists the segments as they are now: id, voxels, bounds, touchable, pending, range."""
+        """Lists the segments as they are now.
+
+        Each has id, voxels, volume [mm³], bounds, touchable, pending, range, feel, pose, and grid:
+        ``patient_from_grid`` by rows where it has a grid of its own, to which bounds belong then.
+        """
         return self._internal.segments_state()
 
     def fill_box(
@@ -510,6 +541,15 @@ class Session:
             segments=segments,
             settings=self.settings(),
         )
+
+
+def _grid_of(internal: _core.Segment) -> Volume:
+    """Returns the grid of a segment's own as an empty scan."""
+    assert internal.own_grid is not None
+    spacing, origin, direction = internal.own_grid
+    values = np.zeros(internal.dimensions[::-1], np.int16)
+    axes = np.reshape(direction, (3, 3))
+    return Volume(values, spacing=spacing, origin=origin, direction=axes)
 
 
 def _triple(numbers: Point) -> tuple[float, float, float]:

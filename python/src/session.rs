@@ -8,6 +8,7 @@ use numpy::{PyReadonlyArray2, PyUntypedArrayMethods};
 use palpate_device::HapticDevice;
 use palpate_device::scripted::{PathSample, ScriptedDevice};
 use palpate_device::simulated::{SimulatedDevice, SimulatedSettings};
+use palpate_engine::cut::Painted;
 use palpate_engine::feel::Feel;
 use palpate_engine::scene::{Properties, ThresholdRange};
 use palpate_engine::session::Session;
@@ -285,6 +286,36 @@ impl PySession {
         Ok(cut?.0)
     }
 
+    /// Parts a segment along a painted line, points of shape [count, 3]; returns the number of the
+    /// smaller part.
+    fn cut_along(
+        &self,
+        py: Python<'_>,
+        segment_id: u8,
+        line: PyReadonlyArray2<'_, f64>,
+        eye: Triple,
+        view: Triple,
+        closed: bool,
+    ) -> Result<u8, CoreError> {
+        let painted = painted_line(&line, (eye, view), closed)?;
+        let cut = py.detach(|| self.session.cut_along(SegmentId(segment_id), &painted));
+        Ok(cut?.0)
+    }
+
+    /// Volumes of the larger and the smaller part that `cut_along` would make [mm³].
+    fn preview_cut(
+        &self,
+        py: Python<'_>,
+        segment_id: u8,
+        line: PyReadonlyArray2<'_, f64>,
+        eye: Triple,
+        view: Triple,
+        closed: bool,
+    ) -> Result<[f64; 2], CoreError> {
+        let painted = painted_line(&line, (eye, view), closed)?;
+        Ok(py.detach(|| self.session.preview_cut(SegmentId(segment_id), &painted))?)
+    }
+
     /// Minimum and mean distance [mm] of one segment's surface to another, overlap [mm³].
     fn gap(&self, py: Python<'_>, from_id: u8, to_id: u8) -> Result<Triple, CoreError> {
         let gap = py.detach(|| self.session.gap(SegmentId(from_id), SegmentId(to_id)))?;
@@ -480,6 +511,28 @@ impl PySession {
     fn stop(&self, py: Python<'_>) {
         py.detach(|| self.session.stop());
     }
+}
+
+/// A line that was painted on the picture.
+fn painted_line(
+    line: &PyReadonlyArray2<'_, f64>,
+    (eye, view): (Triple, Triple),
+    closed: bool,
+) -> Result<Painted, CoreError> {
+    let points = line.as_array();
+    if points.ncols() != 3 {
+        return Err(CoreError::value(format!(
+            "points of shape {:?} given; allowed: [count, 3]",
+            line.shape()
+        )));
+    }
+    let rows = points.rows().into_iter();
+    Ok(Painted {
+        eye: vector(eye),
+        view: vector(view),
+        line: rows.map(|row| vector((row[0], row[1], row[2]))).collect(),
+        closed,
+    })
 }
 
 /// The transform of a homogeneous matrix.

@@ -54,6 +54,7 @@ pub struct Grip {
 /// Voxels of the held segment with a free neighbour.
 #[derive(Debug)]
 struct HeldSurface {
+    grid: Grid,
     /// Their middles where the scan has them [mm].
     middles: Vec<DVec3>,
     bounds: VoxelBox,
@@ -63,6 +64,7 @@ struct HeldSurface {
 struct Other<'a> {
     bits: &'a Bits,
     grid_from_scene: DAffine3,
+    smallest_spacing: f64,
 }
 
 impl Grip {
@@ -138,8 +140,7 @@ impl Grip {
                 None => self.pose = self.wanted,
                 Some(surface) => {
                     let others = others_of(scene);
-                    let grid = scene.voxels().grid();
-                    self.pose = surface.way(grid, &others, (self.pose, self.wanted));
+                    self.pose = surface.way(&others, (self.pose, self.wanted));
                 }
             }
         }
@@ -157,20 +158,23 @@ impl HeldSurface {
         let all = surface_voxels(bits);
         let stride = all.len().div_ceil(MOST_SAMPLES).max(1);
         Self {
+            grid: *grid,
             middles: all.into_iter().step_by(stride).map(middle).collect(),
             bounds: segment.bounding_box().unwrap_or(VoxelBox::EMPTY),
         }
     }
 
     /// How far it comes on its way in one pass: straight, then what is left of it along axes.
-    fn way(&self, grid: &Grid, others: &[Other<'_>], ends: (DAffine3, DAffine3)) -> DAffine3 {
+    fn way(&self, others: &[Other<'_>], ends: (DAffine3, DAffine3)) -> DAffine3 {
         let (start, wanted) = ends;
-        let middle = grid
+        let middle = self
+            .grid
             .patient_from_grid()
             .transform_point3((self.bounds.min + self.bounds.max).as_dvec3() / 2.0);
+        let spacings = others.iter().map(|other| other.smallest_spacing);
         let mut walk = Walk {
             surface: self,
-            grid,
+            step: spacings.fold(self.grid.smallest_spacing(), f64::min),
             others,
             middle,
             pose: start,
@@ -204,7 +208,8 @@ impl HeldSurface {
 /// A way in steps of a voxel, none of which brings more of the surface into others.
 struct Walk<'a> {
     surface: &'a HeldSurface,
-    grid: &'a Grid,
+    /// Length of a step: the smallest voxel's [mm].
+    step: f64,
     others: &'a [Other<'a>],
     middle: DVec3,
     pose: DAffine3,
@@ -219,8 +224,9 @@ impl Walk<'_> {
             return;
         }
         let way = to.transform_point3(self.middle) - self.pose.transform_point3(self.middle);
-        let steps = (way.length() / self.grid.smallest_spacing()).ceil() as u32;
-        let motion = PoseMotion::new(self.grid, self.surface.bounds, self.pose, to, steps);
+        let steps = (way.length() / self.step).ceil() as u32;
+        let HeldSurface { grid, bounds, .. } = self.surface;
+        let motion = PoseMotion::new(grid, *bounds, self.pose, to, steps);
         let Ok(mut motion) = motion else {
             return;
         };
@@ -239,13 +245,20 @@ impl Walk<'_> {
 
 /// All obstacles; the held segment is none.
 fn others_of(scene: &Scene) -> Vec<Other<'_>> {
-    let grid = scene.voxels().grid();
+    let other = |segment: &'_ Segment, pose: Option<DAffine3>| {
+        let grid = segment.grid(scene.voxels().grid());
+        let scan_from_scene = pose.unwrap_or(DAffine3::IDENTITY).inverse();
+        (grid.grid_from_patient() * scan_from_scene, grid.smallest_spacing())
+    };
     scene
         .obstacles()
-        .map(|(_, segment, properties)| Other {
-            bits: segment.occupancy(),
-            grid_from_scene: grid.grid_from_patient()
-                * properties.pose.unwrap_or(DAffine3::IDENTITY).inverse(),
+        .map(|(_, segment, properties)| {
+            let (grid_from_scene, smallest_spacing) = other(segment, properties.pose);
+            Other {
+                bits: segment.occupancy(),
+                grid_from_scene,
+                smallest_spacing,
+            }
         })
         .collect()
 }

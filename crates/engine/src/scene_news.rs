@@ -10,6 +10,7 @@ use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;
 use palpate_volume::edit::{Edit, SegmentId};
+use palpate_volume::grid::Grid;
 use palpate_volume::voxel_box::VoxelBox;
 use palpate_volume::voxels::Voxels;
 
@@ -22,11 +23,11 @@ const MOST_VOXELS: u64 = 1 << 24;
 #[derive(Debug)]
 pub enum SceneNews {
     /// A segment has other voxels, all of them; none where it is gone.
-    Segment(SegmentId, Option<Bits>),
+    Segment(SegmentId, Option<(Bits, Grid)>),
     /// Some bricks are other ones.
     Edit(EditNews),
     /// A segment is to be shown as a surface made in this way, or not as a surface any more.
-    Show(SegmentId, Option<(SurfaceSettings, Bits)>),
+    Show(SegmentId, Option<(SurfaceSettings, Bits, Grid)>),
 }
 
 /// An edit as the picture follows it.
@@ -36,7 +37,7 @@ pub struct EditNews {
     pub edit: u64,
     /// When it was applied.
     pub applied: SystemTime,
-    /// The voxels that differ by it.
+    /// The voxels that differ by it, of the grid that its segments stand on.
     pub dirty: VoxelBox,
     /// The bricks as they are now, by segment.
     pub segments: Vec<(SegmentId, Vec<BrickSwap<BitBrick>>)>,
@@ -79,7 +80,9 @@ impl SceneNews {
 impl EditNews {
     fn of(inverse: &Edit, voxels: &Voxels, labelled: &[SegmentId]) -> Self {
         let dirty = inverse.dirty;
-        let small = dirty.voxel_count() <= MOST_VOXELS;
+        let changed = inverse.segments.first();
+        let of_scan = changed.is_none_or(|(id, _)| voxels.grid_of(*id) == voxels.grid());
+        let small = of_scan && dirty.voxel_count() <= MOST_VOXELS;
         let segments = inverse.segments.iter().map(|(id, swaps)| {
             let indices = swaps.iter().map(|swap| swap.index);
             (*id, bricks_of(voxels, *id, indices))
@@ -95,10 +98,9 @@ impl EditNews {
     }
 }
 
-fn bits_of(voxels: &Voxels, id: SegmentId) -> Option<Bits> {
-    voxels
-        .segment(id)
-        .map(|segment| segment.occupancy().clone())
+fn bits_of(voxels: &Voxels, id: SegmentId) -> Option<(Bits, Grid)> {
+    let bits = voxels.segment(id)?.occupancy().clone();
+    Some((bits, *voxels.grid_of(id)))
 }
 
 fn bricks_of(

@@ -322,7 +322,8 @@ impl Session {
         high: IVec3,
         solid: bool,
     ) -> Result<(), SessionError> {
-        let region = checked_box(low, high, &self.grid)?;
+        let grid = self.ask(move |simulation| *simulation.voxels().grid_of(id))?;
+        let region = checked_box(low, high, &grid)?;
         if region.voxel_count() <= SMALL_EDIT {
             return self.ask(move |simulation| simulation.fill_box(id, &region, solid))?;
         }

@@ -79,8 +79,12 @@ pub struct SegmentState {
     pub id: SegmentId,
     /// Solid voxels.
     pub voxels: u64,
-    /// A box that just holds them; none where there are none.
+    /// Their volume [mm³].
+    pub volume: f64,
+    /// A box of its grid that just holds them; none where there are none.
     pub bounds: Option<VoxelBox>,
+    /// The grid of its own, where it does not stand on the scan's.
+    pub own_grid: Option<Grid>,
     /// Whether it is an obstacle.
     pub touchable: bool,
     /// Whether touch does not follow its newest voxels yet.
@@ -181,7 +185,10 @@ impl Simulation {
             .map(|(id, segment, properties)| SegmentState {
                 id,
                 voxels: segment.count(),
+                volume: segment.count() as f64
+                    * segment.grid(self.voxels().grid()).voxel_volume(),
                 bounds: segment.bounding_box(),
+                own_grid: segment.own_grid().copied(),
                 touchable: properties.touchable,
                 pending: self.touch.is_pending(id),
                 range: properties.range,
@@ -233,8 +240,13 @@ impl Simulation {
         undoable: bool,
     ) -> Result<SegmentId, SessionError> {
         self.close_step();
-        if let Some(pose) = properties.pose {
-            self.check_pose(pose)?;
+        let own_grid = segment.own_grid();
+        if let Some(grid) = own_grid {
+            check_radius(self.settings.probe_radius, grid)?;
+        }
+        if properties.pose.is_some() || own_grid.is_some() {
+            let pose = properties.pose.unwrap_or(DAffine3::IDENTITY);
+            ObjectPose::new(segment.grid(self.voxels().grid()), self.voxels().grid(), pose)?;
             self.check_room_for_moved()?;
         }
         let id = self.free_id()?;
@@ -262,6 +274,9 @@ impl Simulation {
         segment: Segment,
         range: Option<ThresholdRange>,
     ) -> Result<(), SessionError> {
+        if segment.own_grid() != self.voxels().segment(id).and_then(Segment::own_grid) {
+            return Err(SessionError::OtherGrid(id.0));
+        }
         self.change(Step::Replace {
             id,
             segment,
@@ -287,6 +302,7 @@ impl Simulation {
         if self.scene.set_touchable(id, touchable)? {
             let change = crate::scene::TouchChange::All(vec![id]);
             self.touch.send_change(&self.scene, &change);
+            self.write_facts(id);
             self.publish();
         }
         Ok(())
@@ -301,6 +317,7 @@ impl Simulation {
         self.scene.set_feel(id, feel)?;
         self.segments_version += 1;
         self.touch.send(ServoCommand::Feel(id, feel));
+        self.write_facts(id);
         self.publish();
         Ok(())
     }
@@ -317,7 +334,8 @@ impl Simulation {
         settings.as_ref().map_or(Ok(()), SurfaceSettings::check)?;
         let segment = self.voxels().segment(id);
         let segment = segment.ok_or(VoxelsError::UnknownSegment(id.0))?;
-        let shown = settings.map(|settings| (settings, segment.occupancy().clone()));
+        let grid = *segment.grid(self.voxels().grid());
+        let shown = settings.map(|settings| (settings, segment.occupancy().clone(), grid));
         self.tell_picture(SceneNews::Show(id, shown));
         Ok(())
     }
@@ -343,10 +361,9 @@ impl Simulation {
     /// # Errors
     /// See [`Self::move_segment`].
     pub fn drag_segment(&mut self, id: SegmentId, pose: DAffine3) -> Result<(), SessionError> {
-        self.check_pose(pose)?;
+        ObjectPose::new(self.voxels().grid_of(id), self.voxels().grid(), pose)?;
         self.let_go();
-        let before = self.scene.properties_of(id).pose;
-        if before.is_none_or(|before| before == DAffine3::IDENTITY) {
+        if !self.scene.is_moved(id) {
             self.check_room_for_moved()?;
         }
         self.close_step();
@@ -354,7 +371,7 @@ impl Simulation {
         let goes_on = self.dragged == Some(id)
             && self.journal.newest().and_then(Step::moves) == Some(id)
             && !self.journal.can_redo();
-        let inverse = self.perform(Step::Move { id, pose }, Action::Do)?;
+        let inverse = self.perform_part(Step::Move { id, pose }, Action::Do, goes_on)?;
         if !goes_on {
             self.done(inverse);
         }
@@ -478,7 +495,7 @@ impl Simulation {
     /// Where one of them is out of range.
     pub fn set_settings(&mut self, settings: Settings) -> Result<Settings, SessionError> {
         settings.check()?;
-        check_radius(settings.probe_radius, self.voxels().grid())?;
+        self.check_radius_everywhere(settings.probe_radius)?;
         self.settings = settings.within(&self.limits);
         if let Some(notice) = self.settings.notice_of_limits(&settings) {
             self.tell(notice);
@@ -486,6 +503,18 @@ impl Simulation {
         self.touch.set_radius(self.settings.probe_radius);
         self.touch.send(ServoCommand::Settings(self.settings));
         Ok(self.settings)
+    }
+
+    /// Refuses a ball that is too large for the voxels of a segment, also of one that undo or redo
+    /// would bring back.
+    fn check_radius_everywhere(&self, radius: f64) -> Result<(), BallError> {
+        check_radius(radius, self.voxels().grid())?;
+        let there = self.voxels().segments().map(|(_, segment)| segment);
+        let gone = self.journal.steps().flat_map(Step::segments);
+        there
+            .chain(gone)
+            .filter_map(Segment::own_grid)
+            .try_for_each(|grid| check_radius(radius, grid))
     }
 
     fn change(&mut self, step: Step) -> Result<(), SessionError> {
@@ -497,6 +526,16 @@ impl Simulation {
     }
 
     fn perform(&mut self, step: Step, action: Action) -> Result<Step, SessionError> {
+        self.perform_part(step, action, false)
+    }
+
+    /// Performs a step, or a part of one that `goes_on` with the step before.
+    fn perform_part(
+        &mut self,
+        step: Step,
+        action: Action,
+        goes_on: bool,
+    ) -> Result<Step, SessionError> {
         let (inverse, change) = self.scene.perform(step)?;
         self.touch.send_change(&self.scene, &change);
         self.segments_version += 1;
@@ -504,14 +543,8 @@ impl Simulation {
             self.voxels_version += u64::from(news.needs_labels());
             self.tell_picture(news);
         }
-        self.write_down(action, &inverse);
+        self.write_down(action, &inverse, goes_on);
         Ok(inverse)
-    }
-
-    fn check_pose(&self, pose: DAffine3) -> Result<(), SessionError> {
-        let grid = self.voxels().grid();
-        ObjectPose::new(grid, grid, pose)?;
-        Ok(())
     }
 
     /// Refuses one moved segment more than can be touched. Undo and redo need no such question:

@@ -58,6 +58,8 @@ pub struct VoxelChange {
 /// A segment that is shown as a surface.
 #[derive(Debug)]
 struct Shown {
+    /// The grid of its voxels: the scan's, or its own.
+    grid: Grid,
     bits: Bits,
     surface: SegmentSurface,
     lattice: Lattice,
@@ -68,9 +70,8 @@ struct Shown {
 }
 
 /// All surfaces of a scan.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Surfaces {
-    grid: Grid,
     shown: BTreeMap<SegmentId, Shown>,
     next: PictureChange,
     /// Whether anybody ever asked: else nothing is kept.
@@ -79,29 +80,17 @@ pub struct Surfaces {
 }
 
 impl Surfaces {
-    /// No segment of a scan on this grid is shown as a surface.
-    #[must_use]
-    pub fn new(grid: Grid) -> Self {
-        Self {
-            grid,
-            shown: BTreeMap::new(),
-            next: PictureChange::default(),
-            watched: false,
-            changes: VecDeque::new(),
-        }
-    }
-
     /// Takes news; [`Self::follow`] makes what they change.
     pub fn take(&mut self, news: SceneNews) {
         match news {
             SceneNews::Edit(edit) => self.take_edit(edit),
-            SceneNews::Segment(id, Some(bits)) => self.take_segment(id, bits),
+            SceneNews::Segment(id, Some((bits, grid))) => self.take_segment(id, bits, grid),
             // undo may bring it back, and it is still to be shown as a surface then
-            SceneNews::Segment(id, None) => {
-                self.take_segment(id, Bits::empty(self.grid.dimensions()))
-            }
+            SceneNews::Segment(id, None) => self.empty(id),
             SceneNews::Show(id, None) => self.hide(id),
-            SceneNews::Show(id, Some((settings, bits))) => self.show(id, settings, bits),
+            SceneNews::Show(id, Some((settings, bits, grid))) => {
+                self.show(id, settings, bits, grid);
+            }
         }
     }
 
@@ -174,27 +163,40 @@ impl Surfaces {
         }
     }
 
-    fn take_segment(&mut self, id: SegmentId, bits: Bits) {
+    fn empty(&mut self, id: SegmentId) {
+        if let Some(shown) = self.shown.get(&id) {
+            let (bits, grid) = (Bits::empty(shown.grid.dimensions()), shown.grid);
+            self.take_segment(id, bits, grid);
+        }
+    }
+
+    fn take_segment(&mut self, id: SegmentId, bits: Bits, grid: Grid) {
         let Some(shown) = self.shown.get_mut(&id) else {
             return;
         };
+        if shown.grid != grid {
+            // another segment under the same number
+            let settings = *shown.surface.settings();
+            return self.show(id, settings, bits, grid);
+        }
         shown.dirty = shown.dirty.union(&shown.bits.difference(&bits));
         shown.bits = bits;
     }
 
-    fn show(&mut self, id: SegmentId, settings: SurfaceSettings, bits: Bits) {
-        let Ok(surface) = SegmentSurface::new(&self.grid, settings) else {
+    fn show(&mut self, id: SegmentId, settings: SurfaceSettings, bits: Bits, grid: Grid) {
+        let Ok(surface) = SegmentSurface::new(&grid, settings) else {
             // the simulation has refused such settings
             return;
         };
         let edge = f64::from((PATCH_CELLS + 2) * i32::from(settings.step));
-        let longest = edge * self.grid.spacing().length();
+        let longest = edge * grid.spacing().length();
         let shown = Shown {
+            grid,
             bits,
             lattice: Lattice::new(surface.origin(), longest),
             surface,
             packed: BTreeMap::new(),
-            dirty: self.grid.bounds(),
+            dirty: grid.bounds(),
             change: SurfaceChange {
                 whole: true,
                 ..SurfaceChange::default()

@@ -98,9 +98,10 @@ export interface Feel {
  * `range` holds the threshold (low, high) while the segment is just that threshold;
  * null where its voxels come from elsewhere: then they stand in `/api/labels` under
  * the segment's `id` (1..255). `pose` takes the segment from where the scan has it to
- * where it stands; null where it was not moved. `bounds` are the voxels of the scan that
- * hold it, half open; null where it is empty. `opacity`, `smoothing` and
- * `wireframe` are those of its surface.
+ * where it stands; null where it was not moved. `bounds` are the voxels that hold
+ * it, half open; null where it is empty. `grid` is the `patient_from_grid` of its voxels
+ * where they are not the scan's. `opacity`, `smoothing` and `wireframe` are those of
+ * its surface.
  */
 export interface Segment {
   readonly id: SegmentId;
@@ -115,6 +116,7 @@ export interface Segment {
   readonly feel: Feel;
   readonly pose: Pose | null;
   readonly bounds: readonly [GridPlace, GridPlace] | null;
+  readonly grid: Pose | null;
   readonly shown_as: ShownAs;
   readonly opacity: Share;
   readonly smoothing: SmoothingDegree;
@@ -382,6 +384,18 @@ export interface Gap {
   readonly overlap: number | null;
 }
 
+/**
+ * Volumes of the parts that a painted cut would make of segment `id` [ml], larger first.
+ *
+ * Both are null where it would leave all of it on one side.
+ */
+export interface CutPreview {
+  readonly type: "cut_preview";
+  readonly id: SegmentId;
+  readonly larger_ml: number | null;
+  readonly smaller_ml: number | null;
+}
+
 /** Where the hand pulls the device to [scene]; latest wins. */
 export interface Hand {
   readonly type: "hand";
@@ -470,6 +484,23 @@ export interface CutSegment {
   readonly normal: Vector;
 }
 
+/**
+ * Parts a segment along a line painted on the picture, extruded away from the eye.
+ *
+ * `line` are points under it before the eye; `view` is where the eye looks. A `closed` line
+ * joins its ends, an open one goes on straight. The smaller part is a new segment; with
+ * `preview` nothing is cut, and `CutPreview` answers.
+ */
+export interface CutAlong {
+  readonly type: "cut_along";
+  readonly id: SegmentId;
+  readonly line: readonly Vector[];
+  readonly eye: Vector;
+  readonly view: Vector;
+  readonly closed: boolean;
+  readonly preview: boolean;
+}
+
 /** Has the gap between two segments measured while they move; null ends that. */
 export interface WatchGap {
   readonly type: "watch_gap";
@@ -533,7 +564,8 @@ export type ToPage =
   | SettingsChanged
   | Recovery
   | Notice
-  | Gap;
+  | Gap
+  | CutPreview;
 
 /** A message of the page. */
 export type FromPage =
@@ -548,6 +580,7 @@ export type FromPage =
   | Grab
   | TurnGrabbed
   | CutSegment
+  | CutAlong
   | WatchGap
   | RecordSession
   | RemoveSegment
@@ -762,6 +795,7 @@ const isSegment = record({
   feel: isFeel,
   pose: nullable(isPose),
   bounds: nullable(tuple(isGridPlace, isGridPlace)),
+  grid: nullable(isPose),
   shown_as: isShownAs,
   opacity: isShare,
   smoothing: isSmoothingDegree,
@@ -943,6 +977,13 @@ const isGap = record({
   overlap: nullable(real()),
 });
 
+const isCutPreview = record({
+  type: oneOf("cut_preview"),
+  id: isSegmentId,
+  larger_ml: nullable(real()),
+  smaller_ml: nullable(real()),
+});
+
 const TO_PAGE: ReadonlyMap<string, Check> = new Map([
   ["hello", isHello],
   ["state", isState],
@@ -952,4 +993,5 @@ const TO_PAGE: ReadonlyMap<string, Check> = new Map([
   ["recovery", isRecovery],
   ["notice", isNotice],
   ["gap", isGap],
+  ["cut_preview", isCutPreview],
 ]);

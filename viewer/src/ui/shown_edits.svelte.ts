@@ -207,9 +207,9 @@ export class ShownEdits {
   }
 }
 
-/** Whether any segment has voxels that no threshold describes. */
+/** Whether any segment has voxels of the scan that no threshold describes. */
 export function needsLabels(segments: readonly Segment[]): boolean {
-  return segments.some((segment) => segment.range === null);
+  return segments.some(({ range, grid }) => range === null && grid === null);
 }
 
 function messageOf(error: unknown): string {

@@ -38,6 +38,7 @@ import { Picture } from "../gl/picture";
 import { downloadLabels, downloadVolume } from "../live/volume_download";
 import { recall, remember } from "./remembered";
 import type { Session } from "./session.svelte";
+import { CutControl } from "./cut_control.svelte";
 import { ObjectControl } from "./object_control.svelte";
 import { needsLabels, ShownEdits } from "./shown_edits.svelte";
 
@@ -73,6 +74,8 @@ export class Stage {
   readonly edits: ShownEdits;
   /** Segments that are moved. */
   readonly objects: ObjectControl;
+  /** A segment that is cut along a painted line. */
+  readonly cutting: CutControl;
   /** The object that was picked last, and where [mm]. */
   named = $state.raw<{ readonly point: Vec3; readonly name: string } | null>(null);
   framesPerSecond = $state.raw(0);
@@ -103,6 +106,7 @@ export class Stage {
     // a long line is dear to draw again and again without a graphics card
     this.shown = recall("shown", { ...this.shown, path: !support.software });
     this.objects = new ObjectControl(session);
+    this.cutting = new CutControl(session);
     this.edits = new ShownEdits({
       complain: (text) => {
         session.notify("error", text);

@@ -27,13 +27,12 @@ impl Simulation {
         };
         let segment = self.voxels().segment(id);
         let segment = segment.ok_or(VoxelsError::UnknownSegment(id.0))?.clone();
-        let asked = self.scene.properties_of(id).pose;
-        if asked.is_none_or(|pose| pose == DAffine3::IDENTITY) {
+        if !self.scene.is_moved(id) {
             self.check_room_for_moved()?;
         }
         // from where it is by now, which is not always where it was to go
         let pose = self.current_pose(id).unwrap_or(DAffine3::IDENTITY);
-        let grid = *self.voxels().grid();
+        let grid = *segment.grid(self.voxels().grid());
         self.grip = Some(Grip::new(id, pose, collides.then_some((&segment, &grid))));
         let changed = self.scene.hold(Some(id));
         self.send_all(changed);
@@ -62,10 +61,7 @@ impl Simulation {
     ) -> Result<SegmentId, SessionError> {
         self.let_go();
         let properties = self.scene.properties_of(id);
-        if properties
-            .pose
-            .is_some_and(|pose| pose != DAffine3::IDENTITY)
-        {
+        if self.scene.is_moved(id) {
             self.check_room_for_moved()?;
         }
         let new_id = self.free_id()?;
@@ -150,11 +146,13 @@ impl Simulation {
         let Ok((inverse, _)) = self.scene.perform(step) else {
             return;
         };
-        let goes_on = self.journal.newest().and_then(Step::moves) == Some(grip.id());
-        if !(grip.noted && goes_on) || self.journal.can_redo() {
+        let goes_on = grip.noted
+            && self.journal.newest().and_then(Step::moves) == Some(grip.id())
+            && !self.journal.can_redo();
+        self.write_down(Action::Do, &inverse, goes_on);
+        if !goes_on {
             grip.noted = true;
             self.segments_version += 1;
-            self.write_down(Action::Do, &inverse);
             self.done(inverse);
         }
     }
