@@ -4,8 +4,9 @@
     python examples/place_plate.py head.mha 1350    # a skull, and where its bone begins
 
 A plate of 1.5 mm is made as a mesh, written to a file, read again as `palpate open --mesh` does,
-with voxels fine enough for its thickness, and stands 12 mm behind the bone. The probe takes it in the hand, carries it to the bone, where it
-stops by itself, and lets go. Points are in LPS [mm]: +y is toward the back, +z toward the head.
+with voxels fine enough for its thickness, and stands 12 mm behind the bone. The probe takes it in
+the hand, carries it to the bone, where it stops by itself, and lets go. Points are in LPS [mm]:
++y is toward the back, +z toward the head.
 """
 
 from __future__ import annotations
@@ -66,7 +67,9 @@ def main(arguments: list[str]) -> None:
         print(f"{0.4 * step:.1f} s: {gap.minimum:5.2f} mm, mean {gap.mean:5.2f} mm")
     print(f"placed: {final.minimum:.2f} mm, mean {final.mean:.2f} mm, carried {-pose[1, 3]:.1f} mm")
     thickness = plate.volume_ml * 1000.0 / (PLATE[0] * PLATE[2])
-    print(f"the plate is {thickness:.2f} mm thick, in a scan of {max(volume.spacing):.2f} mm voxels")
+    print(
+        f"the plate is {thickness:.2f} mm thick, in a scan of {max(volume.spacing):.2f} mm voxels"
+    )
     check(gaps[0], final, -pose[1, 3], voxel=max(volume.spacing))
     # the mean over all of it: its edges are not multiples of a voxel
     assert abs(thickness - PLATE[1]) < 0.1 * PLATE[1]

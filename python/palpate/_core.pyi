@@ -79,9 +79,7 @@ class Segment:
     def from_mask(mask: NDArray[np.uint8]) -> Segment:
         """Solid where the mask, C-contiguous, is not 0."""
 
-    def on_grid(
-        self, spacing: _Triple, origin: _Triple, direction: tuple[float, ...]
-    ) -> Segment:
+    def on_grid(self, spacing: _Triple, origin: _Triple, direction: tuple[float, ...]) -> Segment:
         """The same voxels on a grid of their own instead of a scan's."""
 
     @property

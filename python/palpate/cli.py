@@ -202,9 +202,7 @@ def open_scan(  # noqa: PLR0913  # one per option of the command line
             )
             scene = scene_of(volume, bounds=bounds, label_map=segments, progress=display)
             if mesh is not None:
-                add_mesh(
-                    scene, mesh, frame=mesh_frame, unit=mesh_unit, spacing=mesh_spacing
-                )
+                add_mesh(scene, mesh, frame=mesh_frame, unit=mesh_unit, spacing=mesh_spacing)
         for warning in volume.warnings:
             warn(warning)
         show(scene, listener, rate=rate, browser=browser, journalled=journal, recover=recover)

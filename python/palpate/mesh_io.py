@@ -158,7 +158,7 @@ def suitable_spacing(mesh: Mesh, volume: Volume) -> float:
     area = np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2.0
     enclosed = abs(np.einsum("ij,ij->", a - mesh.vertices[0], np.cross(b - a, c - a))) / 6.0
     thickness = 2.0 * enclosed / area if area > 0.0 else np.inf
-    wanted = min(min(volume.spacing), thickness / THICK_IN_VOXELS)
+    wanted = min(*volume.spacing, thickness / THICK_IN_VOXELS)
     box = np.prod(np.ptp(mesh.vertices, axis=0) + wanted)
     return float(max(wanted, (box / MOST_VOXELS) ** (1.0 / 3.0)))
 

@@ -417,9 +417,7 @@ class CutPreview(Message, frozen=True, tag="cut_preview"):
     smaller_ml: float | None
 
 
-ToPage = (
-    Hello | State | Segments | Changed | SettingsChanged | Recovery | Notice | Gap | CutPreview
-)
+ToPage = Hello | State | Segments | Changed | SettingsChanged | Recovery | Notice | Gap | CutPreview
 
 # --- page -> engine -------------------------------------------------------------------
 

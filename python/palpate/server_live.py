@@ -209,8 +209,8 @@ class Live:
                 self.session.grab(segment_id, collides=collides)
             case protocol.TurnGrabbed(rotation):
                 self.session.turn_grabbed(rotation)
-            case protocol.CutSegment(segment_id, point, normal):
-                self.segments.cut(segment_id, lambda: self.session.cut(segment_id, point, normal))
+            case protocol.CutSegment(cut_id, point, normal):
+                self.segments.cut(cut_id, lambda: self.session.cut(cut_id, point, normal))
             case protocol.CutAlong():
                 self._cut_along(message)
             case protocol.SegmentFeel(segment_id, feel):
@@ -219,9 +219,7 @@ class Live:
                 self.session.remove_segment(segment_id)
 
     def _cut_along(self, wanted: protocol.CutAlong) -> None:
-        cut = PaintedCut(
-            line=wanted.line, eye=wanted.eye, view=wanted.view, closed=wanted.closed
-        )
+        cut = PaintedCut(line=wanted.line, eye=wanted.eye, view=wanted.view, closed=wanted.closed)
         if not wanted.preview:
             self.segments.cut(wanted.id, lambda: self.session.cut_along(wanted.id, cut))
             return

@@ -148,7 +148,7 @@ class ShownSegments:
             self._set_look(each.id, each.look)
 
     def cut(self, segment_id: int, cut: Callable[[], int]) -> None:
-        """Parts a segment; the new part, whose number ``cut`` returns, looks alike, in a new colour.
+        """Parts a segment; the part whose number ``cut`` returns looks alike, in a new colour.
 
         Raises:
             PalpateError: All of it is left on one side.

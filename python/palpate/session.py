@@ -307,7 +307,8 @@ class Session:
         """Returns the voxels of a segment as they are now."""
         with _given():
             internal = self._internal.segment(segment_id)
-        volume = self.scene.volume if internal.own_grid is None else _grid_of(internal)
+        own_grid = internal.own_grid
+        volume = self.scene.volume if own_grid is None else _empty(internal.dimensions, own_grid)
         return Segment(internal, name=name, volume=volume, range=None)
 
     def segments(self) -> list[dict[str, Any]]:
@@ -543,11 +544,13 @@ class Session:
         )
 
 
-def _grid_of(internal: _core.Segment) -> Volume:
-    """Returns the grid of a segment's own as an empty scan."""
-    assert internal.own_grid is not None
-    spacing, origin, direction = internal.own_grid
-    values = np.zeros(internal.dimensions[::-1], np.int16)
+def _empty(
+    dimensions: tuple[int, int, int],
+    grid: tuple[tuple[float, float, float], tuple[float, float, float], list[float]],
+) -> Volume:
+    """Returns a scan of zeros on a grid: its spacing, origin, and direction by rows."""
+    spacing, origin, direction = grid
+    values = np.zeros(dimensions[::-1], np.int16)
     axes = np.reshape(direction, (3, 3))
     return Volume(values, spacing=spacing, origin=origin, direction=axes)
 

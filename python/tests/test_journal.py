@@ -288,8 +288,10 @@ def test_where_objects_stand_how_they_feel_and_look_come_back_to_a_page(tmp_path
         page.send({"type": "recover", "bring_back": True})
         back = page.receive(
             "segments",
-            until=lambda m: [one["name"] for one in m["segments"]] == [one["name"] for one in left]
-            and m["segments"][1]["shown_as"] == "surface",
+            until=lambda m: (
+                [one["name"] for one in m["segments"]] == [one["name"] for one in left]
+                and m["segments"][1]["shown_as"] == "surface"
+            ),
         )["segments"]
         assert [dict(one, pending=False) for one in back] == [
             dict(one, pending=False) for one in left

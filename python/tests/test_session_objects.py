@@ -150,7 +150,7 @@ def test_a_session_with_gain_and_clutch_is_replayed_bit_for_bit() -> None:
 
 
 def plate() -> Segment:
-    """Returns a plate of 10 x 10 x 1.5 mm, its low corner at (30, 30, 40.3), in voxels of its own."""
+    """Returns a plate of 10 x 10 x 1.5 mm from (30, 30, 40.3) on, in voxels of its own."""
     values = np.zeros((10, 44, 44), np.int16)
     values[2:8, 2:42, 2:42] = 1
     corner = np.array([30.0, 30.0, 40.3]) - 2 * 0.25

@@ -97,7 +97,10 @@ pub(crate) fn check(config: &SessionConfig) -> Result<(), SessionError> {
         }
     }
     config.settings.check()?;
-    let own_grids = config.segments.iter().filter_map(|(segment, _)| segment.own_grid());
+    let own_grids = config
+        .segments
+        .iter()
+        .filter_map(|(segment, _)| segment.own_grid());
     for grid in own_grids.chain([&config.grid]) {
         check_radius(config.settings.probe_radius, grid)?;
     }

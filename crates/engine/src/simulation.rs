@@ -185,8 +185,7 @@ impl Simulation {
             .map(|(id, segment, properties)| SegmentState {
                 id,
                 voxels: segment.count(),
-                volume: segment.count() as f64
-                    * segment.grid(self.voxels().grid()).voxel_volume(),
+                volume: segment.count() as f64 * segment.grid(self.voxels().grid()).voxel_volume(),
                 bounds: segment.bounding_box(),
                 own_grid: segment.own_grid().copied(),
                 touchable: properties.touchable,
@@ -246,7 +245,11 @@ impl Simulation {
         }
         if properties.pose.is_some() || own_grid.is_some() {
             let pose = properties.pose.unwrap_or(DAffine3::IDENTITY);
-            ObjectPose::new(segment.grid(self.voxels().grid()), self.voxels().grid(), pose)?;
+            ObjectPose::new(
+                segment.grid(self.voxels().grid()),
+                self.voxels().grid(),
+                pose,
+            )?;
             self.check_room_for_moved()?;
         }
         let id = self.free_id()?;

@@ -111,9 +111,8 @@ impl ToolStroke {
         let pose = pose_of(scene, &settings.segments);
         let first = settings.segments.first().copied();
         let grid = first.map_or(*scene.voxels().grid(), |id| *scene.voxels().grid_of(id));
-        let stands_there = |id: SegmentId| {
-            placement(scene, id) == pose && *scene.voxels().grid_of(id) == grid
-        };
+        let stands_there =
+            |id: SegmentId| placement(scene, id) == pose && *scene.voxels().grid_of(id) == grid;
         settings.segments.retain(|id| stands_there(*id));
         let all = scene.segments().map(|(id, ..)| id);
         settings.spared = all.filter(|id| !stands_there(*id)).collect();

@@ -216,7 +216,13 @@ fn poses_feel_and_what_can_be_touched_come_back_with_their_steps() {
         friction_kinetic: Some(0.2),
     };
     let spacing = DVec3::splat(0.25);
-    let own = Grid::new(UVec3::splat(12), spacing, DVec3::splat(8.0), DMat3::IDENTITY).unwrap();
+    let own = Grid::new(
+        UVec3::splat(12),
+        spacing,
+        DVec3::splat(8.0),
+        DMat3::IDENTITY,
+    )
+    .unwrap();
     let plate = Segment::from_fn(own.dimensions(), |voxel| voxel.z < 4).on_grid(own);
     let plate = rig.simulation.add_segment(plate, OBSTACLE, true).unwrap();
     let mut steps = vec![states(&rig)];

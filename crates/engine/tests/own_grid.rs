@@ -132,7 +132,10 @@ fn state_volume_and_gap_are_those_of_its_own_voxels() {
     // plate are rounded
     let gap = session.gap(SegmentId(2), SegmentId(1)).unwrap();
     assert!((gap.minimum - (BOTTOM - 10.0)).abs() < 0.5, "{gap:?}");
-    assert!(gap.mean > gap.minimum && gap.mean < gap.minimum + 1.5, "{gap:?}");
+    assert!(
+        gap.mean > gap.minimum && gap.mean < gap.minimum + 1.5,
+        "{gap:?}"
+    );
     assert_eq!(gap.overlap, 0.0);
     // put 1 mm deep into the wall
     let down = DAffine3::from_translation(DVec3::Z * (9.0 - BOTTOM));
@@ -159,7 +162,11 @@ fn its_surface_is_made_of_its_own_voxels() {
                 let share = f64::from(u16::from_le_bytes([bytes[4], bytes[5]])) / 65535.0;
                 patch.origin.z + share * patch.size.z
             };
-            patch.vertices.chunks_exact(6).map(of_vertex).collect::<Vec<_>>()
+            patch
+                .vertices
+                .chunks_exact(6)
+                .map(of_vertex)
+                .collect::<Vec<_>>()
         });
         heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), z| {
             (low.min(z), high.max(z))
@@ -225,7 +232,9 @@ fn it_is_moved_turned_and_grabbed_in_its_own_grid() {
     assert!((rests.x - 20.75).abs() < BEFORE_FACE, "{rests}");
 
     // in the hand it stops at the block, to a quarter of a millimetre
-    rig.simulation.move_segment(plate, DAffine3::IDENTITY).unwrap();
+    rig.simulation
+        .move_segment(plate, DAffine3::IDENTITY)
+        .unwrap();
     ticks(&mut rig, 200, above);
     rig.simulation.grab(Some(plate), true).unwrap();
     ticks(&mut rig, 60, above);
@@ -336,5 +345,10 @@ fn voxels_of_two_grids_are_not_mixed() {
         was
     });
     assert!(edit.segments.iter().all(|(id, _)| *id == block));
-    assert!(voxels.labels_in(&region, &[plate]).iter().all(|label| *label == 0));
+    assert!(
+        voxels
+            .labels_in(&region, &[plate])
+            .iter()
+            .all(|label| *label == 0)
+    );
 }

@@ -326,7 +326,10 @@ fn moves_facts_and_segments_with_a_grid_of_their_own_come_back_to_the_bit() {
         }
     }
     let (undo, done) = (Action::Undo, Action::Do);
-    assert_eq!(seen, [(done, false), (done, true), (undo, false), (undo, false)]);
+    assert_eq!(
+        seen,
+        [(done, false), (done, true), (undo, false), (undo, false)]
+    );
     // put, the move with what goes on with it, and both that were undone together
     assert_eq!(reader.recovery().steps, 3);
 }

@@ -81,7 +81,11 @@ impl TryFrom<WrittenGrid> for Grid {
     type Error = GridError;
 
     fn try_from(written: WrittenGrid) -> Result<Self, GridError> {
-        Self::from_affine(written.dimensions, written.spacing, written.patient_from_grid)
+        Self::from_affine(
+            written.dimensions,
+            written.spacing,
+            written.patient_from_grid,
+        )
     }
 }
 

@@ -75,7 +75,11 @@ impl Segment {
     /// Where the grid has other dimensions.
     #[must_use]
     pub fn on_grid(self, grid: Grid) -> Self {
-        assert_eq!(grid.dimensions(), self.dimensions(), "voxels of another grid");
+        assert_eq!(
+            grid.dimensions(),
+            self.dimensions(),
+            "voxels of another grid"
+        );
         Self {
             own_grid: Some(grid),
             ..self
