@@ -1,4 +1,5 @@
-//! The owner of the true voxels: takes changes, keeps the journal, tells the servo.
+//! The owner of the true voxels: takes changes, keeps the journal, tells the servo. What it does to
+//! segments, objects and tools, its steps and what it tells stand in files of their own.
 //!
 //! Points in scene mm (LPS), boxes in voxels of the grid.
 
@@ -8,16 +9,13 @@ use std::sync::{Arc, Mutex};
 use glam::{DAffine3, DMat3, DVec3, IVec3};
 use palpate_device::DeviceLimits;
 use palpate_haptics::ball::{BallError, BallShape};
-use palpate_haptics::scene::{MAX_OBJECTS, ObjectPose};
-use palpate_surface::settings::SurfaceSettings;
-use palpate_tools::journal_entry::Action;
 use palpate_tools::journal_file::JournalFile;
 use palpate_tools::undo::UndoJournal;
-use palpate_volume::edit::{Edit, SegmentId};
+use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
 use palpate_volume::segment::Segment;
 use palpate_volume::voxel_box::VoxelBox;
-use palpate_volume::voxels::{Voxels, VoxelsError};
+use palpate_volume::voxels::Voxels;
 
 use crate::error::SessionError;
 use crate::feel::Feel;
@@ -26,15 +24,18 @@ use crate::grip::Grip;
 use crate::handover::{ServoCommand, SimulationChannels};
 use crate::moved_poses::CurrentPoses;
 use crate::placement::{REACH, free_point};
-use crate::scene::{Properties, Scene, Step, ThresholdRange};
+use crate::scene::{Scene, Step, ThresholdRange};
 use crate::scene_news::SceneNews;
 use crate::settings::Settings;
-use crate::tape::{MAX_TAPE_BYTES, TapeRecorder};
+use crate::tape::TapeRecorder;
 use crate::tool_stroke::{ToolNow, ToolStroke};
 use crate::touch_sender::{TouchSender, touchable_of};
 
 mod objects;
 pub mod recovery;
+mod segments;
+mod steps;
+mod telling;
 mod tools;
 
 /// What the picture shows of the simulation.
@@ -227,222 +228,6 @@ impl Simulation {
         }
     }
 
-    /// Adds a segment; an undoable one is taken away again by undo.
-    ///
-    /// # Errors
-    /// Where it belongs to another grid, or there are 255, or it has a pose that
-    /// [`Self::move_segment`] would refuse.
-    pub fn add_segment(
-        &mut self,
-        segment: Segment,
-        properties: Properties,
-        undoable: bool,
-    ) -> Result<SegmentId, SessionError> {
-        self.close_step();
-        let own_grid = segment.own_grid();
-        if let Some(grid) = own_grid {
-            check_radius(self.settings.probe_radius, grid)?;
-        }
-        if properties.pose.is_some() || own_grid.is_some() {
-            let pose = properties.pose.unwrap_or(DAffine3::IDENTITY);
-            ObjectPose::new(
-                segment.grid(self.voxels().grid()),
-                self.voxels().grid(),
-                pose,
-            )?;
-            self.check_room_for_moved()?;
-        }
-        let id = self.free_id()?;
-        let step = Step::Insert {
-            id,
-            segment,
-            properties,
-        };
-        let action = if undoable { Action::Do } else { Action::Start };
-        let inverse = self.perform(step, action)?;
-        if undoable {
-            self.done(inverse);
-        }
-        self.publish();
-        Ok(id)
-    }
-
-    /// Gives a segment other voxels.
-    ///
-    /// # Errors
-    /// Where there is no such segment, or the voxels belong to another grid.
-    pub fn replace_segment(
-        &mut self,
-        id: SegmentId,
-        segment: Segment,
-        range: Option<ThresholdRange>,
-    ) -> Result<(), SessionError> {
-        if segment.own_grid() != self.voxels().segment(id).and_then(Segment::own_grid) {
-            return Err(SessionError::OtherGrid(id.0));
-        }
-        self.change(Step::Replace {
-            id,
-            segment,
-            range,
-            made_by: range,
-        })
-    }
-
-    /// Removes a segment.
-    ///
-    /// # Errors
-    /// Where there is no such segment.
-    pub fn remove_segment(&mut self, id: SegmentId) -> Result<(), SessionError> {
-        self.let_go();
-        self.change(Step::Remove { id })
-    }
-
-    /// Makes a segment an obstacle, or no obstacle. This changes no voxel and is not undone.
-    ///
-    /// # Errors
-    /// Where there is no such segment.
-    pub fn set_touchable(&mut self, id: SegmentId, touchable: bool) -> Result<(), SessionError> {
-        if self.scene.set_touchable(id, touchable)? {
-            let change = crate::scene::TouchChange::All(vec![id]);
-            self.touch.send_change(&self.scene, &change);
-            self.write_facts(id);
-            self.publish();
-        }
-        Ok(())
-    }
-
-    /// Changes how the surface of a segment feels. This changes no voxel and is not undone.
-    ///
-    /// # Errors
-    /// Where a value is out of range, or there is no such segment.
-    pub fn set_feel(&mut self, id: SegmentId, feel: Feel) -> Result<(), SessionError> {
-        feel.check()?;
-        self.scene.set_feel(id, feel)?;
-        self.segments_version += 1;
-        self.touch.send(ServoCommand::Feel(id, feel));
-        self.write_facts(id);
-        self.publish();
-        Ok(())
-    }
-
-    /// Shows a segment as a surface, or as none; this changes no voxel and is not undone.
-    ///
-    /// # Errors
-    /// Where the settings make no surface, or there is no such segment.
-    pub fn show_surface(
-        &mut self,
-        id: SegmentId,
-        settings: Option<SurfaceSettings>,
-    ) -> Result<(), SessionError> {
-        settings.as_ref().map_or(Ok(()), SurfaceSettings::check)?;
-        let segment = self.voxels().segment(id);
-        let segment = segment.ok_or(VoxelsError::UnknownSegment(id.0))?;
-        let grid = *segment.grid(self.voxels().grid());
-        let shown = settings.map(|settings| (settings, segment.occupancy().clone(), grid));
-        self.tell_picture(SceneNews::Show(id, shown));
-        Ok(())
-    }
-
-    /// Names the segments that the picture shows by their labels: edits tell of these.
-    pub fn set_labelled(&mut self, labelled: Vec<SegmentId>) {
-        self.labelled = labelled;
-    }
-
-    /// Moves a segment; touch goes there smoothly. One step of undo, with all that it was dragged
-    /// since its last move.
-    ///
-    /// # Errors
-    /// Where the pose is no rigid motion, there is no such segment, or too many are moved.
-    pub fn move_segment(&mut self, id: SegmentId, pose: DAffine3) -> Result<(), SessionError> {
-        self.drag_segment(id, pose)?;
-        self.dragged = None;
-        Ok(())
-    }
-
-    /// Moves a segment a part of the way of a drag, which [`Self::move_segment`] ends; see there.
-    ///
-    /// # Errors
-    /// See [`Self::move_segment`].
-    pub fn drag_segment(&mut self, id: SegmentId, pose: DAffine3) -> Result<(), SessionError> {
-        ObjectPose::new(self.voxels().grid_of(id), self.voxels().grid(), pose)?;
-        self.let_go();
-        if !self.scene.is_moved(id) {
-            self.check_room_for_moved()?;
-        }
-        self.close_step();
-        // whatever came in between ends a drag
-        let goes_on = self.dragged == Some(id)
-            && self.journal.newest().and_then(Step::moves) == Some(id)
-            && !self.journal.can_redo();
-        let inverse = self.perform_part(Step::Move { id, pose }, Action::Do, goes_on)?;
-        if !goes_on {
-            self.done(inverse);
-        }
-        self.dragged = Some(id);
-        self.publish();
-        Ok(())
-    }
-
-    /// Makes all voxels of a box solid or free in one segment, and in that one only.
-    ///
-    /// # Errors
-    /// Where there is no such segment.
-    pub fn fill_box(
-        &mut self,
-        id: SegmentId,
-        region: &VoxelBox,
-        solid: bool,
-    ) -> Result<(), SessionError> {
-        let edit = self.voxels().label_edit(id, region, |_, _| solid)?;
-        self.apply(edit)
-    }
-
-    /// Applies a label edit that was built from the present voxels.
-    ///
-    /// # Errors
-    /// Where it does not fit.
-    pub fn apply(&mut self, edit: Edit) -> Result<(), SessionError> {
-        // what is as wanted already leaves nothing to take back
-        if edit.is_empty() {
-            return Ok(());
-        }
-        self.change(Step::of_edit(edit))
-    }
-
-    /// Takes the newest change back; false where there is none.
-    ///
-    /// # Errors
-    /// Never, unless the journal is wrong.
-    pub fn undo(&mut self) -> Result<bool, SessionError> {
-        self.let_go();
-        self.close_step();
-        let Some(step) = self.journal.pop_undo() else {
-            return Ok(false);
-        };
-        let inverse = self.perform(step, Action::Undo)?;
-        let bytes = inverse.bytes();
-        self.journal.undone(inverse, bytes);
-        self.publish();
-        Ok(true)
-    }
-
-    /// Does the last undone change again; false where there is none.
-    ///
-    /// # Errors
-    /// Never, unless the journal is wrong.
-    pub fn redo(&mut self) -> Result<bool, SessionError> {
-        self.let_go();
-        self.close_step();
-        let Some(step) = self.journal.pop_redo() else {
-            return Ok(false);
-        };
-        let inverse = self.perform(step, Action::Redo)?;
-        let bytes = inverse.bytes();
-        self.journal.redone(inverse, bytes);
-        self.publish();
-        Ok(true)
-    }
-
     /// Brings the probe to a point, or to the free voxel nearest to it, and the device with it
     /// where `device_too`; hand targets up to number `hand` are forgotten. Gives the point.
     ///
@@ -518,137 +303,6 @@ impl Simulation {
             .chain(gone)
             .filter_map(Segment::own_grid)
             .try_for_each(|grid| check_radius(radius, grid))
-    }
-
-    fn change(&mut self, step: Step) -> Result<(), SessionError> {
-        self.close_step();
-        let inverse = self.perform(step, Action::Do)?;
-        self.done(inverse);
-        self.publish();
-        Ok(())
-    }
-
-    fn perform(&mut self, step: Step, action: Action) -> Result<Step, SessionError> {
-        self.perform_part(step, action, false)
-    }
-
-    /// Performs a step, or a part of one that `goes_on` with the step before.
-    fn perform_part(
-        &mut self,
-        step: Step,
-        action: Action,
-        goes_on: bool,
-    ) -> Result<Step, SessionError> {
-        let (inverse, change) = self.scene.perform(step)?;
-        self.touch.send_change(&self.scene, &change);
-        self.segments_version += 1;
-        for news in SceneNews::of(&inverse, &self.scene, &self.labelled) {
-            self.voxels_version += u64::from(news.needs_labels());
-            self.tell_picture(news);
-        }
-        self.write_down(action, &inverse, goes_on);
-        Ok(inverse)
-    }
-
-    /// Refuses one moved segment more than can be touched. Undo and redo need no such question:
-    /// where they lead there were no more.
-    fn check_room_for_moved(&self) -> Result<(), SessionError> {
-        if self.scene.moved_count() >= MAX_OBJECTS {
-            return Err(SessionError::TooManyMoved);
-        }
-        Ok(())
-    }
-
-    /// Notes the inverse of a whole step.
-    fn done(&mut self, inverse: Step) {
-        let bytes = inverse.bytes();
-        self.journal.done(inverse, bytes);
-        if let Some(file) = &mut self.file {
-            file.end_step();
-        }
-    }
-
-    /// The lowest number that no segment has and no undo or redo would bring back.
-    fn free_id(&self) -> Result<SegmentId, VoxelsError> {
-        let returns = |id: SegmentId| self.journal.steps().any(|step| step.needs(id));
-        let is_new = |id: &SegmentId| self.voxels().segment(*id).is_none();
-        let ids = || (1..=u8::MAX).map(SegmentId).filter(is_new);
-        ids()
-            .find(|id| !returns(*id))
-            .ok_or(VoxelsError::TooManySegments)
-    }
-
-    fn tell_of_held_changes(&mut self) {
-        let held = self.touch.is_held();
-        if held && !self.was_held {
-            self.tell(Notice::warning(
-                "A change waits: what it makes solid surrounds the probe. Move the probe out, or \
-                 undo the change.",
-            ));
-        }
-        self.was_held = held;
-
-        let stopped = self.touch.is_stopped();
-        if stopped && !self.was_stopped {
-            self.tell(Notice::warning(
-                "A segment stops on its way: it would pinch the probe. It goes on once the probe \
-                 is out.",
-            ));
-        }
-        self.was_stopped = stopped;
-    }
-
-    fn tell_of_refused_places(&mut self) {
-        let refused = self.touch.status().refused_places;
-        if refused > self.refused_places {
-            self.tell(Notice::warning(
-                "The probe stays where it is: there is no free voxel near the point.",
-            ));
-        }
-        self.refused_places = refused;
-    }
-
-    fn tell_of_full_tape(&mut self) {
-        let full = self.touch.is_tape_full();
-        if full && !self.was_full {
-            self.tell(Notice::warning(format!(
-                "The recording has no room for more changes (limit: {} MB): what comes after \
-                 this one cannot be replayed.",
-                MAX_TAPE_BYTES >> 20
-            )));
-        }
-        self.was_full = full;
-    }
-
-    fn publish(&mut self) {
-        let status = SimulationStatus {
-            edit: self.voxels().edit_number(),
-            touched: self.touch.status().touched,
-            probe_radius: self.touch.status().radius,
-            poses: self.current_poses(),
-            grabbed: self.grip.as_ref().map_or(0, |grip| grip.id().0),
-            clutched: self.clutched,
-            device_origin: self.touch.status().origin,
-            pending: self.touch.pending(),
-            can_undo: self.journal.can_undo() || self.stroke.has_changed(),
-            can_redo: self.journal.can_redo(),
-            segments_version: self.segments_version,
-            voxels_version: self.voxels_version,
-            tool: self.stroke.now(),
-            undo_bytes: self.journal.bytes(),
-            undo_budget: self.journal.budget(),
-        };
-        self.status.write(status);
-    }
-
-    fn tell_picture(&self, news: SceneNews) {
-        // without a picture nobody draws any more
-        let _ = self.news.send(news);
-    }
-
-    fn tell(&self, notice: Notice) {
-        // without a picture nobody reads notices any more
-        let _ = self.notices.send(notice);
     }
 }
 
