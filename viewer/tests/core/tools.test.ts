@@ -44,6 +44,12 @@ test("a drill cuts all that it meets, and any tool the segment that was chosen f
   expect(segmentsOf("eraser", 7, all, 5)).toEqual([5]);
 });
 
+test("what has voxels of its own has none of the matter that a drill takes, and can be erased", () => {
+  const plate: Segment = { ...segment(8), grid: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1] };
+  expect(segmentsOf("drill", "touched", [...all, plate], 8)).toEqual([2, 5]);
+  expect(segmentsOf("eraser", "touched", [...all, plate], 8)).toEqual([8]);
+});
+
 test("radii reach a voxel from everywhere and stay within what the engine takes", () => {
   // half of the diagonal of 1 × 1 × 2 mm is 1.22 mm
   expect(radiusRange("eraser", [1, 1, 2])).toEqual({ min: 1.3, max: 25 });
