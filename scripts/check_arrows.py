@@ -19,6 +19,7 @@ FLOORS = {
     "palpate-device": 1,
     "palpate-surface": 1,
     "palpate-tools": 1,
+    "palpate-deform": 1,
     "palpate-engine": 2,
     "palpate-py": 3,
 }

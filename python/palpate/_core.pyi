@@ -248,8 +248,16 @@ class Session:
     def fill_box(self, segment_id: int, low: _Voxel, high: _Voxel, solid: bool) -> None:
         """Makes the voxels from ``low`` up to, but without, ``high`` solid or free."""
 
-    def show_surface(self, segment_id: int, *, smoothing: int, step: int = 1) -> None:
-        """Keeps a surface of a segment: smoothing degree, edge of a cell [voxels]."""
+    def show_surface(
+        self, segment_id: int, *, smoothing: int, step: int = 1, of_bits: bool = False
+    ) -> None:
+        """Keeps a surface of a segment: smoothing degree, edge of a cell [voxels].
+
+        ``of_bits`` makes it from bits also where a threshold made the segment.
+        """
+
+    def follow_edits(self, every: int) -> None:
+        """Has the picture follow edits every so many-th of its frames, 1 to 4."""
 
     def hide_surface(self, segment_id: int) -> None:
         """Keeps no surface of a segment any more."""
@@ -262,6 +270,22 @@ class Session:
 
     def whole_surfaces(self) -> dict[str, Any]:
         """All surfaces as they are now, in the same form."""
+
+    def set_deformation(self, model: str | None) -> None:
+        """Chooses the model by which matter gives way; None makes all matter hard."""
+
+    def set_material(
+        self,
+        segment_id: int,
+        *,
+        name: str | None = None,
+        constant: tuple[float, ...] | None = None,
+        linear: tuple[tuple[float, float], tuple[float, ...], tuple[float, ...]] | None = None,
+    ) -> None:
+        """Tells what a segment is made of, in SI; without anything it is hard."""
+
+    def deformation(self) -> dict[str, Any]:
+        """How the deformation goes."""
 
     def set_tool(
         self,
@@ -308,7 +332,8 @@ class Session:
     def segments_state(self) -> list[dict[str, Any]]:
         """``id``, ``voxels``, ``touchable``, ``pending`` and ``range`` of each segment.
 
-        ``range`` follows edits, undo and redo: None once the voxels are not that threshold.
+        ``range`` follows edits, undo and redo: None once the voxels are not that threshold;
+        ``made_by`` is the threshold that made them, whatever edits did since.
         """
 
     def frame(self) -> dict[str, Any]:
@@ -400,8 +425,11 @@ class Surface:
         step: int | None,
         smoothing: int | None,
         local: bool,
+        values: tuple[Volume, tuple[float, float]] | None = None,
     ) -> None:
         """Makes the whole surface; without a step or a degree of smoothing the usual one.
+
+        From ``values``, a scan and the threshold that made the segment, where they are given.
 
         Raises:
             ValueError: A setting is not allowed.
@@ -580,3 +608,9 @@ def bench_stress(
     Raises:
         ValueError: There is no such model, or the numbers are not allowed.
     """
+
+def material_presets() -> list[tuple[str, str]]:
+    """Materials by name, each with the source of its constants."""
+
+def deformation_models() -> list[str]:
+    """Names of the models by which matter gives way."""

@@ -343,6 +343,10 @@ def surface_export(  # noqa: PLR0913  # one per option of the command line
         int | None, typer.Option(help="Degree, 0 to 12; 0 shows the voxels as they are.")
     ] = None,
     step: Annotated[int | None, typer.Option(help="Edge of a cell: 1, 2 or 4 voxels.")] = None,
+    source: Annotated[
+        str,
+        typer.Option("--from", help="intensities (of a threshold) or bits, which have stairs."),
+    ] = "intensities",
     series: Series = None,
     orientation: Orientation = None,
     unit: Unit = None,
@@ -369,7 +373,8 @@ def surface_export(  # noqa: PLR0913  # one per option of the command line
             progress=display,
         )
         scene = scene_of(volume, bounds=bounds, label_map=segments, progress=display)
-    export_surface(choose_segment(scene, segment), file, step=step, smoothing=smoothing)
+    chosen = choose_segment(scene, segment)
+    export_surface(chosen, file, step=step, smoothing=smoothing, source=source)
 
 
 @surface.command("voxels")

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from threading import Lock
-from typing import Any
+from typing import Any, NamedTuple
 
 import msgspec
 import numpy as np
@@ -23,6 +23,9 @@ from palpate.session import Session
 __all__ = ["ShownSegments"]
 
 
+FARTHEST_VALUE = 1e9
+"""Values that pages are told lie between this and its negative."""
+
 DEFAULT_SMOOTHING = 3
 """Degree that takes the steps of voxels away and keeps what is larger than a few of them."""
 
@@ -33,7 +36,7 @@ _UNMOVED = [float(row == column) for row in range(4) for column in range(4)]
 
 @dataclass(frozen=True)
 class Look:
-    """How a segment is shown; opacity, smoothing and wireframe are those of its surface."""
+    """How a segment is shown; from opacity on it is about its surface."""
 
     name: str
     colour: tuple[float, float, float]
@@ -41,6 +44,7 @@ class Look:
     shown_as: protocol.ShownAs = "volume"
     opacity: float = 1.0
     smoothing: int = DEFAULT_SMOOTHING
+    surface_from: protocol.SurfaceSource = "intensities"
     wireframe: bool = False
 
 
@@ -64,14 +68,13 @@ class ShownSegments:
             segment_id: Look(shown.name, shown.colour, shown.visible, shown.shown_as)
             for segment_id, shown in zip(session.ids, session.scene, strict=True)
         }
-        self._surfaces: dict[int, int] = {}
-        """Smoothing of the surfaces that the engine makes."""
         self._lock = Lock()
         self._seen: tuple[int, ...] | None = None
         self._notices: list[str] = []
         self._looks_version = 0
         self._labels_key: Any = None
         self._labels = 0
+        self._made: dict[int, MadeSurface | None] = {}
         self.message = self._make_message(0)
 
     def refresh(self, segments_version: int, *, voxels_version: int, pending: int) -> bool:
@@ -100,6 +103,7 @@ class ShownSegments:
             shown_as=wanted.shown_as,
             opacity=wanted.opacity,
             smoothing=wanted.smoothing,
+            surface_from=wanted.surface_from,
             wireframe=wanted.wireframe,
         )
         self._set_look(wanted.id, look)
@@ -145,7 +149,9 @@ class ShownSegments:
         for each in looks:
             if each.id in there:
                 self._session.set_touchable(each.id, touchable=each.touchable)
-            self._set_look(each.id, each.look)
+                self._set_look(each.id, each.look)
+            else:
+                self._remember(each.id, each.look)
 
     def cut(self, segment_id: int, cut: Callable[[], int]) -> None:
         """Parts a segment; the part whose number ``cut`` returns looks alike, in a new colour.
@@ -185,14 +191,15 @@ class ShownSegments:
     def _show(self, segment_id: int, look: Look) -> None:
         """Has the engine make a surface where a look needs one that is not made yet."""
         wanted = _surface_of(look)
-        if wanted == self._surfaces.get(segment_id):
-            return
+        with self._lock:
+            if wanted == self._made.get(segment_id):
+                return
         if wanted is None:
             self._session.hide_surface(segment_id)
-            self._surfaces.pop(segment_id, None)
         else:
-            self._session.show_surface(segment_id, smoothing=wanted)
-            self._surfaces[segment_id] = wanted
+            self._session.show_surface(segment_id, smoothing=wanted.smoothing, source=wanted.source)
+        with self._lock:
+            self._made[segment_id] = wanted
 
     def labels(self) -> NDArray[np.uint8]:
         """Returns the number of each voxel's segment, for visible segments without a range."""
@@ -204,6 +211,11 @@ class ShownSegments:
         return labels_of(masks, self._session.scene.volume.shape)
 
     def _set_look(self, segment_id: int, look: Look) -> None:
+        """Gives a segment that is there a look, and a surface where that shows one."""
+        self._show(segment_id, look)
+        self._remember(segment_id, look)
+
+    def _remember(self, segment_id: int, look: Look) -> None:
         with self._lock:
             self._looks[segment_id] = look
             self._looks_version += 1
@@ -239,6 +251,7 @@ class ShownSegments:
             visible=look.visible,
             touchable=state["touchable"],
             range=state["range"],
+            made_by=_finite(state["made_by"]),
             voxels=state["voxels"],
             volume_ml=state["volume"] / 1000.0,
             pending=state["pending"],
@@ -249,6 +262,7 @@ class ShownSegments:
             shown_as=look.shown_as,
             opacity=look.opacity,
             smoothing=look.smoothing,
+            surface_from=look.surface_from,
             wireframe=look.wireframe,
         )
 
@@ -258,9 +272,26 @@ def _is_labelled(segment: protocol.Segment) -> bool:
     return segment.visible and segment.range is None and segment.grid is None
 
 
-def _surface_of(look: Look) -> int | None:
-    """Returns the smoothing degree of the surface that a look shows; None where it shows none."""
-    return look.smoothing if look.visible and look.shown_as != "volume" else None
+class MadeSurface(NamedTuple):
+    """How the engine makes a surface."""
+
+    smoothing: int
+    source: protocol.SurfaceSource
+
+
+def _surface_of(look: Look) -> MadeSurface | None:
+    """Returns how the surface that a look shows is made; None where it shows none."""
+    if not look.visible or look.shown_as == "volume":
+        return None
+    return MadeSurface(look.smoothing, look.surface_from)
+
+
+def _finite(made_by: tuple[float, float] | None) -> tuple[float, float] | None:
+    """Returns a threshold whose open ends are as far away as pages may be told."""
+    if made_by is None:
+        return None
+    low, high = made_by
+    return max(low, -FARTHEST_VALUE), min(high, FARTHEST_VALUE)
 
 
 def _colour_of(segment_id: int) -> tuple[float, float, float]:

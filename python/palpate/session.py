@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from palpate import _core
 from palpate.errors import OptionError
 from palpate.gap import Gap
+from palpate.material import LinearMaterial, Material
 from palpate.package_version import package_version
 from palpate.painted_cut import PaintedCut
 from palpate.recording import Recording
@@ -27,6 +28,7 @@ from palpate.recording_file import FORMAT, VERSION, About, AboutScan, AboutSegme
 from palpate.scene import Scene
 from palpate.scripted_path import ScriptedPath
 from palpate.segment import Segment
+from palpate.surface import Source
 from palpate.touch_settings import TouchSettings
 from palpate.volume import Volume
 
@@ -309,13 +311,15 @@ class Session:
             internal = self._internal.segment(segment_id)
         own_grid = internal.own_grid
         volume = self.scene.volume if own_grid is None else _empty(internal.dimensions, own_grid)
-        return Segment(internal, name=name, volume=volume, range=None)
+        made_by = {state["id"]: state["made_by"] for state in self.segments()}.get(segment_id)
+        return Segment(internal, name=name, volume=volume, range=None, made_by=made_by)
 
     def segments(self) -> list[dict[str, Any]]:
         """Lists the segments as they are now.
 
-        Each has id, voxels, volume [mm³], bounds, touchable, pending, range, feel, pose, and grid:
-        ``patient_from_grid`` by rows where it has a grid of its own, to which bounds belong then.
+        Each has id, voxels, volume [mm³], bounds, touchable, pending, range, made_by, feel, pose,
+        and grid: ``patient_from_grid`` by rows where it has a grid of its own, to which bounds
+        belong then.
         """
         return self._internal.segments_state()
 
@@ -369,6 +373,60 @@ class Session:
                 energy=None if is_density else CORTICAL_ENERGY,
             )
 
+    # --- matter that gives way ------------------------------------------------------------
+
+    def set_deformation(self, model: str | None) -> None:
+        """Chooses the model by which matter gives way under the probe; None makes all hard.
+
+        Segments without a material stay hard (``set_material``). What the probe moves from
+        contact to release is one step of undo.
+
+        Args:
+            model: One of ``palpate.material.deformation_models()``.
+
+        Raises:
+            OptionError: There is no such model.
+        """
+        with _given():
+            self._internal.set_deformation(model)
+
+    def set_material(
+        self, segment_id: int, material: Material | LinearMaterial | str | None
+    ) -> None:
+        """Tells what a segment is made of.
+
+        Args:
+            segment_id: Which one.
+            material: Constants, or a name of ``palpate.material.material_presets()``; None is
+                hard matter.
+
+        Raises:
+            OptionError: There is no such segment or name, or no matter has such constants.
+        """
+        with _given():
+            match material:
+                case str():
+                    self._internal.set_material(segment_id, name=material)
+                case LinearMaterial(interval, low, high):
+                    self._internal.set_material(
+                        segment_id, linear=(interval, tuple(low), tuple(high))
+                    )
+                case None:
+                    self._internal.set_material(segment_id)
+                case Material():
+                    self._internal.set_material(segment_id, constant=tuple(material))
+
+    def deformation(self) -> dict[str, Any]:
+        """Returns how the deformation goes.
+
+        Returns:
+            ``model`` (None where nothing gives way), ``force`` on the tool [N, scene],
+            ``answers`` so far; of the last answer ``iterations``, ``residual`` (what is left of
+            unbalanced force, as a share of the contact's), ``nodes``; ``bonds_broken`` and
+            ``work_broken`` [N·mm] since the start.
+        """
+        return self._internal.deformation()
+
     def stroke(self, *, on: bool) -> None:
         """Begins a stroke of the chosen tool, or ends it: it is one step of undo.
 
@@ -421,24 +479,47 @@ class Session:
 
     # --- the picture ----------------------------------------------------------------------
 
-    def show_surface(self, segment_id: int, *, smoothing: int = 3, step: int = 1) -> None:
+    def show_surface(
+        self,
+        segment_id: int,
+        *,
+        smoothing: int = 3,
+        step: int = 1,
+        source: Source = "intensities",
+    ) -> None:
         """Keeps a surface of a segment that follows its voxels, for ``picture_changes``.
 
         Args:
             segment_id: Which segment.
             smoothing: Degree; 0 shows the voxels as they are, each degree looks a cell farther.
             step: Edge of a cell: 1, 2 or 4 voxels.
+            source: What it is made from; see ``Surface``.
 
         Raises:
             OptionError: A value is out of range, or there is no such segment.
         """
         with _given():
-            self._internal.show_surface(segment_id, smoothing=smoothing, step=step)
+            self._internal.show_surface(
+                segment_id, smoothing=smoothing, step=step, of_bits=source == "bits"
+            )
 
     def hide_surface(self, segment_id: int) -> None:
         """Keeps no surface of a segment any more."""
         with _given():
             self._internal.hide_surface(segment_id)
+
+    def follow_edits(self, every: int) -> None:
+        """Has ``picture_changes`` follow edits every so many-th frame of 60 a second (thesis 5.2.2).
+
+        Args:
+            every: 1 follows at once; up to 4, for slow machines.
+
+        Raises:
+            OptionError: The number is out of range.
+        """
+        if every not in range(1, 5):
+            raise OptionError(f"every {every}th frame given; allowed: 1 to 4")
+        self._internal.follow_edits(every)
 
     def set_labelled(self, segment_ids: list[int]) -> None:
         """Names the segments whose labels ``picture_changes`` tell, the last of several on top."""

@@ -97,7 +97,7 @@ def test_a_recording_has_volume_time_and_load_of_the_drill(
     again = Recording.load(path)
     np.testing.assert_array_equal(again.tool_loads, recording.tool_loads)
     assert again.replay().is_equal
-    again.save_csv(tmp_path / "drilled.csv")
+    again.to_csv(tmp_path / "drilled.csv")
     assert "tool_load_mW" in (tmp_path / "drilled.csv").read_text(encoding="utf-8").split("\n")[0]
 
 

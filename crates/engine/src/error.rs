@@ -135,6 +135,9 @@ pub enum SessionError {
     /// Only an offline session is stepped by its owner.
     #[error("this session runs in real time; allowed: run() of a session with real_time off")]
     NotOffline,
+    /// No deformation model of that name.
+    #[error(transparent)]
+    Model(#[from] palpate_deform::model::UnknownModel),
     /// Voxels that do not fit.
     #[error(transparent)]
     Voxels(#[from] VoxelsError),

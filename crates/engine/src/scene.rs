@@ -6,6 +6,7 @@
 use std::collections::BTreeMap;
 
 use crate::feel::{Feel, Feels};
+use crate::kept_surface::SegmentVoxels;
 use crate::scan_values::{ScanValues, Threshold};
 use crate::touchable::{MovedPart, Part};
 use glam::DAffine3;
@@ -26,7 +27,8 @@ pub struct Properties {
     pub touchable: bool,
     /// The threshold that it is; none once its voxels come from elsewhere.
     pub range: Option<ThresholdRange>,
-    /// The threshold that made it, whatever edits did since: touch reads the scan's values there.
+    /// The threshold that made it, whatever edits did since: touch and surfaces read the scan's
+    /// values there. An end that no value of the scan is beyond is infinite, for it limits nothing.
     pub made_by: Option<ThresholdRange>,
     /// How its surface feels.
     pub feel: Feel,
@@ -184,6 +186,8 @@ pub struct Scene {
     voxels: Voxels,
     /// The scan's values as touch reads them.
     values: ScanValues,
+    /// Lowest and highest of them.
+    value_range: ThresholdRange,
     properties: BTreeMap<SegmentId, Properties>,
     /// The segment that is in the hand: no obstacle meanwhile.
     held: Option<SegmentId>,
@@ -199,6 +203,7 @@ impl Scene {
             .collect();
         let values = ScanValues::of(voxels.intensities());
         Self {
+            value_range: voxels.intensities().range(),
             voxels,
             values,
             properties,
@@ -216,6 +221,19 @@ impl Scene {
     #[must_use]
     pub fn voxels(&self) -> &Voxels {
         &self.voxels
+    }
+
+    /// The voxels of a segment with the threshold that made them.
+    #[must_use]
+    pub fn voxels_of(&self, id: SegmentId) -> Option<SegmentVoxels> {
+        self.voxels.segment(id).map(|segment| SegmentVoxels {
+            grid: *segment.grid(self.voxels.grid()),
+            bits: segment.occupancy().clone(),
+            made_by: match segment.own_grid() {
+                Some(_) => None,
+                None => self.properties_of(id).made_by,
+            },
+        })
     }
 
     /// All segments with their properties, by rising number.
@@ -459,8 +477,9 @@ impl Scene {
         let own_grid = segment.own_grid().is_some();
         let segment = self.voxels.replace_segment(id, segment)?;
         let range = self.exchange_range(id, range);
+        let limiting = made_by.map(|range| self.limiting(range));
         let properties = self.properties.entry(id).or_default();
-        let made_by = std::mem::replace(&mut properties.made_by, made_by);
+        let made_by = std::mem::replace(&mut properties.made_by, limiting);
         if own_grid {
             properties.pose.get_or_insert(DAffine3::IDENTITY);
         }
@@ -484,6 +503,7 @@ impl Scene {
             // no part of the scan: a body of its own from the start
             properties.pose.get_or_insert(DAffine3::IDENTITY);
         }
+        properties.made_by = properties.made_by.map(|range| self.limiting(range));
         let replaced = self.voxels.insert_segment(id, segment)?;
         assert!(replaced.is_none(), "segment number {} was in use", id.0);
         self.properties.insert(id, properties);
@@ -501,6 +521,18 @@ impl Scene {
             properties,
         };
         Ok((inverse, change))
+    }
+
+    /// A threshold without ends that limit nothing.
+    fn limiting(&self, (low, high): ThresholdRange) -> ThresholdRange {
+        let (lowest, highest) = self.value_range;
+        let low = if low <= lowest {
+            f64::NEG_INFINITY
+        } else {
+            low
+        };
+        let high = if high >= highest { f64::INFINITY } else { high };
+        (low, high)
     }
 
     fn exchange_range(

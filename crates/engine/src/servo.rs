@@ -7,9 +7,11 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
 
 use glam::{DAffine3, DVec3};
+use palpate_haptics::coupling::Coupling;
 use palpate_haptics::local_force::LocalForce;
 use palpate_haptics::placement::nearest_free_in;
 use palpate_haptics::proxy::Proxy;
+use palpate_haptics::soft_contact::{SoftContact, SoftInput};
 use palpate_haptics::tick::{TickCache, TickInput, TickOutput, TickState, tick};
 use palpate_volume::bits::Bits;
 use palpate_volume::edit::SegmentId;
@@ -18,12 +20,12 @@ use palpate_volume::grid::Grid;
 use crate::device_loop::WATCHDOG_SECS;
 use crate::feel::Feels;
 use crate::handover::{
-    DeviceSample, ForceCommand, HandTarget, ServoChannels, ServoCommand, ServoStatus, Snapshot,
-    TickRecord,
+    DeviceSample, ForceCommand, GivingWay, HandTarget, ServoChannels, ServoCommand, ServoStatus,
+    Snapshot, TickRecord,
 };
 use crate::mapping::Mapping;
 use crate::model::LimitedModel;
-use crate::moved_poses::MovedPoses;
+use crate::moved_poses::{CurrentPoses, MovedPoses};
 use crate::owners::Owners;
 use crate::probe::Probe;
 use crate::servo_state::{ServoState, TickInputs};
@@ -68,6 +70,8 @@ pub struct ServoLoop {
     owners: Owners,
     /// Whether the state is asked for at the end of this tick.
     marked: bool,
+    /// Whether a moved segment stands elsewhere than was told.
+    moved: bool,
     ends: Ends,
     shared: Arc<Shared>,
 }
@@ -80,6 +84,7 @@ struct Ends {
     hand: triple_buffer::Output<HandTarget>,
     inbox: rtrb::Consumer<ServoCommand>,
     status: triple_buffer::Input<ServoStatus>,
+    poses: triple_buffer::Input<CurrentPoses>,
     records: rtrb::Producer<TickRecord>,
     snapshots: rtrb::Producer<Snapshot>,
 }
@@ -103,6 +108,8 @@ impl ServoLoop {
             radius: start.touchable.radius,
             poses: MovedPoses::default(),
             touched: 0,
+            giving_way: GivingWay::default(),
+            soft: SoftContact::default(),
             hand: start.probe,
             clutch: None,
             forgotten_hand: 0,
@@ -129,6 +136,7 @@ impl ServoLoop {
             inbox,
             garbage,
             status,
+            poses,
             records,
             snapshots,
         } = channels;
@@ -144,12 +152,14 @@ impl ServoLoop {
             cache: TickCache::default(),
             owners: Owners::default(),
             marked: false,
+            moved: true,
             ends: Ends {
                 samples,
                 forces,
                 hand,
                 inbox,
                 status,
+                poses,
                 records,
                 snapshots,
             },
@@ -182,9 +192,12 @@ impl ServoLoop {
         self.hold_clutch(inputs);
         self.move_segments();
 
-        let output = self.touch(&self.input(inputs));
+        let input = self.input(inputs);
+        let mut output = self.touch(&input);
+        self.give_way(inputs.time, &input, &mut output);
 
         self.publish_force(inputs, &output);
+        self.publish_poses();
         self.publish_status(inputs, &output, sent_in_device);
         self.record(inputs, &output, sent_in_device);
         self.state.tick += 1;
@@ -219,6 +232,7 @@ impl ServoLoop {
     /// Takes a step of each segment that moves; the one that is touched takes along what friction
     /// holds.
     fn move_segments(&mut self) {
+        self.moved |= self.state.poses.is_moving();
         let (proxy, touched) = (&mut self.state.touch.proxy, SegmentId(self.state.touched));
         let carried =
             self.occupancy
@@ -269,6 +283,7 @@ impl ServoLoop {
                 mut touchable,
             }) => {
                 self.state.poses.follow_root(&mut touchable, &self.grid);
+                self.moved = true;
                 self.state.received = sequence;
                 self.occupancy.take_root(sequence, touchable, &mut probe);
             }
@@ -315,6 +330,12 @@ impl ServoLoop {
                     let grid = own_grid.unwrap_or(&self.grid);
                     self.state.poses.lead(id, target, grid, bounds);
                 }
+            }
+            Some(ServoCommand::GiveWay(giving_way)) => {
+                self.state.giving_way = giving_way;
+                self.state
+                    .soft
+                    .take(giving_way.contact.as_ref(), inputs.time);
             }
             Some(ServoCommand::Mark) => {
                 self.marked = true;
@@ -405,6 +426,24 @@ impl ServoLoop {
         output
     }
 
+    /// Feels matter that gives way as it answers, instead of its voxels.
+    fn give_way(&mut self, time: f64, input: &TickInput, output: &mut TickOutput) {
+        let touched = SegmentId(self.state.touched);
+        let settings = self.state.feels.of(touched).over(&self.state.settings);
+        let input = SoftInput {
+            device: input.device_in_scene,
+            velocity: input.velocity_in_scene,
+            gives_way: !output.contact || self.state.giving_way.includes(touched),
+            coupling: Coupling {
+                stiffness: settings.stiffness,
+                damping: settings.damping,
+            },
+            spacing: self.grid.smallest_spacing(),
+            time,
+        };
+        self.state.soft.follow(&input, output);
+    }
+
     fn publish_force(&mut self, inputs: &TickInputs, output: &TickOutput) {
         let mapping = &self.state.mapping;
         self.ends.forces.write(ForceCommand {
@@ -414,6 +453,23 @@ impl ServoLoop {
             hand_in_device: mapping.point_to_device(self.state.hand),
             max_force: self.state.settings.force_limit,
         });
+    }
+
+    /// Where matter meets the tool: at the near end of the spring, or where the device is while
+    /// matter that gives way does not push yet.
+    fn tool(&self, inputs: &TickInputs, output: &TickOutput) -> DVec3 {
+        if self.state.soft.is_felt() {
+            self.device_in_scene(inputs) + output.spring
+        } else {
+            output.contact_point_in_scene
+        }
+    }
+
+    /// Before the status, so that who reads that one finds poses as new.
+    fn publish_poses(&mut self) {
+        if std::mem::take(&mut self.moved) {
+            self.ends.poses.write(self.state.poses.current());
+        }
     }
 
     fn publish_status(&mut self, inputs: &TickInputs, output: &TickOutput, sent_in_device: DVec3) {
@@ -427,12 +483,12 @@ impl ServoLoop {
             radius: self.state.radius,
             device: self.device_in_scene(inputs),
             proxy: output.proxy_in_scene,
+            tool: self.tool(inputs, output),
             contact: output.contact,
             touched: self.state.touched,
             time: inputs.time,
             normal: output.normal,
             sent_force: sent_in_device.length(),
-            poses: self.state.poses.current(),
             axes: self.state.mapping.rotation,
             orientation: inputs.orientation,
             origin: self.state.mapping.offset,

@@ -8,7 +8,6 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use glam::{DAffine3, DVec3, IVec3};
 use palpate_device::DeviceLimits;
-use palpate_surface::settings::SurfaceSettings;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
 use palpate_volume::segment::Segment;
@@ -19,7 +18,9 @@ use crate::clock;
 use crate::error::SessionError;
 use crate::feel::Feel;
 use crate::frame::{Frame, Notice, Rates};
+use crate::gap_bodies::GapBodies;
 use crate::handover::HandTarget;
+use crate::kept_surface::SurfaceMaking;
 use crate::live::{Live, Paces};
 use crate::mapping::rotation_of_view;
 use crate::offline::Offline;
@@ -30,13 +31,12 @@ use crate::session_config::{SessionConfig, check, check_point};
 use crate::settings::Settings;
 use crate::shared::Shared;
 use crate::simulation::{SegmentState, Simulation, checked_box};
+use crate::surface_loop::SurfacePace;
 use crate::surfaces::{PictureChange, Surfaces};
 use crate::tape::{Tape, TapeRecorder};
 
 mod changes;
 mod objects;
-
-use objects::GapBodies;
 
 /// Edits of more voxels than this are built outside the simulation thread.
 const SMALL_EDIT: u64 = 1 << 20;
@@ -56,6 +56,7 @@ pub struct Session {
     run: Run,
     picture: Arc<Mutex<Picture>>,
     surfaces: Arc<Mutex<Surfaces>>,
+    pace: SurfacePace,
     hand: Mutex<(triple_buffer::Input<HandTarget>, u64)>,
     shared: Arc<Shared>,
     notices: Sender<Notice>,
@@ -85,6 +86,7 @@ impl Session {
             loops,
             picture,
             surfaces,
+            pace,
             hand,
             shared,
             notices,
@@ -104,6 +106,7 @@ impl Session {
             run,
             picture,
             surfaces,
+            pace,
             hand: Mutex::new((hand, 0)),
             shared,
             notices,
@@ -250,13 +253,19 @@ impl Session {
     /// Shows a segment as a surface made in this way, or as none.
     ///
     /// # Errors
-    /// Where the settings make no surface, there is no such segment, or the session has ended.
+    /// Where such a surface cannot be made, there is no such segment, or the session has ended.
     pub fn show_surface(
         &self,
         id: SegmentId,
-        settings: Option<SurfaceSettings>,
+        making: Option<SurfaceMaking>,
     ) -> Result<(), SessionError> {
-        self.ask(move |simulation| simulation.show_surface(id, settings))?
+        self.ask(move |simulation| simulation.show_surface(id, making))?
+    }
+
+    /// Has voxels and surfaces that are shown follow edits every so many-th frame of the picture,
+    /// 1 to 4, for machines that are slow (thesis 5.2.2); 1 is at once.
+    pub fn follow_edits(&self, every: u32) {
+        self.pace.set(every);
     }
 
     /// Names the segments that the picture shows by their labels, the last of several on top.

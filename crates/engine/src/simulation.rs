@@ -15,13 +15,15 @@ use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
 use palpate_volume::segment::Segment;
 use palpate_volume::voxel_box::VoxelBox;
-use palpate_volume::voxels::Voxels;
+use palpate_volume::voxels::{Voxels, VoxelsError};
 
+use crate::deformation::Deformation;
 use crate::error::SessionError;
 use crate::feel::Feel;
 use crate::frame::Notice;
 use crate::grip::Grip;
 use crate::handover::{ServoCommand, SimulationChannels};
+use crate::kept_surface::SegmentVoxels;
 use crate::moved_poses::CurrentPoses;
 use crate::placement::{REACH, free_point};
 use crate::scene::{Scene, Step, ThresholdRange};
@@ -31,6 +33,7 @@ use crate::tape::TapeRecorder;
 use crate::tool_stroke::{ToolNow, ToolStroke};
 use crate::touch_sender::{TouchSender, touchable_of};
 
+mod deformation;
 mod objects;
 pub mod recovery;
 mod segments;
@@ -92,6 +95,8 @@ pub struct SegmentState {
     pub pending: bool,
     /// The threshold that it is; none where its voxels come from elsewhere.
     pub range: Option<ThresholdRange>,
+    /// The threshold that made it, whatever edits did since.
+    pub made_by: Option<ThresholdRange>,
     /// How its surface feels.
     pub feel: Feel,
     /// Where it was moved [mm, from the scan to the scene]; none where the scan has it.
@@ -115,6 +120,7 @@ pub struct Simulation {
     /// The segment on a drag that has not ended.
     dragged: Option<SegmentId>,
     clutched: bool,
+    deformation: Deformation,
     file: Option<JournalFile>,
     touch: TouchSender,
     status: triple_buffer::Input<SimulationStatus>,
@@ -136,7 +142,7 @@ impl Simulation {
     /// A simulation of this scene, whose device bears `limits`.
     #[must_use]
     pub fn new(
-        scene: Scene,
+        (scene, deformation): (Scene, Deformation),
         settings: Settings,
         limits: DeviceLimits,
         channels: SimulationChannels,
@@ -149,6 +155,7 @@ impl Simulation {
             grip: None,
             dragged: None,
             clutched: false,
+            deformation,
             file: None,
             touch: TouchSender::new(channels, settings.probe_radius),
             status,
@@ -178,6 +185,15 @@ impl Simulation {
         self.settings
     }
 
+    /// The voxels of a segment with the threshold that made them.
+    ///
+    /// # Errors
+    /// Where there is no such segment.
+    pub fn voxels_of(&self, id: SegmentId) -> Result<SegmentVoxels, SessionError> {
+        let voxels = self.scene.voxels_of(id);
+        voxels.ok_or(VoxelsError::UnknownSegment(id.0).into())
+    }
+
     /// All segments, by rising number.
     #[must_use]
     pub fn segments(&self) -> Vec<SegmentState> {
@@ -192,6 +208,7 @@ impl Simulation {
                 touchable: properties.touchable,
                 pending: self.touch.is_pending(id),
                 range: properties.range,
+                made_by: properties.made_by,
                 feel: properties.feel,
                 pose: properties.pose,
             })
@@ -203,6 +220,7 @@ impl Simulation {
         self.touch.exchange(&self.scene);
         self.advance_grip();
         self.advance_tool();
+        self.advance_deformation();
         self.tell_of_held_changes();
         self.tell_of_refused_places();
         self.tell_of_full_tape();

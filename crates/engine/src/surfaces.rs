@@ -10,13 +10,14 @@ use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 use std::time::SystemTime;
 
-use palpate_surface::settings::{PATCH_CELLS, SurfaceSettings};
-use palpate_surface::{PatchChange, PatchId, SegmentSurface, VoxelSource};
+use palpate_surface::settings::PATCH_CELLS;
+use palpate_surface::{PatchChange, PatchId};
 use palpate_volume::bits::Bits;
 use palpate_volume::edit::SegmentId;
-use palpate_volume::grid::Grid;
+use palpate_volume::intensities::Intensities;
 use palpate_volume::voxel_box::VoxelBox;
 
+use crate::kept_surface::{KeptSurface, SegmentVoxels, SurfaceMaking};
 use crate::packed_patch::{Lattice, PackedPatch};
 use crate::scene_news::{EditNews, SceneNews};
 
@@ -58,20 +59,16 @@ pub struct VoxelChange {
 /// A segment that is shown as a surface.
 #[derive(Debug)]
 struct Shown {
-    /// The grid of its voxels: the scan's, or its own.
-    grid: Grid,
-    bits: Bits,
-    surface: SegmentSurface,
+    kept: KeptSurface,
     lattice: Lattice,
     packed: BTreeMap<PatchId, Arc<PackedPatch>>,
-    /// The box of voxels that the surface does not follow yet.
-    dirty: VoxelBox,
     change: SurfaceChange,
 }
 
 /// All surfaces of a scan.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Surfaces {
+    scan: Intensities,
     shown: BTreeMap<SegmentId, Shown>,
     next: PictureChange,
     /// Whether anybody ever asked: else nothing is kept.
@@ -80,24 +77,34 @@ pub struct Surfaces {
 }
 
 impl Surfaces {
+    /// No segment of a scan is shown as a surface.
+    #[must_use]
+    pub fn new(scan: Intensities) -> Self {
+        Self {
+            scan,
+            shown: BTreeMap::new(),
+            next: PictureChange::default(),
+            watched: false,
+            changes: VecDeque::new(),
+        }
+    }
+
     /// Takes news; [`Self::follow`] makes what they change.
     pub fn take(&mut self, news: SceneNews) {
         match news {
             SceneNews::Edit(edit) => self.take_edit(edit),
-            SceneNews::Segment(id, Some((bits, grid))) => self.take_segment(id, bits, grid),
+            SceneNews::Segment(id, Some(voxels)) => self.take_segment(id, voxels),
             // undo may bring it back, and it is still to be shown as a surface then
             SceneNews::Segment(id, None) => self.empty(id),
             SceneNews::Show(id, None) => self.hide(id),
-            SceneNews::Show(id, Some((settings, bits, grid))) => {
-                self.show(id, settings, bits, grid);
-            }
+            SceneNews::Show(id, Some((making, voxels))) => self.show(id, making, voxels),
         }
     }
 
     /// Makes the surfaces follow all news that were taken.
     pub fn follow(&mut self) {
         for (&id, shown) in &mut self.shown {
-            shown.follow();
+            shown.follow(&self.scan);
             let change = std::mem::take(&mut shown.change);
             if !change.is_empty() {
                 self.next.surfaces.insert(id, change);
@@ -136,6 +143,13 @@ impl Surfaces {
         }
     }
 
+    /// The surface that is kept of a segment that is shown, where it is made in this way.
+    #[must_use]
+    pub fn kept(&self, id: SegmentId, making: &SurfaceMaking) -> Option<&KeptSurface> {
+        let kept = self.shown.get(&id).map(|shown| &shown.kept);
+        kept.filter(|kept| kept.making() == making)
+    }
+
     fn take_edit(&mut self, news: EditNews) {
         let EditNews {
             edit,
@@ -149,8 +163,7 @@ impl Surfaces {
             let Some(shown) = self.shown.get_mut(&id) else {
                 continue;
             };
-            swaps.iter_mut().for_each(|swap| shown.bits.swap(swap));
-            shown.dirty = shown.dirty.union(&dirty);
+            shown.kept.swap(&mut swaps, &dirty);
         }
         self.next.edit = edit;
         self.next.applied.get_or_insert(applied);
@@ -164,39 +177,41 @@ impl Surfaces {
     }
 
     fn empty(&mut self, id: SegmentId) {
-        if let Some(shown) = self.shown.get(&id) {
-            let (bits, grid) = (Bits::empty(shown.grid.dimensions()), shown.grid);
-            self.take_segment(id, bits, grid);
+        if let Some(shown) = self.shown.get_mut(&id) {
+            let grid = *shown.kept.grid();
+            shown.kept.replace(SegmentVoxels {
+                bits: Bits::empty(grid.dimensions()),
+                made_by: None,
+                grid,
+            });
         }
     }
 
-    fn take_segment(&mut self, id: SegmentId, bits: Bits, grid: Grid) {
+    fn take_segment(&mut self, id: SegmentId, voxels: SegmentVoxels) {
         let Some(shown) = self.shown.get_mut(&id) else {
             return;
         };
-        if shown.grid != grid {
+        if *shown.kept.grid() == voxels.grid {
+            shown.kept.replace(voxels);
+        } else {
             // another segment under the same number
-            let settings = *shown.surface.settings();
-            return self.show(id, settings, bits, grid);
+            let making = *shown.kept.making();
+            self.show(id, making, voxels);
         }
-        shown.dirty = shown.dirty.union(&shown.bits.difference(&bits));
-        shown.bits = bits;
     }
 
-    fn show(&mut self, id: SegmentId, settings: SurfaceSettings, bits: Bits, grid: Grid) {
-        let Ok(surface) = SegmentSurface::new(&grid, settings) else {
+    fn show(&mut self, id: SegmentId, making: SurfaceMaking, voxels: SegmentVoxels) {
+        let spacing = voxels.grid.spacing();
+        let Ok(kept) = KeptSurface::new(making, voxels) else {
             // the simulation has refused such settings
             return;
         };
-        let edge = f64::from((PATCH_CELLS + 2) * i32::from(settings.step));
-        let longest = edge * grid.spacing().length();
+        let edge = f64::from((PATCH_CELLS + 2) * i32::from(making.settings.step));
+        let longest = edge * spacing.length();
         let shown = Shown {
-            grid,
-            bits,
-            lattice: Lattice::new(surface.origin(), longest),
-            surface,
+            lattice: Lattice::new(kept.surface().origin(), longest),
+            kept,
             packed: BTreeMap::new(),
-            dirty: grid.bounds(),
             change: SurfaceChange {
                 whole: true,
                 ..SurfaceChange::default()
@@ -217,15 +232,8 @@ impl Surfaces {
 }
 
 impl Shown {
-    fn follow(&mut self) {
-        let dirty = std::mem::replace(&mut self.dirty, VoxelBox::EMPTY);
-        if dirty.is_empty() {
-            return;
-        }
-        for PatchChange { id, patch } in self
-            .surface
-            .update(&VoxelSource::of_bits(&self.bits), &dirty)
-        {
+    fn follow(&mut self, scan: &Intensities) {
+        for PatchChange { id, patch } in self.kept.follow(scan) {
             match patch.and_then(|patch| self.lattice.pack(&patch)) {
                 Some(packed) => {
                     let packed = Arc::new(packed);

@@ -18,7 +18,7 @@ use rtrb::Consumer;
 use serde::{Deserialize, Serialize};
 
 use crate::feel::Feel;
-use crate::handover::{ServoCommand, Snapshot};
+use crate::handover::{GivingWay, ServoCommand, Snapshot};
 use crate::scan_values::{ScanValues, Threshold};
 use crate::scene::ThresholdRange;
 use crate::servo_state::ServoState;
@@ -65,6 +65,8 @@ pub enum TapeCommand {
     Pose(u8, DAffine3),
     /// How the surface of a segment felt from then on.
     Feel(u8, Feel),
+    /// What gave way from then on.
+    GiveWay(GivingWay),
     /// A recording began anew.
     Mark,
 }
@@ -305,6 +307,7 @@ impl Writer {
             ServoCommand::Settings(settings) => TapeCommand::Settings(*settings),
             ServoCommand::Pose(id, pose) => TapeCommand::Pose(id.0, *pose),
             ServoCommand::Feel(id, feel) => TapeCommand::Feel(id.0, *feel),
+            ServoCommand::GiveWay(giving_way) => TapeCommand::GiveWay(*giving_way),
             ServoCommand::Mark => TapeCommand::Mark,
         };
         TapeEntry { command, swaps }

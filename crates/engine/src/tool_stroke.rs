@@ -179,6 +179,12 @@ impl ToolStroke {
         !self.changes.is_empty()
     }
 
+    /// Whether a tool is pressed.
+    #[must_use]
+    pub fn is_on(&self) -> bool {
+        self.pressed.is_some()
+    }
+
     /// The step that takes back what the stroke has changed since this was last asked.
     pub fn take_inverse(&mut self) -> Option<Step> {
         let ranges = std::mem::take(&mut self.ranges);

@@ -11,6 +11,7 @@ use crate::scene::{MAX_OBJECTS, Object, TouchScene};
 use arrayvec::ArrayVec;
 use glam::{DVec3, IVec3};
 use palpate_volume::bit_brick::BitBrick;
+use palpate_volume::first_solid::Traversal;
 use palpate_volume::occupancy::Occupancy;
 use palpate_volume::voxel_box::VoxelBox;
 
@@ -151,6 +152,13 @@ impl<O: Occupancy> ProbeSolid<O> {
     }
 
     #[inline(never)]
+    fn first_blocked(&self, start: DVec3, end: DVec3, max_visits: u32) -> Traversal {
+        self.hard
+            .dilate(&self.inner)
+            .first_solid(start, end, max_visits)
+    }
+
+    #[inline(never)]
     fn blocked(&self, min: IVec3) -> BitBrick {
         self.hard.dilate(&self.inner).block(min)
     }
@@ -172,6 +180,15 @@ impl<O: Occupancy> Occupancy for ProbeSolid<O> {
     }
 
     #[inline]
+    fn first_solid(&self, start: DVec3, end: DVec3, max_visits: u32) -> Traversal {
+        if self.hard.is_point() {
+            self.inner.first_solid(start, end, max_visits)
+        } else {
+            self.first_blocked(start, end, max_visits)
+        }
+    }
+
+    #[inline]
     fn block(&self, min: IVec3) -> BitBrick {
         if self.hard.is_point() {
             self.inner.block(min)
@@ -182,17 +199,17 @@ impl<O: Occupancy> Occupancy for ProbeSolid<O> {
 
     #[inline]
     fn smooth_block(&self, min: IVec3) -> BitBrick {
-        if self.hard.is_point() {
-            self.inner.smooth_block(min)
-        } else {
-            self.blocked_softly(min)
-        }
+        self.inner.smooth_block(min)
     }
 
-    /// Of a point only: the surface of a ball's cells is another than that of the voxels.
+    #[inline]
+    fn probe_radius_mm(&self) -> f64 {
+        self.shape().radius_mm()
+    }
+
     #[inline]
     fn knows_shares(&self) -> bool {
-        self.hard.is_point() && self.inner.knows_shares()
+        self.inner.knows_shares()
     }
 
     #[inline]

@@ -219,7 +219,7 @@ impl<O: Occupancy, M: ContactModel, S: Surfaces> Tick<'_, O, M, S> {
         };
         let mut smoothed = |contact: &Contact, to: DVec3, state: &mut TickState| {
             let fields = if smoother.enabled {
-                cache.fields.near(self.scene, source, &state.proxy)
+                cache.fields.near(self.scene, source, &state.proxy, to)
             } else {
                 NearFields::none()
             };

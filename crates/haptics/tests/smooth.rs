@@ -73,7 +73,7 @@ impl<'a, O: Occupancy> Hand<'a, O> {
             epoch: self.epoch,
             shares: self.shares,
         };
-        let fields = self.cache.near(&self.scene, source, &self.proxy);
+        let fields = self.cache.near(&self.scene, source, &self.proxy, device);
         let input = SmoothInput {
             proxy: &self.proxy,
             device_in_grid: device,

@@ -326,7 +326,7 @@ fn facts_of(bytes: &[u8]) -> Result<Entry, Wrong> {
     let (id, touchable) = (reader.segment()?, reader.flag()?);
     let mut range = || {
         let exists = reader.flag()?;
-        let range = (reader.float()?, reader.float()?);
+        let range = (reader.limit()?, reader.limit()?);
         Ok(exists.then_some(range))
     };
     let (range, made_by) = (range()?, range()?);
@@ -478,6 +478,12 @@ impl Reader<'_> {
     fn float(&mut self) -> Result<f64, Wrong> {
         let number = f64::from_le_bytes(self.take()?);
         number.is_finite().then_some(number).ok_or("no number")
+    }
+
+    /// A number that may be without end.
+    fn limit(&mut self) -> Result<f64, Wrong> {
+        let number = f64::from_le_bytes(self.take()?);
+        (!number.is_nan()).then_some(number).ok_or("no number")
     }
 
     fn affine(&mut self) -> Result<DAffine3, Wrong> {

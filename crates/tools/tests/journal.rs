@@ -285,7 +285,7 @@ fn moves_facts_and_segments_with_a_grid_of_their_own_come_back_to_the_bit() {
     let segment = Segment::from_fn(own.dimensions(), |voxel| voxel.x > 3).on_grid(own);
     let facts = Facts {
         touchable: true,
-        range: Some((-0.25, 1e9)),
+        range: Some((-0.25, f64::INFINITY)),
         made_by: None,
         feel: [Some(0.3), None, Some(0.1)],
         pose: Some(DAffine3::from_rotation_x(0.7)),

@@ -295,7 +295,9 @@ export class Stage {
       const segment = segments.find(({ id, range }) => id === label && range === null);
       return segment === undefined ? null : { id: label, visible: drawnFromVoxels(segment) };
     };
-    return pickSurface(volume, look, ray, { crossings: surfaceCrossings(surfaces, ray), labelAt });
+    // an edited threshold is where its labels are
+    const ranges = look.ranges.filter((range) => range.label === 0);
+    return pickSurface(volume, { ...look, ranges }, ray, { crossings: surfaceCrossings(surfaces, ray), labelAt });
   }
 
   /** Says which object stands at a point of the picture, for a while; null ends that. */

@@ -59,6 +59,8 @@ export const segment: Segment = {
   bounds: null,
   grid: null,
   shown_as: "volume",
+  surface_from: "intensities",
+  made_by: null,
   opacity: 1,
   smoothing: 3,
   wireframe: false,

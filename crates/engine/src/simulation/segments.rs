@@ -1,12 +1,10 @@
 //! Segments of the simulation: added, changed, removed, and how they are touched and shown.
 
 use palpate_haptics::scene::ObjectPose;
-use palpate_surface::settings::SurfaceSettings;
 use palpate_tools::journal_entry::Action;
 use palpate_volume::edit::{Edit, SegmentId};
 use palpate_volume::segment::Segment;
 use palpate_volume::voxel_box::VoxelBox;
-use palpate_volume::voxels::VoxelsError;
 
 use glam::DAffine3;
 
@@ -14,6 +12,7 @@ use super::{Simulation, check_radius};
 use crate::error::SessionError;
 use crate::feel::Feel;
 use crate::handover::ServoCommand;
+use crate::kept_surface::SurfaceMaking;
 use crate::scene::{Properties, Step, ThresholdRange, TouchChange};
 use crate::scene_news::SceneNews;
 
@@ -123,13 +122,13 @@ impl Simulation {
     pub fn show_surface(
         &mut self,
         id: SegmentId,
-        settings: Option<SurfaceSettings>,
+        making: Option<SurfaceMaking>,
     ) -> Result<(), SessionError> {
-        settings.as_ref().map_or(Ok(()), SurfaceSettings::check)?;
-        let segment = self.voxels().segment(id);
-        let segment = segment.ok_or(VoxelsError::UnknownSegment(id.0))?;
-        let grid = *segment.grid(self.voxels().grid());
-        let shown = settings.map(|settings| (settings, segment.occupancy().clone(), grid));
+        if let Some(making) = &making {
+            making.settings.check()?;
+        }
+        let voxels = self.voxels_of(id)?;
+        let shown = making.map(|making| (making, voxels));
         self.tell_picture(SceneNews::Show(id, shown));
         Ok(())
     }

@@ -17,6 +17,7 @@ impl Simulation {
     pub fn undo(&mut self) -> Result<bool, SessionError> {
         self.let_go();
         self.close_step();
+        self.deformation.forget();
         let Some(step) = self.journal.pop_undo() else {
             return Ok(false);
         };
@@ -34,6 +35,7 @@ impl Simulation {
     pub fn redo(&mut self) -> Result<bool, SessionError> {
         self.let_go();
         self.close_step();
+        self.deformation.forget();
         let Some(step) = self.journal.pop_redo() else {
             return Ok(false);
         };

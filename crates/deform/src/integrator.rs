@@ -1,0 +1,1 @@
+//! How particles move: velocity Verlet in scaled and in physical time.

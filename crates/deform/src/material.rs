@@ -1,0 +1,342 @@
+//! What matter is made of: the door at which SI comes in and mm, N and kg go on.
+//!
+//! Constants of a tissue are given in Pa and kg/m³ ([`SolidSi`]), as books and people write
+//! them, and are checked and converted in [`SolidSi::checked`] alone. A [`MaterialLaw`] gives
+//! them for a voxel, from constants or from its intensity.
+//!
+//! Source: thesis 5.14, 5.15, 5.28.3; expression 5.54. Thesis errata, section 3: density alone
+//! changes no force at rest, so that Young's modulus follows the intensity too.
+
+mod presets;
+
+pub use presets::{PRESETS, Preset, preset};
+
+use palpate_volume::edit::SegmentId;
+use palpate_volume::voxel_box::VoxelBox;
+use thiserror::Error;
+
+/// Moduli that make sense [Pa], from mucus to diamond.
+const YOUNG_LIMITS: [f64; 2] = [1.0, 2e12];
+/// Densities that make sense [kg/m³], from gas to osmium.
+const DENSITY_LIMITS: [f64; 2] = [0.1, 23_000.0];
+/// N/mm² in a Pa.
+const MEGAPASCAL: f64 = 1e-6;
+/// kg/mm³ in a kg/m³.
+const PER_CUBIC_MILLIMETRE: f64 = 1e-9;
+
+/// Constants that no matter has.
+#[derive(Clone, Copy, Debug, Error, PartialEq)]
+pub enum MaterialError {
+    /// Young's modulus.
+    #[error("Young's modulus {0} Pa given; allowed: {low} to {high} Pa", low = YOUNG_LIMITS[0], high = YOUNG_LIMITS[1])]
+    Young(f64),
+    /// Poisson's ratio.
+    #[error("Poisson's ratio {0} given; allowed: above -1 and below 0.5")]
+    Poisson(f64),
+    /// Density.
+    #[error("density {0} kg/m³ given; allowed: {low} to {high} kg/m³", low = DENSITY_LIMITS[0], high = DENSITY_LIMITS[1])]
+    Density(f64),
+    /// Strain at which bonds break.
+    #[error("breaking strain {0} given; allowed: above 0, infinity for matter that never breaks")]
+    BreakingStrain(f64),
+    /// Friction.
+    #[error("friction {0} given; allowed: 0 to 10")]
+    Friction(f64),
+    /// An interval of intensities without width.
+    #[error("intensities from {0} to {1} given; allowed: finite, the second one larger")]
+    Interval(f64, f64),
+    /// A power law that gives no modulus.
+    #[error("power law {coefficient} Pa · ρ^{exponent} given; allowed: both above 0 and finite")]
+    PowerLaw {
+        /// Modulus at 1 g/cm³ [Pa].
+        coefficient: f64,
+        /// Of the density.
+        exponent: f64,
+    },
+    /// There is no such preset.
+    #[error("this material is unknown; allowed: the names of `PRESETS`")]
+    UnknownPreset,
+}
+
+/// Constants of an isotropic solid as people give them, in SI.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SolidSi {
+    /// Young's modulus E [Pa].
+    pub young: f64,
+    /// Poisson's ratio ν.
+    pub poisson: f64,
+    /// Density ρ [kg/m³].
+    pub density: f64,
+    /// Strain at which a bond breaks; infinity where none does.
+    pub breaking_strain: f64,
+    /// Coulomb friction with a tool.
+    pub friction: f64,
+}
+
+impl SolidSi {
+    /// Checks them and takes them to mm, N and kg: the one place where this is done.
+    ///
+    /// # Errors
+    /// Where a constant is one that no matter has.
+    pub fn checked(&self) -> Result<Solid, MaterialError> {
+        let within = |value: f64, [low, high]: [f64; 2]| value >= low && value <= high;
+        if !within(self.young, YOUNG_LIMITS) {
+            return Err(MaterialError::Young(self.young));
+        }
+        // written so that NaN is refused
+        if !(self.poisson > -1.0 && self.poisson < 0.5) {
+            return Err(MaterialError::Poisson(self.poisson));
+        }
+        if !within(self.density, DENSITY_LIMITS) {
+            return Err(MaterialError::Density(self.density));
+        }
+        if self.breaking_strain.is_nan() || self.breaking_strain <= 0.0 {
+            return Err(MaterialError::BreakingStrain(self.breaking_strain));
+        }
+        if !within(self.friction, [0.0, 10.0]) {
+            return Err(MaterialError::Friction(self.friction));
+        }
+        Ok(Solid {
+            young: self.young * MEGAPASCAL,
+            poisson: self.poisson,
+            density: self.density * PER_CUBIC_MILLIMETRE,
+            breaking_strain: self.breaking_strain,
+            friction: self.friction,
+        })
+    }
+}
+
+/// Checked constants of an isotropic solid in mm, N and kg.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Solid {
+    /// Young's modulus E [N/mm²].
+    pub young: f64,
+    /// Poisson's ratio ν.
+    pub poisson: f64,
+    /// Density ρ [kg/mm³].
+    pub density: f64,
+    /// Strain at which a bond breaks; infinity where none does.
+    pub breaking_strain: f64,
+    /// Coulomb friction with a tool.
+    pub friction: f64,
+}
+
+impl Solid {
+    /// Lamé's first parameter λ [N/mm²]. Source: thesis 5.46.
+    #[must_use]
+    pub fn lame(&self) -> f64 {
+        self.young * self.poisson / ((1.0 + self.poisson) * (1.0 - 2.0 * self.poisson))
+    }
+
+    /// Shear modulus μ [N/mm²]. Source: thesis 5.47.
+    #[must_use]
+    pub fn shear(&self) -> f64 {
+        self.young / (2.0 * (1.0 + self.poisson))
+    }
+
+    /// The solid between two, each constant at `share` of the way.
+    fn between(low: &Self, high: &Self, share: f64) -> Self {
+        // a share of infinity would be NaN at 0
+        let mix = |a: f64, b: f64| if a == b { a } else { a + share * (b - a) };
+        Self {
+            young: mix(low.young, high.young),
+            poisson: mix(low.poisson, high.poisson),
+            density: mix(low.density, high.density),
+            breaking_strain: mix(low.breaking_strain, high.breaking_strain),
+            friction: mix(low.friction, high.friction),
+        }
+    }
+}
+
+/// How constants follow the intensity of a voxel. Made by the functions that check them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum MaterialLaw {
+    /// The same everywhere, as for MR scans.
+    Constant(Solid),
+    /// Each constant linear in HU between two solids, held at its ends (thesis 5.54).
+    Linear {
+        /// HU of `low` and of `high`.
+        interval: [f64; 2],
+        /// At the lower end.
+        low: Solid,
+        /// At the upper end.
+        high: Solid,
+    },
+    /// E = coefficient · ρ^exponent, with the density linear in HU and held at its ends.
+    Power {
+        /// HU of the two densities.
+        interval: [f64; 2],
+        /// Apparent densities at the two ends [kg/mm³].
+        density: [f64; 2],
+        /// Modulus at 1 g/cm³ [N/mm²].
+        coefficient: f64,
+        /// Of the density in g/cm³.
+        exponent: f64,
+        /// The constants that do not follow the density.
+        other: Solid,
+    },
+}
+
+impl MaterialLaw {
+    /// The same constants everywhere.
+    ///
+    /// # Errors
+    /// Where no matter has them.
+    pub fn constant(solid: SolidSi) -> Result<Self, MaterialError> {
+        Ok(Self::Constant(solid.checked()?))
+    }
+
+    /// Constants linear in HU (thesis 5.54, for E, ν and ρ alike).
+    ///
+    /// # Errors
+    /// Where the interval is none or no matter has the constants.
+    pub fn linear(interval: [f64; 2], low: SolidSi, high: SolidSi) -> Result<Self, MaterialError> {
+        check_interval(interval)?;
+        Ok(Self::Linear {
+            interval,
+            low: low.checked()?,
+            high: high.checked()?,
+        })
+    }
+
+    /// E by a power of the apparent density: `coefficient` [Pa at 1 g/cm³], `density` [kg/m³]
+    /// at the ends of the interval of HU; `other` gives ν, breaking strain and friction.
+    ///
+    /// # Errors
+    /// Where the interval or the law is none, or no matter has the constants at its ends.
+    pub fn power(
+        interval: [f64; 2],
+        density: [f64; 2],
+        coefficient: f64,
+        exponent: f64,
+        other: SolidSi,
+    ) -> Result<Self, MaterialError> {
+        check_interval(interval)?;
+        let positive = |value: f64| value > 0.0 && value.is_finite();
+        if !(positive(coefficient) && positive(exponent)) {
+            return Err(MaterialError::PowerLaw {
+                coefficient,
+                exponent,
+            });
+        }
+        for density in density {
+            let young = coefficient * (density * 1e-3).powf(exponent);
+            let end = SolidSi {
+                young,
+                density,
+                ..other
+            };
+            end.checked()?;
+        }
+        Ok(Self::Power {
+            interval,
+            density: density.map(|density| density * PER_CUBIC_MILLIMETRE),
+            coefficient: coefficient * MEGAPASCAL,
+            exponent,
+            other: other.checked()?,
+        })
+    }
+
+    /// The solid of a voxel of this intensity [HU]; outside its interval, and for NaN, that
+    /// of the nearer end (for NaN, of the lower).
+    #[must_use]
+    pub fn at(&self, hounsfield: f64) -> Solid {
+        match self {
+            Self::Constant(solid) => *solid,
+            Self::Linear {
+                interval,
+                low,
+                high,
+            } => Solid::between(low, high, share(*interval, hounsfield)),
+            Self::Power {
+                interval,
+                density: [low, high],
+                coefficient,
+                exponent,
+                other,
+            } => {
+                let density = low + share(*interval, hounsfield) * (high - low);
+                let grams_per_cubic_centimetre = density * 1e6;
+                Solid {
+                    young: coefficient * grams_per_cubic_centimetre.powf(*exponent),
+                    density,
+                    ..*other
+                }
+            }
+        }
+    }
+
+    /// Whether it reads intensities as HU; such a law is for CT only.
+    #[must_use]
+    pub fn needs_hounsfield(&self) -> bool {
+        !matches!(self, Self::Constant(_))
+    }
+}
+
+/// Where a value lies in an interval, held at its ends; 0 for NaN.
+#[expect(clippy::manual_clamp, reason = "clamp would hand NaN on")]
+fn share([low, high]: [f64; 2], value: f64) -> f64 {
+    ((value - low) / (high - low)).max(0.0).min(1.0)
+}
+
+fn check_interval([low, high]: [f64; 2]) -> Result<(), MaterialError> {
+    let allowed = low.is_finite() && high.is_finite() && low < high;
+    allowed
+        .then_some(())
+        .ok_or(MaterialError::Interval(low, high))
+}
+
+/// Stiffness of two half bonds in series: their harmonic mean, 0 where one is 0.
+///
+/// Source: thesis errata, section 3; expression 5.57 takes the arithmetic mean, which makes an
+/// interface of bone and soft tissue half as stiff as bone.
+#[must_use]
+pub fn pair_stiffness(first: f64, second: f64) -> f64 {
+    let sum = first + second;
+    if sum > 0.0 {
+        2.0 * first * (second / sum)
+    } else {
+        0.0
+    }
+}
+
+/// How a part of a scan takes part in the deformation.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Treatment {
+    /// It gives.
+    #[default]
+    Deformable,
+    /// It stays where it is, and holds what is bonded to it.
+    Rigid,
+    /// As if it were not there.
+    Empty,
+}
+
+/// A part of a segment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// All of it.
+    Whole,
+    /// What lies in a box of voxels.
+    Within(VoxelBox),
+    /// What belongs to another segment too.
+    Shared(SegmentId),
+}
+
+/// What one segment is made of.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SegmentMatter {
+    /// Which one.
+    pub segment: SegmentId,
+    /// Its constants.
+    pub law: MaterialLaw,
+    /// How its parts take part; a later one that holds wins, without one it is deformable.
+    pub treatments: Vec<(Part, Treatment)>,
+}
+
+/// What the segments of a scan are made of. Where a voxel belongs to several, the last counts.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Materials {
+    /// One for each segment that takes part; all others are as if empty.
+    pub segments: Vec<SegmentMatter>,
+}

@@ -1,0 +1,240 @@
+//! What all models of deformation share: what they are told and what they answer.
+//!
+//! A model is told the true voxels, what they are made of, where the tools are and how much it
+//! may work; it answers with an edit (solid voxels and their intensities that moved), a field of
+//! displacements for the picture, and for each tool the contact force with its stiffness. It
+//! applies nothing and sends nothing.
+//!
+//! Frame: patient (LPS mm) of the scan. Units: mm, N, N/mm, N·mm, s.
+//! Source: thesis 5.1.
+
+use std::fmt;
+use std::time::Instant;
+
+use glam::{DMat3, DQuat, DVec3, UVec3, Vec3};
+use palpate_volume::edit::Edit;
+use palpate_volume::material::LocalContact;
+use palpate_volume::voxels::Voxels;
+use thiserror::Error;
+
+use crate::lattice::LatticeModel;
+use crate::material::Materials;
+
+/// Sizes of tools that make sense [mm].
+const SIZE_LIMITS: [f64; 2] = [1e-3, 100.0];
+
+/// The rigid body of a tool, centred at its position.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ToolShape {
+    /// A ball of this radius [mm].
+    Ball(f64),
+    /// An ellipsoid with these half axes [mm], along the tool's own axes.
+    Ellipsoid(DVec3),
+}
+
+impl ToolShape {
+    /// Half axes [mm].
+    #[must_use]
+    pub fn half_axes(&self) -> DVec3 {
+        match self {
+            Self::Ball(radius) => DVec3::splat(*radius),
+            Self::Ellipsoid(half_axes) => *half_axes,
+        }
+    }
+}
+
+/// A tool as a model sees it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ToolState {
+    /// By which its contact is told.
+    pub id: u32,
+    /// Its body.
+    pub shape: ToolShape,
+    /// Its centre [mm].
+    pub position: DVec3,
+    /// Takes the tool's own axes to those of the patient.
+    pub orientation: DQuat,
+}
+
+impl ToolState {
+    /// Whether it is a body at a place; any other is passed over and feels no force.
+    #[must_use]
+    pub fn is_usable(&self) -> bool {
+        let half_axes = self.shape.half_axes();
+        let [low, high] = SIZE_LIMITS.map(DVec3::splat);
+        // comparisons with NaN are false
+        let sizes = half_axes.cmpge(low).all() && half_axes.cmple(high).all();
+        sizes
+            && self.position.abs().cmple(DVec3::splat(1e9)).all()
+            && self.orientation.is_finite()
+            && (self.orientation.length_squared() - 1.0).abs() < 1e-3
+    }
+}
+
+/// How much a model may work in one call.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Budget {
+    /// Iterations or sub-steps at most. With this alone the answer is the same to the bit.
+    pub iterations: u32,
+    /// When to stop although not at rest; none off-line and in tests.
+    pub deadline: Option<Instant>,
+}
+
+impl Budget {
+    /// So many iterations, however long they take.
+    #[must_use]
+    pub const fn iterations(iterations: u32) -> Self {
+        Self {
+            iterations,
+            deadline: None,
+        }
+    }
+
+    /// Whether the time is over.
+    #[must_use]
+    pub fn is_late(&self) -> bool {
+        self.deadline.is_some_and(|end| Instant::now() >= end)
+    }
+}
+
+/// What a model is told in one call.
+#[derive(Clone, Copy, Debug)]
+pub struct ModelInput<'a> {
+    /// The true voxels, earlier edits of this model included.
+    pub voxels: &'a Voxels,
+    /// What they are made of.
+    pub materials: &'a Materials,
+    /// All tools; the box stands around the first one that is usable.
+    pub tools: &'a [ToolState],
+    /// Time since the last call [s], for matter whose force fades.
+    pub dt: f64,
+    /// How much it may work.
+    pub budget: Budget,
+}
+
+/// The contact of one tool.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ToolContact {
+    /// Of the tool.
+    pub tool: u32,
+    /// Force on it and how it changes with its place; none without contact.
+    pub contact: Option<LocalContact>,
+}
+
+/// Something that happened at once, and may make the force jump.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ModelEvent {
+    /// Bonds broke.
+    BondsBroken {
+        /// How many.
+        count: u32,
+        /// Work that they took [N·mm].
+        work: f64,
+        /// The middle of them [mm].
+        place: DVec3,
+    },
+    /// Poisson's ratio was out of the model's range, and the nearest one is used.
+    PoissonClamped {
+        /// As asked.
+        asked: f64,
+        /// As used.
+        used: f64,
+    },
+    /// The state was lost to numbers that are none, and everything is at rest again.
+    Reset,
+}
+
+/// What the picture needs to show a displacement that moves no voxel yet.
+///
+/// Memory: x fastest; node (i, j, k) stands at `origin + axes · (i, j, k) · spacing`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DisplacementField {
+    /// First node at rest [mm].
+    pub origin: DVec3,
+    /// Directions of the three indices, of length 1.
+    pub axes: DMat3,
+    /// Between nodes [mm].
+    pub spacing: f64,
+    /// Nodes along each index.
+    pub size: UVec3,
+    /// How far each node has moved [mm], patient axes; zero where there is no matter.
+    pub moved: Vec<Vec3>,
+}
+
+/// How a call went.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ModelReport {
+    /// Iterations or sub-steps.
+    pub iterations: u32,
+    /// What was left of unbalanced force, as a share of the contact force.
+    pub residual: f64,
+    /// Nodes or particles that take part.
+    pub nodes: u32,
+    /// Bonds broken since the start.
+    pub bonds_broken: u64,
+    /// Work that breaking them took since the start [N·mm].
+    pub work_broken: f64,
+}
+
+/// What a model answers.
+#[derive(Clone, Debug, Default)]
+pub struct ModelAnswer {
+    /// Voxels that moved, with their intensities; none where nothing changed.
+    pub edit: Option<Edit>,
+    /// One for each tool, in order.
+    pub contacts: Vec<ToolContact>,
+    /// Where matter stands within its voxels; none where nothing is deformed.
+    pub displacement: Option<DisplacementField>,
+    /// What happened at once.
+    pub events: Vec<ModelEvent>,
+    /// How it went.
+    pub report: ModelReport,
+}
+
+/// A model of deformation. Its state is its own; the same calls give the same answers.
+pub trait DeformationModel: Send + fmt::Debug {
+    /// Brings matter to rest, or one step further, with the tools where they are now.
+    fn advance(&mut self, input: &ModelInput<'_>) -> ModelAnswer;
+
+    /// Forgets all displacements, as after undo or a change of the materials.
+    fn reset(&mut self);
+}
+
+/// A model by the name that users write.
+#[derive(Clone, Copy, Debug)]
+pub struct Registered {
+    /// As users write it.
+    pub name: &'static str,
+    /// Makes it with its default settings.
+    pub make: fn() -> Box<dyn DeformationModel>,
+}
+
+/// All models; a new one is one line here.
+pub const MODELS: &[Registered] = &[Registered {
+    name: "lattice",
+    make: || Box::new(LatticeModel::default()),
+}];
+
+/// A name that no model has.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+#[error("deformation model {given:?} given; allowed: {allowed}")]
+pub struct UnknownModel {
+    /// As given.
+    pub given: String,
+    /// The names of [`MODELS`].
+    pub allowed: String,
+}
+
+/// Makes the model of a name.
+///
+/// # Errors
+/// Where there is none.
+pub fn model_from_name(name: &str) -> Result<Box<dyn DeformationModel>, UnknownModel> {
+    let known = MODELS.iter().find(|model| model.name == name);
+    known
+        .map(|model| (model.make)())
+        .ok_or_else(|| UnknownModel {
+            given: name.to_owned(),
+            allowed: MODELS.iter().map(|m| m.name).collect::<Vec<_>>().join(", "),
+        })
+}

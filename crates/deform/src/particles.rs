@@ -1,0 +1,1 @@
+//! The models of particles: `fcc-lj`, `cuboid-lj` and `global-lj`.

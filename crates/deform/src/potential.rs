@@ -1,0 +1,1 @@
+//! Potentials between pairs of particles.

@@ -1,0 +1,153 @@
+//! What matter is made of: checks at the door, functions of HU, presets.
+
+use palpate_deform::material::{
+    MaterialError, MaterialLaw, PRESETS, SolidSi, pair_stiffness, preset,
+};
+
+const LIVER: SolidSi = SolidSi {
+    young: 5e3,
+    poisson: 0.45,
+    density: 1060.0,
+    breaking_strain: 0.3,
+    friction: 0.2,
+};
+
+/// Rounding of a few operations on doubles.
+const ROUNDING: f64 = 1e-12;
+
+#[test]
+fn si_is_taken_to_newtons_and_millimetres_at_the_door() {
+    let solid = LIVER.checked().expect("liver");
+    assert!(
+        (solid.young - 5e-3).abs() < ROUNDING,
+        "5 kPa are 0.005 N/mm²"
+    );
+    assert!((solid.density - 1.06e-6).abs() < ROUNDING, "kg/mm³");
+}
+
+#[test]
+fn impossible_constants_are_refused_with_what_is_allowed() {
+    let refused = [
+        (
+            SolidSi {
+                young: 0.0,
+                ..LIVER
+            },
+            "Young",
+        ),
+        (
+            SolidSi {
+                young: -1.0,
+                ..LIVER
+            },
+            "Young",
+        ),
+        (
+            SolidSi {
+                young: f64::NAN,
+                ..LIVER
+            },
+            "Young",
+        ),
+        (
+            SolidSi {
+                poisson: 0.5,
+                ..LIVER
+            },
+            "below 0.5",
+        ),
+        (
+            SolidSi {
+                poisson: f64::NAN,
+                ..LIVER
+            },
+            "Poisson",
+        ),
+        (
+            SolidSi {
+                density: 0.0,
+                ..LIVER
+            },
+            "density",
+        ),
+        (
+            SolidSi {
+                breaking_strain: 0.0,
+                ..LIVER
+            },
+            "breaking",
+        ),
+        (
+            SolidSi {
+                friction: -0.1,
+                ..LIVER
+            },
+            "friction",
+        ),
+    ];
+    for (solid, word) in refused {
+        let error = solid
+            .checked()
+            .expect_err("an impossible constant was taken");
+        let message = error.to_string();
+        assert!(
+            message.contains(word) && message.contains("allowed"),
+            "{message}"
+        );
+    }
+    let backwards = MaterialLaw::linear([60.0, 10.0], LIVER, LIVER);
+    assert_eq!(backwards, Err(MaterialError::Interval(60.0, 10.0)));
+}
+
+#[test]
+fn the_bone_of_the_thesis_is_linear_between_its_ends_and_held_beyond_them() {
+    let bone = preset("thesis-bone")
+        .and_then(|p| p.law())
+        .expect("a preset");
+    let young = |hounsfield| bone.at(hounsfield).young;
+    assert!((young(700.0) - 5e3).abs() < 1e-9);
+    assert!((young(3000.0) - 21e3).abs() < 1e-9);
+    assert!((young(1850.0) - 13e3).abs() < 1e-9, "half the way");
+    assert_eq!(young(-1000.0), young(700.0));
+    assert_eq!(young(f64::INFINITY), young(3000.0));
+    assert_eq!(
+        young(f64::NAN),
+        young(700.0),
+        "an unknown intensity is the softest bone"
+    );
+}
+
+#[test]
+fn trabecular_bone_follows_the_power_of_its_density() {
+    let bone = preset("trabecular-bone")
+        .and_then(|p| p.law())
+        .expect("a preset");
+    for hounsfield in [100.0, 400.0, 900.0] {
+        let solid = bone.at(hounsfield);
+        let expected = 6850.0 * (solid.density * 1e6).powf(1.49);
+        assert!((solid.young / expected - 1.0).abs() < ROUNDING);
+    }
+}
+
+#[test]
+fn every_preset_is_matter_and_says_where_its_numbers_come_from() {
+    for preset in PRESETS {
+        let law = preset.law().expect(preset.name);
+        let solid = law.at(500.0);
+        assert!(solid.young > 0.0 && solid.poisson < 0.5, "{}", preset.name);
+        assert!(preset.source.len() > 20, "{}", preset.name);
+    }
+    assert!(preset("cheese").is_err());
+}
+
+#[test]
+fn two_half_bonds_in_series_are_as_stiff_as_twice_the_softer_at_most() {
+    assert!((pair_stiffness(3.0, 3.0) - 3.0).abs() < ROUNDING);
+    let interface = pair_stiffness(21e3, 0.035);
+    assert!(
+        (interface / 0.07 - 1.0).abs() < 1e-5,
+        "twice the soft one beside bone"
+    );
+    assert_eq!(pair_stiffness(0.0, 5.0), 0.0);
+    assert_eq!(pair_stiffness(0.0, 0.0), 0.0);
+}
