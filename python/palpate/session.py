@@ -509,7 +509,7 @@ class Session:
             self._internal.hide_surface(segment_id)
 
     def follow_edits(self, every: int) -> None:
-        """Has ``picture_changes`` follow edits every so many-th frame of 60 a second (thesis 5.2.2).
+        """Has ``picture_changes`` follow edits every so many-th of 60 frames a second.
 
         Args:
             every: 1 follows at once; up to 4, for slow machines.

@@ -194,9 +194,11 @@ def test_an_object_with_voxels_of_its_own_comes_back_after_a_crash(tmp_path: Pat
         number = session.add_segment(plate())
         session.move_segment(number, shifted(0.0, 2.0, 1.0))
         session.set_feel(number, stiffness=0.25)
+        session.let_pass(0.2)
         expected = session.segments()
     with Session(balls(), options=OFFLINE) as session:
         session.recover_journal(file, scan)
+        session.let_pass(0.2)
         assert session.segments() == expected
         session.undo()
         assert np.reshape(session.segments()[2]["pose"], (4, 4)).tolist() == np.eye(4).tolist()

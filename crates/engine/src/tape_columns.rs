@@ -100,7 +100,7 @@ pub enum TapeError {
     #[error("its segments are out of order")]
     Parts,
     /// A threshold that makes no segment.
-    #[error("it has a threshold from {low} to {high}; allowed: finite, low <= high")]
+    #[error("it has a threshold from {low} to {high}; allowed: numbers, low <= high")]
     Threshold {
         /// Its lower end.
         low: f64,
@@ -372,7 +372,8 @@ fn check_parts(parts: &[TapePart], grid: &Grid) -> Result<(), TapeError> {
         return Err(TapeError::Parts);
     }
     for (low, high) in parts.iter().filter_map(|part| part.threshold) {
-        if !(low.is_finite() && high.is_finite() && low <= high) {
+        // an end that limits nothing is infinite; written so that NaN is refused
+        if !(low <= high) {
             return Err(TapeError::Threshold { low, high });
         }
     }

@@ -11,6 +11,7 @@ mod common;
 use common::*;
 use glam::{DAffine3, DMat3, DVec3, IVec3, UVec3};
 use palpate_engine::error::SessionError;
+use palpate_engine::kept_surface::SurfaceMaking;
 use palpate_engine::recording::Recording;
 use palpate_engine::replay::{ReplayEnd, replay};
 use palpate_engine::session::Session;
@@ -18,7 +19,6 @@ use palpate_engine::session_config::{Reference, SessionConfig};
 use palpate_engine::settings::Settings;
 use palpate_engine::tape::Tape;
 use palpate_engine::tape_columns::{TapeColumns, TapeError};
-use palpate_surface::settings::SurfaceSettings;
 use palpate_tools::drill::DrillSettings;
 use palpate_tools::tool::{ToolKind, ToolSettings};
 use palpate_volume::edit::SegmentId;
@@ -152,7 +152,7 @@ fn its_surface_is_made_of_its_own_voxels() {
     config.real_time = false;
     let session = started(config);
     let id = SegmentId(1);
-    let settings = SurfaceSettings::default();
+    let settings = SurfaceMaking::default();
     session.show_surface(id, Some(settings)).unwrap();
     session.run(0.1).unwrap();
     let low_and_high = |session: &Session| {
