@@ -96,17 +96,17 @@ def pick(page: Browser, point: ArrayLike) -> int | None:
 def test_a_mesh_of_the_command_line_is_as_thick_as_it_is_in_thick_slices(page: Browser) -> None:
     assert "plate" in page.text("segment-3")
     assert pick(page, PLATE_AT) == 3
-    front = PLATE_AT[1] - PLATE[1] / 2.0
-    for start, end in ((front - 4.0, front), (front + PLATE[1] + 3.0, front + PLATE[1])):
-        page.read(f"window.palpate.place({[PLATE_AT[0], start, PLATE_AT[2]]})")
+    front = float(PLATE_AT[1] - PLATE[1] / 2.0)
+    for start, end in ((front - 4.0, front), (front + 4.5, front + 1.5)):
+        page.read(f"window.palpate.place({[46.0, start, 32.0]})")
         page.wait(f"Math.abs(window.palpate.state.proxy[1] - {start}) < 0.01")
-        page.read(f"window.palpate.hand({[PLATE_AT[0], PLATE_AT[1], PLATE_AT[2]]})")
+        page.read(f"window.palpate.hand({[46.0, 12.0, 32.0]})")
         # the probe stops at the face, whichever it comes to: the plate is a multiple of its voxels
         page.wait(
             f"window.palpate.state.touched === 3"
             f" && Math.abs(window.palpate.state.proxy[1] - {end}) < 0.02"
         )
-        page.read(f"window.palpate.place({[PLATE_AT[0], start, PLATE_AT[2]]})")
+        page.read(f"window.palpate.place({[46.0, start, 32.0]})")
         page.wait("!window.palpate.state.contact")
 
 
@@ -220,8 +220,8 @@ def test_the_clutch_lets_the_device_move_without_the_probe(page: Browser) -> Non
 def test_the_upper_button_of_a_gamepad_grabs_what_is_touched_and_lets_go(page: Browser) -> None:
     page.read(PAD)
     page.wait("document.querySelector('[data-testid=gamepad]') !== null")
-    front = PLATE_AT[1] - PLATE[1] / 2.0
-    page.read(f"window.palpate.place({[PLATE_AT[0], front - 3.0, PLATE_AT[2]]})")
+    front = float(PLATE_AT[1] - PLATE[1] / 2.0)
+    page.read(f"window.palpate.place({[46.0, front - 3.0, 32.0]})")
     page.wait(f"Math.abs(window.palpate.state.proxy[1] - {front - 3.0}) < 0.01")
     page.read(f"window.palpate.hand({PLATE_AT.tolist()})")
     page.wait("window.palpate.state.touched === 3")
