@@ -3,9 +3,10 @@
     python examples/place_plate.py                  # the built-in phantom's spine
     python examples/place_plate.py head.mha 1350    # a skull, and where its bone begins
 
-A small plate is made as a mesh, written to a file, read again as `palpate open --mesh` does,
-and stands 12 mm behind the bone. The probe takes it in the hand, carries it to the bone, where it
-stops by itself, and lets go. Points are in LPS [mm]: +y is toward the back, +z toward the head.
+A plate of 1.5 mm is made as a mesh, written to a file, read again as `palpate open --mesh` does,
+with voxels fine enough for its thickness, and stands 12 mm behind the bone. The probe takes it in
+the hand, carries it to the bone, where it stops by itself, and lets go. Points are in LPS [mm]:
++y is toward the back, +z toward the head.
 """
 
 from __future__ import annotations
@@ -16,11 +17,11 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 import palpate
-from palpate.mesh_io import read_mesh, segment_of_mesh
+from palpate.mesh_io import object_of_mesh, read_mesh, suitable_spacing
 from palpate.mesh_write import write_mesh
 from palpate.surface import Mesh
 
-PLATE = np.array([12.0, 4.0, 24.0])
+PLATE = np.array([12.0, 1.5, 24.0])
 """Edges of the plate along x, y, z [mm]."""
 DISTANCE = 12.0
 """Between plate and bone to begin with [mm]."""
@@ -35,7 +36,8 @@ def main(arguments: list[str]) -> None:
     with TemporaryDirectory() as folder:
         file = Path(folder) / "plate.stl"
         write_mesh(box_at(place), file)
-        plate = segment_of_mesh(read_mesh(file), volume)
+        mesh = read_mesh(file)
+        plate = object_of_mesh(mesh, suitable_spacing(mesh.mesh, volume))
     scene = palpate.Scene(volume, [bone])
     scene.add(plate, shown_as="surface")
 
@@ -64,7 +66,13 @@ def main(arguments: list[str]) -> None:
     for step, gap in enumerate(gaps[::4]):
         print(f"{0.4 * step:.1f} s: {gap.minimum:5.2f} mm, mean {gap.mean:5.2f} mm")
     print(f"placed: {final.minimum:.2f} mm, mean {final.mean:.2f} mm, carried {-pose[1, 3]:.1f} mm")
+    thickness = plate.volume_ml * 1000.0 / (PLATE[0] * PLATE[2])
+    print(
+        f"the plate is {thickness:.2f} mm thick, in a scan of {max(volume.spacing):.2f} mm voxels"
+    )
     check(gaps[0], final, -pose[1, 3], voxel=max(volume.spacing))
+    # the mean over all of it: its edges are not multiples of a voxel
+    assert abs(thickness - PLATE[1]) < 0.1 * PLATE[1]
     print("the plate lies on the bone, and not in it")
 
 

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     )
     from palpate.gap import Gap
     from palpate.io import read
+    from palpate.painted_cut import PaintedCut
     from palpate.phantom_scan import Phantom, phantom
     from palpate.recording import Recording, Replay
     from palpate.scene import Scene
@@ -41,6 +42,7 @@ __all__ = [
     "Gap",
     "MeshFormatError",
     "OptionError",
+    "PaintedCut",
     "PalpateError",
     "Phantom",
     "Recording",
@@ -70,6 +72,7 @@ _HOMES = {
     "VolumeFormatError": "errors",
     "Gap": "gap",
     "read": "io",
+    "PaintedCut": "painted_cut",
     "Phantom": "phantom_scan",
     "phantom": "phantom_scan",
     "Scene": "scene",

@@ -82,6 +82,13 @@ class Segment:
     def from_mask(mask: NDArray[np.uint8]) -> Segment:
         """Solid where the mask, C-contiguous, is not 0."""
 
+    def on_grid(self, spacing: _Triple, origin: _Triple, direction: tuple[float, ...]) -> Segment:
+        """The same voxels on a grid of their own instead of a scan's."""
+
+    @property
+    def own_grid(self) -> tuple[_Triple, _Triple, list[float]] | None:
+        """Spacing and origin [mm] and direction, row by row, of its own grid; None without."""
+
     @property
     def dimensions(self) -> _Voxel: ...
     @property
@@ -164,6 +171,26 @@ class Session:
     def cut(self, segment_id: int, point: _Triple, normal: _Triple) -> int:
         """Parts a segment by a plane; returns the number of the part before it."""
 
+    def cut_along(
+        self,
+        segment_id: int,
+        line: NDArray[np.float64],
+        eye: _Triple,
+        view: _Triple,
+        closed: bool,
+    ) -> int:
+        """Parts a segment along a painted line; returns the number of the smaller part."""
+
+    def preview_cut(
+        self,
+        segment_id: int,
+        line: NDArray[np.float64],
+        eye: _Triple,
+        view: _Triple,
+        closed: bool,
+    ) -> list[float]:
+        """Volumes of the larger and the smaller part [mm³]."""
+
     def gap(self, from_id: int, to_id: int) -> _Triple:
         """Minimum and mean distance [mm] of one segment's surface to another, overlap [mm³]."""
 
@@ -198,7 +225,9 @@ class Session:
         """Puts other voxels in the place of a segment's."""
 
     def remove_segment(self, segment_id: int) -> None: ...
-    def move_segment(self, segment_id: int, pose: NDArray[np.float64]) -> None:
+    def move_segment(
+        self, segment_id: int, pose: NDArray[np.float64], goes_on: bool = False
+    ) -> None:
         """Moves a segment to a pose, a homogeneous matrix, shape [4, 4] [mm]."""
 
     def set_feel(

@@ -137,6 +137,14 @@ Mesh = Annotated[
 ]
 MeshFrame = Annotated[str | None, typer.Option(help="LPS or RAS, where the mesh does not say.")]
 MeshUnit = Annotated[str | None, typer.Option(help="mm or m, where the mesh does not say.")]
+MeshSpacing = Annotated[
+    float | None,
+    typer.Option(
+        "--mesh-spacing",
+        "--spacing",
+        help="Edge of the mesh's voxels [mm]; else fine enough for its thickness.",
+    ),
+]
 Port = Annotated[int, typer.Option(help="Port of 127.0.0.1; 0 takes a free one.")]
 Browser = Annotated[bool, typer.Option(help="Open the page, where there is a display.")]
 Plot = Annotated[Path | None, typer.Option(help="Draw the figures: .png, .svg or .pdf.")]
@@ -157,6 +165,7 @@ def open_scan(  # noqa: PLR0913  # one per option of the command line
     mesh: Mesh = None,
     mesh_frame: MeshFrame = None,
     mesh_unit: MeshUnit = None,
+    mesh_spacing: MeshSpacing = None,
     port: Port = 0,
     browser: Browser = True,
     rate: Rate = 1000,
@@ -193,7 +202,7 @@ def open_scan(  # noqa: PLR0913  # one per option of the command line
             )
             scene = scene_of(volume, bounds=bounds, label_map=segments, progress=display)
             if mesh is not None:
-                add_mesh(scene, mesh, frame=mesh_frame, unit=mesh_unit)
+                add_mesh(scene, mesh, frame=mesh_frame, unit=mesh_unit, spacing=mesh_spacing)
         for warning in volume.warnings:
             warn(warning)
         show(scene, listener, rate=rate, browser=browser, journalled=journal, recover=recover)

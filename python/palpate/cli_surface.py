@@ -8,15 +8,17 @@ from typing import cast
 import typer
 
 from palpate.console import warn
-from palpate.errors import OptionError
+from palpate.errors import MeshFormatError, OptionError
 from palpate.mesh_io import (
     Frame,
     MeshFile,
     Unit,
     closed,
     grid_around,
+    object_of_mesh,
     read_mesh,
     segment_of_mesh,
+    suitable_spacing,
 )
 from palpate.mesh_write import SUFFIXES, write_mesh
 from palpate.scene import Scene
@@ -101,21 +103,32 @@ def mesh_file(path: Path, *, frame: str | None, unit: str | None, close: bool) -
     return file
 
 
-def add_mesh(scene: Scene, path: Path, *, frame: str | None, unit: str | None) -> None:
-    """Adds the voxels of a closed mesh, on the scan's grid, shown as a surface.
+def add_mesh(
+    scene: Scene, path: Path, *, frame: str | None, unit: str | None, spacing: float | None
+) -> None:
+    """Adds a closed mesh as an object with voxels of its own [mm], shown as a surface.
 
     Raises:
-        OptionError: Its frame or its unit is not known, or it has holes.
-        MeshFormatError: It holds no mesh.
-        EmptySegmentError: None of it lies in the scan.
+        OptionError: Its frame or its unit is not known, or the spacing is not allowed.
+        MeshFormatError: It holds no mesh, or is open.
+        EmptySegmentError: It is thinner than a voxel everywhere.
     """
-    file = mesh_file(path, frame=frame, unit=unit, close=False)
-    segment = segment_of_mesh(file, scene.volume)
+    try:
+        file = mesh_file(path, frame=frame, unit=unit, close=False)
+    except OptionError as error:
+        # here the options of a mesh are called otherwise than in `palpate surface`
+        said = str(error).replace("--frame", "--mesh-frame").replace("--unit", "--mesh-unit")
+        raise OptionError(said) from None
+    if file.holes:
+        raise MeshFormatError(
+            f"{file.name!r} has {file.holes} hole{'s' if file.holes > 1 else ''}, so no inside; "
+            "allowed: a closed mesh (`palpate surface voxels --close` makes a label map of it)"
+        )
+    edge = suitable_spacing(file.mesh, scene.volume) if spacing is None else spacing
+    segment = object_of_mesh(file, edge)
     scene.add(segment, shown_as="surface")
-    thinnest = min(scene.volume.spacing)
     typer.echo(
-        f"{file.name}: {segment.voxel_count} voxels of the scan, {segment.volume_ml:.2f} ml; "
-        f"what is thinner than a voxel ({thinnest:g} mm) may be missing"
+        f"{file.name}: {segment.voxel_count} voxels of {edge:.3g} mm, {segment.volume_ml:.2f} ml"
     )
 
 

@@ -25,7 +25,16 @@ from palpate.segment import Segment
 from palpate.surface import Mesh, voxelise
 from palpate.volume import Volume, VolumeTraits
 
-__all__ = ["MeshFile", "closed", "grid_around", "hole_count", "read_mesh", "segment_of_mesh"]
+__all__ = [
+    "MeshFile",
+    "closed",
+    "grid_around",
+    "hole_count",
+    "object_of_mesh",
+    "read_mesh",
+    "segment_of_mesh",
+    "suitable_spacing",
+]
 
 Frame = Literal["LPS", "RAS"]
 Unit = Literal["mm", "m"]
@@ -39,6 +48,10 @@ SMALLEST_MM = 3.0
 """A mesh that is smaller, taken as mm, is more likely one in metres."""
 MARGIN = 2
 """Voxels around a mesh."""
+THICK_IN_VOXELS = 4
+"""How many voxels a plate is thick at least, where nobody says how large they are to be."""
+MOST_VOXELS = 1 << 25
+"""Voxels of a mesh then, at most."""
 STL_HEADER, STL_TRIANGLE = 84, 50
 
 BROKEN = (
@@ -133,6 +146,33 @@ def grid_around(meshes: Iterable[Mesh], spacing: float, *, name: str = "mesh") -
     values = np.zeros(counts[::-1].astype(int), np.int16)
     traits = VolumeTraits(name=name)
     return Volume(values, spacing=[spacing] * 3, origin=origin.tolist(), traits=traits)
+
+
+def suitable_spacing(mesh: Mesh, volume: Volume) -> float:
+    """Returns the edge of voxels [mm] that keep the thinnest a mesh is in the mean.
+
+    A plate is ``THICK_IN_VOXELS`` thick then; voxels are never larger than those of the scan, and
+    so many at most that they take little memory.
+    """
+    a, b, c = mesh.vertices[mesh.triangles].transpose(1, 0, 2)
+    area = np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2.0
+    enclosed = abs(np.einsum("ij,ij->", a - mesh.vertices[0], np.cross(b - a, c - a))) / 6.0
+    thickness = 2.0 * enclosed / area if area > 0.0 else np.inf
+    wanted = min(*volume.spacing, thickness / THICK_IN_VOXELS)
+    box = np.prod(np.ptp(mesh.vertices, axis=0) + wanted)
+    return float(max(wanted, (box / MOST_VOXELS) ** (1.0 / 3.0)))
+
+
+def object_of_mesh(file: MeshFile, spacing: float) -> Segment:
+    """Returns the voxels of a mesh on a grid of its own, cubes of an edge [mm].
+
+    Raises:
+        MeshFormatError: It is open.
+        OptionError: The spacing is not allowed, or gives too many voxels.
+        EmptySegmentError: It is thinner than a voxel everywhere.
+    """
+    grid = grid_around([file.mesh], spacing, name=Path(file.name).stem)
+    return segment_of_mesh(file, grid).as_object()
 
 
 def segment_of_mesh(file: MeshFile, volume: Volume, *, as_shell: bool = False) -> Segment:

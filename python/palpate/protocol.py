@@ -125,9 +125,10 @@ class Segment(msgspec.Struct, frozen=True):
     null where its voxels come from elsewhere: then they stand in ``/api/labels`` under
     the segment's ``id`` (1..255). ``made_by`` is the threshold that made it, whatever edits
     did since; null where none did. ``pose`` takes the segment from where the scan has it to
-    where it stands; null where it was not moved. ``bounds`` are the voxels of the scan that
-    hold it, half open; null where it is empty. ``opacity``,
-    ``smoothing``, ``surface_from`` and ``wireframe`` are those of its surface.
+    where it stands; null where it was not moved. ``bounds`` are the voxels that hold it, half
+    open; null where it is empty. ``grid`` is the ``patient_from_grid`` of its voxels where they
+    are not the scan's. ``opacity``, ``smoothing``, ``surface_from`` and ``wireframe`` are those
+    of its surface.
     """
 
     id: SegmentId
@@ -143,6 +144,7 @@ class Segment(msgspec.Struct, frozen=True):
     feel: Feel
     pose: Pose | None
     bounds: tuple[GridPlace, GridPlace] | None
+    grid: Pose | None
     shown_as: ShownAs
     opacity: Share
     smoothing: SmoothingDegree
@@ -410,6 +412,17 @@ class Gap(Message, frozen=True, tag="gap"):
     overlap: float | None
 
 
+class CutPreview(Message, frozen=True, tag="cut_preview"):
+    """Volumes of the parts that a painted cut would make of segment ``id`` [ml], larger first.
+
+    Both are null where it would leave all of it on one side.
+    """
+
+    id: SegmentId
+    larger_ml: float | None
+    smaller_ml: float | None
+
+
 class Passed(Message, frozen=True, tag="passed"):
     """The answer to a ``Fence``: all that this page asked for before it is done.
 
@@ -420,7 +433,18 @@ class Passed(Message, frozen=True, tag="passed"):
     tick: int
 
 
-ToPage = Hello | State | Segments | Changed | SettingsChanged | Recovery | Notice | Gap | Passed
+ToPage = (
+    Hello
+    | State
+    | Segments
+    | Changed
+    | SettingsChanged
+    | Recovery
+    | Notice
+    | Gap
+    | CutPreview
+    | Passed
+)
 
 # --- page -> engine -------------------------------------------------------------------
 
@@ -482,10 +506,14 @@ class SegmentFeel(Message, frozen=True, tag="segment_feel"):
 
 
 class MoveSegment(Message, frozen=True, tag="move_segment"):
-    """Moves a segment to a pose; latest wins, and the servo goes there smoothly."""
+    """Moves a segment to a pose; latest wins, and the servo goes there smoothly.
+
+    Moves of a drag that ``goes_on`` and the one that ends it are one step of undo.
+    """
 
     id: SegmentId
     pose: Pose
+    goes_on: bool
 
 
 class Grab(Message, frozen=True, tag="grab"):
@@ -507,6 +535,22 @@ class CutSegment(Message, frozen=True, tag="cut_segment"):
     id: SegmentId
     point: Vector
     normal: Vector
+
+
+class CutAlong(Message, frozen=True, tag="cut_along"):
+    """Parts a segment along a line painted on the picture, extruded away from the eye.
+
+    ``line`` are points under it before the eye; ``view`` is where the eye looks. A ``closed`` line
+    joins its ends, an open one goes on straight. The smaller part is a new segment; with
+    ``preview`` nothing is cut, and ``CutPreview`` answers.
+    """
+
+    id: SegmentId
+    line: Annotated[list[Vector], msgspec.Meta(min_length=2, max_length=1000)]
+    eye: Vector
+    view: Vector
+    closed: bool
+    preview: bool
 
 
 class WatchGap(Message, frozen=True, tag="watch_gap"):
@@ -588,6 +632,7 @@ FromPage = (
     | Grab
     | TurnGrabbed
     | CutSegment
+    | CutAlong
     | WatchGap
     | FollowEdits
     | RecordSession

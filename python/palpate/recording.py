@@ -142,6 +142,21 @@ class Recording:
         """Number of the segment that was touched, some ms late; 0 is none; shape [count]."""
         return self.columns["touched"]
 
+    @property
+    def tool_volumes(self) -> NDArray[np.float64]:
+        """Volume that the tool has changed since it was pressed last [mm³], shape [count]."""
+        return self.columns["tool_volume"]
+
+    @property
+    def tool_times(self) -> NDArray[np.float64]:
+        """Time that the tool was at work since then [s], shape [count]."""
+        return self.columns["tool_time"]
+
+    @property
+    def tool_loads(self) -> NDArray[np.float64]:
+        """Power of the drill on matter [N mm/s], 0 where it rests, shape [count]."""
+        return self.columns["tool_load"]
+
     # --- figures --------------------------------------------------------------------------
 
     @property

@@ -37,8 +37,10 @@ __all__ = [
 ]
 
 FORMAT = "palpate-session"
-VERSION = 2
+VERSION = 3
 """Of the form of the file; an older Palpate refuses a newer form."""
+OLDEST_VERSION = 2
+"""The oldest form that is read: it does not know the tool, which counts as resting then."""
 
 Columns = dict[str, NDArray[Any]]
 
@@ -52,6 +54,9 @@ TICKS: dict[str, tuple[str, int]] = {
     "sent_force": ("<f8", 3),
     "contact": ("|b1", 0),
     "touched": ("|u1", 0),
+    "tool_volume": ("<f8", 0),
+    "tool_time": ("<f8", 0),
+    "tool_load": ("<f8", 0),
     "command": ("<u8", 0),
     "reading": ("<u8", 0),
     "read_at": ("<f8", 0),
@@ -64,6 +69,9 @@ TICKS: dict[str, tuple[str, int]] = {
     "has_room": ("|b1", 0),
 }
 """Columns of the ticks: kind of number, and how many a row has; 0 is one without an axis."""
+
+SINCE_3 = ("tool_volume", "tool_time", "tool_load")
+"""Columns of the ticks that version 2 did not have."""
 
 TAPE: dict[str, tuple[str, int]] = {
     "start": ("|u1", 0),
@@ -192,10 +200,13 @@ def _read(path: Path, file: BinaryIO) -> tuple[Columns, Columns | None, About]:
         about = _about(path, _column(archive, "about", ("|u1", 0)))
 
         has_tape = not names.isdisjoint(TAPE)
-        missing = (set(TICKS) | (set(TAPE) if has_tape else set())) - names
+        told = [name for name in TICKS if about.version >= VERSION or name not in SINCE_3]
+        missing = (set(told) | (set(TAPE) if has_tape else set())) - names
         if missing:
             raise _refused(path, f"lacks {', '.join(sorted(missing))}")
-        ticks = {name: _column(archive, name, kind) for name, kind in TICKS.items()}
+        ticks = {name: _column(archive, name, TICKS[name]) for name in told}
+        for name in set(TICKS) - set(told):
+            ticks[name] = np.zeros(len(ticks["tick"]))
         tape = {name: _column(archive, name, kind) for name, kind in TAPE.items()}
     if len({len(column) for column in ticks.values()}) > 1:
         raise _refused(path, "has columns of different length")
@@ -211,9 +222,10 @@ def _about(path: Path, packed: NDArray[Any]) -> About:
         raise _refused(path, f"is no recording ({error})") from None
     if about.format != FORMAT:
         raise _refused(path, f"is of the form {about.format!r}")
-    if about.version != VERSION:
+    if not OLDEST_VERSION <= about.version <= VERSION:
         raise RecordingFormatError(
-            f"{path} has version {about.version} of the form; allowed: version {VERSION} "
+            f"{path} has version {about.version} of the form; allowed: version {OLDEST_VERSION} "
+            f"to {VERSION} "
             f"(it was written by Palpate {about.palpate})"
         )
     return about

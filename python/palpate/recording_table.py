@@ -30,6 +30,9 @@ EXPORTED: dict[str, tuple[str, ...]] = {
     "sent_force": ("sent_x_N", "sent_y_N", "sent_z_N"),
     "contact": ("contact",),
     "touched": ("touched_segment",),
+    "tool_volume": ("tool_volume_mm3",),
+    "tool_time": ("tool_time_s",),
+    "tool_load": ("tool_load_mW",),
 }
 """Names of columns in a recording and in a table; ``event`` stands after them."""
 

@@ -76,7 +76,7 @@ class Scene:
         """Adds a segment.
 
         Args:
-            segment: Voxels of this scan.
+            segment: Voxels of this scan, or with a grid of its own; that is shown as a surface.
             colour: sRGB, each 0..1; by default the next of the palette.
             visible: Whether it is shown.
             touchable: Whether the probe is stopped by it.
@@ -85,7 +85,9 @@ class Scene:
         Raises:
             OptionError: It is of another scan's size, or there are too many.
         """
-        if segment.volume.dimensions != self.volume.dimensions:
+        if segment.has_own_grid:
+            shown_as = "surface"
+        elif segment.volume.dimensions != self.volume.dimensions:
             raise OptionError(
                 f"segment {segment.name!r} is of a scan of {segment.volume.dimensions} voxels; "
                 f"allowed: {self.volume.dimensions}"

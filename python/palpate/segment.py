@@ -67,6 +67,22 @@ class Segment:
         """Memory that its bricks take."""
         return self._internal.memory_bytes
 
+    @property
+    def has_own_grid(self) -> bool:
+        """Whether it stands on a grid of its own, ``volume``, instead of a scan's."""
+        return self._internal.own_grid is not None
+
+    def as_object(self) -> Segment:
+        """Returns the same voxels on a grid of their own, that of ``volume``.
+
+        Such a segment fits into any scene, whatever the voxels of its scan: a plate of 1 mm is
+        touched as one of 1 mm in a scan of 2 mm slices.
+        """
+        volume = self.volume
+        direction = tuple(float(cosine) for cosine in volume.direction.ravel())
+        internal = self._internal.on_grid(volume.spacing, volume.origin, direction)
+        return Segment(internal, name=self.name, volume=volume, range=None)
+
     def part_of(self, volume: Volume, *, name: str) -> Segment:
         """Returns the same voxels as a part of another scan on the same grid."""
         return Segment(self._internal, name=name, volume=volume, range=None)

@@ -16,8 +16,9 @@ import numpy as np
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from palpate import protocol
-from palpate.errors import PalpateError
+from palpate.errors import OptionError, PalpateError
 from palpate.journal import Journal
+from palpate.painted_cut import PaintedCut
 from palpate.server_changes import messages_of
 from palpate.server_gap import GapWatch
 from palpate.server_outbox import Missed, Outbox
@@ -272,18 +273,33 @@ class Live:
         match message:
             case protocol.SegmentProperties():
                 self.segments.change(message)
-            case protocol.MoveSegment(segment_id, pose):
-                self.session.move_segment(segment_id, np.reshape(pose, (4, 4)))
+            case protocol.MoveSegment(segment_id, pose, goes_on):
+                self.session.move_segment(segment_id, np.reshape(pose, (4, 4)), goes_on=goes_on)
             case protocol.Grab(segment_id, collides):
                 self.session.grab(segment_id, collides=collides)
             case protocol.TurnGrabbed(rotation):
                 self.session.turn_grabbed(rotation)
-            case protocol.CutSegment(segment_id, point, normal):
-                self.segments.cut(segment_id, point, normal)
+            case protocol.CutSegment(cut_id, point, normal):
+                self.segments.cut(cut_id, lambda: self.session.cut(cut_id, point, normal))
+            case protocol.CutAlong():
+                self._cut_along(message)
             case protocol.SegmentFeel(segment_id, feel):
                 self.session.set_feel(segment_id, **msgspec.structs.asdict(feel))
             case protocol.RemoveSegment(segment_id):
                 self.session.remove_segment(segment_id)
+
+    def _cut_along(self, wanted: protocol.CutAlong) -> None:
+        cut = PaintedCut(line=wanted.line, eye=wanted.eye, view=wanted.view, closed=wanted.closed)
+        if not wanted.preview:
+            self.segments.cut(wanted.id, lambda: self.session.cut_along(wanted.id, cut))
+            return
+        parts: tuple[float, float] | tuple[None, None]
+        try:
+            parts = self.session.preview_cut(wanted.id, cut)
+        except OptionError:
+            # the page says so where the line is
+            parts = None, None
+        self._from_threads.put(protocol.CutPreview(wanted.id, *parts))
 
     def _change_settings(self, wanted: protocol.Settings) -> None:
         try:

@@ -72,9 +72,6 @@ class ShownSegments:
         self._labels_key: Any = None
         self._labels = 0
         self._made: dict[int, MadeSurface | None] = {}
-        for segment_id, look in self._looks.items():
-            if _surface_of(look) is not None:
-                self._show(segment_id, look)
         self.message = self._make_message(0)
 
     def refresh(self, segments_version: int, *, voxels_version: int, pending: int) -> bool:
@@ -107,6 +104,7 @@ class ShownSegments:
             wireframe=wanted.wireframe,
         )
         self._set_look(wanted.id, look)
+        self._show(wanted.id, look)
         self.keep()
 
     def threshold(self, wanted: protocol.Threshold) -> None:
@@ -152,21 +150,17 @@ class ShownSegments:
             else:
                 self._remember(each.id, each.look)
 
-    def cut(
-        self,
-        segment_id: int,
-        point: tuple[float, float, float],
-        normal: tuple[float, float, float],
-    ) -> None:
-        """Parts a segment by a plane; the new part looks alike, in a colour of its own.
+    def cut(self, segment_id: int, cut: Callable[[], int]) -> None:
+        """Parts a segment; the part whose number ``cut`` returns looks alike, in a new colour.
 
         Raises:
-            PalpateError: The plane leaves all of it on one side.
+            PalpateError: All of it is left on one side.
         """
-        part = self._session.cut(segment_id, point, normal)
+        part = cut()
         look = self._look_of(segment_id)
         name = f"{look.name[:80]}, part {part}"
         self._set_look(part, replace(look, name=name, colour=_colour_of(part)))
+        self.keep()
 
     def take_notices(self) -> list[str]:
         """Returns what pages should be told since the call before."""
@@ -174,17 +168,20 @@ class ShownSegments:
             notices, self._notices = self._notices, []
         return notices
 
-    def _show_moved_as_surface(self, segment_id: int, pose: list[float] | None) -> None:
+    def _show_moved_as_surface(self, state: dict[str, Any]) -> None:
         """Shows a segment that stands elsewhere as a surface: voxels stay where the scan is."""
+        segment_id, pose, has_own_grid = state["id"], state["pose"], state["grid"] is not None
         look = self._look_of(segment_id)
-        if pose is None or pose == _UNMOVED or look.shown_as == "surface":
+        stands_there = (pose is None or pose == _UNMOVED) and not has_own_grid
+        if stands_there or look.shown_as == "surface":
             return
         look = replace(look, shown_as="surface")
         self._show(segment_id, look)
         with self._lock:
             self._looks[segment_id] = look
+            why = "has a grid of its own" if has_own_grid else "was moved"
             self._notices.append(
-                f"{look.name} was moved: it is shown as a surface from now on, since voxels "
+                f"{look.name} {why}: it is shown as a surface from now on, since voxels "
                 "are drawn where the scan has them."
             )
 
@@ -206,7 +203,7 @@ class ShownSegments:
         masks = {
             segment.id: self._session.segment(segment.id).mask()
             for segment in self.message.segments
-            if segment.visible and segment.range is None
+            if _is_labelled(segment)
         }
         return labels_of(masks, self._session.scene.volume.shape)
 
@@ -228,9 +225,10 @@ class ShownSegments:
     def _make_message(self, voxels_version: int) -> protocol.Segments:
         states = self._session.segments()
         for state in states:
-            self._show_moved_as_surface(state["id"], state["pose"])
+            self._show_moved_as_surface(state)
+            self._show(state["id"], self._look_of(state["id"]))
         segments = [self._segment(state) for state in states]
-        labelled = [segment.id for segment in segments if segment.visible and not segment.range]
+        labelled = [segment.id for segment in segments if _is_labelled(segment)]
         # labels change with their voxels, and with which segments have them
         key = (labelled, voxels_version if labelled else 0)
         if key != self._labels_key:
@@ -243,7 +241,6 @@ class ShownSegments:
     def _segment(self, state: dict[str, Any]) -> protocol.Segment:
         segment_id = state["id"]
         look = self._look_of(segment_id)
-        voxel_volume = self._session.scene.volume.voxel_volume
         return protocol.Segment(
             id=segment_id,
             name=look.name,
@@ -253,17 +250,23 @@ class ShownSegments:
             range=state["range"],
             made_by=state["made_by"],
             voxels=state["voxels"],
-            volume_ml=state["voxels"] * voxel_volume / 1000.0,
+            volume_ml=state["volume"] / 1000.0,
             pending=state["pending"],
             feel=protocol.Feel(**state["feel"]),
             pose=state["pose"],
             bounds=state["bounds"],
+            grid=state["grid"],
             shown_as=look.shown_as,
             opacity=look.opacity,
             smoothing=look.smoothing,
             surface_from=look.surface_from,
             wireframe=look.wireframe,
         )
+
+
+def _is_labelled(segment: protocol.Segment) -> bool:
+    """Says whether the picture shows a segment by the labels of the scan's voxels."""
+    return segment.visible and segment.range is None and segment.grid is None
 
 
 class MadeSurface(NamedTuple):

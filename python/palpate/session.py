@@ -23,6 +23,7 @@ from palpate.gap import Gap
 from palpate.material import LinearMaterial, Material
 from palpate.needle import Tissue
 from palpate.package_version import package_version
+from palpate.painted_cut import PaintedCut
 from palpate.recording import Recording
 from palpate.recording_file import FORMAT, VERSION, About, AboutScan, AboutSegment
 from palpate.scene import Scene
@@ -30,6 +31,7 @@ from palpate.scripted_path import ScriptedPath
 from palpate.segment import Segment
 from palpate.surface import Source
 from palpate.touch_settings import TouchSettings
+from palpate.volume import Volume
 
 __all__ = ["Session", "SessionOptions"]
 
@@ -202,12 +204,15 @@ class Session:
         with _given():
             self._internal.set_touchable(segment_id, touchable)
 
-    def move_segment(self, segment_id: int, pose: NDArray[np.float64]) -> None:
+    def move_segment(
+        self, segment_id: int, pose: NDArray[np.float64], *, goes_on: bool = False
+    ) -> None:
         """Moves a segment from where the scan has it to a pose; touch goes there smoothly.
 
         Args:
             segment_id: Which segment.
             pose: A rigid transform of the scene as a homogeneous matrix, shape [4, 4] [mm].
+            goes_on: Whether the next move of it belongs to the same step of undo.
 
         Raises:
             OptionError: The pose has scale, shear or numbers that are none, or 16 segments are
@@ -215,7 +220,7 @@ class Session:
         """
         with _given():
             matrix = np.ascontiguousarray(pose, dtype=np.float64)
-            self._internal.move_segment(segment_id, matrix)
+            self._internal.move_segment(segment_id, matrix, goes_on)
 
     def grab(self, segment_id: int | None, *, collides: bool = False) -> None:
         """Takes a segment in the hand, or lets go of it (thesis 4.7, no-collision mode).
@@ -252,6 +257,30 @@ class Session:
         with _given():
             return self._internal.cut(segment_id, _triple(point), _triple(normal))
 
+    def cut_along(self, segment_id: int, cut: PaintedCut) -> int:
+        """Parts a segment along a line that was painted on the picture; one step of undo.
+
+        The line is extruded away from the eye. The segment keeps the larger part.
+
+        Returns:
+            The number of a new segment, which has the smaller part.
+
+        Raises:
+            OptionError: The line is none, or leaves all of the segment on one side.
+        """
+        with _given():
+            return self._internal.cut_along(segment_id, *cut.given())
+
+    def preview_cut(self, segment_id: int, cut: PaintedCut) -> tuple[float, float]:
+        """Returns the volumes of the parts that ``cut_along`` would make, larger first [ml].
+
+        Raises:
+            OptionError: The line is none, or leaves all of the segment on one side.
+        """
+        with _given():
+            larger, smaller = self._internal.preview_cut(segment_id, *cut.given())
+            return larger / 1000.0, smaller / 1000.0
+
     def gap(self, segment_id: int, other_id: int) -> Gap:
         """Measures the gap from the surface of one segment to another, where both stand by now.
 
@@ -281,13 +310,17 @@ class Session:
         """Returns the voxels of a segment as they are now."""
         with _given():
             internal = self._internal.segment(segment_id)
+        own_grid = internal.own_grid
+        volume = self.scene.volume if own_grid is None else _empty(internal.dimensions, own_grid)
         made_by = {state["id"]: state["made_by"] for state in self.segments()}.get(segment_id)
-        return Segment(internal, name=name, volume=self.scene.volume, range=None, made_by=made_by)
+        return Segment(internal, name=name, volume=volume, range=None, made_by=made_by)
 
     def segments(self) -> list[dict[str, Any]]:
-        """Lists the segments as they are now: id, voxels, bounds, touchable, range and more.
+        """Lists the segments as they are now.
 
-        ``made_by`` is the threshold that made one, whatever edits did since.
+        Each has id, voxels, volume [mm³], bounds, touchable, pending, range, made_by, feel, pose,
+        and grid: ``patient_from_grid`` by rows where it has a grid of its own, to which bounds
+        belong then.
         """
         return self._internal.segments_state()
 
@@ -481,7 +514,7 @@ class Session:
             self._internal.hide_surface(segment_id)
 
     def follow_edits(self, every: int) -> None:
-        """Has ``picture_changes`` follow edits every so many-th frame, of 60 a second.
+        """Has ``picture_changes`` follow edits every so many-th of 60 frames a second.
 
         Source: thesis 5.2.2.
 
@@ -606,6 +639,17 @@ class Session:
             segments=segments,
             settings=self.settings(),
         )
+
+
+def _empty(
+    dimensions: tuple[int, int, int],
+    grid: tuple[tuple[float, float, float], tuple[float, float, float], list[float]],
+) -> Volume:
+    """Returns a scan of zeros on a grid: its spacing, origin, and direction by rows."""
+    spacing, origin, direction = grid
+    values = np.zeros(dimensions[::-1], np.int16)
+    axes = np.reshape(direction, (3, 3))
+    return Volume(values, spacing=spacing, origin=origin, direction=axes)
 
 
 def _triple(numbers: Point) -> tuple[float, float, float]:

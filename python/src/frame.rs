@@ -68,6 +68,8 @@ pub fn segment_dict<'py>(py: Python<'py>, segment: &SegmentState) -> PyResult<Bo
     dictionary!(py,
         "id": segment.id.0,
         "voxels": segment.voxels,
+        "volume": segment.volume,
+        "grid": segment.own_grid.map(|grid| rows_of(grid.patient_from_grid())),
         "bounds": segment.bounds.map(|bounds| (bounds.min.to_array(), bounds.max.to_array())),
         "touchable": segment.touchable,
         "pending": segment.pending,

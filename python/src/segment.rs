@@ -3,11 +3,13 @@
 use glam::{DVec3, IVec3};
 use numpy::ndarray::Array3;
 use numpy::{PyArray1, PyArray3, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods};
+use palpate_volume::grid::Grid;
 use palpate_volume::segment::Segment;
 use pyo3::prelude::*;
 
-use crate::arrays::{dimensions_of, values_of};
+use crate::arrays::{Triple, dimensions_of, triple, values_of, vector};
 use crate::errors::CoreError;
+use crate::volume::{Direction, matrix_of_rows};
 
 /// Lowest voxel and one past the highest, (x, y, z).
 type Bounds = ((i32, i32, i32), (i32, i32, i32));
@@ -26,6 +28,29 @@ impl PySegment {
         let values = values_of(&mask)?;
         let segment = py.detach(|| Segment::from_mask(dimensions, values))?;
         Ok(Self { segment })
+    }
+
+    /// The same voxels on a grid of their own instead of a scan's.
+    fn on_grid(
+        &self,
+        spacing: Triple,
+        origin: Triple,
+        direction: Direction,
+    ) -> Result<Self, CoreError> {
+        let axes = matrix_of_rows(direction);
+        let dimensions = self.segment.dimensions();
+        let grid = Grid::new(dimensions, vector(spacing), vector(origin), axes)?;
+        let segment = self.segment.clone().on_grid(grid);
+        Ok(Self { segment })
+    }
+
+    /// Spacing and origin [mm] and direction, row by row, of the grid of its own; None without.
+    #[getter]
+    fn own_grid(&self) -> Option<(Triple, Triple, [f64; 9])> {
+        let grid = self.segment.own_grid()?;
+        let origin = grid.patient_from_grid().transform_point3(DVec3::splat(0.5));
+        let direction = grid.direction().transpose().to_cols_array();
+        Some((triple(grid.spacing()), triple(origin), direction))
     }
 
     #[getter]

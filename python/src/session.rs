@@ -9,6 +9,7 @@ use numpy::{PyReadonlyArray2, PyUntypedArrayMethods};
 use palpate_device::HapticDevice;
 use palpate_device::scripted::{PathSample, ScriptedDevice};
 use palpate_device::simulated::{SimulatedDevice, SimulatedSettings};
+use palpate_engine::cut::Painted;
 use palpate_engine::feel::Feel;
 use palpate_engine::kept_surface::{SurfaceMaking, SurfaceSource};
 use palpate_engine::scene::{Properties, ThresholdRange};
@@ -232,15 +233,21 @@ impl PySession {
         Ok(py.detach(|| self.session.set_feel(SegmentId(segment_id), feel))?)
     }
 
-    /// Moves a segment to a pose, a homogeneous matrix, shape [4, 4] [mm].
+    /// Moves a segment to a pose, a homogeneous matrix, shape [4, 4] [mm]; where it `goes_on` the
+    /// next move belongs to the same step of undo.
+    #[pyo3(signature = (segment_id, pose, goes_on = false))]
     fn move_segment(
         &self,
         py: Python<'_>,
         segment_id: u8,
         pose: PyReadonlyArray2<'_, f64>,
+        goes_on: bool,
     ) -> Result<(), CoreError> {
-        let pose = affine(&pose)?;
-        Ok(py.detach(|| self.session.move_segment(SegmentId(segment_id), pose))?)
+        let (id, pose) = (SegmentId(segment_id), affine(&pose)?);
+        Ok(py.detach(|| match goes_on {
+            true => self.session.drag_segment(id, pose),
+            false => self.session.move_segment(id, pose),
+        })?)
     }
 
     fn clutch(&self, py: Python<'_>, on: bool) -> Result<(), CoreError> {
@@ -281,6 +288,36 @@ impl PySession {
         let (point, normal) = (vector(point), vector(normal));
         let cut = py.detach(|| self.session.cut(SegmentId(segment_id), point, normal));
         Ok(cut?.0)
+    }
+
+    /// Parts a segment along a painted line, points of shape [count, 3]; returns the number of the
+    /// smaller part.
+    fn cut_along(
+        &self,
+        py: Python<'_>,
+        segment_id: u8,
+        line: PyReadonlyArray2<'_, f64>,
+        eye: Triple,
+        view: Triple,
+        closed: bool,
+    ) -> Result<u8, CoreError> {
+        let painted = painted_line(&line, (eye, view), closed)?;
+        let cut = py.detach(|| self.session.cut_along(SegmentId(segment_id), &painted));
+        Ok(cut?.0)
+    }
+
+    /// Volumes of the larger and the smaller part that `cut_along` would make [mm³].
+    fn preview_cut(
+        &self,
+        py: Python<'_>,
+        segment_id: u8,
+        line: PyReadonlyArray2<'_, f64>,
+        eye: Triple,
+        view: Triple,
+        closed: bool,
+    ) -> Result<[f64; 2], CoreError> {
+        let painted = painted_line(&line, (eye, view), closed)?;
+        Ok(py.detach(|| self.session.preview_cut(SegmentId(segment_id), &painted))?)
     }
 
     /// Minimum and mean distance [mm] of one segment's surface to another, overlap [mm³].
@@ -528,6 +565,28 @@ impl PySession {
     fn stop(&self, py: Python<'_>) {
         py.detach(|| self.session.stop());
     }
+}
+
+/// A line that was painted on the picture.
+fn painted_line(
+    line: &PyReadonlyArray2<'_, f64>,
+    (eye, view): (Triple, Triple),
+    closed: bool,
+) -> Result<Painted, CoreError> {
+    let points = line.as_array();
+    if points.ncols() != 3 {
+        return Err(CoreError::value(format!(
+            "points of shape {:?} given; allowed: [count, 3]",
+            line.shape()
+        )));
+    }
+    let rows = points.rows().into_iter();
+    Ok(Painted {
+        eye: vector(eye),
+        view: vector(view),
+        line: rows.map(|row| vector((row[0], row[1], row[2]))).collect(),
+        closed,
+    })
 }
 
 /// The transform of a homogeneous matrix.

@@ -134,6 +134,8 @@ def test_thresholds_follow_undo() -> None:
     assert state == {
         "id": 1,
         "voxels": 20_000,
+        "volume": 20_000.0,
+        "grid": None,
         "touchable": True,
         "pending": False,
         "range": (500.0, 2000.0),

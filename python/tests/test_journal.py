@@ -272,6 +272,50 @@ def test_a_page_is_asked_and_names_come_back_with_the_voxels(tmp_path: Path) -> 
         np.testing.assert_array_equal(server.session.segment(1).mask(), expected)
 
 
+def test_where_objects_stand_how_they_feel_and_look_come_back_to_a_page(tmp_path: Path) -> None:
+    page_folder = write_page(tmp_path / "page")
+    pose = np.eye(4)
+    pose[0, 3] = 5.0
+    feel = {"stiffness": 0.25, "friction_static": 0.5, "friction_kinetic": 0.25}
+    with (
+        running(make_ball(), page_folder, state=tmp_path / "state") as server,
+        server.page() as page,
+    ):
+        (before,) = page.receive("segments")["segments"]
+        middle = np.mean(before["bounds"], axis=0).tolist()
+        page.send({"type": "segment_feel", "id": 1, "feel": feel})
+        move = {"type": "move_segment", "id": 1, "pose": pose.ravel().tolist()}
+        page.send({**move, "goes_on": True})
+        page.send({**move, "goes_on": False})
+        page.receive("segments", until=lambda m: m["segments"][0]["shown_as"] == "surface")
+        page.send({"type": "cut_segment", "id": 1, "point": middle, "normal": [0.0, 0.0, 1.0]})
+        left = page.receive("segments", until=lambda m: len(m["segments"]) == 2)["segments"]
+    with (
+        running(make_ball(), page_folder, state=tmp_path / "state") as server,
+        server.page() as page,
+    ):
+        assert page.receive("recovery")["offer"]["steps"] == 2
+        page.send({"type": "recover", "bring_back": True})
+        back = page.receive(
+            "segments",
+            until=lambda m: (
+                [one["name"] for one in m["segments"]] == [one["name"] for one in left]
+                and m["segments"][1]["shown_as"] == "surface"
+            ),
+        )["segments"]
+        assert [dict(one, pending=False) for one in back] == [
+            dict(one, pending=False) for one in left
+        ]
+        assert (back[0]["feel"], back[1]["feel"]) == (feel, feel)
+        # the cut is one step, the drag another
+        page.send({"type": "undo"})
+        (whole,) = page.receive("segments", until=lambda m: len(m["segments"]) == 1)["segments"]
+        assert whole["pose"] == pose.ravel().tolist()
+        page.send({"type": "undo"})
+        page.receive("segments", until=lambda m: m["segments"][0]["pose"] != whole["pose"])
+        assert not server.session.frame()["can_undo"]
+
+
 def test_a_note_that_is_none_is_told_of_and_the_voxels_are_back(left: Path, tmp_path: Path) -> None:
     with Session(make_ball(), options=STILL) as session:
         journal, _ = begun(session, left, recover=True)

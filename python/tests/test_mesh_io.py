@@ -12,7 +12,15 @@ from numpy.typing import NDArray
 from palpate import OptionError, Volume
 from palpate.cli import run
 from palpate.errors import EmptySegmentError, MeshFormatError
-from palpate.mesh_io import closed, grid_around, hole_count, read_mesh, segment_of_mesh
+from palpate.mesh_io import (
+    closed,
+    grid_around,
+    hole_count,
+    object_of_mesh,
+    read_mesh,
+    segment_of_mesh,
+    suitable_spacing,
+)
 from palpate.mesh_write import SUFFIXES, write_mesh
 from palpate.surface import Mesh, Surface
 
@@ -171,6 +179,50 @@ def test_damaged_and_lying_files_give_one_clear_error(
     path.write_bytes(content)
     with pytest.raises(MeshFormatError, match=said):
         read_mesh(path, frame="LPS", unit="mm")
+
+
+def plate(thickness: float) -> Mesh:
+    """A plate of 20 x 12 mm, thin along z."""
+    corners = np.array([[i & 1, i >> 1 & 1, i >> 2 & 1] for i in range(8)], np.float64)
+    sides = [(0, 4, 6, 2), (1, 3, 7, 5), (0, 1, 5, 4), (2, 6, 7, 3), (0, 2, 3, 1), (4, 5, 7, 6)]
+    triangles = [triple for a, b, c, d in sides for triple in ((a, b, c), (a, c, d))]
+    vertices = corners * [20.0, 12.0, thickness] + [3.1, -4.3, 500.7]
+    return Mesh(vertices, np.zeros_like(vertices, np.float32), np.array(triangles, np.uint32))
+
+
+@pytest.mark.parametrize("thickness", [0.6, 1.5, 8.0])
+def test_a_mesh_gets_voxels_fine_enough_for_its_thickness(thickness: float) -> None:
+    file = read_back(plate(thickness))
+    spacing = suitable_spacing(file.mesh, ball())
+    # at least four along the thickness, less where its edges take a share, and as the scan's
+    assert thickness / 5.5 < spacing <= min(0.7, thickness / 4.0) or spacing == pytest.approx(0.7)
+    segment = object_of_mesh(file, spacing)
+    assert segment.has_own_grid
+    # edges are right to half a voxel on each side
+    assert segment.volume_ml == pytest.approx(20.0 * 12.0 * thickness / 1000.0, rel=0.15)
+    # voxels begin at the mesh's corner: three of a third are just its thickness
+    layers = object_of_mesh(file, thickness / 3.0).mask().any(axis=(1, 2))
+    assert layers.sum() == 3
+    with pytest.raises(OptionError, match="1073741824"):
+        object_of_mesh(file, 0.001)
+
+
+def test_parts_of_a_mesh_that_run_into_one_another_are_one_solid() -> None:
+    one = mesh_of_ball()
+    shift = np.array([4.0, 0.0, 0.0])
+    both = Mesh(
+        np.vstack([one.vertices, one.vertices + shift]),
+        np.vstack([one.normals, one.normals]),
+        np.vstack([one.triangles, one.triangles + len(one.vertices)]).astype(np.uint32),
+    )
+    grid = grid_around([both], 0.5)
+    parts = [
+        segment_of_mesh(read_back(Mesh(one.vertices + by, one.normals, one.triangles)), grid).mask()
+        for by in (0.0 * shift, shift)
+    ]
+    made = segment_of_mesh(read_back(both), grid).mask()
+    np.testing.assert_array_equal(made, parts[0] | parts[1])
+    assert (parts[0] & parts[1]).any()
 
 
 def test_a_mesh_far_from_the_scan_encloses_nothing() -> None:

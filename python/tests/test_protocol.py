@@ -77,7 +77,7 @@ PROPERTIES = {
         {"type": "change_settings", "settings": SETTINGS | {"damping": -0.1}},
         {"type": "change_settings", "settings": SETTINGS | {"model": "chai3d"}},
         {"type": "change_settings", "settings": SETTINGS | {"probe_radius": -1.0}},
-        {"type": "move_segment", "id": 1, "pose": [1.0] * 15},
+        {"type": "move_segment", "id": 1, "pose": [1.0] * 15, "goes_on": False},
         PROPERTIES | {"shown_as": "mesh"},
         PROPERTIES | {"opacity": 1.1},
         PROPERTIES | {"smoothing": 13},

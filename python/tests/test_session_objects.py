@@ -2,10 +2,21 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from palpate import OptionError, Scene, ScriptedPath, Session, SessionOptions, TouchSettings, Volume
+from palpate import (
+    OptionError,
+    Scene,
+    ScriptedPath,
+    Segment,
+    Session,
+    SessionOptions,
+    TouchSettings,
+    Volume,
+)
 
 SPACING = (1.0, 1.0, 1.5)
 SHAPE = (40, 48, 48)
@@ -136,3 +147,60 @@ def test_a_session_with_gain_and_clutch_is_replayed_bit_for_bit() -> None:
         for gain in (0.0, 11.0, float("nan")):
             with pytest.raises(OptionError, match="gain"):
                 session.settings(TouchSettings(gain=gain))
+
+
+def plate() -> Segment:
+    """Returns a plate of 10 x 10 x 1.5 mm from (30, 30, 40.3) on, in voxels of its own."""
+    values = np.zeros((10, 44, 44), np.int16)
+    values[2:8, 2:42, 2:42] = 1
+    corner = np.array([30.0, 30.0, 40.3]) - 2 * 0.25
+    fine = Volume(values, spacing=[0.25] * 3, origin=(corner + 0.125).tolist())
+    return fine.threshold(1, name="plate").as_object()
+
+
+def test_a_plate_is_felt_as_thick_as_it_is_in_a_scan_of_thick_slices() -> None:
+    volume = Volume(np.zeros((40, 60, 60), np.int16), spacing=(1.0, 1.0, 2.0))
+    scene = Scene(volume)
+    assert scene.add(plate()).shown_as == "surface"
+    path = (
+        ScriptedPath((35.0, 35.0, 50.0))
+        .move((35.0, 35.0, 38.0), seconds=0.5)
+        .hold(0.3)
+        .move((35.0, 35.0, 50.0), seconds=0.2)
+        .move((20.0, 35.0, 50.0), seconds=0.2)
+        .move((20.0, 35.0, 32.0), seconds=0.2)
+        .move((35.0, 35.0, 32.0), seconds=0.2)
+        .move((35.0, 35.0, 44.0), seconds=0.4)
+        .hold(0.3)
+    )
+    with Session(scene, device=path, options=OFFLINE) as session:
+        recording = session.run(2.3)
+        above, below = recording.positions[750, 2], recording.positions[-1, 2]
+        # the probe keeps 1e-8 of a voxel from a face
+        assert above == pytest.approx(41.8, abs=1e-4)
+        assert below == pytest.approx(40.3, abs=1e-4)
+        assert recording.replay().is_equal
+        again = session.segment(1)
+        assert again.has_own_grid
+        assert again.volume_ml == pytest.approx(0.15)
+        np.testing.assert_array_equal(again.mask(), plate().mask())
+        assert again.contains([[35.0, 35.0, 41.0], [35.0, 35.0, 42.0]]).tolist() == [True, False]
+
+
+def test_an_object_with_voxels_of_its_own_comes_back_after_a_crash(tmp_path: Path) -> None:
+    file, scan = tmp_path / "a.journal", bytes(32)
+    with Session(balls(), options=OFFLINE) as session:
+        session.begin_journal(file, scan)
+        number = session.add_segment(plate())
+        session.move_segment(number, shifted(0.0, 2.0, 1.0))
+        session.set_feel(number, stiffness=0.25)
+        session.let_pass(0.2)
+        expected = session.segments()
+    with Session(balls(), options=OFFLINE) as session:
+        session.recover_journal(file, scan)
+        session.let_pass(0.2)
+        assert session.segments() == expected
+        session.undo()
+        assert np.reshape(session.segments()[2]["pose"], (4, 4)).tolist() == np.eye(4).tolist()
+        session.undo()
+        assert len(session.segments()) == 2

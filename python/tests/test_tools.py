@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from palpate.errors import OptionError
+from palpate.recording import Recording
 from palpate.scene import Scene
 from palpate.session import Session, SessionOptions
 from palpate.volume import Volume
@@ -69,6 +71,34 @@ def test_the_drill_spends_the_work_of_bone_and_leaves_air(ball_scene: Scene) -> 
         assert tool["time"] > 0.1
         changes = session.picture_changes()
         assert changes == []  # nobody watched
+
+
+def test_a_recording_has_volume_time_and_load_of_the_drill(
+    ball_scene: Scene, tmp_path: Path
+) -> None:
+    with Session(ball_scene, options=ABOVE) as session:
+        session.set_tool("drill", radius=2.0, segment_ids=[1])
+        session.start_recording()
+        session.let_pass(0.1)
+        tool = press(session, depth=4.0)
+        session.let_pass(0.1)
+        recording = session.stop_recording()
+    assert recording.tool_volumes[0] == 0.0
+    assert (np.diff(recording.tool_volumes) >= 0.0).all()
+    assert recording.tool_volumes[-1] == tool["volume"] > 4.0
+    assert recording.tool_times[-1] == tool["time"]
+    # what was spent is the power over time; the picture knows the power of 10 ms before
+    at_work = recording.tool_loads > 0.0
+    assert recording.tool_loads[at_work].sum() * 1e-3 == pytest.approx(tool["energy"], rel=0.1)
+    assert recording.tool_loads[-1] == 0.0
+
+    path = tmp_path / "drilled.palpate-session"
+    recording.save(path)
+    again = Recording.load(path)
+    np.testing.assert_array_equal(again.tool_loads, recording.tool_loads)
+    assert again.replay().is_equal
+    again.to_csv(tmp_path / "drilled.csv")
+    assert "tool_load_mW" in (tmp_path / "drilled.csv").read_text(encoding="utf-8").split("\n")[0]
 
 
 def test_the_drill_leaves_the_lowest_value_where_the_unit_is_unknown(ball_scene: Scene) -> None:

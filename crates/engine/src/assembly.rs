@@ -3,7 +3,7 @@
 use std::sync::mpsc::{self, Sender};
 use std::sync::{Arc, Mutex};
 
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
 use palpate_device::DeviceLimits;
 use palpate_haptics::scene::{MAX_OBJECTS, ObjectPose};
 use palpate_volume::edit::SegmentId;
@@ -89,10 +89,8 @@ pub fn assemble(config: SessionConfig) -> Result<Assembly, SessionError> {
     let start = servo_start(&scene, reference, probe, settings);
     let servo = ServoLoop::new(start, channels.servo, Arc::clone(&shared));
     let (pace, bell) = (SurfacePace::default(), Arc::new(Bell::default()));
-    let surfaces = Arc::new(Mutex::new(Surfaces::new(
-        grid,
-        scene.voxels().intensities().clone(),
-    )));
+    let surfaces = Surfaces::new(scene.voxels().intensities().clone());
+    let surfaces = Arc::new(Mutex::new(surfaces));
     let ends = (status, notices.clone(), news);
     let (deformation, deformation_loop) = Deformation::new(!config.real_time);
     let simulation = first_simulation(
@@ -211,15 +209,14 @@ fn scene_of(
     if segments.len() > usize::from(u8::MAX) {
         return Err(VoxelsError::TooManySegments.into());
     }
-    let poses = || {
-        segments
-            .iter()
-            .filter_map(|(_, properties)| properties.pose)
-    };
-    for pose in poses() {
-        ObjectPose::new(&grid, &grid, pose)?;
+    let bodies = segments.iter().filter_map(|(segment, properties)| {
+        let of_own = segment.own_grid().map(|_| DAffine3::IDENTITY);
+        Some((segment.grid(&grid), properties.pose.or(of_own)?))
+    });
+    for (own, pose) in bodies.clone() {
+        ObjectPose::new(own, &grid, pose)?;
     }
-    if poses().count() > MAX_OBJECTS {
+    if bodies.count() > MAX_OBJECTS {
         return Err(SessionError::TooManyMoved);
     }
     let mut scene = Scene::new(Voxels::new(grid, intensities)?);

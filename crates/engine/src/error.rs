@@ -6,6 +6,7 @@ use palpate_tools::journal_error::JournalError;
 use palpate_tools::tool::ToolError;
 use palpate_volume::voxels::VoxelsError;
 
+use crate::cut::MOST_POINTS;
 use crate::mapping::ViewError;
 use crate::settings::SettingsError;
 
@@ -59,6 +60,18 @@ pub enum SessionError {
         /// Voxels of the scan.
         dimensions: glam::UVec3,
     },
+    /// Voxels of another grid for a segment.
+    #[error(
+        "other voxels on another grid given for segment {0}; allowed: the grid that it stands on, \
+         or a new segment"
+    )]
+    OtherGrid(u8),
+    /// The drill works on the scan's matter alone.
+    #[error(
+        "segments with a grid of their own given to the drill; allowed: segments of the scan, \
+         whose matter it removes"
+    )]
+    NothingToDrill,
     /// A plane that is none.
     #[error("plane through {point} with normal {normal} given; allowed: finite, normal not zero")]
     Plane {
@@ -80,6 +93,24 @@ pub enum SessionError {
         id: u8,
         /// The point given, scene mm.
         point: glam::DVec3,
+    },
+    /// A painted line that is none.
+    #[error(
+        "a line of {points} points given; allowed: 2 to {MOST_POINTS} finite points before the eye, \
+         at two different places of the picture, and a direction of view"
+    )]
+    PaintedLine {
+        /// How many.
+        points: usize,
+    },
+    /// A line that parts nothing.
+    #[error(
+        "the painted line leaves all of segment {id} on one side; allowed: a line with some of it \
+         on both"
+    )]
+    LineMisses {
+        /// Which segment.
+        id: u8,
     },
     /// A threshold that is none.
     #[error("threshold {low} to {high} given; allowed: finite, low not above high")]

@@ -66,14 +66,19 @@ impl GapBodies {
             return body;
         }
         let known = measured.drawn.or(kept.map(|(surface, _)| surface));
+        let known = known.filter(|surface| *surface.grid() == measured.voxels.grid);
         let mut surface = match known {
             Some(surface) => surface,
-            None => KeptSurface::new(grid, making(), measured.voxels.clone())
+            None => KeptSurface::new(making(), measured.voxels.clone())
                 .expect("the usual settings make a surface"),
         };
         surface.replace(measured.voxels);
         surface.follow(scan);
-        let body = Arc::new(GapBody::new(&measured.segment, surface.surface(), grid));
+        let body = Arc::new(GapBody::new(
+            &measured.segment,
+            surface.surface(),
+            measured.segment.grid(grid),
+        ));
         self.0.insert(measured.id, (surface, Arc::clone(&body)));
         body
     }

@@ -7,16 +7,20 @@
 //! Where it is to collide with other segments (thesis 4.16), its surface voxels are looked up in
 //! theirs at every step: a step that brings more of them into another segment is not taken, only
 //! what is left of it along the axes. So two that overlap when they are grabbed can be parted.
-//! Work is bounded: [`MOST_SAMPLES`] voxels, [`MOST_TESTS`] poses a pass; what is left of a way is
-//! gone in the next pass. Frames: scan and scene, mm.
+//! Work is bounded: [`MOST_SAMPLES`] voxels, [`MOST_TESTS`] poses and [`MOST_LOOKUPS`] questions a
+//! pass; what is left of a way is gone in the next pass. Frames: scan and scene, mm.
 
 use glam::{DAffine3, DMat3, DQuat, DVec3, IVec3};
 use palpate_haptics::moving::PoseMotion;
+use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::bits::Bits;
+use palpate_volume::brick_grid::BRICK;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
+use palpate_volume::occupancy::Occupancy;
 use palpate_volume::segment::Segment;
 use palpate_volume::voxel_box::VoxelBox;
+use rayon::prelude::*;
 
 use crate::handover::ServoStatus;
 use crate::scene::Scene;
@@ -25,6 +29,12 @@ use crate::scene::Scene;
 pub const MOST_SAMPLES: usize = 40_000;
 /// Poses that are tried in one pass.
 pub const MOST_TESTS: usize = 12;
+
+/// Voxels of others that are looked up in one pass, whatever their number; where more would be
+/// needed for [`FEWEST_TESTS`] poses, every so many-th surface voxel is asked for.
+pub const MOST_LOOKUPS: usize = 600_000;
+/// Poses that a pass has lookups for, at least.
+const FEWEST_TESTS: usize = 4;
 
 /// Parts of a step that is not free as a whole: along which axes of the scene.
 const ALONG: [DVec3; 6] = [
@@ -54,6 +64,7 @@ pub struct Grip {
 /// Voxels of the held segment with a free neighbour.
 #[derive(Debug)]
 struct HeldSurface {
+    grid: Grid,
     /// Their middles where the scan has them [mm].
     middles: Vec<DVec3>,
     bounds: VoxelBox,
@@ -62,7 +73,9 @@ struct HeldSurface {
 /// Another segment.
 struct Other<'a> {
     bits: &'a Bits,
+    bounds: VoxelBox,
     grid_from_scene: DAffine3,
+    smallest_spacing: f64,
 }
 
 impl Grip {
@@ -138,8 +151,7 @@ impl Grip {
                 None => self.pose = self.wanted,
                 Some(surface) => {
                     let others = others_of(scene);
-                    let grid = scene.voxels().grid();
-                    self.pose = surface.way(grid, &others, (self.pose, self.wanted));
+                    self.pose = surface.way(&others, (self.pose, self.wanted));
                 }
             }
         }
@@ -154,29 +166,40 @@ impl HeldSurface {
             grid.patient_from_grid()
                 .transform_point3(voxel.as_dvec3() + 0.5)
         };
-        let all = surface_voxels(bits);
-        let stride = all.len().div_ceil(MOST_SAMPLES).max(1);
+        let bricks = surface_bricks(bits);
+        let count: u64 = bricks.iter().map(|(_, brick)| ones(brick)).sum();
+        let stride = (count as usize).div_ceil(MOST_SAMPLES).max(1);
         Self {
-            middles: all.into_iter().step_by(stride).map(middle).collect(),
+            grid: *grid,
+            middles: voxels_of(&bricks).step_by(stride).map(middle).collect(),
             bounds: segment.bounding_box().unwrap_or(VoxelBox::EMPTY),
         }
     }
 
     /// How far it comes on its way in one pass: straight, then what is left of it along axes.
-    fn way(&self, grid: &Grid, others: &[Other<'_>], ends: (DAffine3, DAffine3)) -> DAffine3 {
+    fn way(&self, others: &[Other<'_>], ends: (DAffine3, DAffine3)) -> DAffine3 {
         let (start, wanted) = ends;
-        let middle = grid
+        let middle = self
+            .grid
             .patient_from_grid()
             .transform_point3((self.bounds.min + self.bounds.max).as_dvec3() / 2.0);
+        let others = self.near(others, ends, middle);
+        let wanted_lookups = self.middles.len() * others.len() * FEWEST_TESTS;
         let mut walk = Walk {
             surface: self,
-            grid,
-            others,
+            step: others
+                .iter()
+                .map(|other| other.smallest_spacing)
+                .fold(self.grid.smallest_spacing(), f64::min),
+            others: &others,
             middle,
             pose: start,
-            inside: self.inside(&start, others),
-            tests: 1,
+            inside: 0,
+            stride: wanted_lookups.div_ceil(MOST_LOOKUPS).max(1),
+            tests: 0,
+            lookups: 0,
         };
+        walk.inside = walk.look_up(&start);
         walk.go(wanted);
         for axes in ALONG {
             let left = wanted.transform_point3(middle) - walk.pose.transform_point3(middle);
@@ -185,31 +208,45 @@ impl HeldSurface {
         walk.pose
     }
 
-    /// Surface voxels whose middle is inside of another segment.
-    fn inside(&self, pose: &DAffine3, others: &[Other<'_>]) -> usize {
-        others
-            .iter()
-            .map(|other| {
-                let grid_from_scan = other.grid_from_scene * *pose;
-                let within = |middle: &&DVec3| {
-                    let voxel = grid_from_scan.transform_point3(**middle).floor();
-                    other.bits.is_solid(voxel.as_ivec3())
-                };
-                self.middles.iter().filter(within).count()
-            })
-            .sum()
+    /// Those of the others that the held segment may come to on its way.
+    fn near<'a, 'b>(
+        &self,
+        others: &'b [Other<'a>],
+        (start, wanted): (DAffine3, DAffine3),
+        middle: DVec3,
+    ) -> Vec<&'b Other<'a>> {
+        let corner = self.bounds.max.as_dvec3() - self.bounds.min.as_dvec3();
+        let radius = 0.5 * (corner * self.grid.spacing()).length();
+        // along the axes of the scene it goes at most the way's own length beside it
+        let [from, to] = [start, wanted].map(|pose| pose.transform_point3(middle));
+        let reach = radius + 2.0 * from.distance(to);
+        let near = |other: &&Other<'_>| {
+            let rows = other.grid_from_scene.matrix3.transpose();
+            // along an axis of its grid a ball reaches as far as that axis' row is long
+            let rows = [rows.x_axis, rows.y_axis, rows.z_axis].map(DVec3::length);
+            let reach = reach * DVec3::from(rows);
+            let at = other.grid_from_scene.transform_point3(from);
+            let (low, high) = (at - reach, at + reach);
+            low.cmple(other.bounds.max.as_dvec3()).all()
+                && high.cmpge(other.bounds.min.as_dvec3()).all()
+        };
+        others.iter().filter(near).collect()
     }
 }
 
 /// A way in steps of a voxel, none of which brings more of the surface into others.
 struct Walk<'a> {
     surface: &'a HeldSurface,
-    grid: &'a Grid,
-    others: &'a [Other<'a>],
+    /// Length of a step: the smallest voxel's [mm].
+    step: f64,
+    others: &'a [&'a Other<'a>],
     middle: DVec3,
     pose: DAffine3,
     inside: usize,
+    /// Every so many-th of the surface's voxels is looked up.
+    stride: usize,
     tests: usize,
+    lookups: usize,
 }
 
 impl Walk<'_> {
@@ -219,15 +256,15 @@ impl Walk<'_> {
             return;
         }
         let way = to.transform_point3(self.middle) - self.pose.transform_point3(self.middle);
-        let steps = (way.length() / self.grid.smallest_spacing()).ceil() as u32;
-        let motion = PoseMotion::new(self.grid, self.surface.bounds, self.pose, to, steps);
+        let steps = (way.length() / self.step).ceil() as u32;
+        let HeldSurface { grid, bounds, .. } = self.surface;
+        let motion = PoseMotion::new(grid, *bounds, self.pose, to, steps);
         let Ok(mut motion) = motion else {
             return;
         };
-        while !motion.is_done() && self.tests < MOST_TESTS {
+        while !motion.is_done() && self.may_look_up() {
             let next = motion.next_pose();
-            let inside = self.surface.inside(&next, self.others);
-            self.tests += 1;
+            let inside = self.look_up(&next);
             if inside > self.inside {
                 return;
             }
@@ -235,17 +272,49 @@ impl Walk<'_> {
             motion.advance();
         }
     }
+
+    /// Whether the work of one more pose is within the bounds.
+    fn may_look_up(&self) -> bool {
+        let each = self.lookups.checked_div(self.tests).unwrap_or_default();
+        self.tests < MOST_TESTS && self.lookups + each <= MOST_LOOKUPS
+    }
+
+    /// Surface voxels whose middle is inside of another segment.
+    fn look_up(&mut self, pose: &DAffine3) -> usize {
+        self.tests += 1;
+        let mut found = 0;
+        for other in self.others {
+            let grid_from_scan = other.grid_from_scene * *pose;
+            for middle in self.surface.middles.iter().step_by(self.stride) {
+                let voxel = grid_from_scan.transform_point3(*middle).floor();
+                found += usize::from(other.bits.is_solid(voxel.as_ivec3()));
+                self.lookups += 1;
+            }
+        }
+        found
+    }
 }
 
 /// All obstacles; the held segment is none.
 fn others_of(scene: &Scene) -> Vec<Other<'_>> {
-    let grid = scene.voxels().grid();
+    let other = |segment: &'_ Segment, pose: Option<DAffine3>| {
+        let grid = segment.grid(scene.voxels().grid());
+        let scan_from_scene = pose.unwrap_or(DAffine3::IDENTITY).inverse();
+        (
+            grid.grid_from_patient() * scan_from_scene,
+            grid.smallest_spacing(),
+        )
+    };
     scene
         .obstacles()
-        .map(|(_, segment, properties)| Other {
-            bits: segment.occupancy(),
-            grid_from_scene: grid.grid_from_patient()
-                * properties.pose.unwrap_or(DAffine3::IDENTITY).inverse(),
+        .map(|(_, segment, properties)| {
+            let (grid_from_scene, smallest_spacing) = other(segment, properties.pose);
+            Other {
+                bits: segment.occupancy(),
+                bounds: segment.bounding_box().unwrap_or(VoxelBox::EMPTY),
+                grid_from_scene,
+                smallest_spacing,
+            }
         })
         .collect()
 }
@@ -253,17 +322,111 @@ fn others_of(scene: &Scene) -> Vec<Other<'_>> {
 /// Solid voxels with a free neighbour across a face, brick by brick.
 #[must_use]
 pub fn surface_voxels(bits: &Bits) -> Vec<IVec3> {
+    voxels_of(&surface_bricks(bits)).collect()
+}
+
+/// Bricks of those voxels, with their first voxel; a brick is asked for as a whole.
+fn surface_bricks(bits: &Bits) -> Vec<(IVec3, BitBrick)> {
     let sides = [IVec3::X, IVec3::Y, IVec3::Z];
-    let is_surface = |voxel: &IVec3| {
-        bits.is_solid(*voxel)
-            && sides
-                .iter()
-                .any(|side| !bits.is_solid(voxel + side) || !bits.is_solid(voxel - side))
+    let of_brick = |index: usize| {
+        let brick = bits.bricks().entries()[index].as_deref()?;
+        let min = bits.bricks().box_of(index as u32).min;
+        let mut inner = *brick;
+        for side in sides.into_iter().flat_map(|side| [side, -side]) {
+            let beside = bits.block(min + side);
+            for (word, beside) in inner.0.iter_mut().zip(beside.0) {
+                *word &= beside;
+            }
+        }
+        let surface = BitBrick(std::array::from_fn(|z| brick.0[z] & !inner.0[z]));
+        (surface != BitBrick::EMPTY).then_some((min, surface))
     };
-    (0..)
-        .zip(bits.bricks().entries())
-        .filter(|(_, brick)| brick.is_some())
-        .flat_map(|(index, _)| bits.bricks().box_of(index).voxels())
-        .filter(is_surface)
-        .collect()
+    let count = bits.bricks().entries().len();
+    (0..count).into_par_iter().filter_map(of_brick).collect()
+}
+
+/// The voxels of bricks.
+fn voxels_of(bricks: &[(IVec3, BitBrick)]) -> impl Iterator<Item = IVec3> {
+    bricks.iter().flat_map(|(min, brick)| {
+        let solid = |offset: &IVec3| brick.contains(*offset);
+        let voxels = VoxelBox::new(IVec3::ZERO, IVec3::splat(BRICK)).voxels();
+        voxels.filter(solid).map(|offset| *min + offset)
+    })
+}
+
+fn ones(brick: &BitBrick) -> u64 {
+    brick
+        .0
+        .iter()
+        .map(|word| u64::from(word.count_ones()))
+        .sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::UVec3;
+
+    use super::*;
+
+    /// A cube of cubes with gaps between them: much surface.
+    fn lattice(edge: u32) -> (Segment, Grid) {
+        let dimensions = UVec3::splat(edge);
+        let segment = Segment::from_fn(dimensions, |voxel| (voxel % 3).cmpgt(IVec3::ZERO).all());
+        let grid = Grid::new(dimensions, DVec3::ONE, DVec3::ZERO, DMat3::IDENTITY);
+        (segment, grid.expect("a grid"))
+    }
+
+    /// The work of a pass, counted: it neither grows with the surface nor with the others.
+    #[test]
+    fn a_pass_looks_up_no_more_voxels_than_it_may_whatever_is_held_among_however_many() {
+        let (segment, grid) = lattice(120);
+        let surface = HeldSurface::of(&segment, &grid);
+        assert!(surface.middles.len() > MOST_SAMPLES / 2 && surface.middles.len() <= MOST_SAMPLES);
+        let other = || Other {
+            bits: segment.occupancy(),
+            bounds: segment.bounding_box().expect("it has voxels"),
+            grid_from_scene: grid.grid_from_patient(),
+            smallest_spacing: 1.0,
+        };
+        for count in [0, 1, 3, 40, 255] {
+            let others: Vec<_> = (0..count).map(|_| other()).collect();
+            let others: Vec<_> = others.iter().collect();
+            let wanted = surface.middles.len() * count * FEWEST_TESTS;
+            let mut walk = Walk {
+                surface: &surface,
+                step: 1.0,
+                others: &others,
+                middle: DVec3::splat(60.0),
+                pose: DAffine3::IDENTITY,
+                inside: usize::MAX,
+                stride: wanted.div_ceil(MOST_LOOKUPS).max(1),
+                tests: 0,
+                lookups: 0,
+            };
+            walk.look_up(&DAffine3::IDENTITY);
+            walk.go(DAffine3::from_translation(DVec3::X * 50.0));
+            assert!(walk.lookups <= MOST_LOOKUPS, "{count}: {}", walk.lookups);
+            assert!(walk.tests >= FEWEST_TESTS - 1, "{count}: {}", walk.tests);
+        }
+    }
+
+    #[test]
+    fn others_far_from_the_way_are_not_looked_at_and_those_on_it_are() {
+        let (segment, grid) = lattice(24);
+        let surface = HeldSurface::of(&segment, &grid);
+        let standing_at = |x: f64| Other {
+            bits: segment.occupancy(),
+            bounds: segment.bounding_box().expect("it has voxels"),
+            grid_from_scene: grid.grid_from_patient() * DAffine3::from_translation(-x * DVec3::X),
+            smallest_spacing: 1.0,
+        };
+        let others = [standing_at(500.0), standing_at(30.0), standing_at(-500.0)];
+        let ends = |x: f64| (DAffine3::IDENTITY, DAffine3::from_translation(x * DVec3::X));
+        let middle = DVec3::splat(12.0);
+        assert_eq!(surface.near(&others, ends(1.0), middle).len(), 1);
+        assert_eq!(surface.near(&others, ends(490.0), middle).len(), 3);
+        // its cubes meet those of the one beside it where it would go through
+        let stopped = surface.way(&others, (DAffine3::IDENTITY, ends(20.0).1));
+        assert!(stopped.translation.x < 12.0, "{stopped}");
+    }
 }

@@ -69,6 +69,8 @@ impl SurfaceMaking {
 /// All voxels of a segment, and the threshold that made them, if one did.
 #[derive(Clone, Debug)]
 pub struct SegmentVoxels {
+    /// The grid that they stand on.
+    pub grid: Grid,
     /// The voxels.
     pub bits: Bits,
     /// The threshold.
@@ -90,20 +92,16 @@ impl KeptSurface {
     ///
     /// # Errors
     /// Where such a surface cannot be made.
-    pub fn new(
-        grid: &Grid,
-        making: SurfaceMaking,
-        voxels: SegmentVoxels,
-    ) -> Result<Self, SettingsError> {
+    pub fn new(making: SurfaceMaking, voxels: SegmentVoxels) -> Result<Self, SettingsError> {
         let settings = SurfaceSettings {
             limits: making.limits(voxels.made_by),
             ..making.settings
         };
         Ok(Self {
             making,
-            surface: SegmentSurface::new(grid, settings)?,
+            surface: SegmentSurface::new(&voxels.grid, settings)?,
+            dirty: voxels.grid.bounds(),
             voxels,
-            dirty: grid.bounds(),
         })
     }
 
@@ -123,7 +121,8 @@ impl KeptSurface {
     #[must_use]
     pub fn has(&self, voxels: &SegmentVoxels) -> bool {
         let same_threshold = self.voxels.made_by == voxels.made_by;
-        same_threshold && self.voxels.bits.difference(&voxels.bits).is_empty()
+        let same_grid = self.voxels.grid == voxels.grid;
+        same_threshold && same_grid && self.voxels.bits.difference(&voxels.bits).is_empty()
     }
 
     /// Exchanges bricks, which differ in the box `dirty` only.
@@ -133,7 +132,13 @@ impl KeptSurface {
         self.dirty = self.dirty.union(dirty);
     }
 
-    /// Takes other voxels in the place of all.
+    /// The grid that the voxels stand on.
+    #[must_use]
+    pub fn grid(&self) -> &Grid {
+        &self.voxels.grid
+    }
+
+    /// Takes other voxels of the same grid in the place of all.
     pub fn replace(&mut self, voxels: SegmentVoxels) {
         let limits = self.making.limits(voxels.made_by);
         let dirty = if limits == self.surface.settings().limits {
@@ -154,7 +159,8 @@ impl KeptSurface {
         }
         let source = VoxelSource {
             bits: &self.voxels.bits,
-            values: Some((scan, None)),
+            // only where they limit anything: a segment with a grid of its own has none
+            values: self.surface.settings().limits.map(|_| (scan, None)),
         };
         self.surface.update(&source, &dirty)
     }

@@ -69,15 +69,18 @@ impl MovedPoses {
     /// Puts the objects of something that is to be touched where their segments are by now.
     pub fn place(&self, touchable: &mut Touchable, grid: &Grid) {
         for moved in self.moved.iter().flatten() {
-            let object = touchable.object_of(SegmentId(moved.id));
+            let id = SegmentId(moved.id);
+            let own = touchable.own_grid_of(id).unwrap_or(grid);
+            let pose = ObjectPose::new(own, grid, moved.pose);
+            let object = touchable.object_of(id);
             let object = object.and_then(|place| touchable.objects.get_mut(place));
-            if let (Some(object), Ok(pose)) = (object, ObjectPose::new(grid, grid, moved.pose)) {
+            if let (Some(object), Ok(pose)) = (object, pose) {
                 object.set_pose(pose);
             }
         }
     }
 
-    /// Leads a segment, whose voxels are within `bounds`, to a pose, a rigid motion that was
+    /// Leads a segment, whose voxels are within `bounds` of its grid, to a pose, a rigid motion that was
     /// checked. One that no root has brought as an object does not go.
     pub fn lead(&mut self, id: SegmentId, target: DAffine3, grid: &Grid, bounds: VoxelBox) {
         let known = self.moved.iter_mut().flatten();
@@ -101,11 +104,13 @@ impl MovedPoses {
                 continue;
             };
             let next = motion.next_pose();
-            let Ok(pose) = ObjectPose::new(grid, grid, next) else {
+            let id = SegmentId(moved.id);
+            let own = touchable.own_grid_of(id).unwrap_or(grid);
+            let Ok(pose) = ObjectPose::new(own, grid, next) else {
                 moved.motion = None;
                 continue;
             };
-            let object = touchable.object_of(SegmentId(moved.id));
+            let object = touchable.object_of(id);
             moved.stopped = object.is_some_and(|object| {
                 touchable.step_pose(object, &pose, grid, proxy) == PoseStep::Held
             });

@@ -200,8 +200,9 @@ impl Picture {
         if recording.len() >= self.max_ticks {
             return;
         }
-        let touched = self.sources.status.read().touched;
-        recording.push(&record, if record.contact { touched } else { 0 });
+        let status = self.sources.status.read();
+        recording.push(&record, if record.contact { status.touched } else { 0 });
+        recording.note_tool(&status.tool);
         if recording.len() == self.max_ticks {
             self.note(Notice::warning(format!(
                 "The recording is full after {} ticks; later ones are not recorded.",

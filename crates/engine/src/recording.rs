@@ -8,6 +8,7 @@ use glam::{DQuat, DVec3};
 
 use crate::handover::{HandTarget, TickRecord};
 use crate::servo_state::TickInputs;
+use crate::tool_stroke::ToolNow;
 
 /// Longest recording, in ticks: an hour at 1 kHz, some 1 GB.
 pub const MAX_TICKS: usize = 3_600_000;
@@ -33,6 +34,12 @@ pub struct Recording {
     pub contact: Vec<bool>,
     /// The segment that was touched, as the picture knew it; 0 where there was none.
     pub touched: Vec<u8>,
+    /// Volume that the tool has changed since it was pressed last, as the picture knew it [mm³].
+    pub tool_volume: Vec<f64>,
+    /// Time that it was at work [s].
+    pub tool_time: Vec<f64>,
+    /// Its power on matter; 0 where it is not pressed [N·mm/s].
+    pub tool_load: Vec<f64>,
     /// Number of the last command obeyed, in the tick or before it.
     pub command: Vec<u64>,
     /// Number of the device's reading.
@@ -85,6 +92,9 @@ impl Recording {
             self.time.len(),
             self.contact.len(),
             self.touched.len(),
+            self.tool_volume.len(),
+            self.tool_time.len(),
+            self.tool_load.len(),
             self.command.len(),
             self.reading.len(),
             self.read_at.len(),
@@ -139,6 +149,9 @@ impl Recording {
         self.sent_force.push(record.sent_force);
         self.contact.push(record.contact);
         self.touched.push(touched);
+        self.tool_volume.push(0.0);
+        self.tool_time.push(0.0);
+        self.tool_load.push(0.0);
         self.command.push(record.command);
         let inputs = &record.inputs;
         self.reading.push(inputs.reading);
@@ -150,5 +163,20 @@ impl Recording {
         self.hand_target.push(inputs.hand.point);
         self.hand_number.push(inputs.hand.number);
         self.has_room.push(inputs.has_room);
+    }
+
+    /// Notes what the tool had done by the last tick.
+    pub fn note_tool(&mut self, tool: &ToolNow) {
+        let load = if tool.on { tool.report.load } else { 0.0 };
+        let noted = [
+            (&mut self.tool_volume, tool.report.volume),
+            (&mut self.tool_time, tool.report.time),
+            (&mut self.tool_load, load),
+        ];
+        for (column, number) in noted {
+            if let Some(last) = column.last_mut() {
+                *last = number;
+            }
+        }
     }
 }

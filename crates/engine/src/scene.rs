@@ -141,12 +141,31 @@ impl Step {
         }
     }
 
+    /// The segments that the step holds whole.
+    #[must_use]
+    pub fn segments(&self) -> Vec<&Segment> {
+        match self {
+            Self::Replace { segment, .. } | Self::Insert { segment, .. } => vec![segment],
+            Self::Several(steps) => steps.iter().flat_map(Self::segments).collect(),
+            _ => Vec::new(),
+        }
+    }
+
     /// The segment that the step moves, if it does.
     #[must_use]
     pub fn moves(&self) -> Option<SegmentId> {
         match self {
             Self::Move { id, .. } => Some(*id),
             _ => None,
+        }
+    }
+
+    /// How many changes it is made of.
+    #[must_use]
+    pub fn leaves(&self) -> u32 {
+        match self {
+            Self::Several(steps) => steps.iter().map(Self::leaves).sum(),
+            _ => 1,
         }
     }
 
@@ -213,11 +232,15 @@ impl Scene {
     #[must_use]
     pub fn voxels_of(&self, id: SegmentId) -> Option<SegmentVoxels> {
         self.voxels.segment(id).map(|segment| SegmentVoxels {
+            grid: *segment.grid(self.voxels.grid()),
             bits: segment.occupancy().clone(),
-            made_by: self
-                .properties_of(id)
-                .made_by
-                .map(|range| self.limiting(range)),
+            made_by: match segment.own_grid() {
+                Some(_) => None,
+                None => self
+                    .properties_of(id)
+                    .made_by
+                    .map(|range| self.limiting(range)),
+            },
         })
     }
 
@@ -232,6 +255,11 @@ impl Scene {
     #[must_use]
     pub fn properties_of(&self, id: SegmentId) -> Properties {
         self.properties.get(&id).copied().unwrap_or_default()
+    }
+
+    /// Takes what is known of a segment beside its voxels, from elsewhere.
+    pub fn know(&mut self, id: SegmentId, properties: Properties) {
+        self.properties.insert(id, properties);
     }
 
     /// Changes whether a segment is an obstacle; false where it was so already.
@@ -314,13 +342,17 @@ impl Scene {
                 id,
                 bits: segment.occupancy().clone(),
                 moved: properties.pose.map(|pose| MovedPart {
+                    own_grid: segment.own_grid().copied(),
                     bounds: segment.bounding_box().unwrap_or(VoxelBox::EMPTY),
                     pose,
                 }),
-                threshold: properties.made_by.map(|range| Threshold {
-                    range,
-                    values: self.values.clone(),
-                }),
+                threshold: properties
+                    .made_by
+                    .filter(|_| segment.own_grid().is_none())
+                    .map(|range| Threshold {
+                        range,
+                        values: self.values.clone(),
+                    }),
                 punctured: properties.pose.is_none() && self.punctured.contains(id.0),
             })
             .collect()
@@ -405,12 +437,29 @@ impl Scene {
         Ok((inverse, change))
     }
 
-    /// Number of segments that stand elsewhere than the scan has them.
+    /// Number of segments that are bodies of their own wherever they stand, or stand elsewhere
+    /// than the scan has them.
     #[must_use]
     pub fn moved_count(&self) -> usize {
-        let poses = self.properties.values().map(|properties| properties.pose);
-        let moved = poses.flatten().filter(|pose| *pose != DAffine3::IDENTITY);
-        moved.count()
+        let bodies = self.segments().filter(|(_, segment, properties)| {
+            let stands_there = properties
+                .pose
+                .is_none_or(|pose| pose == DAffine3::IDENTITY);
+            !stands_there || segment.own_grid().is_some()
+        });
+        bodies.count()
+    }
+
+    /// Whether a segment can be moved without one more body of its own than there is now.
+    #[must_use]
+    pub fn is_moved(&self, id: SegmentId) -> bool {
+        let pose = self.properties_of(id).pose;
+        pose.is_some_and(|pose| pose != DAffine3::IDENTITY) || self.has_own_grid(id)
+    }
+
+    fn has_own_grid(&self, id: SegmentId) -> bool {
+        let segment = self.voxels.segment(id);
+        segment.is_some_and(|segment| segment.own_grid().is_some())
     }
 
     /// Where one more segment is a body of its own than can be touched, makes those that were
@@ -421,7 +470,9 @@ impl Scene {
             return;
         }
         for (id, properties) in &mut self.properties {
-            if *id != newest && properties.pose == Some(DAffine3::IDENTITY) {
+            let segment = self.voxels.segment(*id);
+            let has_own = segment.is_some_and(|segment| segment.own_grid().is_some());
+            if *id != newest && !has_own && properties.pose == Some(DAffine3::IDENTITY) {
                 properties.pose = None;
             }
         }
@@ -447,10 +498,14 @@ impl Scene {
         segment: Segment,
         (range, made_by): (Option<ThresholdRange>, Option<ThresholdRange>),
     ) -> Result<(Step, TouchChange), VoxelsError> {
+        let own_grid = segment.own_grid().is_some();
         let segment = self.voxels.replace_segment(id, segment)?;
         let range = self.exchange_range(id, range);
         let properties = self.properties.entry(id).or_default();
         let made_by = std::mem::replace(&mut properties.made_by, made_by);
+        if own_grid {
+            properties.pose.get_or_insert(DAffine3::IDENTITY);
+        }
         let change = self.all_to_touch(id);
         let inverse = Step::Replace {
             id,
@@ -465,8 +520,12 @@ impl Scene {
         &mut self,
         id: SegmentId,
         segment: Segment,
-        properties: Properties,
+        mut properties: Properties,
     ) -> Result<(Step, TouchChange), VoxelsError> {
+        if segment.own_grid().is_some() {
+            // no part of the scan: a body of its own from the start
+            properties.pose.get_or_insert(DAffine3::IDENTITY);
+        }
         let replaced = self.voxels.insert_segment(id, segment)?;
         assert!(replaced.is_none(), "segment number {} was in use", id.0);
         self.properties.insert(id, properties);

@@ -35,7 +35,7 @@ pub struct EditNews {
     pub edit: u64,
     /// When it was applied.
     pub applied: SystemTime,
-    /// The voxels that differ by it.
+    /// The voxels that differ by it, of the grid that its segments stand on.
     pub dirty: VoxelBox,
     /// The bricks as they are now, by segment.
     pub segments: Vec<(SegmentId, Vec<BrickSwap<BitBrick>>)>,
@@ -78,7 +78,9 @@ impl SceneNews {
 impl EditNews {
     fn of(inverse: &Edit, voxels: &Voxels, labelled: &[SegmentId]) -> Self {
         let dirty = inverse.dirty;
-        let small = dirty.voxel_count() <= MOST_VOXELS;
+        let changed = inverse.segments.first();
+        let of_scan = changed.is_none_or(|(id, _)| voxels.grid_of(*id) == voxels.grid());
+        let small = of_scan && dirty.voxel_count() <= MOST_VOXELS;
         let segments = inverse.segments.iter().map(|(id, swaps)| {
             let indices = swaps.iter().map(|swap| swap.index);
             (*id, bricks_of(voxels, *id, indices))

@@ -344,8 +344,9 @@ impl ServoLoop {
                 self.state.touch.blend.tell();
             }
             Some(ServoCommand::Pose(id, target)) => {
-                if let Some(bounds) = self.occupancy.bounds_of(id) {
-                    self.state.poses.lead(id, target, &self.grid, bounds);
+                if let Some((bounds, own_grid)) = self.occupancy.place_of(id) {
+                    let grid = own_grid.unwrap_or(&self.grid);
+                    self.state.poses.lead(id, target, grid, bounds);
                 }
             }
             Some(ServoCommand::GiveWay(giving_way)) => {

@@ -238,6 +238,15 @@ impl Session {
         self.ask(move |simulation| simulation.move_segment(id, pose))?
     }
 
+    /// Moves a segment a part of the way of a drag, which [`Self::move_segment`] ends: all of it is
+    /// one step of undo.
+    ///
+    /// # Errors
+    /// See [`Self::move_segment`].
+    pub fn drag_segment(&self, id: SegmentId, pose: DAffine3) -> Result<(), SessionError> {
+        self.ask(move |simulation| simulation.drag_segment(id, pose))?
+    }
+
     /// Changes how the surface of a segment feels.
     ///
     /// # Errors
@@ -334,7 +343,8 @@ impl Session {
         high: IVec3,
         solid: bool,
     ) -> Result<(), SessionError> {
-        let region = checked_box(low, high, &self.grid)?;
+        let grid = self.ask(move |simulation| *simulation.voxels().grid_of(id))?;
+        let region = checked_box(low, high, &grid)?;
         if region.voxel_count() <= SMALL_EDIT {
             return self.ask(move |simulation| simulation.fill_box(id, &region, solid))?;
         }

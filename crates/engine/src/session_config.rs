@@ -97,7 +97,13 @@ pub(crate) fn check(config: &SessionConfig) -> Result<(), SessionError> {
         }
     }
     config.settings.check()?;
-    check_radius(config.settings.probe_radius, &config.grid)?;
+    let own_grids = config
+        .segments
+        .iter()
+        .filter_map(|(segment, _)| segment.own_grid());
+    for grid in own_grids.chain([&config.grid]) {
+        check_radius(config.settings.probe_radius, grid)?;
+    }
     if let Some(start) = config.start {
         check_point("start", start)?;
     }

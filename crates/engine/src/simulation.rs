@@ -1,4 +1,5 @@
-//! The owner of the true voxels: takes changes, keeps the journal, tells the servo.
+//! The owner of the true voxels: takes changes, keeps the journal, tells the servo. What it does to
+//! segments, objects and tools, its steps and what it tells stand in files of their own.
 //!
 //! Points in scene mm (LPS), boxes in voxels of the grid.
 
@@ -8,11 +9,9 @@ use std::sync::{Arc, Mutex};
 use glam::{DAffine3, DMat3, DVec3, IVec3};
 use palpate_device::DeviceLimits;
 use palpate_haptics::ball::{BallError, BallShape};
-use palpate_haptics::scene::{MAX_OBJECTS, ObjectPose};
-use palpate_tools::journal_entry::Action;
 use palpate_tools::journal_file::JournalFile;
 use palpate_tools::undo::UndoJournal;
-use palpate_volume::edit::{Edit, SegmentId};
+use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
 use palpate_volume::segment::Segment;
 use palpate_volume::voxel_box::VoxelBox;
@@ -24,20 +23,23 @@ use crate::feel::Feel;
 use crate::frame::Notice;
 use crate::grip::Grip;
 use crate::handover::{ServoCommand, SimulationChannels};
-use crate::kept_surface::{SegmentVoxels, SurfaceMaking};
+use crate::kept_surface::SegmentVoxels;
 use crate::moved_poses::CurrentPoses;
 use crate::needle::NeedleWatch;
 use crate::placement::{REACH, free_point};
-use crate::scene::{Properties, Scene, Step, ThresholdRange};
+use crate::scene::{Scene, Step, ThresholdRange};
 use crate::scene_news::SceneNews;
 use crate::settings::Settings;
-use crate::tape::{MAX_TAPE_BYTES, TapeRecorder};
+use crate::tape::TapeRecorder;
 use crate::tool_stroke::{ToolNow, ToolStroke};
 use crate::touch_sender::{TouchSender, touchable_of};
 
 mod deformation;
 mod objects;
 pub mod recovery;
+mod segments;
+mod steps;
+mod telling;
 mod tools;
 
 /// What the picture shows of the simulation.
@@ -82,8 +84,12 @@ pub struct SegmentState {
     pub id: SegmentId,
     /// Solid voxels.
     pub voxels: u64,
-    /// A box that just holds them; none where there are none.
+    /// Their volume [mm³].
+    pub volume: f64,
+    /// A box of its grid that just holds them; none where there are none.
     pub bounds: Option<VoxelBox>,
+    /// The grid of its own, where it does not stand on the scan's.
+    pub own_grid: Option<Grid>,
     /// Whether it is an obstacle.
     pub touchable: bool,
     /// Whether touch does not follow its newest voxels yet.
@@ -113,6 +119,8 @@ pub struct Simulation {
     stroke: ToolStroke,
     needle: NeedleWatch,
     grip: Option<Grip>,
+    /// The segment on a drag that has not ended.
+    dragged: Option<SegmentId>,
     clutched: bool,
     deformation: Deformation,
     file: Option<JournalFile>,
@@ -148,6 +156,7 @@ impl Simulation {
             stroke: ToolStroke::default(),
             needle: NeedleWatch::default(),
             grip: None,
+            dragged: None,
             clutched: false,
             deformation,
             file: None,
@@ -179,6 +188,15 @@ impl Simulation {
         self.settings
     }
 
+    /// The voxels of a segment with the threshold that made them.
+    ///
+    /// # Errors
+    /// Where there is no such segment.
+    pub fn voxels_of(&self, id: SegmentId) -> Result<SegmentVoxels, SessionError> {
+        let voxels = self.scene.voxels_of(id);
+        voxels.ok_or(VoxelsError::UnknownSegment(id.0).into())
+    }
+
     /// All segments, by rising number.
     #[must_use]
     pub fn segments(&self) -> Vec<SegmentState> {
@@ -187,7 +205,9 @@ impl Simulation {
             .map(|(id, segment, properties)| SegmentState {
                 id,
                 voxels: segment.count(),
+                volume: segment.count() as f64 * segment.grid(self.voxels().grid()).voxel_volume(),
                 bounds: segment.bounding_box(),
+                own_grid: segment.own_grid().copied(),
                 touchable: properties.touchable,
                 pending: self.touch.is_pending(id),
                 range: properties.range,
@@ -228,206 +248,6 @@ impl Simulation {
                  then on only.",
             ));
         }
-    }
-
-    /// Adds a segment; an undoable one is taken away again by undo.
-    ///
-    /// # Errors
-    /// Where it belongs to another grid, or there are 255, or it has a pose that
-    /// [`Self::move_segment`] would refuse.
-    pub fn add_segment(
-        &mut self,
-        segment: Segment,
-        properties: Properties,
-        undoable: bool,
-    ) -> Result<SegmentId, SessionError> {
-        self.close_step();
-        if let Some(pose) = properties.pose {
-            self.check_pose(pose)?;
-            self.check_room_for_moved()?;
-        }
-        let id = self.free_id()?;
-        let step = Step::Insert {
-            id,
-            segment,
-            properties,
-        };
-        let action = if undoable { Action::Do } else { Action::Start };
-        let inverse = self.perform(step, action)?;
-        if undoable {
-            self.done(inverse);
-        }
-        self.publish();
-        Ok(id)
-    }
-
-    /// Gives a segment other voxels.
-    ///
-    /// # Errors
-    /// Where there is no such segment, or the voxels belong to another grid.
-    pub fn replace_segment(
-        &mut self,
-        id: SegmentId,
-        segment: Segment,
-        range: Option<ThresholdRange>,
-    ) -> Result<(), SessionError> {
-        self.change(Step::Replace {
-            id,
-            segment,
-            range,
-            made_by: range,
-        })
-    }
-
-    /// Removes a segment.
-    ///
-    /// # Errors
-    /// Where there is no such segment.
-    pub fn remove_segment(&mut self, id: SegmentId) -> Result<(), SessionError> {
-        self.let_go();
-        self.change(Step::Remove { id })
-    }
-
-    /// Makes a segment an obstacle, or no obstacle. This changes no voxel and is not undone.
-    ///
-    /// # Errors
-    /// Where there is no such segment.
-    pub fn set_touchable(&mut self, id: SegmentId, touchable: bool) -> Result<(), SessionError> {
-        if self.scene.set_touchable(id, touchable)? {
-            let change = crate::scene::TouchChange::All(vec![id]);
-            self.touch.send_change(&self.scene, &change);
-            self.publish();
-        }
-        Ok(())
-    }
-
-    /// Changes how the surface of a segment feels. This changes no voxel and is not undone.
-    ///
-    /// # Errors
-    /// Where a value is out of range, or there is no such segment.
-    pub fn set_feel(&mut self, id: SegmentId, feel: Feel) -> Result<(), SessionError> {
-        feel.check()?;
-        self.scene.set_feel(id, feel)?;
-        self.segments_version += 1;
-        self.touch.send(ServoCommand::Feel(id, feel));
-        self.publish();
-        Ok(())
-    }
-
-    /// Shows a segment as a surface, or as none; this changes no voxel and is not undone.
-    ///
-    /// # Errors
-    /// Where the settings make no surface, or there is no such segment.
-    pub fn show_surface(
-        &mut self,
-        id: SegmentId,
-        making: Option<SurfaceMaking>,
-    ) -> Result<(), SessionError> {
-        if let Some(making) = &making {
-            making.settings.check()?;
-        }
-        let voxels = self.voxels_of(id)?;
-        let shown = making.map(|making| (making, voxels));
-        self.tell_picture(SceneNews::Show(id, shown));
-        Ok(())
-    }
-
-    /// The voxels of a segment with the threshold that made them.
-    ///
-    /// # Errors
-    /// Where there is no such segment.
-    pub fn voxels_of(&self, id: SegmentId) -> Result<SegmentVoxels, SessionError> {
-        let voxels = self.scene.voxels_of(id);
-        voxels.ok_or(VoxelsError::UnknownSegment(id.0).into())
-    }
-
-    /// Names the segments that the picture shows by their labels: edits tell of these.
-    pub fn set_labelled(&mut self, labelled: Vec<SegmentId>) {
-        self.labelled = labelled;
-    }
-
-    /// Moves a segment; touch goes there smoothly. Moves of one segment after the other count
-    /// as one for undo.
-    ///
-    /// # Errors
-    /// Where the pose is no rigid motion, there is no such segment, or too many are moved.
-    pub fn move_segment(&mut self, id: SegmentId, pose: DAffine3) -> Result<(), SessionError> {
-        self.check_pose(pose)?;
-        self.let_go();
-        let before = self.scene.properties_of(id).pose;
-        if before.is_none_or(|before| before == DAffine3::IDENTITY) {
-            self.check_room_for_moved()?;
-        }
-        self.close_step();
-        let goes_on = self.journal.newest().and_then(Step::moves) == Some(id);
-        let inverse = self.perform(Step::Move { id, pose }, Action::Do)?;
-        if !goes_on || self.journal.can_redo() {
-            self.done(inverse);
-        }
-        self.publish();
-        Ok(())
-    }
-
-    /// Makes all voxels of a box solid or free in one segment, and in that one only.
-    ///
-    /// # Errors
-    /// Where there is no such segment.
-    pub fn fill_box(
-        &mut self,
-        id: SegmentId,
-        region: &VoxelBox,
-        solid: bool,
-    ) -> Result<(), SessionError> {
-        let edit = self.voxels().label_edit(id, region, |_, _| solid)?;
-        self.apply(edit)
-    }
-
-    /// Applies a label edit that was built from the present voxels.
-    ///
-    /// # Errors
-    /// Where it does not fit.
-    pub fn apply(&mut self, edit: Edit) -> Result<(), SessionError> {
-        // what is as wanted already leaves nothing to take back
-        if edit.is_empty() {
-            return Ok(());
-        }
-        self.change(Step::of_edit(edit))
-    }
-
-    /// Takes the newest change back; false where there is none.
-    ///
-    /// # Errors
-    /// Never, unless the journal is wrong.
-    pub fn undo(&mut self) -> Result<bool, SessionError> {
-        self.let_go();
-        self.close_step();
-        self.deformation.forget();
-        let Some(step) = self.journal.pop_undo() else {
-            return Ok(false);
-        };
-        let inverse = self.perform(step, Action::Undo)?;
-        let bytes = inverse.bytes();
-        self.journal.undone(inverse, bytes);
-        self.publish();
-        Ok(true)
-    }
-
-    /// Does the last undone change again; false where there is none.
-    ///
-    /// # Errors
-    /// Never, unless the journal is wrong.
-    pub fn redo(&mut self) -> Result<bool, SessionError> {
-        self.let_go();
-        self.close_step();
-        self.deformation.forget();
-        let Some(step) = self.journal.pop_redo() else {
-            return Ok(false);
-        };
-        let inverse = self.perform(step, Action::Redo)?;
-        let bytes = inverse.bytes();
-        self.journal.redone(inverse, bytes);
-        self.publish();
-        Ok(true)
     }
 
     /// Brings the probe to a point, or to the free voxel nearest to it, and the device with it
@@ -487,7 +307,7 @@ impl Simulation {
     /// Where one of them is out of range.
     pub fn set_settings(&mut self, settings: Settings) -> Result<Settings, SessionError> {
         settings.check()?;
-        check_radius(settings.probe_radius, self.voxels().grid())?;
+        self.check_radius_everywhere(settings.probe_radius)?;
         self.settings = settings.within(&self.limits);
         if let Some(notice) = self.settings.notice_of_limits(&settings) {
             self.tell(notice);
@@ -497,131 +317,16 @@ impl Simulation {
         Ok(self.settings)
     }
 
-    fn change(&mut self, step: Step) -> Result<(), SessionError> {
-        self.close_step();
-        let inverse = self.perform(step, Action::Do)?;
-        self.done(inverse);
-        self.publish();
-        Ok(())
-    }
-
-    fn perform(&mut self, step: Step, action: Action) -> Result<Step, SessionError> {
-        let (inverse, change) = self.scene.perform(step)?;
-        self.touch.send_change(&self.scene, &change);
-        self.segments_version += 1;
-        for news in SceneNews::of(&inverse, &self.scene, &self.labelled) {
-            self.voxels_version += u64::from(news.needs_labels());
-            self.tell_picture(news);
-        }
-        self.write_down(action, &inverse);
-        Ok(inverse)
-    }
-
-    fn check_pose(&self, pose: DAffine3) -> Result<(), SessionError> {
-        let grid = self.voxels().grid();
-        ObjectPose::new(grid, grid, pose)?;
-        Ok(())
-    }
-
-    /// Refuses one moved segment more than can be touched. Undo and redo need no such question:
-    /// where they lead there were no more.
-    fn check_room_for_moved(&self) -> Result<(), SessionError> {
-        if self.scene.moved_count() >= MAX_OBJECTS {
-            return Err(SessionError::TooManyMoved);
-        }
-        Ok(())
-    }
-
-    /// Notes the inverse of a whole step.
-    fn done(&mut self, inverse: Step) {
-        let bytes = inverse.bytes();
-        self.journal.done(inverse, bytes);
-        if let Some(file) = &mut self.file {
-            file.end_step();
-        }
-    }
-
-    /// The lowest number that no segment has and no undo or redo would bring back.
-    fn free_id(&self) -> Result<SegmentId, VoxelsError> {
-        let returns = |id: SegmentId| self.journal.steps().any(|step| step.needs(id));
-        let is_new = |id: &SegmentId| self.voxels().segment(*id).is_none();
-        let ids = || (1..=u8::MAX).map(SegmentId).filter(is_new);
-        ids()
-            .find(|id| !returns(*id))
-            .ok_or(VoxelsError::TooManySegments)
-    }
-
-    fn tell_of_held_changes(&mut self) {
-        let held = self.touch.is_held();
-        if held && !self.was_held {
-            self.tell(Notice::warning(
-                "A change waits: what it makes solid surrounds the probe. Move the probe out, or \
-                 undo the change.",
-            ));
-        }
-        self.was_held = held;
-
-        let stopped = self.touch.is_stopped();
-        if stopped && !self.was_stopped {
-            self.tell(Notice::warning(
-                "A segment stops on its way: it would pinch the probe. It goes on once the probe \
-                 is out.",
-            ));
-        }
-        self.was_stopped = stopped;
-    }
-
-    fn tell_of_refused_places(&mut self) {
-        let refused = self.touch.status().refused_places;
-        if refused > self.refused_places {
-            self.tell(Notice::warning(
-                "The probe stays where it is: there is no free voxel near the point.",
-            ));
-        }
-        self.refused_places = refused;
-    }
-
-    fn tell_of_full_tape(&mut self) {
-        let full = self.touch.is_tape_full();
-        if full && !self.was_full {
-            self.tell(Notice::warning(format!(
-                "The recording has no room for more changes (limit: {} MB): what comes after \
-                 this one cannot be replayed.",
-                MAX_TAPE_BYTES >> 20
-            )));
-        }
-        self.was_full = full;
-    }
-
-    fn publish(&mut self) {
-        let status = SimulationStatus {
-            edit: self.voxels().edit_number(),
-            touched: self.touch.status().touched,
-            probe_radius: self.touch.status().radius,
-            poses: self.current_poses(),
-            grabbed: self.grip.as_ref().map_or(0, |grip| grip.id().0),
-            clutched: self.clutched,
-            device_origin: self.touch.status().origin,
-            pending: self.touch.pending(),
-            can_undo: self.journal.can_undo() || self.stroke.has_changed(),
-            can_redo: self.journal.can_redo(),
-            segments_version: self.segments_version,
-            voxels_version: self.voxels_version,
-            tool: self.stroke.now(),
-            undo_bytes: self.journal.bytes(),
-            undo_budget: self.journal.budget(),
-        };
-        self.status.write(status);
-    }
-
-    fn tell_picture(&self, news: SceneNews) {
-        // without a picture nobody draws any more
-        let _ = self.news.send(news);
-    }
-
-    fn tell(&self, notice: Notice) {
-        // without a picture nobody reads notices any more
-        let _ = self.notices.send(notice);
+    /// Refuses a ball that is too large for the voxels of a segment, also of one that undo or redo
+    /// would bring back.
+    fn check_radius_everywhere(&self, radius: f64) -> Result<(), BallError> {
+        check_radius(radius, self.voxels().grid())?;
+        let there = self.voxels().segments().map(|(_, segment)| segment);
+        let gone = self.journal.steps().flat_map(Step::segments);
+        there
+            .chain(gone)
+            .filter_map(Segment::own_grid)
+            .try_for_each(|grid| check_radius(radius, grid))
     }
 }
 

@@ -14,7 +14,6 @@ use palpate_surface::settings::PATCH_CELLS;
 use palpate_surface::{PatchChange, PatchId};
 use palpate_volume::bits::Bits;
 use palpate_volume::edit::SegmentId;
-use palpate_volume::grid::Grid;
 use palpate_volume::intensities::Intensities;
 use palpate_volume::voxel_box::VoxelBox;
 
@@ -69,7 +68,6 @@ struct Shown {
 /// All surfaces of a scan.
 #[derive(Debug)]
 pub struct Surfaces {
-    grid: Grid,
     scan: Intensities,
     shown: BTreeMap<SegmentId, Shown>,
     next: PictureChange,
@@ -79,11 +77,10 @@ pub struct Surfaces {
 }
 
 impl Surfaces {
-    /// No segment of a scan on this grid is shown as a surface.
+    /// No segment of a scan is shown as a surface.
     #[must_use]
-    pub fn new(grid: Grid, scan: Intensities) -> Self {
+    pub fn new(scan: Intensities) -> Self {
         Self {
-            grid,
             scan,
             shown: BTreeMap::new(),
             next: PictureChange::default(),
@@ -98,11 +95,7 @@ impl Surfaces {
             SceneNews::Edit(edit) => self.take_edit(edit),
             SceneNews::Segment(id, Some(voxels)) => self.take_segment(id, voxels),
             // undo may bring it back, and it is still to be shown as a surface then
-            SceneNews::Segment(id, None) => {
-                let bits = Bits::empty(self.grid.dimensions());
-                let made_by = None;
-                self.take_segment(id, SegmentVoxels { bits, made_by });
-            }
+            SceneNews::Segment(id, None) => self.empty(id),
             SceneNews::Show(id, None) => self.hide(id),
             SceneNews::Show(id, Some((making, voxels))) => self.show(id, making, voxels),
         }
@@ -183,19 +176,38 @@ impl Surfaces {
         }
     }
 
-    fn take_segment(&mut self, id: SegmentId, voxels: SegmentVoxels) {
+    fn empty(&mut self, id: SegmentId) {
         if let Some(shown) = self.shown.get_mut(&id) {
+            let grid = *shown.kept.grid();
+            shown.kept.replace(SegmentVoxels {
+                bits: Bits::empty(grid.dimensions()),
+                made_by: None,
+                grid,
+            });
+        }
+    }
+
+    fn take_segment(&mut self, id: SegmentId, voxels: SegmentVoxels) {
+        let Some(shown) = self.shown.get_mut(&id) else {
+            return;
+        };
+        if *shown.kept.grid() == voxels.grid {
             shown.kept.replace(voxels);
+        } else {
+            // another segment under the same number
+            let making = *shown.kept.making();
+            self.show(id, making, voxels);
         }
     }
 
     fn show(&mut self, id: SegmentId, making: SurfaceMaking, voxels: SegmentVoxels) {
-        let Ok(kept) = KeptSurface::new(&self.grid, making, voxels) else {
+        let spacing = voxels.grid.spacing();
+        let Ok(kept) = KeptSurface::new(making, voxels) else {
             // the simulation has refused such settings
             return;
         };
         let edge = f64::from((PATCH_CELLS + 2) * i32::from(making.settings.step));
-        let longest = edge * self.grid.spacing().length();
+        let longest = edge * spacing.length();
         let shown = Shown {
             lattice: Lattice::new(kept.surface().origin(), longest),
             kept,

@@ -87,6 +87,9 @@ pub struct TapePart {
     /// Whether a needle had punctured it.
     #[serde(default)]
     pub punctured: bool,
+    /// The grid of its voxels, where it is not the scan's; only of moved ones.
+    #[serde(default)]
+    pub own_grid: Option<Grid>,
 }
 
 impl From<&Part> for TapePart {
@@ -95,7 +98,8 @@ impl From<&Part> for TapePart {
             id: part.id.0,
             moved: part
                 .moved
-                .map(|MovedPart { bounds, pose }| (bounds.min, bounds.max, pose)),
+                .map(|MovedPart { bounds, pose, .. }| (bounds.min, bounds.max, pose)),
+            own_grid: part.moved.and_then(|moved| moved.own_grid),
             threshold: part.threshold.as_ref().map(|threshold| threshold.range),
             punctured: part.punctured,
         }
@@ -332,11 +336,14 @@ pub fn put(parts: &mut [Part], swaps: &[PartSwap]) {
 pub fn rooted(old: &[Part], new: &[TapePart], values: &ScanValues) -> Vec<Part> {
     let part = |part: &TapePart| {
         let id = SegmentId(part.id);
+        let own = part.own_grid.as_ref().map(Grid::dimensions);
+        let dimensions = own.unwrap_or(values.dimensions());
         let bits = match place_of(old, id) {
-            Ok(place) => old[place].bits.clone(),
-            Err(_) => Bits::empty(values.dimensions()),
+            Ok(place) if old[place].bits.dimensions() == dimensions => old[place].bits.clone(),
+            _ => Bits::empty(dimensions),
         };
         let moved = part.moved.map(|(min, max, pose)| MovedPart {
+            own_grid: part.own_grid,
             bounds: VoxelBox::new(min, max),
             pose,
         });
@@ -361,6 +368,7 @@ fn place_of(parts: &[Part], id: SegmentId) -> Result<usize, usize> {
 /// The bricks of a part that hold other voxels than before.
 fn changed_bricks(old: &[Part], new: &Part) -> Vec<PartSwap> {
     let old = place_of(old, new.id).ok().map(|place| &old[place].bits);
+    let old = old.filter(|bits| bits.dimensions() == new.bits.dimensions());
     let before = |index| old.and_then(|bits| bits.bricks().get(index));
     (0..)
         .zip(new.bits.bricks().entries())

@@ -4,6 +4,7 @@
 //! in the directory and eight words each, no solid voxel where there is no brick; values of the
 //! scan are a place and 512 numbers each. What comes from a file is checked before anything is made of it.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use palpate_haptics::ball::{BallError, BallShape};
@@ -99,7 +100,7 @@ pub enum TapeError {
     #[error("its segments are out of order")]
     Parts,
     /// A threshold that makes no segment.
-    #[error("it has a threshold from {low} to {high}; allowed: finite, low <= high")]
+    #[error("it has a threshold from {low} to {high}; allowed: numbers, low <= high")]
     Threshold {
         /// Its lower end.
         low: f64,
@@ -200,12 +201,12 @@ impl TryFrom<&TapeColumns> for Tape {
         BallShape::new(state.radius, grid.spacing())?;
         check_parts(&parts, &grid)?;
 
-        let empty = Bits::empty(grid.dimensions());
-        let values = columns.values.scan_values(rescale, &empty)?;
+        let mut frames = Frames::new(&grid, &parts);
+        let values = columns.values.scan_values(rescale, &frames.scan)?;
         let mut parts = rooted(&[], &parts, &values);
-        let solid = columns.solid.swaps(0..columns.solid.index.len(), &empty)?;
+        let solid = columns.solid.swaps(0..columns.solid.index.len(), &frames)?;
         put(&mut parts, &solid);
-        let entries = columns.entries(&empty, &grid)?;
+        let entries = columns.entries(&mut frames, &grid)?;
         Ok(Self {
             grid,
             state,
@@ -218,8 +219,8 @@ impl TryFrom<&TapeColumns> for Tape {
 }
 
 impl TapeColumns {
-    /// The commands for a servo that touches voxels like `bits`.
-    fn entries(&self, bits: &Bits, grid: &Grid) -> Result<Vec<TapeEntry>, TapeError> {
+    /// The commands for a servo that touches voxels of these frames to begin with.
+    fn entries(&self, frames: &mut Frames, grid: &Grid) -> Result<Vec<TapeEntry>, TapeError> {
         if self.command_ends.len() != self.brick_ends.len() {
             return Err(TapeError::Lengths);
         }
@@ -233,7 +234,10 @@ impl TapeColumns {
                     TapeError::Command { number, reason }
                 })?;
             check(&command, bricks.len(), grid)?;
-            let swaps = self.bricks.swaps(bricks, bits)?;
+            if let TapeCommand::Root { parts, .. } = &command {
+                frames.follow(parts);
+            }
+            let swaps = self.bricks.swaps(bricks, frames)?;
             entries.push(TapeEntry { command, swaps });
         }
         Ok(entries)
@@ -273,11 +277,11 @@ impl BrickColumns {
         self.words.push(brick.0);
     }
 
-    /// Some of the bricks, checked against a grid of the size of `bits`.
+    /// Some of the bricks, checked against the grids that they stand on.
     fn swaps(
         &self,
         range: std::ops::Range<usize>,
-        bits: &Bits,
+        frames: &Frames,
     ) -> Result<Vec<PartSwap>, TapeError> {
         let count = self.index.len();
         if self.words.len() != count || self.segment.len() != count {
@@ -288,16 +292,51 @@ impl BrickColumns {
         // strictly rising, so that each is there once
         let places: Vec<(u8, u32)> = segment.iter().copied().zip(index.iter().copied()).collect();
         let in_order = places.is_sorted_by(|before, after| before < after);
-        let within = index
+        let within = places
             .iter()
-            .all(|&index| (index as usize) < bits.bricks().len());
+            .all(|&(id, index)| (index as usize) < frames.of(id).bricks().len());
         if !in_order || !within {
             return Err(TapeError::Bricks);
         }
         let bricks = places.into_iter().zip(&self.words[range]);
         bricks
-            .map(|((id, index), &words)| Ok((SegmentId(id), swap(index, BitBrick(words), bits)?)))
+            .map(|((id, index), &words)| {
+                let brick = swap(index, BitBrick(words), frames.of(id))?;
+                Ok((SegmentId(id), brick))
+            })
             .collect()
+    }
+}
+
+/// Voxels of the size of the grids that segments stand on.
+struct Frames {
+    scan: Bits,
+    /// Of segments with a grid of their own, by number.
+    own: BTreeMap<u8, Bits>,
+}
+
+impl Frames {
+    fn new(grid: &Grid, parts: &[TapePart]) -> Self {
+        let mut frames = Self {
+            scan: Bits::empty(grid.dimensions()),
+            own: BTreeMap::new(),
+        };
+        frames.follow(parts);
+        frames
+    }
+
+    /// Takes the grids of a new root.
+    fn follow(&mut self, parts: &[TapePart]) {
+        for part in parts {
+            match &part.own_grid {
+                Some(grid) => self.own.insert(part.id, Bits::empty(grid.dimensions())),
+                None => self.own.remove(&part.id),
+            };
+        }
+    }
+
+    fn of(&self, id: u8) -> &Bits {
+        self.own.get(&id).unwrap_or(&self.scan)
     }
 }
 
@@ -333,12 +372,22 @@ fn check_parts(parts: &[TapePart], grid: &Grid) -> Result<(), TapeError> {
         return Err(TapeError::Parts);
     }
     for (low, high) in parts.iter().filter_map(|part| part.threshold) {
-        if !(low.is_finite() && high.is_finite() && low <= high) {
+        // an end that limits nothing is infinite; written so that NaN is refused
+        if !(low <= high) {
             return Err(TapeError::Threshold { low, high });
         }
     }
-    for (_, _, pose) in parts.iter().filter_map(|part| part.moved) {
-        ObjectPose::new(grid, grid, pose)?;
+    for part in parts {
+        let own = part.own_grid.as_ref();
+        match part.moved {
+            Some((_, _, pose)) => drop(ObjectPose::new(own.unwrap_or(grid), grid, pose)?),
+            None if own.is_some() => return Err(TapeError::Parts),
+            None => {}
+        }
+        let given = own.map_or(0, |own| own.voxel_count() as u64);
+        if given > MAX_FILE_VOXELS {
+            return Err(TapeError::TooLarge { given });
+        }
     }
     Ok(())
 }

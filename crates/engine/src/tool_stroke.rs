@@ -1,7 +1,8 @@
 //! The tool in the hand: what it does from press to release, for the simulation.
 //!
 //! Frame: scene. Where the chosen segments were moved, the tool works in their own frame, that
-//! of the first one; segments that stand elsewhere are passed over, and a drill spares them.
+//! of the first one; segments that stand elsewhere, or on another grid, are passed over, and a
+//! drill spares them.
 
 use std::collections::BTreeMap;
 
@@ -10,6 +11,7 @@ use palpate_haptics::needle::tissues::Tissues;
 use palpate_tools::stroke::Stroke;
 use palpate_tools::tool::{Tool, ToolInput, ToolKind, ToolReport, ToolSettings};
 use palpate_volume::edit::{Edit, SegmentId};
+use palpate_volume::segment::Segment;
 use palpate_volume::voxels::VoxelsError;
 
 use crate::error::SessionError;
@@ -100,8 +102,18 @@ impl ToolStroke {
         }
         let mut settings = self.settings.clone().ok_or(SessionError::NoTool)?;
         let chosen = settings.segments.len();
+        if settings.kind == ToolKind::Drill {
+            let own = |id: SegmentId| scene.voxels().segment(id).and_then(Segment::own_grid);
+            settings.segments.retain(|id| own(*id).is_none());
+            if settings.segments.is_empty() && chosen > 0 {
+                return Err(SessionError::NothingToDrill);
+            }
+        }
         let pose = pose_of(scene, &settings.segments);
-        let stands_there = |id: SegmentId| placement(scene, id) == pose;
+        let first = settings.segments.first().copied();
+        let grid = first.map_or(*scene.voxels().grid(), |id| *scene.voxels().grid_of(id));
+        let stands_there =
+            |id: SegmentId| placement(scene, id) == pose && *scene.voxels().grid_of(id) == grid;
         // a needle works where the scan has its segments, each by its own
         if settings.kind != ToolKind::Needle {
             settings.segments.retain(|id| stands_there(*id));
@@ -109,7 +121,7 @@ impl ToolStroke {
         let all = scene.segments().map(|(id, ..)| id);
         settings.spared = all.filter(|id| !stands_there(*id)).collect();
         self.pressed = Some(Pressed {
-            tool: settings.build(scene.voxels().grid())?,
+            tool: settings.build(&grid)?,
             kind: settings.kind,
             last: None,
             segments: settings.segments,

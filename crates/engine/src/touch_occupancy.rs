@@ -247,14 +247,17 @@ impl TouchOccupancy {
         carried
     }
 
-    /// A box that holds the voxels of a moved segment: of the newest root that has it.
+    /// A box that holds the voxels of a moved segment, and the grid of its own if it has one: of
+    /// the newest root that has it.
     #[must_use]
-    pub fn bounds_of(&self, id: SegmentId) -> Option<VoxelBox> {
+    pub fn place_of(&self, id: SegmentId) -> Option<(VoxelBox, Option<&Grid>)> {
         let held = self.held_root.as_ref().map(|held| &*held.touchable);
         let roots = held.into_iter().chain([&self.touchable]);
-        let mut bounds =
-            roots.filter_map(|root| Some(root.objects.get(root.object_of(id)?)?.bounds()));
-        bounds.next()
+        let mut places = roots.filter_map(|root| {
+            let bounds = root.objects.get(root.object_of(id)?)?.bounds();
+            Some((bounds, root.own_grid_of(id)))
+        });
+        places.next()
     }
 
     /// The oldest change that is held back.
@@ -289,7 +292,7 @@ impl TouchOccupancy {
     /// Takes the next step toward the wanted radius; one that is too large for the voxels is
     /// never reached.
     fn step_radius(&mut self, probe: &mut Probe<'_>) {
-        let next = self.touchable.world.shape().toward(self.wanted_radius);
+        let next = self.touchable.radius_toward(self.wanted_radius);
         let scene = self.touchable.scene(probe.grid);
         match admit_radius(&scene, next, &mut self.spares, probe.proxy) {
             Ok(Admission::Held) | Err(_) => {}
@@ -300,7 +303,7 @@ impl TouchOccupancy {
     fn put_radius(&mut self, radius: f64) {
         let held = self.held_root.as_mut().map(|held| &mut *held.touchable);
         for touchable in held.into_iter().chain([&mut self.touchable]) {
-            // it fits the one that it was admitted in, and all have one grid
+            // it fits the one that it was admitted in; of the other it was asked when it was made
             let _ = touchable.set_radius(radius);
         }
         self.version += 1;

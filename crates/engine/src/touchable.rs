@@ -5,7 +5,7 @@
 //! stays the same; only a segment that was moved is a body of its own. Bricks that one segment
 //! alone has are shared with it; only where segments overlap is a new brick made.
 //!
-//! Frame: grid of the scan; a moved segment keeps that grid, and has a pose.
+//! Frame: grid of the scan; a moved segment keeps that grid, or has one of its own, and a pose.
 
 use std::sync::Arc;
 
@@ -13,6 +13,7 @@ use glam::{DAffine3, IVec3, UVec3};
 use palpate_haptics::ball::BallError;
 use palpate_haptics::ball_limits::ball_limits;
 use palpate_haptics::ball_probe::ProbeSolid;
+use palpate_haptics::ball_shape::BallShape;
 use palpate_haptics::exact::ExactLimits;
 use palpate_haptics::moving::{self, PoseStep};
 use palpate_haptics::proxy::Proxy;
@@ -47,13 +48,23 @@ pub struct Part {
     pub punctured: bool,
 }
 
-/// Where a segment stands that was moved.
+/// Where a segment stands that was moved, or that has a grid of its own.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MovedPart {
+    /// The grid of its voxels, where it is not the scan's.
+    pub own_grid: Option<Grid>,
     /// A box that holds its voxels.
     pub bounds: VoxelBox,
     /// From the scan to the scene [mm], a rigid motion that was checked.
     pub pose: DAffine3,
+}
+
+impl MovedPart {
+    /// The grid of its voxels.
+    #[must_use]
+    pub fn grid<'a>(&'a self, scan: &'a Grid) -> &'a Grid {
+        self.own_grid.as_ref().unwrap_or(scan)
+    }
 }
 
 /// All that can be touched, ready for the servo.
@@ -74,7 +85,7 @@ impl Touchable {
     /// where their pose has them.
     ///
     /// # Errors
-    /// Where the ball is too large for the scan's voxels.
+    /// Where the ball is too large for the voxels of one of the grids.
     ///
     /// # Panics
     /// Where a pose is none; whoever gives parts a pose has checked it.
@@ -84,20 +95,22 @@ impl Touchable {
             shares: KnownShares::of(&unmoved(&parts).collect::<Vec<_>>()),
         };
         let world = Body::new(world, radius, grid.spacing())?;
-        let reach = world.shape().reach();
-        let object = |part: &Part, MovedPart { bounds, pose }| {
+        let object = |part: &Part, moved: MovedPart| {
+            let MovedPart { bounds, pose, .. } = moved;
+            let own = moved.grid(grid);
             let voxels = BodyVoxels {
                 bits: part.bits.clone(),
                 shares: KnownShares::of(&[part]),
             };
-            let body = Body::new(voxels, radius, grid.spacing())?;
+            let body = Body::new(voxels, radius, own.spacing())?;
+            let reach = body.shape().reach();
             let bounds = if bounds.is_empty() {
                 bounds
             } else {
                 VoxelBox::new(bounds.min - reach, bounds.max + reach)
             };
-            let pose = ObjectPose::new(grid, grid, pose).expect("poses of parts were checked");
-            Ok(Object::new(body, grid, bounds, pose))
+            let pose = ObjectPose::new(own, grid, pose).expect("poses of parts were checked");
+            Ok(Object::new(body, own, bounds, pose))
         };
         let objects = parts
             .iter()
@@ -124,7 +137,24 @@ impl Touchable {
     /// How much work a tick of `exact` may do with this probe.
     #[must_use]
     pub fn limits(&self) -> ExactLimits {
-        ball_limits(self.world.shape())
+        // finer voxels cost a ball more
+        let strictest = |limits: ExactLimits, body: &Body| {
+            let own = ball_limits(body.shape());
+            ExactLimits {
+                max_visits: limits.max_visits.min(own.max_visits),
+                max_slides: limits.max_slides.min(own.max_slides),
+            }
+        };
+        let objects = self.objects.iter().map(Object::occupancy);
+        objects.fold(ball_limits(self.world.shape()), strictest)
+    }
+
+    /// The next radius on the way to another one that no body finds too large a step [mm].
+    #[must_use]
+    pub fn radius_toward(&self, radius: f64) -> f64 {
+        let objects = self.objects.iter().map(Object::occupancy);
+        let steps = objects.map(|body| body.shape().toward(radius));
+        steps.fold(self.world.shape().toward(radius), f64::min)
     }
 
     /// The moved segments as the parts have them, in the order of the objects.
@@ -137,6 +167,13 @@ impl Touchable {
     #[must_use]
     pub fn object_of(&self, id: SegmentId) -> Option<usize> {
         self.moved().position(|(other, _)| other == id)
+    }
+
+    /// The grid that a moved segment has of its own, if it has one.
+    #[must_use]
+    pub fn own_grid_of(&self, id: SegmentId) -> Option<&Grid> {
+        let part = self.parts.iter().find(|part| part.id == id)?;
+        part.moved.as_ref()?.own_grid.as_ref()
     }
 
     /// Takes a step of an object to a pose, if the probe admits it, who may be pushed.
@@ -181,10 +218,13 @@ impl Touchable {
     /// Gives the probe another radius [mm] at once; whether the probe admits it is asked before.
     ///
     /// # Errors
-    /// Where the ball is too large for the scan's voxels; nothing is changed then.
+    /// Where the ball is too large for the voxels of one of the grids; nothing is changed then.
     pub fn set_radius(&mut self, radius: f64) -> Result<(), BallError> {
         if self.radius == radius {
             return Ok(());
+        }
+        for object in &self.objects {
+            BallShape::new(radius, object.spacing())?;
         }
         self.world.set_radius(radius)?;
         for object in &mut self.objects {

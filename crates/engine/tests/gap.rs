@@ -49,6 +49,7 @@ fn measured(id: u8, segment: &Segment) -> Measured {
         id: SegmentId(id),
         segment: segment.clone(),
         voxels: SegmentVoxels {
+            grid: grid(),
             bits: segment.occupancy().clone(),
             made_by: None,
         },
@@ -210,7 +211,7 @@ fn the_surface_of_a_measured_segment_is_kept_and_follows_edits_by_their_boxes() 
 fn a_surface_that_is_drawn_is_measured_as_it_is() {
     let (grid, scan) = (grid(), scan());
     let mut one = measured(1, &block(true));
-    let mut drawn = KeptSurface::new(&grid, making(), one.voxels.clone()).unwrap();
+    let mut drawn = KeptSurface::new(making(), one.voxels.clone()).unwrap();
     drawn.follow(&scan);
     let patches = patches_of(&drawn);
     one.drawn = Some(drawn);

@@ -11,12 +11,17 @@ use std::fs;
 use std::path::PathBuf;
 
 use common::*;
-use glam::{DVec3, IVec3, UVec3};
+use glam::{DAffine3, DMat3, DVec3, IVec3, UVec3};
+use palpate_engine::cut::Plane;
+use palpate_engine::feel::Feel;
+use palpate_engine::simulation::SegmentState;
 use palpate_tools::drill::DrillSettings;
 use palpate_tools::journal_entry::ScanHash;
 use palpate_tools::tool::{ToolKind, ToolSettings};
 use palpate_volume::edit::SegmentId;
+use palpate_volume::grid::Grid;
 use palpate_volume::matter::SegmentSet;
+use palpate_volume::segment::Segment;
 use palpate_volume::voxel_box::VoxelBox;
 
 const DIMENSIONS: UVec3 = UVec3::splat(32);
@@ -174,4 +179,153 @@ fn the_journal_of_another_scan_changes_nothing() {
     assert!(masks(&rig).is_empty());
     let error = rig.simulation.begin_journal(&place.0, HASH);
     assert!(error.unwrap_err().to_string().contains("exists already"));
+}
+
+fn shifted(by: DVec3) -> DAffine3 {
+    DAffine3::from_translation(by)
+}
+
+/// What is known of all segments: numbers, voxels, touchability, ranges, feel, poses, grids.
+fn states(rig: &Rig) -> Vec<String> {
+    let states = rig.simulation.segments().into_iter();
+    states
+        .map(|state| {
+            let SegmentState {
+                id,
+                voxels,
+                touchable,
+                range,
+                feel,
+                pose,
+                own_grid,
+                ..
+            } = state;
+            // where nothing was moved yet there is no pose
+            let pose = pose.unwrap_or_default();
+            format!("{id:?} {voxels} {touchable} {range:?} {feel:?} {pose:?} {own_grid:?}")
+        })
+        .collect()
+}
+
+#[test]
+fn poses_feel_and_what_can_be_touched_come_back_with_their_steps() {
+    let place = Place::new("objects");
+    let mut rig = rig_with_journal(&place);
+    let feel = Feel {
+        stiffness: Some(0.4),
+        friction_static: Some(0.3),
+        friction_kinetic: Some(0.2),
+    };
+    let spacing = DVec3::splat(0.25);
+    let own = Grid::new(
+        UVec3::splat(12),
+        spacing,
+        DVec3::splat(8.0),
+        DMat3::IDENTITY,
+    )
+    .unwrap();
+    let plate = Segment::from_fn(own.dimensions(), |voxel| voxel.z < 4).on_grid(own);
+    let plate = rig.simulation.add_segment(plate, OBSTACLE, true).unwrap();
+    let mut steps = vec![states(&rig)];
+    rig.simulation.set_feel(BLOCK, feel).unwrap();
+    steps[0] = states(&rig);
+    // two drags, a hand, a threshold and its removal
+    for end in [4.0, 9.0] {
+        rig.simulation
+            .drag_segment(BLOCK, shifted(DVec3::X * (end - 1.0)))
+            .unwrap();
+        rig.simulation
+            .move_segment(BLOCK, shifted(DVec3::X * end))
+            .unwrap();
+        steps.push(states(&rig));
+    }
+    let above = DVec3::new(16.0, 16.0, 26.0);
+    rig.tick_at(above);
+    rig.simulation.step();
+    rig.simulation.grab(Some(plate), false).unwrap();
+    for step in 0..40 {
+        rig.tick_at(above + DVec3::Z * 0.1 * f64::from(step));
+        rig.simulation.step();
+    }
+    rig.simulation.grab(None, false).unwrap();
+    steps.push(states(&rig));
+    rig.simulation.remove_segment(plate).unwrap();
+    steps.push(states(&rig));
+    assert!(steps.windows(2).all(|pair| pair[0] != pair[1]));
+    rig.simulation.undo().unwrap();
+    drop(rig);
+
+    let mut rig = rig_of_scan();
+    let recovered = rig.simulation.recover_journal(&place.0, HASH).unwrap();
+    // four and the plate, and one undo
+    assert_eq!((recovered.steps, recovered.ignored_bytes), (6, 0));
+    assert_eq!(states(&rig), steps[3]);
+    assert!(rig.simulation.redo().unwrap());
+    assert_eq!(states(&rig), steps[4]);
+    for state in steps.iter().rev().skip(1) {
+        assert!(rig.simulation.undo().unwrap());
+        assert_eq!(states(&rig), *state);
+    }
+    // touch follows: the block stands where undo has brought it
+    for _ in 0..200 {
+        rig.tick_at(DVec3::new(2.0, 16.0, 26.0));
+        rig.simulation.step();
+    }
+    let pressed = (0..200).map(|_| rig.tick_at(DVec3::new(2.0, 16.0, 18.0)));
+    let pressed = pressed.last().unwrap();
+    assert!((pressed.proxy.z - 20.0).abs() < 1e-4, "{pressed:?}");
+}
+
+#[test]
+fn a_cut_comes_back_as_one_step_or_not_at_all() {
+    let place = Place::new("cut");
+    let mut rig = rig_with_journal(&place);
+    let whole = states(&rig);
+    let cut = |rig: &mut Rig| {
+        let plane = Plane::in_scan(DVec3::splat(12.0), DVec3::X, &DAffine3::IDENTITY).unwrap();
+        let voxels = rig.simulation.voxels();
+        let parts = plane.part(voxels.segment(BLOCK).unwrap(), voxels.grid());
+        rig.simulation.part_segment(BLOCK, parts).unwrap();
+    };
+    cut(&mut rig);
+    let parted = states(&rig);
+    rig.simulation.undo().unwrap();
+    rig.simulation.redo().unwrap();
+    rig.simulation.undo().unwrap();
+    assert_eq!(states(&rig), whole);
+    drop(rig);
+    let bytes = fs::read(&place.0).unwrap();
+
+    // wherever the file ends, both parts are there or neither
+    let mut seen = [0, 0];
+    for length in (0..=bytes.len()).rev().step_by(7) {
+        fs::write(&place.0, &bytes[..length]).unwrap();
+        let mut rig = rig_of_scan();
+        let Ok(recovered) = rig.simulation.recover_journal(&place.0, HASH) else {
+            // not even the head is there
+            assert!(length < 60, "{length}");
+            continue;
+        };
+        let now = states(&rig);
+        if now.is_empty() || now == states(&rig_of_scan()) {
+            continue;
+        }
+        let is_parted = now.len() == 2;
+        assert!(now.len() == 2 || rig.simulation.segments()[0].voxels == 32 * 32 * 20);
+        seen[usize::from(is_parted)] += 1;
+        if length == bytes.len() {
+            assert_eq!(recovered.steps, 4);
+            assert_eq!(now, whole);
+            assert!(rig.simulation.redo().unwrap());
+            assert_eq!(states(&rig), parted);
+            assert!(rig.simulation.undo().unwrap());
+            assert!(!rig.simulation.undo().unwrap());
+        }
+        // and the journal goes on from there, also where half of a step was left out
+        drop(rig);
+        let mut again = rig_of_scan();
+        again.simulation.recover_journal(&place.0, HASH).unwrap();
+        assert_eq!(states(&again), now, "{length}");
+    }
+    assert!(seen.iter().all(|count| *count > 3), "{seen:?}");
 }

@@ -87,6 +87,7 @@ fn poses_are_told_where_they_change_and_at_no_other_tick() {
         id: SegmentId(3),
         bits: floor_block().occupancy().clone(),
         moved: Some(MovedPart {
+            own_grid: None,
             bounds: VoxelBox::of_dimensions(DIMENSIONS),
             pose: shifted(DVec3::X),
         }),
@@ -137,14 +138,49 @@ fn moves_of_one_drag_are_taken_back_at_once() {
     let id = rig.simulation.add_segment(block, OBSTACLE, true).unwrap();
     for step in 1..20 {
         let pose = shifted(DVec3::X * f64::from(step));
-        rig.simulation.move_segment(id, pose).unwrap();
+        rig.simulation.drag_segment(id, pose).unwrap();
     }
+    rig.simulation
+        .move_segment(id, shifted(DVec3::X * 20.0))
+        .unwrap();
     assert!(rig.simulation.undo().unwrap());
     let pose = rig.simulation.segments()[0].pose;
     assert_eq!(pose, Some(DAffine3::IDENTITY));
     assert!(rig.simulation.redo().unwrap());
     let pose = rig.simulation.segments()[0].pose;
-    assert_eq!(pose, Some(shifted(DVec3::X * 19.0)));
+    assert_eq!(pose, Some(shifted(DVec3::X * 20.0)));
+}
+
+/// Two drags of one segment with nothing between them but that it was let go.
+#[test]
+fn each_drag_of_a_segment_is_a_step_of_its_own() {
+    let mut rig = Rig::new(DIMENSIONS, START);
+    let block = box_segment(DIMENSIONS, IVec3::splat(4), IVec3::splat(9));
+    let id = rig.simulation.add_segment(block, OBSTACLE, true).unwrap();
+    let pose_of = |rig: &Rig| rig.simulation.segments()[0].pose.unwrap();
+    for end in [10.0, 20.0, 30.0] {
+        for back in [5.0, 3.0, 1.0] {
+            let pose = shifted(DVec3::X * (end - back));
+            rig.simulation.drag_segment(id, pose).unwrap();
+        }
+        rig.simulation
+            .move_segment(id, shifted(DVec3::X * end))
+            .unwrap();
+    }
+    for end in [20.0, 10.0, 0.0] {
+        assert!(rig.simulation.undo().unwrap());
+        assert_eq!(pose_of(&rig), shifted(DVec3::X * end));
+    }
+    // an undo in the middle of a drag ends it
+    rig.simulation
+        .drag_segment(id, shifted(DVec3::X * 4.0))
+        .unwrap();
+    assert!(rig.simulation.undo().unwrap());
+    rig.simulation
+        .drag_segment(id, shifted(DVec3::X * 7.0))
+        .unwrap();
+    assert!(rig.simulation.undo().unwrap());
+    assert_eq!(pose_of(&rig), shifted(DVec3::ZERO));
 }
 
 #[test]

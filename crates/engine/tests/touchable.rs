@@ -25,6 +25,7 @@ fn part(id: u8, low: i32, high: i32, moved: Option<DVec3>) -> Part {
             .occupancy()
             .clone(),
         moved: moved.map(|by| MovedPart {
+            own_grid: None,
             bounds: voxels,
             pose: DAffine3::from_translation(by),
         }),

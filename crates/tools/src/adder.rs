@@ -15,7 +15,7 @@ use palpate_volume::voxel_box::VoxelBox;
 use palpate_volume::voxels::{Voxels, VoxelsError};
 
 use crate::sweep::Sweep;
-use crate::tool::{Tool, ToolInput, ToolReport};
+use crate::tool::{Tool, ToolInput, ToolReport, grid_of};
 
 /// A ball that makes voxels solid.
 #[derive(Clone, Debug)]
@@ -74,7 +74,7 @@ impl Tool for Adder {
         let Some((from, to)) = input.way() else {
             return Ok(None);
         };
-        let grid = voxels.grid();
+        let grid = grid_of(voxels, &self.segments);
         let sweep = Sweep::new(grid, from, to, self.radius);
         let kept_free = self.kept_free(grid, input, (from, to));
         let mut boxes = sweep.boxes().to_vec();
@@ -92,7 +92,7 @@ impl Tool for Adder {
         let edit = voxels.label_edit_of(&self.segments, &boxes, |_, voxel, was| {
             was || (wanted(voxel) && may_fill(voxel))
         })?;
-        Ok(self.report.noted(voxels, edit, input.dt))
+        Ok(self.report.noted(voxels, grid, edit, input.dt))
     }
 
     fn release(&mut self) {

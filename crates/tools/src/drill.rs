@@ -238,7 +238,11 @@ impl Tool for Drill {
             .segments
             .iter()
             .map(find)
-            .collect::<Result<Vec<_>, _>>()?;
+            .collect::<Result<Vec<_>, _>>()?
+            .into_iter()
+            // the scan's matter is none of what has a grid of its own
+            .filter(|segment| segment.own_grid().is_none())
+            .collect::<Vec<_>>();
         let Some((work, way)) = self.work(input) else {
             return Ok(None);
         };

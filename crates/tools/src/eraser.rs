@@ -3,11 +3,12 @@
 //! A label edit: the picture of the scan stays as it is.
 
 use palpate_volume::edit::{Edit, SegmentId};
+use palpate_volume::grid::Grid;
 use palpate_volume::voxels::{Voxels, VoxelsError};
 
 use crate::measure::changed_voxels;
 use crate::sweep::Sweep;
-use crate::tool::{Tool, ToolInput, ToolReport};
+use crate::tool::{Tool, ToolInput, ToolReport, grid_of};
 
 /// A ball that frees voxels.
 #[derive(Clone, Debug)]
@@ -32,11 +33,12 @@ impl Tool for Eraser {
         let Some((from, to)) = input.way() else {
             return Ok(None);
         };
-        let sweep = Sweep::new(voxels.grid(), from, to, self.radius);
+        let grid = grid_of(voxels, &self.segments);
+        let sweep = Sweep::new(grid, from, to, self.radius);
         let edit = voxels.label_edit_of(&self.segments, sweep.boxes(), |_, voxel, was| {
             was && !sweep.holds(voxel)
         })?;
-        Ok(self.report.noted(voxels, edit, input.dt))
+        Ok(self.report.noted(voxels, grid, edit, input.dt))
     }
 
     fn report(&self) -> ToolReport {
@@ -45,8 +47,14 @@ impl Tool for Eraser {
 }
 
 impl ToolReport {
-    /// Counts a label edit; none where it is empty.
-    pub(crate) fn noted(&mut self, voxels: &Voxels, edit: Edit, dt: f64) -> Option<Edit> {
+    /// Counts a label edit of segments on a grid; none where it is empty.
+    pub(crate) fn noted(
+        &mut self,
+        voxels: &Voxels,
+        grid: &Grid,
+        edit: Edit,
+        dt: f64,
+    ) -> Option<Edit> {
         if dt > 0.0 {
             self.time += dt.min(crate::tool::MAX_PASS);
         }
@@ -55,7 +63,7 @@ impl ToolReport {
         }
         let changed = changed_voxels(voxels, &edit);
         self.voxels += changed;
-        self.volume += changed as f64 * voxels.grid().voxel_volume();
+        self.volume += changed as f64 * grid.voxel_volume();
         Some(edit)
     }
 }

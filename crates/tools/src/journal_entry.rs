@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use glam::DAffine3;
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::brick_grid::{BrickGrid, BrickSwap};
 use palpate_volume::edit::{Edit, EditKind, SegmentId};
@@ -26,6 +27,21 @@ pub enum Action {
     Redo,
 }
 
+/// What is known of a segment beside its voxels.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Facts {
+    /// Whether it is an obstacle.
+    pub touchable: bool,
+    /// The threshold that it is, low and high; none where its voxels come from elsewhere.
+    pub range: Option<(f64, f64)>,
+    /// The threshold that made it, whatever edits did since.
+    pub made_by: Option<(f64, f64)>,
+    /// How it feels: stiffness [N/mm], static and kinetic friction; none is as the settings say.
+    pub feel: [Option<f64>; 3],
+    /// Where it was moved [mm, from the scan to the scene].
+    pub pose: Option<DAffine3>,
+}
+
 /// One entry as it is read.
 #[derive(Clone, Debug)]
 pub enum Entry {
@@ -35,6 +51,21 @@ pub enum Entry {
     Put(Action, SegmentId, Segment),
     /// A segment was removed.
     Remove(Action, SegmentId),
+    /// A segment was moved [mm, from the scan to the scene].
+    Move {
+        /// Why.
+        action: Action,
+        /// Which segment.
+        id: SegmentId,
+        /// Where to; nobody has checked yet that it is a rigid motion.
+        pose: DAffine3,
+        /// Whether it goes on with the move before: both are one step.
+        goes_on: bool,
+    },
+    /// What is known of a segment from here on; no step.
+    Facts(SegmentId, Facts),
+    /// So many of the next changes belong together: all of them, or none.
+    Together(u32),
     /// What the caller keeps beside voxels, such as names.
     Note(Vec<u8>),
     /// What was done since the last end is one step.
@@ -47,6 +78,9 @@ pub(crate) enum Written {
     Edit(Action, Delta),
     Put(Action, SegmentId, Segment),
     Remove(Action, SegmentId),
+    Move(Action, SegmentId, DAffine3, bool),
+    Facts(SegmentId, Facts),
+    Together(u32),
     Note(Vec<u8>),
     StepEnd,
 }

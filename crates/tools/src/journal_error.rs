@@ -28,12 +28,14 @@ pub enum JournalError {
     #[error("{0} is no journal, or its head is damaged")]
     NoJournal(PathBuf),
     /// Written by another version of this program.
-    #[error("journal of version {given} given; allowed: {allowed}")]
+    #[error("journal of version {given} given; allowed: {oldest} to {newest}")]
     Version {
         /// As the file says.
         given: u32,
-        /// What this program writes and reads.
-        allowed: u32,
+        /// The oldest that this program reads.
+        oldest: u32,
+        /// What this program writes.
+        newest: u32,
     },
     /// It belongs to other voxels.
     #[error("a journal of another scan given; allowed: one of this scan of {allowed} voxels")]

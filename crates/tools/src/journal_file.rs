@@ -24,19 +24,22 @@ use std::sync::{Arc, OnceLock};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-use glam::UVec3;
+use glam::{DAffine3, UVec3};
 use palpate_volume::edit::{Edit, SegmentId};
 use palpate_volume::intensities::Intensities;
 use palpate_volume::segment::Segment;
 use palpate_volume::voxels::Voxels;
 
-use crate::journal_entry::{Action, Delta, ScanHash, Written, start_of};
+use crate::journal_entry::{Action, Delta, Facts, ScanHash, Written, start_of};
 use crate::journal_error::JournalError;
 use crate::journal_reader::Recovery;
 use crate::journal_record::{Record, encode};
 
-/// The format that is written and read.
-pub const VERSION: u32 = 1;
+/// The format that is written. Version 1 is read too: it knows neither moves nor what is known of
+/// segments beside their voxels.
+pub const VERSION: u32 = 2;
+/// The oldest format that is read.
+pub const OLDEST_VERSION: u32 = 1;
 /// How a journal begins.
 pub(crate) const MAGIC: &[u8; 8] = b"PALPATEJ";
 /// Bytes before the first record.
@@ -133,7 +136,7 @@ impl JournalFile {
         hash: ScanHash,
         voxels: &Voxels,
     ) -> io::Result<Self> {
-        let (head, checksum) = head(voxels.grid().dimensions(), hash);
+        let (head, checksum) = head(VERSION, voxels.grid().dimensions(), hash);
         storage.write_all(&head)?;
         storage.sync()?;
         let mut journal = Self::start(storage, checksum, head.len() as u64, voxels)?;
@@ -182,6 +185,21 @@ impl JournalFile {
     /// Notes that a segment was removed.
     pub fn remove(&mut self, action: Action, id: SegmentId) {
         self.send(Written::Remove(action, id));
+    }
+
+    /// Notes that a segment was moved; where it `goes_on`, as a part of the step before.
+    pub fn moved(&mut self, action: Action, id: SegmentId, pose: DAffine3, goes_on: bool) {
+        self.send(Written::Move(action, id, pose, goes_on));
+    }
+
+    /// Notes what is known of a segment from now on, which is no step.
+    pub fn facts(&mut self, id: SegmentId, facts: Facts) {
+        self.send(Written::Facts(id, facts));
+    }
+
+    /// Says that so many of the next changes belong together, so that none comes back alone.
+    pub fn together(&mut self, count: u32) {
+        self.send(Written::Together(count));
     }
 
     /// Notes what the caller keeps beside voxels.
@@ -251,9 +269,9 @@ pub(crate) fn lock(file: &File, path: &Path) -> Result<(), JournalError> {
 }
 
 /// How a journal of a scan begins, and the checksum from which its records go on.
-pub(crate) fn head(dimensions: UVec3, hash: ScanHash) -> (Vec<u8>, u32) {
+pub(crate) fn head(version: u32, dimensions: UVec3, hash: ScanHash) -> (Vec<u8>, u32) {
     let mut head = MAGIC.to_vec();
-    head.extend(VERSION.to_le_bytes());
+    head.extend(version.to_le_bytes());
     head.extend(dimensions.to_array().iter().flat_map(|n| n.to_le_bytes()));
     head.extend(hash.0);
     let checksum = crc32fast::hash(&head);

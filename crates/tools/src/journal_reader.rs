@@ -11,7 +11,7 @@ use palpate_volume::voxels::Voxels;
 
 use crate::journal_entry::{Action, Entry, ScanHash};
 use crate::journal_error::JournalError;
-use crate::journal_file::{HEAD_BYTES, MAGIC, VERSION, checksum_after, head, lock};
+use crate::journal_file::{HEAD_BYTES, MAGIC, OLDEST_VERSION, VERSION, checksum_after, head, lock};
 use crate::journal_record::{Counted, Record, counted, decode};
 
 /// What was found in a journal.
@@ -36,6 +36,8 @@ pub struct JournalReader {
     file: BufReader<File>,
     file_bytes: u64,
     found: Recovery,
+    /// Changes that are still to come of those that belong together.
+    together: u32,
 }
 
 /// Follows a journal of a scan to its end; `voxels` are then what they were there, whatever
@@ -55,7 +57,11 @@ pub fn recover(path: &Path, hash: ScanHash, voxels: &mut Voxels) -> Result<Recov
                 drop(recovered.insert_segment(id, segment).map_err(misfit)?);
             }
             Entry::Remove(_, id) => drop(recovered.remove_segment(id).map_err(misfit)?),
-            Entry::Note(_) | Entry::StepEnd => {}
+            Entry::Move { .. }
+            | Entry::Facts(..)
+            | Entry::Together(_)
+            | Entry::Note(_)
+            | Entry::StepEnd => {}
         }
     }
     *voxels = recovered;
@@ -80,18 +86,21 @@ impl JournalReader {
         let mut file = BufReader::new(file);
 
         let dimensions = voxels.grid().dimensions();
-        let (expected, checksum) = head(dimensions, hash);
         let mut found = [0; HEAD_BYTES];
         let is_whole = read_whole(&mut file, &mut found).map_err(&disk)?;
         let (body, sum) = found.split_at(HEAD_BYTES - 4);
         if !is_whole || &found[..8] != MAGIC || crc32fast::hash(body).to_le_bytes() != sum {
             return Err(JournalError::NoJournal(path.to_owned()));
         }
-        if found[8..12] != VERSION.to_le_bytes() {
-            let given = u32::from_le_bytes([found[8], found[9], found[10], found[11]]);
-            let allowed = VERSION;
-            return Err(JournalError::Version { given, allowed });
+        let given = u32::from_le_bytes([found[8], found[9], found[10], found[11]]);
+        if !(OLDEST_VERSION..=VERSION).contains(&given) {
+            return Err(JournalError::Version {
+                given,
+                oldest: OLDEST_VERSION,
+                newest: VERSION,
+            });
         }
+        let (expected, checksum) = head(given, dimensions, hash);
         if found[..] != expected[..] {
             let allowed = dimensions;
             return Err(JournalError::OtherScan { allowed });
@@ -101,6 +110,7 @@ impl JournalReader {
             path: path.to_owned(),
             file,
             file_bytes,
+            together: 0,
             found: Recovery {
                 valid_bytes,
                 ignored_bytes: file_bytes.saturating_sub(valid_bytes),
@@ -192,9 +202,15 @@ impl JournalReader {
     fn count(&mut self, counted: Counted) {
         match counted {
             Counted::Nothing | Counted::Change(Action::Start) => {}
+            Counted::Together(count) => self.together = count,
             Counted::Change(Action::Do) => self.found.step_is_open = true,
-            Counted::Change(Action::Undo | Action::Redo) => self.found.steps += 1,
+            Counted::Change(Action::Undo | Action::Redo) => {
+                // several that belong together count with the last of them
+                self.together = self.together.saturating_sub(1);
+                self.found.steps += usize::from(self.together == 0);
+            }
             Counted::StepEnd => {
+                self.together = 0;
                 self.found.steps += usize::from(self.found.step_is_open);
                 self.found.step_is_open = false;
             }

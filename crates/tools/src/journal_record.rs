@@ -10,13 +10,20 @@
 //!          segments u32 × (id u8, bricks u32 × (place u32, bits 8 × u64)),
 //!          values u32 × (place u32, exists u8, 512 × u16 where it exists)
 //! put      action u8, id u8, bricks u32 × (place u32, bits 8 × u64)
+//! put own  action u8, id u8, grid, bricks u32 × (place u32, bits 8 × u64)
+//! grid     dimensions 3 × u32, spacing 3 × f64, patient from grid 12 × f64 by columns
 //! remove   action u8, id u8
+//! move     action u8, id u8, goes on u8, pose 12 × f64 by columns
+//! facts    id u8, touchable u8, range, made by: 2 × (exists u8, 2 × f64),
+//!          feel 3 × (exists u8, f64), pose (exists u8, 12 × f64)
+//! together changes u32
 //! note     bytes of the caller
 //! end      nothing
 //! ```
 //!
 //! Source of LZ4: Collet, "LZ4 block format description" (2019), here by the crate lz4_flex.
 
+use glam::{DAffine3, DVec3, UVec3};
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::brick_grid::BrickSwap;
 use palpate_volume::edit::{Edit, EditKind, SegmentId};
@@ -28,18 +35,26 @@ use palpate_volume::segment::Segment;
 use palpate_volume::voxel_box::VoxelBox;
 use palpate_volume::voxels::Voxels;
 
-use crate::journal_entry::{Action, Delta, Entry, Written};
+use crate::journal_entry::{Action, Delta, Entry, Facts, Written};
 
 const EDIT: u8 = 1;
 const PUT: u8 = 2;
 const REMOVE: u8 = 3;
 const NOTE: u8 = 4;
 const STEP_END: u8 = 5;
+// since version 2
+const PUT_OWN: u8 = 6;
+const MOVE: u8 = 7;
+const FACTS: u8 = 8;
+const TOGETHER: u8 = 9;
 
 const UNKNOWN_KIND: Wrong = "a kind of record that this version does not know";
 
 /// LZ4 makes at most so many bytes of one.
 const MOST_EXPANSION: usize = 255;
+
+/// Voxels of a segment with a grid of its own, at most: no file can ask for more memory.
+const MOST_OWN_VOXELS: u64 = 1 << 33;
 
 /// A record: its kind and what it holds.
 pub(crate) type Record = (u8, Vec<u8>);
@@ -51,8 +66,18 @@ type Wrong = &'static str;
 pub(crate) fn encode(entry: &Written, scan: &Intensities) -> Record {
     match entry {
         Written::Edit(action, delta) => (EDIT, pack(&edit_bytes(*action, delta, scan))),
-        Written::Put(action, id, segment) => (PUT, pack(&put_bytes(*action, *id, segment))),
+        Written::Put(action, id, segment) => {
+            let kind = segment.own_grid().map_or(PUT, |_| PUT_OWN);
+            (kind, pack(&put_bytes(*action, *id, segment)))
+        }
         Written::Remove(action, id) => (REMOVE, vec![number_of(*action), id.0]),
+        Written::Move(action, id, pose, goes_on) => {
+            let mut bytes = vec![number_of(*action), id.0, u8::from(*goes_on)];
+            push_affine(&mut bytes, pose);
+            (MOVE, bytes)
+        }
+        Written::Facts(id, facts) => (FACTS, facts_bytes(*id, facts)),
+        Written::Together(count) => (TOGETHER, count.to_le_bytes().to_vec()),
         Written::Note(bytes) => (NOTE, bytes.clone()),
         Written::StepEnd => (STEP_END, Vec::new()),
     }
@@ -62,7 +87,16 @@ pub(crate) fn encode(entry: &Written, scan: &Intensities) -> Record {
 pub(crate) fn decode(kind: u8, bytes: &[u8], voxels: &Voxels) -> Result<Entry, Wrong> {
     match kind {
         EDIT => edit_of(&unpack(bytes)?, voxels),
-        PUT => put_of(&unpack(bytes)?, voxels.grid()),
+        PUT => put_of(&unpack(bytes)?, Some(voxels.grid())),
+        PUT_OWN => put_of(&unpack(bytes)?, None),
+        MOVE => move_of(bytes),
+        FACTS => facts_of(bytes),
+        TOGETHER => {
+            let mut reader = Reader(bytes);
+            let count = reader.number()?;
+            reader.end()?;
+            Ok(Entry::Together(count))
+        }
         REMOVE => {
             let mut reader = Reader(bytes);
             Ok(Entry::Remove(reader.action()?, SegmentId(reader.byte()?)))
@@ -80,6 +114,8 @@ pub(crate) enum Counted {
     Nothing,
     /// Something changed.
     Change(Action),
+    /// So many of the next changes belong together.
+    Together(u32),
     /// What changed since the last end is one step.
     StepEnd,
 }
@@ -87,9 +123,18 @@ pub(crate) enum Counted {
 /// What a record counts for; it is not looked into further.
 pub(crate) fn counted(kind: u8, bytes: &[u8]) -> Result<Counted, Wrong> {
     match kind {
-        EDIT | PUT => Reader(&unpack(bytes)?).action().map(Counted::Change),
+        EDIT | PUT | PUT_OWN => Reader(&unpack(bytes)?).action().map(Counted::Change),
         REMOVE => Reader(bytes).action().map(Counted::Change),
-        NOTE => Ok(Counted::Nothing),
+        MOVE => Ok(match move_of(bytes)? {
+            Entry::Move {
+                action,
+                goes_on: false,
+                ..
+            } => Counted::Change(action),
+            _ => Counted::Nothing,
+        }),
+        TOGETHER => Reader(bytes).number().map(Counted::Together),
+        NOTE | FACTS => Ok(Counted::Nothing),
         STEP_END => Ok(Counted::StepEnd),
         _ => Err(UNKNOWN_KIND),
     }
@@ -168,7 +213,7 @@ fn edit_of(bytes: &[u8], voxels: &Voxels) -> Result<Entry, Wrong> {
             let old = bricks.get(index).map_or(BitBrick::EMPTY, |brick| **brick);
             before.update(&words_as_bytes(&old.0));
             let new = exclusive_or(&old, &differs);
-            let dirty = dirty_of(voxels.grid(), index, &differs)?;
+            let dirty = dirty_of(segment.grid(voxels.grid()), index, &differs)?;
             edit.dirty = edit.dirty.union(&dirty);
             let brick = new.shared();
             swaps.push(BrickSwap { index, brick });
@@ -209,6 +254,12 @@ fn edit_of(bytes: &[u8], voxels: &Voxels) -> Result<Entry, Wrong> {
 fn put_bytes(action: Action, id: SegmentId, segment: &Segment) -> Vec<u8> {
     let bricks = segment.occupancy().bricks().entries();
     let mut bytes = vec![number_of(action), id.0];
+    if let Some(grid) = segment.own_grid() {
+        let dimensions = grid.dimensions().to_array();
+        bytes.extend(dimensions.iter().flat_map(|n| n.to_le_bytes()));
+        push_numbers(&mut bytes, &grid.spacing().to_array());
+        push_affine(&mut bytes, &grid.patient_from_grid());
+    }
     push_count(&mut bytes, bricks.iter().flatten().count());
     for (index, brick) in bricks.iter().enumerate() {
         if let Some(brick) = brick {
@@ -218,12 +269,15 @@ fn put_bytes(action: Action, id: SegmentId, segment: &Segment) -> Vec<u8> {
     bytes
 }
 
-fn put_of(bytes: &[u8], grid: &Grid) -> Result<Entry, Wrong> {
+/// A segment on the grid of the scan, or where none is given on the one that is written.
+fn put_of(bytes: &[u8], scan: Option<&Grid>) -> Result<Entry, Wrong> {
     let mut reader = Reader(bytes);
-    let (action, id) = (reader.action()?, SegmentId(reader.byte()?));
-    if id.0 == 0 {
-        return Err("segment 0, which stands for none");
-    }
+    let (action, id) = (reader.action()?, reader.segment()?);
+    let own = match scan {
+        Some(_) => None,
+        None => Some(reader.grid()?),
+    };
+    let grid = scan.or(own.as_ref()).ok_or("a segment without a grid")?;
     let mut segment = Segment::empty(grid.dimensions());
     for _ in 0..reader.count()? {
         let (index, bits) = reader.bits()?;
@@ -232,7 +286,67 @@ fn put_of(bytes: &[u8], grid: &Grid) -> Result<Entry, Wrong> {
         segment.swap(&mut [BrickSwap { index, brick }]);
     }
     reader.end()?;
+    let segment = match own {
+        Some(grid) => segment.on_grid(grid),
+        None => segment,
+    };
     Ok(Entry::Put(action, id, segment))
+}
+
+fn move_of(bytes: &[u8]) -> Result<Entry, Wrong> {
+    let mut reader = Reader(bytes);
+    let entry = Entry::Move {
+        action: reader.action()?,
+        id: reader.segment()?,
+        goes_on: reader.flag()?,
+        pose: reader.affine()?,
+    };
+    reader.end()?;
+    Ok(entry)
+}
+
+fn facts_bytes(id: SegmentId, facts: &Facts) -> Vec<u8> {
+    let mut bytes = vec![id.0, u8::from(facts.touchable)];
+    for range in [facts.range, facts.made_by] {
+        bytes.push(u8::from(range.is_some()));
+        let (low, high) = range.unwrap_or_default();
+        push_numbers(&mut bytes, &[low, high]);
+    }
+    for number in facts.feel {
+        bytes.push(u8::from(number.is_some()));
+        push_numbers(&mut bytes, &[number.unwrap_or_default()]);
+    }
+    bytes.push(u8::from(facts.pose.is_some()));
+    push_affine(&mut bytes, &facts.pose.unwrap_or_default());
+    bytes
+}
+
+fn facts_of(bytes: &[u8]) -> Result<Entry, Wrong> {
+    let mut reader = Reader(bytes);
+    let (id, touchable) = (reader.segment()?, reader.flag()?);
+    let mut range = || {
+        let exists = reader.flag()?;
+        let range = (reader.limit()?, reader.limit()?);
+        Ok(exists.then_some(range))
+    };
+    let (range, made_by) = (range()?, range()?);
+    let mut feel = [None; 3];
+    for number in &mut feel {
+        let exists = reader.flag()?;
+        let given = reader.float()?;
+        *number = exists.then_some(given);
+    }
+    let exists = reader.flag()?;
+    let pose = reader.affine()?;
+    reader.end()?;
+    let facts = Facts {
+        touchable,
+        range,
+        made_by,
+        feel,
+        pose: exists.then_some(pose),
+    };
+    Ok(Entry::Facts(id, facts))
 }
 
 /// The part of a brick inside the grid.
@@ -292,6 +406,14 @@ fn push_count(bytes: &mut Vec<u8>, count: usize) {
     bytes.extend((count as u32).to_le_bytes());
 }
 
+fn push_numbers(bytes: &mut Vec<u8>, numbers: &[f64]) {
+    bytes.extend(numbers.iter().flat_map(|number| number.to_le_bytes()));
+}
+
+fn push_affine(bytes: &mut Vec<u8>, affine: &DAffine3) {
+    push_numbers(bytes, &affine.to_cols_array());
+}
+
 fn push_bits(bytes: &mut Vec<u8>, index: u32, bits: &BitBrick) {
     bytes.extend(index.to_le_bytes());
     bytes.extend(words_as_bytes(&bits.0));
@@ -336,6 +458,52 @@ impl Reader<'_> {
             3 => Ok(Action::Start),
             _ => Err("neither there, done, undone nor redone"),
         }
+    }
+
+    fn segment(&mut self) -> Result<SegmentId, Wrong> {
+        match self.byte()? {
+            0 => Err("segment 0, which stands for none"),
+            id => Ok(SegmentId(id)),
+        }
+    }
+
+    fn flag(&mut self) -> Result<bool, Wrong> {
+        match self.byte()? {
+            0 => Ok(false),
+            1 => Ok(true),
+            _ => Err("neither yes nor no"),
+        }
+    }
+
+    fn float(&mut self) -> Result<f64, Wrong> {
+        let number = f64::from_le_bytes(self.take()?);
+        number.is_finite().then_some(number).ok_or("no number")
+    }
+
+    /// A number that may be without end.
+    fn limit(&mut self) -> Result<f64, Wrong> {
+        let number = f64::from_le_bytes(self.take()?);
+        (!number.is_nan()).then_some(number).ok_or("no number")
+    }
+
+    fn affine(&mut self) -> Result<DAffine3, Wrong> {
+        let mut columns = [0.0; 12];
+        for number in &mut columns {
+            *number = self.float()?;
+        }
+        Ok(DAffine3::from_cols_array(&columns))
+    }
+
+    fn grid(&mut self) -> Result<Grid, Wrong> {
+        let dimensions = UVec3::new(self.number()?, self.number()?, self.number()?);
+        if u64::from(dimensions.x) * u64::from(dimensions.y) > MOST_OWN_VOXELS
+            || dimensions.as_u64vec3().element_product() > MOST_OWN_VOXELS
+        {
+            return Err("more voxels than a segment of its own may have");
+        }
+        let spacing = DVec3::new(self.float()?, self.float()?, self.float()?);
+        let patient_from_grid = self.affine()?;
+        Grid::from_affine(dimensions, spacing, patient_from_grid).map_err(|_| "a grid that is none")
     }
 
     fn bits(&mut self) -> Result<(u32, BitBrick), Wrong> {

@@ -139,6 +139,13 @@ impl ToolKind {
     }
 }
 
+/// The grid that segments stand on which a tool works on at once: that of the first one.
+pub(crate) fn grid_of<'a>(voxels: &'a Voxels, segments: &[SegmentId]) -> &'a Grid {
+    segments
+        .first()
+        .map_or(voxels.grid(), |id| voxels.grid_of(*id))
+}
+
 /// A tool that cannot be made.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum ToolError {
@@ -188,8 +195,8 @@ pub struct ToolSettings {
     pub kind: ToolKind,
     /// Radius of its ball [mm].
     pub radius: f64,
-    /// Segments that it changes; for the drill, those that it cuts; for the needle, those that it
-    /// can puncture.
+    /// Segments that it changes, all of one grid; for the drill, those of the scan that it cuts;
+    /// for the needle, those that it can puncture.
     pub segments: Vec<SegmentId>,
     /// How the drill works; other tools pass it over.
     pub drill: DrillSettings,
@@ -200,7 +207,7 @@ pub struct ToolSettings {
 }
 
 impl ToolSettings {
-    /// Makes the tool for a scan.
+    /// Makes the tool for segments on a grid: all of them on the same; the drill's is the scan's.
     ///
     /// # Errors
     /// Where the radius is none for voxels of this size, no segment is chosen, or a number of

@@ -72,6 +72,12 @@ impl<S> UndoJournal<S> {
         self.undo.back().map(|(step, _)| step)
     }
 
+    /// The undone change that can be done again next.
+    #[must_use]
+    pub fn newest_undone(&self) -> Option<&S> {
+        self.redo.last().map(|(step, _)| step)
+    }
+
     /// Notes the inverse of a new change, which holds `bytes`; what was undone is forgotten.
     pub fn done(&mut self, inverse: S, bytes: usize) {
         for (_, freed) in self.redo.drain(..) {

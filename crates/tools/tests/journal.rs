@@ -11,12 +11,13 @@ use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use glam::{IVec3, UVec3};
-use palpate_tools::journal_entry::{Action, Entry, ScanHash};
+use glam::{DAffine3, DVec3, IVec3, UVec3};
+use palpate_tools::journal_entry::{Action, Entry, Facts, ScanHash};
 use palpate_tools::journal_error::JournalError;
 use palpate_tools::journal_file::{JournalFile, Storage};
 use palpate_tools::journal_reader::{JournalReader, Recovery, recover};
 use palpate_volume::edit::SegmentId;
+use palpate_volume::segment::Segment;
 use palpate_volume::voxel_box::VoxelBox;
 use palpate_volume::voxels::Voxels;
 use support::session::{Change, Session};
@@ -87,7 +88,11 @@ fn states(place: &Place, dimensions: UVec3) -> Vec<(u64, Dense, Recovery)> {
                 drop(voxels.insert_segment(id, segment).expect("it fits"));
             }
             Entry::Remove(_, id) => drop(voxels.remove_segment(id).expect("it exists")),
-            Entry::Note(_) | Entry::StepEnd => {}
+            Entry::Move { .. }
+            | Entry::Facts(..)
+            | Entry::Together(_)
+            | Entry::Note(_)
+            | Entry::StepEnd => {}
         }
         states.push((
             reader.recovery().valid_bytes,
@@ -230,6 +235,103 @@ fn journal_of(head: &[u8], records: &[(u8, Vec<u8>)]) -> Vec<u8> {
         bytes.extend(body);
     }
     bytes
+}
+
+/// The same head for another version, with its own checksum.
+fn head_of_version(head: &[u8], version: u32) -> Vec<u8> {
+    let mut head = head.to_vec();
+    head[8..12].copy_from_slice(&version.to_le_bytes());
+    let checksum = crc32fast::hash(&head[..56]);
+    head[56..].copy_from_slice(&checksum.to_le_bytes());
+    head
+}
+
+/// Version 1 had these records already: edits, segments, notes and ends of steps.
+#[test]
+fn a_journal_of_version_1_is_read_and_gone_on_with_and_unknown_versions_are_refused() {
+    let dimensions = UVec3::new(9, 8, 10);
+    let place = Place::new("version");
+    let session = written(&place, dimensions, 12, 21);
+    let whole = fs::read(&place.0).expect("a file");
+    let records = records(&whole);
+    assert!(records.iter().all(|(kind, _)| *kind <= 5));
+    let of_version = |version| journal_of(&head_of_version(&whole[..60], version), &records);
+
+    fs::write(&place.0, of_version(1)).expect("room");
+    let mut voxels = start(dimensions);
+    let found = recover(&place.0, HASH, &mut voxels).expect("whole");
+    assert_eq!((found.steps, found.ignored_bytes), (12, 0));
+    assert!(Dense::of(&voxels) == Dense::of(&session.voxels));
+    let mut file = JournalFile::resume(&place.0, &found, &voxels).expect("its end");
+    file.facts(SegmentId(1), Facts::default());
+    drop(file);
+    let found = recover(&place.0, HASH, &mut voxels).expect("whole");
+    assert_eq!((found.steps, found.ignored_bytes), (12, 0));
+
+    for version in [0, 3, 1 << 30] {
+        fs::write(&place.0, of_version(version)).expect("room");
+        let refused = recover(&place.0, HASH, &mut voxels).expect_err("unknown");
+        let told = format!("journal of version {version} given; allowed: 1 to 2");
+        assert_eq!(refused.to_string(), told);
+    }
+}
+
+#[test]
+fn moves_facts_and_segments_with_a_grid_of_their_own_come_back_to_the_bit() {
+    let dimensions = UVec3::new(9, 8, 10);
+    let place = Place::new("facts");
+    let voxels = start(dimensions);
+    let own = oblique_grid(UVec3::new(11, 3, 5));
+    let segment = Segment::from_fn(own.dimensions(), |voxel| voxel.x > 3).on_grid(own);
+    let facts = Facts {
+        touchable: true,
+        range: Some((-0.25, f64::INFINITY)),
+        made_by: None,
+        feel: [Some(0.3), None, Some(0.1)],
+        pose: Some(DAffine3::from_rotation_x(0.7)),
+    };
+    let pose = DAffine3::from_translation(DVec3::new(0.1, -2.0, 1e-9));
+    let mut file = JournalFile::create(&place.0, HASH, &voxels).expect("a new file");
+    file.put(Action::Do, SegmentId(9), &segment);
+    file.facts(SegmentId(9), facts);
+    file.end_step();
+    file.moved(Action::Do, SegmentId(9), pose, false);
+    file.end_step();
+    file.moved(Action::Do, SegmentId(9), pose, true);
+    file.together(2);
+    file.moved(Action::Undo, SegmentId(9), pose, false);
+    file.moved(Action::Undo, SegmentId(9), pose, false);
+    drop(file);
+
+    let mut reader = JournalReader::open(&place.0, HASH, &voxels).expect("a journal");
+    let mut seen = Vec::new();
+    while let Some(entry) = reader.next(&voxels).expect("whole records") {
+        match entry {
+            Entry::Put(Action::Do, id, put) => {
+                assert_eq!((id, put.own_grid()), (SegmentId(9), Some(&own)));
+                assert_eq!(put.mask(), segment.mask());
+            }
+            Entry::Facts(id, read) => assert_eq!((id, read), (SegmentId(9), facts)),
+            Entry::Move {
+                action,
+                pose: read,
+                goes_on,
+                ..
+            } => {
+                assert_eq!(read, pose);
+                seen.push((action, goes_on));
+            }
+            Entry::Together(count) => assert_eq!(count, 2),
+            _ => {}
+        }
+    }
+    let (undo, done) = (Action::Undo, Action::Do);
+    assert_eq!(
+        seen,
+        [(done, false), (done, true), (undo, false), (undo, false)]
+    );
+    // put, the move with what goes on with it, and both that were undone together
+    assert_eq!(reader.recovery().steps, 3);
 }
 
 #[test]

@@ -26,7 +26,8 @@ pub enum EditKind {
 pub struct Edit {
     /// What it may change.
     pub kind: EditKind,
-    /// The smallest box of all voxels that it changes, in bits or intensity.
+    /// The smallest box of all voxels that it changes, in bits or intensity; of the grid that
+    /// its segments stand on, which is the scan's in a matter edit.
     pub dirty: VoxelBox,
     /// New bricks of segments, by rising number of the segment, each brick once.
     pub segments: Vec<(SegmentId, Vec<BrickSwap<BitBrick>>)>,

@@ -115,6 +115,7 @@ fn bits_of_all(voxels: &Voxels, index: u32) -> Vec<(SegmentId, BitBrick)> {
     };
     voxels
         .segments()
+        .filter(|(_, segment)| segment.own_grid().is_none())
         .map(|(id, segment)| (id, bits(segment)))
         .collect()
 }

@@ -81,16 +81,11 @@ impl TryFrom<WrittenGrid> for Grid {
     type Error = GridError;
 
     fn try_from(written: WrittenGrid) -> Result<Self, GridError> {
-        let WrittenGrid {
-            dimensions,
-            spacing,
-            patient_from_grid,
-        } = written;
-        check_spacing(spacing)?;
-        let first = patient_from_grid.transform_point3(DVec3::splat(0.5));
-        let direction = patient_from_grid.matrix3 * DMat3::from_diagonal(spacing.recip());
-        Self::new(dimensions, spacing, first, direction)?;
-        Ok(Self::placed(dimensions, spacing, patient_from_grid))
+        Self::from_affine(
+            written.dimensions,
+            written.spacing,
+            written.patient_from_grid,
+        )
     }
 }
 
@@ -117,6 +112,22 @@ impl Grid {
         let axes = direction * DMat3::from_diagonal(spacing);
         let patient_from_grid =
             DAffine3::from_mat3_translation(axes, origin - axes * DVec3::splat(0.5));
+        Ok(Self::placed(dimensions, spacing, patient_from_grid))
+    }
+
+    /// Makes the grid that these numbers are of, to the bit.
+    ///
+    /// # Errors
+    /// Where they describe no scan; see [`GridError`].
+    pub fn from_affine(
+        dimensions: UVec3,
+        spacing: DVec3,
+        patient_from_grid: DAffine3,
+    ) -> Result<Self, GridError> {
+        check_spacing(spacing)?;
+        let first = patient_from_grid.transform_point3(DVec3::splat(0.5));
+        let direction = patient_from_grid.matrix3 * DMat3::from_diagonal(spacing.recip());
+        Self::new(dimensions, spacing, first, direction)?;
         Ok(Self::placed(dimensions, spacing, patient_from_grid))
     }
 

@@ -1,7 +1,9 @@
 //! A segment: the voxels of one structure, with their count and bounding box.
 //!
 //! The occupancy is separable, so that the servo can keep a clone of it and swap bricks
-//! there without counting. Frame: grid.
+//! there without counting. Most segments are parts of a scan and stand on its grid; one that was
+//! made of a mesh may have a grid of its own, finer than the scan's and beyond its border.
+//! Frame: the segment's grid.
 
 use glam::{IVec3, UVec3};
 use rayon::prelude::*;
@@ -10,7 +12,7 @@ use thiserror::Error;
 use crate::bit_brick::BitBrick;
 use crate::bits::Bits;
 use crate::brick_grid::{BRICK, BrickSwap};
-use crate::grid::{GridError, check_dimensions, voxel_count, voxel_index};
+use crate::grid::{Grid, GridError, check_dimensions, voxel_count, voxel_index};
 use crate::statistics::Statistics;
 use crate::voxel_box::VoxelBox;
 
@@ -48,6 +50,7 @@ pub enum Coverage {
 pub struct Segment {
     occupancy: Bits,
     statistics: Statistics,
+    own_grid: Option<Grid>,
 }
 
 impl Segment {
@@ -62,6 +65,44 @@ impl Segment {
         Self {
             occupancy,
             statistics,
+            own_grid: None,
+        }
+    }
+
+    /// The same voxels on a grid of their own instead of a scan's.
+    ///
+    /// # Panics
+    /// Where the grid has other dimensions.
+    #[must_use]
+    pub fn on_grid(self, grid: Grid) -> Self {
+        assert_eq!(
+            grid.dimensions(),
+            self.dimensions(),
+            "voxels of another grid"
+        );
+        Self {
+            own_grid: Some(grid),
+            ..self
+        }
+    }
+
+    /// The grid of its own, if it has one.
+    pub fn own_grid(&self) -> Option<&Grid> {
+        self.own_grid.as_ref()
+    }
+
+    /// The grid that it stands on: its own, or that of its scan.
+    pub fn grid<'a>(&'a self, scan: &'a Grid) -> &'a Grid {
+        self.own_grid.as_ref().unwrap_or(scan)
+    }
+
+    /// Those of its voxels that are wanted, on the same grid; asked in parallel.
+    #[must_use]
+    pub fn part(&self, wanted: impl Fn(IVec3) -> bool + Sync) -> Self {
+        let solid = |voxel| self.contains(voxel) && wanted(voxel);
+        Self {
+            own_grid: self.own_grid,
+            ..Self::from_fn(self.dimensions(), solid)
         }
     }
 

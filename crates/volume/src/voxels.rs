@@ -33,6 +33,9 @@ pub enum VoxelsError {
     /// There is no such segment.
     #[error("segment {0} given; allowed: a segment that exists")]
     UnknownSegment(u8),
+    /// They stand on different grids.
+    #[error("segments {0} and {1} given, which stand on different grids; allowed: of one grid")]
+    DifferentGrids(u8, u8),
     /// All numbers are taken.
     #[error("a 256th segment given; allowed: 255")]
     TooManySegments,
@@ -121,6 +124,10 @@ impl Voxels {
             let Some(segment) = self.segment(id) else {
                 continue;
             };
+            // one with a grid of its own has no voxels of the scan
+            if segment.own_grid().is_some() {
+                continue;
+            }
             if segment
                 .bounding_box()
                 .unwrap_or(VoxelBox::EMPTY)
@@ -148,12 +155,18 @@ impl Voxels {
         self.segments.get(&id)
     }
 
+    /// The grid that a segment stands on; the scan's where there is no such segment.
+    pub fn grid_of(&self, id: SegmentId) -> &Grid {
+        let segment = self.segments.get(&id);
+        segment.map_or(&self.grid, |segment| segment.grid(&self.grid))
+    }
+
     /// Adds a segment under the lowest free number.
     ///
     /// # Errors
-    /// Where it belongs to another grid, or all numbers are taken.
+    /// Where it belongs to another scan, or all numbers are taken.
     pub fn add_segment(&mut self, segment: Segment) -> Result<SegmentId, VoxelsError> {
-        check_dimensions(segment.dimensions(), self.grid.dimensions())?;
+        self.check_grid(&segment)?;
         let id = (1..=u8::MAX)
             .map(SegmentId)
             .find(|id| !self.segments.contains_key(id))
@@ -166,13 +179,13 @@ impl Voxels {
     /// Adds a segment under a given number, for undo, and returns the one that was there.
     ///
     /// # Errors
-    /// Where it belongs to another grid.
+    /// Where it belongs to another scan.
     pub fn insert_segment(
         &mut self,
         id: SegmentId,
         segment: Segment,
     ) -> Result<Option<Segment>, VoxelsError> {
-        check_dimensions(segment.dimensions(), self.grid.dimensions())?;
+        self.check_grid(&segment)?;
         self.edit_number += 1;
         Ok(self.segments.insert(id, segment))
     }
@@ -180,13 +193,13 @@ impl Voxels {
     /// Puts a segment in the place of another and returns that, for undo.
     ///
     /// # Errors
-    /// Where there is no such segment, or the new one belongs to another grid.
+    /// Where there is no such segment, or the new one belongs to another scan.
     pub fn replace_segment(
         &mut self,
         id: SegmentId,
         segment: Segment,
     ) -> Result<Segment, VoxelsError> {
-        check_dimensions(segment.dimensions(), self.grid.dimensions())?;
+        self.check_grid(&segment)?;
         let place = self
             .segments
             .get_mut(&id)
@@ -209,7 +222,7 @@ impl Voxels {
     }
 
     /// Builds a change of one segment: `solid(voxel, was_solid)` is asked for each voxel of
-    /// the region inside the grid. Nothing changes before [`Self::apply`].
+    /// the region inside its grid. Nothing changes before [`Self::apply`].
     ///
     /// # Errors
     /// Where there is no such segment.
@@ -223,12 +236,12 @@ impl Voxels {
     }
 
     /// Builds a change of some segments at once: `solid(segment, voxel, was_solid)` is asked
-    /// for each voxel of the boxes inside the grid, and maybe for others in the bricks that
+    /// for each voxel of the boxes inside their grid, and maybe for others in the bricks that
     /// the boxes meet; boxes may overlap, numbers may come twice. Nothing changes before
     /// [`Self::apply`].
     ///
     /// # Errors
-    /// Where one of the segments does not exist.
+    /// Where one of the segments does not exist, or they stand on different grids.
     pub fn label_edit_of(
         &self,
         ids: &[SegmentId],
@@ -241,7 +254,17 @@ impl Voxels {
             Ok((id, segment))
         };
         let segments = ids.into_iter().map(find).collect::<Result<Vec<_>, _>>()?;
-        let bounds = self.grid.bounds();
+        if let Some((first, rest)) = segments.split_first()
+            && let Some(other) = rest
+                .iter()
+                .find(|other| other.1.own_grid() != first.1.own_grid())
+        {
+            return Err(VoxelsError::DifferentGrids(first.0.0, other.0.0));
+        }
+        let grid = segments
+            .first()
+            .map_or(&self.grid, |first| first.1.grid(&self.grid));
+        let bounds = grid.bounds();
         let boxes: Vec<_> = boxes
             .iter()
             .map(|region| region.intersect(&bounds))
@@ -249,8 +272,9 @@ impl Voxels {
         Ok(edit_builder::label_edit(&segments, &boxes, solid))
     }
 
-    /// Builds a change of intensities and all segments: `change(voxel, was)` is asked for each
-    /// voxel of the region inside the grid. Segments that do not exist are passed over.
+    /// Builds a change of intensities and all segments of the scan: `change(voxel, was)` is asked
+    /// for each voxel of the region inside the grid. Segments that do not exist are passed over,
+    /// as are those that have a grid of their own.
     /// Nothing changes before [`Self::apply`].
     pub fn matter_edit(
         &self,
@@ -291,15 +315,24 @@ impl Voxels {
         {
             return Err(VoxelsError::UnknownSegment(id.0));
         }
-        let bits = edit.segments.iter().flat_map(|(_, swaps)| swaps);
-        let indices = bits.map(|swap| swap.index);
-        let indices = indices.chain(edit.intensities.iter().map(|swap| swap.index));
-        let allowed = self.overlay.bricks().len();
-        match indices.max() {
-            Some(given) if given as usize >= allowed => {
-                Err(VoxelsError::UnknownBrick { given, allowed })
-            }
-            _ => Ok(()),
+        let bits = edit.segments.iter().flat_map(|(id, swaps)| {
+            let bricks = self.segments[id].occupancy().bricks().len();
+            swaps.iter().map(move |swap| (swap.index, bricks))
+        });
+        let bricks = self.overlay.bricks().len();
+        let values = edit.intensities.iter().map(|swap| (swap.index, bricks));
+        let beyond = |&(given, allowed): &(u32, usize)| given as usize >= allowed;
+        match bits.chain(values).find(beyond) {
+            Some((given, allowed)) => Err(VoxelsError::UnknownBrick { given, allowed }),
+            None => Ok(()),
+        }
+    }
+
+    /// Refuses a segment of another scan; one with a grid of its own fits any.
+    fn check_grid(&self, segment: &Segment) -> Result<(), VoxelsError> {
+        match segment.own_grid() {
+            Some(_) => Ok(()),
+            None => check_dimensions(segment.dimensions(), self.grid.dimensions()),
         }
     }
 }

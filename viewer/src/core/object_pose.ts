@@ -21,21 +21,21 @@ const degree = Math.PI / 180;
 const axes: readonly [Vec3, Vec3, Vec3] = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
 
 /** Middle of the segment's box where the scan has it [mm]; null where it is empty. */
-export function middleOf({ bounds }: Segment, sceneFromGrid: readonly number[]): Vec3 | null {
+export function middleOf({ bounds, grid }: Segment, sceneFromGrid: readonly number[]): Vec3 | null {
   if (bounds === null) {
     return null;
   }
-  return transformPoint(sceneFromGrid, scale(add(bounds[0], bounds[1]), 0.5));
+  return transformPoint(grid ?? sceneFromGrid, scale(add(bounds[0], bounds[1]), 0.5));
 }
 
 /** Corners of the segment's box where the scan has it [mm]; the bits of a place say low or high. */
-export function cornersOf({ bounds }: Segment, sceneFromGrid: readonly number[]): readonly Vec3[] {
+export function cornersOf({ bounds, grid }: Segment, sceneFromGrid: readonly number[]): readonly Vec3[] {
   if (bounds === null) {
     return [];
   }
   return [0, 1, 2, 3, 4, 5, 6, 7].map((place) => {
     const along = (axis: 0 | 1 | 2): number => bounds[(place >> axis) & 1 ? 1 : 0][axis];
-    return transformPoint(sceneFromGrid, [along(0), along(1), along(2)]);
+    return transformPoint(grid ?? sceneFromGrid, [along(0), along(1), along(2)]);
   });
 }
 

@@ -1,12 +1,14 @@
 /**
  * What a ray of the picture shows first: the point where it becomes more opaque than clear,
- * or enters a visible segment. The same march as the shader's, for one ray, on the CPU.
+ * enters a visible segment, or goes through a surface. The same march as the shader's, for one
+ * ray, on the CPU.
  */
 import { transformPoint, transformVector } from "./affine";
 import type { Ray } from "./camera";
 import { biasedAt, gradientMagnitude } from "./field";
 import { edgeFactor, type Look } from "./look";
 import { smallestSpacing, type ScanVolume } from "./scan_volume";
+import type { Crossing } from "./pick_patches";
 import { rangeHolding } from "./shown_segments";
 import { physical } from "./stored_values";
 import { sample } from "./transfer_function";
@@ -21,38 +23,69 @@ export interface Picked {
   readonly segment: number | null;
 }
 
+/** What else is drawn beside values and their ranges. */
+export interface AlsoDrawn {
+  /** Surfaces in the way of the ray, near to far. */
+  readonly crossings: readonly Crossing[];
+  /** Segment of a point of the grid that is no threshold, and whether its voxels are drawn; null for none. */
+  readonly labelAt: (grid: Vec3) => { readonly id: number; readonly visible: boolean } | null;
+}
+
+const nothingElse: AlsoDrawn = { crossings: [], labelAt: () => null };
+
 /** The surface's own opacity: more opaque than clear. */
 const surfaceOpacity = 0.5;
 
 /** First visible point along a ray, or null where the ray sees through everything. */
-export function pickSurface(volume: ScanVolume, look: Look, ray: Ray): Picked | null {
+export function pickSurface(volume: ScanVolume, look: Look, ray: Ray, also: AlsoDrawn = nothingElse): Picked | null {
   const { frame } = volume;
   const origin = transformPoint(frame.gridFromScene, ray.origin);
   const direction = transformVector(frame.gridFromScene, ray.direction);
-  const span = throughBox(origin, direction, frame.dimensions);
-  if (span === null) {
+  const picked = (t: number, segment: number | null): Picked => ({
+    point: addScaled(ray.origin, ray.direction, t),
+    value: physical(biasedAt(volume, addScaled(origin, direction, t)), frame.rescale),
+    segment,
+  });
+
+  let clarity = 1;
+  let passed = 0;
+  /** The surface before `end` behind which nothing can be seen any more. */
+  const surfaceBefore = (end: number): Picked | null => {
+    for (let next = also.crossings[passed]; next !== undefined && next.t <= end; next = also.crossings[passed]) {
+      passed += 1;
+      clarity *= 1 - next.opacity;
+      if (clarity <= 1 - surfaceOpacity) {
+        return picked(next.t, next.id);
+      }
+    }
     return null;
-  }
+  };
 
   const step = 0.5 * smallestSpacing(frame) * volume.step;
-  let clarity = 1;
-  for (let t = span[0] + step / 2; t < span[1]; t += step) {
+  const [enter, leave] = throughBox(origin, direction, frame.dimensions) ?? [0, 0];
+  for (let t = enter + step / 2; t < leave; t += step) {
+    const surface = surfaceBefore(t);
+    if (surface !== null) {
+      return surface;
+    }
     const grid = addScaled(origin, direction, t);
     const biased = biasedAt(volume, grid);
-    const range = rangeHolding(look.ranges, biased);
-    if (range?.visible === false) {
+    const segment = segmentAt(look, also, grid, biased);
+    if (segment?.visible === false) {
       continue;
     }
-    clarity *= range === undefined ? Math.exp(-step * extinctionAt(volume, look, grid, biased)) : 0;
+    clarity *= segment === null ? Math.exp(-step * extinctionAt(volume, look, grid, biased)) : 0;
     if (clarity <= 1 - surfaceOpacity) {
-      return {
-        point: addScaled(ray.origin, ray.direction, t),
-        value: physical(biased, frame.rescale),
-        segment: range?.id ?? null,
-      };
+      return picked(t, segment?.id ?? null);
     }
   }
-  return null;
+  return surfaceBefore(Infinity);
+}
+
+/** The segment that a point belongs to, in the order of the shader: visible ranges, labels, hidden ones. */
+function segmentAt(look: Look, also: AlsoDrawn, grid: Vec3, biased: number): ReturnType<AlsoDrawn["labelAt"]> {
+  const range = rangeHolding(look.ranges, biased) ?? null;
+  return range?.visible === true ? range : (also.labelAt(grid) ?? range);
 }
 
 function extinctionAt(volume: ScanVolume, look: Look, grid: Vec3, biased: number): number {

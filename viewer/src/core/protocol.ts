@@ -102,9 +102,10 @@ export interface Feel {
  * null where its voxels come from elsewhere: then they stand in `/api/labels` under
  * the segment's `id` (1..255). `made_by` is the threshold that made it, whatever edits
  * did since; null where none did. `pose` takes the segment from where the scan has it to
- * where it stands; null where it was not moved. `bounds` are the voxels of the scan that
- * hold it, half open; null where it is empty. `opacity`,
- * `smoothing`, `surface_from` and `wireframe` are those of its surface.
+ * where it stands; null where it was not moved. `bounds` are the voxels that hold it, half
+ * open; null where it is empty. `grid` is the `patient_from_grid` of its voxels where they
+ * are not the scan's. `opacity`, `smoothing`, `surface_from` and `wireframe` are those
+ * of its surface.
  */
 export interface Segment {
   readonly id: SegmentId;
@@ -120,6 +121,7 @@ export interface Segment {
   readonly feel: Feel;
   readonly pose: Pose | null;
   readonly bounds: readonly [GridPlace, GridPlace] | null;
+  readonly grid: Pose | null;
   readonly shown_as: ShownAs;
   readonly opacity: Share;
   readonly smoothing: SmoothingDegree;
@@ -389,6 +391,18 @@ export interface Gap {
 }
 
 /**
+ * Volumes of the parts that a painted cut would make of segment `id` [ml], larger first.
+ *
+ * Both are null where it would leave all of it on one side.
+ */
+export interface CutPreview {
+  readonly type: "cut_preview";
+  readonly id: SegmentId;
+  readonly larger_ml: number | null;
+  readonly smaller_ml: number | null;
+}
+
+/**
  * The answer to a `Fence`: all that this page asked for before it is done.
  *
  * Touch follows it from `tick` on. Thresholds are made beside all others: they may come later.
@@ -455,11 +469,16 @@ export interface SegmentFeel {
   readonly feel: Feel;
 }
 
-/** Moves a segment to a pose; latest wins, and the servo goes there smoothly. */
+/**
+ * Moves a segment to a pose; latest wins, and the servo goes there smoothly.
+ *
+ * Moves of a drag that `goes_on` and the one that ends it are one step of undo.
+ */
 export interface MoveSegment {
   readonly type: "move_segment";
   readonly id: SegmentId;
   readonly pose: Pose;
+  readonly goes_on: boolean;
 }
 
 /** Takes a segment in the hand, null lets go of it; `collides` stops it at the others. */
@@ -481,6 +500,23 @@ export interface CutSegment {
   readonly id: SegmentId;
   readonly point: Vector;
   readonly normal: Vector;
+}
+
+/**
+ * Parts a segment along a line painted on the picture, extruded away from the eye.
+ *
+ * `line` are points under it before the eye; `view` is where the eye looks. A `closed` line
+ * joins its ends, an open one goes on straight. The smaller part is a new segment; with
+ * `preview` nothing is cut, and `CutPreview` answers.
+ */
+export interface CutAlong {
+  readonly type: "cut_along";
+  readonly id: SegmentId;
+  readonly line: readonly Vector[];
+  readonly eye: Vector;
+  readonly view: Vector;
+  readonly closed: boolean;
+  readonly preview: boolean;
 }
 
 /** Has the gap between two segments measured while they move; null ends that. */
@@ -563,6 +599,7 @@ export type ToPage =
   | Recovery
   | Notice
   | Gap
+  | CutPreview
   | Passed;
 
 /** A message of the page. */
@@ -578,6 +615,7 @@ export type FromPage =
   | Grab
   | TurnGrabbed
   | CutSegment
+  | CutAlong
   | WatchGap
   | FollowEdits
   | RecordSession
@@ -797,6 +835,7 @@ const isSegment = record({
   feel: isFeel,
   pose: nullable(isPose),
   bounds: nullable(tuple(isGridPlace, isGridPlace)),
+  grid: nullable(isPose),
   shown_as: isShownAs,
   opacity: isShare,
   smoothing: isSmoothingDegree,
@@ -979,6 +1018,13 @@ const isGap = record({
   overlap: nullable(real()),
 });
 
+const isCutPreview = record({
+  type: oneOf("cut_preview"),
+  id: isSegmentId,
+  larger_ml: nullable(real()),
+  smaller_ml: nullable(real()),
+});
+
 const isPassed = record({
   type: oneOf("passed"),
   number: whole(),
@@ -994,5 +1040,6 @@ const TO_PAGE: ReadonlyMap<string, Check> = new Map([
   ["recovery", isRecovery],
   ["notice", isNotice],
   ["gap", isGap],
+  ["cut_preview", isCutPreview],
   ["passed", isPassed],
 ]);

@@ -77,11 +77,6 @@ export class LastRanges {
   }
 }
 
-/** Surfaces that can be picked as if their voxels were drawn: those that hide what is behind. */
-export function pickable(segment: Segment): Segment {
-  return drawnAsSurface(segment) && segment.opacity > 0.5 ? { ...segment, shown_as: "volume" } : segment;
-}
-
 /**
  * The segments that a threshold made, in the order of the list, as many as can be drawn from values.
  * An edited one that is hidden is none: its labels are not told.

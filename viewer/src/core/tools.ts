@@ -64,7 +64,9 @@ export function fittingRadius(kind: ToolName, spacing: Vec3, wanted: number | nu
  * @param touched the segment that is touched now, or was last; 0 before the first.
  */
 export function segmentsOf(kind: ToolName, works: Works, segments: readonly Segment[], touched: number): readonly number[] {
-  const touchable = segments.filter((segment) => segment.touchable).map((segment) => segment.id);
+  // the drill works on the scan's matter: what has voxels of its own has none of it
+  const canWorkOn = (segment: Segment): boolean => segment.touchable && (kind !== "drill" || segment.grid === null);
+  const touchable = segments.filter(canWorkOn).map((segment) => segment.id);
   const has = (id: number): boolean => segments.some((segment) => segment.id === id);
   if (typeof works === "number" && has(works)) {
     return [works];

@@ -99,6 +99,14 @@ export function updateBricks(bricks: BrickRanges, volume: StoredVolume, box: Box
   });
 }
 
+/** Number of the segment at a point of the scan's grid, of which every `step`-th voxel is held; 0 for none. */
+export function labelAtPoint({ ids, dimensions }: LabelVolume, grid: Vec3, step: number): number {
+  const [x, y, z] = mapped(grid, (place, axis) =>
+    Math.min(dimensions[axis] - 1, Math.max(0, Math.round((place - 0.5) / step))),
+  );
+  return ids[x + dimensions[0] * (y + dimensions[1] * z)] ?? 0;
+}
+
 /** Writes labels into the page's and finds again which bricks hold any. */
 export function updateLabels({ ids, dimensions, bricks }: LabelVolume, box: Box, labels: Uint8Array): void {
   writeBox(ids, dimensions, box, labels);

@@ -77,7 +77,7 @@ export class SurfaceMesh {
     own.opacity.value = segment.opacity;
     own.bare.value = segment.wireframe ? 1 : 0;
     this.material.wireframe = segment.wireframe;
-    own.ownLabel.value = segment.range === null ? segment.id : 0;
+    own.ownLabel.value = segment.range === null && segment.grid === null ? segment.id : 0;
     const range = segment.range === null ? ([1, 0] as const) : biasedRange(segment.range[0], segment.range[1], frame.rescale);
     own.ownRange.value.set(...range);
     this.stand(segment.pose ?? nowhere, frame);

@@ -198,7 +198,11 @@ export class KeyboardInput {
       case "?":
         this.actions.help();
         return true;
+      case "enter":
+        this.stage.cutting.cut();
+        return this.stage.cutting.ready;
       case "escape":
+        this.stage.cutting.cancel();
         this.hand.touchMode = false;
         this.actions.escape();
         return true;

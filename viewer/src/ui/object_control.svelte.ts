@@ -42,20 +42,20 @@ export class ObjectControl {
       this.sending = true;
       requestAnimationFrame(() => {
         this.sending = false;
-        this.sendDragged();
+        this.sendDragged(true);
       });
     }
   }
 
-  /** The handle is let go. */
+  /** The handle is let go: what was dragged since it was taken is one step of undo. */
   drop(): void {
-    this.sendDragged();
+    this.sendDragged(false);
     this.dragged = null;
   }
 
   /** Asks for a pose once. */
   move(id: number, pose: Pose): void {
-    this.session.send({ type: "move_segment", id, pose });
+    this.session.send({ type: "move_segment", id, pose, goes_on: false });
   }
 
   /** Has the touched segment, or another, follow the probe. */
@@ -93,9 +93,9 @@ export class ObjectControl {
     this.move(segment.id, turned(this.asked(segment), centre, axis, angle));
   }
 
-  private sendDragged(): void {
+  private sendDragged(goesOn: boolean): void {
     if (this.dragged !== null) {
-      this.move(this.dragged.id, this.dragged.pose);
+      this.session.send({ type: "move_segment", ...this.dragged, goes_on: goesOn });
     }
   }
 }

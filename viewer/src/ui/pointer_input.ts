@@ -3,7 +3,7 @@
  *
  * Left drag turns, middle or Ctrl + left drag moves the picture, the wheel zooms. Right drag,
  * Shift + move, or any move in touch mode moves the hand in the view plane; meanwhile the
- * wheel moves it in depth. With a tool chosen, the left button presses it wherever the mouse
+ * wheel moves it in depth. Where a segment is to be cut, the left button paints the line. With a tool chosen, the left button presses it wherever the mouse
  * moves the hand without a button. A double click brings the probe to what is seen there.
  */
 import { orbit, pan, zoom } from "../core/camera";
@@ -13,7 +13,7 @@ import type { Session } from "./session.svelte";
 import type { Stage } from "./stage.svelte";
 import type { ToolHand } from "./tool_hand.svelte";
 
-type Drag = "orbit" | "pan" | "hand" | "tool";
+type Drag = "orbit" | "pan" | "hand" | "tool" | "cut";
 
 /** Turn per pixel [rad]. */
 const turnSpeed = 0.0075;
@@ -65,6 +65,9 @@ export class PointerInput {
     } else if (event.button === 1 || event.ctrlKey) {
       this.drag = "pan";
       event.preventDefault();
+    } else if (event.button === 0 && this.stage.cutting.id !== null) {
+      this.drag = "cut";
+      this.stage.cutting.begin([event.offsetX, event.offsetY]);
     } else if (event.button === 0) {
       this.drag = (event.shiftKey || this.hand.touchMode) && this.tool.press() ? "tool" : "orbit";
     }
@@ -80,6 +83,10 @@ export class PointerInput {
     if (camera === null || (x === 0 && y === 0)) {
       return;
     }
+    if (this.drag === "cut") {
+      this.stage.cutting.paint([event.offsetX, event.offsetY]);
+      return;
+    }
     const doing = this.drag === "orbit" && event.shiftKey ? "hand" : this.drag;
     if (doing === "orbit") {
       this.stage.camera = orbit(camera, x * turnSpeed, y * turnSpeed);
@@ -91,8 +98,11 @@ export class PointerInput {
   }
 
   private release(event: PointerEvent): void {
+    const { camera, cutting, viewport } = this.stage;
     if (this.drag === "tool") {
       this.tool.release();
+    } else if (this.drag === "cut" && camera !== null) {
+      cutting.finish(camera, viewport);
     }
     this.drag = null;
     if (this.canvas.hasPointerCapture(event.pointerId)) {
@@ -115,12 +125,16 @@ export class PointerInput {
   }
 
   private bringProbe(event: MouseEvent): void {
-    // two short strokes are no double click
+    // two short strokes are no double click, nor are two short lines
+    if (this.stage.cutting.id !== null) {
+      return;
+    }
     if (this.tool.kind !== "none" && (event.shiftKey || this.hand.touchMode)) {
       return;
     }
     const picked = this.stage.pick(event.offsetX, event.offsetY);
     const { camera } = this.stage;
+    this.stage.name(picked);
     if (picked === null || camera === null) {
       this.session.notify("info", "Nothing is drawn there: double-click on the scan to bring the probe to it.");
       return;

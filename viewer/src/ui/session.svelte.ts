@@ -6,6 +6,7 @@ import { recalled, remembered, sameSettings } from "../core/touch_settings";
 import {
   PROTOCOL_VERSION,
   type Changed,
+  type CutPreview,
   type DeviceLimits,
   type FromPage,
   type Gap,
@@ -54,6 +55,8 @@ export class Session {
   recorded = $state.raw<number | null>(null);
   /** The gap that is watched; null before it was measured. */
   gap = $state.raw<Gap | null>(null);
+  /** What a painted line would part; null before the engine has told. */
+  cutPreview = $state.raw<CutPreview | null>(null);
   notices = $state.raw<readonly ShownNotice[]>([]);
   /** Changes that an earlier session left, as long as nobody has decided about them. */
   offer = $state.raw<Offer | null>(null);
@@ -225,6 +228,9 @@ export class Session {
         break;
       case "gap":
         this.gap = message;
+        break;
+      case "cut_preview":
+        this.cutPreview = message;
         break;
       case "notice":
         this.notify(message.level, message.text);

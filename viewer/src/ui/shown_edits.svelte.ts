@@ -5,8 +5,9 @@
 import type { Changed, Segment } from "../core/protocol";
 import type { ScanVolume } from "../core/scan_volume";
 import type { BrickRanges } from "../core/bricks";
-import { decodeSurface, SurfacePatches, type SurfaceChange, type SurfaceSize } from "../core/surface_patches";
-import { decodeVoxels, updateBricks, updateLabels, writeBox, type LabelVolume, type VoxelChange } from "../core/voxel_change";
+import { decodeSurface, SurfacePatches, type Patch, type SurfaceChange, type SurfaceSize } from "../core/surface_patches";
+import type { Vec3 } from "../core/vector";
+import { decodeVoxels, labelAtPoint, updateBricks, updateLabels, writeBox, type LabelVolume, type VoxelChange } from "../core/voxel_change";
 import type { Picture } from "../gl/picture";
 
 /** What an edit took on its way [ms]. */
@@ -73,6 +74,16 @@ export class ShownEdits {
   private sinceAsked: VoxelChange[] | null = null;
 
   constructor(private readonly outside: Outside) {}
+
+  /** Patches of a segment's surface, as they are on display. */
+  patches(id: number): readonly Patch[] {
+    return this.surfaces.patches(id);
+  }
+
+  /** Number of the segment whose labels are on display at a point of the grid; 0 for none. */
+  labelAt(grid: Vec3, step: number): number {
+    return this.labels === null ? 0 : labelAtPoint(this.labels, grid, step);
+  }
 
   /** Takes an edit that has arrived. */
   add(changed: Changed, arrived: number): void {
@@ -198,9 +209,9 @@ export class ShownEdits {
   }
 }
 
-/** Whether any segment has voxels that no threshold describes. */
+/** Whether any segment has voxels of the scan that no threshold describes. */
 export function needsLabels(segments: readonly Segment[]): boolean {
-  return segments.some((segment) => segment.range === null);
+  return segments.some(({ range, grid }) => range === null && grid === null);
 }
 
 function messageOf(error: unknown): string {

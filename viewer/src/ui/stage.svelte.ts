@@ -22,14 +22,17 @@ import { srgbFromHex } from "../core/colour";
 import { contentHull } from "../core/content_hull";
 import type { Look } from "../core/look";
 import { PathTrail } from "../core/path_trail";
+import { unmoved } from "../core/object_pose";
+import { surfaceCrossings } from "../core/pick_patches";
 import { pickSurface, type Picked } from "../core/pick_surface";
 import type { Scan, Segment, State } from "../core/protocol";
 import { frameOf, type ScanVolume } from "../core/scan_volume";
-import { drawnKey, LastRanges, pickable, showable, shownRanges } from "../core/shown_segments";
+import { drawnAsSurface, drawnFromVoxels, drawnKey, LastRanges, showable, shownRanges } from "../core/shown_segments";
 import { toolColours } from "../core/tools";
 import { biasedRange } from "../core/stored_values";
 import { subsamplingStep } from "../core/subsampling";
 import { Unchanged } from "../core/unchanged";
+import type { Vec3 } from "../core/vector";
 import type { GpuSupport } from "../gl/gpu_support";
 import type { Shown, ToolBall } from "../gl/markers";
 import { Picture } from "../gl/picture";
@@ -37,6 +40,7 @@ import { downloadLabels, downloadVolume } from "../live/volume_download";
 import { EditPaceControl } from "./edit_pace_control.svelte";
 import { recall, remember } from "./remembered";
 import type { Session } from "./session.svelte";
+import { CutControl } from "./cut_control.svelte";
 import { ObjectControl } from "./object_control.svelte";
 import { needsLabels, ShownEdits } from "./shown_edits.svelte";
 
@@ -47,6 +51,9 @@ const mostValues = 2 ** 29;
 const trailSeconds = 4;
 const trailPoints = 400;
 const trailSpacing = 0.1;
+
+/** How long the name of an object stands where it was picked [ms]. */
+const namedTime = 4000;
 
 /** A boundary at full strength changes by this share of the soft-tissue-to-bone span per mm. */
 const edgeShare = 0.2;
@@ -71,6 +78,10 @@ export class Stage {
   readonly editPace: EditPaceControl;
   /** Segments that are moved. */
   readonly objects: ObjectControl;
+  /** A segment that is cut along a painted line. */
+  readonly cutting: CutControl;
+  /** The object that was picked last, and where [mm]. */
+  named = $state.raw<{ readonly point: Vec3; readonly name: string } | null>(null);
   framesPerSecond = $state.raw(0);
   /** When the first picture stood on the screen [ms since the page was opened]. */
   firstPicture = $state.raw<number | null>(null);
@@ -93,6 +104,7 @@ export class Stage {
   private frames = 0;
   private countedAt = 0;
   private request = 0;
+  private naming: ReturnType<typeof setTimeout> | undefined;
 
   constructor(
     private readonly session: Session,
@@ -103,6 +115,7 @@ export class Stage {
     this.shown = recall("shown", { ...this.shown, path: !support.software });
     this.objects = new ObjectControl(session);
     this.editPace = new EditPaceControl(session);
+    this.cutting = new CutControl(session);
     this.edits = new ShownEdits({
       complain: (text) => {
         session.notify("error", text);
@@ -277,12 +290,37 @@ export class Stage {
 
   /** What stands at a place of the picture [CSS pixels]. */
   pick(x: number, y: number): Picked | null {
-    const { scan } = this.session;
-    if (this.volume === null || this.look === null || this.camera === null || scan === null) {
+    const { volume, look, camera, segments, edits } = this;
+    if (volume === null || look === null || camera === null) {
       return null;
     }
-    const look = { ...this.look, ranges: shownRanges(this.segments.map(pickable), scan) };
-    return pickSurface(this.volume, look, rayThrough(this.camera, x, y, this.viewport));
+    const ray = rayThrough(camera, x, y, this.viewport);
+    const poses = this.session.latest?.poses ?? [];
+    const surfaces = segments.filter(drawnAsSurface).map(({ id, pose, opacity }) => ({
+      id,
+      // where it stands by now; its list has where it was asked to go
+      pose: poses.find((moved) => moved.id === id)?.pose ?? pose ?? unmoved,
+      opacity,
+      patches: edits.patches(id),
+    }));
+    const labelAt = (grid: Vec3): { readonly id: number; readonly visible: boolean } | null => {
+      const label = edits.labelAt(grid, volume.step);
+      const segment = segments.find(({ id, range }) => id === label && range === null);
+      return segment === undefined ? null : { id: label, visible: drawnFromVoxels(segment) };
+    };
+    // an edited threshold is where its labels are
+    const ranges = look.ranges.filter((range) => range.label === 0);
+    return pickSurface(volume, { ...look, ranges }, ray, { crossings: surfaceCrossings(surfaces, ray), labelAt });
+  }
+
+  /** Says which object stands at a point of the picture, for a while; null ends that. */
+  name(picked: Picked | null): void {
+    clearTimeout(this.naming);
+    const segment = this.session.segments.find(({ id }) => id === picked?.segment);
+    this.named = picked === null || segment === undefined ? null : { point: picked.point, name: segment.name };
+    this.naming = setTimeout(() => {
+      this.named = null;
+    }, namedTime);
   }
 
   /** How fine the picture on display is. */

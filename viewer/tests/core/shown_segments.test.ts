@@ -6,8 +6,6 @@ import {
   drawnAsSurface,
   drawnKey,
   drawnFromVoxels,
-  pickable,
-  rangeHolding,
   showable,
   shownRanges,
 } from "../../src/core/shown_segments";
@@ -64,13 +62,4 @@ test("while a range is dragged the voxels of the new range are drawn, not the ol
   const dragged = showable({ ...segment, shown_as: "both" }, true, [100, 200]);
   expect(dragged.range).toEqual([100, 200]);
   expect(drawnAsSurface(dragged)).toBe(false);
-});
-
-test("a surface that hides what is behind it is what is picked, one that does not is not", () => {
-  const picked = (opacity: number): boolean | undefined => {
-    const surface = { ...segment, shown_as: "surface" as const, opacity };
-    return rangeHolding(shownRanges([pickable(surface)], rescale), 33000)?.visible;
-  };
-  expect(picked(1)).toBe(true);
-  expect(picked(0.3)).toBe(false);
 });

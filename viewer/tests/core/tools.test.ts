@@ -18,6 +18,7 @@ function segment(id: number, touchable = true, range: Segment["range"] = null): 
     pending: false,
     feel: { stiffness: null, friction_static: null, friction_kinetic: null },
     pose: null,
+    grid: null,
     bounds: null,
     shown_as: "volume",
     surface_from: "intensities",
@@ -43,6 +44,12 @@ test("a drill cuts all that it meets, and any tool the segment that was chosen f
   expect(segmentsOf("eraser", "touchable", all, 5)).toEqual([2, 5]);
   expect(segmentsOf("drill", 1, all, 5)).toEqual([1]);
   expect(segmentsOf("eraser", 7, all, 5)).toEqual([5]);
+});
+
+test("what has voxels of its own has none of the matter that a drill takes, and can be erased", () => {
+  const plate: Segment = { ...segment(8), grid: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1] };
+  expect(segmentsOf("drill", "touched", [...all, plate], 8)).toEqual([2, 5]);
+  expect(segmentsOf("eraser", "touched", [...all, plate], 8)).toEqual([8]);
 });
 
 test("radii reach a voxel from everywhere and stay within what the engine takes", () => {

@@ -57,6 +57,7 @@ export const segment: Segment = {
   feel: { stiffness: null, friction_static: null, friction_kinetic: null },
   pose: null,
   bounds: null,
+  grid: null,
   shown_as: "volume",
   surface_from: "intensities",
   made_by: null,

@@ -2,10 +2,11 @@
 
 use glam::DVec3;
 use palpate_volume::edit::SegmentId;
-use palpate_volume::voxels::VoxelsError;
+use palpate_volume::segment::Segment;
+use palpate_volume::voxels::{Voxels, VoxelsError};
 
 use super::{Session, lock};
-use crate::cut::Plane;
+use crate::cut::{LineCut, Painted, Plane};
 use crate::error::SessionError;
 use crate::gap::Gap;
 use crate::gap_bodies::{Measured, making};
@@ -60,7 +61,7 @@ impl Session {
             move |voxels| {
                 let segment = voxels.segment(id);
                 let segment = segment.ok_or(VoxelsError::UnknownSegment(id.0))?;
-                let (behind, before) = plane.part(segment, voxels.grid());
+                let (behind, before) = plane.part(segment, segment.grid(voxels.grid()));
                 if behind.count() == 0 || before.count() == 0 {
                     return Err(SessionError::CutMisses { id: id.0, point });
                 }
@@ -68,6 +69,39 @@ impl Session {
             },
             move |simulation, parts| simulation.part_segment(id, parts),
         )
+    }
+
+    /// Parts a segment along a line that was painted on the picture, extruded away from the eye:
+    /// it keeps the larger part, a new segment has the smaller one. Gives the new one's number.
+    ///
+    /// # Errors
+    /// Where the line is none or leaves all on one side, there is no such segment, there are
+    /// 255, or the session has ended.
+    pub fn cut_along(&self, id: SegmentId, painted: &Painted) -> Result<SegmentId, SessionError> {
+        let cut = self.line_cut(id, painted)?;
+        self.build_and_commit(
+            move |voxels| parts_of(voxels, id, &cut),
+            move |simulation, parts| simulation.part_segment(id, parts),
+        )
+    }
+
+    /// The volumes of the larger and the smaller part that [`Self::cut_along`] would make [mm³].
+    ///
+    /// # Errors
+    /// See there.
+    pub fn preview_cut(&self, id: SegmentId, painted: &Painted) -> Result<[f64; 2], SessionError> {
+        let cut = self.line_cut(id, painted)?;
+        let voxels = self.ask(|simulation| simulation.voxels().clone())?;
+        let (larger, smaller) = parts_of(&voxels, id, &cut)?;
+        let each = voxels.grid_of(id).voxel_volume();
+        Ok([larger, smaller].map(|part| part.count() as f64 * each))
+    }
+
+    fn line_cut(&self, id: SegmentId, painted: &Painted) -> Result<LineCut, SessionError> {
+        let pose = self.ask(move |simulation| simulation.current_pose(id))?;
+        let points = painted.line.len();
+        LineCut::in_scan(painted, &pose.unwrap_or_default())
+            .ok_or(SessionError::PaintedLine { points })
     }
 
     /// The gap from the surface of one segment to another, where both stand by now. The first
@@ -108,4 +142,19 @@ fn measured(simulation: &Simulation, id: SegmentId) -> Result<Measured, SessionE
         voxels: simulation.voxels_of(id)?,
         drawn: None,
     })
+}
+
+/// Both parts of a segment, the larger one first.
+fn parts_of(
+    voxels: &Voxels,
+    id: SegmentId,
+    cut: &LineCut,
+) -> Result<(Segment, Segment), SessionError> {
+    let segment = voxels.segment(id);
+    let segment = segment.ok_or(VoxelsError::UnknownSegment(id.0))?;
+    let parts = cut.part(segment, segment.grid(voxels.grid()));
+    if parts.1.count() == 0 {
+        return Err(SessionError::LineMisses { id: id.0 });
+    }
+    Ok(parts)
 }

@@ -1,7 +1,7 @@
 //! Segments as objects: in the hand, and parted.
 
 use glam::{DAffine3, DVec3};
-use palpate_haptics::scene::MAX_OBJECTS;
+use palpate_haptics::scene::{MAX_OBJECTS, ObjectPose};
 use palpate_tools::journal_entry::Action;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::segment::Segment;
@@ -14,6 +14,41 @@ use crate::moved_poses::CurrentPoses;
 use crate::scene::{Properties, Step, TouchChange};
 
 impl Simulation {
+    /// Moves a segment; touch goes there smoothly. One step of undo, with all that it was dragged
+    /// since its last move.
+    ///
+    /// # Errors
+    /// Where the pose is no rigid motion, there is no such segment, or too many are moved.
+    pub fn move_segment(&mut self, id: SegmentId, pose: DAffine3) -> Result<(), SessionError> {
+        self.drag_segment(id, pose)?;
+        self.dragged = None;
+        Ok(())
+    }
+
+    /// Moves a segment a part of the way of a drag, which [`Self::move_segment`] ends; see there.
+    ///
+    /// # Errors
+    /// See [`Self::move_segment`].
+    pub fn drag_segment(&mut self, id: SegmentId, pose: DAffine3) -> Result<(), SessionError> {
+        ObjectPose::new(self.voxels().grid_of(id), self.voxels().grid(), pose)?;
+        self.let_go();
+        if !self.scene.is_moved(id) {
+            self.check_room_for_moved()?;
+        }
+        self.close_step();
+        // whatever came in between ends a drag
+        let goes_on = self.dragged == Some(id)
+            && self.journal.newest().and_then(Step::moves) == Some(id)
+            && !self.journal.can_redo();
+        let inverse = self.perform_part(Step::Move { id, pose }, Action::Do, goes_on)?;
+        if !goes_on {
+            self.done(inverse);
+        }
+        self.dragged = Some(id);
+        self.publish();
+        Ok(())
+    }
+
     /// Takes a segment in the hand, or lets go of the one that is: it follows the probe, and is
     /// no obstacle meanwhile. Where `collides` it stops at other obstacles.
     ///
@@ -27,13 +62,12 @@ impl Simulation {
         };
         let segment = self.voxels().segment(id);
         let segment = segment.ok_or(VoxelsError::UnknownSegment(id.0))?.clone();
-        let asked = self.scene.properties_of(id).pose;
-        if asked.is_none_or(|pose| pose == DAffine3::IDENTITY) {
+        if !self.scene.is_moved(id) {
             self.check_room_for_moved()?;
         }
         // from where it is by now, which is not always where it was to go
         let pose = self.current_pose(id).unwrap_or(DAffine3::IDENTITY);
-        let grid = *self.voxels().grid();
+        let grid = *segment.grid(self.voxels().grid());
         self.grip = Some(Grip::new(id, pose, collides.then_some((&segment, &grid))));
         let changed = self.scene.hold(Some(id));
         self.send_all(changed);
@@ -62,10 +96,7 @@ impl Simulation {
     ) -> Result<SegmentId, SessionError> {
         self.let_go();
         let properties = self.scene.properties_of(id);
-        if properties
-            .pose
-            .is_some_and(|pose| pose != DAffine3::IDENTITY)
-        {
+        if self.scene.is_moved(id) {
             self.check_room_for_moved()?;
         }
         let new_id = self.free_id()?;
@@ -150,11 +181,13 @@ impl Simulation {
         let Ok((inverse, _)) = self.scene.perform(step) else {
             return;
         };
-        let goes_on = self.journal.newest().and_then(Step::moves) == Some(grip.id());
-        if !(grip.noted && goes_on) || self.journal.can_redo() {
+        let goes_on = grip.noted
+            && self.journal.newest().and_then(Step::moves) == Some(grip.id())
+            && !self.journal.can_redo();
+        self.write_down(Action::Do, &inverse, goes_on);
+        if !goes_on {
             grip.noted = true;
             self.segments_version += 1;
-            self.write_down(Action::Do, &inverse);
             self.done(inverse);
         }
     }
@@ -164,5 +197,14 @@ impl Simulation {
             let change = TouchChange::All(segments);
             self.touch.send_change(&self.scene, &change);
         }
+    }
+
+    /// Refuses one moved segment more than can be touched. Undo and redo need no such question:
+    /// where they lead there were no more.
+    pub(super) fn check_room_for_moved(&self) -> Result<(), SessionError> {
+        if self.scene.moved_count() >= MAX_OBJECTS {
+            return Err(SessionError::TooManyMoved);
+        }
+        Ok(())
     }
 }

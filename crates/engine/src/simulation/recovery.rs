@@ -1,21 +1,25 @@
 //! The simulation's journal on disk, and how it goes on from one after a crash.
 //!
-//! Voxels are written down, and which changes are one step. Moves, names and how segments feel
-//! are not; whoever keeps them beside the voxels can add notes.
+//! Voxels and moves are written down, which changes are one step, and what else is known of each
+//! segment. Names and looks are not; whoever keeps them beside the voxels can add notes.
 
 use std::path::Path;
 
-use palpate_tools::journal_entry::{Action, Entry, ScanHash};
+use glam::DAffine3;
+use palpate_haptics::scene::{MAX_OBJECTS, ObjectPose};
+use palpate_tools::journal_entry::{Action, Entry, Facts, ScanHash};
 use palpate_tools::journal_file::JournalFile;
-use palpate_tools::journal_reader::JournalReader;
+use palpate_tools::journal_reader::{JournalReader, Recovery};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::segment::Segment;
-use palpate_volume::voxels::Voxels;
+use palpate_volume::voxels::{Voxels, VoxelsError};
 
 use super::Simulation;
 use crate::error::SessionError;
+use crate::feel::Feel;
 use crate::frame::Notice;
-use crate::scene::{Properties, Step};
+use crate::handover::ServoCommand;
+use crate::scene::{Properties, Step, TouchChange};
 
 /// What came back from a journal.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -65,6 +69,10 @@ impl Simulation {
     pub fn begin_journal(&mut self, path: &Path, hash: ScanHash) -> Result<(), SessionError> {
         self.end_stroke();
         self.file = Some(JournalFile::create(path, hash, self.voxels())?);
+        let ids: Vec<_> = self.voxels().segments().map(|(id, _)| id).collect();
+        for id in ids {
+            self.write_facts(id);
+        }
         Ok(())
     }
 
@@ -82,18 +90,16 @@ impl Simulation {
     ) -> Result<Recovered, SessionError> {
         self.end_stroke();
         self.file = None;
-        let mut recovered = Recovered::default();
-        let mut reader = JournalReader::open(path, hash, self.voxels())?;
-        while let Some(entry) = reader.next(self.voxels())? {
-            recovered.notes.extend(self.follow(entry)?);
-        }
-        self.close_step();
-        let found = reader.recovery();
-        recovered.steps = found.steps + usize::from(found.step_is_open);
-        recovered.ignored_bytes = found.ignored_bytes;
+        let followed = self.follow_all(path, hash);
+        self.touch_all();
+        let (found, notes) = followed?;
         self.file = Some(JournalFile::resume(path, &found, self.voxels())?);
         self.publish();
-        Ok(recovered)
+        Ok(Recovered {
+            steps: found.steps + usize::from(found.step_is_open),
+            ignored_bytes: found.ignored_bytes,
+            notes,
+        })
     }
 
     /// Keeps bytes beside the voxels, where there is a journal.
@@ -109,12 +115,16 @@ impl Simulation {
         self.file = None;
     }
 
-    /// Writes down what was just performed, by its inverse.
-    pub(super) fn write_down(&mut self, action: Action, inverse: &Step) {
+    /// Writes down what was just performed, by its inverse; a move that `goes_on` belongs to the
+    /// step before.
+    pub(super) fn write_down(&mut self, action: Action, inverse: &Step, goes_on: bool) {
         if let Step::Several(inverses) = inverse {
+            if let Some(file) = &mut self.file {
+                file.together(inverse.leaves());
+            }
             // inverses stand the other way round
             for inverse in inverses.iter().rev() {
-                self.write_down(action, inverse);
+                self.write_down(action, inverse, false);
             }
             return;
         }
@@ -122,15 +132,40 @@ impl Simulation {
             return;
         };
         let voxels = self.scene.voxels();
-        match inverse {
-            Step::Edit { edit, .. } => file.edit(action, edit, voxels),
+        let known_anew = match inverse {
+            Step::Edit { edit, .. } => {
+                file.edit(action, edit, voxels);
+                // taken back, a segment may be a threshold again
+                let ids = edit.segments.iter().map(|(id, _)| *id);
+                ids.filter(|_| action != Action::Do).collect()
+            }
             Step::Replace { id, .. } | Step::Remove { id } => {
                 if let Some(segment) = voxels.segment(*id) {
                     file.put(action, *id, segment);
                 }
+                vec![*id]
             }
-            Step::Insert { id, .. } => file.remove(action, *id),
-            Step::Move { .. } | Step::Several(_) => {}
+            Step::Insert { id, .. } => {
+                file.remove(action, *id);
+                Vec::new()
+            }
+            Step::Move { id, .. } => {
+                let pose = self.scene.properties_of(*id).pose.unwrap_or_default();
+                file.moved(action, *id, pose, goes_on);
+                Vec::new()
+            }
+            Step::Several(_) => Vec::new(),
+        };
+        for id in known_anew {
+            self.write_facts(id);
+        }
+    }
+
+    /// Writes down what is known of a segment beside its voxels.
+    pub(super) fn write_facts(&mut self, id: SegmentId) {
+        let properties = self.scene.properties_of(id);
+        if let Some(file) = &mut self.file {
+            file.facts(id, facts_of(&properties));
         }
     }
 
@@ -141,55 +176,136 @@ impl Simulation {
         }
     }
 
-    fn has_same_voxels(&self, id: SegmentId, other: &Segment) -> bool {
-        self.voxels().segment(id).is_some_and(|segment| {
-            let difference = segment.occupancy().difference(other.occupancy());
-            difference.is_empty()
-        })
+    /// Follows a journal to its end; gives what was found, and the notes.
+    fn follow_all(
+        &mut self,
+        path: &Path,
+        hash: ScanHash,
+    ) -> Result<(Recovery, Vec<Vec<u8>>), SessionError> {
+        let mut reader = JournalReader::open(path, hash, self.voxels())?;
+        let mut group = Group::default();
+        let mut notes = Vec::new();
+        while let Some(entry) = reader.next(self.voxels())? {
+            self.follow(entry, &mut group, &mut notes)?;
+        }
+        self.end_group(&mut group)?;
+        self.close_step();
+        Ok((reader.recovery(), notes))
     }
 
-    /// Does what an entry says; gives a note.
-    fn follow(&mut self, entry: Entry) -> Result<Option<Vec<u8>>, SessionError> {
+    /// Does what an entry says.
+    fn follow(
+        &mut self,
+        entry: Entry,
+        group: &mut Group,
+        notes: &mut Vec<Vec<u8>>,
+    ) -> Result<(), SessionError> {
         let (action, step) = match entry {
-            Entry::Note(bytes) => return Ok(Some(bytes)),
-            Entry::StepEnd => {
-                self.close_step();
-                return Ok(None);
+            Entry::Note(bytes) => {
+                notes.push(bytes);
+                return Ok(());
             }
+            Entry::StepEnd => {
+                self.end_group(group)?;
+                self.close_step();
+                return Ok(());
+            }
+            Entry::Together(count) => {
+                self.end_group(group)?;
+                group.wanted = Some(count as usize);
+                return Ok(());
+            }
+            Entry::Facts(id, facts) => return self.know(id, &facts),
             Entry::Edit(action, edit) => (action, Step::of_edit(edit)),
             Entry::Remove(action, id) => (action, Step::Remove { id }),
-            // so that a threshold stays one: a journal does not say what is
+            Entry::Move {
+                action,
+                id,
+                pose,
+                goes_on,
+            } => {
+                self.check_moved(id, pose)?;
+                if goes_on {
+                    // the step before leads here now; its inverse stays the same
+                    self.end_group(group)?;
+                    self.perform(Step::Move { id, pose }, action)?;
+                    return Ok(());
+                }
+                (action, Step::Move { id, pose })
+            }
+            // so that a threshold stays one: a journal of version 1 does not say what is
             Entry::Put(Action::Start, id, segment) if self.has_same_voxels(id, &segment) => {
-                return Ok(None);
+                return Ok(());
             }
-            Entry::Put(action, id, segment) => {
-                let step = if self.voxels().segment(id).is_some() {
-                    Step::Replace {
-                        id,
-                        segment,
-                        range: None,
-                        made_by: None,
-                    }
-                } else {
-                    Step::Insert {
-                        id,
-                        segment,
-                        properties: Properties::default(),
-                    }
-                };
-                (action, step)
-            }
+            Entry::Put(action, id, segment) => (action, self.put(id, segment)?),
         };
+        self.follow_step(action, step, group)
+    }
+
+    /// Performs a step, and notes it for undo as it was noted then.
+    fn follow_step(
+        &mut self,
+        action: Action,
+        step: Step,
+        group: &mut Group,
+    ) -> Result<(), SessionError> {
         let is_edit = matches!(step, Step::Edit { .. });
+        if group.action.is_some_and(|before| before != action) {
+            self.end_group(group)?;
+        }
         if !(is_edit && action == Action::Do) {
             self.close_step();
         }
         let inverse = self.perform(step, action)?;
-        let bytes = inverse.bytes();
         match action {
             Action::Start => {}
             // edits up to the end of the step are one stroke
             Action::Do if is_edit => self.stroke.note(inverse),
+            Action::Do => {
+                group.action = Some(action);
+                group.inverses.push(inverse);
+            }
+            Action::Undo | Action::Redo => {
+                group.action = Some(action);
+                group.inverses.push(inverse);
+                // version 1 does not say how many belong together, but does them all again
+                let newest = match action {
+                    Action::Undo => self.journal.newest(),
+                    _ => self.journal.newest_undone(),
+                };
+                let wanted = newest.map_or(1, |step| step.leaves() as usize);
+                if group.inverses.len() >= group.wanted.unwrap_or(wanted) {
+                    self.end_group(group)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Makes one step of what belongs together; where some of it is missing, takes it back.
+    fn end_group(&mut self, group: &mut Group) -> Result<(), SessionError> {
+        let Group {
+            wanted,
+            action,
+            mut inverses,
+        } = std::mem::take(group);
+        let Some(action) = action else {
+            return Ok(());
+        };
+        if wanted.is_some_and(|wanted| inverses.len() < wanted) {
+            for inverse in inverses.into_iter().rev() {
+                self.perform(inverse, Action::Start)?;
+            }
+            return Ok(());
+        }
+        inverses.reverse();
+        let inverse = match inverses.len() {
+            1 => inverses.remove(0),
+            _ => Step::Several(inverses),
+        };
+        let bytes = inverse.bytes();
+        match action {
+            Action::Start => {}
             Action::Do => self.done(inverse),
             Action::Undo => {
                 self.journal.pop_undo();
@@ -200,6 +316,125 @@ impl Simulation {
                 self.journal.redone(inverse, bytes);
             }
         }
-        Ok(None)
+        Ok(())
+    }
+
+    /// The step that gives a segment these voxels.
+    fn put(&self, id: SegmentId, segment: Segment) -> Result<Step, SessionError> {
+        if self.voxels().segment(id).is_some() {
+            return Ok(Step::Replace {
+                id,
+                segment,
+                range: None,
+                made_by: None,
+            });
+        }
+        if let Some(grid) = segment.own_grid() {
+            super::check_radius(self.settings.probe_radius, grid)?;
+            ObjectPose::new(grid, self.voxels().grid(), DAffine3::IDENTITY)?;
+            self.check_room_for_moved()?;
+        }
+        Ok(Step::Insert {
+            id,
+            segment,
+            properties: Properties::default(),
+        })
+    }
+
+    /// Takes what a journal says of a segment beside its voxels.
+    fn know(&mut self, id: SegmentId, facts: &Facts) -> Result<(), SessionError> {
+        if self.voxels().segment(id).is_none() {
+            return Err(VoxelsError::UnknownSegment(id.0).into());
+        }
+        if let Some(pose) = facts.pose {
+            self.check_moved(id, pose)?;
+        }
+        let properties = properties_of(facts);
+        properties.feel.check()?;
+        for (low, high) in [facts.range, facts.made_by].into_iter().flatten() {
+            if low > high {
+                return Err(SessionError::Range { low, high });
+            }
+        }
+        self.scene.know(id, properties);
+        self.segments_version += 1;
+        Ok(())
+    }
+
+    /// Refuses a pose that no session has.
+    fn check_moved(&self, id: SegmentId, pose: DAffine3) -> Result<(), SessionError> {
+        ObjectPose::new(self.voxels().grid_of(id), self.voxels().grid(), pose)?;
+        let stays = pose == DAffine3::IDENTITY || self.scene.is_moved(id);
+        if !stays && self.scene.moved_count() >= MAX_OBJECTS {
+            return Err(SessionError::TooManyMoved);
+        }
+        Ok(())
+    }
+
+    fn has_same_voxels(&self, id: SegmentId, other: &Segment) -> bool {
+        self.voxels().segment(id).is_some_and(|segment| {
+            let same_grid = segment.own_grid() == other.own_grid();
+            same_grid && {
+                let difference = segment.occupancy().difference(other.occupancy());
+                difference.is_empty()
+            }
+        })
+    }
+
+    /// Tells touch of all that a journal may have changed.
+    fn touch_all(&mut self) {
+        let segments: Vec<_> = self
+            .scene
+            .segments()
+            .map(|(id, _, properties)| (id, properties))
+            .collect();
+        let ids = segments.iter().map(|(id, _)| *id).collect();
+        self.touch.send_change(&self.scene, &TouchChange::All(ids));
+        for (id, properties) in segments {
+            self.touch.send(ServoCommand::Feel(id, properties.feel));
+            if let Some(pose) = properties.pose.filter(|_| properties.touchable) {
+                self.touch.send(ServoCommand::Pose(id, pose));
+            }
+        }
+    }
+}
+
+/// Changes of a journal that belong together, as far as they were followed.
+#[derive(Debug, Default)]
+struct Group {
+    /// How many there are to be; none where the end of the step says it.
+    wanted: Option<usize>,
+    action: Option<Action>,
+    /// Their inverses, in the order of the changes.
+    inverses: Vec<Step>,
+}
+
+fn facts_of(properties: &Properties) -> Facts {
+    let Feel {
+        stiffness,
+        friction_static,
+        friction_kinetic,
+    } = properties.feel;
+    Facts {
+        touchable: properties.touchable,
+        range: properties.range,
+        made_by: properties.made_by,
+        feel: [stiffness, friction_static, friction_kinetic],
+        pose: properties.pose,
+    }
+}
+
+fn properties_of(facts: &Facts) -> Properties {
+    let [stiffness, friction_static, friction_kinetic] = facts.feel;
+    Properties {
+        touchable: facts.touchable,
+        range: facts.range,
+        made_by: facts.made_by,
+        feel: Feel {
+            stiffness,
+            friction_static,
+            friction_kinetic,
+        },
+        pose: facts.pose,
     }
 }

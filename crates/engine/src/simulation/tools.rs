@@ -21,7 +21,9 @@ impl Simulation {
     /// Where a setting is out of range, or a segment does not exist.
     pub fn set_tool(&mut self, settings: Option<ToolSettings>) -> Result<(), SessionError> {
         if let Some(settings) = &settings {
-            settings.build(self.voxels().grid())?;
+            let first = settings.segments.first();
+            let grid = first.map_or(self.voxels().grid(), |id| self.voxels().grid_of(*id));
+            settings.build(grid)?;
             let unknown = |id: &&SegmentId| self.voxels().segment(**id).is_none();
             if let Some(id) = settings.segments.iter().find(unknown) {
                 return Err(VoxelsError::UnknownSegment(id.0).into());
@@ -45,8 +47,8 @@ impl Simulation {
         let left_out = self.stroke.begin(&self.scene)?;
         if left_out > 0 {
             self.tell(Notice::info(format!(
-                "{left_out} of the chosen segments stand elsewhere than the first one: the tool \
-                 passes them over."
+                "{left_out} of the chosen segments stand elsewhere than the first one, or on another \
+                 grid: the tool passes them over."
             )));
         }
         if let Some(tissues) = self.stroke.needle() {

@@ -1,0 +1,166 @@
+//! Segments of the simulation: added, changed, removed, and how they are touched and shown.
+
+use palpate_haptics::scene::ObjectPose;
+use palpate_tools::journal_entry::Action;
+use palpate_volume::edit::{Edit, SegmentId};
+use palpate_volume::segment::Segment;
+use palpate_volume::voxel_box::VoxelBox;
+
+use glam::DAffine3;
+
+use super::{Simulation, check_radius};
+use crate::error::SessionError;
+use crate::feel::Feel;
+use crate::handover::ServoCommand;
+use crate::kept_surface::SurfaceMaking;
+use crate::scene::{Properties, Step, ThresholdRange, TouchChange};
+use crate::scene_news::SceneNews;
+
+impl Simulation {
+    /// Adds a segment; an undoable one is taken away again by undo.
+    ///
+    /// # Errors
+    /// Where it belongs to another grid, or there are 255, or it has a pose that
+    /// [`Self::move_segment`] would refuse.
+    pub fn add_segment(
+        &mut self,
+        segment: Segment,
+        properties: Properties,
+        undoable: bool,
+    ) -> Result<SegmentId, SessionError> {
+        self.close_step();
+        let own_grid = segment.own_grid();
+        if let Some(grid) = own_grid {
+            check_radius(self.settings.probe_radius, grid)?;
+        }
+        if properties.pose.is_some() || own_grid.is_some() {
+            let pose = properties.pose.unwrap_or(DAffine3::IDENTITY);
+            ObjectPose::new(
+                segment.grid(self.voxels().grid()),
+                self.voxels().grid(),
+                pose,
+            )?;
+            self.check_room_for_moved()?;
+        }
+        let id = self.free_id()?;
+        let step = Step::Insert {
+            id,
+            segment,
+            properties,
+        };
+        let action = if undoable { Action::Do } else { Action::Start };
+        let inverse = self.perform(step, action)?;
+        if undoable {
+            self.done(inverse);
+        }
+        self.publish();
+        Ok(id)
+    }
+
+    /// Gives a segment other voxels.
+    ///
+    /// # Errors
+    /// Where there is no such segment, or the voxels belong to another grid.
+    pub fn replace_segment(
+        &mut self,
+        id: SegmentId,
+        segment: Segment,
+        range: Option<ThresholdRange>,
+    ) -> Result<(), SessionError> {
+        if segment.own_grid() != self.voxels().segment(id).and_then(Segment::own_grid) {
+            return Err(SessionError::OtherGrid(id.0));
+        }
+        self.change(Step::Replace {
+            id,
+            segment,
+            range,
+            made_by: range,
+        })
+    }
+
+    /// Removes a segment.
+    ///
+    /// # Errors
+    /// Where there is no such segment.
+    pub fn remove_segment(&mut self, id: SegmentId) -> Result<(), SessionError> {
+        self.let_go();
+        self.change(Step::Remove { id })
+    }
+
+    /// Makes a segment an obstacle, or no obstacle. This changes no voxel and is not undone.
+    ///
+    /// # Errors
+    /// Where there is no such segment.
+    pub fn set_touchable(&mut self, id: SegmentId, touchable: bool) -> Result<(), SessionError> {
+        if self.scene.set_touchable(id, touchable)? {
+            let change = TouchChange::All(vec![id]);
+            self.touch.send_change(&self.scene, &change);
+            self.write_facts(id);
+            self.publish();
+        }
+        Ok(())
+    }
+
+    /// Changes how the surface of a segment feels. This changes no voxel and is not undone.
+    ///
+    /// # Errors
+    /// Where a value is out of range, or there is no such segment.
+    pub fn set_feel(&mut self, id: SegmentId, feel: Feel) -> Result<(), SessionError> {
+        feel.check()?;
+        self.scene.set_feel(id, feel)?;
+        self.segments_version += 1;
+        self.touch.send(ServoCommand::Feel(id, feel));
+        self.write_facts(id);
+        self.publish();
+        Ok(())
+    }
+
+    /// Shows a segment as a surface, or as none; this changes no voxel and is not undone.
+    ///
+    /// # Errors
+    /// Where the settings make no surface, or there is no such segment.
+    pub fn show_surface(
+        &mut self,
+        id: SegmentId,
+        making: Option<SurfaceMaking>,
+    ) -> Result<(), SessionError> {
+        if let Some(making) = &making {
+            making.settings.check()?;
+        }
+        let voxels = self.voxels_of(id)?;
+        let shown = making.map(|making| (making, voxels));
+        self.tell_picture(SceneNews::Show(id, shown));
+        Ok(())
+    }
+
+    /// Names the segments that the picture shows by their labels: edits tell of these.
+    pub fn set_labelled(&mut self, labelled: Vec<SegmentId>) {
+        self.labelled = labelled;
+    }
+
+    /// Makes all voxels of a box solid or free in one segment, and in that one only.
+    ///
+    /// # Errors
+    /// Where there is no such segment.
+    pub fn fill_box(
+        &mut self,
+        id: SegmentId,
+        region: &VoxelBox,
+        solid: bool,
+    ) -> Result<(), SessionError> {
+        let edit = self.voxels().label_edit(id, region, |_, _| solid)?;
+        self.apply(edit)
+    }
+
+    /// Applies a label edit that was built from the present voxels.
+    ///
+    /// # Errors
+    /// Where it does not fit.
+    pub fn apply(&mut self, edit: Edit) -> Result<(), SessionError> {
+        // what is as wanted already leaves nothing to take back
+        if edit.is_empty() {
+            return Ok(());
+        }
+        self.change(Step::of_edit(edit))
+    }
+}

@@ -1,0 +1,97 @@
+//! Steps of the simulation: performed, written down, taken back and done again.
+
+use palpate_tools::journal_entry::Action;
+use palpate_volume::edit::SegmentId;
+use palpate_volume::voxels::VoxelsError;
+
+use super::Simulation;
+use crate::error::SessionError;
+use crate::scene::Step;
+use crate::scene_news::SceneNews;
+
+impl Simulation {
+    /// Takes the newest change back; false where there is none.
+    ///
+    /// # Errors
+    /// Never, unless the journal is wrong.
+    pub fn undo(&mut self) -> Result<bool, SessionError> {
+        self.let_go();
+        self.close_step();
+        self.deformation.forget();
+        let Some(step) = self.journal.pop_undo() else {
+            return Ok(false);
+        };
+        let inverse = self.perform(step, Action::Undo)?;
+        let bytes = inverse.bytes();
+        self.journal.undone(inverse, bytes);
+        self.publish();
+        Ok(true)
+    }
+
+    /// Does the last undone change again; false where there is none.
+    ///
+    /// # Errors
+    /// Never, unless the journal is wrong.
+    pub fn redo(&mut self) -> Result<bool, SessionError> {
+        self.let_go();
+        self.close_step();
+        self.deformation.forget();
+        let Some(step) = self.journal.pop_redo() else {
+            return Ok(false);
+        };
+        let inverse = self.perform(step, Action::Redo)?;
+        let bytes = inverse.bytes();
+        self.journal.redone(inverse, bytes);
+        self.publish();
+        Ok(true)
+    }
+
+    pub(super) fn change(&mut self, step: Step) -> Result<(), SessionError> {
+        self.close_step();
+        let inverse = self.perform(step, Action::Do)?;
+        self.done(inverse);
+        self.publish();
+        Ok(())
+    }
+
+    pub(super) fn perform(&mut self, step: Step, action: Action) -> Result<Step, SessionError> {
+        self.perform_part(step, action, false)
+    }
+
+    /// Performs a step, or a part of one that `goes_on` with the step before.
+    pub(super) fn perform_part(
+        &mut self,
+        step: Step,
+        action: Action,
+        goes_on: bool,
+    ) -> Result<Step, SessionError> {
+        let (inverse, change) = self.scene.perform(step)?;
+        self.touch.send_change(&self.scene, &change);
+        self.segments_version += 1;
+        for news in SceneNews::of(&inverse, &self.scene, &self.labelled) {
+            self.voxels_version += u64::from(news.needs_labels());
+            self.tell_picture(news);
+        }
+        self.write_down(action, &inverse, goes_on);
+        Ok(inverse)
+    }
+
+    /// Notes the inverse of a whole step.
+    pub(super) fn done(&mut self, inverse: Step) {
+        let bytes = inverse.bytes();
+        self.journal.done(inverse, bytes);
+        if let Some(file) = &mut self.file {
+            file.end_step();
+        }
+    }
+
+    /// The lowest number that no segment has and no undo or redo would bring back.
+    pub(super) fn free_id(&self) -> Result<SegmentId, VoxelsError> {
+        let returns = |id: SegmentId| self.journal.steps().any(|step| step.needs(id));
+        let is_new = |id: &SegmentId| self.voxels().segment(*id).is_none();
+        let ids = || (1..=u8::MAX).map(SegmentId).filter(is_new);
+        ids()
+            .find(|id| !returns(*id))
+            .ok_or(VoxelsError::TooManySegments)
+    }
+}
