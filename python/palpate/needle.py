@@ -197,6 +197,8 @@ def line_through(
     for axis in (0, 1):
         for step in (-2, 2):
             around = np.minimum(around, np.roll(length, step, axis=axis))
+    # nor beside the border of the scan, where a tip could slip off
+    around[:2], around[-2:], around[:, :2], around[:, -2:] = 0, 0, 0, 0
     if not around.any():
         raise OptionError("no line from the front meets both; allowed: segments behind one another")
     z, x = np.unravel_index(int(around.argmax()), around.shape)
