@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 import pytest
@@ -35,10 +35,9 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
         yield opened
 
 
-def pose_of(page: Browser, segment: int) -> np.ndarray:
-    """Returns where a segment stands by now, by the engine's own words."""
-    poses = page.read("window.palpate.state.poses")
-    found = [moved["pose"] for moved in poses if moved["id"] == segment]
+def pose_of(state: dict[str, Any], segment: int) -> np.ndarray:
+    """Returns where a segment stands in a state."""
+    found = [moved["pose"] for moved in state["poses"] if moved["id"] == segment]
     return np.reshape(found[0], (4, 4)) if found else np.eye(4)
 
 
@@ -46,21 +45,23 @@ def test_the_arrow_drags_an_object_along_its_axis_and_the_gap_follows(page: Brow
     page.do("click", testid="move-object")
     page.do("choose", testid="gap-to", value="2")
     apart = 26.0 - 2 * RADIUS
-    page.wait("/mean/.test(document.querySelector('[data-testid=gap]').textContent)")
+    page.shows("gap", "/mean/.test(text)")
     # half a voxel
-    assert gap(page) == pytest.approx(apart, abs=0.5)
+    gap_is(page, apart, within=0.5)
 
     page.read("window.palpate.setView('A')")
+    # the handles stand elsewhere then
+    page.finish()
     page.do("dragElement", testid="arrow-L", x=25, y=0)
     page.wait("window.palpate.state.poses.some(({ id }) => id === 1)")
-    time.sleep(1.0)
-    pose = pose_of(page, 1)
+    pose = pose_of(page.settled(), 1)
     np.testing.assert_allclose(pose[:3, :3], np.eye(3), atol=1e-12)
     assert pose[0, 3] > 1.0
     np.testing.assert_allclose(pose[1:3, 3], 0.0, atol=1e-9)
     # the same stairs, nearer
-    assert gap(page) == pytest.approx(apart - pose[0, 3], abs=0.7)
-    assert page.read("window.palpate.triangles[1]") > 0, "it is shown as a surface"
+    gap_is(page, apart - pose[0, 3], within=0.7)
+    # it is shown as a surface
+    page.wait("window.palpate.triangles[1] > 0")
     page.finish()
     page.do("screenshot", path=str(OUTPUT / "objects.png"))
 
@@ -71,9 +72,9 @@ def test_the_arrow_drags_an_object_along_its_axis_and_the_gap_follows(page: Brow
 
 def test_a_ring_turns_an_object_about_its_middle(page: Browser) -> None:
     # half way between two other rings, which are seen from their edges
+    page.finish()
     page.do("dragElement", testid="ring-P", x=20, y=20, **{"from": [44, -44]})
-    time.sleep(1.0)
-    pose = pose_of(page, 1)
+    pose = pose_of(page.settled(), 1)
     assert not np.allclose(pose[:3, :3], np.eye(3), atol=0.05)
     middle = np.append(np.add(MIDDLES[0], 0.0), 1.0)
     np.testing.assert_allclose((pose @ middle)[:3], middle[:3], atol=1e-6)
@@ -86,15 +87,15 @@ def test_a_ring_turns_an_object_about_its_middle(page: Browser) -> None:
 
 def test_the_object_in_the_probes_hand_follows_it(page: Browser) -> None:
     page.read("window.palpate.place([20, 32, 50])")
-    time.sleep(0.5)
+    page.all_done()
     page.do("click", testid="grab-object")
     page.wait("window.palpate.state.grabbed === 1")
     before = page.settled()["proxy"]
     page.read("window.palpate.hand([24, 30, 54])")
-    after = page.settled()["proxy"]
-    pose = pose_of(page, 1)
+    after = page.settled()
+    pose = pose_of(after, 1)
     # what is shown of the probe is some ms older than the pose
-    np.testing.assert_allclose(pose[:3, 3], np.subtract(after, before), atol=0.1)
+    np.testing.assert_allclose(pose[:3, 3], np.subtract(after["proxy"], before), atol=0.1)
     assert np.linalg.norm(pose[:3, 3]) > 3.0
     page.do("click", testid="grab-object")
     page.wait("window.palpate.state.grabbed === 0")
@@ -102,7 +103,7 @@ def test_the_object_in_the_probes_hand_follows_it(page: Browser) -> None:
 
 def test_a_cut_makes_another_object(page: Browser) -> None:
     page.read("window.palpate.place([24, 30, 54])")
-    time.sleep(0.5)
+    page.all_done()
     page.do("click", testid="cut-object")
     page.wait("document.querySelector('[data-testid=segment-3]') !== null")
     page.do("press", key="Control+z")
@@ -110,6 +111,6 @@ def test_a_cut_makes_another_object(page: Browser) -> None:
     assert page.complaints == []
 
 
-def gap(page: Browser) -> float:
-    """Returns the minimum that the page shows [mm]."""
-    return float(page.text("gap").split()[0])
+def gap_is(page: Browser, expected: float, *, within: float) -> None:
+    """Waits until the minimum that the page shows is that [mm]: it is measured beside all else."""
+    page.shows("gap", f"Math.abs(parseFloat(text) - {expected}) <= {within}")

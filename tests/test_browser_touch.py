@@ -6,14 +6,14 @@ known without any code of Palpate.
 
 from __future__ import annotations
 
-import time
+import signal
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from browser import ROOT, Browser, Command, browser, palpate
+from browser import ROOT, Browser, Command, browser, free_port, palpate
 from numpy.typing import NDArray
 from palpate.recording import Recording
 
@@ -87,6 +87,7 @@ def reset(page: Browser) -> None:
 def leave(page: Browser) -> None:
     """Brings probe and hand before the block."""
     page.read(f"window.palpate.place({[MIDDLE, SURFACE - 10, MIDDLE]})")
+    page.all_done()
     page.wait(f"Math.abs(window.palpate.state.hand[1] - {SURFACE - 10}) < 1")
     page.wait("window.palpate.state.contact === false")
 
@@ -106,18 +107,14 @@ def stiffness_felt(page: Browser, stiffness: float, *, within: float) -> None:
     """Waits until the force over the depth is a stiffness [N/mm], to a share of it."""
     page.wait(
         "(() => { const { force, depth } = window.palpate.state;"
-        f" return Math.abs(Math.hypot(...force) / depth / {stiffness} - 1) < {within}; }})()",
-        seconds=20.0,
+        f" return Math.abs(Math.hypot(...force) / depth / {stiffness} - 1) < {within}; }})()"
     )
 
 
 def held(page: Browser, name: str) -> Any:
-    """Returns a setting as the page shows it 500 ticks after it was changed.
-
-    By then the engine has answered, and what it holds is shown instead of what was asked.
-    """
-    page.read("void (window.__asked = window.palpate.state.tick)")
-    page.wait("window.palpate.state.tick >= window.__asked + 500")
+    """Returns a setting as the engine holds it, once the page shows that."""
+    page.all_done()
+    page.wait("window.palpate.settingsHold")
     return page.read(f"window.palpate.settings.{name}")
 
 
@@ -190,8 +187,8 @@ def test_model_and_surface_are_chosen_while_touching_and_the_printed_models_warn
     for model in ("thesis-original", "thesis-improved"):
         page.do("choose", testid="model", value=model)
         assert held(page, "model") == model
-        assert "thesis" in page.text("model-warning")
-        assert page.read("window.palpate.state.contact")
+        page.shows("model-warning", "text.includes('thesis')")
+        page.wait("window.palpate.state.contact")
     page.do("choose", testid="model", value="exact")
     assert held(page, "model") == "exact"
 
@@ -206,8 +203,9 @@ def test_model_and_surface_are_chosen_while_touching_and_the_printed_models_warn
 
 
 def test_what_was_set_comes_back_with_the_page_and_can_be_reset(block: Path) -> None:
+    port = str(free_port())
     with browser() as page:
-        with palpate("open", block, *OPTIONS, "--port", "0") as first:
+        with palpate("open", block, *OPTIONS, "--port", port) as first:
             page.do("open", url=first.url, width=800, height=480)
             default = held(page, "stiffness")
             page.do("press", key="]")
@@ -217,7 +215,6 @@ def test_what_was_set_comes_back_with_the_page_and_can_be_reset(block: Path) -> 
             assert first.stop() == 0
 
         # another engine at the same address knows nothing of it, the page tells it
-        port = first.url.split(":")[2].split("/")[0]
         with palpate("open", block, *OPTIONS, "--port", port) as second:
             page.do("open", url=second.url, width=800, height=480)
             page.wait(f"window.palpate.settings.stiffness === {chosen}")
@@ -286,7 +283,7 @@ def test_the_contact_normal_is_drawn_out_of_the_surface_and_can_be_hidden(page: 
     assert np.abs(offsets[:, 0]).max() < 20
 
 
-def test_the_ball_and_the_way_of_the_probe_are_drawn_and_can_be_hidden(page: Browser) -> None:
+def test_the_ball_is_drawn_and_can_be_hidden(page: Browser) -> None:
     page.read("window.palpate.setView('A')")
     page.do("slide", testid="radius", value=6.0)
     radius = held(page, "probe_radius")
@@ -302,18 +299,39 @@ def test_the_ball_and_the_way_of_the_probe_are_drawn_and_can_be_hidden(page: Bro
     assert columns.max() - middle[1] == pytest.approx(rim[1] - middle[1], abs=2.5)
     reset(page)
 
-    # without a graphics card the way is off until it is asked for
-    page.do("press", key="p")
-    for x in np.linspace(MIDDLE, MIDDLE + 12, 13):
-        page.read(f"window.palpate.hand({[float(x), SURFACE - 10, MIDDLE]})")
-        time.sleep(0.05)
-    shown = page.picture(OUTPUT / "way_shown.png")
-    page.do("press", key="p")
-    without = page.picture(OUTPUT / "way_hidden.png")
-    on_line = changed(without, shown)
-    left = place_of(page, np.array([MIDDLE + 2, SURFACE - 10, MIDDLE]), without.shape)
-    near = np.abs(on_line - left).max(axis=1) < 4
-    assert near.any(), "the line passes where the probe was"
+
+def test_the_way_of_the_probe_is_drawn_and_can_be_hidden(block: Path) -> None:
+    # the engine stands still for the pictures, since the way of some seconds before is forgotten
+    with palpate("open", block, *OPTIONS, "--port", "0") as command, browser() as page:
+        page.do("open", url=command.url, width=800, height=480)
+        page.read("window.palpate.setView('A')")
+        # without a graphics card the way is off until it is asked for
+        page.do("press", key="p")
+        page.read(
+            "void (() => { window.__seen = []; const look = () => {"
+            " const { time, proxy } = window.palpate.state; window.__seen.push([time, proxy[0]]);"
+            " requestAnimationFrame(look); }; look(); })()"
+        )
+        for _ in range(100):
+            leave(page)
+            page.read(f"window.palpate.hand({[MIDDLE + 12, SURFACE - 10, MIDDLE]})")
+            page.wait(f"window.palpate.state.proxy[0] > {MIDDLE + 11}")
+            command.process.send_signal(signal.SIGSTOP)
+            # what is on its way still arrives
+            page.frames()
+            page.frames()
+            times, places = np.transpose(page.read("window.__seen"))
+            # of the four seconds that are shown
+            if places[times > times[-1] - 3.5].min() < MIDDLE + 0.5:
+                break
+            command.process.send_signal(signal.SIGCONT)
+        shown = page.picture(OUTPUT / "way_shown.png")
+        page.do("press", key="p")
+        without = page.picture(OUTPUT / "way_hidden.png")
+        on_line = changed(without, shown)
+        left = place_of(page, np.array([MIDDLE + 2, SURFACE - 10, MIDDLE]), without.shape)
+        near = np.abs(on_line - left).max(axis=1) < 4
+        assert near.any(), "the line passes where the probe was"
 
 
 # --- the guarantees ---------------------------------------------------------------------
@@ -321,11 +339,13 @@ def test_the_ball_and_the_way_of_the_probe_are_drawn_and_can_be_hidden(page: Bro
 
 def test_the_light_is_green_opens_what_is_counted_and_has_a_name(page: Browser) -> None:
     press(page)
-    page.wait("document.querySelector('[data-testid=light]').dataset.colour === 'green'")
-    assert page.text("status-light") == "guarantees ok"
-    name = page.read("document.querySelector('[data-testid=status-light]').ariaLabel")
-    assert "Guarantees" in name
-    assert "green" in name
+    # all at once: where the servo is late, the force is off and the light is amber for a moment
+    page.wait(
+        "(() => { const of = name => document.querySelector(`[data-testid=${name}]`);"
+        " const light = of('status-light');"
+        " return of('light').dataset.colour === 'green' && light.textContent.trim() === "
+        "'guarantees ok' && /Guarantees.*green/.test(light.ariaLabel); })()"
+    )
 
     # by the keyboard alone: G opens it, Escape closes it
     opened = "document.querySelector('[data-testid=guarantees]').matches(':popover-open')"
@@ -342,16 +362,17 @@ def test_the_light_is_green_opens_what_is_counted_and_has_a_name(page: Browser) 
 def test_contact_is_heard_once_a_person_has_asked_for_it(page: Browser) -> None:
     assert page.read("window.palpate.sound") == {"running": False, "level": 0}
     page.do("click", testid="sound")
-    page.wait("window.palpate.sound.running", seconds=10.0)
+    page.wait("window.palpate.sound.running")
     assert page.read("window.palpate.sound.level") == 0.0
+    # a small picture is drawn quickly: nothing is heard of states half a second apart
+    page.do("resize", width=480, height=240)
 
     page.read(
         "window.__loudest = 0; void setInterval(() => { window.__loudest ="
         " Math.max(window.__loudest, window.palpate.sound.level); }, 10)"
     )
-    # a sound of some 50 ms falls between two looks where software GL draws a slow picture: tap
-    # again
-    for _ in range(6):
+    # a page that is late for a moment does not hear the tap: tap again
+    for _ in range(60):
         press(page, depth=8.0)
         if page.read("window.__loudest") > 0.001:
             break
@@ -359,7 +380,8 @@ def test_contact_is_heard_once_a_person_has_asked_for_it(page: Browser) -> None:
         page.wait("!window.palpate.state.contact")
     assert page.read("window.__loudest") > 0.001
     # at rest it is quiet again
-    page.wait("window.palpate.sound.level < 1e-4", seconds=10.0)
+    page.wait("window.palpate.sound.level < 1e-4")
+    page.do("resize", width=800, height=480)
     page.do("click", testid="sound")
     assert not page.read("window.palpate.sound.running")
 
@@ -412,7 +434,7 @@ def test_a_gamepad_is_found_moves_the_hand_and_rumbles_in_contact(page: Browser)
 def test_a_recording_is_made_saved_and_read_again(page: Browser, tmp_path: Path) -> None:
     page.do("click", testid="record")
     page.wait("window.palpate.state.recording > 0.2")
-    assert page.read("document.querySelector('[data-testid=record]').ariaLabel") == "Stop recording"
+    page.wait("document.querySelector('[data-testid=record]').ariaLabel === 'Stop recording'")
     pressed = press(page)
     page.do("press", key="Shift+R")
     page.wait("document.querySelector('[data-testid=save-recording]') !== null")
@@ -423,8 +445,9 @@ def test_a_recording_is_made_saved_and_read_again(page: Browser, tmp_path: Path)
     assert name == "block.palpate-session"
     recording = Recording.load(file)
     assert recording.seconds > 0.2
-    assert recording.contacts[-1]
-    assert recording.forces[-1] == pytest.approx(pressed["force"], abs=0.05)
+    # where the device is late for a tick there is no contact in it
+    last = int(np.flatnonzero(recording.contacts)[-1])
+    assert recording.forces[last] == pytest.approx(pressed["force"], abs=0.05)
     assert not recording.contacts[0]
 
 
@@ -435,11 +458,12 @@ def test_a_recording_is_made_saved_and_read_again(page: Browser, tmp_path: Path)
 def test_nothing_is_cut_off_or_overlaps_at_any_width(opened: Browser, width: int) -> None:
     opened.do("resize", width=width, height=700)
     opened.wait(f"window.innerWidth === {width}")
+    opened.frames()
     page_overflows = "document.scrollingElement.scrollWidth > window.innerWidth"
     assert not opened.read(page_overflows)
     room = "document.querySelector('[data-testid=canvas]').getBoundingClientRect().width"
     # the picture is never squeezed away between the panels
-    opened.wait(f"{room} > 200", seconds=10.0)
+    opened.wait(f"{room} > 200")
     cut = opened.read(
         "[...document.querySelectorAll('header, header button, aside, aside button, aside select,"
         " aside label')].filter(e => e.scrollWidth > e.clientWidth + 1)"

@@ -77,7 +77,7 @@ def test_the_light_turns_red_where_walls_give_way_and_says_how_often(
         press_hard(page)
         wait_for(page, "red")
         for light in LIGHTS:
-            assert re.fullmatch(r"[\d\u2009]+ violations?", page.text(light)), page.text(light)
+            page.shows(light, r"/^[\d\u2009]+ violations?$/.test(text)")
             label = page.read(f"document.querySelector('[data-testid={light}]').ariaLabel")
             assert "red" in label
         page.do("click", testid="light")
@@ -91,8 +91,7 @@ def test_the_light_turns_red_where_walls_give_way_and_says_how_often(
         page.wait("window.palpate.state.contact === false")
         count = page.settled()["safety"]["violations"]
         assert count > 0
-        shown = page.text("status-light").replace("\u2009", "").split()[0]
-        assert int(shown) == count
+        page.shows("status-light", f"parseInt(text.replaceAll('\u2009', '')) === {count}")
         assert colour_of(page, "light") == "red"
 
 
@@ -105,7 +104,8 @@ def test_the_usual_build_stays_green_under_the_same_press(block: Path) -> None:
         assert state["contact"]
         assert state["depth"] > 2.0, "as deep as walls of the other build give way"
         assert state["safety"]["violations"] == 0
-        assert [colour_of(page, light) for light in LIGHTS] == ["green", "green"]
+        # where the servo is late, the force is off and the light is amber for a moment
+        wait_for(page, "green")
         page.do("click", testid="light")
         assert "never been inside" in page.text("guarantees")
 
@@ -113,7 +113,7 @@ def test_the_usual_build_stays_green_under_the_same_press(block: Path) -> None:
 def stress(tool: Sequence[str | Path], *options: str | Path) -> tuple[int, str]:
     """Returns exit code and output of ``palpate bench stress``."""
     command = (*tool, "bench", "stress", *options)
-    ended = subprocess.run(command, check=False, capture_output=True, text=True, timeout=300)
+    ended = subprocess.run(command, check=False, capture_output=True, text=True, timeout=1200)
     return ended.returncode, ended.stdout + ended.stderr
 
 

@@ -64,7 +64,7 @@ def address(palpate: Path, tmp_path: Path) -> Iterator[str]:
             yield address_in(process)
             process.send_signal(signal.SIGINT)
             # stopping takes under a second; the rest is for a busy machine
-            assert process.wait(timeout=10.0) == 0
+            assert process.wait(timeout=60.0) == 0
         finally:
             process.kill()
 
@@ -74,7 +74,7 @@ def fetch(url: str) -> bytes:
     jar = urllib.request.build_opener(
         urllib.request.ProxyHandler({}), urllib.request.HTTPCookieProcessor()
     )
-    with jar.open(url, timeout=30.0) as answer:
+    with jar.open(url, timeout=60.0) as answer:
         return bytes(answer.read())
 
 

@@ -25,7 +25,8 @@ export default defineConfig({
     include: ["tests/**/*.test.ts"],
     // browser tests of two files at once would compete for the same two cores
     fileParallelism: false,
-    // pictures are drawn by the CPU, which may be busy with something else
-    testTimeout: 60_000,
+    // browsers start and pictures are drawn on a CPU that may be busy with something else
+    testTimeout: 300_000,
+    hookTimeout: 300_000,
   },
 });

@@ -19,6 +19,8 @@ __all__ = [
     "bench_stress",
     "bench_touch_quality",
     "build",
+    "drive_needle",
+    "needle_tissues",
     "passivity_devices",
     "phantom",
     "phantom_bones",
@@ -30,6 +32,7 @@ __all__ = [
 _Triple = tuple[float, float, float]
 _Voxel = tuple[int, int, int]
 _Range = tuple[float, float]
+_Tissue = tuple[float, float, float, float, float, float, float, float]
 _Columns = dict[str, NDArray[Any]]
 
 class Volume:
@@ -219,8 +222,19 @@ class Session:
     def fill_box(self, segment_id: int, low: _Voxel, high: _Voxel, solid: bool) -> None:
         """Makes the voxels from ``low`` up to, but without, ``high`` solid or free."""
 
-    def show_surface(self, segment_id: int, *, smoothing: int, step: int = 1) -> None:
-        """Keeps a surface of a segment: smoothing degree, edge of a cell [voxels]."""
+    def show_surface(
+        self, segment_id: int, *, smoothing: int, step: int = 1, of_bits: bool = False
+    ) -> None:
+        """Keeps a surface of a segment: smoothing degree, edge of a cell [voxels].
+
+        ``of_bits`` makes it from bits also where a threshold made the segment.
+        """
+
+    def wait_for_changes(self, heard: int, seconds: float) -> int:
+        """Waits until the picture has changed more than ``heard`` times; returns how often."""
+
+    def follow_edits(self, every: int) -> None:
+        """Has the picture follow edits every so many-th of its frames, 1 to 4."""
 
     def hide_surface(self, segment_id: int) -> None:
         """Keeps no surface of a segment any more."""
@@ -234,6 +248,22 @@ class Session:
     def whole_surfaces(self) -> dict[str, Any]:
         """All surfaces as they are now, in the same form."""
 
+    def set_deformation(self, model: str | None) -> None:
+        """Chooses the model by which matter gives way; None makes all matter hard."""
+
+    def set_material(
+        self,
+        segment_id: int,
+        *,
+        name: str | None = None,
+        constant: tuple[float, ...] | None = None,
+        linear: tuple[tuple[float, float], tuple[float, ...], tuple[float, ...]] | None = None,
+    ) -> None:
+        """Tells what a segment is made of, in SI; without anything it is hard."""
+
+    def deformation(self) -> dict[str, Any]:
+        """How the deformation goes."""
+
     def set_tool(
         self,
         kind: str | None,
@@ -242,8 +272,11 @@ class Session:
         segment_ids: list[int] = ...,
         air: float | None = None,
         energy: float | None = None,
+        tissues: list[_Tissue] = ...,
     ) -> None:
         """Chooses the tool for the next strokes; None empties the hand.
+
+        ``tissues`` are those of a needle, one for each segment.
 
         ``air`` is what the scan reads where the drill was, ``energy`` its work per volume
         [mJ/mm³]; None is -1000 and bone by HU.
@@ -279,7 +312,8 @@ class Session:
     def segments_state(self) -> list[dict[str, Any]]:
         """``id``, ``voxels``, ``touchable``, ``pending`` and ``range`` of each segment.
 
-        ``range`` follows edits, undo and redo: None once the voxels are not that threshold.
+        ``range`` follows edits, undo and redo: None once the voxels are not that threshold;
+        ``made_by`` is the threshold that made them, whatever edits did since.
         """
 
     def frame(self) -> dict[str, Any]:
@@ -371,8 +405,11 @@ class Surface:
         step: int | None,
         smoothing: int | None,
         local: bool,
+        values: tuple[Volume, tuple[float, float]] | None = None,
     ) -> None:
         """Makes the whole surface; without a step or a degree of smoothing the usual one.
+
+        From ``values``, a scan and the threshold that made the segment, where they are given.
 
         Raises:
             ValueError: A setting is not allowed.
@@ -496,6 +533,29 @@ def bench_passivity(
         ValueError: The segment has no surface, or something given is not allowed.
     """
 
+def needle_tissues() -> list[tuple[str, _Tissue]]:
+    """Tissues by name, each by the figures of ``palpate.needle.Tissue`` in their order."""
+
+def drive_needle(
+    volume: Volume,
+    layers: list[tuple[Segment, _Tissue | None]],
+    start: tuple[float, float, float],
+    target: tuple[float, float, float],
+    speed: float,
+    force_limit: float,
+    rest_secs: float,
+    stiffness: float,
+) -> dict[str, Any]:
+    """Drives a needle from a point [mm] to another one through layers; without a tissue it is hard.
+
+    Returns:
+        Arrays of one value a tick, ``events``, ``wall_at`` and ``violations``; see
+        ``palpate.needle.NeedleRun``.
+
+    Raises:
+        ValueError: Something given is not allowed.
+    """
+
 def touch_quality_cases() -> list[str]:
     """Names of the cases of ``bench_touch_quality``, in the order of their report."""
 
@@ -551,3 +611,9 @@ def bench_stress(
     Raises:
         ValueError: There is no such model, or the numbers are not allowed.
     """
+
+def material_presets() -> list[tuple[str, str]]:
+    """Materials by name, each with the source of its constants."""
+
+def deformation_models() -> list[str]:
+    """Names of the models by which matter gives way."""

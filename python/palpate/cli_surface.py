@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import cast
 
 import typer
 
@@ -21,7 +22,7 @@ from palpate.mesh_write import SUFFIXES, write_mesh
 from palpate.scene import Scene
 from palpate.segment import Segment
 from palpate.simpleitk import simpleitk
-from palpate.surface import Surface
+from palpate.surface import Source, Surface
 from palpate.volume import Volume
 
 __all__ = [
@@ -65,10 +66,14 @@ def choose_segment(scene: Scene, name: str | None) -> Segment:
 
 
 def export_surface(
-    segment: Segment, path: Path, *, step: int | None, smoothing: int | None
+    segment: Segment, path: Path, *, step: int | None, smoothing: int | None, source: str
 ) -> None:
-    """Writes the surface of a segment and tells what it is."""
-    surface = Surface(segment, step=step, smoothing=smoothing)
+    """Writes the surface of a segment and tells what it is.
+
+    Raises:
+        OptionError: A setting is not allowed.
+    """
+    surface = Surface(segment, step=step, smoothing=smoothing, source=cast(Source, source))
     write_mesh(surface.mesh(), path)
     typer.echo(
         f"{path}: {surface.triangle_count} triangles, {surface.area / 100.0:.1f} cm², "

@@ -70,6 +70,7 @@ class Display:
         """Shows nothing yet."""
         self._lock = Lock()
         self._bar: Bar | None = None
+        self._ended = False
         self._now: tuple[str, float | None] = ("", None)
         self._timer = Timer(QUIET_SECONDS, self._show)
         self._timer.daemon = True
@@ -86,6 +87,8 @@ class Display:
     ) -> None:
         self._timer.cancel()
         with self._lock:
+            # the timer may be on its way already
+            self._ended = True
             if self._bar is not None:
                 self._bar.stop()
 
@@ -108,6 +111,8 @@ class Display:
 
         console = Console(file=sys.stderr)
         with self._lock:
+            if self._ended:
+                return
             self._bar = Progress(
                 SpinnerColumn(),
                 TextColumn("{task.description}", markup=False),

@@ -52,10 +52,13 @@ Friction = Annotated[float, msgspec.Meta(ge=0.0, le=2.0)]
 ShownAs = Literal["volume", "surface", "both"]
 """Whether a segment is drawn from its voxels, as a surface, or in both ways."""
 
+SurfaceSource = Literal["intensities", "bits"]
+"""What a surface is made from: the scan's values where a threshold made the segment, or bits."""
+
 SmoothingDegree = Annotated[int, msgspec.Meta(ge=0, le=12)]
 """How often the vertices of a surface are moved to the mean of their neighbours."""
 
-ToolKind = Literal["none", "eraser", "adder", "drill"]
+ToolKind = Literal["none", "eraser", "adder", "drill", "needle"]
 """What the probe does to voxels while it is pressed; none leaves them as they are."""
 
 Index = Annotated[int, msgspec.Meta(ge=-(2**31), lt=2**31)]
@@ -120,10 +123,11 @@ class Segment(msgspec.Struct, frozen=True):
 
     ``range`` holds the threshold (low, high) while the segment is just that threshold;
     null where its voxels come from elsewhere: then they stand in ``/api/labels`` under
-    the segment's ``id`` (1..255). ``pose`` takes the segment from where the scan has it to
+    the segment's ``id`` (1..255). ``made_by`` is the threshold that made it, whatever edits
+    did since; null where none did. ``pose`` takes the segment from where the scan has it to
     where it stands; null where it was not moved. ``bounds`` are the voxels of the scan that
-    hold it, half open; null where it is empty. ``opacity``, ``smoothing`` and
-    ``wireframe`` are those of its surface.
+    hold it, half open; null where it is empty. ``opacity``,
+    ``smoothing``, ``surface_from`` and ``wireframe`` are those of its surface.
     """
 
     id: SegmentId
@@ -132,6 +136,7 @@ class Segment(msgspec.Struct, frozen=True):
     visible: bool
     touchable: bool
     range: tuple[Value, Value] | None
+    made_by: tuple[Value, Value] | None
     voxels: int
     volume_ml: float
     pending: bool
@@ -141,6 +146,7 @@ class Segment(msgspec.Struct, frozen=True):
     shown_as: ShownAs
     opacity: Share
     smoothing: SmoothingDegree
+    surface_from: SurfaceSource
     wireframe: bool
 
 
@@ -404,7 +410,17 @@ class Gap(Message, frozen=True, tag="gap"):
     overlap: float | None
 
 
-ToPage = Hello | State | Segments | Changed | SettingsChanged | Recovery | Notice | Gap
+class Passed(Message, frozen=True, tag="passed"):
+    """The answer to a ``Fence``: all that this page asked for before it is done.
+
+    Touch follows it from ``tick`` on. Thresholds are made beside all others: they may come later.
+    """
+
+    number: int
+    tick: int
+
+
+ToPage = Hello | State | Segments | Changed | SettingsChanged | Recovery | Notice | Gap | Passed
 
 # --- page -> engine -------------------------------------------------------------------
 
@@ -454,6 +470,7 @@ class SegmentProperties(Message, frozen=True, tag="segment_properties"):
     shown_as: ShownAs
     opacity: Share
     smoothing: SmoothingDegree
+    surface_from: SurfaceSource
     wireframe: bool
 
 
@@ -498,6 +515,15 @@ class WatchGap(Message, frozen=True, tag="watch_gap"):
     pair: tuple[SegmentId, SegmentId] | None
 
 
+class FollowEdits(Message, frozen=True, tag="follow_edits"):
+    """Has the picture follow edits every so many-th of its frames, of 60 a second.
+
+    Edits in between are shown together. The slowest of several pages sets the pace.
+    """
+
+    every: Annotated[int, msgspec.Meta(ge=1, le=4)]
+
+
 class RecordSession(Message, frozen=True, tag="record"):
     """Begins to keep every input of the servo, or ends it: the file is at ``/api/recording``."""
 
@@ -514,6 +540,12 @@ class ChangeSettings(Message, frozen=True, tag="change_settings"):
     """Asks for new settings."""
 
     settings: Settings
+
+
+class Fence(Message, frozen=True, tag="fence"):
+    """Asks to be told when all is done that the page asked for before; ``number`` comes back."""
+
+    number: Annotated[int, msgspec.Meta(ge=0)]
 
 
 class Tool(Message, frozen=True, tag="tool"):
@@ -557,9 +589,11 @@ FromPage = (
     | TurnGrabbed
     | CutSegment
     | WatchGap
+    | FollowEdits
     | RecordSession
     | RemoveSegment
     | ChangeSettings
+    | Fence
     | Tool
     | Stroke
     | Recover

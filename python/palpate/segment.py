@@ -27,6 +27,7 @@ class Segment:
         name: str,
         volume: Volume,
         range: tuple[float, float] | None,  # noqa: A002  # as the protocol calls it
+        made_by: tuple[float, float] | None = None,
     ) -> None:
         """Wraps the engine's segment.
 
@@ -35,11 +36,13 @@ class Segment:
             name: What a person calls it.
             volume: The scan it is a part of.
             range: The threshold (low, high) that it is, or None.
+            made_by: The threshold that made it, where edits have changed it since.
         """
         self._internal = internal
         self.name = name
         self.volume = volume
         self.range = range
+        self.made_by = made_by or range
 
     def __repr__(self) -> str:
         return f"<Segment {self.name!r}: {self.voxel_count} voxels, {self.volume_ml:.1f} ml>"

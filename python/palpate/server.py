@@ -38,6 +38,9 @@ __all__ = ["PAGE", "bind", "make_app", "serve"]
 PAGE = Path(__file__).parent / "viewer"
 """The built page, as the wheel carries it."""
 
+PAGE_PATIENCE: float | None = 60.0
+"""Seconds until a page that does not answer counts as gone: a busy machine may be late."""
+
 MOST_MESSAGE_BYTES = 1 << 16
 """Of one message of the page; all of them are far smaller."""
 
@@ -99,7 +102,8 @@ def make_app(
             step = parse_step(request.query_params.get("step"))
         except OptionError as error:
             return PlainTextResponse(str(error), status_code=400)
-        return voxels_response(session.scene.volume.array, step=step)
+        # as edits have left it
+        return voxels_response(live.picture.values, step=step)
 
     async def labels(request: Request) -> Response:
         try:
@@ -164,6 +168,7 @@ def make_server(app: Starlette, *, ready: Callable[[], None] = lambda: None) -> 
         "ws_per_message_deflate": False,
         "ws_max_size": MOST_MESSAGE_BYTES,
         "timeout_graceful_shutdown": 1,
+        "ws_ping_timeout": PAGE_PATIENCE,
     }
     return _Server(uvicorn.Config(app, **options), ready)
 

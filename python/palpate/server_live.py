@@ -7,6 +7,7 @@ its time runs beside the event loop.
 from __future__ import annotations
 
 import asyncio
+from collections.abc import AsyncIterator
 from contextlib import suppress
 from queue import SimpleQueue
 
@@ -19,7 +20,8 @@ from palpate.errors import PalpateError
 from palpate.journal import Journal
 from palpate.server_changes import messages_of
 from palpate.server_gap import GapWatch
-from palpate.server_outbox import Outbox
+from palpate.server_outbox import Missed, Outbox
+from palpate.server_picture import ToldPicture, labels_anew
 from palpate.server_recording import Recorder
 from palpate.server_segments import ShownSegments
 from palpate.server_thresholds import ThresholdJobs
@@ -30,6 +32,8 @@ __all__ = ["Live"]
 
 STATES_HZ = 60.0
 """States a second while pages look."""
+PATIENCE = 0.1
+"""Seconds that a thread waits for changes: so long may it outlive the server."""
 IDLE_HZ = 5.0
 """States a second while none does: enough for notices and counters."""
 
@@ -53,9 +57,11 @@ class Live:
         self.segments = ShownSegments(session, None if journal is None else journal.note)
         self._restore_looks()
         self._hello = hello
+        self.picture = ToldPicture(session.scene.volume.array)
         self._outboxes: set[Outbox] = set()
         self._thresholds = ThresholdJobs(self._make_threshold)
         self._presses: Outbox | None = None
+        self._paces: dict[Outbox, int] = {}
         self._gaps = GapWatch(session, self._from_threads.put)
         self._scene_of_now: object = None
 
@@ -63,17 +69,20 @@ class Live:
         """Tells all pages what is, until it is cancelled or the session ends by itself."""
         worker = asyncio.create_task(self._thresholds.run())
         gaps = asyncio.create_task(self._gaps.run(lambda: self._scene_of_now))
+        changes = asyncio.create_task(self._follow_changes())
         try:
             while self._tell_state():
                 await asyncio.sleep(1.0 / (STATES_HZ if self._outboxes else IDLE_HZ))
         finally:
             worker.cancel()
             gaps.cancel()
+            changes.cancel()
 
     async def serve(self, websocket: WebSocket) -> None:
         """Serves one page until it leaves."""
         await websocket.accept()
-        outbox = Outbox()
+        # it knows no surface yet; the voxels it asks for
+        outbox = Outbox(missed=Missed())
         outbox.tell(msgspec.structs.replace(self._hello, segments=self.segments.message.segments))
         outbox.tell(self.segments.message)
         if self.journal is not None:
@@ -81,12 +90,7 @@ class Live:
             if self.journal.problem is not None:
                 outbox.tell(protocol.Notice(level="warning", text=self.journal.problem))
         self._outboxes.add(outbox)
-        # a change that comes meanwhile is told twice, which does no harm
-        whole = await asyncio.to_thread(self.session.whole_surfaces)
-        if whole["surfaces"]:
-            for message in messages_of(whole):
-                outbox.tell(message)
-        sender = asyncio.create_task(_send(websocket, outbox))
+        sender = asyncio.create_task(self._send(websocket, outbox))
         try:
             while True:
                 await self._take(await _receive(websocket), outbox)
@@ -94,6 +98,7 @@ class Live:
             pass
         finally:
             self._outboxes.discard(outbox)
+            self._follow_edits(outbox, 1)
             if not self._outboxes:
                 # nobody looks at the gap any more, nor lets go of what is in the hand
                 self._gaps.choose(None)
@@ -111,13 +116,16 @@ class Live:
         for outbox in self._outboxes:
             outbox.tell(message)
 
+    def _tell_from_threads(self) -> None:
+        while not self._from_threads.empty():
+            self._tell(self._from_threads.get())
+
     def _tell_state(self) -> bool:
         """Tells what is now and what changed; False where the session has ended."""
         frame = self.session.frame()
         for level, text in frame.pop("notices"):
             self._tell(protocol.Notice(level=level, text=text))
-        while not self._from_threads.empty():
-            self._tell(self._from_threads.get())
+        self._tell_from_threads()
         if not self.session.is_running:
             self._tell(protocol.Notice(level="error", text="the session has ended: start it again"))
             return False
@@ -127,9 +135,7 @@ class Live:
             self._tell(self.segments.message)
             for text in self.segments.take_notices():
                 self._tell(protocol.Notice(level="info", text=text))
-        for change in self.session.picture_changes():
-            for message in messages_of(change):
-                self._tell(message)
+        self._tell_changes()
         try:
             state = msgspec.convert(frame, protocol.State)
         except msgspec.ValidationError as error:
@@ -137,6 +143,51 @@ class Live:
             return False
         self._tell(state)
         return True
+
+    async def _follow_changes(self) -> None:
+        """Tells changes of voxels and surfaces as soon as they are made."""
+        heard = 0
+        while True:
+            heard = await asyncio.to_thread(self.session.wait_for_changes, heard, PATIENCE)
+            self._tell_changes()
+
+    def _tell_changes(self) -> None:
+        for change in self.session.picture_changes():
+            for message in messages_of(change):
+                self.picture.take(message)
+                self._tell(message)
+
+    async def _send(self, websocket: WebSocket, outbox: Outbox) -> None:
+        """Sends what a page is to be told, as fast as it takes it."""
+        # a page that leaves is noticed where its messages are received
+        with suppress(WebSocketDisconnect, RuntimeError):
+            while True:
+                told = await outbox.next()
+                if isinstance(told, Missed):
+                    async for message in self._anew(told):
+                        await websocket.send_bytes(protocol.encode_to_page(message))
+                else:
+                    await websocket.send_bytes(told)
+
+    async def _anew(self, missed: Missed) -> AsyncIterator[protocol.Changed]:
+        """Yields what a page has missed, as it is now.
+
+        Changes that are told meanwhile wait, and come after it: of voxels and surfaces in both
+        the later ones hold in the end.
+        """
+        edit = self.picture.edit
+        whole = await asyncio.to_thread(self.session.whole_surfaces)
+        for message in self.picture.surfaces_anew(whole, edit=edit):
+            yield message
+        for message in self.picture.values_anew(missed.stored, edit=edit):
+            yield message
+        if not missed.labels.is_empty:
+            with suppress(
+                PalpateError, RuntimeError
+            ):  # a session that has ended has no more voxels
+                labels = await asyncio.to_thread(self.segments.labels)
+                for message in labels_anew(missed.labels, labels, edit=edit):
+                    yield message
 
     # --- from pages -----------------------------------------------------------------------
 
@@ -150,9 +201,15 @@ class Live:
                     self.session.hand(target)
                 case protocol.Threshold():
                     self._thresholds.ask(message)
+                case protocol.FollowEdits(every):
+                    self._follow_edits(outbox, every)
                 case protocol.Stroke(on):
                     await asyncio.to_thread(self.session.stroke, on=on)
                     self._presses = outbox if on else None
+                case protocol.Fence(number):
+                    # messages of a page are done one after another: answers go before
+                    self._tell_from_threads()
+                    outbox.tell(protocol.Passed(number, tick=self._following_tick()))
                 case _:
                     await asyncio.to_thread(self._do, message)
         except msgspec.DecodeError as error:
@@ -161,6 +218,19 @@ class Live:
             outbox.tell(protocol.Notice(level="error", text=str(error)))
         except RuntimeError as error:
             outbox.tell(protocol.Notice(level="error", text=str(error)))
+
+    def _following_tick(self) -> int:
+        """Returns the first tick that follows all that the session was told until now."""
+        # one has begun and may be past its commands; the next one takes them
+        ticks: int = self.session.lateness()["servo"]["ticks"]
+        return ticks + 1
+
+    def _follow_edits(self, outbox: Outbox, every: int) -> None:
+        """Takes the pace of a page; the slowest page sets that of the engine."""
+        self._paces[outbox] = every
+        self.session.follow_edits(max(self._paces.values()))
+        if every == 1:
+            del self._paces[outbox]
 
     def _release(self) -> None:
         self._presses = None
@@ -272,11 +342,3 @@ async def _receive(websocket: WebSocket) -> bytes:
     if message["type"] == "websocket.disconnect":
         raise WebSocketDisconnect(message["code"])
     return message.get("bytes") or (message.get("text") or "").encode()
-
-
-async def _send(websocket: WebSocket, outbox: Outbox) -> None:
-    """Sends what a page is to be told, as fast as it takes it."""
-    # a page that leaves is noticed where its messages are received
-    with suppress(WebSocketDisconnect, RuntimeError):
-        while True:
-            await websocket.send_bytes(await outbox.next())

@@ -1,33 +1,92 @@
 """What one page is still to be told: messages in order, and the newest state.
 
 A page that reads slowly never makes a queue of states: a newer state takes the place of the
-waiting one and inherits its force samples, at most a second of them.
+waiting one and inherits its force samples, at most a second of them. Changes of the picture build
+on one another and wait, up to a number of bytes. A page that falls farther behind is not told them
+one by one: they are forgotten but for the boxes of voxels that they touch, and once the page reads
+again it is told those boxes, and all surfaces, as they are then.
 """
 
 from __future__ import annotations
 
 import asyncio
+from dataclasses import dataclass, field
 
 import msgspec
 
-from palpate.protocol import Changed, Notice, State, ToPage, encode_to_page
+from palpate.protocol import Changed, GridPlace, Notice, State, ToPage, encode_to_page
 
-__all__ = ["Outbox"]
+__all__ = ["Box", "Missed", "Outbox"]
 
 MOST_SAMPLES = 250
 """Force samples of one second, the most that a state carries."""
 
 MOST_NOTICES = 20
 
+MOST_BYTES = 64 << 20
+"""Of voxels and surfaces that wait for one page."""
+
+
+@dataclass
+class Box:
+    """The smallest box of voxels around others, from ``low`` up to, but without, ``high``."""
+
+    low: GridPlace = (0, 0, 0)
+    """x, y, z."""
+    high: GridPlace = (0, 0, 0)
+
+    def add(self, low: GridPlace, high: GridPlace) -> None:
+        """Grows around a box."""
+        if self.is_empty:
+            self.low, self.high = low, high
+            return
+        (x, y, z), (to_x, to_y, to_z) = self.low, self.high
+        self.low = (min(x, low[0]), min(y, low[1]), min(z, low[2]))
+        self.high = (max(to_x, high[0]), max(to_y, high[1]), max(to_z, high[2]))
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether it holds no voxel."""
+        return any(low >= high for low, high in zip(self.low, self.high, strict=True))
+
+
+@dataclass
+class Missed:
+    """Where a page does not know what the picture is, beside all surfaces."""
+
+    stored: Box = field(default_factory=Box)
+    labels: Box = field(default_factory=Box)
+
+    def add(self, changed: Changed) -> None:
+        """Takes a change that the page is not told."""
+        for voxels in changed.voxels:
+            if voxels.stored is not None:
+                self.stored.add(voxels.low, voxels.high)
+            if voxels.labels is not None:
+                self.labels.add(voxels.low, voxels.high)
+
 
 class Outbox:
     """Waiting messages of one page."""
 
-    def __init__(self) -> None:
-        """Starts empty."""
+    def __init__(self, *, missed: Missed | None = None) -> None:
+        """Starts empty; a page that has ``missed`` something is told that after all messages."""
         self._messages: list[ToPage] = []
+        self._bytes = 0
+        self._missed = missed
         self._state: State | None = None
         self._filled = asyncio.Event()
+        self._mark()
+
+    @property
+    def waiting_bytes(self) -> int:
+        """Voxels and surfaces that wait."""
+        return self._bytes
+
+    @property
+    def is_behind(self) -> bool:
+        """Whether changes are forgotten, since too many waited."""
+        return self._missed is not None
 
     def tell(self, message: ToPage) -> None:
         """Adds a message; of lists and settings only the newest waits, and of states."""
@@ -38,25 +97,67 @@ class Outbox:
             if notices < MOST_NOTICES:
                 self._messages.append(message)
         elif isinstance(message, Changed):
-            # each builds on the one before
-            self._messages.append(message)
+            self._tell_changed(message)
         else:
             kind = type(message)
             self._messages = [waiting for waiting in self._messages if type(waiting) is not kind]
             self._messages.append(message)
-        self._filled.set()
+        self._mark()
 
-    async def next(self) -> bytes:
-        """Waits for the next message and returns it packed; states come after all others."""
+    async def next(self) -> bytes | Missed:
+        """Waits for the next message and returns it packed; states come after all others.
+
+        Where the page has fallen behind it returns what was missed: changes wait again from then
+        on, and whoever asked tells the page all that before the next message.
+        """
         await self._filled.wait()
+        told: ToPage | Missed
         if self._messages:
-            message = self._messages.pop(0)
+            told = self._messages.pop(0)
+            if isinstance(told, Changed):
+                self._bytes -= _size_of(told)
+        elif self._missed is not None:
+            told, self._missed = self._missed, None
         else:
-            assert self._state is not None  # noqa: S101  # filled means one of both
-            message, self._state = self._state, None
-        if not self._messages and self._state is None:
+            assert self._state is not None  # noqa: S101  # filled means one of them
+            told, self._state = self._state, None
+        self._mark()
+        return told if isinstance(told, Missed) else encode_to_page(told)
+
+    def _tell_changed(self, message: Changed) -> None:
+        if self._missed is not None:
+            self._missed.add(message)
+            return
+        self._messages.append(message)
+        self._bytes += _size_of(message)
+        if self._bytes > MOST_BYTES:
+            self._fall_behind()
+
+    def _fall_behind(self) -> None:
+        self._missed = Missed()
+        kept: list[ToPage] = []
+        for message in self._messages:
+            if isinstance(message, Changed):
+                self._missed.add(message)
+            else:
+                kept.append(message)
+        self._messages, self._bytes = kept, 0
+
+    def _mark(self) -> None:
+        if self._messages or self._missed is not None or self._state is not None:
+            self._filled.set()
+        else:
             self._filled.clear()
-        return encode_to_page(message)
+
+
+def _size_of(changed: Changed) -> int:
+    """Returns the bytes of a change's voxels and surfaces."""
+    voxels = sum(len(box.stored or b"") + len(box.labels or b"") for box in changed.voxels)
+    return voxels + sum(
+        len(patch.vertices) + len(patch.normals) + len(patch.triangles)
+        for surface in changed.surfaces
+        for patch in surface.patches
+    )
 
 
 def _joined(older: State, newer: State) -> State:

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from threading import Lock
-from typing import Any
+from typing import Any, NamedTuple
 
 import msgspec
 import numpy as np
@@ -33,7 +33,7 @@ _UNMOVED = [float(row == column) for row in range(4) for column in range(4)]
 
 @dataclass(frozen=True)
 class Look:
-    """How a segment is shown; opacity, smoothing and wireframe are those of its surface."""
+    """How a segment is shown; from opacity on it is about its surface."""
 
     name: str
     colour: tuple[float, float, float]
@@ -41,6 +41,7 @@ class Look:
     shown_as: protocol.ShownAs = "volume"
     opacity: float = 1.0
     smoothing: int = DEFAULT_SMOOTHING
+    surface_from: protocol.SurfaceSource = "intensities"
     wireframe: bool = False
 
 
@@ -70,9 +71,10 @@ class ShownSegments:
         self._looks_version = 0
         self._labels_key: Any = None
         self._labels = 0
+        self._made: dict[int, MadeSurface | None] = {}
         for segment_id, look in self._looks.items():
-            if (smoothing := _surface_of(look)) is not None:
-                session.show_surface(segment_id, smoothing=smoothing)
+            if _surface_of(look) is not None:
+                self._show(segment_id, look)
         self.message = self._make_message(0)
 
     def refresh(self, segments_version: int, *, voxels_version: int, pending: int) -> bool:
@@ -101,9 +103,9 @@ class ShownSegments:
             shown_as=wanted.shown_as,
             opacity=wanted.opacity,
             smoothing=wanted.smoothing,
+            surface_from=wanted.surface_from,
             wireframe=wanted.wireframe,
         )
-        self._show(wanted.id, look)
         self._set_look(wanted.id, look)
         self.keep()
 
@@ -146,8 +148,9 @@ class ShownSegments:
         for each in looks:
             if each.id in there:
                 self._session.set_touchable(each.id, touchable=each.touchable)
-                self._show(each.id, each.look)
-            self._set_look(each.id, each.look)
+                self._set_look(each.id, each.look)
+            else:
+                self._remember(each.id, each.look)
 
     def cut(
         self,
@@ -163,8 +166,6 @@ class ShownSegments:
         part = self._session.cut(segment_id, point, normal)
         look = self._look_of(segment_id)
         name = f"{look.name[:80]}, part {part}"
-        self._looks.pop(part, None)
-        self._show(part, replace(look, name=name, colour=_colour_of(part)))
         self._set_look(part, replace(look, name=name, colour=_colour_of(part)))
 
     def take_notices(self) -> list[str]:
@@ -190,12 +191,15 @@ class ShownSegments:
     def _show(self, segment_id: int, look: Look) -> None:
         """Has the engine make a surface where a look needs one that is not made yet."""
         wanted = _surface_of(look)
-        if wanted == _surface_of(self._look_of(segment_id)):
-            return
+        with self._lock:
+            if wanted == self._made.get(segment_id):
+                return
         if wanted is None:
             self._session.hide_surface(segment_id)
         else:
-            self._session.show_surface(segment_id, smoothing=wanted)
+            self._session.show_surface(segment_id, smoothing=wanted.smoothing, source=wanted.source)
+        with self._lock:
+            self._made[segment_id] = wanted
 
     def labels(self) -> NDArray[np.uint8]:
         """Returns the number of each voxel's segment, for visible segments without a range."""
@@ -207,6 +211,11 @@ class ShownSegments:
         return labels_of(masks, self._session.scene.volume.shape)
 
     def _set_look(self, segment_id: int, look: Look) -> None:
+        """Gives a segment that is there a look, and a surface where that shows one."""
+        self._show(segment_id, look)
+        self._remember(segment_id, look)
+
+    def _remember(self, segment_id: int, look: Look) -> None:
         with self._lock:
             self._looks[segment_id] = look
             self._looks_version += 1
@@ -242,6 +251,7 @@ class ShownSegments:
             visible=look.visible,
             touchable=state["touchable"],
             range=state["range"],
+            made_by=state["made_by"],
             voxels=state["voxels"],
             volume_ml=state["voxels"] * voxel_volume / 1000.0,
             pending=state["pending"],
@@ -251,13 +261,23 @@ class ShownSegments:
             shown_as=look.shown_as,
             opacity=look.opacity,
             smoothing=look.smoothing,
+            surface_from=look.surface_from,
             wireframe=look.wireframe,
         )
 
 
-def _surface_of(look: Look) -> int | None:
-    """Returns the smoothing degree of the surface that a look shows; None where it shows none."""
-    return look.smoothing if look.visible and look.shown_as != "volume" else None
+class MadeSurface(NamedTuple):
+    """How the engine makes a surface."""
+
+    smoothing: int
+    source: protocol.SurfaceSource
+
+
+def _surface_of(look: Look) -> MadeSurface | None:
+    """Returns how the surface that a look shows is made; None where it shows none."""
+    if not look.visible or look.shown_as == "volume":
+        return None
+    return MadeSurface(look.smoothing, look.surface_from)
 
 
 def _colour_of(segment_id: int) -> tuple[float, float, float]:

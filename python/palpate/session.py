@@ -8,7 +8,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, astuple, dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
 from types import TracebackType
@@ -20,12 +20,15 @@ from numpy.typing import NDArray
 from palpate import _core
 from palpate.errors import OptionError
 from palpate.gap import Gap
+from palpate.material import LinearMaterial, Material
+from palpate.needle import Tissue
 from palpate.package_version import package_version
 from palpate.recording import Recording
 from palpate.recording_file import FORMAT, VERSION, About, AboutScan, AboutSegment
 from palpate.scene import Scene
 from palpate.scripted_path import ScriptedPath
 from palpate.segment import Segment
+from palpate.surface import Source
 from palpate.touch_settings import TouchSettings
 
 __all__ = ["Session", "SessionOptions"]
@@ -278,10 +281,14 @@ class Session:
         """Returns the voxels of a segment as they are now."""
         with _given():
             internal = self._internal.segment(segment_id)
-        return Segment(internal, name=name, volume=self.scene.volume, range=None)
+        made_by = {state["id"]: state["made_by"] for state in self.segments()}.get(segment_id)
+        return Segment(internal, name=name, volume=self.scene.volume, range=None, made_by=made_by)
 
     def segments(self) -> list[dict[str, Any]]:
-        """Lists the segments as they are now: id, voxels, bounds, touchable, pending, range."""
+        """Lists the segments as they are now: id, voxels, bounds, touchable, range and more.
+
+        ``made_by`` is the threshold that made one, whatever edits did since.
+        """
         return self._internal.segments_state()
 
     def fill_box(
@@ -300,22 +307,25 @@ class Session:
 
     def set_tool(
         self,
-        kind: Literal["eraser", "adder", "drill"] | None,
+        kind: Literal["eraser", "adder", "drill", "needle"] | None,
         *,
         radius: float = 1.0,
         segment_ids: Sequence[int] = (),
+        tissues: Sequence[Tissue] = (),
     ) -> None:
         """Chooses the tool for the next strokes; a stroke that is on ends.
 
         The eraser frees voxels of the segments along the probe's way, the adder makes them
         solid, the drill removes matter by the work that touch does on it. Where the scan's unit
         is not HU, the drill takes the same work for each mm³, that of cortical bone, and leaves
-        the scan's lowest value behind.
+        the scan's lowest value behind. The needle changes nothing: it goes into the segments, and
+        they are no obstacle for it until it is out.
 
         Args:
             kind: Which tool; None empties the hand.
             radius: Of the tool's ball [mm].
-            segment_ids: Segments that it may change.
+            segment_ids: Segments that it may change, or go into.
+            tissues: What each of them is for the needle.
 
         Raises:
             OptionError: The radius does not fit the scan's voxels, or there is no such segment.
@@ -332,7 +342,62 @@ class Session:
                 segment_ids=list(segment_ids),
                 air=AIR if is_density else volume.range[0],
                 energy=None if is_density else CORTICAL_ENERGY,
+                tissues=[astuple(tissue) for tissue in tissues],
             )
+
+    # --- matter that gives way ------------------------------------------------------------
+
+    def set_deformation(self, model: str | None) -> None:
+        """Chooses the model by which matter gives way under the probe; None makes all hard.
+
+        Segments without a material stay hard (``set_material``). What the probe moves from
+        contact to release is one step of undo.
+
+        Args:
+            model: One of ``palpate.material.deformation_models()``.
+
+        Raises:
+            OptionError: There is no such model.
+        """
+        with _given():
+            self._internal.set_deformation(model)
+
+    def set_material(
+        self, segment_id: int, material: Material | LinearMaterial | str | None
+    ) -> None:
+        """Tells what a segment is made of.
+
+        Args:
+            segment_id: Which one.
+            material: Constants, or a name of ``palpate.material.material_presets()``; None is
+                hard matter.
+
+        Raises:
+            OptionError: There is no such segment or name, or no matter has such constants.
+        """
+        with _given():
+            match material:
+                case str():
+                    self._internal.set_material(segment_id, name=material)
+                case LinearMaterial(interval, low, high):
+                    self._internal.set_material(
+                        segment_id, linear=(interval, tuple(low), tuple(high))
+                    )
+                case None:
+                    self._internal.set_material(segment_id)
+                case Material():
+                    self._internal.set_material(segment_id, constant=tuple(material))
+
+    def deformation(self) -> dict[str, Any]:
+        """Returns how the deformation goes.
+
+        Returns:
+            ``model`` (None where nothing gives way), ``force`` on the tool [N, scene],
+            ``answers`` so far; of the last answer ``iterations``, ``residual`` (what is left of
+            unbalanced force, as a share of the contact's), ``nodes``; ``bonds_broken`` and
+            ``work_broken`` [N·mm] since the start.
+        """
+        return self._internal.deformation()
 
     def stroke(self, *, on: bool) -> None:
         """Begins a stroke of the chosen tool, or ends it: it is one step of undo.
@@ -386,28 +451,62 @@ class Session:
 
     # --- the picture ----------------------------------------------------------------------
 
-    def show_surface(self, segment_id: int, *, smoothing: int = 3, step: int = 1) -> None:
+    def show_surface(
+        self,
+        segment_id: int,
+        *,
+        smoothing: int = 3,
+        step: int = 1,
+        source: Source = "intensities",
+    ) -> None:
         """Keeps a surface of a segment that follows its voxels, for ``picture_changes``.
 
         Args:
             segment_id: Which segment.
             smoothing: Degree; 0 shows the voxels as they are, each degree looks a cell farther.
             step: Edge of a cell: 1, 2 or 4 voxels.
+            source: What it is made from; see ``Surface``.
 
         Raises:
             OptionError: A value is out of range, or there is no such segment.
         """
         with _given():
-            self._internal.show_surface(segment_id, smoothing=smoothing, step=step)
+            self._internal.show_surface(
+                segment_id, smoothing=smoothing, step=step, of_bits=source == "bits"
+            )
 
     def hide_surface(self, segment_id: int) -> None:
         """Keeps no surface of a segment any more."""
         with _given():
             self._internal.hide_surface(segment_id)
 
+    def follow_edits(self, every: int) -> None:
+        """Has ``picture_changes`` follow edits every so many-th frame, of 60 a second.
+
+        Source: thesis 5.2.2.
+
+        Args:
+            every: 1 follows at once; up to 4, for slow machines.
+
+        Raises:
+            OptionError: The number is out of range.
+        """
+        if every not in range(1, 5):
+            raise OptionError(f"every {every}th frame given; allowed: 1 to 4")
+        self._internal.follow_edits(every)
+
     def set_labelled(self, segment_ids: list[int]) -> None:
         """Names the segments whose labels ``picture_changes`` tell, the last of several on top."""
         self._internal.set_labelled(segment_ids)
+
+    def wait_for_changes(self, heard: int, seconds: float) -> int:
+        """Waits until there may be ``picture_changes`` that were not there before.
+
+        Args:
+            heard: What the call before returned, at first 0.
+            seconds: How long to wait at most.
+        """
+        return self._internal.wait_for_changes(heard, seconds)
 
     def picture_changes(self) -> list[dict[str, Any]]:
         """Returns what changed in voxels and surfaces since the call before, oldest first.

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +16,10 @@ if TYPE_CHECKING:
     from palpate.segment import Segment
     from palpate.volume import Volume
 
-__all__ = ["Mesh", "Surface", "voxelise"]
+__all__ = ["Mesh", "Source", "Surface", "voxelise"]
+
+Source = Literal["intensities", "bits"]
+"""What surfaces are made from; touch has the same choice for its smoothing."""
 
 
 @dataclass(frozen=True)
@@ -40,6 +44,7 @@ class Surface:
         step: int | None = None,
         smoothing: int | None = None,
         mode: Literal["global", "local"] = "global",
+        source: Source = "intensities",
     ) -> None:
         """Makes the whole surface.
 
@@ -48,11 +53,17 @@ class Surface:
             step: Edge of a cell [voxels]: 1, 2 or 4.
             smoothing: Degree, 0 to 12; 0 shows the voxels as they are.
             mode: "global" smooths across patches, "local" each patch alone.
+            source: What it is made from: "intensities" the scan's values where a threshold made
+                the segment, else its bits; "bits" its bits alone. Where bits were edited, both
+                are as the bits.
 
         Raises:
             OptionError: A setting is not allowed.
         """
         volume = segment.volume
+        if source not in get_args(Source):
+            allowed = ", ".join(get_args(Source))
+            raise OptionError(f"source {source!r} given; allowed: {allowed}")
         try:
             self._internal = _core.Surface(
                 segment._internal,  # noqa: SLF001
@@ -62,6 +73,7 @@ class Surface:
                 step,
                 smoothing,
                 mode == "local",
+                _values_of(segment) if source == "intensities" else None,
             )
         except (ValueError, OverflowError) as error:
             raise OptionError(str(error)) from None
@@ -91,6 +103,19 @@ class Surface:
     def volume(self) -> float:
         """What it encloses [mm³]."""
         return self._internal.volume()
+
+
+def _values_of(segment: Segment) -> tuple[_core.Volume, tuple[float, float]] | None:
+    """Returns what says where between voxels the surface of a segment is, if a threshold did."""
+    if segment.made_by is None:
+        return None
+    volume, (low, high) = segment.volume, segment.made_by
+    lowest, highest = volume.range
+    # an end that no value is beyond limits nothing
+    limits = (-math.inf if low <= lowest else low, math.inf if high >= highest else high)
+    if limits[0] == limits[1]:
+        return None
+    return volume._internal, limits  # noqa: SLF001
 
 
 def voxelise(mesh: Mesh, volume: Volume, *, name: str, as_shell: bool = False) -> Segment:

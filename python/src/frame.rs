@@ -72,6 +72,7 @@ pub fn segment_dict<'py>(py: Python<'py>, segment: &SegmentState) -> PyResult<Bo
         "touchable": segment.touchable,
         "pending": segment.pending,
         "range": segment.range,
+        "made_by": segment.made_by,
         "feel": feel_dict(py, segment.feel)?,
         "pose": segment.pose.map(rows_of),
     )

@@ -11,6 +11,8 @@ mod bench_quality;
 mod bench_stress;
 mod errors;
 mod frame;
+mod material;
+mod needle;
 mod phantom;
 mod picture;
 mod recording;
@@ -36,6 +38,10 @@ mod _core {
     use super::bench_quality::{bench_touch_quality, touch_quality_cases};
     #[pymodule_export]
     use super::bench_stress::bench_stress;
+    #[pymodule_export]
+    use super::material::{deformation_models, material_presets};
+    #[pymodule_export]
+    use super::needle::{drive_a_needle, needle_tissues};
     #[pymodule_export]
     use super::phantom::make_phantom;
     #[pymodule_export]

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError, Weak};
+use std::time::Duration;
 
 use glam::{DAffine3, IVec3};
 use numpy::{PyReadonlyArray2, PyUntypedArrayMethods};
@@ -9,11 +10,11 @@ use palpate_device::HapticDevice;
 use palpate_device::scripted::{PathSample, ScriptedDevice};
 use palpate_device::simulated::{SimulatedDevice, SimulatedSettings};
 use palpate_engine::feel::Feel;
+use palpate_engine::kept_surface::{SurfaceMaking, SurfaceSource};
 use palpate_engine::scene::{Properties, ThresholdRange};
 use palpate_engine::session::Session;
 use palpate_engine::session_config::{Reference, SessionConfig};
 use palpate_engine::settings::Settings;
-use palpate_surface::SurfaceSettings;
 use palpate_tools::journal_entry::ScanHash;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::segment::Segment;
@@ -23,6 +24,9 @@ use pyo3::types::{PyBytes, PyDict};
 use crate::arrays::{Triple, triple, vector};
 use crate::errors::CoreError;
 use crate::frame::{frame_dict, lateness_dict, segment_dict};
+use crate::material::{
+    LinearTuple, SolidTuple, constant_material, deformation_dict, linear_material, material_named,
+};
 use crate::picture::change_dict;
 use crate::recording::{recording_dict, tape_dict};
 use crate::segment::PySegment;
@@ -314,23 +318,26 @@ impl PySession {
         })?)
     }
 
-    /// Shows a segment as a surface: smoothing degree and step [voxels] of its cells.
-    #[pyo3(signature = (segment_id, *, smoothing, step = 1))]
+    /// Shows a segment as a surface: smoothing degree and step [voxels] of its cells, and
+    /// whether it is made from bits although a threshold made the segment.
+    #[pyo3(signature = (segment_id, *, smoothing, step = 1, of_bits = false))]
     fn show_surface(
         &self,
         py: Python<'_>,
         segment_id: u8,
         smoothing: u8,
         step: u8,
+        of_bits: bool,
     ) -> Result<(), CoreError> {
-        let settings = SurfaceSettings {
-            smoothing,
-            step,
-            ..SurfaceSettings::default()
+        let source = if of_bits {
+            SurfaceSource::Bits
+        } else {
+            SurfaceSource::Intensities
         };
+        let making = SurfaceMaking::new(smoothing, step, source);
         Ok(py.detach(|| {
             self.session
-                .show_surface(SegmentId(segment_id), Some(settings))
+                .show_surface(SegmentId(segment_id), Some(making))
         })?)
     }
 
@@ -338,10 +345,22 @@ impl PySession {
         Ok(py.detach(|| self.session.show_surface(SegmentId(segment_id), None))?)
     }
 
+    /// Has the picture follow edits every so many-th of its frames, 1 to 4.
+    fn follow_edits(&self, every: u32) {
+        self.session.follow_edits(every);
+    }
+
     /// Names the segments whose labels edits tell, the last of several on top.
     fn set_labelled(&self, py: Python<'_>, segment_ids: Vec<u8>) -> Result<(), CoreError> {
         let labelled = segment_ids.into_iter().map(SegmentId).collect();
         Ok(py.detach(|| self.session.set_labelled(labelled))?)
+    }
+
+    /// Waits until the picture has changed more than `heard` times, at most so many seconds;
+    /// gives how often it has.
+    fn wait_for_changes(&self, py: Python<'_>, heard: u64, seconds: f64) -> u64 {
+        let patience = Duration::from_secs_f64(seconds.clamp(0.0, 10.0));
+        py.detach(|| self.session.wait_for_changes(heard, patience))
     }
 
     /// What changed in the picture since the call before.
@@ -361,7 +380,11 @@ impl PySession {
 
     /// Chooses the tool for the next strokes by its name; none empties the hand.
     #[pyo3(signature = (kind, *, radius = 0.0, segment_ids = Vec::new(), air = None,
-        energy = None))]
+        energy = None, tissues = Vec::new()))]
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "the binding takes one type per argument"
+    )]
     fn set_tool(
         &self,
         py: Python<'_>,
@@ -370,10 +393,41 @@ impl PySession {
         segment_ids: Vec<u8>,
         air: Option<f64>,
         energy: Option<f64>,
+        tissues: Vec<[f64; 8]>,
     ) -> Result<(), CoreError> {
-        let settings = kind.map(|kind| tool_settings(kind, radius, segment_ids, air, energy));
+        let settings =
+            kind.map(|kind| tool_settings(kind, radius, segment_ids, air, energy, tissues));
         let settings = settings.transpose()?;
         Ok(py.detach(|| self.session.set_tool(settings))?)
+    }
+
+    /// Chooses the model by which matter gives way by its name; none makes all matter hard.
+    fn set_deformation(&self, py: Python<'_>, model: Option<String>) -> Result<(), CoreError> {
+        Ok(py.detach(|| self.session.set_deformation(model))?)
+    }
+
+    /// Tells what a segment is made of: by name, by constants, or linear in HU; else it is hard.
+    #[pyo3(signature = (segment_id, *, name = None, constant = None, linear = None))]
+    fn set_material(
+        &self,
+        py: Python<'_>,
+        segment_id: u8,
+        name: Option<&str>,
+        constant: Option<SolidTuple>,
+        linear: Option<LinearTuple>,
+    ) -> Result<(), CoreError> {
+        let law = match (name, constant, linear) {
+            (Some(name), _, _) => Some(material_named(name)?),
+            (None, Some(constant), _) => Some(constant_material(constant)?),
+            (None, None, Some(linear)) => Some(linear_material(linear)?),
+            (None, None, None) => None,
+        };
+        Ok(py.detach(|| self.session.set_material(SegmentId(segment_id), law))?)
+    }
+
+    fn deformation<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let now = py.detach(|| self.session.deformation());
+        deformation_dict(py, &now.map_err(CoreError::from)?)
     }
 
     fn stroke(&self, py: Python<'_>, on: bool) -> Result<(), CoreError> {

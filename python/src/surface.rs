@@ -8,11 +8,12 @@ use numpy::ndarray::Array2;
 use numpy::{Element, PyArray2, PyReadonlyArray2, ToPyArray};
 use palpate_surface::mesh::joined;
 use palpate_surface::voxelise::{Filling, voxelise};
-use palpate_surface::{Patch, SegmentSurface, SmoothingMode, SurfaceSettings, VoxelSource};
+use palpate_surface::{Limits, Patch, SegmentSurface, SmoothingMode, SurfaceSettings, VoxelSource};
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;
 use palpate_volume::grid::Grid;
+use palpate_volume::intensities::Intensities;
 use palpate_volume::phantom::bones;
 use palpate_volume::segment::Segment;
 use palpate_volume::voxel_box::VoxelBox;
@@ -23,7 +24,7 @@ use crate::arrays::{Triple, vector};
 use crate::errors::CoreError;
 use crate::phantom::checked_dimensions;
 use crate::segment::PySegment;
-use crate::volume::{Direction, matrix_of_rows};
+use crate::volume::{Direction, PyVolume, matrix_of_rows};
 
 /// Positions [mm], normals, triangles.
 type MeshArrays<'py> = (
@@ -94,13 +95,29 @@ pub struct PySurface {
 
 struct State {
     bits: Bits,
+    /// Of the scan, where the surface is made from them.
+    values: Option<Intensities>,
     surface: SegmentSurface,
+}
+
+impl State {
+    /// Makes the patches again that a change of the voxels in `dirty` can have changed.
+    fn update(&mut self, dirty: &VoxelBox) {
+        let source = VoxelSource {
+            bits: &self.bits,
+            values: self.values.as_ref().map(|values| (values, None)),
+        };
+        self.surface.update(&source, dirty);
+    }
 }
 
 #[pymethods]
 impl PySurface {
-    /// Makes the whole surface; without a step or a degree of smoothing the usual one.
+    /// Makes the whole surface; without a step or a degree of smoothing the usual one. From the
+    /// values of a scan where they are given with the limits of the threshold that made the
+    /// segment, else from its bits.
     #[new]
+    #[pyo3(signature = (segment, spacing, origin, direction, step, smoothing, local, values = None))]
     #[expect(clippy::too_many_arguments, reason = "one type per argument")]
     fn new(
         py: Python<'_>,
@@ -111,6 +128,7 @@ impl PySurface {
         step: Option<u8>,
         smoothing: Option<u8>,
         local: bool,
+        values: Option<(PyRef<'_, PyVolume>, (f64, f64))>,
     ) -> Result<Self, CoreError> {
         let axes = matrix_of_rows(direction);
         let dimensions = segment.segment.dimensions();
@@ -125,12 +143,24 @@ impl PySurface {
             step: step.unwrap_or(usual.step),
             smoothing: smoothing.unwrap_or(usual.smoothing),
             mode,
+            limits: values
+                .as_ref()
+                .map(|(_, (low, high))| (*low, *high))
+                .map(|(low, high)| Limits { low, high }),
             ..usual
         };
-        let mut surface = SegmentSurface::new(&grid, settings)?;
-        let bits = segment.segment.occupancy().clone();
-        py.detach(|| surface.update(&VoxelSource::of_bits(&bits), &grid.bounds()));
-        let state = Mutex::new(State { bits, surface });
+        if let Some((volume, _)) = &values
+            && volume.intensities.dimensions() != dimensions
+        {
+            return Err(CoreError::value("values of another grid given".to_owned()));
+        }
+        let mut state = State {
+            bits: segment.segment.occupancy().clone(),
+            values: values.map(|(volume, _)| volume.intensities.clone()),
+            surface: SegmentSurface::new(&grid, settings)?,
+        };
+        py.detach(|| state.update(&grid.bounds()));
+        let state = Mutex::new(state);
         Ok(Self { grid, state })
     }
 
@@ -180,13 +210,11 @@ impl PySurface {
     /// Makes the whole surface anew, on so many threads; returns how long it took [s].
     fn time_all(&self, py: Python<'_>, threads: usize) -> Result<f64, CoreError> {
         self.timed(py, threads, |state| {
-            let mut surface = SegmentSurface::new(&self.grid, *state.surface.settings())
+            state.surface = SegmentSurface::new(&self.grid, *state.surface.settings())
                 .expect("these settings made a surface before");
             let start = Instant::now();
-            surface.update(&VoxelSource::of_bits(&state.bits), &self.grid.bounds());
-            let seconds = start.elapsed().as_secs_f64();
-            state.surface = surface;
-            seconds
+            state.update(&self.grid.bounds());
+            start.elapsed().as_secs_f64()
         })
     }
 
@@ -221,8 +249,7 @@ impl PySurface {
                     state.bits.swap(swap);
                 }
                 let start = Instant::now();
-                let source = VoxelSource::of_bits(&state.bits);
-                state.surface.update(&source, &dirty);
+                state.update(&dirty);
                 start.elapsed().as_secs_f64()
             };
             let seconds = exchange(state);

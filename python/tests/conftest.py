@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from socket import create_connection
+from socket import SO_RCVBUF, SOL_SOCKET, socket
 from threading import Event, Thread
 from typing import Any
 
@@ -26,6 +26,9 @@ from palpate.volume import Volume, VolumeTraits
 from pydicom.dataset import FileDataset, FileMetaDataset
 from pydicom.uid import CTImageStorage, ExplicitVRLittleEndian, generate_uid
 from websockets.sync.client import ClientConnection, connect
+
+PATIENCE = 60.0
+"""Seconds until what is waited for counts as lost: however busy the machine is, it comes sooner."""
 
 SMALL = (5, 6, 7)
 """Depth, height, width of small scans: all different, so that no axis stands for another."""
@@ -146,18 +149,29 @@ class RunningServer:
         """Asks with the token as a cookie, unless headers say otherwise."""
         sent = {"Cookie": f"{self.access.cookie}={self.access.token}"}
         sent |= {name.replace("_", "-"): value for name, value in headers.items()}
-        return httpx.get(f"{self.base}{path}", headers=sent, trust_env=False)
+        return httpx.get(f"{self.base}{path}", headers=sent, trust_env=False, timeout=PATIENCE)
 
     @contextmanager
     def page(self, *, host_name: str = "127.0.0.1", **options: Any) -> Iterator[Page]:
         """Connects as the page does."""
-        uri = f"ws://{host_name}:{self.access.port}/api/live?token={self.access.token}"
-        settings = {"origin": self.base, "max_size": None} | options
-        with (
-            create_connection(("127.0.0.1", self.access.port)) as plain,
-            connect(uri, sock=plain, **settings) as socket,
-        ):
-            yield Page(socket)
+        address = f"{host_name}:{self.access.port}/api/live?token={self.access.token}"
+        with page_at(address, self.access.port, **({"origin": self.base} | options)) as page:
+            yield page
+
+
+@contextmanager
+def page_at(address: str, port: int, *, room: int | None = None, **options: Any) -> Iterator[Page]:
+    """Connects to the live messages of any server on a port of this machine.
+
+    The system keeps ``room`` bytes for a page that does not read; by default many.
+    """
+    settings = {"max_size": None, "open_timeout": PATIENCE} | options
+    with socket() as plain:
+        if room is not None:
+            plain.setsockopt(SOL_SOCKET, SO_RCVBUF, room)
+        plain.connect(("127.0.0.1", port))
+        with connect(f"ws://{address}", sock=plain, **settings) as connection:
+            yield Page(connection)
 
 
 class Page:
@@ -171,12 +185,16 @@ class Page:
 
     def receive(self, kind: str, *, until: Callable[[Any], bool] = lambda _: True) -> Any:
         """Waits for a message of a kind that fits; others before it are left out."""
-        ends = time.monotonic() + 10.0
+        ends = time.monotonic() + PATIENCE
         while time.monotonic() < ends:
-            message = msgspec.msgpack.decode(self.socket.recv(timeout=10.0, decode=False))
+            message = self.next()
             if message["type"] == kind and until(message):
                 return message
-        raise AssertionError(f"no {kind} message that fits within 10 s")
+        raise AssertionError(f"no {kind} message that fits within {PATIENCE} s")
+
+    def next(self) -> Any:
+        """Waits for the next message, of whatever kind."""
+        return msgspec.msgpack.decode(self.socket.recv(timeout=PATIENCE, decode=False))
 
 
 def write_page(folder: Path) -> Path:
@@ -202,10 +220,10 @@ def running(scene: Scene, page: Path, *, state: Path | None = None) -> Iterator[
         listener.listen()
         thread = Thread(target=server.run, kwargs={"sockets": [listener]})
         thread.start()
-        assert ready.wait(10.0)
+        assert ready.wait(PATIENCE)
         yield RunningServer(access, session, journal)
         server.should_exit = True
-        thread.join(10.0)
+        thread.join(PATIENCE)
         assert not thread.is_alive()
 
 

@@ -97,7 +97,8 @@ def test_rows_have_median_and_tail_of_each_case(ball_scene: Scene) -> None:
     rows = haptics.measure_ground("ball", next(iter(ball_scene)).segment, 1000)
     for case in TIMED:
         figures = {row.metric: row.value for row in rows if row.case == BALL + case}
-        assert 0.0 < figures["median"] <= figures["p99"] <= figures["p99.9"] <= figures["max"]
+        # a call that is as short as the reading of the clock takes no time beside it
+        assert 0.0 <= figures["median"] <= figures["p99"] <= figures["p99.9"] <= figures["max"]
         assert figures["rate"] > 0.0
     told = {(row.case.removeprefix(BALL), row.metric): row for row in rows}
     assert told.keys() >= NAMED.keys()
@@ -136,7 +137,8 @@ def test_a_body_in_a_larger_scan_is_compared(
     figures = {(row.case.partition(": ")[2], row.metric): row.value for row in rows}
     rates = [figures["hard proxy", name] for name in ("rate, 1024³", "rate, small")]
     assert figures["hard proxy", "ratio"] == pytest.approx(rates[0] / rates[1])
-    assert figures["hard proxy, cold random starts, 1024³", "median"] > 0.0
+    # a single call can be as short as the reading of the clock, which is taken off
+    assert figures["hard proxy, cold random starts, 1024³", "median"] >= 0.0
 
 
 def test_a_data_set_that_is_not_there_is_told(

@@ -59,11 +59,12 @@ def test_the_surface_of_a_ball_encloses_its_voxels_again() -> None:
     volume = ball()
     segment = volume.threshold(500)
     for smoothing in (0, None):
-        mesh = Surface(segment, smoothing=smoothing).mesh()
-        assert hole_count(mesh.triangles) == 0
-        file = read_back(mesh)
-        again = segment_of_mesh(file, volume)
-        np.testing.assert_array_equal(again.mask(), segment.mask())
+        for source in ("bits", "intensities"):
+            mesh = Surface(segment, smoothing=smoothing, source=source).mesh()
+            assert hole_count(mesh.triangles) == 0
+            file = read_back(mesh)
+            again = segment_of_mesh(file, volume)
+            np.testing.assert_array_equal(again.mask(), segment.mask())
 
 
 def read_back(mesh: Mesh) -> Any:

@@ -6,8 +6,9 @@ import asyncio
 from typing import Any
 
 import msgspec
-from palpate import protocol
-from palpate.server_outbox import MOST_NOTICES, MOST_SAMPLES, Outbox
+import pytest
+from palpate import protocol, server_outbox
+from palpate.server_outbox import MOST_NOTICES, MOST_SAMPLES, Box, Missed, Outbox
 
 RATE = protocol.Rate(asked_hz=1000.0, hz=1000.0, ticks=1, late=0, worst_late_ms=0.0)
 ZERO = (0.0, 0.0, 0.0)
@@ -47,10 +48,14 @@ def state(tick: int, samples: int = 4) -> protocol.State:
 
 
 def told(outbox: Outbox, count: int) -> list[Any]:
-    async def receive() -> list[bytes]:
-        return [await asyncio.wait_for(outbox.next(), 1.0) for _ in range(count)]
+    async def receive() -> list[bytes | Missed]:
+        async with asyncio.timeout(60.0):
+            return [await outbox.next() for _ in range(count)]
 
-    return [msgspec.msgpack.decode(packed) for packed in asyncio.run(receive())]
+    return [
+        told if isinstance(told, Missed) else msgspec.msgpack.decode(told)
+        for told in asyncio.run(receive())
+    ]
 
 
 def test_states_never_queue_up_and_keep_their_samples() -> None:
@@ -88,3 +93,52 @@ def test_notices_do_not_pile_up() -> None:
         outbox.tell(protocol.Notice("error", str(number)))
     outbox.tell(state(1))
     assert [message["type"] for message in told(outbox, MOST_NOTICES + 1)][-1] == "state"
+
+
+def changed(edit: int, *, low: protocol.GridPlace, values: bool) -> protocol.Changed:
+    """An edit of a box of 10 x 10 x 10 voxels: 2000 bytes of values, or 1000 of labels."""
+    high = (low[0] + 10, low[1] + 10, low[2] + 10)
+    stored, labels = (bytes(2000), None) if values else (None, bytes(1000))
+    box = protocol.ChangedVoxels(low, high, stored, labels)
+    return protocol.Changed(edit=edit, applied=None, voxels=[box], surfaces=[])
+
+
+def test_changes_wait_in_order_up_to_a_number_of_bytes(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(server_outbox, "MOST_BYTES", 5000)
+    outbox = Outbox()
+    for edit in (1, 2, 3):
+        outbox.tell(changed(edit, low=(0, 0, 0), values=False))
+    assert (outbox.waiting_bytes, outbox.is_behind) == (3000, False)
+    assert [message["edit"] for message in told(outbox, 3)] == [1, 2, 3]
+    assert outbox.waiting_bytes == 0
+
+
+def test_of_a_page_that_falls_behind_only_boxes_and_the_other_messages_are_kept(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(server_outbox, "MOST_BYTES", 5000)
+    outbox = Outbox()
+    outbox.tell(state(1))
+    outbox.tell(protocol.Notice("info", "first"))
+    for edit in range(100):
+        outbox.tell(changed(edit, low=(edit, 7, 9), values=edit < 50))
+        assert outbox.waiting_bytes <= 5000
+    outbox.tell(protocol.Segments([], labels=1))
+    notice, segments, missed, newest = told(outbox, 4)
+    kinds = [message["type"] for message in (notice, segments, newest)]
+    assert kinds == ["notice", "segments", "state"]
+    assert missed.stored == Box((0, 7, 9), (59, 17, 19))
+    assert missed.labels == Box((50, 7, 9), (109, 17, 19))
+    # from then on changes wait again, and come after what was missed
+    outbox.tell(changed(100, low=(0, 0, 0), values=False))
+    assert not outbox.is_behind
+    assert told(outbox, 1)[0]["edit"] == 100
+
+
+def test_a_page_that_is_new_is_told_all_surfaces_after_what_it_begins_with() -> None:
+    outbox = Outbox(missed=Missed())
+    outbox.tell(changed(1, low=(0, 0, 0), values=False))
+    outbox.tell(protocol.Segments([], labels=1))
+    segments, missed = told(outbox, 2)
+    assert segments["type"] == "segments"
+    assert not missed.labels.is_empty

@@ -13,6 +13,8 @@ from palpate.scene import Scene
 from palpate.server_recording import Recorder
 from palpate.session import Session, SessionOptions
 
+from .conftest import PATIENCE
+
 OFFLINE = SessionOptions(real_time=False)
 
 
@@ -63,16 +65,16 @@ def test_only_one_recording_runs_at_a_time(server: Any) -> None:
         first.send({"type": "record", "on": True})
         second.receive("state", until=lambda m: m["recording"] is not None)
         second.send({"type": "record", "on": True})
-        assert "runs already" in second.receive("notice")["text"]
+        second.receive("notice", until=lambda m: "runs already" in m["text"])
         # any page may end it
         second.send({"type": "record", "on": False})
         first.receive("notice", until=lambda m: m["text"].startswith("Recorded"))
         first.send({"type": "record", "on": False})
-        assert "no recording runs" in first.receive("notice")["text"]
+        first.receive("notice", until=lambda m: "no recording runs" in m["text"])
 
 
 def test_a_recording_is_for_those_who_are_let_in(server: Any) -> None:
-    answer = httpx.get(f"{server.base}/api/recording", trust_env=False)
+    answer = httpx.get(f"{server.base}/api/recording", trust_env=False, timeout=PATIENCE)
     assert answer.status_code == 403
 
 

@@ -10,6 +10,8 @@ import pytest
 from palpate.server_security import Access
 from websockets.exceptions import InvalidStatus
 
+from .conftest import PATIENCE
+
 ROUTES = ["/", "/assets/page.js", "/api/volume", "/api/labels", "/api/live", "/nothing"]
 ANSWERS = {"/": 200, "/assets/page.js": 200, "/api/volume": 200, "/api/labels": 200}
 
@@ -22,7 +24,9 @@ def test_with_the_token_as_a_cookie_routes_answer(shared_server: Any, route: str
 @pytest.mark.parametrize("route", ROUTES)
 def test_with_the_token_in_the_address_routes_answer(shared_server: Any, route: str) -> None:
     answer = httpx.get(
-        f"{shared_server.base}{route}?token={shared_server.access.token}", trust_env=False
+        f"{shared_server.base}{route}?token={shared_server.access.token}",
+        trust_env=False,
+        timeout=PATIENCE,
     )
     assert answer.status_code == ANSWERS.get(route, 404)
 
@@ -91,7 +95,7 @@ def test_the_websocket_refuses_a_wrong_token(shared_server: Any) -> None:
 
 
 def test_the_cookie_is_for_this_port_and_hidden_from_scripts(shared_server: Any) -> None:
-    answer = httpx.get(shared_server.access.url, trust_env=False)
+    answer = httpx.get(shared_server.access.url, trust_env=False, timeout=PATIENCE)
     cookie = answer.headers["set-cookie"]
     assert cookie.startswith(f"palpate-{shared_server.access.port}=")
     assert "HttpOnly" in cookie
@@ -108,7 +112,9 @@ def test_answers_carry_protective_headers(shared_server: Any) -> None:
 
 def test_only_reading_is_possible_over_http(shared_server: Any) -> None:
     answer = httpx.post(
-        f"{shared_server.base}/api/volume?token={shared_server.access.token}", trust_env=False
+        f"{shared_server.base}/api/volume?token={shared_server.access.token}",
+        trust_env=False,
+        timeout=PATIENCE,
     )
     assert answer.status_code == 405
 
@@ -117,7 +123,7 @@ def test_only_reading_is_possible_over_http(shared_server: Any) -> None:
     "way", ["/..", "/%2e%2e", "/%2e%2e%2f", "/assets/../..", "/assets/..%2f..", "//..", "/..%5c"]
 )
 def test_files_beside_the_page_are_not_served(shared_server: Any, way: str) -> None:
-    with create_connection(("127.0.0.1", shared_server.access.port), timeout=5.0) as plain:
+    with create_connection(("127.0.0.1", shared_server.access.port), timeout=PATIENCE) as plain:
         # by hand, since clients tidy such paths
         request = (
             f"GET {way}/beside.txt?token={shared_server.access.token} HTTP/1.1\r\n"

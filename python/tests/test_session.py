@@ -170,11 +170,10 @@ def test_an_edit_opens_a_segment_and_undo_closes_it(ball_scene: Scene) -> None:
         assert not session.redo()
 
 
-def test_a_session_stops_within_a_second(ball_scene: Scene) -> None:
+def test_a_session_that_stopped_does_nothing_more(ball_scene: Scene) -> None:
     with Session(ball_scene) as session:
         session.run(0.2)
-        started = time.monotonic()
-    assert time.monotonic() - started < 1.0
+    assert not session.is_running
     session.stop()
     with pytest.raises(RuntimeError, match="stopped"):
         session.hand((0.0, 0.0, 0.0))
@@ -182,9 +181,17 @@ def test_a_session_stops_within_a_second(ball_scene: Scene) -> None:
 
 def test_real_time_is_that_of_the_clock(ball_scene: Scene) -> None:
     with Session(ball_scene) as session:
-        recording = session.run(0.5)
-    # 1 kHz for half a second; a busy machine starts and stops recordings late
-    assert len(recording) == pytest.approx(500, abs=100)
+        started = time.monotonic()
+        session.start_recording()
+        session.let_pass(0.5)
+        while not session.frame()["recording"]:
+            session.let_pass(0.01)
+        recording = session.stop_recording()
+        passed = time.monotonic() - started
+    assert passed >= 0.5
+    # a busy machine lets ticks fall out; none comes before its time, at 1 kHz
+    assert 0.0 < recording.times[-1] - recording.times[0] <= passed
+    assert len(recording) <= 1000.0 * passed + 1.0
 
 
 @pytest.mark.parametrize(

@@ -7,11 +7,12 @@ import os
 import queue
 import re
 import signal
+import socket
 import subprocess
 import threading
 import time
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -21,9 +22,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 ROOT = Path(__file__).parents[2]
-START_LIMIT = 60.0
+START_LIMIT = 120.0
 """Seconds until an address must be printed; a scan takes about one."""
-ANSWER_LIMIT = 150.0
+END_LIMIT = 60.0
+"""Seconds until a process must have ended; most take less than one."""
+ANSWER_LIMIT = 300.0
 """Seconds for one answer of the browser: software GL on a busy machine takes its time."""
 
 
@@ -68,29 +71,50 @@ class Browser:
         """Waits until an expression in the page is true."""
         self.do("wait", seconds=seconds, **{"for": expression})
 
-    def settled(self) -> dict[str, Any]:
-        """Returns the state once device, proxy [mm] and force [N] change < 0.01 in 300 ticks.
+    def shows(self, testid: str, condition: str) -> None:
+        """Waits until a condition on the ``text`` of an element holds.
 
-        Ticks are counted instead of the page's time: a page that shows an old state for a while
-        looks at rest too.
+        Numbers on the page follow the state at a pace that can be read.
         """
-        self.read("void (window.__last = undefined)")
+        element = f"document.querySelector('[data-testid={testid}]')"
+        self.wait(f"(text => text !== undefined && ({condition}))({element}?.textContent.trim())")
+
+    def all_done(self) -> None:
+        """Waits until the engine has done all that the page has asked for, and has told of it."""
+        self.read("window.palpate.allDone()")
+
+    def settled(self) -> dict[str, Any]:
+        """Returns the state once all that was asked for is done and all that moves is at rest.
+
+        That is: device, proxy [mm], force [N] and poses change < 0.01 in 300 ticks. Ticks are
+        counted instead of the page's time: a page that shows an old state for a while looks at
+        rest too.
+        """
+        self.all_done()
+        self.read("void (window.__last = window.__settled = undefined)")
         self.wait(
-            "(() => { const { tick, device, proxy, force } = window.palpate.state;"
-            " const now = [...device, ...proxy, ...force], last = window.__last;"
+            "(() => { const { state } = window.palpate, { tick, device, proxy, force } = state;"
+            " const poses = state.poses.flatMap(({ pose }) => pose);"
+            " const now = [...device, ...proxy, ...force, ...poses], last = window.__last;"
             " if (last !== undefined && tick - last.tick < 300) return false;"
             " window.__last = { tick, now };"
-            " return last !== undefined"
-            " && Math.hypot(...now.map((c, i) => c - last.now[i])) < 0.01; })()",
-            seconds=20.0,
+            " const rests = last !== undefined && last.now.length === now.length"
+            " && Math.hypot(...now.map((c, i) => c - last.now[i])) < 0.01;"
+            " if (rests) window.__settled = state;"
+            " return rests; })()"
         )
-        state: dict[str, Any] = self.read("window.palpate.state")
+        # the one that was found at rest: by now the servo may have been late for a tick
+        state: dict[str, Any] = self.read("window.__settled")
         return state
+
+    def frames(self) -> None:
+        """Waits until the page has drawn what was changed before: it takes a frame or two."""
+        self.read(f"new Promise(resolve => {2 * 'requestAnimationFrame(() => '}resolve(0))))")
 
     def finish(self) -> None:
         """Waits until the picture of the present view is as fine as it gets."""
         # a change of the view is taken up by the next frame
-        self.read(f"new Promise(resolve => {2 * 'requestAnimationFrame(() => '}resolve(0))))")
+        self.frames()
         self.wait("window.palpate.finished", seconds=120.0)
 
     def picture(self, path: Path) -> NDArray[np.float64]:
@@ -109,7 +133,7 @@ class Browser:
             assert process.stdin is not None
             process.stdin.close()
             try:
-                process.wait(timeout=10.0)
+                process.wait(timeout=END_LIMIT)
             except subprocess.TimeoutExpired:
                 process.kill()
 
@@ -134,7 +158,15 @@ class Command:
     def stop(self) -> int:
         """Ends it as Ctrl-C does; returns its exit code."""
         self.process.send_signal(signal.SIGINT)
-        return self.process.wait(timeout=10.0)
+        return self.process.wait(timeout=END_LIMIT)
+
+
+def free_port() -> int:
+    """Finds a port that nothing uses; below those that the system itself gives to programs."""
+    for port in range(20_000 + os.getpid() % 10_000, 32_768):
+        with suppress(OSError), socket.create_server(("127.0.0.1", port)):
+            return port
+    raise AssertionError("no free port")
 
 
 NO_PRIORITY = ("setpriv", "--bounding-set=-sys_nice", "--inh-caps=-sys_nice", "--")

@@ -11,7 +11,8 @@
  *   {"do": "drag", "x": …, "y": …}                            left button held: turns the picture
  *   {"do": "dragElement", "testid": …, "x": …, "y": …}        a handle in the picture, "from": [x, y] of its middle
  *   {"do": "touch", "x": …, "y": …, "depth": wheel pixels}    Shift held: move by x, y; wheel (< 0 is deeper)
- *   {"do": "stroke", "x": …, "y": …, "depth": …}              the same with the left button pressed too
+ *   {"do": "stroke", "x": …, "y": …, "depth": …}              the same with the left button pressed too, "held": true: still
+ *   {"do": "release"}                                         the left button
  *   {"do": "wheel", "y": …}                                   over the picture's middle (< 0 is nearer)
  *   {"do": "click", "testid": …}                              {"do": "choose", "testid": …, "value": …} of a list
  *   {"do": "slide", "testid": …, "value": …}                  a slider, with the mouse
@@ -26,6 +27,8 @@ import { launchChromium } from "./chromium.mjs";
 const moreFlags = (process.env.CHROMIUM_FLAGS ?? "").split(" ").filter((flag) => flag !== "");
 const browser = await launchChromium(moreFlags);
 const page = await browser.newPage();
+// limits are for what never comes: software GL on a busy machine takes its time
+page.setDefaultTimeout(120_000);
 const complaints = [];
 page.on("pageerror", (error) => complaints.push(error.message));
 page.on("console", (message) => {
@@ -38,7 +41,7 @@ const byTestId = (testid) => page.locator(`[data-testid="${testid}"]`).first();
 const picture = () => byTestId("canvas");
 
 const actions = {
-  async open({ url, width = 720, height = 480, seconds = 60 }) {
+  async open({ url, width = 720, height = 480, seconds = 120 }) {
     await page.setViewportSize({ width, height });
     await page.goto(url, { waitUntil: "domcontentloaded" });
     await page
@@ -48,7 +51,7 @@ const actions = {
       .catch(() => undefined);
     return { firstPicture: await page.evaluate(() => window.palpate?.firstPicture ?? null) };
   },
-  async wait({ for: expression, seconds = 30 }) {
+  async wait({ for: expression, seconds = 60 }) {
     // asked from here: the page's security policy allows no evaluation inside it
     const ends = Date.now() + seconds * 1000;
     while (!(await page.evaluate(expression))) {
@@ -63,7 +66,7 @@ const actions = {
     return { value: await page.evaluate(expression) };
   },
   async text({ testid }) {
-    return { value: (await byTestId(testid).textContent({ timeout: 5000 }))?.trim() ?? "" };
+    return { value: (await byTestId(testid).textContent())?.trim() ?? "" };
   },
   async screenshot({ path, testid }) {
     // of an element only what it draws itself: nothing that lies over the picture, or passes by
@@ -91,6 +94,12 @@ const actions = {
     await page.mouse.down();
     await page.keyboard.up("Shift");
     await actions.touch(options);
+    if (options.held !== true) {
+      await page.mouse.up();
+    }
+    return {};
+  },
+  async release() {
     await page.mouse.up();
     return {};
   },
@@ -124,11 +133,11 @@ const actions = {
     return {};
   },
   async click({ testid }) {
-    await byTestId(testid).click({ timeout: 5000 });
+    await byTestId(testid).click();
     return {};
   },
   async choose({ testid, value }) {
-    await byTestId(testid).selectOption(value, { timeout: 5000 });
+    await byTestId(testid).selectOption(value);
     return {};
   },
   async slide({ testid, value }) {
@@ -144,7 +153,7 @@ const actions = {
     return { value: Number(await slider.inputValue()) };
   },
   async download({ testid, path }) {
-    const [download] = await Promise.all([page.waitForEvent("download", { timeout: 10000 }), byTestId(testid).click()]);
+    const [download] = await Promise.all([page.waitForEvent("download"), byTestId(testid).click()]);
     await download.saveAs(path);
     return { name: download.suggestedFilename() };
   },

@@ -1,13 +1,16 @@
 //! Prints what `palpate bench touch-quality` measures, without Python; a second or two:
 //!
-//!     cargo run --release -p palpate-engine --example touch_quality [part of a case's name]
+//!     cargo run --release -p palpate-engine --example touch_quality \
+//!         [part of a case's name] [part of the name of a way of touch]
 #![expect(clippy::print_stdout, reason = "a table is what this example is for")]
 
 use palpate_engine::bench::quality::{Touch, cases_where, measure};
 
 fn main() {
-    let wanted = std::env::args().nth(1).unwrap_or_default();
-    for touch in Touch::ALL {
+    let part = |number| std::env::args().nth(number).unwrap_or_default();
+    let [wanted, wanted_touch] = [1, 2].map(part);
+    let touches = Touch::ALL.into_iter();
+    for touch in touches.filter(|touch| touch.name().contains(&wanted_touch)) {
         let cases = cases_where(touch.radius(), |name| name.contains(&wanted));
         println!(
             "{:46}  dir°mean   95%  mag%  ripple lag95   max prox95  max jitter pops solid% stuck  step touch%",

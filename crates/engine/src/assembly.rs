@@ -13,6 +13,8 @@ use palpate_volume::segment::Segment;
 use palpate_volume::voxels::{Voxels, VoxelsError};
 use triple_buffer::{Input, triple_buffer};
 
+use crate::bell::Bell;
+use crate::deformation::Deformation;
 use crate::device_loop::DeviceLoop;
 use crate::error::SessionError;
 use crate::frame::Notice;
@@ -28,7 +30,7 @@ use crate::session_config::{Reference, SessionConfig};
 use crate::settings::Settings;
 use crate::shared::Shared;
 use crate::simulation::{PictureEnds, Simulation, SimulationStatus};
-use crate::surface_loop::SurfaceLoop;
+use crate::surface_loop::{SurfaceLoop, SurfacePace};
 use crate::surfaces::Surfaces;
 use crate::tape::TapeRecorder;
 use crate::touch_sender::touchable_of;
@@ -41,6 +43,10 @@ pub struct Assembly {
     pub picture: Arc<Mutex<Picture>>,
     /// Segments shown as surfaces, and what changed in the picture.
     pub surfaces: Arc<Mutex<Surfaces>>,
+    /// How often they follow the voxels.
+    pub pace: SurfacePace,
+    /// Rung whenever they have followed.
+    pub bell: Arc<Bell>,
     /// Where the hand pulls to.
     pub hand: Input<HandTarget>,
     /// What all threads see.
@@ -82,10 +88,15 @@ pub fn assemble(config: SessionConfig) -> Result<Assembly, SessionError> {
     let device = DeviceLoop::new(device, channels.device, Arc::clone(&shared), dt, safety);
     let start = servo_start(&scene, reference, probe, settings);
     let servo = ServoLoop::new(start, channels.servo, Arc::clone(&shared));
-    let surfaces = Arc::new(Mutex::new(Surfaces::new(grid)));
+    let (pace, bell) = (SurfacePace::default(), Arc::new(Bell::default()));
+    let surfaces = Arc::new(Mutex::new(Surfaces::new(
+        grid,
+        scene.voxels().intensities().clone(),
+    )));
     let ends = (status, notices.clone(), news);
+    let (deformation, deformation_loop) = Deformation::new(!config.real_time);
     let simulation = first_simulation(
-        scene,
+        (scene, deformation),
         (settings, limits),
         channels.simulation,
         ends,
@@ -110,10 +121,17 @@ pub fn assemble(config: SessionConfig) -> Result<Assembly, SessionError> {
             servo: (servo, servo_meter),
             simulation: (simulation, simulation_meter),
             picture: (Arc::clone(&picture), picture_meter),
-            surfaces: SurfaceLoop::new(news_inbox, Arc::clone(&surfaces)),
+            surfaces: SurfaceLoop::new(
+                news_inbox,
+                Arc::clone(&surfaces),
+                (pace.clone(), Arc::clone(&bell)),
+            ),
+            deformation: deformation_loop,
         },
         picture,
         surfaces,
+        pace,
+        bell,
         hand: channels.hand,
         shared,
         notices,
@@ -140,13 +158,13 @@ fn servo_start(
 
 /// A simulation that brings the device to the probe, where the device is not in the scene.
 fn first_simulation(
-    scene: Scene,
+    (scene, deformation): (Scene, Deformation),
     (settings, limits): (Settings, DeviceLimits),
     channels: SimulationChannels,
     ends: PictureEnds,
     (reference, probe): (Reference, DVec3),
 ) -> Result<Simulation, SessionError> {
-    let mut simulation = Simulation::new(scene, settings, limits, channels, ends);
+    let mut simulation = Simulation::new((scene, deformation), settings, limits, channels, ends);
     if reference == Reference::View {
         simulation.place(probe, 0, true)?;
     }

@@ -9,15 +9,19 @@
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use palpate_device::DeviceState;
 use palpate_haptics::local_force::LocalForce;
+use palpate_haptics::needle::tissues::Tissues;
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;
 use palpate_volume::edit::SegmentId;
+use palpate_volume::material::LocalContact;
 use rtrb::{Consumer, Producer, RingBuffer};
+use serde::{Deserialize, Serialize};
 use triple_buffer::{Input, Output, triple_buffer};
 
 use crate::feel::Feel;
 use crate::moved_poses::CurrentPoses;
+use crate::needle::NeedleStatus;
 use crate::servo_state::{ServoState, TickInputs};
 use crate::settings::Settings;
 use crate::touch_occupancy::GARBAGE_PER_CHANGE;
@@ -100,8 +104,29 @@ pub enum ServoCommand {
     Pose(SegmentId, DAffine3),
     /// How the surface of a segment feels from now on.
     Feel(SegmentId, Feel),
+    /// What gives way from now on, and how it pushes.
+    GiveWay(GivingWay),
+    /// Takes a needle in the hand that can puncture these segments, or out of it.
+    Needle(bool, Tissues),
     /// Asks for the servo's state at the end of this tick, from where it can be replayed.
     Mark,
+}
+
+/// The newest answer of a deformation model.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct GivingWay {
+    /// Segments that give way, one bit for each number.
+    pub segments: [u64; 4],
+    /// How they push the tool; none where nothing is known of it.
+    pub contact: Option<LocalContact>,
+}
+
+impl GivingWay {
+    /// Whether a segment gives way.
+    #[must_use]
+    pub fn includes(&self, id: SegmentId) -> bool {
+        self.segments[usize::from(id.0 / 64)] >> (id.0 % 64) & 1 == 1
+    }
 }
 
 /// Servo → simulation: where a recording begins.
@@ -185,6 +210,8 @@ pub struct ServoStatus {
     pub device: DVec3,
     /// Where the probe is.
     pub proxy: DVec3,
+    /// The tool as matter meets it, where that gives way.
+    pub tool: DVec3,
     /// Whether an obstacle holds the probe back.
     pub contact: bool,
     /// The segment that is touched; 0 where there is none.
@@ -195,14 +222,16 @@ pub struct ServoStatus {
     pub normal: DVec3,
     /// Size of the force that was last sent to the device [N].
     pub sent_force: f64,
-    /// Where moved segments stand by now.
-    pub poses: CurrentPoses,
     /// `scene_from_device`, axes only.
     pub axes: DMat3,
     /// `device_from_handle`.
     pub orientation: DQuat,
     /// The middle of the device's workspace in the scene [mm].
     pub origin: DVec3,
+    /// Commands obeyed by then.
+    pub command: u64,
+    /// The needle.
+    pub needle: NeedleStatus,
 }
 
 /// Servo → picture: one tick.
@@ -262,6 +291,8 @@ pub struct ServoChannels {
     pub garbage: Producer<Garbage>,
     /// To the simulation.
     pub status: Input<ServoStatus>,
+    /// To the simulation, where any of them has changed.
+    pub poses: Input<CurrentPoses>,
     /// To the picture.
     pub records: Producer<TickRecord>,
     /// To the simulation.
@@ -277,6 +308,8 @@ pub struct SimulationChannels {
     pub garbage: Consumer<Garbage>,
     /// From the servo.
     pub status: Output<ServoStatus>,
+    /// From the servo: where moved segments stand, at the time of the status or later.
+    pub poses: Output<CurrentPoses>,
     /// From the servo.
     pub snapshots: Consumer<Snapshot>,
 }
@@ -313,6 +346,7 @@ impl Channels {
             number: 0,
         });
         let (status_in, status_out) = triple_buffer(&ServoStatus::default());
+        let (poses_in, poses_out) = triple_buffer(&CurrentPoses::default());
         let (inbox_in, inbox_out) = RingBuffer::new(INBOX);
         let (garbage_in, garbage_out) = RingBuffer::new(GARBAGE);
         let (records_in, records_out) = RingBuffer::new(RECORDS);
@@ -329,6 +363,7 @@ impl Channels {
                 inbox: inbox_out,
                 garbage: garbage_in,
                 status: status_in,
+                poses: poses_in,
                 records: records_in,
                 snapshots: snapshots_in,
             },
@@ -336,6 +371,7 @@ impl Channels {
                 inbox: inbox_in,
                 garbage: garbage_out,
                 status: status_out,
+                poses: poses_out,
                 snapshots: snapshots_out,
             },
             records: records_out,

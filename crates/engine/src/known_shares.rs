@@ -72,6 +72,7 @@ impl KnownShares {
     }
 
     /// Whether a threshold made a voxel, or for a free one, a voxel beside it.
+    #[inline(never)]
     fn is_made(&self, voxel: IVec3, solid: bool) -> bool {
         let has = |voxel: IVec3| self.owners.iter().any(|(_, bits)| bits.is_solid(voxel));
         if solid {

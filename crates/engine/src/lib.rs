@@ -7,22 +7,29 @@
 //! Frames: points in the scene, LPS mm, unless a name says otherwise; forces N, times s.
 
 pub mod assembly;
+pub mod bell;
 pub mod bench;
 pub mod body;
 pub mod clock;
 pub mod cut;
+pub mod deformation;
+pub mod deformation_loop;
 pub mod device_loop;
 pub mod error;
 pub mod feel;
 pub mod frame;
 pub mod gap;
+pub mod gap_bodies;
 pub mod grip;
 pub mod handover;
+pub mod kept_surface;
 pub mod known_shares;
 pub mod live;
 pub mod mapping;
 pub mod model;
 pub mod moved_poses;
+pub mod needle;
+pub mod needle_scenario;
 pub mod offline;
 pub mod owners;
 pub mod pacing;

@@ -1,8 +1,8 @@
 //! The threads of a session that runs in real time.
 //!
 //! device and servo at their rates, half a tick of the faster one apart, so that each finds what
-//! the other made half a tick ago; simulation at 100 Hz, picture at 60 Hz; surfaces
-//! follow the voxels as fast as they can. A panic in any of them takes the
+//! the other made half a tick ago; simulation at 100 Hz, picture at 60 Hz; surfaces and
+//! deformation as fast as they can. A panic in any of them takes the
 //! force away and ends the session; the reason is kept.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -12,6 +12,7 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 
 use crate::clock;
+use crate::deformation_loop::DeformationLoop;
 use crate::device_loop::DeviceLoop;
 use crate::error::SessionError;
 use crate::pacing::Pacer;
@@ -30,10 +31,14 @@ pub const PICTURE_HZ: u32 = 60;
 
 /// From the start of the threads to their first tick [ns].
 const HEAD_START_NS: u64 = 20_000_000;
-/// Longest wait for the threads to end; a driver that hangs is left behind.
-const STOP_PATIENCE: Duration = Duration::from_millis(800);
-/// Longest wait for the outcome of the priorities.
-const START_PATIENCE: Duration = Duration::from_millis(500);
+/// How often the device's thread is looked after, a millisecond apart, until it ends; a driver that
+/// hangs is left behind. Looks are counted and not time: on a machine that stood still, nothing hangs.
+const STOP_LOOKS: u32 = 800;
+/// The same for the other threads, which may finish a surface, or wait for the disk to keep a journal.
+const STOP_LOOKS_AT_OURS: u32 = 30_000;
+/// Longest wait for the outcome of the priorities, which threads tell first of all. A machine that
+/// is late with its threads has not refused anything.
+const START_PATIENCE: Duration = Duration::from_secs(10);
 
 /// Something to do in the simulation thread.
 pub type Question = Box<dyn FnOnce(&mut Simulation) + Send>;
@@ -50,6 +55,8 @@ pub struct Loops {
     pub picture: (Arc<Mutex<Picture>>, RateMeter),
     /// The surfaces.
     pub surfaces: SurfaceLoop,
+    /// The deformation.
+    pub deformation: DeformationLoop,
 }
 
 /// How fast the two real-time loops run.
@@ -100,7 +107,7 @@ impl Live {
         };
         let live = Self {
             questions: Mutex::new(questions),
-            threads: Mutex::new(Vec::with_capacity(5)),
+            threads: Mutex::new(Vec::with_capacity(6)),
             shared,
             start_ns: context.start_ns,
         };
@@ -109,7 +116,8 @@ impl Live {
             servo,
             simulation,
             picture,
-            surfaces,
+            mut surfaces,
+            mut deformation,
         } = loops;
 
         let [for_device, for_servo, for_simulation, for_picture] =
@@ -122,7 +130,11 @@ impl Live {
         })?;
         live.spawn("picture", move || run_picture(picture, &for_picture))?;
         let shared = Arc::clone(&live.shared);
-        live.spawn("surface", move || run_surfaces(&surfaces, &shared))?;
+        live.spawn("surface", move || run_surfaces(&mut surfaces, &shared))?;
+        let shared = Arc::clone(&live.shared);
+        live.spawn("deformation", move || {
+            while !shared.stopping() && deformation.wait(PATIENCE) {}
+        })?;
 
         let granted = outcome_of_both(&results);
         Ok((live, granted))
@@ -149,12 +161,18 @@ impl Live {
         // a question wakes the simulation; one that runs no more needs no waking
         self.ask(Box::new(|_| {}));
 
-        let deadline = clock::now_ns() + STOP_PATIENCE.as_nanos() as u64;
+        let mut looks = 0;
         let mut threads = self.threads.lock().unwrap_or_else(PoisonError::into_inner);
         let mut hanging = Vec::new();
         for (name, thread) in threads.drain(..) {
-            while !thread.is_finished() && clock::now_ns() < deadline {
+            let most = if name == "device" {
+                STOP_LOOKS
+            } else {
+                STOP_LOOKS_AT_OURS
+            };
+            while !thread.is_finished() && looks < most {
                 std::thread::sleep(Duration::from_millis(1));
+                looks += 1;
             }
             if thread.is_finished() {
                 // a panic was caught and reported where it happened
@@ -286,11 +304,11 @@ fn run_simulation(
     }
 }
 
-/// Surfaces see the end of the session after so long, where nothing changes.
-const SURFACE_PATIENCE: Duration = Duration::from_millis(100);
+/// Surfaces and deformation see the end of the session after so long, where nothing changes.
+const PATIENCE: Duration = Duration::from_millis(100);
 
-fn run_surfaces(surfaces: &SurfaceLoop, shared: &Shared) {
-    while !shared.stopping() && surfaces.wait(SURFACE_PATIENCE) {}
+fn run_surfaces(surfaces: &mut SurfaceLoop, shared: &Shared) {
+    while !shared.stopping() && surfaces.wait(PATIENCE) {}
 }
 
 fn run_picture((picture, meter): (Arc<Mutex<Picture>>, RateMeter), context: &Context) {

@@ -78,6 +78,7 @@ impl Offline {
             simulation,
             picture,
             surfaces,
+            deformation,
             ..
         } = &mut self.loops;
         servo.1.count(start);
@@ -89,6 +90,7 @@ impl Offline {
         {
             simulation.1.count(start);
             simulation.0.step();
+            deformation.step();
         }
         if self
             .tick

@@ -254,6 +254,8 @@ impl<'a> Player<'a> {
             TapeCommand::Settings(settings) => ServoCommand::Settings(settings),
             TapeCommand::Pose(id, pose) => ServoCommand::Pose(SegmentId(id), pose),
             TapeCommand::Feel(id, feel) => ServoCommand::Feel(SegmentId(id), feel),
+            TapeCommand::GiveWay(giving_way) => ServoCommand::GiveWay(giving_way),
+            TapeCommand::Needle(on, tissues) => ServoCommand::Needle(on, tissues),
             TapeCommand::Mark => ServoCommand::Mark,
         })
     }

@@ -118,6 +118,7 @@ impl ScanValues {
     }
 
     /// The share of a voxel that is solid; see `Occupancy::share`.
+    #[inline]
     #[must_use]
     pub fn share(&self, limits: &Limits, voxel: IVec3, solid: bool) -> Option<f32> {
         if self.marks.wanted.load(Relaxed) {
@@ -125,15 +126,19 @@ impl ScanValues {
         }
         let around = match &self.kept {
             Kept::All(scan) => Around::of(scan, voxel),
-            Kept::Some(bricks) => {
-                let last = self.dimensions.as_ivec3() - 1;
-                Around::from_fn(voxel, |voxel| {
-                    let voxel = voxel.clamp(IVec3::ZERO, last);
-                    bricks.at(voxel).map_or(0, |brick| brick.stored(voxel))
-                })
-            }
+            Kept::Some(bricks) => self.around_in_bricks(bricks, voxel),
         };
         limits.share(&around, solid)
+    }
+
+    /// The values around a voxel where only some bricks are kept.
+    #[inline(never)]
+    fn around_in_bricks(&self, bricks: &BrickGrid<IntensityBrick>, voxel: IVec3) -> Around {
+        let last = self.dimensions.as_ivec3() - 1;
+        Around::from_fn(voxel, |voxel| {
+            let voxel = voxel.clamp(IVec3::ZERO, last);
+            bricks.at(voxel).map_or(0, |brick| brick.stored(voxel))
+        })
     }
 
     /// The bricks that are marked, or all where there are only some; by rising place.
@@ -161,6 +166,8 @@ impl ScanValues {
     }
 
     /// Marks the bricks of a voxel and of its neighbours.
+    #[cold]
+    #[inline(never)]
     fn mark(&self, voxel: IVec3) {
         let last = self.dimensions.as_ivec3() - 1;
         let here = voxel.clamp(IVec3::ZERO, last);

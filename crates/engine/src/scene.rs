@@ -6,9 +6,11 @@
 use std::collections::BTreeMap;
 
 use crate::feel::{Feel, Feels};
+use crate::kept_surface::SegmentVoxels;
 use crate::scan_values::{ScanValues, Threshold};
 use crate::touchable::{MovedPart, Part};
 use glam::DAffine3;
+use palpate_haptics::needle::tissues::Segments;
 use palpate_haptics::scene::MAX_OBJECTS;
 use palpate_tools::stroke::bytes_of;
 use palpate_volume::edit::{Edit, SegmentId};
@@ -26,7 +28,8 @@ pub struct Properties {
     pub touchable: bool,
     /// The threshold that it is; none once its voxels come from elsewhere.
     pub range: Option<ThresholdRange>,
-    /// The threshold that made it, whatever edits did since: touch reads the scan's values there.
+    /// The threshold that made it, whatever edits did since: touch and surfaces read the scan's
+    /// values there.
     pub made_by: Option<ThresholdRange>,
     /// How its surface feels.
     pub feel: Feel,
@@ -165,9 +168,13 @@ pub struct Scene {
     voxels: Voxels,
     /// The scan's values as touch reads them.
     values: ScanValues,
+    /// Lowest and highest of them.
+    value_range: ThresholdRange,
     properties: BTreeMap<SegmentId, Properties>,
     /// The segment that is in the hand: no obstacle meanwhile.
     held: Option<SegmentId>,
+    /// Segments that a needle is in.
+    punctured: Segments,
 }
 
 impl Scene {
@@ -180,10 +187,12 @@ impl Scene {
             .collect();
         let values = ScanValues::of(voxels.intensities());
         Self {
+            value_range: voxels.intensities().range(),
             voxels,
             values,
             properties,
             held: None,
+            punctured: Segments::NONE,
         }
     }
 
@@ -197,6 +206,19 @@ impl Scene {
     #[must_use]
     pub fn voxels(&self) -> &Voxels {
         &self.voxels
+    }
+
+    /// The voxels of a segment with the threshold that made them. An end that no value of the scan
+    /// is beyond is infinite: it limits nothing.
+    #[must_use]
+    pub fn voxels_of(&self, id: SegmentId) -> Option<SegmentVoxels> {
+        self.voxels.segment(id).map(|segment| SegmentVoxels {
+            bits: segment.occupancy().clone(),
+            made_by: self
+                .properties_of(id)
+                .made_by
+                .map(|range| self.limiting(range)),
+        })
     }
 
     /// All segments with their properties, by rising number.
@@ -264,6 +286,21 @@ impl Scene {
             .collect()
     }
 
+    /// A needle is in these segments; gives the obstacles that change by it.
+    pub fn puncture(&mut self, punctured: Segments) -> Vec<SegmentId> {
+        let before = std::mem::replace(&mut self.punctured, punctured);
+        let changes = |id: &SegmentId| before.contains(id.0) != punctured.contains(id.0);
+        let obstacles = self.obstacles().map(|(id, _, _)| id);
+        obstacles.filter(changes).collect()
+    }
+
+    /// Whether the probe is stopped by a segment where the scan has it: not where it was moved
+    /// or a needle is in it.
+    #[must_use]
+    pub fn stands(&self, id: SegmentId) -> bool {
+        self.properties_of(id).pose.is_none() && !self.punctured.contains(id.0)
+    }
+
     /// All obstacles with their properties, by rising number.
     pub fn obstacles(&self) -> impl Iterator<Item = (SegmentId, &Segment, Properties)> {
         self.segments().filter(|(id, _, _)| self.is_obstacle(*id))
@@ -284,6 +321,7 @@ impl Scene {
                     range,
                     values: self.values.clone(),
                 }),
+                punctured: properties.pose.is_none() && self.punctured.contains(id.0),
             })
             .collect()
     }
@@ -446,6 +484,18 @@ impl Scene {
             properties,
         };
         Ok((inverse, change))
+    }
+
+    /// A threshold without ends that limit nothing.
+    fn limiting(&self, (low, high): ThresholdRange) -> ThresholdRange {
+        let (lowest, highest) = self.value_range;
+        let low = if low <= lowest {
+            f64::NEG_INFINITY
+        } else {
+            low
+        };
+        let high = if high >= highest { f64::INFINITY } else { high };
+        (low, high)
     }
 
     fn exchange_range(

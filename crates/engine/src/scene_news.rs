@@ -5,14 +5,13 @@
 
 use std::time::SystemTime;
 
-use palpate_surface::settings::SurfaceSettings;
 use palpate_volume::bit_brick::BitBrick;
-use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;
 use palpate_volume::edit::{Edit, SegmentId};
 use palpate_volume::voxel_box::VoxelBox;
 use palpate_volume::voxels::Voxels;
 
+use crate::kept_surface::{SegmentVoxels, SurfaceMaking};
 use crate::scene::{Scene, Step};
 
 /// Larger boxes are asked for anew instead of being sent.
@@ -22,11 +21,11 @@ const MOST_VOXELS: u64 = 1 << 24;
 #[derive(Debug)]
 pub enum SceneNews {
     /// A segment has other voxels, all of them; none where it is gone.
-    Segment(SegmentId, Option<Bits>),
+    Segment(SegmentId, Option<SegmentVoxels>),
     /// Some bricks are other ones.
     Edit(EditNews),
     /// A segment is to be shown as a surface made in this way, or not as a surface any more.
-    Show(SegmentId, Option<(SurfaceSettings, Bits)>),
+    Show(SegmentId, Option<(SurfaceMaking, SegmentVoxels)>),
 }
 
 /// An edit as the picture follows it.
@@ -55,7 +54,7 @@ impl SceneNews {
         match inverse {
             Step::Edit { edit, .. } => vec![Self::Edit(EditNews::of(edit, voxels, labelled))],
             Step::Replace { id, .. } | Step::Insert { id, .. } | Step::Remove { id } => {
-                vec![Self::Segment(*id, bits_of(voxels, *id))]
+                vec![Self::Segment(*id, scene.voxels_of(*id))]
             }
             Step::Move { .. } => Vec::new(),
             Step::Several(inverses) => {
@@ -93,12 +92,6 @@ impl EditNews {
             labels: (small && !labelled.is_empty()).then(|| voxels.labels_in(&dirty, labelled)),
         }
     }
-}
-
-fn bits_of(voxels: &Voxels, id: SegmentId) -> Option<Bits> {
-    voxels
-        .segment(id)
-        .map(|segment| segment.occupancy().clone())
 }
 
 fn bricks_of(

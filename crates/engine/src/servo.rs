@@ -7,9 +7,12 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
 
 use glam::{DAffine3, DVec3};
+use palpate_haptics::coupling::Coupling;
 use palpate_haptics::local_force::LocalForce;
+use palpate_haptics::needle::{Needle, NeedleInput};
 use palpate_haptics::placement::nearest_free_in;
 use palpate_haptics::proxy::Proxy;
+use palpate_haptics::soft_contact::{SoftContact, SoftInput};
 use palpate_haptics::tick::{TickCache, TickInput, TickOutput, TickState, tick};
 use palpate_volume::bits::Bits;
 use palpate_volume::edit::SegmentId;
@@ -18,16 +21,17 @@ use palpate_volume::grid::Grid;
 use crate::device_loop::WATCHDOG_SECS;
 use crate::feel::Feels;
 use crate::handover::{
-    DeviceSample, ForceCommand, HandTarget, ServoChannels, ServoCommand, ServoStatus, Snapshot,
-    TickRecord,
+    DeviceSample, ForceCommand, GivingWay, HandTarget, ServoChannels, ServoCommand, ServoStatus,
+    Snapshot, TickRecord,
 };
 use crate::mapping::Mapping;
 use crate::model::LimitedModel;
-use crate::moved_poses::MovedPoses;
+use crate::moved_poses::{CurrentPoses, MovedPoses};
+use crate::needle::{self, NeedleMatter, NeedleStatus};
 use crate::owners::Owners;
 use crate::probe::Probe;
 use crate::servo_state::{ServoState, TickInputs};
-use crate::settings::Settings;
+use crate::settings::{Settings, Smoothing};
 use crate::shared::Shared;
 use crate::touch_occupancy::TouchOccupancy;
 use crate::touchable::Touchable;
@@ -68,6 +72,8 @@ pub struct ServoLoop {
     owners: Owners,
     /// Whether the state is asked for at the end of this tick.
     marked: bool,
+    /// Whether a moved segment stands elsewhere than was told.
+    moved: bool,
     ends: Ends,
     shared: Arc<Shared>,
 }
@@ -80,6 +86,7 @@ struct Ends {
     hand: triple_buffer::Output<HandTarget>,
     inbox: rtrb::Consumer<ServoCommand>,
     status: triple_buffer::Input<ServoStatus>,
+    poses: triple_buffer::Input<CurrentPoses>,
     records: rtrb::Producer<TickRecord>,
     snapshots: rtrb::Producer<Snapshot>,
 }
@@ -103,6 +110,9 @@ impl ServoLoop {
             radius: start.touchable.radius,
             poses: MovedPoses::default(),
             touched: 0,
+            giving_way: GivingWay::default(),
+            soft: SoftContact::default(),
+            needle: Needle::default(),
             hand: start.probe,
             clutch: None,
             forgotten_hand: 0,
@@ -129,6 +139,7 @@ impl ServoLoop {
             inbox,
             garbage,
             status,
+            poses,
             records,
             snapshots,
         } = channels;
@@ -144,12 +155,14 @@ impl ServoLoop {
             cache: TickCache::default(),
             owners: Owners::default(),
             marked: false,
+            moved: true,
             ends: Ends {
                 samples,
                 forces,
                 hand,
                 inbox,
                 status,
+                poses,
                 records,
                 snapshots,
             },
@@ -161,6 +174,18 @@ impl ServoLoop {
     #[must_use]
     pub fn solid(&self) -> &Bits {
         &self.occupancy.touchable().world.inner().bits
+    }
+
+    /// The needle in the hand, or none.
+    #[must_use]
+    pub fn needle(&self) -> &Needle {
+        &self.state.needle
+    }
+
+    /// The segment that is touched; 0 where there is none.
+    #[must_use]
+    pub fn touched(&self) -> u8 {
+        self.state.touched
     }
 
     /// One tick at `now` [s] with what device and person say by then.
@@ -182,9 +207,15 @@ impl ServoLoop {
         self.hold_clutch(inputs);
         self.move_segments();
 
-        let output = self.touch(&self.input(inputs));
+        let input = self.input(inputs);
+        let needle = self.needle_input(inputs.time, &input);
+        let led = self.lead_needle(&needle, &input);
+        let mut output = self.touch(&led);
+        self.give_way(inputs.time, &input, &mut output);
+        self.follow_needle(&needle, &mut output);
 
         self.publish_force(inputs, &output);
+        self.publish_poses();
         self.publish_status(inputs, &output, sent_in_device);
         self.record(inputs, &output, sent_in_device);
         self.state.tick += 1;
@@ -219,6 +250,7 @@ impl ServoLoop {
     /// Takes a step of each segment that moves; the one that is touched takes along what friction
     /// holds.
     fn move_segments(&mut self) {
+        self.moved |= self.state.poses.is_moving();
         let (proxy, touched) = (&mut self.state.touch.proxy, SegmentId(self.state.touched));
         let carried =
             self.occupancy
@@ -269,6 +301,7 @@ impl ServoLoop {
                 mut touchable,
             }) => {
                 self.state.poses.follow_root(&mut touchable, &self.grid);
+                self.moved = true;
                 self.state.received = sequence;
                 self.occupancy.take_root(sequence, touchable, &mut probe);
             }
@@ -315,6 +348,13 @@ impl ServoLoop {
                     self.state.poses.lead(id, target, &self.grid, bounds);
                 }
             }
+            Some(ServoCommand::GiveWay(giving_way)) => {
+                self.state.giving_way = giving_way;
+                self.state
+                    .soft
+                    .take(giving_way.contact.as_ref(), inputs.time);
+            }
+            Some(ServoCommand::Needle(on, tissues)) => self.state.needle.hold(on, &tissues),
             Some(ServoCommand::Mark) => {
                 self.marked = true;
                 // a replay knows only what is read from here on
@@ -334,6 +374,7 @@ impl ServoLoop {
             return;
         };
         self.state.touch = TickState::new(proxy);
+        self.state.needle.forget();
         let placed = self
             .grid
             .patient_from_grid()
@@ -374,14 +415,21 @@ impl ServoLoop {
     fn touch(&mut self, input: &TickInput) -> TickOutput {
         self.cache.set_epoch(self.occupancy.version());
         self.owners.set_version(self.occupancy.version());
+        let has_needle = self.state.needle.is_felt();
+        let sharp = needle::sharp(&self.state.settings);
         let surfaces = TouchedSurfaces {
             touchable: self.occupancy.touchable(),
             owners: &self.owners,
-            settings: &self.state.settings,
-            feels: &self.state.feels,
+            settings: if has_needle {
+                &sharp
+            } else {
+                &self.state.settings
+            },
+            // a needle is one spring, whatever it touches
+            feels: (!has_needle).then_some(&self.state.feels),
         };
         let model = LimitedModel {
-            model: self.state.settings.model,
+            model: surfaces.settings.model,
             limits: self.occupancy.touchable().limits(),
         };
         let output = tick(
@@ -404,6 +452,56 @@ impl ServoLoop {
         output
     }
 
+    /// Feels matter that gives way as it answers, instead of its voxels.
+    fn give_way(&mut self, time: f64, input: &TickInput, output: &mut TickOutput) {
+        let touched = SegmentId(self.state.touched);
+        let settings = self.state.feels.of(touched).over(&self.state.settings);
+        let input = SoftInput {
+            device: input.device_in_scene,
+            velocity: input.velocity_in_scene,
+            gives_way: !self.state.needle.is_felt()
+                && (!output.contact || self.state.giving_way.includes(touched)),
+            coupling: Coupling {
+                stiffness: settings.stiffness,
+                damping: settings.damping,
+            },
+            spacing: self.grid.smallest_spacing(),
+            time,
+        };
+        self.state.soft.follow(&input, output);
+    }
+
+    fn needle_input(&mut self, time: f64, input: &TickInput) -> NeedleInput {
+        NeedleInput {
+            device: input.device_in_scene,
+            velocity: input.velocity_in_scene,
+            coupling: self.state.settings.coupling(),
+            spacing: self.grid.smallest_spacing(),
+            time,
+            dt: self.state.needle.pass(time),
+        }
+    }
+
+    /// Where touch is led: to the device, or to the needle that is in.
+    fn lead_needle(&mut self, needle: &NeedleInput, input: &TickInput) -> TickInput {
+        let matter = NeedleMatter::of(self.occupancy.touchable(), &self.state.needle);
+        let tool = self.state.needle.lead(needle, &self.grid, &matter);
+        tool.map_or(*input, |tool| TickInput {
+            device_in_scene: tool,
+            // its contact is hard or none
+            smoothing: Smoothing::Off,
+            ..*input
+        })
+    }
+
+    /// Feels the needle instead of the hard contact.
+    fn follow_needle(&mut self, input: &NeedleInput, output: &mut TickOutput) {
+        let holder = output.held_by.map(|_| self.state.touched);
+        let matter = NeedleMatter::of(self.occupancy.touchable(), &self.state.needle);
+        let world = (&self.grid, &matter);
+        self.state.needle.follow(input, holder, world, output);
+    }
+
     fn publish_force(&mut self, inputs: &TickInputs, output: &TickOutput) {
         let mapping = &self.state.mapping;
         self.ends.forces.write(ForceCommand {
@@ -413,6 +511,23 @@ impl ServoLoop {
             hand_in_device: mapping.point_to_device(self.state.hand),
             max_force: self.state.settings.force_limit,
         });
+    }
+
+    /// Where matter meets the tool: at the near end of the spring, or where the device is while
+    /// matter that gives way does not push yet.
+    fn tool(&self, inputs: &TickInputs, output: &TickOutput) -> DVec3 {
+        if self.state.soft.is_felt() {
+            self.device_in_scene(inputs) + output.spring
+        } else {
+            output.contact_point_in_scene
+        }
+    }
+
+    /// Before the status, so that who reads that one finds poses as new.
+    fn publish_poses(&mut self) {
+        if std::mem::take(&mut self.moved) {
+            self.ends.poses.write(self.state.poses.current());
+        }
     }
 
     fn publish_status(&mut self, inputs: &TickInputs, output: &TickOutput, sent_in_device: DVec3) {
@@ -426,15 +541,17 @@ impl ServoLoop {
             radius: self.state.radius,
             device: self.device_in_scene(inputs),
             proxy: output.proxy_in_scene,
+            tool: self.tool(inputs, output),
             contact: output.contact,
             touched: self.state.touched,
             time: inputs.time,
             normal: output.normal,
             sent_force: sent_in_device.length(),
-            poses: self.state.poses.current(),
             axes: self.state.mapping.rotation,
             orientation: inputs.orientation,
             origin: self.state.mapping.offset,
+            command: self.state.command,
+            needle: NeedleStatus::of(&self.state.needle),
         });
     }
 

@@ -7,11 +7,13 @@
 //! Frames: `_in_device` is the device's own, all else is the scene; mm, N, s.
 
 use glam::{DQuat, DVec3};
+use palpate_haptics::needle::Needle;
+use palpate_haptics::soft_contact::SoftContact;
 use palpate_haptics::tick::TickState;
 use serde::{Deserialize, Serialize};
 
 use crate::feel::Feels;
-use crate::handover::{DeviceSample, HandTarget};
+use crate::handover::{DeviceSample, GivingWay, HandTarget};
 use crate::mapping::Mapping;
 use crate::moved_poses::MovedPoses;
 use crate::settings::Settings;
@@ -33,6 +35,15 @@ pub struct ServoState {
     pub poses: MovedPoses,
     /// The segment that is touched; 0 where there is none.
     pub touched: u8,
+    /// What gives way.
+    #[serde(default)]
+    pub giving_way: GivingWay,
+    /// How its force is followed.
+    #[serde(default)]
+    pub soft: SoftContact,
+    /// The needle in the hand, or none.
+    #[serde(default)]
+    pub needle: Needle,
     /// Where the hand pulls the device to [mm].
     pub hand: DVec3,
     /// Where the probe stays while the device moves without it [mm].

@@ -5,21 +5,24 @@
 
 use std::sync::mpsc::{self, Sender};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
 
 use glam::{DAffine3, DVec3, IVec3};
 use palpate_device::DeviceLimits;
-use palpate_surface::settings::SurfaceSettings;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
 use palpate_volume::segment::Segment;
 use palpate_volume::voxels::{Voxels, VoxelsError};
 
 use crate::assembly::{Assembly, assemble};
+use crate::bell::Bell;
 use crate::clock;
 use crate::error::SessionError;
 use crate::feel::Feel;
 use crate::frame::{Frame, Notice, Rates};
+use crate::gap_bodies::GapBodies;
 use crate::handover::HandTarget;
+use crate::kept_surface::SurfaceMaking;
 use crate::live::{Live, Paces};
 use crate::mapping::rotation_of_view;
 use crate::offline::Offline;
@@ -30,13 +33,12 @@ use crate::session_config::{SessionConfig, check, check_point};
 use crate::settings::Settings;
 use crate::shared::Shared;
 use crate::simulation::{SegmentState, Simulation, checked_box};
+use crate::surface_loop::SurfacePace;
 use crate::surfaces::{PictureChange, Surfaces};
 use crate::tape::{Tape, TapeRecorder};
 
 mod changes;
 mod objects;
-
-use objects::GapBodies;
 
 /// Edits of more voxels than this are built outside the simulation thread.
 const SMALL_EDIT: u64 = 1 << 20;
@@ -56,6 +58,8 @@ pub struct Session {
     run: Run,
     picture: Arc<Mutex<Picture>>,
     surfaces: Arc<Mutex<Surfaces>>,
+    pace: SurfacePace,
+    bell: Arc<Bell>,
     hand: Mutex<(triple_buffer::Input<HandTarget>, u64)>,
     shared: Arc<Shared>,
     notices: Sender<Notice>,
@@ -85,6 +89,8 @@ impl Session {
             loops,
             picture,
             surfaces,
+            pace,
+            bell,
             hand,
             shared,
             notices,
@@ -104,6 +110,8 @@ impl Session {
             run,
             picture,
             surfaces,
+            pace,
+            bell,
             hand: Mutex::new((hand, 0)),
             shared,
             notices,
@@ -241,13 +249,19 @@ impl Session {
     /// Shows a segment as a surface made in this way, or as none.
     ///
     /// # Errors
-    /// Where the settings make no surface, there is no such segment, or the session has ended.
+    /// Where such a surface cannot be made, there is no such segment, or the session has ended.
     pub fn show_surface(
         &self,
         id: SegmentId,
-        settings: Option<SurfaceSettings>,
+        making: Option<SurfaceMaking>,
     ) -> Result<(), SessionError> {
-        self.ask(move |simulation| simulation.show_surface(id, settings))?
+        self.ask(move |simulation| simulation.show_surface(id, making))?
+    }
+
+    /// Has voxels and surfaces that are shown follow edits every so many-th frame of the picture,
+    /// 1 to 4, for machines that are slow (thesis 5.2.2); 1 is at once.
+    pub fn follow_edits(&self, every: u32) {
+        self.pace.set(every);
     }
 
     /// Names the segments that the picture shows by their labels, the last of several on top.
@@ -256,6 +270,13 @@ impl Session {
     /// Where the session has ended.
     pub fn set_labelled(&self, labelled: Vec<SegmentId>) -> Result<(), SessionError> {
         self.ask(move |simulation| simulation.set_labelled(labelled))
+    }
+
+    /// Waits until surfaces have followed edits more than `heard` times, at most so long; gives
+    /// how often they have.
+    #[must_use]
+    pub fn wait_for_changes(&self, heard: u64, patience: Duration) -> u64 {
+        self.bell.wait(heard, patience)
     }
 
     /// What changed in voxels and surfaces since the call before, oldest first; never waits.
@@ -414,8 +435,8 @@ impl Session {
         self.check_running()
     }
 
-    /// Ends the session: zero force, then no threads, in less than a second. Again it does
-    /// nothing.
+    /// Ends the session: zero force, then no threads, in less than a second where no disk keeps the
+    /// journal waiting. Again it does nothing.
     pub fn stop(&self) {
         match &self.run {
             Run::Live(live) => {

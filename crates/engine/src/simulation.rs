@@ -9,7 +9,6 @@ use glam::{DAffine3, DMat3, DVec3, IVec3};
 use palpate_device::DeviceLimits;
 use palpate_haptics::ball::{BallError, BallShape};
 use palpate_haptics::scene::{MAX_OBJECTS, ObjectPose};
-use palpate_surface::settings::SurfaceSettings;
 use palpate_tools::journal_entry::Action;
 use palpate_tools::journal_file::JournalFile;
 use palpate_tools::undo::UndoJournal;
@@ -19,12 +18,15 @@ use palpate_volume::segment::Segment;
 use palpate_volume::voxel_box::VoxelBox;
 use palpate_volume::voxels::{Voxels, VoxelsError};
 
+use crate::deformation::Deformation;
 use crate::error::SessionError;
 use crate::feel::Feel;
 use crate::frame::Notice;
 use crate::grip::Grip;
 use crate::handover::{ServoCommand, SimulationChannels};
+use crate::kept_surface::{SegmentVoxels, SurfaceMaking};
 use crate::moved_poses::CurrentPoses;
+use crate::needle::NeedleWatch;
 use crate::placement::{REACH, free_point};
 use crate::scene::{Properties, Scene, Step, ThresholdRange};
 use crate::scene_news::SceneNews;
@@ -33,6 +35,7 @@ use crate::tape::{MAX_TAPE_BYTES, TapeRecorder};
 use crate::tool_stroke::{ToolNow, ToolStroke};
 use crate::touch_sender::{TouchSender, touchable_of};
 
+mod deformation;
 mod objects;
 pub mod recovery;
 mod tools;
@@ -87,6 +90,8 @@ pub struct SegmentState {
     pub pending: bool,
     /// The threshold that it is; none where its voxels come from elsewhere.
     pub range: Option<ThresholdRange>,
+    /// The threshold that made it, whatever edits did since.
+    pub made_by: Option<ThresholdRange>,
     /// How its surface feels.
     pub feel: Feel,
     /// Where it was moved [mm, from the scan to the scene]; none where the scan has it.
@@ -106,8 +111,10 @@ pub struct Simulation {
     scene: Scene,
     journal: UndoJournal<Step>,
     stroke: ToolStroke,
+    needle: NeedleWatch,
     grip: Option<Grip>,
     clutched: bool,
+    deformation: Deformation,
     file: Option<JournalFile>,
     touch: TouchSender,
     status: triple_buffer::Input<SimulationStatus>,
@@ -129,7 +136,7 @@ impl Simulation {
     /// A simulation of this scene, whose device bears `limits`.
     #[must_use]
     pub fn new(
-        scene: Scene,
+        (scene, deformation): (Scene, Deformation),
         settings: Settings,
         limits: DeviceLimits,
         channels: SimulationChannels,
@@ -139,8 +146,10 @@ impl Simulation {
             scene,
             journal: UndoJournal::default(),
             stroke: ToolStroke::default(),
+            needle: NeedleWatch::default(),
             grip: None,
             clutched: false,
+            deformation,
             file: None,
             touch: TouchSender::new(channels, settings.probe_radius),
             status,
@@ -182,6 +191,7 @@ impl Simulation {
                 touchable: properties.touchable,
                 pending: self.touch.is_pending(id),
                 range: properties.range,
+                made_by: properties.made_by,
                 feel: properties.feel,
                 pose: properties.pose,
             })
@@ -193,6 +203,8 @@ impl Simulation {
         self.touch.exchange(&self.scene);
         self.advance_grip();
         self.advance_tool();
+        self.advance_needle();
+        self.advance_deformation();
         self.tell_of_held_changes();
         self.tell_of_refused_places();
         self.tell_of_full_tape();
@@ -309,14 +321,24 @@ impl Simulation {
     pub fn show_surface(
         &mut self,
         id: SegmentId,
-        settings: Option<SurfaceSettings>,
+        making: Option<SurfaceMaking>,
     ) -> Result<(), SessionError> {
-        settings.as_ref().map_or(Ok(()), SurfaceSettings::check)?;
-        let segment = self.voxels().segment(id);
-        let segment = segment.ok_or(VoxelsError::UnknownSegment(id.0))?;
-        let shown = settings.map(|settings| (settings, segment.occupancy().clone()));
+        if let Some(making) = &making {
+            making.settings.check()?;
+        }
+        let voxels = self.voxels_of(id)?;
+        let shown = making.map(|making| (making, voxels));
         self.tell_picture(SceneNews::Show(id, shown));
         Ok(())
+    }
+
+    /// The voxels of a segment with the threshold that made them.
+    ///
+    /// # Errors
+    /// Where there is no such segment.
+    pub fn voxels_of(&self, id: SegmentId) -> Result<SegmentVoxels, SessionError> {
+        let voxels = self.scene.voxels_of(id);
+        voxels.ok_or(VoxelsError::UnknownSegment(id.0).into())
     }
 
     /// Names the segments that the picture shows by their labels: edits tell of these.
@@ -379,6 +401,7 @@ impl Simulation {
     pub fn undo(&mut self) -> Result<bool, SessionError> {
         self.let_go();
         self.close_step();
+        self.deformation.forget();
         let Some(step) = self.journal.pop_undo() else {
             return Ok(false);
         };
@@ -396,6 +419,7 @@ impl Simulation {
     pub fn redo(&mut self) -> Result<bool, SessionError> {
         self.let_go();
         self.close_step();
+        self.deformation.forget();
         let Some(step) = self.journal.pop_redo() else {
             return Ok(false);
         };
@@ -419,6 +443,7 @@ impl Simulation {
     ) -> Result<DVec3, SessionError> {
         // a jump is no stroke
         self.stroke.lift();
+        self.pull_needle();
         let grid = *self.voxels().grid();
         let touchable = touchable_of(&self.scene, self.settings.probe_radius);
         let free = free_point(&touchable.scene(&grid), point).ok_or(SessionError::NoFreeVoxel {
@@ -438,6 +463,7 @@ impl Simulation {
             hand,
             device_too,
         });
+        self.needle.jump(self.touch.commands());
         Ok(free)
     }
 

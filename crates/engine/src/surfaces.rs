@@ -10,13 +10,15 @@ use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 use std::time::SystemTime;
 
-use palpate_surface::settings::{PATCH_CELLS, SurfaceSettings};
-use palpate_surface::{PatchChange, PatchId, SegmentSurface, VoxelSource};
+use palpate_surface::settings::PATCH_CELLS;
+use palpate_surface::{PatchChange, PatchId};
 use palpate_volume::bits::Bits;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
+use palpate_volume::intensities::Intensities;
 use palpate_volume::voxel_box::VoxelBox;
 
+use crate::kept_surface::{KeptSurface, SegmentVoxels, SurfaceMaking};
 use crate::packed_patch::{Lattice, PackedPatch};
 use crate::scene_news::{EditNews, SceneNews};
 
@@ -58,12 +60,9 @@ pub struct VoxelChange {
 /// A segment that is shown as a surface.
 #[derive(Debug)]
 struct Shown {
-    bits: Bits,
-    surface: SegmentSurface,
+    kept: KeptSurface,
     lattice: Lattice,
     packed: BTreeMap<PatchId, Arc<PackedPatch>>,
-    /// The box of voxels that the surface does not follow yet.
-    dirty: VoxelBox,
     change: SurfaceChange,
 }
 
@@ -71,6 +70,7 @@ struct Shown {
 #[derive(Debug)]
 pub struct Surfaces {
     grid: Grid,
+    scan: Intensities,
     shown: BTreeMap<SegmentId, Shown>,
     next: PictureChange,
     /// Whether anybody ever asked: else nothing is kept.
@@ -81,9 +81,10 @@ pub struct Surfaces {
 impl Surfaces {
     /// No segment of a scan on this grid is shown as a surface.
     #[must_use]
-    pub fn new(grid: Grid) -> Self {
+    pub fn new(grid: Grid, scan: Intensities) -> Self {
         Self {
             grid,
+            scan,
             shown: BTreeMap::new(),
             next: PictureChange::default(),
             watched: false,
@@ -95,20 +96,22 @@ impl Surfaces {
     pub fn take(&mut self, news: SceneNews) {
         match news {
             SceneNews::Edit(edit) => self.take_edit(edit),
-            SceneNews::Segment(id, Some(bits)) => self.take_segment(id, bits),
+            SceneNews::Segment(id, Some(voxels)) => self.take_segment(id, voxels),
             // undo may bring it back, and it is still to be shown as a surface then
             SceneNews::Segment(id, None) => {
-                self.take_segment(id, Bits::empty(self.grid.dimensions()))
+                let bits = Bits::empty(self.grid.dimensions());
+                let made_by = None;
+                self.take_segment(id, SegmentVoxels { bits, made_by });
             }
             SceneNews::Show(id, None) => self.hide(id),
-            SceneNews::Show(id, Some((settings, bits))) => self.show(id, settings, bits),
+            SceneNews::Show(id, Some((making, voxels))) => self.show(id, making, voxels),
         }
     }
 
     /// Makes the surfaces follow all news that were taken.
     pub fn follow(&mut self) {
         for (&id, shown) in &mut self.shown {
-            shown.follow();
+            shown.follow(&self.scan);
             let change = std::mem::take(&mut shown.change);
             if !change.is_empty() {
                 self.next.surfaces.insert(id, change);
@@ -147,6 +150,13 @@ impl Surfaces {
         }
     }
 
+    /// The surface that is kept of a segment that is shown, where it is made in this way.
+    #[must_use]
+    pub fn kept(&self, id: SegmentId, making: &SurfaceMaking) -> Option<&KeptSurface> {
+        let kept = self.shown.get(&id).map(|shown| &shown.kept);
+        kept.filter(|kept| kept.making() == making)
+    }
+
     fn take_edit(&mut self, news: EditNews) {
         let EditNews {
             edit,
@@ -160,8 +170,7 @@ impl Surfaces {
             let Some(shown) = self.shown.get_mut(&id) else {
                 continue;
             };
-            swaps.iter_mut().for_each(|swap| shown.bits.swap(swap));
-            shown.dirty = shown.dirty.union(&dirty);
+            shown.kept.swap(&mut swaps, &dirty);
         }
         self.next.edit = edit;
         self.next.applied.get_or_insert(applied);
@@ -174,27 +183,23 @@ impl Surfaces {
         }
     }
 
-    fn take_segment(&mut self, id: SegmentId, bits: Bits) {
-        let Some(shown) = self.shown.get_mut(&id) else {
-            return;
-        };
-        shown.dirty = shown.dirty.union(&shown.bits.difference(&bits));
-        shown.bits = bits;
+    fn take_segment(&mut self, id: SegmentId, voxels: SegmentVoxels) {
+        if let Some(shown) = self.shown.get_mut(&id) {
+            shown.kept.replace(voxels);
+        }
     }
 
-    fn show(&mut self, id: SegmentId, settings: SurfaceSettings, bits: Bits) {
-        let Ok(surface) = SegmentSurface::new(&self.grid, settings) else {
+    fn show(&mut self, id: SegmentId, making: SurfaceMaking, voxels: SegmentVoxels) {
+        let Ok(kept) = KeptSurface::new(&self.grid, making, voxels) else {
             // the simulation has refused such settings
             return;
         };
-        let edge = f64::from((PATCH_CELLS + 2) * i32::from(settings.step));
+        let edge = f64::from((PATCH_CELLS + 2) * i32::from(making.settings.step));
         let longest = edge * self.grid.spacing().length();
         let shown = Shown {
-            bits,
-            lattice: Lattice::new(surface.origin(), longest),
-            surface,
+            lattice: Lattice::new(kept.surface().origin(), longest),
+            kept,
             packed: BTreeMap::new(),
-            dirty: self.grid.bounds(),
             change: SurfaceChange {
                 whole: true,
                 ..SurfaceChange::default()
@@ -215,15 +220,8 @@ impl Surfaces {
 }
 
 impl Shown {
-    fn follow(&mut self) {
-        let dirty = std::mem::replace(&mut self.dirty, VoxelBox::EMPTY);
-        if dirty.is_empty() {
-            return;
-        }
-        for PatchChange { id, patch } in self
-            .surface
-            .update(&VoxelSource::of_bits(&self.bits), &dirty)
-        {
+    fn follow(&mut self, scan: &Intensities) {
+        for PatchChange { id, patch } in self.kept.follow(scan) {
             match patch.and_then(|patch| self.lattice.pack(&patch)) {
                 Some(packed) => {
                     let packed = Arc::new(packed);

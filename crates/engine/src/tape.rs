@@ -8,6 +8,7 @@
 use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, DVec3, IVec3};
+use palpate_haptics::needle::tissues::Tissues;
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;
@@ -18,7 +19,7 @@ use rtrb::Consumer;
 use serde::{Deserialize, Serialize};
 
 use crate::feel::Feel;
-use crate::handover::{ServoCommand, Snapshot};
+use crate::handover::{GivingWay, ServoCommand, Snapshot};
 use crate::scan_values::{ScanValues, Threshold};
 use crate::scene::ThresholdRange;
 use crate::servo_state::ServoState;
@@ -65,6 +66,10 @@ pub enum TapeCommand {
     Pose(u8, DAffine3),
     /// How the surface of a segment felt from then on.
     Feel(u8, Feel),
+    /// What gave way from then on.
+    GiveWay(GivingWay),
+    /// A needle was taken in the hand, or out of it.
+    Needle(bool, Tissues),
     /// A recording began anew.
     Mark,
 }
@@ -79,6 +84,9 @@ pub struct TapePart {
     pub moved: Option<(IVec3, IVec3, DAffine3)>,
     /// The threshold that made it.
     pub threshold: Option<ThresholdRange>,
+    /// Whether a needle had punctured it.
+    #[serde(default)]
+    pub punctured: bool,
 }
 
 impl From<&Part> for TapePart {
@@ -89,6 +97,7 @@ impl From<&Part> for TapePart {
                 .moved
                 .map(|MovedPart { bounds, pose }| (bounds.min, bounds.max, pose)),
             threshold: part.threshold.as_ref().map(|threshold| threshold.range),
+            punctured: part.punctured,
         }
     }
 }
@@ -301,6 +310,8 @@ impl Writer {
             ServoCommand::Settings(settings) => TapeCommand::Settings(*settings),
             ServoCommand::Pose(id, pose) => TapeCommand::Pose(id.0, *pose),
             ServoCommand::Feel(id, feel) => TapeCommand::Feel(id.0, *feel),
+            ServoCommand::GiveWay(giving_way) => TapeCommand::GiveWay(*giving_way),
+            ServoCommand::Needle(on, tissues) => TapeCommand::Needle(*on, *tissues),
             ServoCommand::Mark => TapeCommand::Mark,
         };
         TapeEntry { command, swaps }
@@ -337,6 +348,7 @@ pub fn rooted(old: &[Part], new: &[TapePart], values: &ScanValues) -> Vec<Part> 
                 range,
                 values: values.clone(),
             }),
+            punctured: part.punctured,
         }
     };
     new.iter().map(part).collect()

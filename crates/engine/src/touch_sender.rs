@@ -14,6 +14,7 @@ use palpate_volume::edit::SegmentId;
 use crate::handover::{
     BrickChange, Garbage, MAX_BRICKS, ServoCommand, ServoStatus, SimulationChannels,
 };
+use crate::moved_poses::CurrentPoses;
 use crate::scene::{Scene, TouchChange};
 use crate::tape::TapeRecorder;
 use crate::touchable::{Part, Touchable};
@@ -31,6 +32,7 @@ pub struct TouchSender {
     inbox: rtrb::Producer<ServoCommand>,
     garbage: rtrb::Consumer<Garbage>,
     replies: triple_buffer::Output<ServoStatus>,
+    poses: triple_buffer::Output<CurrentPoses>,
     tape: Arc<Mutex<TapeRecorder>>,
     /// Of the probe, as it is wanted [mm].
     radius: f64,
@@ -51,12 +53,14 @@ impl TouchSender {
             inbox,
             garbage,
             status,
+            poses,
             snapshots,
         } = channels;
         Self {
             inbox,
             garbage,
             replies: status,
+            poses,
             tape: Arc::new(Mutex::new(TapeRecorder::new(snapshots))),
             radius,
             backlog: VecDeque::new(),
@@ -72,6 +76,18 @@ impl TouchSender {
     #[must_use]
     pub fn status(&self) -> &ServoStatus {
         &self.status
+    }
+
+    /// Commands sent so far.
+    #[must_use]
+    pub fn commands(&self) -> u64 {
+        self.commands
+    }
+
+    /// Where moved segments stand by now, as the servo last said.
+    #[must_use]
+    pub fn poses(&self) -> &CurrentPoses {
+        self.poses.output_buffer()
     }
 
     /// Number of changes that touch does not follow yet, moves that the probe stops among them.
@@ -161,6 +177,7 @@ impl TouchSender {
         }
         self.flush();
         self.status = *self.replies.read();
+        self.poses.update();
         let status = self.status;
         if status.skipped > self.skipped {
             self.skipped = status.skipped;
@@ -210,7 +227,7 @@ impl TouchSender {
         let swaps = swaps.collect();
         let unmoved: Vec<&Bits> = scene
             .obstacles()
-            .filter(|(_, _, properties)| properties.pose.is_none())
+            .filter(|(id, _, _)| scene.stands(*id))
             .map(|(_, segment, _)| segment.occupancy())
             .collect();
         let sequence = self.begin(segments);

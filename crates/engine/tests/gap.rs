@@ -5,11 +5,17 @@
     reason = "helpers of tests may fail a test, as the tests themselves"
 )]
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, DQuat, DVec3, UVec3};
 use palpate_engine::gap::{Gap, GapBody};
+use palpate_engine::gap_bodies::{GapBodies, Measured, making};
+use palpate_engine::kept_surface::{KeptSurface, SegmentVoxels};
+use palpate_surface::{Patch, PatchId};
+use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
+use palpate_volume::intensities::Intensities;
 use palpate_volume::segment::Segment;
 
 const SPACING: DVec3 = DVec3::new(0.7, 0.8, 1.1);
@@ -31,17 +37,40 @@ fn grid() -> Grid {
     .unwrap()
 }
 
+/// A scan whose values nothing asks for.
+fn scan() -> Intensities {
+    let values = vec![0; grid().voxel_count()];
+    Intensities::new(grid().dimensions(), values, 1.0, 0.0).unwrap()
+}
+
+/// A segment that no threshold made and nobody draws.
+fn measured(id: u8, segment: &Segment) -> Measured {
+    Measured {
+        id: SegmentId(id),
+        segment: segment.clone(),
+        voxels: SegmentVoxels {
+            bits: segment.occupancy().clone(),
+            made_by: None,
+        },
+        drawn: None,
+    }
+}
+
+fn body_of(segment: &Segment) -> Arc<GapBody> {
+    let [body] = GapBodies::default().ready([measured(1, segment)], &grid(), &scan());
+    body
+}
+
 /// Where a voxel's middle is in a ball [mm].
 fn ball(radius: f64) -> Arc<GapBody> {
     let grid = grid();
     let to_scene = grid.patient_from_grid();
-    let segment = Segment::from_fn(grid.dimensions(), |voxel| {
+    body_of(&Segment::from_fn(grid.dimensions(), |voxel| {
         to_scene
             .transform_point3(voxel.as_dvec3() + 0.5)
             .distance(MIDDLE)
             <= radius
-    });
-    Arc::new(GapBody::new(&segment, &grid))
+    }))
 }
 
 /// From a ball that is moved by a rigid motion about its middle to one that is not.
@@ -122,7 +151,72 @@ fn a_body_in_another_one_overlaps_by_all_of_itself() {
 fn what_is_empty_has_no_gap() {
     let grid = grid();
     let empty = Segment::from_fn(grid.dimensions(), |_| false);
-    let empty = Arc::new(GapBody::new(&empty, &grid));
+    let empty = body_of(&empty);
     assert_eq!(empty.gap_to(&ball(5.0), &DAffine3::IDENTITY), None);
     assert_eq!(ball(5.0).gap_to(&empty, &DAffine3::IDENTITY), None);
+}
+
+/// A body over several blocks, with a hole that an edit may have made.
+fn block(edited: bool) -> Segment {
+    Segment::from_fn(grid().dimensions(), |voxel| {
+        let solid = voxel.min_element() >= 4 && (voxel - 50).max_element() < 0;
+        let hole = edited && (voxel - 8).length_squared() < 20;
+        solid && !hole
+    })
+}
+
+fn patches_of(surface: &KeptSurface) -> BTreeMap<PatchId, Arc<Patch>> {
+    let patches = surface.surface().patches();
+    patches.map(|(id, patch)| (id, Arc::clone(patch))).collect()
+}
+
+/// How many patches are the very same, and that all are equal to those made from nothing.
+fn shared(one: &BTreeMap<PatchId, Arc<Patch>>, other: &BTreeMap<PatchId, Arc<Patch>>) -> usize {
+    let same = |(id, patch): &(&PatchId, &Arc<Patch>)| {
+        other
+            .get(*id)
+            .is_some_and(|other| Arc::ptr_eq(patch, other))
+    };
+    one.iter().filter(same).count()
+}
+
+#[test]
+fn the_surface_of_a_measured_segment_is_kept_and_follows_edits_by_their_boxes() {
+    let (grid, scan) = (grid(), scan());
+    let mut bodies = GapBodies::default();
+    let [first, _] = bodies.ready(
+        [measured(1, &block(false)), measured(2, &block(true))],
+        &grid,
+        &scan,
+    );
+    let before = patches_of(bodies.surface(SegmentId(1)).unwrap());
+    assert!(before.len() >= 4);
+
+    // nothing changed: nothing is made
+    let [again] = bodies.ready([measured(1, &block(false))], &grid, &scan);
+    assert!(Arc::ptr_eq(&first, &again));
+    // and what is measured no more is forgotten
+    assert!(bodies.surface(SegmentId(2)).is_none());
+
+    let [_] = bodies.ready([measured(1, &block(true))], &grid, &scan);
+    let after = patches_of(bodies.surface(SegmentId(1)).unwrap());
+    assert!(shared(&before, &after) > 0 && shared(&before, &after) < before.len());
+    let mut fresh = GapBodies::default();
+    fresh.ready([measured(1, &block(true))], &grid, &scan);
+    assert!(after == patches_of(fresh.surface(SegmentId(1)).unwrap()));
+}
+
+#[test]
+fn a_surface_that_is_drawn_is_measured_as_it_is() {
+    let (grid, scan) = (grid(), scan());
+    let mut one = measured(1, &block(true));
+    let mut drawn = KeptSurface::new(&grid, making(), one.voxels.clone()).unwrap();
+    drawn.follow(&scan);
+    let patches = patches_of(&drawn);
+    one.drawn = Some(drawn);
+
+    let mut bodies = GapBodies::default();
+    bodies.ready([one], &grid, &scan);
+    let kept = patches_of(bodies.surface(SegmentId(1)).unwrap());
+    assert_eq!(shared(&patches, &kept), patches.len());
 }

@@ -7,8 +7,6 @@
 
 mod common;
 
-use std::time::{Duration, Instant};
-
 use common::*;
 use glam::{DVec3, IVec3, UVec3};
 use palpate_engine::frame::Frame;
@@ -27,19 +25,6 @@ fn live(rate_hz: u32) -> Session {
     })
 }
 
-/// Takes frames until one is as wanted; threads on a busy machine may take their time.
-fn frame_where(session: &Session, wanted: impl Fn(&Frame) -> bool) -> Frame {
-    let start = Instant::now();
-    loop {
-        let frame = session.frame();
-        if wanted(&frame) {
-            return frame;
-        }
-        assert!(start.elapsed() < Duration::from_secs(20), "{frame:?}");
-        std::thread::sleep(Duration::from_millis(5));
-    }
-}
-
 #[test]
 fn all_four_threads_run_and_the_hand_feels_the_block() {
     for rate_hz in [1000, 4000] {
@@ -50,15 +35,12 @@ fn all_four_threads_run_and_the_hand_feels_the_block() {
         // which segment it is comes from another thread, a little later
         let frame = frame_where(&session, |frame| pressed(frame) && frame.touched == 1);
         assert!(frame.proxy.y < 20.0);
-        let frame = frame_where(&session, |frame| frame.rates.servo.hz > 0.0);
-        for rate in [
-            &frame.rates.device,
-            &frame.rates.servo,
-            &frame.rates.simulation,
-            &frame.rates.picture,
-        ] {
-            assert!(rate.ticks > 0, "{rate:?}");
-        }
+        // each thread begins when the machine lets it
+        let frame = frame_where(&session, |frame| {
+            let rates = &frame.rates;
+            let slower = [&rates.device, &rates.simulation, &rates.picture];
+            rates.servo.hz > 0.0 && slower.iter().all(|rate| rate.ticks > 0)
+        });
         assert_eq!(frame.rates.servo.asked_hz, f64::from(rate_hz));
         assert_eq!(frame.safety.violations, 0);
     }
@@ -87,9 +69,11 @@ fn edits_reach_touch_while_the_probe_presses() {
     let id = SegmentId(1);
     let (low, high) = (IVec3::new(14, 20, 14), IVec3::new(26, 24, 26));
     session.fill_box(id, low, high, false).unwrap();
-    let frame = frame_where(&session, |frame| frame.proxy.y > 23.0 && frame.contact);
-    assert!(frame.can_undo && !frame.can_redo);
-    assert_eq!(frame.edit, 2);
+    frame_where(&session, |frame| frame.proxy.y > 23.0 && frame.contact);
+    // the simulation tells of its edit when it has done it, the servo when it follows
+    frame_where(&session, |frame| {
+        frame.can_undo && !frame.can_redo && frame.edit == 2
+    });
 
     // filled again, it is pushed out; then dug again
     assert!(session.undo().unwrap());

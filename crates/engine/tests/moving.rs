@@ -7,13 +7,22 @@
 
 mod common;
 
-use common::{OBSTACLE, Random, Rig, box_segment, sponge};
+use std::sync::Arc;
+
+use common::{OBSTACLE, Random, Rig, box_segment, grid, sponge};
 use glam::{DAffine3, DMat3, DVec3, IVec3, UVec3};
 use palpate_engine::error::SessionError;
-use palpate_engine::feel::Feel;
+use palpate_engine::feel::{Feel, Feels};
+use palpate_engine::handover::{Channels, ServoCommand};
+use palpate_engine::mapping::Mapping;
+use palpate_engine::servo::{ServoLoop, ServoStart};
 use palpate_engine::settings::Settings;
+use palpate_engine::shared::Shared;
+use palpate_engine::touchable::{MovedPart, Part, Touchable};
 use palpate_haptics::smooth::Smoothing;
+use palpate_volume::edit::SegmentId;
 use palpate_volume::segment::Segment;
+use palpate_volume::voxel_box::VoxelBox;
 
 const DIMENSIONS: UVec3 = UVec3::splat(48);
 const START: DVec3 = DVec3::new(24.5, 24.5, 40.5);
@@ -70,6 +79,55 @@ fn a_segment_that_is_moved_into_the_probe_pushes_it() {
     let free = ticks(&mut rig, SETTLED, START);
     assert!(!free.contact && free.proxy == START, "{free:?}");
     assert_eq!(free.force, DVec3::ZERO);
+}
+
+#[test]
+fn poses_are_told_where_they_change_and_at_no_other_tick() {
+    let part = Part {
+        id: SegmentId(3),
+        bits: floor_block().occupancy().clone(),
+        moved: Some(MovedPart {
+            bounds: VoxelBox::of_dimensions(DIMENSIONS),
+            pose: shifted(DVec3::X),
+        }),
+        threshold: None,
+        punctured: false,
+    };
+    let Channels {
+        servo, simulation, ..
+    } = Channels::new(START);
+    let start = ServoStart {
+        grid: grid(DIMENSIONS),
+        touchable: Touchable::new(&grid(DIMENSIONS), vec![part], 0.0).unwrap(),
+        mapping: Mapping::IDENTITY,
+        probe: START,
+        settings: Settings::default(),
+        feels: Feels::default(),
+    };
+    let mut servo = ServoLoop::new(start, servo, Arc::new(Shared::default()));
+    let (mut poses, mut inbox) = (simulation.poses, simulation.inbox);
+    let mut told = |ticks: u32, servo: &mut ServoLoop| {
+        let updates = (0..ticks).filter(|_| {
+            servo.step(0.0);
+            poses.update()
+        });
+        (updates.count(), poses.output_buffer()[0])
+    };
+    let [here, there] = [DVec3::X, DVec3::X * 3.0].map(|by| Some((3, shifted(by))));
+
+    assert_eq!(
+        told(1, &mut servo),
+        (1, here),
+        "where it stands at the start"
+    );
+    assert_eq!(told(50, &mut servo), (0, here), "at rest");
+    let command = ServoCommand::Pose(SegmentId(3), shifted(DVec3::X * 3.0));
+    inbox.push(command).unwrap();
+    let (updates, last) = told(100, &mut servo);
+    assert_eq!(last, there);
+    // a step each tick, and at least so many of them that it does not jump
+    assert!((10..100).contains(&updates), "{updates}");
+    assert_eq!(told(50, &mut servo), (0, there), "at rest again");
 }
 
 #[test]

@@ -7,8 +7,6 @@
 
 mod common;
 
-use std::time::{Duration, Instant};
-
 use common::*;
 use glam::{DAffine3, DMat3, DVec3, IVec3, UVec3};
 use palpate_engine::feel::Feel;
@@ -602,6 +600,8 @@ fn a_live_session_edited_thirty_times_a_second_is_replayed() {
     });
     session.place(DVec3::new(20.0, 10.0, 20.0)).unwrap();
     session.start_recording().unwrap();
+    session.hand(DVec3::new(20.0, 32.0, 20.0)).unwrap();
+    frame_where(&session, |frame| frame.contact);
     let id = SegmentId(1);
     for step in 0..45 {
         let swing = 10.0 * (0.4 * f64::from(step)).sin();
@@ -619,7 +619,8 @@ fn a_live_session_edited_thirty_times_a_second_is_replayed() {
             session.view(DVec3::X, DVec3::new(0.0, 0.3, 1.0)).unwrap();
             session.place(DVec3::new(24.0, 12.0, 22.0)).unwrap();
         }
-        std::thread::sleep(Duration::from_millis(33));
+        // thirty a second where the servo keeps its pace
+        let_tick(&session, 33);
     }
     let (recording, tape) = session.finish_recording().unwrap();
     let tape = tape.unwrap();
@@ -628,7 +629,7 @@ fn a_live_session_edited_thirty_times_a_second_is_replayed() {
     // the replay holds what happened: edits, and contact with them
     assert!(tape.entries.len() > 45);
     assert!(recording.contact.iter().any(|touches| *touches));
-    assert!(outcome.ticks.len() > 500, "{}", outcome.ticks.len());
+    assert!(outcome.ticks.len() > 45 * 33, "{}", outcome.ticks.len());
 }
 
 /// The tape survives the session: what was recorded is not lost when the session stops.
@@ -641,9 +642,7 @@ fn a_recording_can_be_taken_after_the_session_has_stopped() {
     let (recording, tape) = session.finish_recording().unwrap();
     assert_eq!(recording.len(), 500);
     assert_equal(&replay(&recording, &tape.unwrap()).unwrap());
-    let start = Instant::now();
     assert!(session.finish_recording().is_none());
-    assert!(start.elapsed() < Duration::from_secs(10));
 }
 
 // --- files --------------------------------------------------------------------------------

@@ -201,7 +201,7 @@ fn main() {
         });
         let tick = |cache: &mut SmoothCache, proxy: &mut Proxy, device, state: &mut _, shares| {
             let met = Exact::default().advance(&scene, device, proxy);
-            let fields = cache.near(&scene, Source { epoch: 1, shares }, proxy);
+            let fields = cache.near(&scene, Source { epoch: 1, shares }, proxy, device);
             let input = SmoothInput {
                 proxy,
                 device_in_grid: device,

@@ -84,6 +84,7 @@ fn follow(strokes: &[(Segment, Path)], grid: &Grid, depth: f64) -> [Figures; 2] 
                     shares: false,
                 },
                 &proxy,
+                in_grid,
             );
             let input = SmoothInput {
                 proxy: &proxy,

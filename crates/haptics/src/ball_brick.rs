@@ -65,6 +65,7 @@ fn read<const BLOCKS: usize, const ROWS: usize>(
 ) -> bool {
     let reach: IVec3 = (shape.reach() + (BRICK - 1)) >> 3_i32;
     let middle = (BLOCKS / 2) as i32;
+    let reached = layers(ROWS, shape);
     let mut any = false;
     for z in -reach.z..=reach.z {
         for y in -reach.y..=reach.y {
@@ -73,12 +74,16 @@ fn read<const BLOCKS: usize, const ROWS: usize>(
                 if block == BitBrick::EMPTY {
                     continue;
                 }
-                any = true;
                 let first_layer = 8 * (middle + z) as usize;
                 let first_row = 8 * (middle + y) as usize;
                 let column = &mut source[(middle + x) as usize];
-                for (layer, word) in column[first_layer..first_layer + 8].iter_mut().zip(block.0) {
-                    layer[first_row..first_row + 8].copy_from_slice(&word.to_le_bytes());
+                // no other layers are looked at
+                let from = reached.start.max(first_layer);
+                for layer in from..reached.end.min(first_layer + 8) {
+                    let word = block.0[(layer - first_layer) & 7];
+                    any |= word != 0;
+                    let rows = &mut column[layer][first_row..first_row + 8];
+                    rows.copy_from_slice(&word.to_le_bytes());
                 }
             }
         }

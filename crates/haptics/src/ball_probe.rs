@@ -6,11 +6,13 @@
 
 use crate::admission::{Admission, admit_scene};
 use crate::ball::{Ball, BallError, BallShape, Dilated};
+use crate::ball_closing::Closing;
 use crate::proxy::Proxy;
 use crate::scene::{MAX_OBJECTS, Object, TouchScene};
 use arrayvec::ArrayVec;
 use glam::{DVec3, IVec3};
 use palpate_volume::bit_brick::BitBrick;
+use palpate_volume::first_solid::Traversal;
 use palpate_volume::occupancy::Occupancy;
 use palpate_volume::voxel_box::VoxelBox;
 
@@ -67,8 +69,8 @@ pub struct ProbeSolid<O> {
     inner: O,
     /// Where its centre cannot be.
     hard: Ball,
-    /// The same without the safe side: what the smooth force is made of.
-    soft: Ball,
+    /// What it cannot get into: the smooth force takes that as solid.
+    closing: Closing,
 }
 
 impl<O: Occupancy> ProbeSolid<O> {
@@ -77,10 +79,11 @@ impl<O: Occupancy> ProbeSolid<O> {
     /// # Errors
     /// Where the ball is too large for these voxels.
     pub fn new(inner: O, radius_mm: f64, spacing: DVec3) -> Result<Self, BallError> {
+        let shape = BallShape::new(radius_mm, spacing)?;
         Ok(Self {
             inner,
-            hard: Ball::new(BallShape::new(radius_mm, spacing)?),
-            soft: Ball::new(BallShape::soft(radius_mm, spacing)?),
+            hard: Ball::new(shape),
+            closing: Closing::new(&shape),
         })
     }
 
@@ -103,7 +106,7 @@ impl<O: Occupancy> ProbeSolid<O> {
     pub fn change<T>(&mut self, changed: &VoxelBox, change: impl FnOnce(&mut O) -> T) -> T {
         if !self.hard.is_point() {
             self.hard.invalidate_box(changed);
-            self.soft.invalidate_box(changed);
+            self.closing.invalidate_box(changed);
         }
         change(&mut self.inner)
     }
@@ -114,11 +117,9 @@ impl<O: Occupancy> ProbeSolid<O> {
     /// # Errors
     /// Where the ball is too large for these voxels; nothing is changed then.
     pub fn set_radius(&mut self, radius_mm: f64) -> Result<(), BallError> {
-        let spacing = self.shape().spacing();
-        let hard = BallShape::new(radius_mm, spacing)?;
-        let soft = BallShape::soft(radius_mm, spacing)?;
-        self.hard.set_shape(hard);
-        self.soft.set_shape(soft);
+        let shape = BallShape::new(radius_mm, self.shape().spacing())?;
+        self.hard.set_shape(shape);
+        self.closing.set_shape(&shape);
         Ok(())
     }
 
@@ -151,13 +152,15 @@ impl<O: Occupancy> ProbeSolid<O> {
     }
 
     #[inline(never)]
-    fn blocked(&self, min: IVec3) -> BitBrick {
-        self.hard.dilate(&self.inner).block(min)
+    fn first_blocked(&self, start: DVec3, end: DVec3, max_visits: u32) -> Traversal {
+        self.hard
+            .dilate(&self.inner)
+            .first_solid(start, end, max_visits)
     }
 
     #[inline(never)]
-    fn blocked_softly(&self, min: IVec3) -> BitBrick {
-        self.soft.dilate(&self.inner).block(min)
+    fn blocked(&self, min: IVec3) -> BitBrick {
+        self.hard.dilate(&self.inner).block(min)
     }
 }
 
@@ -172,6 +175,15 @@ impl<O: Occupancy> Occupancy for ProbeSolid<O> {
     }
 
     #[inline]
+    fn first_solid(&self, start: DVec3, end: DVec3, max_visits: u32) -> Traversal {
+        if self.hard.is_point() {
+            self.inner.first_solid(start, end, max_visits)
+        } else {
+            self.first_blocked(start, end, max_visits)
+        }
+    }
+
+    #[inline]
     fn block(&self, min: IVec3) -> BitBrick {
         if self.hard.is_point() {
             self.inner.block(min)
@@ -182,17 +194,17 @@ impl<O: Occupancy> Occupancy for ProbeSolid<O> {
 
     #[inline]
     fn smooth_block(&self, min: IVec3) -> BitBrick {
-        if self.hard.is_point() {
-            self.inner.smooth_block(min)
-        } else {
-            self.blocked_softly(min)
-        }
+        self.closing.block(&self.inner, min)
     }
 
-    /// Of a point only: the surface of a ball's cells is another than that of the voxels.
+    #[inline]
+    fn probe_radius_mm(&self) -> f64 {
+        self.shape().radius_mm()
+    }
+
     #[inline]
     fn knows_shares(&self) -> bool {
-        self.hard.is_point() && self.inner.knows_shares()
+        self.inner.knows_shares()
     }
 
     #[inline]

@@ -1,10 +1,8 @@
-//! Which cells a ball reaches around a voxel: the structuring elements of the dilation.
+//! Which cells a ball reaches around a voxel: the structuring element of the dilation.
 //!
-//! The ball's centre moves over cells, which are the voxels of the same grid. A *hard* shape
-//! blocks a cell where the ball could overlap the voxel from somewhere in the cell: where box
-//! and box are nearer than the radius. It errs to the safe side, by less than a cell. A *soft*
-//! shape takes the distance from centre to centre and errs to neither side; it is what smooth
-//! fields are made of, and promises nothing.
+//! The ball's centre moves over cells, which are the voxels of the same grid. A voxel blocks a
+//! cell where the ball could overlap it from somewhere in the cell: where box and box are nearer
+//! than the radius. That errs to the safe side, by less than a cell.
 //!
 //! Frame: grid; distances in mm, so that the shapes are balls on thick slices too. Memory: a
 //! shape is convex and symmetric, so rows along x are told by one half-width each.
@@ -54,15 +52,6 @@ pub enum BallError {
     },
 }
 
-/// How the distance from a cell to a voxel is taken.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Measure {
-    /// Between the nearest points of both; less than the radius is blocked.
-    Boxes,
-    /// Between the centres; up to the radius is blocked.
-    Centres,
-}
-
 /// A ball as the offsets from a voxel to the cells that it blocks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BallShape {
@@ -74,25 +63,11 @@ pub struct BallShape {
 }
 
 impl BallShape {
-    /// The hard shape: wherever in a free cell the centre is, the ball overlaps no solid voxel.
+    /// Wherever in a free cell the centre is, the ball overlaps no solid voxel.
     /// Touching is allowed; a radius of 0 is the point, which blocks the voxel itself.
     ///
     /// `spacing` is the size of a voxel [mm].
     pub fn new(radius_mm: f64, spacing: DVec3) -> Result<Self, BallError> {
-        Self::with(Measure::Boxes, radius_mm, spacing)
-    }
-
-    /// The soft shape: cells whose centre is at most the radius from the centre of the voxel.
-    pub fn soft(radius_mm: f64, spacing: DVec3) -> Result<Self, BallError> {
-        Self::with(Measure::Centres, radius_mm, spacing)
-    }
-
-    /// The largest radius of a hard shape on voxels of this size [mm].
-    pub fn largest_radius(spacing: DVec3) -> f64 {
-        f64::from(MAX_REACH) * spacing.min_element()
-    }
-
-    fn with(measure: Measure, radius_mm: f64, spacing: DVec3) -> Result<Self, BallError> {
         if !(radius_mm.is_finite() && radius_mm >= 0.0) {
             return Err(BallError::NotARadius { radius_mm });
         }
@@ -109,8 +84,13 @@ impl BallShape {
             });
         }
         Ok(Self::of_blocked(radius_mm, spacing, |offset| {
-            blocks(measure, radius_mm, spacing, offset)
+            blocks(radius_mm, spacing, offset)
         }))
+    }
+
+    /// The largest radius on voxels of this size [mm].
+    pub fn largest_radius(spacing: DVec3) -> f64 {
+        f64::from(MAX_REACH) * spacing.min_element()
     }
 
     /// The shape of all offsets for which `blocked` holds; it is asked for none that is negative.
@@ -186,15 +166,7 @@ impl BallShape {
 }
 
 /// The rule itself.
-fn blocks(measure: Measure, radius_mm: f64, spacing: DVec3, offset: IVec3) -> bool {
-    match measure {
-        Measure::Boxes => {
-            let between = (offset.abs() - 1).max(IVec3::ZERO).as_dvec3() * spacing;
-            offset == IVec3::ZERO || between.length() < radius_mm * (1.0 - ROUNDING)
-        }
-        Measure::Centres => {
-            let between = offset.as_dvec3() * spacing;
-            between.length() <= radius_mm * (1.0 + ROUNDING)
-        }
-    }
+fn blocks(radius_mm: f64, spacing: DVec3, offset: IVec3) -> bool {
+    let between = (offset.abs() - 1).max(IVec3::ZERO).as_dvec3() * spacing;
+    offset == IVec3::ZERO || between.length() < radius_mm * (1.0 - ROUNDING)
 }

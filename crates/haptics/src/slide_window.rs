@@ -5,7 +5,7 @@
 //! toward it, and never further than [`BEHIND`] voxels past the voxels between proxy and
 //! device.
 
-use crate::voxel_distance::squared_along;
+use crate::voxel_distance::{squared_along, voxel_of};
 use glam::{DVec3, IVec3};
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::occupancy::Occupancy;
@@ -32,7 +32,7 @@ pub(crate) struct SlideWindow {
 impl SlideWindow {
     /// The window for a proxy in voxel `from`.
     pub(crate) fn new(from: IVec3, device: DVec3) -> Self {
-        let goal = device.floor().as_ivec3();
+        let goal = voxel_of(device);
         let down = goal.cmplt(from);
         let min = from - IVec3::select(down, IVec3::splat(TOWARD), IVec3::splat(BEHIND));
         let first = from.min(goal) - BEHIND - min;
@@ -74,6 +74,21 @@ fn packed(bits: [u8; 8]) -> u64 {
     u64::from_le_bytes(bits).wrapping_mul(0x0102_0408_1020_4080) >> 56
 }
 
+/// Eight bits as rows of eight.
+fn whole_rows(rows: u64) -> u64 {
+    // each row has the bit of its own number, and so a highest bit where 127 is added
+    let own = (rows * ROWS) & 0x8040_2010_0804_0201;
+    ((own + 0x7f * ROWS) >> 7 & ROWS) * 0xff
+}
+
+/// The smallest and the largest of the distances to layers.
+fn span_of(layers: &[f64; 8]) -> [f64; 2] {
+    let smaller = |a: f64, &b: &f64| if b < a { b } else { a };
+    let least = layers.iter().fold(f64::INFINITY, smaller);
+    // they fall up to the device and rise after it
+    [least, layers[0].max(layers[7])]
+}
+
 /// Squared distances [mm²] from the device to each layer of the window, per axis; their sum
 /// is the squared distance to a voxel.
 #[derive(Clone, Copy, Debug)]
@@ -102,27 +117,40 @@ impl LayerDistances {
     }
 
     /// Those of `voxels` whose squared distance is below `limit`.
+    ///
+    /// Sums are taken in the order of [`Self::of`], so that a voxel is never found nearer than
+    /// itself; they do not fall where a part of them rises, so that those of the nearest and of
+    /// the farthest layer can decide for all between.
     pub(crate) fn nearer(&self, voxels: &[u64; 8], limit: f64) -> [u64; 8] {
+        let [x, y, z] = [&self.x, &self.y, &self.z].map(span_of);
+        // a box around what is nearer, without branches
+        let columns = packed(self.x.map(|x| u8::from(x + y[0] + z[0] < limit))) * ROWS;
+        let rows = whole_rows(packed(self.y.map(|y| u8::from(x[0] + y + z[0] < limit))));
+        let layers = self.z.map(|z| x[0] + y[0] + z < limit);
+        let in_box: [u64; 8] = std::array::from_fn(|z| {
+            let layer = u64::from(layers[z]).wrapping_neg();
+            voxels[z] & columns & rows & layer
+        });
         std::array::from_fn(|z| {
-            if voxels[z] == 0 || self.z[z] >= limit {
-                return 0;
+            let (word, z) = (in_box[z], self.z[z]);
+            if word == 0 || x[1] + y[1] + z < limit {
+                word
+            } else {
+                self.within(word, z, limit)
             }
-            voxels[z] & self.rows_within(voxels[z], self.z[z], limit)
         })
     }
 
-    /// The part of one word within `limit`; rows without a voxel are skipped. Sums are taken
-    /// in the order of `of`, so that a voxel is never found nearer than itself.
-    fn rows_within(&self, word: u64, z: f64, limit: f64) -> u64 {
-        let mut within = 0;
-        for (row, y) in self.y.iter().enumerate() {
-            if (word >> (8 * row)) & 0xff == 0 || y + z >= limit {
-                continue;
-            }
-            let nearer = self.x.map(|x| u8::from(x + y + z < limit));
-            within |= packed(nearer) << (8 * row);
+    /// The part of one word within `limit`.
+    fn within(&self, word: u64, z: f64, limit: f64) -> u64 {
+        let (mut within, mut left) = (0, word);
+        while left != 0 {
+            let row = left.trailing_zeros() / 8;
+            left &= !(0xff << (8 * row));
+            let y = self.y[row as usize & 7];
+            within |= packed(self.x.map(|x| u8::from(x + y + z < limit))) << (8 * row);
         }
-        within
+        word & within
     }
 
     /// The nearest of some voxels, by its offset; the first of several.
@@ -178,7 +206,7 @@ mod tests {
             let offset = from - window.min;
             assert!(offset.cmpge(window.first).all() && offset.cmple(window.last).all());
             // two behind on each axis, and five toward the device where it is that far
-            let goal = device.floor().as_ivec3();
+            let goal = voxel_of(device);
             let [first, last] = [window.first, window.last].map(|offset| offset + window.min);
             assert_eq!(first, (from.min(goal) - 2).max(from - 5));
             assert_eq!(last, (from.max(goal) + 2).min(from + 5));

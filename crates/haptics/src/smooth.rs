@@ -16,8 +16,10 @@
 //! Frames: points in the world's grid; vectors in mm along its axes. Closed, like a tick.
 //! Source: `docs/decisions/smooth-force.md` has the measurements.
 
+mod aim;
 pub mod blur;
 pub mod cache;
+mod cell_shape;
 mod cell_shares;
 mod descent;
 pub mod field;
@@ -25,6 +27,7 @@ mod half_spaces;
 mod rows;
 pub mod shares;
 mod spline;
+mod surface_rows;
 mod tents;
 mod window;
 
@@ -86,8 +89,13 @@ pub struct Smoother {
     pub longest_step: f32,
     /// A step shorter than this is the last [cells].
     pub tolerance: f32,
+    /// A ball's contact that is wrong by less is good [cells].
+    pub turned: f32,
     /// Farthest from the proxy [cells].
     pub reach: f32,
+    /// A ball is held up so much farther behind where voxels are no cubes: in parts of what their
+    /// longest edge is longer than their shortest.
+    pub reach_by_thickness: f32,
     /// The proxy's distance from the smooth surface [cells]: up to where that is believed, and
     /// from where on not at all.
     pub trusted: [f32; 2],
@@ -114,8 +122,10 @@ impl Smoother {
         max_steps: 6,
         longest_step: 0.75,
         tolerance: 3e-3,
+        turned: 0.05,
         // the proxy is up to three voxels behind (docs/decisions/sliding.md)
         reach: 1.5,
+        reach_by_thickness: 2.0,
         // on a plane the proxy is at most half a voxel's diagonal below the surface
         trusted: [0.75, 1.25],
         agreed_depth: [0.25, 0.45],

@@ -113,10 +113,16 @@ pub struct Holders {
 impl Holders {
     /// Adds a solid with a weight; the weightiest stay. A weight that is none adds nothing.
     pub fn add(&mut self, solid: Solid, weight: f64) {
-        let lightest = self.solids.iter_mut().min_by(|a, b| a.1.total_cmp(&b.1));
-        if let Some(lightest) = lightest
-            && weight > lightest.1
-        {
+        // none is none, so that they can be compared plainly
+        let [first, rest @ ..] = &mut self.solids;
+        let lightest = rest.iter_mut().fold(first, |lightest, solid| {
+            if solid.1 < lightest.1 {
+                solid
+            } else {
+                lightest
+            }
+        });
+        if weight > lightest.1 {
             *lightest = (solid, weight.min(1.0));
         }
     }
@@ -152,21 +158,22 @@ impl Holders {
         point_in_grid: DVec3,
         pull: DVec3,
     ) {
-        let square = pull.length_squared();
         let voxel = voxel_of(point_in_grid);
         let within = point_in_grid - voxel.as_dvec3();
-        for axis in 0..3 {
-            let to_face = if pull[axis] > 0.0 {
-                1.0 - within[axis]
-            } else {
-                within[axis]
-            };
-            // also false where something is not finite, or beyond all voxels
-            if !((0.0..=AT_FACE).contains(&to_face) && pull[axis] != 0.0) {
-                continue;
-            }
+        let up = pull.cmpgt(DVec3::ZERO);
+        let to_face = DVec3::select(up, 1.0 - within, within);
+        // also false where something is not finite, or beyond all voxels
+        let at_face = to_face.cmpge(DVec3::ZERO)
+            & to_face.cmple(DVec3::splat(AT_FACE))
+            & pull.cmpne(DVec3::ZERO);
+        if !at_face.any() {
+            return;
+        }
+        let square = pull.length_squared();
+        for axis in (0..3).filter(|&axis| at_face.test(axis)) {
             let mut beyond = voxel;
-            beyond[axis] = beyond[axis].saturating_add(pull[axis].signum() as i32);
+            let step = if up.test(axis) { 1 } else { -1 };
+            beyond[axis] = beyond[axis].saturating_add(step);
             if occupancy.is_solid(beyond) {
                 let solid = Solid {
                     body,

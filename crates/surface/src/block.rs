@@ -58,6 +58,21 @@ impl Blocks {
             .collect()
     }
 
+    /// Whether a block or one of its octants can change with the voxels of a box.
+    pub(crate) fn is_touched(
+        &self,
+        (block, part): (IVec3, u8),
+        dirty: VoxelBox,
+        settings: &SurfaceSettings,
+    ) -> bool {
+        let Some(own) = self.samples_of(block, part) else {
+            return false;
+        };
+        let (step, seen) = (i32::from(settings.step), own.dilate(settings.reach()));
+        let seen = VoxelBox::new(seen.min * step, seen.max * step);
+        !seen.intersect(&dirty).is_empty()
+    }
+
     /// The samples between which a block or one of its octants makes the surface; none where an
     /// octant lies beyond the border.
     pub(crate) fn samples_of(&self, block: IVec3, part: u8) -> Option<VoxelBox> {

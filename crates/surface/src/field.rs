@@ -8,6 +8,8 @@
 //! The blur has the same width [mm] along each axis: thick slices are blurred little across.
 //! A thin wall has no place where the blurred field would be positive. So a vertex keeps away
 //! from the far side of what is thin: walls, gaps and lone voxels keep their thickness.
+//! With limits, a sample begins as how far it is inside of them, in cells, between -1 and 1: where a
+//! limit is passed is known between samples, and unequal contrasts on both sides do not move it.
 //! Source of undoing the blur: van Cittert (1931), first order.
 
 use glam::{DVec3, IVec3};
@@ -24,6 +26,9 @@ const SPREAD: f32 = 0.25;
 /// Mean depth of the triangles under a ball of radius 1 on which their vertices lie [cells²],
 /// measured on balls of 5 and 20 cells.
 const CHORD: f32 = 0.15;
+
+/// Variance of a ramp from one voxel inside to one voxel outside of a surface [cells²].
+const RAMP: f32 = 1.0 / 3.0;
 
 /// How near a vertex comes to the middle of a sample [edge], where that end is one, two or more
 /// samples thick along the edge. A wall of one stays 0.8 thick, one of two 1.6.
@@ -58,21 +63,29 @@ impl Blur {
         }
     }
 
-    /// How much of the difference that one more blur makes is taken back; `of_bits` where the
-    /// field jumps at the surface.
+    /// How much of the difference that one more blur makes is taken back, where the field jumps at
+    /// the surface.
     ///
-    /// A smooth field changes with the square of the blur's width, so d of the last blur undo d
-    /// before it. A jump at the surface of a ball of radius r goes down by a share of the width
-    /// over r itself: (1 + b) √d - b √(d + 1) would be zero. It is made so much less than zero
-    /// that vertices stand out by CHORD / r, as triangles lie inside of a ball by their chords.
-    fn undone(&self, of_bits: bool) -> f32 {
-        if !of_bits {
-            return self.degree as f32;
-        }
-        let variance = 2.0 * SPREAD;
-        let [width, wider] =
-            [self.degree, self.degree + 1].map(|degree| (variance * degree as f32).sqrt());
+    /// At the surface of a ball of radius r it goes down by a share of the blur's width over r:
+    /// (1 + b) √d - b √(d + 1) would be zero. It is made so much less than zero that vertices stand
+    /// out by CHORD / r, as triangles lie inside of a ball by their chords.
+    fn undone_of_bits(&self) -> f32 {
+        let [width, wider] = self.variances().map(f32::sqrt);
         (width + CHORD * (width + wider) / (width * wider)) / (wider - width)
+    }
+
+    /// The same where the field rises across the surface by RAMP.
+    ///
+    /// Such a ramp is a jump that is blurred already, without having moved. So it falls less: by
+    /// v / √(v + RAMP), where v is the variance of the blur.
+    fn undone_of_depths(&self) -> f32 {
+        let [fall, more] = self.variances().map(|v| (v + CHORD) / (v + RAMP).sqrt());
+        fall / (more - fall)
+    }
+
+    /// Of all blurs, and of one more [cells²].
+    fn variances(&self) -> [f32; 2] {
+        [self.degree, self.degree + 1].map(|degree| 2.0 * SPREAD * degree as f32)
     }
 
     /// Samples that the field must have beyond those where it is wanted, for a gradient too.
@@ -107,6 +120,15 @@ pub(crate) struct Field {
 #[derive(Debug, Default)]
 pub(crate) struct FieldScratch {
     fields: [Field; 2],
+    depths: Field,
+}
+
+/// What a field begins with.
+pub(crate) enum Beginning<'a> {
+    /// The bits alone.
+    Bits,
+    /// The scan's values too: how far each of a row of samples is within the limits.
+    Depths(&'a dyn Fn(IVec3, &mut [f32])),
 }
 
 impl Field {
@@ -122,6 +144,32 @@ impl Field {
                 let row = rows.next().expect("a row for each y and z");
                 values_of(IVec3::new(bounds.min.x, y, z), row);
             }
+        }
+    }
+
+    /// How far the samples of a row are inside of the surface, in cells, from depths in the units
+    /// of the scan; with the sign of their bits, and no more than 1.
+    ///
+    /// A plane at distance d changes the depth by its slope along each axis: d is the depth over
+    /// the sum of the slopes. Where a bit is not what the depth says, an edit made it so, and the
+    /// sample counts as those far inside or outside do: so edits look as their bits. It is how
+    /// touch counts shares of voxels (`palpate-haptics`, `smooth/shares.rs`).
+    fn distances(&self, bits: &Samples, first: IVec3, distances: &mut [f32]) {
+        let (start, [_, y, z]) = (self.index(first), self.strides());
+        let row =
+            |shift: isize| &self.values[start.wrapping_add_signed(shift)..][..distances.len()];
+        let (y, z) = (y as isize, z as isize);
+        let beside = [row(-1), row(1), row(-y), row(y), row(-z), row(z)];
+        let here = row(0);
+        bits.halves(first, distances);
+        for (x, distance) in distances.iter_mut().enumerate() {
+            let rise = |axis: usize| (beside[2 * axis + 1][x] - beside[2 * axis][x]).abs();
+            let slope = 0.5 * (rise(0) + rise(1) + rise(2));
+            let sign = 2.0 * *distance;
+            let inside = sign * here[x] / slope;
+            // also where there is no slope
+            let agrees = sign * here[x] >= 0.0 && inside < 1.0;
+            *distance = if agrees { sign * inside } else { sign };
         }
     }
 
@@ -186,12 +234,21 @@ impl FieldScratch {
     /// The smoothed field on the samples of a box and one more on each side.
     pub(crate) fn smooth(
         &mut self,
-        (blur, of_bits): (&Blur, bool),
-        samples: VoxelBox,
-        values_of: impl Fn(IVec3, &mut [f32]),
+        blur: &Blur,
+        bits: &Samples,
+        (samples, beginning): (VoxelBox, &Beginning<'_>),
     ) -> &Field {
         let [field, other] = &mut self.fields;
-        field.fill(samples.dilate(blur.margin()), values_of);
+        let all = samples.dilate(blur.margin());
+        match beginning {
+            Beginning::Bits => field.fill(all, |first, values| bits.halves(first, values)),
+            Beginning::Depths(depths) => {
+                self.depths.fill(all.dilate(1), depths);
+                field.fill(all, |first, values| {
+                    self.depths.distances(bits, first, values)
+                });
+            }
+        }
         if blur.degree == 0 {
             return field;
         }
@@ -203,7 +260,10 @@ impl FieldScratch {
         other.convolve(1, &blur.once[1], field);
         field.convolve(2, &blur.once[2], other);
 
-        let undone = blur.undone(of_bits);
+        let undone = match beginning {
+            Beginning::Bits => blur.undone_of_bits(),
+            Beginning::Depths(_) => blur.undone_of_depths(),
+        };
         for z in other.bounds.min.z..other.bounds.max.z {
             for y in other.bounds.min.y..other.bounds.max.y {
                 let first = IVec3::new(other.bounds.min.x, y, z);

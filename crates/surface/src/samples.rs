@@ -116,6 +116,27 @@ impl Samples {
         (!all.is_empty()).then_some(all)
     }
 
+    /// How many edges between the samples of `own` are crossed: each holds a vertex.
+    pub(crate) fn crossings(&self, own: VoxelBox) -> u32 {
+        let shift = own.min.x - self.origin.x;
+        let wanted = u64::MAX >> (64 - own.size().x);
+        let row = |y: i32, z: i32| self.row(y, z) >> shift & wanted;
+        let mut count = 0;
+        for z in own.min.z..own.max.z {
+            for y in own.min.y..own.max.y {
+                let here = row(y, z);
+                count += ((here ^ here >> 1) & wanted >> 1).count_ones();
+                if y + 1 < own.max.y {
+                    count += (here ^ row(y + 1, z)).count_ones();
+                }
+                if z + 1 < own.max.z {
+                    count += (here ^ row(y, z + 1)).count_ones();
+                }
+            }
+        }
+        count
+    }
+
     /// Shows nothing but the samples of `own`: whatever lies beyond looks like its border.
     pub(crate) fn isolate(&mut self, own: VoxelBox) {
         let (low, high) = (own.min.x - self.origin.x, own.max.x - 1 - self.origin.x);

@@ -15,13 +15,13 @@ use palpate_volume::voxel_box::VoxelBox;
 use rayon::prelude::*;
 
 use crate::block::{Blocks, PARTS, PatchId, patch_id};
-use crate::field::{Blur, FieldScratch, Zeros};
+use crate::field::{Beginning, Blur, FieldScratch, Zeros};
 use crate::frame::Frame;
 use crate::march::{MarchScratch, march};
 use crate::patch::{Bounds, Patch};
 use crate::place::Midpoints;
 use crate::samples::{Samples, is_uniform};
-use crate::settings::{SettingsError, SmoothingMode, SurfaceSettings};
+use crate::settings::{Limits, SettingsError, SmoothingMode, SurfaceSettings};
 use crate::voxel_source::VoxelSource;
 
 /// A patch that is new, or another one than before, or gone.
@@ -115,49 +115,55 @@ impl SegmentSurface {
         }
         let extraction = &self.extraction;
         let blocks = extraction.blocks.touched_by(*dirty, &self.settings);
-        let made: Vec<Vec<(PatchId, Patch)>> = blocks
+        let made: Vec<Vec<(PatchId, Option<Patch>)>> = blocks
             .par_iter()
             .map_init(Scratch::default, |scratch, &block| {
-                extraction.patches_of(voxels, block, scratch)
+                let was_parted = self.is_parted(block);
+                extraction.patches_of(voxels, (block, was_parted), dirty, scratch)
             })
             .collect();
 
         let mut changes = Vec::new();
-        for (block, made) in blocks.into_iter().zip(made) {
-            self.exchange(block, made, &mut changes);
+        for (id, patch) in made.into_iter().flatten() {
+            self.exchange(id, patch, &mut changes);
         }
         changes.sort_by_key(|change| change.id);
         changes
     }
 
-    /// Puts the patches of a block in the place of the old ones.
-    fn exchange(
-        &mut self,
-        block: IVec3,
-        made: Vec<(PatchId, Patch)>,
-        changes: &mut Vec<PatchChange>,
-    ) {
-        for part in 0..=PARTS {
-            let id = patch_id(block, part);
-            if !made.iter().any(|(new, _)| *new == id) && self.patches.remove(&id).is_some() {
+    /// Takes other limits of the intensities; an update of everything makes the surface follow.
+    pub fn set_limits(&mut self, limits: Option<Limits>) {
+        self.settings.limits = limits;
+        self.extraction = Arc::new(Extraction::new(&self.grid, self.settings));
+    }
+
+    /// Whether a block has patches in its octants.
+    fn is_parted(&self, block: IVec3) -> bool {
+        let octants = patch_id(block, 1)..=patch_id(block, PARTS);
+        self.patches.range(octants).next().is_some()
+    }
+
+    /// Puts a patch, or none, in the place of the old one.
+    fn exchange(&mut self, id: PatchId, patch: Option<Patch>, changes: &mut Vec<PatchChange>) {
+        let Some(patch) = patch else {
+            if self.patches.remove(&id).is_some() {
                 changes.push(PatchChange { id, patch: None });
             }
+            return;
+        };
+        if self.patches.get(&id).is_some_and(|old| *old.patch == patch) {
+            return;
         }
-        for (id, patch) in made {
-            if self.patches.get(&id).is_some_and(|old| *old.patch == patch) {
-                continue;
-            }
-            let (bounds, patch) = (patch.bounds(), Arc::new(patch));
-            let kept = Kept {
-                patch: Arc::clone(&patch),
-                bounds,
-            };
-            self.patches.insert(id, kept);
-            changes.push(PatchChange {
-                id,
-                patch: Some(patch),
-            });
-        }
+        let (bounds, patch) = (patch.bounds(), Arc::new(patch));
+        let kept = Kept {
+            patch: Arc::clone(&patch),
+            bounds,
+        };
+        self.patches.insert(id, kept);
+        changes.push(PatchChange {
+            id,
+            patch: Some(patch),
+        });
     }
 }
 
@@ -192,26 +198,49 @@ impl Extraction {
         }
     }
 
-    /// The patches of a block: none, one, or one for each octant that has a surface.
+    /// The patches of a block: of all of it, or of each octant where it is dense. Octants that a
+    /// change of the voxels in `dirty` cannot change are left out where they are there already.
     fn patches_of(
         &self,
         voxels: &VoxelSource<'_>,
-        block: IVec3,
+        (block, was_parted): (IVec3, bool),
+        dirty: &VoxelBox,
         scratch: &mut Scratch,
-    ) -> Vec<(PatchId, Patch)> {
-        let Some(whole) = self.patch_of(voxels, (block, 0), scratch) else {
-            return Vec::new();
+    ) -> Vec<(PatchId, Option<Patch>)> {
+        let is_dense = self.is_dense(voxels, block, scratch);
+        let is_changed = |part: u8| {
+            part == 0
+                || was_parted != is_dense
+                || self
+                    .blocks
+                    .is_touched((block, part), *dirty, &self.settings)
         };
-        let most = self.settings.most_vertices;
-        if most.is_none_or(|most| whole.vertices.len() <= most as usize) {
-            return vec![(patch_id(block, 0), whole)];
-        }
-        (1..=PARTS)
-            .filter_map(|part| {
-                let patch = self.patch_of(voxels, (block, part), scratch)?;
-                Some((patch_id(block, part), patch))
+        (0..=PARTS)
+            .filter(|part| is_changed(*part))
+            .map(|part| {
+                let is_made = is_dense == (part > 0);
+                let patch = || self.patch_of(voxels, (block, part), scratch);
+                (patch_id(block, part), is_made.then(patch).flatten())
             })
             .collect()
+    }
+
+    /// Whether a block has more vertices than one patch may.
+    fn is_dense(&self, voxels: &VoxelSource<'_>, block: IVec3, scratch: &mut Scratch) -> bool {
+        let (Some(most), Some(own)) = (
+            self.settings.most_vertices,
+            self.blocks.samples_of(block, 0),
+        ) else {
+            return false;
+        };
+        let step = i32::from(self.settings.step);
+        if is_uniform(voxels.bits, step, own) {
+            return false;
+        }
+        let first = block.x * crate::settings::PATCH_CELLS;
+        let samples = &mut scratch.samples;
+        samples.load(voxels.bits, step, own, first);
+        samples.crossings(own) > most
     }
 
     /// The surface in a block or an octant of it.
@@ -246,21 +275,21 @@ impl Extraction {
             if alone {
                 samples.isolate(own);
             }
-            let kernel = (&self.blur, limits.is_none());
-            let field = field.smooth(kernel, active, |first, values| match limits {
-                None => samples.halves(first, values),
-                Some(limits) => {
-                    for (x, value) in (first.x..).zip(values) {
-                        let sample = first.with_x(x);
-                        let seen = if alone {
-                            sample.clamp(own.min, own.max - 1)
-                        } else {
-                            sample
-                        };
-                        *value = voxels.depth(limits, step, (seen, samples.is_solid(sample)));
-                    }
+            let depths = |first: IVec3, depths: &mut [f32]| {
+                let Some(limits) = limits else { return };
+                if alone {
+                    depths_within(own, first, depths, |first, depths| {
+                        voxels.depths(limits, step, first, depths);
+                    });
+                } else {
+                    voxels.depths(limits, step, first, depths);
                 }
-            });
+            };
+            let beginning = match limits {
+                None => Beginning::Bits,
+                Some(_) => Beginning::Depths(&depths),
+            };
+            let field = field.smooth(&self.blur, samples, (active, &beginning));
             let zeros = Zeros {
                 field,
                 frame: &self.frame,
@@ -269,5 +298,18 @@ impl Extraction {
             march(samples, own, (&self.frame, step_mm, &zeros), scratch)
         };
         (!patch.is_empty()).then_some(patch)
+    }
+}
+
+/// A row of depths where a patch sees but its own samples: whatever lies beyond is as its border.
+fn depths_within(
+    own: VoxelBox,
+    first: IVec3,
+    depths: &mut [f32],
+    depths_of: impl Fn(IVec3, &mut [f32]),
+) {
+    for (x, depth) in (first.x..).zip(depths) {
+        let seen = first.with_x(x).clamp(own.min, own.max - 1);
+        depths_of(seen, std::slice::from_mut(depth));
     }
 }

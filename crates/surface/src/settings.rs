@@ -103,7 +103,8 @@ impl SurfaceSettings {
     pub(crate) fn reach(&self) -> i32 {
         match self.mode {
             SmoothingMode::Local if self.smoothing > 0 => 0,
-            _ => self.margin(),
+            // a value counts by its slope, which its neighbours tell
+            _ => self.margin() + i32::from(self.limits.is_some()),
         }
     }
 }

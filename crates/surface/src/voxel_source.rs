@@ -26,27 +26,45 @@ impl<'a> VoxelSource<'a> {
         Self { bits, values: None }
     }
 
-    /// How far inside the limits a sample of step³ voxels is, by its mean; with the sign of its
-    /// bit, for edits may have made solid what the values are not.
-    pub(crate) fn depth(&self, limits: Limits, step: i32, (sample, solid): (IVec3, bool)) -> f32 {
+    /// How far inside the limits the mean values of a row of samples of step³ voxels are, from
+    /// sample `first` on [physical units].
+    pub(crate) fn depths(&self, limits: Limits, step: i32, first: IVec3, depths: &mut [f32]) {
         let Some((scan, overlay)) = self.values else {
-            return if solid { 0.5 } else { -0.5 };
+            depths.fill(0.0);
+            return;
         };
-        // beyond the border things look as at the border, so that the surface closes upon it
+        let within = |stored: i16| {
+            let value = scan.physical(stored);
+            (value - limits.low)
+                .min(limits.high - value)
+                .clamp(-FARTHEST, FARTHEST)
+        };
+        // beyond the border things look as at the border
         let bounds = VoxelBox::of_dimensions(scan.dimensions());
-        let corner = (sample * step).clamp(IVec3::ZERO, bounds.max - 1);
-        let block = VoxelBox::new(corner, corner + step).intersect(&bounds);
-        let mut sum = 0.0;
-        for voxel in block.voxels() {
-            let stored = match overlay {
-                Some(overlay) => overlay.stored(scan, voxel),
-                None => scan.stored(voxel),
-            };
-            let value = scan.physical(stored.unwrap_or_default());
-            let depth = (value - limits.low).min(limits.high - value);
-            sum += depth.clamp(-FARTHEST, FARTHEST);
+        let inside = |x: i32| (first.with_x(x) * step).clamp(IVec3::ZERO, bounds.max - 1);
+        let samples = (first.x..).zip(depths);
+        match overlay {
+            None if step == 1 => {
+                let [nx, ny, _] = bounds.max.to_array().map(|count| count as usize);
+                let [_, y, z] = inside(0).to_array().map(|place| place as usize);
+                let row = &scan.values()[(z * ny + y) * nx..][..nx];
+                for (x, depth) in samples {
+                    *depth = within(row[inside(x).x as usize]) as f32;
+                }
+            }
+            _ => {
+                let stored = |voxel: IVec3| match overlay {
+                    Some(overlay) => overlay.stored(scan, voxel),
+                    None => scan.stored(voxel),
+                };
+                for (x, depth) in samples {
+                    let corner = inside(x);
+                    let block = VoxelBox::new(corner, corner + step).intersect(&bounds);
+                    let voxels = block.voxels();
+                    let sum: f64 = voxels.map(|v| within(stored(v).unwrap_or_default())).sum();
+                    *depth = (sum / block.voxel_count() as f64) as f32;
+                }
+            }
         }
-        let size = (sum / block.voxel_count() as f64).abs() as f32;
-        if solid { size } else { -size }
     }
 }

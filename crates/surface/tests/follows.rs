@@ -239,13 +239,72 @@ fn edited_intensities_move_the_surface_as_a_fresh_extraction_has_it() {
     }
 }
 
+/// Edits of a mask leave the scan's values as they are: where a bit is not what the value says,
+/// the surface follows the bit as if there were no values.
+#[test]
+fn where_bits_were_edited_a_surface_from_intensities_follows_the_bits() {
+    let dimensions = UVec3::splat(48);
+    let grid = cubes(dimensions);
+    let low = 300.0;
+    // a slope of values from -1000 to 2000 along x: the threshold is passed at x = 20.8
+    let values: Vec<i16> = VoxelBox::of_dimensions(dimensions)
+        .voxels()
+        .map(|voxel| (-1000.0 + 62.5 * (f64::from(voxel.x) + 0.5)) as i16)
+        .collect();
+    let scan = Intensities::new(dimensions, values, 1.0, 0.0).unwrap();
+    let segment = threshold(&scan, None, low, f64::INFINITY);
+    let overlay = Overlay::empty(dimensions);
+    let limits = Some(Limits {
+        low,
+        high: f64::INFINITY,
+    });
+    for degree in [0, 3] {
+        let of_values = SurfaceSettings {
+            limits,
+            ..settings(degree)
+        };
+        let mut bits = segment.occupancy().clone();
+        let mut surface = SegmentSurface::new(&grid, of_values).unwrap();
+        surface.update(&source_of(&bits, &scan, &overlay), &grid.bounds());
+        // a hole within the body, and an island far outside of it
+        for (x, solid) in [(36, false), (9, true)] {
+            let dirty = edited(&mut bits, IVec3::new(x, 24, 24), 6, solid);
+            surface.update(&source_of(&bits, &scan, &overlay), &dirty);
+        }
+
+        let plain = support::mesh(&grid, &bits, settings(degree));
+        let mesh = palpate_surface::mesh::joined(&surface);
+        assert_eq!(mesh.triangles, plain.triangles);
+        for (vertex, of_bits) in mesh.vertices.iter().zip(&plain.vertices) {
+            let x = f64::from(vertex[0]);
+            let apart = (0..3)
+                .map(|axis| f64::from((vertex[axis] - of_bits[axis]).abs()))
+                .fold(0.0, f64::max);
+            if (18.0..24.0).contains(&x) {
+                // the plane is where the values pass the threshold; 0.02 is the tenth of a
+                // stored unit that a value is rounded by, and the nearest to a voxel's middle
+                let inner = (4.0..44.0).contains(&vertex[1]) && (4.0..44.0).contains(&vertex[2]);
+                assert!(!inner || (x - 20.8).abs() < 0.03, "{x}");
+            } else {
+                // smoothing of bits makes a little more room for chords: 0.15 / r
+                let tolerance = if degree == 0 { 1e-6 } else { 0.1 };
+                assert!(apart <= tolerance, "{vertex:?} {of_bits:?}");
+            }
+        }
+    }
+}
+
 fn source<'a>(
     segment: &'a Segment,
     scan: &'a Intensities,
     overlay: &'a Overlay,
 ) -> VoxelSource<'a> {
+    source_of(segment.occupancy(), scan, overlay)
+}
+
+fn source_of<'a>(bits: &'a Bits, scan: &'a Intensities, overlay: &'a Overlay) -> VoxelSource<'a> {
     VoxelSource {
-        bits: segment.occupancy(),
+        bits,
         values: Some((scan, Some(overlay))),
     }
 }
@@ -337,6 +396,41 @@ fn dense_blocks_are_parted_and_the_surface_is_the_same() {
         keys
     };
     assert_eq!(keys(&whole), keys(&parted));
+}
+
+/// What an edit sends anew is finer where the segment is dense.
+#[test]
+fn an_edit_in_a_dense_block_changes_the_octants_that_it_reaches() {
+    let dimensions = UVec3::splat(32);
+    let grid = cubes(dimensions);
+    let mut bits = noise(dimensions, 9, 0.5);
+    let settings = SurfaceSettings {
+        most_vertices: Some(2000),
+        ..settings(1)
+    };
+    let mut surface = surface(&grid, &bits, settings);
+    assert_eq!(surface.patches().len(), 8);
+    // the margin is 3: from 6 voxels of the middle on an edit of one voxel reaches one octant
+    let voxel = IVec3::splat(10);
+    let solid = !bits.is_solid(voxel);
+    let dirty = edited(&mut bits, voxel, 0, solid);
+    let changes = surface.update(&VoxelSource::of_bits(&bits), &dirty);
+    assert_eq!(changes.len(), 1);
+    assert_eq!(changes[0].id.part, 1);
+
+    // a block that is dense no more is one patch again
+    let mut dropped = 0;
+    for x in 0..4 {
+        let dirty = edited(&mut bits, IVec3::new(8 * x + 4, 16, 16), 30, false);
+        let changes = surface.update(&VoxelSource::of_bits(&bits), &dirty);
+        dropped += changes
+            .iter()
+            .filter(|change| change.patch.is_none())
+            .count();
+        let fresh = support::surface(&grid, &bits, settings);
+        assert!(shown_of(&surface) == shown_of(&fresh));
+    }
+    assert!(dropped >= 8, "{dropped}");
 }
 
 #[test]

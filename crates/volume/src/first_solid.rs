@@ -83,6 +83,17 @@ pub fn first_solid_bounded(
     end: DVec3,
     max_visits: u32,
 ) -> Traversal {
+    occupancy.first_solid(start, end, max_visits)
+}
+
+/// The same by asking for each voxel.
+#[inline]
+pub(crate) fn traversed(
+    occupancy: &(impl Occupancy + ?Sized),
+    start: DVec3,
+    end: DVec3,
+    max_visits: u32,
+) -> Traversal {
     let Some(mut walk) = Walk::new(start, end) else {
         return Traversal {
             visits: 0,

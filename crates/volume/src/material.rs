@@ -3,6 +3,7 @@
 //! Units: stiffness N/mm, force N, lengths mm; friction coefficients have none.
 
 use glam::{DMat3, DVec3};
+use serde::{Deserialize, Serialize};
 
 /// How the surface of a segment feels.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,7 +18,7 @@ pub struct Material {
 
 /// A contact near a tool as a linear law that the servo can follow between two results of
 /// a slower simulation. Frame: scene.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LocalContact {
     /// Where the tool was [mm].
     pub position: DVec3,

@@ -5,11 +5,12 @@
 
 use std::sync::Arc;
 
-use glam::{IVec3, UVec3};
+use glam::{DVec3, IVec3, UVec3};
 
 use crate::bit_brick::BitBrick;
 use crate::bits::Bits;
 use crate::block::block_of_bits;
+use crate::first_solid::{Traversal, traversed};
 use crate::segment::Segment;
 
 /// Which voxels are solid. Outside the grid nothing is. Answers must not change during a
@@ -17,6 +18,14 @@ use crate::segment::Segment;
 pub trait Occupancy {
     /// Whether this voxel is solid.
     fn is_solid(&self, voxel: IVec3) -> bool;
+
+    /// The first solid voxel between two points, of at most `max_visits` that are asked for, but
+    /// always one; see [`crate::first_solid::first_solid_bounded`]. Whoever is one of several kinds
+    /// says so here once, and not for each voxel.
+    #[inline]
+    fn first_solid(&self, start: DVec3, end: DVec3, max_visits: u32) -> Traversal {
+        traversed(self, start, end, max_visits)
+    }
 
     /// The 8×8×8 voxels from `min` on, as bits counted from there.
     #[inline]
@@ -29,6 +38,13 @@ pub trait Occupancy {
     #[inline]
     fn smooth_block(&self, min: IVec3) -> BitBrick {
         self.block(min)
+    }
+
+    /// How far the probe's middle keeps from the surface of [`Self::smooth_block`] [mm]: the
+    /// radius of a ball, where solid is what its middle cannot be in.
+    #[inline]
+    fn probe_radius_mm(&self) -> f64 {
+        0.0
     }
 
     /// Whether [`Self::share`] ever tells anything.
@@ -132,6 +148,11 @@ impl<O: Occupancy + ?Sized> Occupancy for &O {
     }
 
     #[inline]
+    fn first_solid(&self, start: DVec3, end: DVec3, max_visits: u32) -> Traversal {
+        (**self).first_solid(start, end, max_visits)
+    }
+
+    #[inline]
     fn block(&self, min: IVec3) -> BitBrick {
         (**self).block(min)
     }
@@ -139,6 +160,11 @@ impl<O: Occupancy + ?Sized> Occupancy for &O {
     #[inline]
     fn smooth_block(&self, min: IVec3) -> BitBrick {
         (**self).smooth_block(min)
+    }
+
+    #[inline]
+    fn probe_radius_mm(&self) -> f64 {
+        (**self).probe_radius_mm()
     }
 
     #[inline]

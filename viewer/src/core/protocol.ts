@@ -39,11 +39,14 @@ export type Friction = number;
 /** Whether a segment is drawn from its voxels, as a surface, or in both ways. */
 export type ShownAs = "volume" | "surface" | "both";
 
+/** What a surface is made from: the scan's values where a threshold made the segment, or bits. */
+export type SurfaceSource = "intensities" | "bits";
+
 /** How often the vertices of a surface are moved to the mean of their neighbours. */
 export type SmoothingDegree = number;
 
 /** What the probe does to voxels while it is pressed; none leaves them as they are. */
-export type ToolKind = "none" | "eraser" | "adder" | "drill";
+export type ToolKind = "none" | "eraser" | "adder" | "drill" | "needle";
 
 /** A voxel's or a patch's place along one axis. */
 export type Index = number;
@@ -97,10 +100,11 @@ export interface Feel {
  *
  * `range` holds the threshold (low, high) while the segment is just that threshold;
  * null where its voxels come from elsewhere: then they stand in `/api/labels` under
- * the segment's `id` (1..255). `pose` takes the segment from where the scan has it to
+ * the segment's `id` (1..255). `made_by` is the threshold that made it, whatever edits
+ * did since; null where none did. `pose` takes the segment from where the scan has it to
  * where it stands; null where it was not moved. `bounds` are the voxels of the scan that
- * hold it, half open; null where it is empty. `opacity`, `smoothing` and
- * `wireframe` are those of its surface.
+ * hold it, half open; null where it is empty. `opacity`,
+ * `smoothing`, `surface_from` and `wireframe` are those of its surface.
  */
 export interface Segment {
   readonly id: SegmentId;
@@ -109,6 +113,7 @@ export interface Segment {
   readonly visible: boolean;
   readonly touchable: boolean;
   readonly range: readonly [Value, Value] | null;
+  readonly made_by: readonly [Value, Value] | null;
   readonly voxels: number;
   readonly volume_ml: number;
   readonly pending: boolean;
@@ -118,6 +123,7 @@ export interface Segment {
   readonly shown_as: ShownAs;
   readonly opacity: Share;
   readonly smoothing: SmoothingDegree;
+  readonly surface_from: SurfaceSource;
   readonly wireframe: boolean;
 }
 
@@ -382,6 +388,17 @@ export interface Gap {
   readonly overlap: number | null;
 }
 
+/**
+ * The answer to a `Fence`: all that this page asked for before it is done.
+ *
+ * Touch follows it from `tick` on. Thresholds are made beside all others: they may come later.
+ */
+export interface Passed {
+  readonly type: "passed";
+  readonly number: number;
+  readonly tick: number;
+}
+
 /** Where the hand pulls the device to [scene]; latest wins. */
 export interface Hand {
   readonly type: "hand";
@@ -427,6 +444,7 @@ export interface SegmentProperties {
   readonly shown_as: ShownAs;
   readonly opacity: Share;
   readonly smoothing: SmoothingDegree;
+  readonly surface_from: SurfaceSource;
   readonly wireframe: boolean;
 }
 
@@ -471,6 +489,16 @@ export interface WatchGap {
   readonly pair: readonly [SegmentId, SegmentId] | null;
 }
 
+/**
+ * Has the picture follow edits every so many-th of its frames, of 60 a second.
+ *
+ * Edits in between are shown together. The slowest of several pages sets the pace.
+ */
+export interface FollowEdits {
+  readonly type: "follow_edits";
+  readonly every: number;
+}
+
 /** Begins to keep every input of the servo, or ends it: the file is at `/api/recording`. */
 export interface RecordSession {
   readonly type: "record";
@@ -487,6 +515,12 @@ export interface RemoveSegment {
 export interface ChangeSettings {
   readonly type: "change_settings";
   readonly settings: Settings;
+}
+
+/** Asks to be told when all is done that the page asked for before; `number` comes back. */
+export interface Fence {
+  readonly type: "fence";
+  readonly number: number;
 }
 
 /** Chooses the tool for the next strokes: the radius of its ball [mm], and what it changes. */
@@ -528,7 +562,8 @@ export type ToPage =
   | SettingsChanged
   | Recovery
   | Notice
-  | Gap;
+  | Gap
+  | Passed;
 
 /** A message of the page. */
 export type FromPage =
@@ -544,9 +579,11 @@ export type FromPage =
   | TurnGrabbed
   | CutSegment
   | WatchGap
+  | FollowEdits
   | RecordSession
   | RemoveSegment
   | ChangeSettings
+  | Fence
   | Tool
   | Stroke
   | Recover
@@ -705,9 +742,11 @@ const isFriction = real({ ge: 0, le: 2 });
 
 const isShownAs = oneOf("volume", "surface", "both");
 
+const isSurfaceSource = oneOf("intensities", "bits");
+
 const isSmoothingDegree = whole({ ge: 0, le: 12 });
 
-const isToolKind = oneOf("none", "eraser", "adder", "drill");
+const isToolKind = oneOf("none", "eraser", "adder", "drill", "needle");
 
 const isIndex = whole({ ge: -2147483648, lt: 2147483648 });
 
@@ -751,6 +790,7 @@ const isSegment = record({
   visible: flag,
   touchable: flag,
   range: nullable(tuple(isValue, isValue)),
+  made_by: nullable(tuple(isValue, isValue)),
   voxels: whole(),
   volume_ml: real(),
   pending: flag,
@@ -760,6 +800,7 @@ const isSegment = record({
   shown_as: isShownAs,
   opacity: isShare,
   smoothing: isSmoothingDegree,
+  surface_from: isSurfaceSource,
   wireframe: flag,
 });
 
@@ -938,6 +979,12 @@ const isGap = record({
   overlap: nullable(real()),
 });
 
+const isPassed = record({
+  type: oneOf("passed"),
+  number: whole(),
+  tick: whole(),
+});
+
 const TO_PAGE: ReadonlyMap<string, Check> = new Map([
   ["hello", isHello],
   ["state", isState],
@@ -947,4 +994,5 @@ const TO_PAGE: ReadonlyMap<string, Check> = new Map([
   ["recovery", isRecovery],
   ["notice", isNotice],
   ["gap", isGap],
+  ["passed", isPassed],
 ]);

@@ -18,7 +18,12 @@ export interface ShownRange {
   /** Linear RGB. */
   readonly colour: Vec3;
   readonly visible: boolean;
+  /** Its id where it was edited: then the labels decide too; else 0. */
+  readonly label: number;
 }
+
+/** Segments whose values can tell of them at once. In sync with `gl/shaders/segments.glsl`. */
+export const mostRanges = 16;
 
 /** Whether a segment's voxels are coloured in the picture; where its surface stands for them they are left out. */
 export function drawnFromVoxels({ visible, shown_as }: Segment): boolean {
@@ -60,19 +65,32 @@ export function pickable(segment: Segment): Segment {
   return drawnAsSurface(segment) && segment.opacity > 0.5 ? { ...segment, shown_as: "volume" } : segment;
 }
 
-/** The segments that are just a threshold, in the order of the list. */
+/**
+ * The segments that a threshold made, in the order of the list, as many as can be drawn from values.
+ * An edited one that is hidden is none: its labels are not told.
+ */
+export function shownByValue(segments: readonly Segment[]): Segment[] {
+  return segments
+    .filter(({ range, made_by, visible }) => range !== null || (made_by !== null && visible))
+    .slice(0, mostRanges);
+}
+
+/** The ranges of these segments. */
 export function shownRanges(segments: readonly Segment[], rescale: Rescale): ShownRange[] {
-  return segments.flatMap((segment) => {
-    if (segment.range === null) {
+  return shownByValue(segments).flatMap((segment) => {
+    const range = segment.range ?? segment.made_by;
+    if (range === null) {
       return [];
     }
-    const [low, high] = biasedRange(segment.range[0], segment.range[1], rescale);
-    return [{ id: segment.id, low, high, colour: linearFromSrgb(segment.colour), visible: drawnFromVoxels(segment) }];
+    const [low, high] = biasedRange(range[0], range[1], rescale);
+    const { id, colour } = segment;
+    const label = segment.range === null ? id : 0;
+    return [{ id, low, high, colour: linearFromSrgb(colour), visible: drawnFromVoxels(segment), label }];
   });
 }
 
-/** The segment that a value belongs to: a visible one if any, else a hidden one, else none. */
+/** The segment that is just a threshold that a value belongs to: a visible one if any, else a hidden one, else none. */
 export function rangeHolding(ranges: readonly ShownRange[], biased: number): ShownRange | undefined {
-  const holding = ranges.filter(({ low, high }) => low <= biased && biased <= high);
+  const holding = ranges.filter(({ low, high, label }) => label === 0 && low <= biased && biased <= high);
   return holding.find(({ visible }) => visible) ?? holding[0];
 }

@@ -5,7 +5,7 @@
 import * as THREE from "three";
 import { linearFromSrgb } from "../core/colour";
 import type { Segment } from "../core/protocol";
-import { drawnFromVoxels } from "../core/shown_segments";
+import { drawnFromVoxels, shownByValue } from "../core/shown_segments";
 import { bakeTransferFunction, type TransferFunction } from "../core/transfer_function";
 import type { Vec3 } from "../core/vector";
 
@@ -32,11 +32,15 @@ export function byteTexture(bytes: Uint8Array, dimensions: Vec3): THREE.Data3DTe
   return texture;
 }
 
-/** Linear colour by segment id; alpha 1 where its voxels are drawn, 0.5 where its surface stands for them. */
+/**
+ * Linear colour by segment id; alpha 1 where its voxels are drawn, 0.5 where its surface stands for
+ * them, 0 where its values tell where it is.
+ */
 export function labelColours(segments: readonly Segment[]): THREE.DataTexture {
   const row = new Float32Array(4 * 256);
+  const byValue = new Set(shownByValue(segments).map(({ id }) => id));
   for (const segment of segments) {
-    const drawn = drawnFromVoxels(segment) ? 1 : segment.visible ? 0.5 : 0;
+    const drawn = byValue.has(segment.id) ? 0 : drawnFromVoxels(segment) ? 1 : segment.visible ? 0.5 : 0;
     row.set([...linearFromSrgb(segment.colour), drawn], 4 * segment.id);
   }
   const texture = new THREE.DataTexture(row, 256, 1, THREE.RGBAFormat, THREE.FloatType);

@@ -9,6 +9,7 @@ import { clipPlanes, eyeOf, type Camera, type Extent } from "../core/camera";
 import { DrawnValues } from "../core/drawn_values";
 import { flatShare, type Look } from "../core/look";
 import { smallestSpacing, type ScanFrame } from "../core/scan_volume";
+import { mostRanges } from "../core/shown_segments";
 import { biasedOf } from "../core/stored_values";
 import { domainOf } from "../core/transfer_function";
 import { add, dot, normalize, scale, type Vec3 } from "../core/vector";
@@ -19,9 +20,6 @@ import { byteTexture, transferTexture } from "./lookup_textures";
 import type { PictureTarget } from "./picture_target";
 import { shaders } from "./shaders";
 import type { SurfaceLayers } from "./surface_layers";
-
-/** Threshold segments that can be drawn at once. In sync with `shaders/segments.glsl`. */
-const mostRanges = 16;
 
 export interface MarchQuality {
   /** Steps per smallest voxel edge. */
@@ -51,7 +49,7 @@ function marchUniforms() {
     sampleStep: { value: vector() },
     spacing: { value: vector() },
     slope: { value: 1 },
-    rangeBounds: { value: many() },
+    rangeBounds: { value: Array.from({ length: mostRanges }, () => new THREE.Vector4()) },
     rangeColours: { value: many() },
     rangeCount: { value: 0 },
     labelTexture: { value: null as THREE.Texture | null },
@@ -147,7 +145,7 @@ export class RayMarcher {
     const ranges = look.ranges.slice(0, mostRanges);
     u.rangeCount.value = ranges.length;
     ranges.forEach((range, i) => {
-      u.rangeBounds.value[i]?.set(range.low, range.high, range.visible ? 1 : 0);
+      u.rangeBounds.value[i]?.set(range.low, range.high, range.visible ? 1 : 0, range.label);
       u.rangeColours.value[i]?.set(...range.colour);
     });
     this.drawn = new DrawnValues(
@@ -171,8 +169,8 @@ export class RayMarcher {
     this.uniforms.labelColours.value = colours;
   }
 
-  /** Values or labels of a box have changed, their bricks with them. */
-  changeVoxels(box: Box): void {
+  /** Values or labels of a box have changed, their bricks with them; all that follows is uploaded. */
+  changeVoxels(box: Box, renderer: THREE.WebGLRenderer): void {
     const { bricks, drawn, filled, labelled } = this;
     if (bricks === null || drawn === null || filled === null) {
       return;
@@ -185,6 +183,10 @@ export class RayMarcher {
     });
     if (!same) {
       this.measureEmptiness();
+      const { value: texture } = this.uniforms.brickTexture;
+      if (texture !== null) {
+        renderer.initTexture(texture);
+      }
     }
   }
 

@@ -7,7 +7,7 @@ import type { Vec3 } from "../core/vector";
 import type { Session } from "./session.svelte";
 import type { Stage } from "./stage.svelte";
 
-/** After a pause this long the hand is where the engine says it is [ms]. */
+/** After a pause this long the hand is where the engine says it is [ms], as soon as it knows all moves. */
 const resumeAfter = 400;
 
 export class HandControl {
@@ -21,6 +21,10 @@ export class HandControl {
   private hand: Vec3 | null = null;
   private movedAt = -Infinity;
   private sending = false;
+  /** Moves and placements that were sent, and those of them that the engine has told of. */
+  private sent = 0;
+  private known = 0;
+  private asking = false;
 
   constructor(
     private readonly session: Session,
@@ -38,8 +42,12 @@ export class HandControl {
       this.hand = null;
       return;
     }
+    if (this.hand === null && this.known < this.sent) {
+      // where the hand was placed is not known yet
+      return;
+    }
     const now = performance.now();
-    const rested = now - this.movedAt > resumeAfter;
+    const rested = this.known === this.sent && now - this.movedAt > resumeAfter;
     const from = this.hand === null || rested ? state.hand : this.hand;
     const sideways = moveInView(from, state.proxy, right, down, camera, viewport);
     this.goTo(moveInDepth(sideways, state.proxy, away, camera, viewport));
@@ -65,6 +73,7 @@ export class HandControl {
         this.sending = false;
         if (this.hand !== null) {
           this.session.send({ type: "hand", target: this.hand });
+          this.follow();
         }
       });
     }
@@ -75,5 +84,25 @@ export class HandControl {
     this.hand = null;
     this.used = true;
     this.session.send({ type: "place", point });
+    this.follow();
+  }
+
+  /** Learns when the engine has told of all that was sent, with one question at a time. */
+  private follow(): void {
+    this.sent += 1;
+    this.ask();
+  }
+
+  private ask(): void {
+    if (this.asking || this.known === this.sent) {
+      return;
+    }
+    this.asking = true;
+    const { sent } = this;
+    this.session.whenTold(() => {
+      this.asking = false;
+      this.known = sent;
+      this.ask();
+    });
   }
 }

@@ -71,9 +71,17 @@ export class Session {
   private readonly link: Connection;
   private listeners: readonly ((state: State) => void)[] = [];
   private editListeners: readonly ((changed: Changed, arrived: number) => void)[] = [];
+  /** Settings are shown as the engine holds them, and are kept for the next visit. */
+  settingsHold = false;
+
   /** The settings as the engine has told them last. */
   private answered: Settings | null = null;
-  private answeredAt = -Infinity;
+  /** The fence behind the last change of settings. */
+  private settingsFence = 0;
+  /** The last fence, and the last one that the engine has passed. */
+  private fences = 0;
+  private passed = 0;
+  private waiters: readonly { readonly fence: number; readonly passed: (tick: number) => void }[] = [];
   private changedAt = -Infinity;
   private askingForSettings = false;
   private readAt = 0;
@@ -118,6 +126,7 @@ export class Session {
       return;
     }
     this.settings = { ...this.settings, ...part };
+    this.settingsHold = false;
     this.changedAt = performance.now();
     if (!this.askingForSettings) {
       this.askingForSettings = true;
@@ -125,12 +134,29 @@ export class Session {
         this.askingForSettings = false;
         if (this.settings !== null) {
           this.send({ type: "change_settings", settings: this.settings });
+          this.settingsFence = this.fence();
         }
       });
     }
     setTimeout(() => {
       this.settle();
     }, answerRest);
+  }
+
+  /**
+   * Calls back once the engine has done all that was sent until now, and has told a state in which
+   * touch follows it; or once another engine greets.
+   */
+  whenTold(told: () => void): void {
+    const passed = (tick: number): void => {
+      const stop = this.onState((state) => {
+        if (state.tick >= tick) {
+          stop();
+          told();
+        }
+      });
+    };
+    this.waiters = [...this.waiters, { fence: this.fence(), passed }];
   }
 
   /** Begins a recording, or ends it; the engine's states tell whether it runs. */
@@ -191,7 +217,10 @@ export class Session {
         break;
       case "settings_changed":
         this.answered = message.settings;
-        this.answeredAt = performance.now();
+        this.settle();
+        break;
+      case "passed":
+        this.pass(message.number, message.tick);
         this.settle();
         break;
       case "gap":
@@ -217,12 +246,15 @@ export class Session {
     this.segments = hello.segments;
     this.answered = hello.settings;
     this.settings = hello.settings;
+    this.settingsHold = true;
     this.defaults = hello.defaults;
     this.device = hello.device;
     this.deviceLimits = hello.device_limits;
     this.version = hello.version;
     this.history.clear();
     this.greetings += 1;
+    // what was asked before is forgotten with the connection that it was asked on
+    this.pass(this.fences, 0);
     this.recallSettings(hello);
   }
 
@@ -234,11 +266,32 @@ export class Session {
     }
   }
 
+  /** Asks to be told when all is done that was sent before; gives the number of the answer. */
+  private fence(): number {
+    this.fences += 1;
+    this.send({ type: "fence", number: this.fences });
+    return this.fences;
+  }
+
+  private pass(fence: number, tick: number): void {
+    this.passed = Math.max(this.passed, fence);
+    const passed = this.waiters.filter((waiter) => waiter.fence <= fence);
+    this.waiters = this.waiters.filter((waiter) => waiter.fence > fence);
+    for (const waiter of passed) {
+      waiter.passed(tick);
+    }
+  }
+
+  /** Whether the engine has answered the last change of settings, and not only one before. */
+  private get answerIsNewest(): boolean {
+    return !this.askingForSettings && this.passed >= this.settingsFence;
+  }
+
   /** Shows the engine's answer once nothing moves any more, and keeps it for the next visit. */
   private settle(): void {
     const { answered, defaults, changedAt } = this;
     const moving = performance.now() - changedAt < answerRest - 1;
-    if (answered === null || moving || this.answeredAt < changedAt) {
+    if (answered === null || moving || !this.answerIsNewest) {
       return;
     }
     if (this.settings === null || !sameSettings(answered, this.settings)) {
@@ -247,6 +300,7 @@ export class Session {
     if (defaults !== null) {
       remember(memoryOf(this.device), remembered(answered, defaults));
     }
+    this.settingsHold = true;
   }
 
   private takeState(state: State): void {

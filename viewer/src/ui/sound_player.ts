@@ -16,7 +16,7 @@ export class SoundPlayer {
   private readonly context = new AudioContext({ latencyHint: "interactive" });
   private readonly noise = noiseOf(this.context);
   private readonly master = new GainNode(this.context, { gain: 0 });
-  private readonly meter = new AnalyserNode(this.context, { fftSize: 2048 });
+  private readonly meter = new AnalyserNode(this.context, { fftSize: 32768 });
   private readonly band = new BiquadFilterNode(this.context, { type: "bandpass", Q: 0.8 });
   private readonly scrapeGain = new GainNode(this.context, { gain: 0 });
 
@@ -34,7 +34,7 @@ export class SoundPlayer {
     return this.context.state === "running";
   }
 
-  /** Mean square root of what is heard now, 0..1. */
+  /** Mean square root of what was heard in the last two thirds of a second, 0..1: a page that draws slowly looks seldom. */
   get level(): number {
     const samples = new Float32Array(this.meter.fftSize);
     this.meter.getFloatTimeDomainData(samples);

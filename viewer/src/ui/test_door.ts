@@ -23,6 +23,10 @@ export interface TestDoor {
   readonly state: State | null;
   /** As the page shows them; null before the engine has told. */
   readonly settings: Settings | null;
+  /** The settings are shown as the engine holds them, and are kept for the next visit. */
+  readonly settingsHold: boolean;
+  /** Waits until the engine has done all that the page has asked for by now, and has told of it. */
+  readonly allDone: () => Promise<void>;
   readonly camera: Camera | null;
   /** Whether contact can be heard, and how loud it is now, 0..1. */
   readonly sound: { readonly running: boolean; readonly level: number };
@@ -32,6 +36,12 @@ export interface TestDoor {
   readonly editTimes: readonly EditTimes[];
   /** Number of the last edit on display. */
   readonly lastEdit: number;
+  /**
+   * Draws nothing any more, or again, while edits are uploaded as always: for `palpate bench edit`,
+   * whose budget leaves drawing out.
+   */
+  readonly suspendDrawing: (on: boolean) => void;
+  readonly drawingSuspended: boolean;
   /** Triangles of each segment's surface. */
   readonly triangles: Readonly<Record<number, number>>;
   /** Takes a packed message as if the engine had sent it. */
@@ -66,6 +76,16 @@ export function openTestDoor(session: Session, stage: Stage, hand: HandControl, 
     get settings() {
       return session.settings;
     },
+    get settingsHold() {
+      return session.settingsHold;
+    },
+    allDone: async () => {
+      // some goes out with the next frame
+      await new Promise((resolve) => requestAnimationFrame(resolve));
+      await new Promise<void>((resolve) => {
+        session.whenTold(resolve);
+      });
+    },
     get sound() {
       return { running: hearing.running, level: hearing.level };
     },
@@ -80,6 +100,12 @@ export function openTestDoor(session: Session, stage: Stage, hand: HandControl, 
     },
     get lastEdit() {
       return stage.edits.lastEdit;
+    },
+    suspendDrawing: (on) => {
+      stage.suspendDrawing(on);
+    },
+    get drawingSuspended() {
+      return stage.drawingSuspended;
     },
     get triangles() {
       return Object.fromEntries([...stage.edits.sizes].map(([id, { triangles }]) => [id, triangles]));

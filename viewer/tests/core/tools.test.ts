@@ -20,6 +20,8 @@ function segment(id: number, touchable = true, range: Segment["range"] = null): 
     pose: null,
     bounds: null,
     shown_as: "volume",
+    surface_from: "intensities",
+    made_by: null,
     opacity: 1,
     smoothing: 3,
     wireframe: false,

@@ -58,6 +58,8 @@ export const segment: Segment = {
   pose: null,
   bounds: null,
   shown_as: "volume",
+  surface_from: "intensities",
+  made_by: null,
   opacity: 1,
   smoothing: 3,
   wireframe: false,

@@ -16,6 +16,7 @@ export async function openGlBrowser(): Promise<GlBrowser> {
   await server.listen();
   const browser: Browser = await launchChromium();
   const page = await browser.newPage();
+  page.setDefaultTimeout(120_000);
   const errors: string[] = [];
   page.on("pageerror", (error) => errors.push(error.message));
   page.on("console", (message) => {

@@ -97,7 +97,8 @@ test("voxels and patches of one edit are in the next picture together", async ()
   expect(result.complaints).toEqual([]);
   // vertices, normals and triangles of two patches, sent before anything is drawn
   expect(result.buffers).toBe(6);
-  expect(result.milliseconds).toBeGreaterThan(0);
+  // clocks of pages are coarse
+  expect(result.milliseconds).toBeGreaterThanOrEqual(0);
   expect(differing(result.before, result.after, 10)).toBeGreaterThan(100);
   expect(differing(result.after, result.afresh)).toBe(0);
 });

@@ -41,6 +41,8 @@ export interface MarchTest {
   readonly softTissue?: number;
   /** The ball as a visible or hidden segment; or as a red one around a green one 0.5 mm below. */
   readonly segment?: "visible" | "hidden" | "nested";
+  /** The segment has labels too, as an edited one: those of its values, without a box in front or not. */
+  readonly labels?: "as values" | "with hole" | "without values";
 }
 
 export interface MarchResult {
@@ -72,9 +74,9 @@ function lookOf(test: MarchTest): Look {
     ],
   };
   const usual = { ...defaultAppearance({ softTissue: 40, bone: 250 }), softTissue: test.softTissue ?? 0 };
-  const segment = { id: 1, low: 32768, high: 65535, colour: [0, 1, 0] as const, visible: test.segment !== "hidden" };
+  const segment = { id: 1, low: 32768, high: 65535, colour: [0, 1, 0] as const, visible: test.segment !== "hidden", label: test.labels === undefined ? 0 : 1 };
   const nested = [{ ...segment, low: 32968 }, { ...segment, id: 2, colour: [1, 0, 0] as const }];
-  const ranges = test.segment === undefined ? [] : test.segment === "nested" ? nested : [segment];
+  const ranges = test.segment === undefined || test.labels === "without values" ? [] : test.segment === "nested" ? nested : [segment];
   return {
     transferFunction: test.extinction === undefined ? transferFunctionOf(usual) : flat,
     ranges,
@@ -100,6 +102,15 @@ function labelsInBox(): Uint8Array {
   );
 }
 
+/** Label 1 where the ball is, with or without a hole in its front. */
+function labelsOfBall(volume: ScanVolume, hole: boolean): Uint8Array {
+  const inHole = (i: number): boolean => {
+    const [x, y, z] = [i % voxels, Math.floor(i / voxels) % voxels, Math.floor(i / voxels ** 2)];
+    return hole && x >= 20 && x < 29 && y < 20 && z >= 19 && z < 30;
+  };
+  return Uint8Array.from(volume.values, (value, i) => (value >= 32768 && !inHole(i) ? 1 : 0));
+}
+
 function march(test: MarchTest): MarchResult {
   const renderer = new THREE.WebGLRenderer({ canvas: document.createElement("canvas") });
   renderer.autoClear = false;
@@ -114,6 +125,13 @@ function march(test: MarchTest): MarchResult {
     const ids = labelsInBox();
     const dimensions: Vec3 = [voxels, voxels, voxels];
     marcher.setLabelColours(colours);
+    marcher.setLabels({ texture: byteTexture(ids, dimensions), bricks: labelledBricks(ids, dimensions) });
+  }
+  if (test.labels !== undefined) {
+    const made_by = test.labels === "without values" ? null : ([0, 32767] as const);
+    marcher.setLabelColours(labelColours([{ ...segment, colour: [0, 1, 0], range: null, made_by }]));
+    const ids = labelsOfBall(volume, test.labels !== "as values");
+    const { dimensions } = volume;
     marcher.setLabels({ texture: byteTexture(ids, dimensions), bricks: labelledBricks(ids, dimensions) });
   }
 

@@ -162,6 +162,55 @@ test("segments that are no threshold are drawn from their labels, also in clear 
   expect(pixelAt(pixels, Math.round(place?.[0] ?? 0), edge / 2)[3]).toBe(0);
 });
 
+/**
+ * Pixels in which two pictures differ, by whether they show something within `reach` pixels of the
+ * hole's front: its own shadow reaches some voxels beyond it.
+ */
+function differences(one: MarchResult, other: MarchResult, reach = 8): { readonly near: number; readonly far: number } {
+  const [[left, top], [right, bottom]] = ([[20, 8, 30], [29, 8, 19]] as const).map((corner) =>
+    project(one.camera, transformPoint(frameOf(scanOf([voxels, voxels, voxels], [1, 1, 1])).sceneFromGrid, corner), {
+      width: edge,
+      height: edge,
+    }) ?? [0, 0],
+  ) as [readonly [number, number], readonly [number, number]];
+  const [x0, x1] = [Math.min(left, right) - reach, Math.max(left, right) + reach];
+  const [y0, y1] = [Math.min(top, bottom) - reach, Math.max(top, bottom) + reach];
+  const found = { near: 0, far: 0 };
+  for (let y = 0; y < edge; ++y) {
+    for (let x = 0; x < edge; ++x) {
+      const [a, b] = [pixelAt(one.pixels, x, y), pixelAt(other.pixels, x, y)];
+      if (a.some((channel, i) => Math.abs(channel - (b[i] ?? 0)) > 0.02)) {
+        const isNear = x0 <= x && x <= x1 && y0 <= y && y <= y1;
+        found[isNear ? "near" : "far"] += 1;
+      }
+    }
+  }
+  return found;
+}
+
+test("an edited threshold segment has steps of voxels where it was edited, and nowhere else", async () => {
+  const plain = await march({ ...ball, segment: "visible" });
+  const unchanged = differences(plain, await march({ ...ball, segment: "visible", labels: "as values" }));
+  expect(unchanged).toEqual({ near: 0, far: 0 });
+  const edited = differences(plain, await march({ ...ball, segment: "visible", labels: "with hole" }));
+  expect(edited.near).toBeGreaterThan(50);
+  expect(edited.far).toBe(0);
+  // by its labels alone it would have them everywhere
+  const stepped = differences(plain, await march({ ...ball, segment: "visible", labels: "without values" }));
+  expect(stepped.far).toBeGreaterThan(50);
+});
+
+test("nothing is left of the skin that values had before the voxels that were taken away", async () => {
+  const shown = await march({ ...ball, segment: "visible", labels: "with hole" });
+  const stepped = await march({ ...ball, segment: "visible", labels: "without values" });
+  const plain = await march({ ...ball, segment: "visible" });
+  // within the hole's rim both show the same voxels behind it: a skin would be the ball's front
+  const rim = -2;
+  const skin = differences(plain, stepped, rim).near;
+  expect(skin).toBeGreaterThan(40);
+  expect(differences(shown, stepped, rim).near).toBeLessThan(skin / 4);
+});
+
 test("a scan at half resolution shows the same ball", async () => {
   const whole = alphas(await march({ ...ball, segment: "visible" }));
   const coarse = alphas(await march({ ...ball, segment: "visible", step: 2 }));

@@ -1,12 +1,17 @@
-//! Tools in the hand of a session, and the journal that keeps its changes on disk.
+//! Tools in the hand of a session, matter that gives way, and the journal that keeps changes on
+//! disk.
 
 use std::path::PathBuf;
 
+use palpate_deform::material::MaterialLaw;
 use palpate_tools::journal_entry::ScanHash;
 use palpate_tools::tool::ToolSettings;
+use palpate_volume::edit::SegmentId;
 
 use super::Session;
+use crate::deformation::DeformationNow;
 use crate::error::SessionError;
+use crate::needle::NeedleReport;
 use crate::simulation::Simulation;
 use crate::simulation::recovery::{Kept, Recovered};
 
@@ -25,6 +30,42 @@ impl Session {
     /// Where it is to begin and no tool is chosen, or the session has ended.
     pub fn stroke(&self, on: bool) -> Result<(), SessionError> {
         self.ask(move |simulation| simulation.stroke(on))?
+    }
+
+    /// What the needle has done since it was taken in the hand last.
+    ///
+    /// # Errors
+    /// Where the session has ended.
+    pub fn needle_report(&self) -> Result<NeedleReport, SessionError> {
+        self.ask(|simulation| simulation.needle_report())
+    }
+
+    /// Chooses the model by which matter gives way under the probe, or none.
+    ///
+    /// # Errors
+    /// Where there is none of that name, or the session has ended.
+    pub fn set_deformation(&self, model: Option<String>) -> Result<(), SessionError> {
+        self.ask(move |simulation| simulation.set_deformation(model.as_deref()))?
+    }
+
+    /// Tells what a segment is made of; without a material it is hard.
+    ///
+    /// # Errors
+    /// Where there is no such segment, or the session has ended.
+    pub fn set_material(
+        &self,
+        id: SegmentId,
+        law: Option<MaterialLaw>,
+    ) -> Result<(), SessionError> {
+        self.ask(move |simulation| simulation.set_material(id, law))?
+    }
+
+    /// How the deformation goes.
+    ///
+    /// # Errors
+    /// Where the session has ended.
+    pub fn deformation(&self) -> Result<DeformationNow, SessionError> {
+        self.ask(|simulation| simulation.deformation())
     }
 
     /// What a journal of this scan holds; none where there is no such file.

@@ -1,21 +1,16 @@
 //! What a session does to segments as objects. Points in scene mm (LPS).
 
-use std::collections::BTreeMap;
-use std::sync::Arc;
-
 use glam::DVec3;
 use palpate_volume::edit::SegmentId;
-use palpate_volume::segment::Segment;
 use palpate_volume::voxels::VoxelsError;
 
 use super::{Session, lock};
 use crate::cut::Plane;
 use crate::error::SessionError;
-use crate::gap::{Gap, GapBody};
+use crate::gap::Gap;
+use crate::gap_bodies::{Measured, making};
 use crate::session_config::check_point;
-
-/// Segments made ready to be measured, with the number of the edit that they follow.
-pub type GapBodies = BTreeMap<u8, (u64, Arc<GapBody>)>;
+use crate::simulation::Simulation;
 
 impl Session {
     /// Takes a segment in the hand, or lets go of the one that is: it follows the probe's way and
@@ -76,41 +71,41 @@ impl Session {
     }
 
     /// The gap from the surface of one segment to another, where both stand by now. The first
-    /// call after an edit makes their surfaces; neither servo nor simulation waits for that.
+    /// call makes their surfaces, one after an edit what the edit changed of them; neither servo
+    /// nor simulation waits for that.
     ///
     /// # Errors
     /// Where there is no such segment, one of them is empty, or the session has ended.
     pub fn gap(&self, from: SegmentId, to: SegmentId) -> Result<Gap, SessionError> {
-        let (edit, ends) = self.ask(move |simulation| {
-            let voxels = simulation.voxels();
+        let (scan, ends) = self.ask(move |simulation| {
             let ends = [from, to].map(|id| {
-                let segment = voxels.segment(id).cloned();
                 let pose = simulation.current_pose(id).unwrap_or_default();
-                Ok((segment.ok_or(VoxelsError::UnknownSegment(id.0))?, pose))
+                Ok((measured(simulation, id)?, pose))
             });
-            (voxels.edit_number(), ends)
+            (simulation.voxels().intensities().clone(), ends)
         })?;
-        let [first, second]: [Result<_, VoxelsError>; 2] = ends;
-        let ((first, first_pose), (second, second_pose)) = (first?, second?);
-        let [one, other] =
-            [(from, first), (to, second)].map(|(id, segment)| self.gap_body(id, &segment, edit));
+        let [first, second]: [Result<_, SessionError>; 2] = ends;
+        let ((mut first, first_pose), (mut second, second_pose)) = (first?, second?);
+        let surfaces = lock(&self.surfaces);
+        for one in [&mut first, &mut second] {
+            one.drawn = surfaces.kept(one.id, &making()).cloned();
+        }
+        drop(surfaces);
+        let bodies = lock(&self.gap_bodies).ready([first, second], &self.grid, &scan);
+        let [one, other] = bodies;
         let to_other = second_pose.inverse() * first_pose;
         one.gap_to(&other, &to_other)
             .ok_or(SessionError::NoGap(from.0, to.0))
     }
+}
 
-    /// A segment made ready to be measured, made anew where it was edited.
-    fn gap_body(&self, id: SegmentId, segment: &Segment, edit: u64) -> Arc<GapBody> {
-        let mut bodies = lock(&self.gap_bodies);
-        if let Some((made_at, body)) = bodies.get(&id.0)
-            && *made_at == edit
-        {
-            return Arc::clone(body);
-        }
-        // what was made for other voxels is of no use any more
-        bodies.retain(|_, (made_at, _)| *made_at == edit);
-        let body = Arc::new(GapBody::new(segment, &self.grid));
-        bodies.insert(id.0, (edit, Arc::clone(&body)));
-        body
-    }
+/// A segment as it is now, to be measured.
+fn measured(simulation: &Simulation, id: SegmentId) -> Result<Measured, SessionError> {
+    let segment = simulation.voxels().segment(id).cloned();
+    Ok(Measured {
+        id,
+        segment: segment.ok_or(VoxelsError::UnknownSegment(id.0))?,
+        voxels: simulation.voxels_of(id)?,
+        drawn: None,
+    })
 }

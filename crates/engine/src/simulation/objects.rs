@@ -94,12 +94,12 @@ impl Simulation {
     #[must_use]
     pub fn current_pose(&self, id: SegmentId) -> Option<DAffine3> {
         let asked = self.scene.properties_of(id).pose?;
-        let by_servo = self.touch.status().poses;
+        let by_servo = self.touch.poses();
         let followed = by_servo
             .into_iter()
             .flatten()
             .find(|(other, _)| *other == id.0 && self.scene.is_obstacle(id));
-        Some(followed.map_or(asked, |(_, pose)| pose))
+        Some(followed.map_or(asked, |(_, pose)| *pose))
     }
 
     /// Where all moved segments stand by now.
@@ -159,7 +159,7 @@ impl Simulation {
         }
     }
 
-    fn send_all(&mut self, segments: Vec<SegmentId>) {
+    pub(super) fn send_all(&mut self, segments: Vec<SegmentId>) {
         if !segments.is_empty() {
             let change = TouchChange::All(segments);
             self.touch.send_change(&self.scene, &change);

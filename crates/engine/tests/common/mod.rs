@@ -7,13 +7,16 @@
 
 use std::sync::mpsc::{self, Receiver};
 use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
 
 use glam::{DMat3, DVec3, IVec3, UVec3};
 use palpate_device::scripted::{PathSample, ScriptedDevice};
 use palpate_device::simulated::{SimulatedDevice, SimulatedSettings};
 use palpate_device::{DeviceLimits, DeviceState, HapticDevice};
+use palpate_engine::deformation::Deformation;
+use palpate_engine::deformation_loop::DeformationLoop;
 use palpate_engine::feel::{Feel, Feels};
-use palpate_engine::frame::Notice;
+use palpate_engine::frame::{Frame, Notice};
 use palpate_engine::handover::{Channels, DeviceSample, HandTarget, TickRecord};
 use palpate_engine::mapping::Mapping;
 use palpate_engine::scene::{Properties, Scene};
@@ -119,6 +122,32 @@ pub fn started(config: SessionConfig) -> Session {
     Session::start(config).unwrap()
 }
 
+/// Waits until something holds. Threads on a busy machine may take their time: the limit is only
+/// there so that what never comes fails the test and does not hang it.
+pub fn wait_until(what: &str, mut holds: impl FnMut() -> bool) {
+    let start = Instant::now();
+    while !holds() {
+        assert!(start.elapsed() < Duration::from_secs(60), "never: {what}");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+}
+
+/// Takes frames of a session with threads until one is as wanted.
+pub fn frame_where(session: &Session, wanted: impl Fn(&Frame) -> bool) -> Frame {
+    let mut frame = session.frame();
+    wait_until("a frame as wanted", || {
+        frame = session.frame();
+        wanted(&frame)
+    });
+    frame
+}
+
+/// Waits until the servo has ticked so often.
+pub fn let_tick(session: &Session, ticks: u64) {
+    let until = session.frame().tick + ticks;
+    frame_where(session, |frame| frame.tick >= until);
+}
+
 /// What a device was made to do, seen from outside.
 #[derive(Clone, Default)]
 pub struct Seen(pub Arc<Mutex<Vec<DVec3>>>);
@@ -129,7 +158,8 @@ impl Seen {
     }
 
     pub fn last(&self) -> DVec3 {
-        self.forces().last().copied().unwrap_or(DVec3::ZERO)
+        let forces = self.0.lock().unwrap();
+        forces.last().copied().unwrap_or(DVec3::ZERO)
     }
 }
 
@@ -187,6 +217,7 @@ impl HapticDevice for Probe {
 pub struct Rig {
     pub servo: ServoLoop,
     pub simulation: Simulation,
+    pub deformation: DeformationLoop,
     pub device: triple_buffer::Input<DeviceSample>,
     pub forces: triple_buffer::Output<palpate_engine::handover::ForceCommand>,
     pub hand: triple_buffer::Input<HandTarget>,
@@ -220,10 +251,13 @@ impl Rig {
             settings: Settings::default(),
             feels: Feels::default(),
         };
+        let scene = Scene::new(Voxels::new(grid(dimensions), scan).unwrap());
+        let (deformation, deformation_loop) = Deformation::new(true);
         Self {
             servo: ServoLoop::new(start, channels.servo, Arc::clone(&shared)),
+            deformation: deformation_loop,
             simulation: Simulation::new(
-                Scene::new(Voxels::new(grid(dimensions), scan).unwrap()),
+                (scene, deformation),
                 Settings::default(),
                 limits(),
                 channels.simulation,

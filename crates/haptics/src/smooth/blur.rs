@@ -12,12 +12,14 @@
 //!
 //! Frame: grid.
 
+use super::aim::Aim;
 use super::cache::Source;
+use super::cell_shape::{CELLS, CellShape};
 use super::cell_shares::CellShares;
 use super::field::{Field, FieldSample, Kernel};
 use super::spline::{Nodes, Place, Width};
 use super::tents::{Cells, unit_of};
-use super::window::{CELLS, CellShape, Window};
+use super::window::Window;
 use crate::voxel_distance::voxel_of;
 use glam::{DVec3, IVec3, Vec3A};
 use palpate_volume::occupancy::Occupancy;
@@ -48,21 +50,22 @@ impl BlurField {
         }
     }
 
-    /// Whether this is the field that [`Self::around`] makes for a point of the same solid.
-    pub(crate) fn is_around(&self, point: DVec3, spacing: DVec3) -> bool {
-        self.spacing == spacing && {
-            let (first, seed) = (first_cell(point, self.shape), voxel_of(point));
-            self.window.is_for(self.shape, first, seed)
-        }
+    /// Whether this is the field that [`Self::around`] makes for an aim at the same solid.
+    pub(super) fn is_around(&self, aim: &Aim, spacing: DVec3) -> bool {
+        self.spacing == spacing
+            && self
+                .window
+                .is_at(self.shape, first_cell(aim.point, self.shape))
+            && self.window.is_from(aim.seed)
     }
 
-    /// Makes it the field around a point in a free voxel, with what is known of the shares of
-    /// voxels at the surface, where they are to count. Where that voxel is solid, nothing can be
-    /// told apart, and the field is that of nothing.
+    /// Makes it the field around an aim, whose seed is a free voxel, with what is known of the
+    /// shares of voxels at the surface, where they are to count. Where that voxel is solid,
+    /// nothing can be told apart, and the field is that of nothing.
     pub(super) fn around(
         &mut self,
         occupancy: &(impl Occupancy + ?Sized),
-        point: DVec3,
+        aim: &Aim,
         spacing: DVec3,
         known: Option<(Source, &mut CellShares)>,
     ) {
@@ -71,9 +74,8 @@ impl BlurField {
             self.shape = CellShape::for_spacing(spacing);
             self.kernel = kernel_of(self.shape);
         }
-        let first = first_cell(point, self.shape);
-        let seed = voxel_of(point);
-        self.any_solid = self.window.read(occupancy, self.shape, first, seed);
+        let first = first_cell(aim.point, self.shape);
+        self.any_solid = self.window.read(occupancy, self.shape, first, aim.seed);
         if !self.any_solid {
             return;
         }

@@ -4,6 +4,7 @@
 //! with every voxel of any body, and with the bodies themselves. What comes out is the same,
 //! to the bit, with an empty cache.
 
+use super::aim::{Aim, Aims};
 use super::blur::BlurField;
 use super::cell_shares::CellShares;
 use super::field::Field;
@@ -27,6 +28,8 @@ pub struct SmoothCache {
     sources: [Option<Source>; ENTRIES],
     /// What is known of the cells of each body: the world's, then those of objects.
     shares: Box<[CellShares; MAX_BODIES]>,
+    /// Where balls touch.
+    aims: Aims,
     /// The field of the world that was used last.
     world: usize,
 }
@@ -47,6 +50,7 @@ impl Default for SmoothCache {
             fields: Box::new(std::array::from_fn(|_| BlurField::empty())),
             sources: [None; ENTRIES],
             shares: Box::new([CellShares::EMPTY; MAX_BODIES]),
+            aims: Aims::NONE,
             world: 0,
         }
     }
@@ -62,6 +66,10 @@ pub struct PlacedField<'a, F> {
     pub(crate) body: u8,
     /// The proxy among the field's nodes.
     pub(crate) proxy: Vec3A,
+    /// From a ball's middle to where it touches the body, about [mm]; zero for a point.
+    pub(crate) contact: Vec3A,
+    /// Edges of the body's voxels [mm].
+    pub(crate) voxel: Vec3A,
     /// Takes ways of the search to ways along the nodes.
     pub(crate) nodes_from_search: Mat3A,
     /// Takes gradients the other way.
@@ -74,12 +82,10 @@ pub struct PlacedField<'a, F> {
 }
 
 impl<'a, F: Field> PlacedField<'a, F> {
-    /// A field of a body whose grid has voxels of `spacing` [mm], where the proxy is a point;
-    /// `grid_from_search` takes ways of the search to ways in that grid.
-    fn new(field: &'a F, body: u8, spacing: Vec3A, proxy: DVec3, grid_from_search: Mat3A) -> Self {
+    fn new(field: &'a F, near: &Near) -> Self {
         let cell = field.cell();
         let per_cell = cell.recip();
-        let axes = grid_from_search;
+        let (axes, spacing) = (near.axes, near.spacing.as_vec3a());
         let nodes_from_search = Mat3A::from_cols(
             axes.x_axis * per_cell,
             axes.y_axis * per_cell,
@@ -89,8 +95,11 @@ impl<'a, F: Field> PlacedField<'a, F> {
         let root = field.kernel().wide * cell_mm * cell_mm;
         Self {
             field,
-            body,
-            proxy: field.nodes_at(proxy),
+            body: near.body,
+            proxy: field.nodes_at(near.proxy),
+            // axes are those of a rotation, but for the size of voxels
+            contact: axes.transpose() * (near.aim.contact.as_vec3a() * spacing),
+            voxel: spacing,
             nodes_from_search,
             gradient_from_nodes: nodes_from_search.transpose(),
             cell: cell_mm.min_element(),
@@ -149,56 +158,61 @@ impl<'a, F> NearFields<'a, F> {
     }
 }
 
-/// A body's field near the proxy.
+/// A body's field near the probe.
 #[derive(Clone, Copy, Debug)]
 struct Near {
     place: usize,
     body: u8,
+    /// Voxels of its grid [mm].
     spacing: DVec3,
     /// Takes ways in mm along the axes of the world's grid to ways in that of the body.
     axes: Mat3A,
     /// The proxy in the grid of the body.
     proxy: DVec3,
+    aim: Aim,
 }
 
 impl SmoothCache {
     /// Has every field made anew.
     pub fn forget(&mut self) {
         self.sources = [None; ENTRIES];
+        self.aims.forget();
         self.shares.iter_mut().for_each(CellShares::forget);
     }
 
-    /// The fields of the bodies that are solid near the proxy; where those are more than three,
-    /// the three that reach it most.
+    /// The fields of the bodies that are solid near the probe, whose device is a point of the
+    /// world's grid; where those are more than three, the three that reach it most.
     pub fn near<O: Occupancy>(
         &mut self,
         scene: &TouchScene<'_, O>,
         source: Source,
         proxy: &Proxy,
+        device: DVec3,
     ) -> NearFields<'_, BlurField> {
         let spacing = scene.grid.spacing();
         let point = proxy.point();
-        self.refresh_world(scene, source, proxy);
-        let axes = Mat3A::from_diagonal(spacing.recip().as_vec3());
+        let aim = self
+            .aims
+            .aim((0, source), scene.occupancy, spacing, [point, device]);
+        self.refresh_world(scene, source, &aim);
+        let world = Near {
+            place: self.world,
+            body: 0,
+            spacing,
+            axes: Mat3A::from_diagonal(spacing.recip().as_vec3()),
+            proxy: point,
+            aim,
+        };
         if scene.objects.is_empty() {
             let field = &self.fields[self.world];
-            let placed = || PlacedField::new(field, 0, spacing.as_vec3a(), point, axes);
+            let placed = || PlacedField::new(field, &world);
             return NearFields {
                 fields: [field.any_solid().then(placed), None, None],
             };
         }
 
         let mut near = [None; MAX_FIELDS];
-        self.insert(
-            &mut near,
-            Near {
-                place: self.world,
-                body: 0,
-                spacing,
-                axes,
-                proxy: point,
-            },
-        );
+        self.insert(&mut near, world);
         for (number, object) in scene.objects.iter().enumerate().take(MAX_OBJECTS) {
             let (low, high) = object.box_in_world();
             let at = point * spacing;
@@ -208,52 +222,51 @@ impl SmoothCache {
             }
             let world_from_mm = DMat3::from_diagonal(spacing.recip());
             let object_from_mm = object.pose().object_from_world().matrix3 * world_from_mm;
+            let places = [point, device].map(|point| object.pose().to_object(point));
+            let body = (number + 1, source);
+            let (occupancy, spacing) = (object.occupancy(), object.spacing());
             let new = Near {
                 place: 2 + number,
                 body: number as u8 + 1,
-                spacing: object.spacing(),
+                spacing,
                 axes: Mat3A::from(object_from_mm.as_mat3()),
-                proxy: object.pose().to_object(point),
+                proxy: places[0],
+                aim: self.aims.aim(body, occupancy, spacing, places),
             };
-            self.refresh(
-                new.place,
-                source,
-                object.occupancy(),
-                new.proxy,
-                new.spacing,
-            );
+            self.refresh(new.place, source, occupancy, &new.aim, spacing);
             self.insert(&mut near, new);
         }
 
         let fields = &self.fields;
-        NearFields::new(near.into_iter().flatten().map(|near| {
-            let (field, spacing) = (&fields[near.place], near.spacing.as_vec3a());
-            PlacedField::new(field, near.body, spacing, near.proxy, near.axes)
-        }))
+        NearFields::new(
+            near.into_iter()
+                .flatten()
+                .map(|near| PlacedField::new(&fields[near.place], &near)),
+        )
     }
 
-    /// Makes one of the two fields of the world the one around the proxy: the older of them
-    /// where neither is it.
+    /// Makes one of the two fields of the world the one around an aim: the older of them where
+    /// neither is it.
     fn refresh_world<O: Occupancy>(
         &mut self,
         scene: &TouchScene<'_, O>,
         source: Source,
-        proxy: &Proxy,
+        aim: &Aim,
     ) {
-        let (point, spacing) = (proxy.point(), scene.grid.spacing());
+        let spacing = scene.grid.spacing();
         let is_world = |&place: &usize| {
-            self.sources[place] == Some(source) && self.fields[place].is_around(point, spacing)
+            self.sources[place] == Some(source) && self.fields[place].is_around(aim, spacing)
         };
         match [self.world, 1 - self.world].into_iter().find(is_world) {
             Some(place) => self.world = place,
             None => {
                 self.world = 1 - self.world;
-                self.fill(self.world, source, scene.occupancy, point, spacing);
+                self.fill(self.world, source, scene.occupancy, aim, spacing);
             }
         }
     }
 
-    /// Puts a field among those that reach the proxy most, if it does.
+    /// Puts a field among those that reach the probe most, if it does.
     fn insert(&self, near: &mut [Option<Near>; MAX_FIELDS], mut new: Near) {
         if !self.fields[new.place].any_solid() {
             return;
@@ -269,24 +282,24 @@ impl SmoothCache {
         }
     }
 
-    /// The level of a field at the proxy.
+    /// The level of a field at the probe.
     fn value(&self, near: &Near) -> f32 {
         let field = &self.fields[near.place];
-        field.wide_value(field.nodes_at(near.proxy))
+        field.wide_value(field.nodes_at(near.proxy + near.aim.contact / near.spacing))
     }
 
-    /// Makes the field at a place the one around a point of a body's grid.
+    /// Makes the field at a place the one around an aim at a body.
     fn refresh<O: Occupancy>(
         &mut self,
         place: usize,
         source: Source,
         occupancy: &O,
-        point: DVec3,
+        aim: &Aim,
         spacing: DVec3,
     ) {
         let field = &self.fields[place];
-        if self.sources[place] != Some(source) || !field.is_around(point, spacing) {
-            self.fill(place, source, occupancy, point, spacing);
+        if self.sources[place] != Some(source) || !field.is_around(aim, spacing) {
+            self.fill(place, source, occupancy, aim, spacing);
         }
     }
 
@@ -295,14 +308,14 @@ impl SmoothCache {
         place: usize,
         source: Source,
         occupancy: &O,
-        point: DVec3,
+        aim: &Aim,
         spacing: DVec3,
     ) {
         self.sources[place] = Some(source);
         let body = place.saturating_sub(1);
         let known =
             (source.shares && occupancy.knows_shares()).then(|| (source, &mut self.shares[body]));
-        self.fields[place].around(occupancy, point, spacing, known);
+        self.fields[place].around(occupancy, aim, spacing, known);
     }
 }
 

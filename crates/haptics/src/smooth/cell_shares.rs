@@ -8,8 +8,9 @@
 //! Frame: grid; cells by their number.
 
 use super::cache::Source;
-use super::tents::{Changes, moved, unit_of};
-use super::window::{CELLS, CellShape, SurfaceCell, SurfaceRow};
+use super::cell_shape::{CELLS, CellShape};
+use super::surface_rows::{CellsOfRow, SurfaceRow};
+use super::tents::{Changes, unit_of};
 use glam::IVec3;
 use palpate_volume::occupancy::Occupancy;
 
@@ -28,28 +29,23 @@ impl KeptRow {
     /// No surface, so that nothing counts.
     const NONE: Self = Self {
         first: IVec3::ZERO,
-        surface: SurfaceRow { free: 0, solid: 0 },
+        surface: SurfaceRow::NONE,
         changes: Changes::NONE,
     };
 
-    /// What is kept of the row with another first cell.
+    /// Makes it what is kept of the row with another first cell.
     #[inline]
-    fn moved_to(&self, first: IVec3) -> Self {
-        if self.first == first {
-            return *self;
-        }
-        let cells = match (self.first.y, self.first.z) == (first.y, first.z) {
+    fn move_to(&mut self, first: IVec3, shape: CellShape) {
+        let is_same_row = (self.first.y, self.first.z) == (first.y, first.z);
+        let cells = match is_same_row {
             true => first.x - self.first.x,
             false => CELLS,
         };
-        Self {
+        *self = Self {
             first,
-            surface: SurfaceRow {
-                free: moved(self.surface.free, cells),
-                solid: moved(self.surface.solid, cells),
-            },
+            surface: self.surface.moved(shape, cells),
             changes: self.changes.moved(cells),
-        }
+        };
     }
 }
 
@@ -97,46 +93,45 @@ impl CellShares {
         let shape = self.shape;
         let [y, z] = [first.y, first.z].map(|number| (number & (CELLS - 1)) as usize);
         let kept = &mut self.rows[(8 * z + y) & 63];
-        let known = kept.moved_to(first);
-        let mut changes = known.changes;
-        let mut differ =
-            (known.surface.free ^ surface.free) | (known.surface.solid ^ surface.solid);
-        while differ != 0 {
-            let place = differ.trailing_zeros() & !15;
-            differ &= !(0xffff << place);
-            let change = match surface.cell_at(place) {
-                SurfaceCell::NONE => 0,
-                cell => {
-                    let number = first + IVec3::new((place / 16) as i32, 0, 0);
-                    change_of(occupancy, shape, number, cell)
-                }
-            };
-            changes.set(place, change);
+        if kept.first != first {
+            kept.move_to(first, shape);
         }
-        *kept = KeptRow {
-            first,
-            surface,
-            changes,
-        };
-        changes
+        if kept.surface != surface {
+            let cells = surface.differing(kept.surface, shape);
+            let shares = shares_of(occupancy, shape, first, (surface, cells));
+            for cell in cells.places(shape) {
+                let change = shares[cell as usize & 7] * f32::from(unit_of(shape.volume()));
+                kept.changes.set(cell, rounded(change));
+            }
+            kept.surface = surface;
+        }
+        kept.changes
     }
 }
 
-/// What a cell counts beyond its bits.
+/// How many voxels some cells of a row count beyond their bits; 0 for others.
 #[inline(never)]
-fn change_of(
+fn shares_of(
     occupancy: &(impl Occupancy + ?Sized),
     shape: CellShape,
-    number: IVec3,
-    surface: SurfaceCell,
-) -> i32 {
-    let mut change = 0.0_f32;
-    for (voxel, solid) in surface.voxels(shape, number) {
+    first: IVec3,
+    (surface, cells): (SurfaceRow, CellsOfRow),
+) -> [f32; 8] {
+    let mut sums = [0.0; 8];
+    surface.visit(shape, first, cells, |cell, voxel, solid| {
         if let Some(share) = occupancy.share(voxel, solid) {
-            change += share - f32::from(u8::from(solid));
+            sums[cell & 7] += share - f32::from(u8::from(solid));
         }
-    }
-    (change * f32::from(unit_of(shape.volume()))).round_ties_even() as i32
+    });
+    sums
+}
+
+/// The whole number next to a small one, of two the even one, without a call.
+#[inline]
+fn rounded(number: f32) -> i32 {
+    // the last bits of a number of this size are ones
+    const ROUNDING: f32 = 1.5 * (1 << 23) as f32;
+    (number + ROUNDING).to_bits() as i32 - ROUNDING.to_bits() as i32
 }
 
 #[cfg(test)]
@@ -249,7 +244,7 @@ mod tests {
                         continue;
                     }
                     let plain = plainly(&occupancy, &window, shape, first + cell);
-                    let change = told[place as usize / 8].get(16 * cell.x as u32);
+                    let change = told[place as usize / 8].get(cell.x as u32);
                     assert_eq!(change, plain, "step {step}, cell {cell}, {spacing} mm");
                     counted += i32::from(plain != 0);
                 }

@@ -97,9 +97,44 @@ struct Search<'a, F, const N: usize> {
     smoother: &'a Smoother,
     fields: [Option<&'a PlacedField<'a, F>>; N],
     device: Vec3A,
+    /// From a ball's middle to where it touches each body [mm]; zero for a point.
+    contacts: [Vec3A; N],
+    /// How they were last found to be wrong, and what share of that was taken.
+    turns: [Turn; N],
+    /// The largest of those [mm²].
+    largest_turn: f32,
     /// The shortest edge of a cell [mm].
     length: f32,
+    /// Farthest from the proxy [mm].
+    reach: f32,
     samples: u32,
+}
+
+/// How a contact turns from step to step.
+#[derive(Clone, Copy, Debug)]
+struct Turn {
+    way: Vec3A,
+    share: f32,
+}
+
+impl Turn {
+    const NONE: Self = Self {
+        way: Vec3A::ZERO,
+        share: 1.0,
+    };
+
+    /// The share to take of the next turn, so that the one after it is none where all goes on
+    /// evenly: on a bent surface turns swing back by the ball's radius over that of the bend.
+    fn next(&self, way: Vec3A) -> Self {
+        let square = self.way.length_squared();
+        let ratio = self.way.dot(way) / square;
+        let share = if square > 0.0 && ratio < 0.9 {
+            (self.share / (1.0 - ratio)).clamp(0.2, 1.5)
+        } else {
+            self.share
+        };
+        Self { way, share }
+    }
 }
 
 impl<'a, F: Field, const N: usize> Search<'a, F, N> {
@@ -109,11 +144,18 @@ impl<'a, F: Field, const N: usize> Search<'a, F, N> {
         query: &Query,
     ) -> Self {
         let lengths = fields.iter().flatten().map(|field| field.cell);
+        let length = lengths.fold(f32::INFINITY, f32::min);
+        let of_balls = fields.iter().flatten().filter(|field| field.is_of_ball());
+        let farther = of_balls.map(|field| field.thickness() * smoother.reach_by_thickness);
         Self {
             smoother,
             fields,
             device: query.device.as_vec3a(),
-            length: lengths.fold(f32::INFINITY, f32::min),
+            contacts: fields.map(|field| field.map_or(Vec3A::ZERO, |field| field.contact)),
+            turns: [Turn::NONE; N],
+            largest_turn: 0.0,
+            length,
+            reach: smoother.reach * length + farther.fold(0.0, f32::max),
             samples: 0,
         }
     }
@@ -154,7 +196,11 @@ impl<'a, F: Field, const N: usize> Search<'a, F, N> {
             };
             let holds = held_by == Some(field.body);
             known |= holds;
-            let depth = surface.depth / self.length;
+            let mut depth = surface.depth / self.length;
+            if field.is_of_ball() && holds {
+                let overshoot = field.overshoot(surface.outward) / self.length;
+                depth = (depth + overshoot).min(depth.max(0.0));
+            }
             farthest = farthest.max(if holds { depth.abs() } else { depth });
         }
         if known {
@@ -169,6 +215,7 @@ impl<'a, F: Field, const N: usize> Search<'a, F, N> {
     fn settle(&mut self, mut surfaces: Surfaces<N>) -> (Vec3A, Surfaces<N>) {
         let tolerance = self.smoother.tolerance * self.length;
         let longest = self.smoother.longest_step * self.length;
+        let turned = self.smoother.turned * self.length;
         let mut at = Vec3A::ZERO;
         let mut last_step = Vec3A::ZERO;
         let mut ease = 1.0;
@@ -181,12 +228,13 @@ impl<'a, F: Field, const N: usize> Search<'a, F, N> {
             let next = self.within_reach(at + step * ease);
             let [before, square] = [last_step, next - at].map(Vec3A::length_squared);
             last_step = next - at;
-            if square < tolerance * tolerance {
+            let settled = self.largest_turn <= turned * turned;
+            if settled && square < tolerance * tolerance {
                 break;
             }
             at = next;
             // steps shrink by about the same share: the next one would be too short
-            if ease == 1.0 && square * square < tolerance * tolerance * before {
+            if settled && ease == 1.0 && square * square < tolerance * tolerance * before {
                 for surface in surfaces.iter_mut().flatten() {
                     surface.move_point(last_step);
                 }
@@ -197,31 +245,59 @@ impl<'a, F: Field, const N: usize> Search<'a, F, N> {
         (at, surfaces)
     }
 
+    /// The surfaces as seen from the probe's middle, each where the probe touches it.
     #[inline]
     fn surfaces(&mut self, at: Vec3A) -> Surfaces<N> {
-        self.fields.map(|field| {
-            self.samples += u32::from(field.is_some());
-            field?.surface(at, self.smoother)
-        })
+        self.largest_turn = 0.0;
+        let mut surfaces = [None; N];
+        for (number, field) in self.fields.into_iter().enumerate() {
+            let Some(field) = field else { continue };
+            self.samples += 1;
+            let contact = self.contacts[number];
+            surfaces[number] = field.surface(at + contact, self.smoother);
+            if contact != Vec3A::ZERO
+                && let Some(surface) = &mut surfaces[number]
+            {
+                self.turn(number, surface);
+            }
+        }
+        surfaces
+    }
+
+    /// Turns the contact of a ball with a body toward where its surface is nearest, as seen from
+    /// the old one, and tells the surface as seen from the ball's middle.
+    fn turn(&mut self, number: usize, surface: &mut Surface) {
+        let contact = self.contacts[number];
+        let radius = contact.length();
+        // the ball is under by more where the plane is not square to the contact
+        surface.depth += radius + surface.outward.dot(contact);
+        let wanted = surface.outward * -radius;
+        let turn = self.turns[number].next(wanted - contact);
+        self.turns[number] = turn;
+        self.largest_turn = self.largest_turn.max(turn.way.length_squared());
+        let turned = contact + turn.way * turn.share;
+        self.contacts[number] = turned.normalize_or_zero() * radius;
     }
 
     /// A point no farther from the proxy than allowed.
     fn within_reach(&self, point: Vec3A) -> Vec3A {
-        point.clamp_length_max(self.smoother.reach * self.length)
+        point.clamp_length_max(self.reach)
     }
 
     /// The contact point after the pull of the blur is undone.
     fn corrected(&mut self, at: Vec3A, surfaces: &Surfaces<N>) -> Vec3A {
         let largest = self.smoother.largest_correction * self.length;
         let mut corrected = *surfaces;
-        for (surface, field) in corrected.iter_mut().zip(&self.fields) {
+        for ((surface, field), contact) in
+            corrected.iter_mut().zip(&self.fields).zip(&self.contacts)
+        {
             let (Some(surface), Some(field)) = (surface, field) else {
                 continue;
             };
             if surface.wide == 0.0 {
                 continue;
             }
-            let pull = field.pull(at, surface, self.smoother.baseline * self.length);
+            let pull = field.pull(at + *contact, surface, self.smoother.baseline * self.length);
             // what stairs may have bent is left alone
             let share = surface.wide * smooth_step(self.smoother.curved, pull.abs() / self.length);
             surface.depth += (share * pull).clamp(-largest, largest);
@@ -268,6 +344,22 @@ impl<F: Field> PlacedField<'_, F> {
     #[inline]
     fn nodes_from_point(&self, at: Vec3A) -> Vec3A {
         self.proxy + self.nodes_from_search * at
+    }
+
+    fn is_of_ball(&self) -> bool {
+        self.contact != Vec3A::ZERO
+    }
+
+    /// By how much the longest edge of a voxel is longer than the shortest [mm].
+    fn thickness(&self) -> f32 {
+        self.voxel.max_element() - self.voxel.min_element()
+    }
+
+    /// How much too far away a ball may be kept by its cells [mm]: by about one of them.
+    fn overshoot(&self, outward: Vec3A) -> f32 {
+        let in_nodes = self.nodes_from_search * outward;
+        let along_axes = in_nodes.abs() * self.field.cell() * self.voxel;
+        along_axes.dot(self.voxel)
     }
 
     /// The surface as seen from a point; none where the level tells nothing.

@@ -10,7 +10,7 @@
 //!
 //! Frame: grid. Values and limits as stored.
 
-use glam::{IVec3, Vec3A};
+use glam::{IVec3, UVec3, Vec3A};
 use palpate_volume::intensities::Intensities;
 
 /// Stored values of a voxel and of its neighbours.
@@ -30,33 +30,33 @@ impl Around {
     #[inline]
     #[must_use]
     pub fn of(scan: &Intensities, voxel: IVec3) -> Self {
-        let last = scan.dimensions().as_ivec3() - 1;
-        let is_inner = voxel.cmpgt(IVec3::ZERO).all() && voxel.cmplt(last).all();
-        if is_inner {
-            Self::of_inner(scan, voxel)
-        } else {
-            Self::of_outer(scan, voxel)
-        }
+        Self::of_inner(scan, voxel).unwrap_or_else(|| Self::of_outer(scan, voxel))
     }
 
-    /// Of a voxel that is not at the border.
+    /// Of a voxel that is not at the border; none for others.
     #[inline]
-    fn of_inner(scan: &Intensities, voxel: IVec3) -> Self {
+    fn of_inner(scan: &Intensities, voxel: IVec3) -> Option<Self> {
+        // without its sign, what is negative is large
+        let before = (voxel - 1).as_uvec3();
+        let inner = scan.dimensions().saturating_sub(UVec3::splat(2));
+        if !before.cmplt(inner).all() {
+            return None;
+        }
         let values = &**scan.values();
         let [nx, ny] = [scan.dimensions().x as usize, scan.dimensions().y as usize];
         let [x, y, z] = voxel.to_array().map(|i| i as usize);
         let layer = nx * ny;
-        let here = z * layer + y * nx + x;
-        // there are as many before it as after it
-        let Some(near) = values.get(here - layer..=here + layer) else {
-            return Self::default();
-        };
-        let value = |place: usize| near.get(place).map_or(0.0, |&value| f32::from(value));
-        Self {
-            here: value(layer),
-            before: Vec3A::new(value(layer - 1), value(layer - nx), value(0)),
-            after: Vec3A::new(value(layer + 1), value(layer + nx), value(2 * layer)),
-        }
+        let place = z * layer + y * nx + x;
+        let value = |place: usize| values.get(place).map(|&value| f32::from(value));
+        let row = values.get(place - 1..)?.first_chunk()?;
+        let [before_x, here, after_x] = row.map(|value: i16| f32::from(value));
+        let [before_y, before_z] = [value(place - nx)?, value(place - layer)?];
+        let [after_y, after_z] = [value(place + nx)?, value(place + layer)?];
+        Some(Self {
+            here,
+            before: Vec3A::new(before_x, before_y, before_z),
+            after: Vec3A::new(after_x, after_y, after_z),
+        })
     }
 
     /// Of any voxel.
@@ -144,40 +144,82 @@ impl Limits {
     #[inline]
     #[must_use]
     pub fn share(&self, around: &Around, solid: bool) -> Option<f32> {
-        let Around {
-            here,
-            before,
-            after,
-        } = *around;
         match self.count {
-            0 => None,
             // there is mostly but one
             1 => {
                 let [low, high] = self.ranges[0];
                 let within = |values: Vec3A| (values - low).min(high - values);
-                let here = (here - low).min(high - here);
-                share(here, within(after) - within(before), solid)
+                let [above, below] = [around.here - low, high - around.here];
+                let here = if above < below { above } else { below };
+                share(within(around.before), here, within(around.after), solid)
             }
-            _ => {
-                let within = |values: Vec3A| values.map(|stored| self.within(stored));
-                share(self.within(here), within(after) - within(before), solid)
-            }
+            _ => self.share_of_many(around, solid),
         }
+    }
+
+    /// The same for any number of ranges.
+    #[inline(never)]
+    fn share_of_many(&self, around: &Around, solid: bool) -> Option<f32> {
+        if self.is_empty() {
+            return None;
+        }
+        let within = |values: Vec3A| values.map(|stored| self.within(stored));
+        share(
+            within(around.before),
+            self.within(around.here),
+            within(around.after),
+            solid,
+        )
     }
 }
 
-/// The share of a voxel that is solid, from how far its value is within what is solid, and how
-/// much farther the value after it is along each axis than that before it.
+/// The share of a voxel that is solid, from how far values are within what is solid: its own, and
+/// those before and after it along each axis.
+///
+/// Along the axis on which values change most, a surface passes between the middles of one solid
+/// voxel and one free voxel of each column. So each of these two gives or takes half of how far it
+/// is from the middle between them, and the column counts just as much as is solid.
 #[inline]
-fn share(here: f32, rise: Vec3A, solid: bool) -> Option<f32> {
+fn share(before: Vec3A, here: f32, after: Vec3A, solid: bool) -> Option<f32> {
     // an edit, or another segment, made it what it is
     if solid != (here >= 0.0) {
         return None;
     }
-    // a plane through the voxel at distance d leaves the share ½ + d over the voxel's
-    // width across it, which is the sum of its normal's parts; and d is the value over
-    // the slope
-    let [x, y, z] = (0.5 * rise.abs()).to_array();
-    let share = 0.5 + here / (x + y + z);
-    share.is_finite().then(|| share.clamp(0.0, 1.0))
+    let own = Vec3A::splat(here);
+    let axis = (before - own).abs().max((after - own).abs()).max_position();
+    let side = if solid { 1.0 } else { -1.0 };
+    let [before, here, after] = [before[axis], here, after[axis]].map(|value| side * value);
+    // no surface passes here along that axis
+    if before >= 0.0 && after >= 0.0 {
+        return None;
+    }
+    let ways = way_to_surface(after, here, before) + way_to_surface(before, here, after);
+    let own = (0.5 * ways).max(0.5);
+    let share = if solid { own } else { 1.0 - own };
+    share.is_finite().then_some(share)
+}
+
+/// The way from the middle of a voxel to where values pass zero, of that to the next voxel; 1 where
+/// they do not pass it there. By how far the value before it, its own and that beyond are above it.
+///
+/// Where values go on evenly they are taken as straight lines. Where they do not rise before it,
+/// as if the scanner blurred no more than over a voxel, the two at the surface are what is solid
+/// of them, and the one before is as far above zero as free ones are below. Between, a blend.
+#[inline]
+fn way_to_surface(before: f32, here: f32, beyond: f32) -> f32 {
+    if beyond >= 0.0 {
+        return 1.0;
+    }
+    let most = before.max(here);
+    let fall = here - beyond;
+    let straight = here / fall;
+    let filled = 0.5 + 0.5 * (here + beyond) / most;
+    // none of both where the threshold is met by no value above it
+    let even = ((most - here) / fall).min(1.0);
+    let way = if most > 0.0 {
+        filled + even * (straight - filled)
+    } else {
+        straight
+    };
+    way.clamp(0.0, 1.0)
 }

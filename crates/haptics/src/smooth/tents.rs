@@ -41,43 +41,56 @@ const BIT: u32 = 12;
 /// 16 bits for each, of the change plus 2¹² with that bit turned: so that nothing is 0, and
 /// nothing goes from one to the next.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Changes(u128);
+pub(super) struct Changes {
+    /// Those of even x.
+    even: u64,
+    /// Those of odd x.
+    odd: u64,
+}
 
 impl Changes {
     /// None.
-    pub(super) const NONE: Self = Self(0);
+    pub(super) const NONE: Self = Self { even: 0, odd: 0 };
 
-    /// Sets that of the cell whose bits begin at a place.
+    /// Sets that of a cell.
     #[inline]
-    pub(super) fn set(&mut self, place: u32, change: i32) {
+    pub(super) fn set(&mut self, cell: u32, change: i32) {
         let bits = ((change + (1 << BIT)) ^ (1 << BIT)) as u16;
-        self.0 = self.0 & !(0xffff << place) | u128::from(bits) << place;
+        let place = 16 * (cell / 2 & 3);
+        let word = match cell % 2 == 0 {
+            true => &mut self.even,
+            false => &mut self.odd,
+        };
+        *word = *word & !(0xffff << place) | u64::from(bits) << place;
     }
 
-    /// That of the cell whose bits begin at a place.
+    /// That of a cell.
     #[cfg(test)]
-    pub(super) fn get(self, place: u32) -> i32 {
-        i32::from((self.0 >> place) as u16 ^ 1 << BIT) - (1 << BIT)
+    pub(super) fn get(self, cell: u32) -> i32 {
+        let word = if cell % 2 == 0 { self.even } else { self.odd };
+        i32::from((word >> (16 * (cell / 2))) as u16 ^ 1 << BIT) - (1 << BIT)
     }
 
     /// Those of the cells so many places on, and nothing where there were none.
-    pub(super) fn moved(self, cells: i32) -> Self {
-        Self(moved(self.0, cells))
-    }
-
-    /// Those of even x and those of odd x.
     #[inline]
-    fn even_and_odd(self) -> [u64; 2] {
-        let pair = |half: u64| half & FIRST | half >> 16 & FIRST << 16;
-        let [low, high] = [self.0 as u64, (self.0 >> 64) as u64];
-        [0, 16].map(|place| pair(low >> place) | pair(high >> place) << 32)
+    pub(super) fn moved(self, cells: i32) -> Self {
+        // what is even becomes odd where the way is
+        let [even, odd] = match cells & 1 == 0 {
+            true => [moved(self.even, cells >> 1), moved(self.odd, cells >> 1)],
+            false => [
+                moved(self.odd, cells >> 1),
+                moved(self.even, (cells >> 1) + 1),
+            ],
+        };
+        Self { even, odd }
     }
 }
 
-/// Eight numbers of 16 bits, so many places on.
-pub(super) fn moved(numbers: u128, cells: i32) -> u128 {
-    let bits = 16 * cells.unsigned_abs();
-    let moved = match cells >= 0 {
+/// Four numbers of 16 bits, so many places on.
+#[inline]
+fn moved(numbers: u64, places: i32) -> u64 {
+    let bits = 16 * places.unsigned_abs();
+    let moved = match places >= 0 {
         true => numbers.checked_shr(bits),
         false => numbers.checked_shl(bits),
     };
@@ -118,10 +131,9 @@ impl Cells {
     /// Adds to the cells of a row, but leaves each from nothing to `full`.
     #[inline]
     pub(super) fn add(&mut self, row: usize, changes: Changes, full: u16) {
-        let [even, odd] = changes.even_and_odd();
         let (row, full) = (row & 63, u64::from(full) * EACH);
-        self.even[row] = sum(self.even[row], even, full);
-        self.odd[row] = sum(self.odd[row], odd, full);
+        self.even[row] = sum(self.even[row], changes.even, full);
+        self.odd[row] = sum(self.odd[row], changes.odd, full);
     }
 
     /// The sums ¼, ½, ¼ along x, four times too large.
@@ -240,7 +252,7 @@ mod tests {
                     odd: [word(1); 64],
                 };
                 let mut changes = Changes::default();
-                (0..8).for_each(|x| changes.set(16 * x as u32, change[x]));
+                (0..8).for_each(|x| changes.set(x as u32, change[x]));
                 sums.add(9, changes, full);
                 for x in 0..8 {
                     let word = if x % 2 == 0 { sums.even } else { sums.odd };

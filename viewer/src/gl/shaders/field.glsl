@@ -26,6 +26,17 @@ float biasedAt(vec3 grid) {
 #endif
 }
 
+// The value of one texel.
+float biasedOf(ivec3 texel) {
+#if defined(FIELD_RG8)
+  return dot(texelFetch(fieldTexture, texel, 0).rg, vec2(255.0, 65280.0));
+#elif defined(FIELD_R16)
+  return texelFetch(fieldTexture, texel, 0).r * 65535.0;
+#else
+  return texelFetch(fieldTexture, texel, 0).r;
+#endif
+}
+
 // Gradient of the physical value [per mm] along the grid's axes, by central differences.
 vec3 gradientAt(vec3 grid) {
   vec3 dx = vec3(sampleStep.x, 0.0, 0.0);

@@ -84,12 +84,12 @@ float refinedEntry(vec3 direction, float before, float inside, inout int segment
 
 #ifdef LABELS
 // Outward normal of a label, from the share of its voxels around the point.
-vec3 labelNormal(vec3 grid, int segment) {
+vec3 labelNormal(vec3 grid, int label) {
   vec3 sum = vec3(0.0);
   for (int i = 0; i < 27; ++i) {
     vec3 offset = vec3(i % 3, (i / 3) % 3, i / 9) - 1.0;
     vec3 place = grid + 1.5 * offset * sampleStep;
-    sum -= float(labelAt(place) == segment - RANGES) * offset / spacing;
+    sum -= float(labelAt(place) == label) * offset / spacing;
   }
   return sum;
 }
@@ -98,7 +98,11 @@ vec3 labelNormal(vec3 grid, int segment) {
 vec3 surfaceNormal(vec3 grid, int segment) {
 #ifdef LABELS
   if (segment > RANGES) {
-    return labelNormal(grid, segment);
+    return labelNormal(grid, segment - RANGES);
+  }
+  vec4 bounds = rangeBounds[segment - 1];
+  if (bounds.w > 0.5 && editedAround(grid, bounds)) {
+    return labelNormal(grid, int(bounds.w));
   }
 #endif
   return gradientAt(grid);

@@ -1,32 +1,65 @@
 // Which segment a point belongs to: 0 none, -1 a hidden one, else its index + 1.
-// Threshold segments test the interpolated value, the others a texture of their ids.
+// Threshold segments test the interpolated value, the others a texture of their ids. Where a
+// threshold segment was edited the ids decide too, but only beside voxels whose id is not what
+// their value says: so an edit brings steps of voxels where it was, and nowhere else.
 // Keep RANGES in sync with `gl/ray_marcher.ts`.
 
 #define RANGES 16
 
-// low and high biased value, 1 where visible
-uniform vec3 rangeBounds[RANGES];
+// low and high biased value, 1 where visible, and its id where it was edited, else 0
+uniform vec4 rangeBounds[RANGES];
 uniform vec3 rangeColours[RANGES];
 uniform int rangeCount;
 
 #ifdef LABELS
 uniform sampler3D labelTexture;
-// colour of each id (linear); alpha 1 where its voxels are drawn, 0.5 where nothing is
+// colour of each id (linear); alpha 1 where its voxels are drawn, 0.5 where nothing is, 0 where
+// there is no such segment or a range tells of it
 uniform sampler2D labelColours;
 
 int labelAt(vec3 grid) {
   return int(texture(labelTexture, grid * textureScale + textureOffset).r * 255.0 + 0.5);
 }
+
+// Whether the id of a voxel around a point is not what its value says.
+bool editedAround(vec3 grid, vec4 bounds) {
+  ivec3 size = textureSize(labelTexture, 0);
+  ivec3 first = ivec3(floor((grid * textureScale + textureOffset) * vec3(size) - 0.5));
+  for (int i = 0; i < 8; ++i) {
+    ivec3 texel = clamp(first + ivec3(i & 1, i >> 1 & 1, i >> 2), ivec3(0), size - 1);
+    float value = biasedOf(texel);
+    int label = int(texelFetch(labelTexture, texel, 0).r * 255.0 + 0.5);
+    if ((bounds.x <= value && value <= bounds.y) != (label == int(bounds.w))) {
+      return true;
+    }
+  }
+  return false;
+}
 #endif
+
+bool insideRange(vec3 grid, float value, int label, vec4 bounds) {
+  bool byValue = bounds.x <= value && value <= bounds.y;
+#ifdef LABELS
+  bool byLabel = label == int(bounds.w);
+  if (bounds.w > 0.5 && byValue != byLabel) {
+    return editedAround(grid, bounds) ? byLabel : byValue;
+  }
+#endif
+  return byValue;
+}
 
 int segmentAt(vec3 grid, float value) {
   int found = 0;
+  int label = 0;
+#ifdef LABELS
+  label = labelAt(grid);
+#endif
   for (int i = 0; i < RANGES; ++i) {
     if (i >= rangeCount) {
       break;
     }
-    vec3 bounds = rangeBounds[i];
-    if (bounds.x <= value && value <= bounds.y) {
+    vec4 bounds = rangeBounds[i];
+    if (insideRange(grid, value, label, bounds)) {
       if (bounds.z > 0.5) {
         return i + 1;
       }
@@ -34,7 +67,6 @@ int segmentAt(vec3 grid, float value) {
     }
   }
 #ifdef LABELS
-  int label = labelAt(grid);
   float drawn = label > 0 ? texelFetch(labelColours, ivec2(label, 0), 0).a : 0.0;
   if (drawn > 0.75) {
     return RANGES + label;

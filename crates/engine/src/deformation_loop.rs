@@ -1,0 +1,123 @@
+//! The loop of the deformation model, at its own pace: one job, one answer.
+//!
+//! The model works on voxels of its own, which share their bricks with the true ones: they are
+//! sent anew only where something else than the model changed the true ones.
+
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender};
+use std::time::{Duration, Instant};
+
+use palpate_deform::material::Materials;
+use palpate_deform::model::{Budget, DeformationModel, ModelAnswer, ModelInput, ToolState};
+use palpate_volume::edit::Edit;
+use palpate_volume::voxels::Voxels;
+
+/// What the model is to look at.
+#[derive(Debug)]
+pub enum ModelVoxels {
+    /// The true voxels as they are now.
+    Anew(Box<Voxels>),
+    /// As the last answer left them; its edit was applied, if there was one.
+    Followed,
+}
+
+/// Something to work out.
+#[derive(Debug)]
+pub struct DeformationJob {
+    /// A model in the place of the one before.
+    pub model: Option<Box<dyn DeformationModel>>,
+    /// Whether displacements are forgotten.
+    pub reset: bool,
+    /// What is solid.
+    pub voxels: ModelVoxels,
+    /// What it is made of.
+    pub materials: Arc<Materials>,
+    /// Where the tool is.
+    pub tool: ToolState,
+    /// Since the last job [s].
+    pub dt: f64,
+    /// How long the model may take; without it, it always does the same work.
+    pub patience: Option<Duration>,
+}
+
+/// Jobs on one side, answers on the other.
+#[derive(Debug)]
+pub struct DeformationLoop {
+    jobs: Receiver<DeformationJob>,
+    answers: Sender<ModelAnswer>,
+    model: Option<Box<dyn DeformationModel>>,
+    voxels: Option<Box<Voxels>>,
+    /// Of the last answer; the next job tells whether the true voxels took it.
+    edit: Option<Edit>,
+}
+
+/// Iterations for one answer, at most: what a step of a quarter of a node takes to the last
+/// hundredth of the force, twice over.
+const ITERATIONS: u32 = 120;
+
+impl DeformationLoop {
+    /// A loop without a model.
+    #[must_use]
+    pub fn new(jobs: Receiver<DeformationJob>, answers: Sender<ModelAnswer>) -> Self {
+        Self {
+            jobs,
+            answers,
+            model: None,
+            voxels: None,
+            edit: None,
+        }
+    }
+
+    /// Does what is asked for, if anything is.
+    pub fn step(&mut self) {
+        if let Ok(job) = self.jobs.try_recv() {
+            self.answer(job);
+        }
+    }
+
+    /// Waits for a job, at most so long, and does it; false once none will come any more.
+    pub fn wait(&mut self, patience: Duration) -> bool {
+        match self.jobs.recv_timeout(patience) {
+            Ok(job) => self.answer(job),
+            Err(RecvTimeoutError::Timeout) => {}
+            Err(RecvTimeoutError::Disconnected) => return false,
+        }
+        true
+    }
+
+    fn answer(&mut self, job: DeformationJob) {
+        let began = Instant::now();
+        if let Some(model) = job.model {
+            self.model = Some(model);
+        }
+        let edit = self.edit.take();
+        match job.voxels {
+            ModelVoxels::Anew(voxels) => self.voxels = Some(voxels),
+            ModelVoxels::Followed => {
+                if let (Some(voxels), Some(edit)) = (&mut self.voxels, edit) {
+                    // it was built from these voxels
+                    let _ = voxels.apply(edit);
+                }
+            }
+        }
+        let (Some(model), Some(voxels)) = (&mut self.model, &self.voxels) else {
+            return;
+        };
+        if job.reset {
+            model.reset();
+        }
+        let answer = model.advance(&ModelInput {
+            voxels,
+            materials: &job.materials,
+            tools: &[job.tool],
+            dt: job.dt,
+            budget: Budget {
+                iterations: ITERATIONS,
+                deadline: job.patience.map(|patience| began + patience),
+            },
+        });
+        self.edit.clone_from(&answer.edit);
+        // whoever asked may have gone
+        let _ = self.answers.send(answer);
+    }
+}

@@ -1,0 +1,161 @@
+//! The surface of a segment that is kept, and follows its voxels by the boxes in which they change.
+//!
+//! Where a threshold made the segment, the scan's values may say where between voxels the surface
+//! is. They are the scan's own, as touch reads them: a voxel whose bit and value disagree was
+//! edited, and counts as its bit says. So edits need nothing but bits.
+
+use palpate_surface::{
+    Limits, PatchChange, SegmentSurface, SettingsError, SurfaceSettings, VoxelSource,
+};
+use palpate_volume::bit_brick::BitBrick;
+use palpate_volume::bits::Bits;
+use palpate_volume::brick_grid::BrickSwap;
+use palpate_volume::grid::Grid;
+use palpate_volume::intensities::Intensities;
+use palpate_volume::voxel_box::VoxelBox;
+
+use crate::scene::ThresholdRange;
+
+/// A patch with more vertices is parted into octants, so that an edit sends less of it.
+const MOST_VERTICES: u32 = 6000;
+
+/// What a surface is made from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SurfaceSource {
+    /// The scan's values where a threshold made the segment, else its bits.
+    #[default]
+    Intensities,
+    /// The bits.
+    Bits,
+}
+
+/// How the surface of a segment is made.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfaceMaking {
+    /// Smoothing, step and patches; its limits are those of the segment's threshold.
+    pub settings: SurfaceSettings,
+    /// What it is made from.
+    pub source: SurfaceSource,
+}
+
+impl Default for SurfaceMaking {
+    fn default() -> Self {
+        let usual = SurfaceSettings::default();
+        Self::new(usual.smoothing, usual.step, SurfaceSource::default())
+    }
+}
+
+impl SurfaceMaking {
+    /// With a degree of smoothing and a step [voxels].
+    #[must_use]
+    pub fn new(smoothing: u8, step: u8, source: SurfaceSource) -> Self {
+        let settings = SurfaceSettings {
+            smoothing,
+            step,
+            most_vertices: Some(MOST_VERTICES),
+            ..SurfaceSettings::default()
+        };
+        Self { settings, source }
+    }
+
+    fn limits(&self, made_by: Option<ThresholdRange>) -> Option<Limits> {
+        // a threshold of one value has no inside
+        made_by
+            .filter(|(low, high)| self.source == SurfaceSource::Intensities && low < high)
+            .map(|(low, high)| Limits { low, high })
+    }
+}
+
+/// All voxels of a segment, and the threshold that made them, if one did.
+#[derive(Clone, Debug)]
+pub struct SegmentVoxels {
+    /// The voxels.
+    pub bits: Bits,
+    /// The threshold.
+    pub made_by: Option<ThresholdRange>,
+}
+
+/// A surface and the voxels that it is to follow. A clone shares bricks and patches.
+#[derive(Clone, Debug)]
+pub struct KeptSurface {
+    making: SurfaceMaking,
+    voxels: SegmentVoxels,
+    surface: SegmentSurface,
+    /// The box of voxels that the surface does not follow yet.
+    dirty: VoxelBox,
+}
+
+impl KeptSurface {
+    /// Of these voxels; nothing is made before [`Self::follow`].
+    ///
+    /// # Errors
+    /// Where such a surface cannot be made.
+    pub fn new(
+        grid: &Grid,
+        making: SurfaceMaking,
+        voxels: SegmentVoxels,
+    ) -> Result<Self, SettingsError> {
+        let settings = SurfaceSettings {
+            limits: making.limits(voxels.made_by),
+            ..making.settings
+        };
+        Ok(Self {
+            making,
+            surface: SegmentSurface::new(grid, settings)?,
+            voxels,
+            dirty: grid.bounds(),
+        })
+    }
+
+    /// How it is made.
+    #[must_use]
+    pub fn making(&self) -> &SurfaceMaking {
+        &self.making
+    }
+
+    /// The surface, as far as it follows.
+    #[must_use]
+    pub fn surface(&self) -> &SegmentSurface {
+        &self.surface
+    }
+
+    /// Whether these are the voxels that it is to follow.
+    #[must_use]
+    pub fn has(&self, voxels: &SegmentVoxels) -> bool {
+        let same_threshold = self.voxels.made_by == voxels.made_by;
+        same_threshold && self.voxels.bits.difference(&voxels.bits).is_empty()
+    }
+
+    /// Exchanges bricks, which differ in the box `dirty` only.
+    pub fn swap(&mut self, swaps: &mut [BrickSwap<BitBrick>], dirty: &VoxelBox) {
+        let bits = &mut self.voxels.bits;
+        swaps.iter_mut().for_each(|swap| bits.swap(swap));
+        self.dirty = self.dirty.union(dirty);
+    }
+
+    /// Takes other voxels in the place of all.
+    pub fn replace(&mut self, voxels: SegmentVoxels) {
+        let limits = self.making.limits(voxels.made_by);
+        let dirty = if limits == self.surface.settings().limits {
+            self.voxels.bits.difference(&voxels.bits)
+        } else {
+            self.surface.set_limits(limits);
+            VoxelBox::of_dimensions(voxels.bits.dimensions())
+        };
+        self.dirty = self.dirty.union(&dirty);
+        self.voxels = voxels;
+    }
+
+    /// Makes the surface follow its voxels; gives the patches that differ.
+    pub fn follow(&mut self, scan: &Intensities) -> Vec<PatchChange> {
+        let dirty = std::mem::replace(&mut self.dirty, VoxelBox::EMPTY);
+        if dirty.is_empty() {
+            return Vec::new();
+        }
+        let source = VoxelSource {
+            bits: &self.voxels.bits,
+            values: Some((scan, None)),
+        };
+        self.surface.update(&source, &dirty)
+    }
+}

@@ -1,0 +1,217 @@
+//! The voxels of a window on either side of the surface, by rows of cells.
+//!
+//! Only what is inside the window is right, without its outermost cells: those hardly count.
+//!
+//! Memory: a row of cells has as many rows of voxels as a cell, z by z; they stand one after the
+//! other, x from the lowest bit on, as they do in the words of a window.
+
+use super::cell_shape::{CELLS, CellShape, MAX_WORDS};
+use super::window::Window;
+use glam::IVec3;
+
+/// Words of the largest layer of cells.
+const MAX_CELL_LAYER: usize = MAX_WORDS / CELLS as usize;
+
+/// The voxels of eight cells along x on either side of the surface, one bit each.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct SurfaceRow {
+    /// Voxels that are reached, next to those that are not.
+    free: [u64; 2],
+    /// Solid ones next to those that are reached.
+    solid: [u64; 2],
+}
+
+impl SurfaceRow {
+    /// No voxel.
+    pub(super) const NONE: Self = Self {
+        free: [0; 2],
+        solid: [0; 2],
+    };
+
+    /// Those of the cells so many places on, and none where there were none.
+    pub(super) fn moved(self, shape: CellShape, cells: i32) -> Self {
+        if cells.abs() >= CELLS {
+            return Self::NONE;
+        }
+        let [log_x, ..] = shape.log;
+        let row = (1_u64 << (CELLS << log_x)) - 1;
+        let away = cells.unsigned_abs() << log_x;
+        // nothing goes from one row of voxels to the next
+        let (left, right, kept) = match cells >= 0 {
+            true => (0, away, row >> away),
+            false => (away, 0, row << away & row),
+        };
+        let kept = in_each_row(shape, kept);
+        let moved = |word: u64| word << left >> right & kept;
+        Self {
+            free: self.free.map(moved),
+            solid: self.solid.map(moved),
+        }
+    }
+
+    /// The cells that have other voxels.
+    #[inline]
+    pub(super) fn differing(self, other: Self, shape: CellShape) -> CellsOfRow {
+        let [log_x, ..] = shape.log;
+        let differ = |a: [u64; 2], b: [u64; 2]| (a[0] ^ b[0]) | (a[1] ^ b[1]);
+        let mut bits = differ(self.free, other.free) | differ(self.solid, other.solid);
+        // the rows of voxels on one another
+        bits |= bits >> 32;
+        bits |= if log_x < 2 { bits >> 16 } else { 0 };
+        bits |= if log_x < 1 { bits >> 8 } else { 0 };
+        let mut cells = bits & ((1 << (CELLS << log_x)) - 1);
+        // all columns of a cell where there is one
+        if log_x > 1 {
+            cells |= cells >> 2 & 0x3333_3333 | (cells & 0x3333_3333) << 2;
+        }
+        if log_x > 0 {
+            cells |= cells >> 1 & 0x5555_5555 | (cells & 0x5555_5555) << 1;
+        }
+        CellsOfRow(cells)
+    }
+
+    /// Tells the voxels of some cells with the place of their cell, and whether they are solid,
+    /// z by z and row by row, where the row has its first cell at a number.
+    #[inline]
+    pub(super) fn visit(
+        self,
+        shape: CellShape,
+        first: IVec3,
+        cells: CellsOfRow,
+        mut tell: impl FnMut(usize, IVec3, bool),
+    ) {
+        let min = first * shape.voxels();
+        let [log_x, log_y, _] = shape.log;
+        let [last_x, last_y] = [(CELLS << log_x) - 1, (1 << log_y) - 1];
+        let cells = in_each_row(shape, cells.0);
+        for (half, (free, solid)) in (0..).zip(self.free.into_iter().zip(self.solid)) {
+            let mut left = (free | solid) & cells;
+            while left != 0 {
+                let place = left.trailing_zeros();
+                left &= left - 1;
+                let bit = 64 * half + place as i32;
+                let (x, row) = (bit & last_x, bit >> (3 + log_x));
+                let voxel = min + IVec3::new(x, row & last_y, row >> log_y);
+                tell((x >> log_x) as usize, voxel, solid >> place & 1 == 1);
+            }
+        }
+    }
+}
+
+/// Some cells of a row: all their bits in a row of voxels.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CellsOfRow(u64);
+
+impl CellsOfRow {
+    /// Their places in the row.
+    pub(super) fn places(self, shape: CellShape) -> impl Iterator<Item = u32> {
+        let [log_x, ..] = shape.log;
+        let mut left = self.0;
+        std::iter::from_fn(move || {
+            let cell = (left != 0).then(|| left.trailing_zeros() >> log_x)?;
+            left &= !of_cell(shape, cell);
+            Some(cell)
+        })
+    }
+}
+
+/// The bits of a cell in a row of voxels.
+#[inline]
+fn of_cell(shape: CellShape, cell: u32) -> u64 {
+    let [log_x, ..] = shape.log;
+    ((1 << (1 << log_x)) - 1) << (cell << log_x)
+}
+
+/// The same bits in each row of voxels of a row of cells.
+#[inline]
+fn in_each_row(shape: CellShape, row: u64) -> u64 {
+    row * match shape.log {
+        [0, ..] => 0x0101_0101_0101_0101,
+        [1, ..] => 0x0001_0001_0001_0001,
+        _ => 0x0000_0001_0000_0001,
+    }
+}
+
+/// Voxels at the surface, one bit each.
+#[derive(Clone, Copy, Debug, Default)]
+struct Surface {
+    /// Reached ones next to others.
+    free: u64,
+    /// Solid ones next to those that are reached.
+    solid: u64,
+}
+
+impl Window {
+    /// Tells rows of cells, y and z in the window, with voxels that are reached next to others,
+    /// or solid ones next to those that are reached.
+    pub(super) fn visit_surface(&self, tell: &mut impl FnMut(usize, usize, SurfaceRow)) {
+        match self.shape.log_width() {
+            3 => self.visit_surface_of::<3>(tell),
+            4 => self.visit_surface_of::<4>(tell),
+            _ => self.visit_surface_of::<5>(tell),
+        }
+    }
+
+    #[inline]
+    fn visit_surface_of<const LOG: u32>(&self, tell: &mut impl FnMut(usize, usize, SurfaceRow)) {
+        let [log_x, log_y, log_z] = self.shape.log;
+        let (layer, log_bits) = (self.shape.layer(), LOG + log_y);
+        let inner = !(of_cell(self.shape, 0) | of_cell(self.shape, 7));
+        let inner = in_each_row(self.shape, inner & ((1 << (CELLS << log_x)) - 1));
+        let mut words = [Surface::default(); MAX_CELL_LAYER];
+        for z in 1..7 {
+            let first = (z << log_z) * layer;
+            let mut any = 0;
+            for (place, word) in words.iter_mut().enumerate().take(layer << log_z) {
+                *word = self.surface_of::<LOG>(first + place, inner);
+                any |= word.free | word.solid;
+            }
+            if any == 0 {
+                continue;
+            }
+            for y in 1..7 {
+                let mut row = SurfaceRow::NONE;
+                for in_cell in 0..1 << log_z {
+                    // the rows of voxels of this row of cells stand side by side
+                    let [from, to] = [y, in_cell].map(|number| number << log_bits);
+                    let at = |word: usize| words[(in_cell * layer + word) & (MAX_CELL_LAYER - 1)];
+                    if log_bits > 6 {
+                        let both = [at(from / 64), at(from / 64 + 1)];
+                        row.free = both.map(|word| word.free);
+                        row.solid = both.map(|word| word.solid);
+                    } else {
+                        let bits = u64::MAX >> (64 - (1 << log_bits)) << (from & 63);
+                        let place = |word: u64| (word & bits) >> (from & 63) << (to & 63);
+                        let Surface { free, solid } = at(from / 64);
+                        row.free[to / 64 & 1] |= place(free);
+                        row.solid[to / 64 & 1] |= place(solid);
+                    }
+                }
+                if row != SurfaceRow::NONE {
+                    tell(y, z, row);
+                }
+            }
+        }
+    }
+
+    /// Those of the `inner` voxels of a word that are at the surface.
+    #[inline]
+    fn surface_of<const LOG: u32>(&self, word: usize, inner: u64) -> Surface {
+        let at = |word: usize| self.reached[word & (MAX_WORDS - 1)];
+        let (here, layer, row) = (at(word), self.shape.layer(), 1 << LOG);
+        let beside = [
+            here << 1,
+            here >> 1,
+            here << row | at(word.wrapping_sub(1)) >> (64 - row),
+            here >> row | at(word + 1) << (64 - row),
+            at(word.wrapping_sub(layer)),
+            at(word + layer),
+        ];
+        let all = beside.iter().fold(u64::MAX, |all, beside| all & beside);
+        let any = beside.iter().fold(0, |any, beside| any | beside);
+        Surface {
+            free: here & !all & inner,
+            solid: !here & !self.free[word & (MAX_WORDS - 1)] & any & inner,
+        }
+    }
+}

@@ -1,0 +1,218 @@
+//! Matter that gives way: what the servo makes of the answers of a deformation model, which come
+//! at some 30 Hz.
+//!
+//! An answer is a linear law of the force on the tool. The coupling holds the device at d to a
+//! tool at t, and both are in balance where k (t − d) = F₀ + K (t − t₀). So nothing feels stiffer
+//! than k, and a soft contact is a spring like a hard one: only its far end differs, the tool in
+//! the matter instead of the contact point on it. Where one takes the other's place, and where a
+//! new answer replaces an old one, that end goes over by no more than the hand's own way and
+//! a fiftieth of a voxel in a tick; a fall of the force is never held up.
+//!
+//! The hard proxy knows nothing of it and keeps all that it promises. An answer that is too old
+//! counts no more: then the matter is as hard as its voxels.
+//!
+//! Frame: scene [mm]; N, N/mm, s. Source: Colgate, Stanley, Brown, "Issues in the haptic display
+//! of tool use", IROS 1995 (virtual coupling); Mahvash, Hayward, "High-fidelity haptic synthesis
+//! of contact with deformable bodies", IEEE CG&A 24 (2004) (local laws between slow answers).
+
+use glam::{DMat3, DVec3};
+use palpate_volume::material::LocalContact;
+use serde::{Deserialize, Serialize};
+
+use crate::coupling::Coupling;
+use crate::tick::TickOutput;
+
+/// From when on an answer counts no more [s].
+pub const STALE_SECS: f64 = 0.1;
+/// How far the spring's end goes over in a tick, beside the hand's way [smallest spacings].
+pub(crate) const STEP: f64 = 0.02;
+
+/// What a tick tells of the contact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SoftInput {
+    /// Device point [mm].
+    pub device: DVec3,
+    /// Its velocity [mm/s].
+    pub velocity: DVec3,
+    /// Whether what holds the proxy, if anything does, is matter that gives way.
+    pub gives_way: bool,
+    /// The spring and damper where no hard contact has its own.
+    pub coupling: Coupling,
+    /// Smallest spacing of the scan [mm].
+    pub spacing: f64,
+    /// Time of the tick [s].
+    pub time: f64,
+}
+
+/// The newest answer and how far the force has followed it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SoftContact {
+    answer: Option<Answer>,
+    /// Device and spring of the tick before, where the spring was not that of a hard contact.
+    last: Option<(DVec3, DVec3)>,
+}
+
+/// An answer as it is kept.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Answer {
+    tool: DVec3,
+    force: DVec3,
+    stiffness: DMat3,
+    validity: f64,
+    /// When it came [s].
+    time: f64,
+}
+
+impl SoftContact {
+    /// Takes an answer at a time [s], or that nothing gives way any more. What is not finite is
+    /// no answer; a law that is no spring holds along its force only.
+    pub fn take(&mut self, contact: Option<&LocalContact>, time: f64) {
+        self.answer = contact.and_then(|contact| Answer::of(contact, time));
+    }
+
+    /// Whether the force of this tick, or of the one before, is not that of a hard contact alone.
+    #[must_use]
+    pub fn is_felt(&self) -> bool {
+        self.last.is_some()
+    }
+
+    /// Puts the matter's force in the place of the hard contact's, where matter gives way.
+    pub fn follow(&mut self, input: &SoftInput, output: &mut TickOutput) {
+        let fresh = self
+            .answer
+            .filter(|answer| input.time - answer.time <= STALE_SECS && input.gives_way);
+        if fresh.is_none() && self.last.is_none() {
+            return;
+        }
+        let coupling = if output.coupling.stiffness > 0.0 {
+            output.coupling
+        } else {
+            input.coupling
+        };
+        if !(input.device.is_finite() && coupling.stiffness > 0.0) {
+            self.last = None;
+            return;
+        }
+        let hard = output.spring;
+        let wanted = fresh.map_or(hard, |answer| {
+            answer.spring(input.device, coupling.stiffness)
+        });
+        // where it was hard contact until now, from there
+        let (device, last) = self.last.unwrap_or((input.device, hard));
+        let most = (input.device - device).length() + STEP * input.spacing;
+        let spring = gone_over(last, wanted, most);
+        let spring = without_pull(spring, output.proxy_in_scene - input.device);
+        let is_hard = fresh.is_none() && spring == hard;
+        self.last = (!is_hard).then_some((input.device, spring));
+        if !is_hard {
+            put(input, coupling, spring, output);
+        }
+    }
+}
+
+impl Answer {
+    fn of(contact: &LocalContact, time: f64) -> Option<Self> {
+        let LocalContact {
+            position,
+            force,
+            stiffness,
+            validity,
+        } = *contact;
+        let finite = position.is_finite() && force.is_finite() && stiffness.is_finite();
+        (finite && validity >= 0.0).then(|| Self {
+            tool: position,
+            force,
+            stiffness: spring_like(stiffness, force),
+            validity: validity.min(f64::MAX),
+            time,
+        })
+    }
+
+    /// From the device to the tool that is in balance [mm] with a coupling of stiffness k [N/mm].
+    fn spring(&self, device: DVec3, k: f64) -> DVec3 {
+        let normal = self.force.normalize_or_zero();
+        if normal == DVec3::ZERO {
+            return DVec3::ZERO;
+        }
+        // the matter's law and the coupling in balance; k I − K has no eigenvalue below k
+        let balance = DMat3::from_diagonal(DVec3::splat(k)) - self.stiffness;
+        let pushed = self.force - self.stiffness * self.tool + device * k;
+        let moved = balance.inverse() * pushed - self.tool;
+        let force = self.force + self.stiffness * moved.clamp_length_max(self.validity);
+        one_sided(force, normal, self.force.length()) / k
+    }
+}
+
+/// The symmetric part, where it is a spring in every direction; else the spring along the force.
+fn spring_like(stiffness: DMat3, force: DVec3) -> DMat3 {
+    let pull = (stiffness + stiffness.transpose()) * -0.5;
+    let [x, y, z] = [pull.x_axis, pull.y_axis, pull.z_axis];
+    // Sylvester's criterion for semidefinite matrices: no principal minor is negative
+    let minor = |a: DVec3, b: DVec3, i: usize, j: usize| a[i] * b[j] - a[j] * b[i];
+    let minors = [
+        x.x,
+        y.y,
+        z.z,
+        minor(x, y, 0, 1),
+        minor(x, z, 0, 2),
+        minor(y, z, 1, 2),
+        pull.determinant(),
+    ];
+    if minors.iter().all(|minor| *minor >= 0.0) {
+        return pull * -1.0;
+    }
+    let normal = force.normalize_or_zero();
+    let along = normal.dot(pull * normal).max(0.0);
+    let outer = DMat3::from_cols(normal * normal.x, normal * normal.y, normal * normal.z);
+    outer * -along
+}
+
+/// A force that never pulls against its normal, and whose other part fades with the pressure.
+fn one_sided(force: DVec3, normal: DVec3, pressure: f64) -> DVec3 {
+    let out = force.dot(normal).max(0.0);
+    let along = force - normal * force.dot(normal);
+    normal * out + along * (out / pressure).min(1.0)
+}
+
+/// Without what would pull the device away from the proxy, into what holds that.
+fn without_pull(spring: DVec3, out: DVec3) -> DVec3 {
+    let length = out.length_squared();
+    let pull = spring.dot(out).min(0.0);
+    if length > 0.0 {
+        spring - out * (pull / length)
+    } else {
+        spring
+    }
+}
+
+/// From one spring toward another by at most so much [mm]; what makes it shorter comes at once.
+pub(crate) fn gone_over(from: DVec3, to: DVec3, most: f64) -> DVec3 {
+    let from = from.clamp_length_max(to.length());
+    let way = to - from;
+    if way.length() <= most {
+        to
+    } else {
+        from + way.clamp_length_max(most)
+    }
+}
+
+/// Puts a spring [mm] into what a tick gives.
+pub(crate) fn put(input: &SoftInput, coupling: Coupling, spring: DVec3, output: &mut TickOutput) {
+    let force = coupling.force(spring, input.velocity);
+    output.spring = spring;
+    output.normal = spring.normalize_or_zero();
+    output.coupling = coupling;
+    output.sticks = false;
+    output.contact_point_in_scene = if spring == DVec3::ZERO {
+        output.proxy_in_scene
+    } else {
+        input.device + spring
+    };
+    output.force = if force.is_finite() {
+        force
+    } else {
+        DVec3::ZERO
+    };
+    output.contact |= spring != DVec3::ZERO;
+    output.depth = spring.length();
+}

@@ -1,0 +1,220 @@
+//! Matter that gives way: the force between two answers of a deformation model.
+
+use glam::{DMat3, DVec3};
+use oorandom::Rand64;
+use palpate_haptics::coupling::Coupling;
+use palpate_haptics::soft_contact::{STALE_SECS, SoftContact, SoftInput};
+use palpate_haptics::tick::TickOutput;
+use palpate_volume::material::LocalContact;
+
+/// Coupling of all tests [N/mm].
+const K: f64 = 1.0;
+/// Smallest spacing of all tests [mm].
+const H: f64 = 0.5;
+
+/// What a tick gives with the proxy here and a hard spring toward it.
+fn hard(proxy: DVec3, device: DVec3, contact: bool) -> TickOutput {
+    let spring = if contact { proxy - device } else { DVec3::ZERO };
+    let coupling = Coupling {
+        stiffness: if contact { K } else { 0.0 },
+        damping: 0.0,
+    };
+    TickOutput {
+        proxy_in_scene: proxy,
+        contact_point_in_scene: proxy,
+        normal: spring.normalize_or_zero(),
+        force: spring * K,
+        spring,
+        coupling,
+        sticks: false,
+        held_by: None,
+        contact,
+        depth: spring.length(),
+        visits: 0,
+        violation: false,
+    }
+}
+
+fn input(device: DVec3, time: f64, gives_way: bool) -> SoftInput {
+    SoftInput {
+        device,
+        velocity: DVec3::ZERO,
+        gives_way,
+        coupling: Coupling {
+            stiffness: K,
+            damping: 0.0,
+        },
+        spacing: H,
+        time,
+    }
+}
+
+/// A floor at z = 0 of this stiffness [N/mm], as it answers a tool at this height.
+fn floor(stiffness: f64, z: f64) -> LocalContact {
+    LocalContact {
+        position: DVec3::Z * z,
+        force: DVec3::Z * (-stiffness * z).max(0.0),
+        stiffness: DMat3::from_diagonal(DVec3::Z * -stiffness),
+        validity: 10.0,
+    }
+}
+
+/// The force after enough ticks with device and answer at rest.
+fn settled(soft: &mut SoftContact, contact: &LocalContact, device: DVec3) -> DVec3 {
+    let mut output = hard(device, device, false);
+    for tick in 0..2000 {
+        let time = f64::from(tick) * 0.001;
+        soft.take(Some(contact), time);
+        output = hard(device, device, false);
+        soft.follow(&input(device, time, true), &mut output);
+    }
+    output.force
+}
+
+#[test]
+fn matter_and_coupling_are_two_springs_in_a_row() {
+    for stiffness in [0.05, 0.5, 5.0, 5000.0] {
+        let device = DVec3::Z * -2.0;
+        let force = settled(&mut SoftContact::default(), &floor(stiffness, -0.1), device);
+        let expected = 2.0 * K * stiffness / (K + stiffness);
+        // rounding only
+        assert!((force - DVec3::Z * expected).length() < 1e-9, "{force}");
+    }
+}
+
+#[test]
+fn the_force_goes_on_from_where_it_is_when_answers_come_and_contacts_change() {
+    let mut random = Rand64::new(5);
+    let mut soft = SoftContact::default();
+    let mut device = DVec3::Z * 2.0;
+    let mut last = DVec3::ZERO;
+    let mut felt = 0;
+    for tick in 0..200_000_u32 {
+        let time = f64::from(tick) * 0.001;
+        let draw = |random: &mut Rand64| {
+            DVec3::from_array([(); 3].map(|()| random.rand_float() * 2.0 - 1.0))
+        };
+        if random.rand_range(0..30) == 0 {
+            let answer = LocalContact {
+                position: device + draw(&mut random),
+                force: draw(&mut random) * 3.0,
+                stiffness: DMat3::from_cols_array(
+                    &[(); 9].map(|()| random.rand_float() * 4.0 - 2.0),
+                ),
+                validity: random.rand_float(),
+            };
+            soft.take((random.rand_range(0..20) > 0).then_some(&answer), time);
+        }
+        let before = device;
+        device += draw(&mut random) * 0.1 - device * 0.01;
+        let moved = (device - before).length();
+        // a floor, hard or soft by turns
+        let touches = device.z < 0.0;
+        let proxy = DVec3::new(device.x, device.y, device.z.max(0.0));
+        let mut output = hard(proxy, device, touches);
+        let gives_way = !touches || (tick / 5000) % 2 == 0;
+        soft.follow(&input(device, time, gives_way), &mut output);
+
+        assert!(output.force.is_finite());
+        // guarantee 6: never into the obstacle
+        assert!(output.force.dot(proxy - device) >= -1e-9);
+        let grown = output.force.length() - last.length();
+        assert!(
+            grown <= K * (moved + 0.1 * H) + 1e-9,
+            "tick {tick}: {grown}"
+        );
+        felt += u32::from(soft.is_felt());
+        last = output.force;
+    }
+    assert!(felt > 50_000, "{felt} ticks were soft");
+}
+
+#[test]
+fn an_answer_that_is_too_old_leaves_the_hard_contact() {
+    let mut soft = SoftContact::default();
+    let device = DVec3::Z * -1.0;
+    settled(&mut soft, &floor(0.1, -1.0), device);
+    let start = 1.999;
+    let force = |soft: &mut SoftContact, time: f64| {
+        let mut output = hard(DVec3::ZERO, device, true);
+        soft.follow(&input(device, time, true), &mut output);
+        output.force.z
+    };
+    let still_soft = force(&mut soft, start + STALE_SECS - 0.001);
+    assert!(still_soft < 0.1, "{still_soft}");
+    let mut last = still_soft;
+    for tick in 1..1000 {
+        let now = force(&mut soft, start + STALE_SECS + f64::from(tick) * 0.001);
+        assert!((last..=last + 0.1 * H * K).contains(&now));
+        last = now;
+    }
+    assert_eq!(last, K);
+    assert!(!soft.is_felt());
+}
+
+#[test]
+fn hard_matter_below_soft_matter_is_hard_at_once() {
+    let mut soft = SoftContact::default();
+    // above the floor nothing pushes
+    soft.take(Some(&floor(0.1, 1.0)), 0.0);
+    let mut free = hard(DVec3::Z, DVec3::Z, false);
+    soft.follow(&input(DVec3::Z, 0.0, true), &mut free);
+    assert_eq!(free.force, DVec3::ZERO);
+    // a knock of 1.5 mm in a tick on something else
+    let device = DVec3::Z * -0.5;
+    let mut output = hard(DVec3::ZERO, device, true);
+    soft.follow(&input(device, 0.001, false), &mut output);
+    assert_eq!(output.force, DVec3::Z * 0.5);
+}
+
+#[test]
+fn answers_that_are_no_numbers_are_no_answers() {
+    let good = floor(0.5, -1.0);
+    let bad = [
+        LocalContact {
+            position: DVec3::NAN,
+            ..good
+        },
+        LocalContact {
+            force: DVec3::INFINITY,
+            ..good
+        },
+        LocalContact {
+            stiffness: DMat3::NAN,
+            ..good
+        },
+        LocalContact {
+            validity: f64::NAN,
+            ..good
+        },
+        LocalContact {
+            validity: -1.0,
+            ..good
+        },
+    ];
+    for answer in bad {
+        let mut soft = SoftContact::default();
+        soft.take(Some(&answer), 0.0);
+        let device = DVec3::Z * -1.0;
+        let before = hard(DVec3::ZERO, device, true);
+        let mut output = before;
+        soft.follow(&input(device, 0.0, true), &mut output);
+        assert_eq!(output, before);
+    }
+}
+
+#[test]
+fn a_law_that_drives_is_followed_along_its_force_only() {
+    // stiffness that would push the tool on: no spring
+    let answer = LocalContact {
+        stiffness: DMat3::from_diagonal(DVec3::new(3.0, 3.0, -0.5)),
+        ..floor(0.5, -1.0)
+    };
+    let device = DVec3::new(0.3, 0.0, -2.0);
+    let force = settled(&mut SoftContact::default(), &answer, device);
+    assert!(force.x.abs() < 1e-9, "{force}");
+    assert!(
+        (force.z - 2.0 * K * 0.5 / (K + 0.5)).abs() < 1e-9,
+        "{force}"
+    );
+}
