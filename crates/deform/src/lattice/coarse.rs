@@ -167,16 +167,21 @@ impl Coarse {
     }
 
     fn move_along(&self, shares: &ModeVector, moved: &mut Field) {
-        for index in 0..self.weight.len() {
-            if self.weight[index] > 0.0 {
-                for axis in 0..3 {
-                    let mut direction = DVec3::ZERO;
-                    direction[axis] = 1.0;
-                    let modes = self.mode_at(index, direction);
-                    moved[axis][index] += (0..MODES)
-                        .map(|mode| modes[mode] * shares[mode])
-                        .sum::<f64>();
-                }
+        // which of the six entries each row of the point force's matrix has
+        let rows = [[0, 3, 4], [3, 1, 5], [4, 5, 2]];
+        for axis in 0..3 {
+            let [along_x, along_y, along_z] = [0, 1, 2].map(|along| &self.coordinates[along]);
+            let [point_x, point_y, point_z] = rows[axis].map(|entry| &self.point[entry]);
+            let affine = &shares[4 * axis..4 * axis + 4];
+            for (index, moved) in moved[axis].iter_mut().enumerate() {
+                // all of it is 0 where a node is held
+                *moved += affine[0] * self.weight[index]
+                    + affine[1] * along_x[index]
+                    + affine[2] * along_y[index]
+                    + affine[3] * along_z[index]
+                    + shares[12] * point_x[index]
+                    + shares[13] * point_y[index]
+                    + shares[14] * point_z[index];
             }
         }
     }
