@@ -157,7 +157,7 @@ test-browser: setup ## a real scan in a real browser: picture, contact, force
 # --- figures ----------------------------------------------------------------------------
 
 .PHONY: bench
-bench: setup bench-page ## measure everything: the page, Rust benchmarks, all of `palpate bench`
+bench: setup bench-page bench-edit ## measure everything: the page, Rust benchmarks, all of `palpate bench`
 	cargo bench --locked --package palpate-benches
 	$(BIN)/palpate bench haptics
 	$(BIN)/palpate bench passivity
@@ -172,8 +172,7 @@ SCANS ?= $(addprefix $(or $(PALPATE_DATA),../shared/data)/,cthead_stanford/CThea
 .PHONY: bench-edit
 bench-edit: setup chromium ## measure edits at the page with SCANS=PATH: applied until handed to the GPU
 	$(call say,edits at the page)
-	CHROMIUM="$$(scripts/chromium.sh)" PYTHONPATH=tests/support \
-		$(BIN)/python scripts/measure_edits.py $(firstword $(SCANS))
+	CHROMIUM="$$(scripts/chromium.sh)" $(BIN)/palpate bench edit $(firstword $(SCANS))
 
 .PHONY: bench-page
 bench-page: setup chromium ## measure the page with SCANS="PATH ...": first picture, late ticks, memory

@@ -5,13 +5,19 @@ The scan is a flat block, written here, as in ``test_browser_touch.py``.
 
 from __future__ import annotations
 
+import shutil
 import signal
+import time
 from collections.abc import Iterator
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
+import palpate as palpate_package
 import pytest
 from browser import ROOT, Browser, browser, palpate
+from palpate import Scene, Session, SessionOptions
+from palpate.journal import scan_hash
 
 pytestmark = pytest.mark.browser
 
@@ -28,6 +34,7 @@ LABELLED = (
 )
 """How many voxels the block has, once it was edited."""
 TOOL = "window.palpate.state.tool"
+STILL = SessionOptions(real_time=False)
 
 
 @pytest.fixture(scope="module")
@@ -160,6 +167,15 @@ def test_a_tool_without_a_segment_says_so(page: Browser) -> None:
     page.wait("document.body.textContent.includes('There is no segment to work on')")
 
 
+def steps_in(journal: Path, *, of: Path) -> int:
+    """Counts the steps, the one that goes on too, that a journal of a scan holds by now."""
+    volume = palpate_package.read(of)
+    with TemporaryDirectory() as folder, Session(Scene(volume), options=STILL) as session:
+        copy = Path(shutil.copy(journal, folder))
+        found = session.look_at_journal(copy, scan_hash(volume))
+    return 0 if found is None else found[0]
+
+
 def test_after_a_kill_the_page_offers_what_was_done_and_brings_it_back(
     block: Path, tmp_path: Path
 ) -> None:
@@ -170,11 +186,13 @@ def test_after_a_kill_the_page_offers_what_was_done_and_brings_it_back(
         page.wait(f"!{TOOL}.on && {TOOL}.voxels > 0")
         left = page.read(LABELLED)
         (journal,) = tmp_path.rglob("*.journal")
-        written = journal.stat().st_size
         hold(page, on=True)
         page.read(f"window.palpate.hand({[MIDDLE - 8, SURFACE + 3, MIDDLE]})")
         page.wait(f"{TOOL}.on && {TOOL}.voxels > 0")
-        assert journal.stat().st_size > written
+        # what is done is written down beside
+        ends = time.monotonic() + 60.0
+        while steps_in(journal, of=block) < 2:
+            assert time.monotonic() < ends, "the second stroke is not written down"
         command.process.send_signal(signal.SIGKILL)
     with palpate("open", block, *OPTIONS, state=tmp_path) as command, browser() as page:
         page.do("open", url=command.url, width=1000, height=640)

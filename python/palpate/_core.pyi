@@ -19,6 +19,8 @@ __all__ = [
     "bench_stress",
     "bench_touch_quality",
     "build",
+    "drive_needle",
+    "needle_tissues",
     "passivity_devices",
     "phantom",
     "phantom_bones",
@@ -30,6 +32,7 @@ __all__ = [
 _Triple = tuple[float, float, float]
 _Voxel = tuple[int, int, int]
 _Range = tuple[float, float]
+_Tissue = tuple[float, float, float, float, float, float, float, float]
 _Columns = dict[str, NDArray[Any]]
 
 class Volume:
@@ -227,6 +230,9 @@ class Session:
         ``of_bits`` makes it from bits also where a threshold made the segment.
         """
 
+    def wait_for_changes(self, heard: int, seconds: float) -> int:
+        """Waits until the picture has changed more than ``heard`` times; returns how often."""
+
     def follow_edits(self, every: int) -> None:
         """Has the picture follow edits every so many-th of its frames, 1 to 4."""
 
@@ -266,8 +272,11 @@ class Session:
         segment_ids: list[int] = ...,
         air: float | None = None,
         energy: float | None = None,
+        tissues: list[_Tissue] = ...,
     ) -> None:
         """Chooses the tool for the next strokes; None empties the hand.
+
+        ``tissues`` are those of a needle, one for each segment.
 
         ``air`` is what the scan reads where the drill was, ``energy`` its work per volume
         [mJ/mm³]; None is -1000 and bone by HU.
@@ -522,6 +531,29 @@ def bench_passivity(
 
     Raises:
         ValueError: The segment has no surface, or something given is not allowed.
+    """
+
+def needle_tissues() -> list[tuple[str, _Tissue]]:
+    """Tissues by name, each by the figures of ``palpate.needle.Tissue`` in their order."""
+
+def drive_needle(
+    volume: Volume,
+    layers: list[tuple[Segment, _Tissue | None]],
+    start: tuple[float, float, float],
+    target: tuple[float, float, float],
+    speed: float,
+    force_limit: float,
+    rest_secs: float,
+    stiffness: float,
+) -> dict[str, Any]:
+    """Drives a needle from a point [mm] to another one through layers; without a tissue it is hard.
+
+    Returns:
+        Arrays of one value a tick, ``events``, ``wall_at`` and ``violations``; see
+        ``palpate.needle.NeedleRun``.
+
+    Raises:
+        ValueError: Something given is not allowed.
     """
 
 def touch_quality_cases() -> list[str]:

@@ -1,4 +1,4 @@
-"""The command line: ``open``, ``demo``, ``info``, ``record``, ``replay``, ``surface``, ``bench``.
+"""The command line: `open`, `demo`, `info`, `record`, `replay`, `surface`, `scenario`, `bench`.
 
 Whatever is wrong with what was given becomes one line on stderr and exit code 2. Heavy
 modules are imported inside the commands, so that ``palpate --help`` is quick.
@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 from typer.exceptions import TyperException
@@ -395,6 +395,101 @@ def surface_voxels(
     write_voxels(given, file, grid=grid, shell=shell)
 
 
+scenario = typer.Typer(help="Tools at work, without a device.", no_args_is_help=True)
+app.add_typer(scenario, name="scenario")
+
+ScenarioScan = Annotated[
+    Path | None, typer.Argument(help="A scan; by default the phantom.", metavar="[PATH]")
+]
+Json = Annotated[Path | None, typer.Option("--json", help="Write every tick.", metavar="FILE")]
+Speed = Annotated[float, typer.Option(help="Of the needle [mm/s].")]
+ForceLimit = Annotated[float, typer.Option(help="Where it stops [N].")]
+BoneFrom = Annotated[float | None, typer.Option(help="Where bone begins [unit of the scan].")]
+
+
+@scenario.command("needle-skull")
+def needle_skull(
+    path: ScenarioScan = None,
+    *,
+    bone: BoneFrom = None,
+    speed: Speed = 5.0,
+    force_limit: ForceLimit = 6.0,
+    json: Json = None,
+    plot: Plot = None,
+) -> None:
+    """Drive a needle through the skin to the bone."""
+    _needle("needle-skull", path, bone=bone, drive=(speed, force_limit), files=(json, plot))
+
+
+@scenario.command("needle-liver")
+def needle_liver(
+    path: ScenarioScan = None,
+    *,
+    segments: Annotated[
+        Path | None, typer.Option(help="Label map of the scan, with the liver.")
+    ] = None,
+    liver: Annotated[int, typer.Option(help="Number of the liver in it.")] = 6,
+    bone: BoneFrom = None,
+    speed: Speed = 5.0,
+    force_limit: ForceLimit = 6.0,
+    json: Json = None,
+    plot: Plot = None,
+) -> None:
+    """Drive a needle through the liver to the bone behind it."""
+    _needle(
+        "needle-liver",
+        path,
+        bone=bone,
+        labels=(segments, liver),
+        drive=(speed, force_limit),
+        files=(json, plot),
+    )
+
+
+def _needle(
+    name: Literal["needle-skull", "needle-liver"],
+    path: Path | None,
+    *,
+    drive: tuple[float, float],
+    files: tuple[Path | None, Path | None],
+    bone: float | None = None,
+    labels: tuple[Path | None, int] = (None, 0),
+) -> None:
+    from palpate.bench.plots import check_plot
+    from palpate.cli_scenario import (
+        needle_in_phantom,
+        needle_in_scan,
+        plot_run,
+        print_run,
+        write_run,
+    )
+    from palpate.io import read
+
+    json, plot = files
+    check_plot(plot)
+    speed, force_limit = drive
+    with quiet_libraries(), Display() as display:
+        display(name, None)
+        if path is None:
+            run = needle_in_phantom(name, speed=speed, force_limit=force_limit)
+        else:
+            label_map, liver = labels
+            run = needle_in_scan(
+                name,
+                read(path, progress=display),
+                labels=None if label_map is None else read(label_map, progress=display),
+                liver=liver,
+                bone=bone,
+                speed=speed,
+                force_limit=force_limit,
+            )
+    print_run(name, run)
+    if json is not None:
+        write_run(name, run, json)
+    if plot is not None:
+        plot_run(name, run, plot)
+
+
 bench = typer.Typer(help="Measure.", no_args_is_help=True)
 app.add_typer(bench, name="bench")
 
@@ -572,6 +667,28 @@ def bench_servo(
         warn("no real-time priority here; allowed: as root, or with ulimit -r 70")
     if json_file is not None:
         write_rows("servo", rows, json_file)
+
+
+@bench.command("edit")
+def bench_edit(
+    scan: Annotated[
+        Path | None, typer.Argument(help="A scan with bone; by default CThead.", metavar="PATH")
+    ] = None,
+    *,
+    seconds: Annotated[float, typer.Option(help="How long to erase in each case.")] = 8.0,
+    json_file: Annotated[
+        Path | None, typer.Option("--json", help="Write the figures to this file.")
+    ] = None,
+) -> None:
+    """Measure how long edits take to a page's GPU; needs an installed Chromium."""
+    from palpate.bench.edit import measure
+    from palpate.bench.report import print_rows, write_rows
+
+    with quiet_libraries(), Display() as display:
+        rows = measure(scan, seconds=seconds, progress=display)
+    print_rows("edit", rows)
+    if json_file is not None:
+        write_rows("edit", rows, json_file)
 
 
 @bench.command("surface")

@@ -58,7 +58,7 @@ SurfaceSource = Literal["intensities", "bits"]
 SmoothingDegree = Annotated[int, msgspec.Meta(ge=0, le=12)]
 """How often the vertices of a surface are moved to the mean of their neighbours."""
 
-ToolKind = Literal["none", "eraser", "adder", "drill"]
+ToolKind = Literal["none", "eraser", "adder", "drill", "needle"]
 """What the probe does to voxels while it is pressed; none leaves them as they are."""
 
 Index = Annotated[int, msgspec.Meta(ge=-(2**31), lt=2**31)]

@@ -32,6 +32,8 @@ __all__ = ["Live"]
 
 STATES_HZ = 60.0
 """States a second while pages look."""
+PATIENCE = 0.1
+"""Seconds that a thread waits for changes: so long may it outlive the server."""
 IDLE_HZ = 5.0
 """States a second while none does: enough for notices and counters."""
 
@@ -67,12 +69,14 @@ class Live:
         """Tells all pages what is, until it is cancelled or the session ends by itself."""
         worker = asyncio.create_task(self._thresholds.run())
         gaps = asyncio.create_task(self._gaps.run(lambda: self._scene_of_now))
+        changes = asyncio.create_task(self._follow_changes())
         try:
             while self._tell_state():
                 await asyncio.sleep(1.0 / (STATES_HZ if self._outboxes else IDLE_HZ))
         finally:
             worker.cancel()
             gaps.cancel()
+            changes.cancel()
 
     async def serve(self, websocket: WebSocket) -> None:
         """Serves one page until it leaves."""
@@ -131,10 +135,7 @@ class Live:
             self._tell(self.segments.message)
             for text in self.segments.take_notices():
                 self._tell(protocol.Notice(level="info", text=text))
-        for change in self.session.picture_changes():
-            for message in messages_of(change):
-                self.picture.take(message)
-                self._tell(message)
+        self._tell_changes()
         try:
             state = msgspec.convert(frame, protocol.State)
         except msgspec.ValidationError as error:
@@ -142,6 +143,19 @@ class Live:
             return False
         self._tell(state)
         return True
+
+    async def _follow_changes(self) -> None:
+        """Tells changes of voxels and surfaces as soon as they are made."""
+        heard = 0
+        while True:
+            heard = await asyncio.to_thread(self.session.wait_for_changes, heard, PATIENCE)
+            self._tell_changes()
+
+    def _tell_changes(self) -> None:
+        for change in self.session.picture_changes():
+            for message in messages_of(change):
+                self.picture.take(message)
+                self._tell(message)
 
     async def _send(self, websocket: WebSocket, outbox: Outbox) -> None:
         """Sends what a page is to be told, as fast as it takes it."""

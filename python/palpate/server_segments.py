@@ -23,9 +23,6 @@ from palpate.session import Session
 __all__ = ["ShownSegments"]
 
 
-FARTHEST_VALUE = 1e9
-"""Values that pages are told lie between this and its negative."""
-
 DEFAULT_SMOOTHING = 3
 """Degree that takes the steps of voxels away and keeps what is larger than a few of them."""
 
@@ -200,9 +197,7 @@ class ShownSegments:
         if wanted is None:
             self._session.hide_surface(segment_id)
         else:
-            self._session.show_surface(
-                segment_id, smoothing=wanted.smoothing, source=wanted.source
-            )
+            self._session.show_surface(segment_id, smoothing=wanted.smoothing, source=wanted.source)
         with self._lock:
             self._made[segment_id] = wanted
 
@@ -256,7 +251,7 @@ class ShownSegments:
             visible=look.visible,
             touchable=state["touchable"],
             range=state["range"],
-            made_by=_finite(state["made_by"]),
+            made_by=state["made_by"],
             voxels=state["voxels"],
             volume_ml=state["voxels"] * voxel_volume / 1000.0,
             pending=state["pending"],
@@ -283,14 +278,6 @@ def _surface_of(look: Look) -> MadeSurface | None:
     if not look.visible or look.shown_as == "volume":
         return None
     return MadeSurface(look.smoothing, look.surface_from)
-
-
-def _finite(made_by: tuple[float, float] | None) -> tuple[float, float] | None:
-    """Returns a threshold whose open ends are as far away as pages may be told."""
-    if made_by is None:
-        return None
-    low, high = made_by
-    return max(low, -FARTHEST_VALUE), min(high, FARTHEST_VALUE)
 
 
 def _colour_of(segment_id: int) -> tuple[float, float, float]:

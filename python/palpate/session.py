@@ -8,7 +8,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, astuple, dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
 from types import TracebackType
@@ -21,6 +21,7 @@ from palpate import _core
 from palpate.errors import OptionError
 from palpate.gap import Gap
 from palpate.material import LinearMaterial, Material
+from palpate.needle import Tissue
 from palpate.package_version import package_version
 from palpate.recording import Recording
 from palpate.recording_file import FORMAT, VERSION, About, AboutScan, AboutSegment
@@ -281,12 +282,13 @@ class Session:
         with _given():
             internal = self._internal.segment(segment_id)
         made_by = {state["id"]: state["made_by"] for state in self.segments()}.get(segment_id)
-        return Segment(
-            internal, name=name, volume=self.scene.volume, range=None, made_by=made_by
-        )
+        return Segment(internal, name=name, volume=self.scene.volume, range=None, made_by=made_by)
 
     def segments(self) -> list[dict[str, Any]]:
-        """Lists the segments as they are now: id, voxels, bounds, touchable, pending, range, made_by."""
+        """Lists the segments as they are now: id, voxels, bounds, touchable, range and more.
+
+        ``made_by`` is the threshold that made one, whatever edits did since.
+        """
         return self._internal.segments_state()
 
     def fill_box(
@@ -305,22 +307,25 @@ class Session:
 
     def set_tool(
         self,
-        kind: Literal["eraser", "adder", "drill"] | None,
+        kind: Literal["eraser", "adder", "drill", "needle"] | None,
         *,
         radius: float = 1.0,
         segment_ids: Sequence[int] = (),
+        tissues: Sequence[Tissue] = (),
     ) -> None:
         """Chooses the tool for the next strokes; a stroke that is on ends.
 
         The eraser frees voxels of the segments along the probe's way, the adder makes them
         solid, the drill removes matter by the work that touch does on it. Where the scan's unit
         is not HU, the drill takes the same work for each mm³, that of cortical bone, and leaves
-        the scan's lowest value behind.
+        the scan's lowest value behind. The needle changes nothing: it goes into the segments, and
+        they are no obstacle for it until it is out.
 
         Args:
             kind: Which tool; None empties the hand.
             radius: Of the tool's ball [mm].
-            segment_ids: Segments that it may change.
+            segment_ids: Segments that it may change, or go into.
+            tissues: What each of them is for the needle.
 
         Raises:
             OptionError: The radius does not fit the scan's voxels, or there is no such segment.
@@ -337,6 +342,7 @@ class Session:
                 segment_ids=list(segment_ids),
                 air=AIR if is_density else volume.range[0],
                 energy=None if is_density else CORTICAL_ENERGY,
+                tissues=[astuple(tissue) for tissue in tissues],
             )
 
     # --- matter that gives way ------------------------------------------------------------
@@ -475,7 +481,9 @@ class Session:
             self._internal.hide_surface(segment_id)
 
     def follow_edits(self, every: int) -> None:
-        """Has ``picture_changes`` follow edits every so many-th frame of 60 a second (thesis 5.2.2).
+        """Has ``picture_changes`` follow edits every so many-th frame, of 60 a second.
+
+        Source: thesis 5.2.2.
 
         Args:
             every: 1 follows at once; up to 4, for slow machines.
@@ -490,6 +498,15 @@ class Session:
     def set_labelled(self, segment_ids: list[int]) -> None:
         """Names the segments whose labels ``picture_changes`` tell, the last of several on top."""
         self._internal.set_labelled(segment_ids)
+
+    def wait_for_changes(self, heard: int, seconds: float) -> int:
+        """Waits until there may be ``picture_changes`` that were not there before.
+
+        Args:
+            heard: What the call before returned, at first 0.
+            seconds: How long to wait at most.
+        """
+        return self._internal.wait_for_changes(heard, seconds)
 
     def picture_changes(self) -> list[dict[str, Any]]:
         """Returns what changed in voxels and surfaces since the call before, oldest first.

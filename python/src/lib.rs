@@ -12,6 +12,7 @@ mod bench_stress;
 mod errors;
 mod frame;
 mod material;
+mod needle;
 mod phantom;
 mod picture;
 mod recording;
@@ -39,6 +40,8 @@ mod _core {
     use super::bench_stress::bench_stress;
     #[pymodule_export]
     use super::material::{deformation_models, material_presets};
+    #[pymodule_export]
+    use super::needle::{drive_a_needle, needle_tissues};
     #[pymodule_export]
     use super::phantom::make_phantom;
     #[pymodule_export]

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError, Weak};
+use std::time::Duration;
 
 use glam::{DAffine3, IVec3};
 use numpy::{PyReadonlyArray2, PyUntypedArrayMethods};
@@ -355,6 +356,13 @@ impl PySession {
         Ok(py.detach(|| self.session.set_labelled(labelled))?)
     }
 
+    /// Waits until the picture has changed more than `heard` times, at most so many seconds;
+    /// gives how often it has.
+    fn wait_for_changes(&self, py: Python<'_>, heard: u64, seconds: f64) -> u64 {
+        let patience = Duration::from_secs_f64(seconds.clamp(0.0, 10.0));
+        py.detach(|| self.session.wait_for_changes(heard, patience))
+    }
+
     /// What changed in the picture since the call before.
     fn picture_changes<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
         let changes = self.session.picture_changes();
@@ -372,7 +380,11 @@ impl PySession {
 
     /// Chooses the tool for the next strokes by its name; none empties the hand.
     #[pyo3(signature = (kind, *, radius = 0.0, segment_ids = Vec::new(), air = None,
-        energy = None))]
+        energy = None, tissues = Vec::new()))]
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "the binding takes one type per argument"
+    )]
     fn set_tool(
         &self,
         py: Python<'_>,
@@ -381,8 +393,10 @@ impl PySession {
         segment_ids: Vec<u8>,
         air: Option<f64>,
         energy: Option<f64>,
+        tissues: Vec<[f64; 8]>,
     ) -> Result<(), CoreError> {
-        let settings = kind.map(|kind| tool_settings(kind, radius, segment_ids, air, energy));
+        let settings =
+            kind.map(|kind| tool_settings(kind, radius, segment_ids, air, energy, tissues));
         let settings = settings.transpose()?;
         Ok(py.detach(|| self.session.set_tool(settings))?)
     }

@@ -11,14 +11,17 @@ use pyo3::types::PyDict;
 
 use crate::errors::CoreError;
 use crate::frame::dictionary;
+use crate::needle::{Figures, tissue_of};
 
-/// A tool by its name; `energy` is the drill's work per volume, none that of bone by HU.
+/// A tool by its name; `energy` is the drill's work per volume, none that of bone by HU; `tissues` are
+/// those of a needle.
 pub fn tool_settings(
     kind: &str,
     radius: f64,
     segments: Vec<u8>,
     air: Option<f64>,
     energy: Option<f64>,
+    tissues: Vec<Figures>,
 ) -> Result<ToolSettings, CoreError> {
     let usual = DrillSettings::default();
     Ok(ToolSettings {
@@ -30,6 +33,7 @@ pub fn tool_settings(
             specific_energy: energy.map_or(usual.specific_energy, SpecificEnergy::Everywhere),
             ..usual
         },
+        tissues: tissues.into_iter().map(tissue_of).collect(),
         spared: SegmentSet::EMPTY,
     })
 }

@@ -155,7 +155,7 @@ class RunningServer:
     def page(self, *, host_name: str = "127.0.0.1", **options: Any) -> Iterator[Page]:
         """Connects as the page does."""
         address = f"{host_name}:{self.access.port}/api/live?token={self.access.token}"
-        with page_at(address, self.access.port, origin=self.base, **options) as page:
+        with page_at(address, self.access.port, **({"origin": self.base} | options)) as page:
             yield page
 
 

@@ -245,6 +245,7 @@ def test_a_page_is_asked_and_names_come_back_with_the_voxels(tmp_path: Path) -> 
         "shown_as": "both",
         "opacity": 0.5,
         "smoothing": 2,
+        "surface_from": "bits",
         "wireframe": False,
     }
     with (

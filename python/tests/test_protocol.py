@@ -47,6 +47,7 @@ PROPERTIES = {
     "shown_as": "both",
     "opacity": 0.5,
     "smoothing": 12,
+    "surface_from": "bits",
     "wireframe": True,
 }
 

@@ -14,7 +14,13 @@ from palpate.server import bind
 
 from .conftest import PATIENCE
 
-SURFACE_LOOK = {"shown_as": "volume", "opacity": 1.0, "smoothing": 3, "wireframe": False}
+SURFACE_LOOK = {
+    "shown_as": "volume",
+    "opacity": 1.0,
+    "smoothing": 3,
+    "surface_from": "intensities",
+    "wireframe": False,
+}
 """How a surface looks as long as nobody says otherwise."""
 
 
@@ -182,7 +188,13 @@ def test_properties_are_told_to_all_pages(server: Any) -> None:
 
 
 def test_how_a_surface_looks_is_kept_with_its_segment(server: Any) -> None:
-    wanted = {"shown_as": "both", "opacity": 0.4, "smoothing": 5, "wireframe": True}
+    wanted = {
+        "shown_as": "both",
+        "opacity": 0.4,
+        "smoothing": 5,
+        "surface_from": "bits",
+        "wireframe": True,
+    }
     change = {"type": "segment_properties", "id": 1, "name": "ball", "colour": [1, 0, 0]}
     with server.page() as page:
         page.send(change | wanted | {"visible": True, "touchable": True})
@@ -195,6 +207,67 @@ def test_how_a_surface_looks_is_kept_with_its_segment(server: Any) -> None:
         hello = later.receive("hello")
     for segment in (told["segments"][0], hello["segments"][0]):
         assert {name: segment[name] for name in wanted} == wanted
+
+
+def test_a_surface_is_made_from_what_its_segment_says(server: Any) -> None:
+    change = {"type": "segment_properties", "id": 1, "name": "ball", "colour": [1, 0, 0]}
+    change |= SURFACE_LOOK | {"visible": True, "touchable": True, "shown_as": "surface"}
+    found: dict[str, list[Any]] = {}
+    with server.page() as page:
+        for source in ("intensities", "bits", "intensities"):
+            page.send(change | {"surface_from": source})
+            made = page.receive("changed", until=lambda m: m["surfaces"])
+            found.setdefault(source, []).append(made["surfaces"][0])
+    assert all(surface["whole"] for surfaces in found.values() for surface in surfaces)
+    first, again = found["intensities"]
+    assert first == again
+    (of_bits,) = found["bits"]
+    # the ball has 100 HU in -1000 HU, from 0 on: so its surface lies beyond the middle of edges
+    assert first["patches"] != of_bits["patches"]
+
+
+def test_a_new_segment_under_the_number_of_a_surface_is_none(server: Any) -> None:
+    """Undo can bring a removed segment back only as long as nothing new was done."""
+    change = {"type": "segment_properties", "id": 2, "name": "old", "colour": [1, 0, 0]}
+    change |= SURFACE_LOOK | {"visible": True, "touchable": True, "shown_as": "surface"}
+    threshold = {"type": "threshold", "id": None, "name": "old", "low": 0.0, "high": 200.0}
+    with server.page() as page:
+        page.send(threshold)
+        page.receive("segments", until=lambda m: len(m["segments"]) == 2)
+        page.send(change)
+        page.receive("changed", until=lambda m: m["surfaces"])
+        page.send({"type": "undo"})
+        page.receive("segments", until=lambda m: len(m["segments"]) == 1)
+        # another change ends what redo could bring back: the number is free
+        server.session.fill_box(1, low=(18, 18, 18), high=(22, 22, 22), solid=False)
+        page.send(threshold | {"name": "new"})
+        told = page.receive("segments", until=lambda m: len(m["segments"]) == 2)
+    new = told["segments"][1]
+    assert (new["id"], new["name"], new["shown_as"]) == (2, "new", "volume")
+    # nothing is made that nobody sees
+    assert server.session.whole_surfaces()["surfaces"] == []
+
+
+def test_the_slowest_page_says_how_often_surfaces_follow(server: Any) -> None:
+    asked: list[int] = []
+    follow = server.session.follow_edits
+
+    def noted(every: int) -> None:
+        asked.append(every)
+        follow(every)
+
+    server.session.follow_edits = noted
+    with server.page() as quick:
+        with server.page() as slow:
+            slow.send({"type": "follow_edits", "every": 4})
+            quick.receive("state", until=lambda _: asked == [4])
+            quick.send({"type": "follow_edits", "every": 2})
+            quick.receive("state", until=lambda _: asked == [4, 4])
+        # the slow one leaves
+        quick.receive("state", until=lambda _: asked[-1] == 2)
+        quick.send({"type": "follow_edits", "every": 5})
+        refused = quick.receive("notice", until=lambda m: m["level"] == "error")
+        assert "<= 4" in refused["text"]
 
 
 def test_a_new_segment_is_shown_from_its_voxels(server: Any) -> None:

@@ -19,6 +19,7 @@ use thiserror::Error;
 
 use crate::lattice::LatticeModel;
 use crate::material::Materials;
+use crate::particles::{GlobalModel, GlobalSettings, LocalModel, LocalSettings};
 
 /// Sizes of tools that make sense [mm].
 const SIZE_LIMITS: [f64; 2] = [1e-3, 100.0];
@@ -210,10 +211,24 @@ pub struct Registered {
 }
 
 /// All models; a new one is one line here.
-pub const MODELS: &[Registered] = &[Registered {
-    name: "lattice",
-    make: || Box::new(LatticeModel::default()),
-}];
+pub const MODELS: &[Registered] = &[
+    Registered {
+        name: "lattice",
+        make: || Box::new(LatticeModel::default()),
+    },
+    Registered {
+        name: "fcc-lj",
+        make: || Box::new(LocalModel::fcc_lj(LocalSettings::default())),
+    },
+    Registered {
+        name: "cuboid-lj",
+        make: || Box::new(LocalModel::cuboid_lj(LocalSettings::default())),
+    },
+    Registered {
+        name: "global-lj",
+        make: || Box::new(GlobalModel::global_lj(GlobalSettings::default())),
+    },
+];
 
 /// A name that no model has.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]

@@ -13,6 +13,7 @@ use palpate_volume::segment::Segment;
 use palpate_volume::voxels::{Voxels, VoxelsError};
 use triple_buffer::{Input, triple_buffer};
 
+use crate::bell::Bell;
 use crate::deformation::Deformation;
 use crate::device_loop::DeviceLoop;
 use crate::error::SessionError;
@@ -44,6 +45,8 @@ pub struct Assembly {
     pub surfaces: Arc<Mutex<Surfaces>>,
     /// How often they follow the voxels.
     pub pace: SurfacePace,
+    /// Rung whenever they have followed.
+    pub bell: Arc<Bell>,
     /// Where the hand pulls to.
     pub hand: Input<HandTarget>,
     /// What all threads see.
@@ -85,7 +88,7 @@ pub fn assemble(config: SessionConfig) -> Result<Assembly, SessionError> {
     let device = DeviceLoop::new(device, channels.device, Arc::clone(&shared), dt, safety);
     let start = servo_start(&scene, reference, probe, settings);
     let servo = ServoLoop::new(start, channels.servo, Arc::clone(&shared));
-    let pace = SurfacePace::default();
+    let (pace, bell) = (SurfacePace::default(), Arc::new(Bell::default()));
     let surfaces = Arc::new(Mutex::new(Surfaces::new(
         grid,
         scene.voxels().intensities().clone(),
@@ -118,12 +121,17 @@ pub fn assemble(config: SessionConfig) -> Result<Assembly, SessionError> {
             servo: (servo, servo_meter),
             simulation: (simulation, simulation_meter),
             picture: (Arc::clone(&picture), picture_meter),
-            surfaces: SurfaceLoop::new(news_inbox, Arc::clone(&surfaces), pace.clone()),
+            surfaces: SurfaceLoop::new(
+                news_inbox,
+                Arc::clone(&surfaces),
+                (pace.clone(), Arc::clone(&bell)),
+            ),
             deformation: deformation_loop,
         },
         picture,
         surfaces,
         pace,
+        bell,
         hand: channels.hand,
         shared,
         notices,

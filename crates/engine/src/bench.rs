@@ -242,7 +242,7 @@ impl TouchBench {
             touchable: &self.touchable,
             owners: &owners,
             settings: &settings,
-            feels: &feels,
+            feels: Some(&feels),
         };
         let input = |call: usize| TickInput {
             device_in_scene: self.stroke.device[call],

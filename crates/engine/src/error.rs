@@ -122,6 +122,19 @@ pub enum SessionError {
     /// A journal that cannot be written or followed.
     #[error(transparent)]
     Journal(#[from] JournalError),
+    /// A drive of a needle that is none.
+    #[error(
+        "a drive of {way} mm at {speed} mm/s with a rest of {rest} s given; allowed: a way above 0 \
+         up to 1000 mm at a speed above 0 within 5000 s, a rest up to 3600 s"
+    )]
+    Drive {
+        /// Its way [mm].
+        way: f64,
+        /// Its speed [mm/s].
+        speed: f64,
+        /// Its rest [s].
+        rest: f64,
+    },
     /// No tool is chosen.
     #[error("a stroke without a tool given; allowed: choosing a tool first")]
     NoTool,

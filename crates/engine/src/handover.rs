@@ -9,6 +9,7 @@
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use palpate_device::DeviceState;
 use palpate_haptics::local_force::LocalForce;
+use palpate_haptics::needle::tissues::Tissues;
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;
@@ -20,6 +21,7 @@ use triple_buffer::{Input, Output, triple_buffer};
 
 use crate::feel::Feel;
 use crate::moved_poses::CurrentPoses;
+use crate::needle::NeedleStatus;
 use crate::servo_state::{ServoState, TickInputs};
 use crate::settings::Settings;
 use crate::touch_occupancy::GARBAGE_PER_CHANGE;
@@ -104,6 +106,8 @@ pub enum ServoCommand {
     Feel(SegmentId, Feel),
     /// What gives way from now on, and how it pushes.
     GiveWay(GivingWay),
+    /// Takes a needle in the hand that can puncture these segments, or out of it.
+    Needle(bool, Tissues),
     /// Asks for the servo's state at the end of this tick, from where it can be replayed.
     Mark,
 }
@@ -224,6 +228,10 @@ pub struct ServoStatus {
     pub orientation: DQuat,
     /// The middle of the device's workspace in the scene [mm].
     pub origin: DVec3,
+    /// Commands obeyed by then.
+    pub command: u64,
+    /// The needle.
+    pub needle: NeedleStatus,
 }
 
 /// Servo → picture: one tick.

@@ -7,6 +7,7 @@
 //! Frames: points in the scene, LPS mm, unless a name says otherwise; forces N, times s.
 
 pub mod assembly;
+pub mod bell;
 pub mod bench;
 pub mod body;
 pub mod clock;
@@ -27,6 +28,8 @@ pub mod live;
 pub mod mapping;
 pub mod model;
 pub mod moved_poses;
+pub mod needle;
+pub mod needle_scenario;
 pub mod offline;
 pub mod owners;
 pub mod pacing;

@@ -31,9 +31,11 @@ pub const PICTURE_HZ: u32 = 60;
 
 /// From the start of the threads to their first tick [ns].
 const HEAD_START_NS: u64 = 20_000_000;
-/// How often threads are looked after, a millisecond apart, until they end; a driver that hangs is
-/// left behind. Looks are counted and not time: on a machine that stood still, no thread hangs.
+/// How often the device's thread is looked after, a millisecond apart, until it ends; a driver that
+/// hangs is left behind. Looks are counted and not time: on a machine that stood still, nothing hangs.
 const STOP_LOOKS: u32 = 800;
+/// The same for the other threads, which may finish a surface, or wait for the disk to keep a journal.
+const STOP_LOOKS_AT_OURS: u32 = 30_000;
 /// Longest wait for the outcome of the priorities, which threads tell first of all. A machine that
 /// is late with its threads has not refused anything.
 const START_PATIENCE: Duration = Duration::from_secs(10);
@@ -163,7 +165,12 @@ impl Live {
         let mut threads = self.threads.lock().unwrap_or_else(PoisonError::into_inner);
         let mut hanging = Vec::new();
         for (name, thread) in threads.drain(..) {
-            while !thread.is_finished() && looks < STOP_LOOKS {
+            let most = if name == "device" {
+                STOP_LOOKS
+            } else {
+                STOP_LOOKS_AT_OURS
+            };
+            while !thread.is_finished() && looks < most {
                 std::thread::sleep(Duration::from_millis(1));
                 looks += 1;
             }

@@ -10,6 +10,7 @@ use crate::kept_surface::SegmentVoxels;
 use crate::scan_values::{ScanValues, Threshold};
 use crate::touchable::{MovedPart, Part};
 use glam::DAffine3;
+use palpate_haptics::needle::tissues::Segments;
 use palpate_haptics::scene::MAX_OBJECTS;
 use palpate_tools::stroke::bytes_of;
 use palpate_volume::edit::{Edit, SegmentId};
@@ -28,7 +29,7 @@ pub struct Properties {
     /// The threshold that it is; none once its voxels come from elsewhere.
     pub range: Option<ThresholdRange>,
     /// The threshold that made it, whatever edits did since: touch and surfaces read the scan's
-    /// values there. An end that no value of the scan is beyond is infinite, for it limits nothing.
+    /// values there.
     pub made_by: Option<ThresholdRange>,
     /// How its surface feels.
     pub feel: Feel,
@@ -172,6 +173,8 @@ pub struct Scene {
     properties: BTreeMap<SegmentId, Properties>,
     /// The segment that is in the hand: no obstacle meanwhile.
     held: Option<SegmentId>,
+    /// Segments that a needle is in.
+    punctured: Segments,
 }
 
 impl Scene {
@@ -189,6 +192,7 @@ impl Scene {
             values,
             properties,
             held: None,
+            punctured: Segments::NONE,
         }
     }
 
@@ -204,12 +208,16 @@ impl Scene {
         &self.voxels
     }
 
-    /// The voxels of a segment with the threshold that made them.
+    /// The voxels of a segment with the threshold that made them. An end that no value of the scan
+    /// is beyond is infinite: it limits nothing.
     #[must_use]
     pub fn voxels_of(&self, id: SegmentId) -> Option<SegmentVoxels> {
         self.voxels.segment(id).map(|segment| SegmentVoxels {
             bits: segment.occupancy().clone(),
-            made_by: self.properties_of(id).made_by,
+            made_by: self
+                .properties_of(id)
+                .made_by
+                .map(|range| self.limiting(range)),
         })
     }
 
@@ -278,6 +286,21 @@ impl Scene {
             .collect()
     }
 
+    /// A needle is in these segments; gives the obstacles that change by it.
+    pub fn puncture(&mut self, punctured: Segments) -> Vec<SegmentId> {
+        let before = std::mem::replace(&mut self.punctured, punctured);
+        let changes = |id: &SegmentId| before.contains(id.0) != punctured.contains(id.0);
+        let obstacles = self.obstacles().map(|(id, _, _)| id);
+        obstacles.filter(changes).collect()
+    }
+
+    /// Whether the probe is stopped by a segment where the scan has it: not where it was moved
+    /// or a needle is in it.
+    #[must_use]
+    pub fn stands(&self, id: SegmentId) -> bool {
+        self.properties_of(id).pose.is_none() && !self.punctured.contains(id.0)
+    }
+
     /// All obstacles with their properties, by rising number.
     pub fn obstacles(&self) -> impl Iterator<Item = (SegmentId, &Segment, Properties)> {
         self.segments().filter(|(id, _, _)| self.is_obstacle(*id))
@@ -298,6 +321,7 @@ impl Scene {
                     range,
                     values: self.values.clone(),
                 }),
+                punctured: properties.pose.is_none() && self.punctured.contains(id.0),
             })
             .collect()
     }
@@ -425,9 +449,8 @@ impl Scene {
     ) -> Result<(Step, TouchChange), VoxelsError> {
         let segment = self.voxels.replace_segment(id, segment)?;
         let range = self.exchange_range(id, range);
-        let limiting = made_by.map(|range| self.limiting(range));
         let properties = self.properties.entry(id).or_default();
-        let made_by = std::mem::replace(&mut properties.made_by, limiting);
+        let made_by = std::mem::replace(&mut properties.made_by, made_by);
         let change = self.all_to_touch(id);
         let inverse = Step::Replace {
             id,
@@ -442,9 +465,8 @@ impl Scene {
         &mut self,
         id: SegmentId,
         segment: Segment,
-        mut properties: Properties,
+        properties: Properties,
     ) -> Result<(Step, TouchChange), VoxelsError> {
-        properties.made_by = properties.made_by.map(|range| self.limiting(range));
         let replaced = self.voxels.insert_segment(id, segment)?;
         assert!(replaced.is_none(), "segment number {} was in use", id.0);
         self.properties.insert(id, properties);

@@ -9,6 +9,7 @@ use std::sync::atomic::Ordering::Relaxed;
 use glam::{DAffine3, DVec3};
 use palpate_haptics::coupling::Coupling;
 use palpate_haptics::local_force::LocalForce;
+use palpate_haptics::needle::{Needle, NeedleInput};
 use palpate_haptics::placement::nearest_free_in;
 use palpate_haptics::proxy::Proxy;
 use palpate_haptics::soft_contact::{SoftContact, SoftInput};
@@ -26,10 +27,11 @@ use crate::handover::{
 use crate::mapping::Mapping;
 use crate::model::LimitedModel;
 use crate::moved_poses::{CurrentPoses, MovedPoses};
+use crate::needle::{self, NeedleMatter, NeedleStatus};
 use crate::owners::Owners;
 use crate::probe::Probe;
 use crate::servo_state::{ServoState, TickInputs};
-use crate::settings::Settings;
+use crate::settings::{Settings, Smoothing};
 use crate::shared::Shared;
 use crate::touch_occupancy::TouchOccupancy;
 use crate::touchable::Touchable;
@@ -110,6 +112,7 @@ impl ServoLoop {
             touched: 0,
             giving_way: GivingWay::default(),
             soft: SoftContact::default(),
+            needle: Needle::default(),
             hand: start.probe,
             clutch: None,
             forgotten_hand: 0,
@@ -173,6 +176,18 @@ impl ServoLoop {
         &self.occupancy.touchable().world.inner().bits
     }
 
+    /// The needle in the hand, or none.
+    #[must_use]
+    pub fn needle(&self) -> &Needle {
+        &self.state.needle
+    }
+
+    /// The segment that is touched; 0 where there is none.
+    #[must_use]
+    pub fn touched(&self) -> u8 {
+        self.state.touched
+    }
+
     /// One tick at `now` [s] with what device and person say by then.
     pub fn step(&mut self, now: f64) {
         let sample = *self.ends.samples.read();
@@ -193,8 +208,11 @@ impl ServoLoop {
         self.move_segments();
 
         let input = self.input(inputs);
-        let mut output = self.touch(&input);
+        let needle = self.needle_input(inputs.time, &input);
+        let led = self.lead_needle(&needle, &input);
+        let mut output = self.touch(&led);
         self.give_way(inputs.time, &input, &mut output);
+        self.follow_needle(&needle, &mut output);
 
         self.publish_force(inputs, &output);
         self.publish_poses();
@@ -336,6 +354,7 @@ impl ServoLoop {
                     .soft
                     .take(giving_way.contact.as_ref(), inputs.time);
             }
+            Some(ServoCommand::Needle(on, tissues)) => self.state.needle.hold(on, &tissues),
             Some(ServoCommand::Mark) => {
                 self.marked = true;
                 // a replay knows only what is read from here on
@@ -355,6 +374,7 @@ impl ServoLoop {
             return;
         };
         self.state.touch = TickState::new(proxy);
+        self.state.needle.forget();
         let placed = self
             .grid
             .patient_from_grid()
@@ -395,14 +415,21 @@ impl ServoLoop {
     fn touch(&mut self, input: &TickInput) -> TickOutput {
         self.cache.set_epoch(self.occupancy.version());
         self.owners.set_version(self.occupancy.version());
+        let has_needle = self.state.needle.is_felt();
+        let sharp = needle::sharp(&self.state.settings);
         let surfaces = TouchedSurfaces {
             touchable: self.occupancy.touchable(),
             owners: &self.owners,
-            settings: &self.state.settings,
-            feels: &self.state.feels,
+            settings: if has_needle {
+                &sharp
+            } else {
+                &self.state.settings
+            },
+            // a needle is one spring, whatever it touches
+            feels: (!has_needle).then_some(&self.state.feels),
         };
         let model = LimitedModel {
-            model: self.state.settings.model,
+            model: surfaces.settings.model,
             limits: self.occupancy.touchable().limits(),
         };
         let output = tick(
@@ -432,7 +459,8 @@ impl ServoLoop {
         let input = SoftInput {
             device: input.device_in_scene,
             velocity: input.velocity_in_scene,
-            gives_way: !output.contact || self.state.giving_way.includes(touched),
+            gives_way: !self.state.needle.is_felt()
+                && (!output.contact || self.state.giving_way.includes(touched)),
             coupling: Coupling {
                 stiffness: settings.stiffness,
                 damping: settings.damping,
@@ -441,6 +469,37 @@ impl ServoLoop {
             time,
         };
         self.state.soft.follow(&input, output);
+    }
+
+    fn needle_input(&mut self, time: f64, input: &TickInput) -> NeedleInput {
+        NeedleInput {
+            device: input.device_in_scene,
+            velocity: input.velocity_in_scene,
+            coupling: self.state.settings.coupling(),
+            spacing: self.grid.smallest_spacing(),
+            time,
+            dt: self.state.needle.pass(time),
+        }
+    }
+
+    /// Where touch is led: to the device, or to the needle that is in.
+    fn lead_needle(&mut self, needle: &NeedleInput, input: &TickInput) -> TickInput {
+        let matter = NeedleMatter::of(self.occupancy.touchable(), &self.state.needle);
+        let tool = self.state.needle.lead(needle, &self.grid, &matter);
+        tool.map_or(*input, |tool| TickInput {
+            device_in_scene: tool,
+            // its contact is hard or none
+            smoothing: Smoothing::Off,
+            ..*input
+        })
+    }
+
+    /// Feels the needle instead of the hard contact.
+    fn follow_needle(&mut self, input: &NeedleInput, output: &mut TickOutput) {
+        let holder = output.held_by.map(|_| self.state.touched);
+        let matter = NeedleMatter::of(self.occupancy.touchable(), &self.state.needle);
+        let world = (&self.grid, &matter);
+        self.state.needle.follow(input, holder, world, output);
     }
 
     fn publish_force(&mut self, inputs: &TickInputs, output: &TickOutput) {
@@ -491,6 +550,8 @@ impl ServoLoop {
             axes: self.state.mapping.rotation,
             orientation: inputs.orientation,
             origin: self.state.mapping.offset,
+            command: self.state.command,
+            needle: NeedleStatus::of(&self.state.needle),
         });
     }
 

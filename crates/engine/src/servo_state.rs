@@ -7,6 +7,7 @@
 //! Frames: `_in_device` is the device's own, all else is the scene; mm, N, s.
 
 use glam::{DQuat, DVec3};
+use palpate_haptics::needle::Needle;
 use palpate_haptics::soft_contact::SoftContact;
 use palpate_haptics::tick::TickState;
 use serde::{Deserialize, Serialize};
@@ -40,6 +41,9 @@ pub struct ServoState {
     /// How its force is followed.
     #[serde(default)]
     pub soft: SoftContact,
+    /// The needle in the hand, or none.
+    #[serde(default)]
+    pub needle: Needle,
     /// Where the hand pulls the device to [mm].
     pub hand: DVec3,
     /// Where the probe stays while the device moves without it [mm].

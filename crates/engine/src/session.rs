@@ -5,6 +5,7 @@
 
 use std::sync::mpsc::{self, Sender};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
 
 use glam::{DAffine3, DVec3, IVec3};
 use palpate_device::DeviceLimits;
@@ -14,6 +15,7 @@ use palpate_volume::segment::Segment;
 use palpate_volume::voxels::{Voxels, VoxelsError};
 
 use crate::assembly::{Assembly, assemble};
+use crate::bell::Bell;
 use crate::clock;
 use crate::error::SessionError;
 use crate::feel::Feel;
@@ -57,6 +59,7 @@ pub struct Session {
     picture: Arc<Mutex<Picture>>,
     surfaces: Arc<Mutex<Surfaces>>,
     pace: SurfacePace,
+    bell: Arc<Bell>,
     hand: Mutex<(triple_buffer::Input<HandTarget>, u64)>,
     shared: Arc<Shared>,
     notices: Sender<Notice>,
@@ -87,6 +90,7 @@ impl Session {
             picture,
             surfaces,
             pace,
+            bell,
             hand,
             shared,
             notices,
@@ -107,6 +111,7 @@ impl Session {
             picture,
             surfaces,
             pace,
+            bell,
             hand: Mutex::new((hand, 0)),
             shared,
             notices,
@@ -267,6 +272,13 @@ impl Session {
         self.ask(move |simulation| simulation.set_labelled(labelled))
     }
 
+    /// Waits until surfaces have followed edits more than `heard` times, at most so long; gives
+    /// how often they have.
+    #[must_use]
+    pub fn wait_for_changes(&self, heard: u64, patience: Duration) -> u64 {
+        self.bell.wait(heard, patience)
+    }
+
     /// What changed in voxels and surfaces since the call before, oldest first; never waits.
     #[must_use]
     pub fn picture_changes(&self) -> Vec<PictureChange> {
@@ -423,8 +435,8 @@ impl Session {
         self.check_running()
     }
 
-    /// Ends the session: zero force, then no threads, in less than a second. Again it does
-    /// nothing.
+    /// Ends the session: zero force, then no threads, in less than a second where no disk keeps the
+    /// journal waiting. Again it does nothing.
     pub fn stop(&self) {
         match &self.run {
             Run::Live(live) => {

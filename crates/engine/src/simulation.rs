@@ -26,6 +26,7 @@ use crate::grip::Grip;
 use crate::handover::{ServoCommand, SimulationChannels};
 use crate::kept_surface::{SegmentVoxels, SurfaceMaking};
 use crate::moved_poses::CurrentPoses;
+use crate::needle::NeedleWatch;
 use crate::placement::{REACH, free_point};
 use crate::scene::{Properties, Scene, Step, ThresholdRange};
 use crate::scene_news::SceneNews;
@@ -110,6 +111,7 @@ pub struct Simulation {
     scene: Scene,
     journal: UndoJournal<Step>,
     stroke: ToolStroke,
+    needle: NeedleWatch,
     grip: Option<Grip>,
     clutched: bool,
     deformation: Deformation,
@@ -144,6 +146,7 @@ impl Simulation {
             scene,
             journal: UndoJournal::default(),
             stroke: ToolStroke::default(),
+            needle: NeedleWatch::default(),
             grip: None,
             clutched: false,
             deformation,
@@ -200,6 +203,7 @@ impl Simulation {
         self.touch.exchange(&self.scene);
         self.advance_grip();
         self.advance_tool();
+        self.advance_needle();
         self.advance_deformation();
         self.tell_of_held_changes();
         self.tell_of_refused_places();
@@ -439,6 +443,7 @@ impl Simulation {
     ) -> Result<DVec3, SessionError> {
         // a jump is no stroke
         self.stroke.lift();
+        self.pull_needle();
         let grid = *self.voxels().grid();
         let touchable = touchable_of(&self.scene, self.settings.probe_radius);
         let free = free_point(&touchable.scene(&grid), point).ok_or(SessionError::NoFreeVoxel {
@@ -458,6 +463,7 @@ impl Simulation {
             hand,
             device_too,
         });
+        self.needle.jump(self.touch.commands());
         Ok(free)
     }
 

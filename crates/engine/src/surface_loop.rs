@@ -8,11 +8,12 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
+use crate::bell::Bell;
 use crate::live::PICTURE_HZ;
 use crate::scene_news::SceneNews;
 use crate::surfaces::Surfaces;
 
-/// Fewest frames a second at which surfaces may follow: every so many-th at most.
+/// Surfaces follow at least every so many-th frame.
 pub const SLOWEST_PACE: u32 = 4;
 
 /// Every how many frames surfaces follow; shared by those who set it and the loop.
@@ -52,23 +53,26 @@ pub struct SurfaceLoop {
     inbox: Receiver<SceneNews>,
     surfaces: Arc<Mutex<Surfaces>>,
     pace: SurfacePace,
+    /// Rung once surfaces follow.
+    bell: Arc<Bell>,
     /// Frames since the start.
     frame: u32,
     followed: Option<Instant>,
 }
 
 impl SurfaceLoop {
-    /// Surfaces that follow these news.
+    /// Surfaces that follow these news, at a pace, and ring a bell once they do.
     #[must_use]
     pub fn new(
         inbox: Receiver<SceneNews>,
         surfaces: Arc<Mutex<Surfaces>>,
-        pace: SurfacePace,
+        (pace, bell): (SurfacePace, Arc<Bell>),
     ) -> Self {
         Self {
             inbox,
             surfaces,
             pace,
+            bell,
             frame: 0,
             followed: None,
         }
@@ -107,5 +111,7 @@ impl SurfaceLoop {
             surfaces.take(news);
         }
         surfaces.follow();
+        drop(surfaces);
+        self.bell.ring();
     }
 }

@@ -8,6 +8,7 @@
 use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, DVec3, IVec3};
+use palpate_haptics::needle::tissues::Tissues;
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;
@@ -67,6 +68,8 @@ pub enum TapeCommand {
     Feel(u8, Feel),
     /// What gave way from then on.
     GiveWay(GivingWay),
+    /// A needle was taken in the hand, or out of it.
+    Needle(bool, Tissues),
     /// A recording began anew.
     Mark,
 }
@@ -81,6 +84,9 @@ pub struct TapePart {
     pub moved: Option<(IVec3, IVec3, DAffine3)>,
     /// The threshold that made it.
     pub threshold: Option<ThresholdRange>,
+    /// Whether a needle had punctured it.
+    #[serde(default)]
+    pub punctured: bool,
 }
 
 impl From<&Part> for TapePart {
@@ -91,6 +97,7 @@ impl From<&Part> for TapePart {
                 .moved
                 .map(|MovedPart { bounds, pose }| (bounds.min, bounds.max, pose)),
             threshold: part.threshold.as_ref().map(|threshold| threshold.range),
+            punctured: part.punctured,
         }
     }
 }
@@ -304,6 +311,7 @@ impl Writer {
             ServoCommand::Pose(id, pose) => TapeCommand::Pose(id.0, *pose),
             ServoCommand::Feel(id, feel) => TapeCommand::Feel(id.0, *feel),
             ServoCommand::GiveWay(giving_way) => TapeCommand::GiveWay(*giving_way),
+            ServoCommand::Needle(on, tissues) => TapeCommand::Needle(*on, *tissues),
             ServoCommand::Mark => TapeCommand::Mark,
         };
         TapeEntry { command, swaps }
@@ -340,6 +348,7 @@ pub fn rooted(old: &[Part], new: &[TapePart], values: &ScanValues) -> Vec<Part> 
                 range,
                 values: values.clone(),
             }),
+            punctured: part.punctured,
         }
     };
     new.iter().map(part).collect()

@@ -368,6 +368,7 @@ fn check(command: &TapeCommand, bricks: usize, grid: &Grid) -> Result<(), TapeEr
         | TapeCommand::Clutch(_)
         // whatever is no spring is not followed
         | TapeCommand::GiveWay(_)
+        | TapeCommand::Needle(..)
         | TapeCommand::Mark => 0,
     };
     if bricks > allowed {

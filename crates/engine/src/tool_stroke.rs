@@ -6,6 +6,7 @@
 use std::collections::BTreeMap;
 
 use glam::{DAffine3, DVec3};
+use palpate_haptics::needle::tissues::Tissues;
 use palpate_tools::stroke::Stroke;
 use palpate_tools::tool::{Tool, ToolInput, ToolKind, ToolReport, ToolSettings};
 use palpate_volume::edit::{Edit, SegmentId};
@@ -101,7 +102,10 @@ impl ToolStroke {
         let chosen = settings.segments.len();
         let pose = pose_of(scene, &settings.segments);
         let stands_there = |id: SegmentId| placement(scene, id) == pose;
-        settings.segments.retain(|id| stands_there(*id));
+        // a needle works where the scan has its segments, each by its own
+        if settings.kind != ToolKind::Needle {
+            settings.segments.retain(|id| stands_there(*id));
+        }
         let all = scene.segments().map(|(id, ..)| id);
         settings.spared = all.filter(|id| !stands_there(*id)).collect();
         self.pressed = Some(Pressed {
@@ -116,6 +120,16 @@ impl ToolStroke {
                 .pressed
                 .as_ref()
                 .map_or(0, |pressed| pressed.segments.len()))
+    }
+
+    /// What a needle that is pressed can puncture; none where no needle is.
+    #[must_use]
+    pub fn needle(&self) -> Option<Tissues> {
+        let pressed = self.pressed.as_ref()?;
+        let settings = self.settings.as_ref()?;
+        let numbers = settings.segments.iter().map(|id| id.0);
+        let tissues = || Tissues::of(numbers.zip(settings.tissues.iter().copied()));
+        (pressed.kind == ToolKind::Needle).then(tissues)
     }
 
     /// What the probe's way since the last pass changes; nothing without a stroke.

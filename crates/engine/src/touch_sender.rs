@@ -78,6 +78,12 @@ impl TouchSender {
         &self.status
     }
 
+    /// Commands sent so far.
+    #[must_use]
+    pub fn commands(&self) -> u64 {
+        self.commands
+    }
+
     /// Where moved segments stand by now, as the servo last said.
     #[must_use]
     pub fn poses(&self) -> &CurrentPoses {
@@ -221,7 +227,7 @@ impl TouchSender {
         let swaps = swaps.collect();
         let unmoved: Vec<&Bits> = scene
             .obstacles()
-            .filter(|(_, _, properties)| properties.pose.is_none())
+            .filter(|(id, _, _)| scene.stands(*id))
             .map(|(_, segment, _)| segment.occupancy())
             .collect();
         let sequence = self.begin(segments);

@@ -43,6 +43,8 @@ pub struct Part {
     /// The threshold that made them, whatever edits did since; none where they come from
     /// elsewhere.
     pub threshold: Option<Threshold>,
+    /// Whether a needle is in it: then it is no obstacle, unless it was moved.
+    pub punctured: bool,
 }
 
 /// Where a segment stands that was moved.
@@ -57,7 +59,7 @@ pub struct MovedPart {
 /// All that can be touched, ready for the servo.
 #[derive(Debug)]
 pub struct Touchable {
-    /// The union of all parts that were not moved.
+    /// The union of all parts that were neither moved nor punctured.
     pub world: Body,
     /// All parts, by rising number.
     pub parts: Vec<Part>,
@@ -214,9 +216,10 @@ impl Touchable {
     }
 }
 
-/// Parts that stand where the scan has them.
+/// Parts that are obstacles where the scan has them: neither moved nor punctured.
 pub fn unmoved(parts: &[Part]) -> impl Iterator<Item = &Part> {
-    parts.iter().filter(|part| part.moved.is_none())
+    let stands = |part: &&Part| part.moved.is_none() && !part.punctured;
+    parts.iter().filter(stands)
 }
 
 /// Their voxels.

@@ -18,8 +18,8 @@ pub struct TouchedSurfaces<'a> {
     pub owners: &'a Owners,
     /// What holds where a segment has no feel of its own.
     pub settings: &'a Settings,
-    /// What segments have of their own.
-    pub feels: &'a Feels,
+    /// What segments have of their own; none where it does not count.
+    pub feels: Option<&'a Feels>,
 }
 
 impl TouchedSurfaces<'_> {
@@ -32,10 +32,11 @@ impl TouchedSurfaces<'_> {
 
 impl Surfaces for TouchedSurfaces<'_> {
     fn surface_of(&self, solid: Solid) -> Surface {
-        let felt = match self.owner(solid) {
-            Some(id) => self.feels.of(id).over(self.settings),
-            None => *self.settings,
-        };
+        let own = self.feels.and_then(|feels| {
+            let owner = self.owner(solid)?;
+            Some(feels.of(owner).over(self.settings))
+        });
+        let felt = own.unwrap_or(*self.settings);
         Surface {
             stiffness: felt.stiffness,
             friction_static: felt.friction_static,

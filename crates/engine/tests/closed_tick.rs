@@ -9,9 +9,14 @@ mod common;
 
 use assert_no_alloc::{AllocDisabler, assert_no_alloc};
 use common::*;
-use glam::{DAffine3, DMat3, DVec3, UVec3};
+use glam::{DAffine3, DMat3, DVec3, IVec3, UVec3};
 use palpate_engine::handover::HandTarget;
 use palpate_engine::settings::Settings;
+use palpate_tools::drill::DrillSettings;
+use palpate_tools::tool::{ToolKind, ToolSettings};
+use palpate_volume::edit::SegmentId;
+use palpate_volume::matter::SegmentSet;
+use palpate_volume::tissue::Tissue;
 
 /// Ends the test program at the first allocation where none is allowed.
 #[global_allocator]
@@ -96,4 +101,78 @@ fn change_something(
         }
         _ => {}
     }
+}
+
+/// 10⁵ moves of up to 50 voxels with a needle, through skin and liver around bone and a sponge of
+/// bone; the ticks alone are watched for allocations, every one for where the probe is.
+#[test]
+fn a_needle_neither_allocates_nor_comes_into_what_it_has_not_punctured() {
+    let mut random = Random::new(11);
+    let start = DVec3::splat(-5.0);
+    let mut rig = Rig::new(DIMENSIONS, start);
+    let skin = box_segment(DIMENSIONS, IVec3::splat(4), IVec3::splat(44));
+    let liver = box_segment(DIMENSIONS, IVec3::splat(6), IVec3::splat(42));
+    let bone = box_segment(DIMENSIONS, IVec3::splat(14), IVec3::splat(34));
+    let add = |rig: &mut Rig, segment| rig.simulation.add_segment(segment, OBSTACLE, false);
+    // the skin has all within it, as a threshold has
+    for segment in [skin, liver, bone, sponge(DIMENSIONS, 5, 150)] {
+        add(&mut rig, segment).unwrap();
+    }
+    let needle = ToolSettings {
+        kind: ToolKind::Needle,
+        radius: 0.5,
+        segments: vec![SegmentId(1), SegmentId(2)],
+        drill: DrillSettings::default(),
+        tissues: vec![Tissue::SKIN, Tissue::LIVER],
+        spared: SegmentSet::EMPTY,
+    };
+    rig.simulation.set_tool(Some(needle)).unwrap();
+    rig.simulation.stroke(true).unwrap();
+
+    let (mut device, mut way) = (start, DVec3::ZERO);
+    let (mut inside, mut withdrawn) = (0_u32, 0_u32);
+    let mut was_in = false;
+    for tick in 0..100_000_u64 {
+        if tick % 10 == 0 {
+            rig.simulation.step();
+        }
+        if tick % 300 == 0 {
+            way = random.point(-0.15, 0.15);
+        }
+        device += match random.below(400) {
+            0 => random.point(-50.0, 50.0),
+            _ => way + random.point(-0.02, 0.02),
+        };
+        device = device.clamp(DVec3::splat(-6.0), DVec3::splat(54.0));
+        rig.read_at(device);
+        let (now, servo) = (rig.now, &mut rig.servo);
+        assert_no_alloc(|| servo.step(now));
+        rig.now += 1e-3;
+        let record = rig.records.pop().unwrap();
+        assert!(record.force.is_finite());
+
+        let voxel = record.proxy.floor().as_ivec3();
+        assert!(!rig.servo.solid().is_solid(voxel), "{tick} {voxel}");
+        for hard in [3, 4].map(SegmentId) {
+            let segment = rig.simulation.voxels().segment(hard).unwrap();
+            assert!(!segment.contains(voxel), "{tick} {voxel}");
+        }
+        let is_in = rig.servo.needle().insertion().is_some();
+        inside += u32::from(is_in);
+        withdrawn += u32::from(was_in && !is_in);
+        was_in = is_in;
+    }
+    assert_eq!(rig.violations(), 0);
+    // the test means something
+    let events = rig.simulation.needle_report().events;
+    let of = |id: u8| events.iter().filter(|event| event.segment == id).count();
+    assert!(
+        of(2) > 20 && of(3) + of(4) > 20,
+        "{} {} {}",
+        of(2),
+        of(3),
+        of(4)
+    );
+    assert!(inside > 20_000, "{inside}");
+    assert!(withdrawn > 20, "{withdrawn}");
 }

@@ -64,6 +64,7 @@ fn stroke(rig: &mut Rig, from: DVec3, to: DVec3) {
             radius: 2.0,
             segments: vec![BLOCK],
             drill: DrillSettings::default(),
+            tissues: Vec::new(),
             spared: SegmentSet::EMPTY,
         }))
         .unwrap();

@@ -91,6 +91,7 @@ fn poses_are_told_where_they_change_and_at_no_other_tick() {
             pose: shifted(DVec3::X),
         }),
         threshold: None,
+        punctured: false,
     };
     let Channels {
         servo, simulation, ..

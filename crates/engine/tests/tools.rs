@@ -28,6 +28,7 @@ fn tool(kind: ToolKind, radius: f64, segments: &[SegmentId]) -> ToolSettings {
         radius,
         segments: segments.to_vec(),
         drill: DrillSettings::default(),
+        tissues: Vec::new(),
         spared: SegmentSet::EMPTY,
     }
 }

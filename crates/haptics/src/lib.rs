@@ -31,6 +31,7 @@ pub mod local_force;
 mod many_bodies;
 pub mod middle_voxels;
 pub mod moving;
+pub mod needle;
 mod node_lattice;
 pub mod passivity;
 pub mod placement;

@@ -25,7 +25,7 @@ use crate::tick::TickOutput;
 /// From when on an answer counts no more [s].
 pub const STALE_SECS: f64 = 0.1;
 /// How far the spring's end goes over in a tick, beside the hand's way [smallest spacings].
-const STEP: f64 = 0.02;
+pub(crate) const STEP: f64 = 0.02;
 
 /// What a tick tells of the contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -186,7 +186,7 @@ fn without_pull(spring: DVec3, out: DVec3) -> DVec3 {
 }
 
 /// From one spring toward another by at most so much [mm]; what makes it shorter comes at once.
-fn gone_over(from: DVec3, to: DVec3, most: f64) -> DVec3 {
+pub(crate) fn gone_over(from: DVec3, to: DVec3, most: f64) -> DVec3 {
     let from = from.clamp_length_max(to.length());
     let way = to - from;
     if way.length() <= most {
@@ -197,7 +197,7 @@ fn gone_over(from: DVec3, to: DVec3, most: f64) -> DVec3 {
 }
 
 /// Puts a spring [mm] into what a tick gives.
-fn put(input: &SoftInput, coupling: Coupling, spring: DVec3, output: &mut TickOutput) {
+pub(crate) fn put(input: &SoftInput, coupling: Coupling, spring: DVec3, output: &mut TickOutput) {
     let force = coupling.force(spring, input.velocity);
     output.spring = spring;
     output.normal = spring.normalize_or_zero();

@@ -10,14 +10,17 @@
 //! axes [N] and has not passed the safety stage yet. Closed: no allocation, lock, log or
 //! panic; the work is bounded by the contact model.
 
+mod felt;
+
 use crate::contact::{Contact, ContactModel, ForceInput};
-use crate::coupling::Coupling;
 use crate::friction::{Friction, FrictionState};
 use crate::proxy::Proxy;
 use crate::scene::{Solid, TouchScene};
 use crate::smooth::cache::{NearFields, SmoothCache, Source};
 use crate::smooth::{SmoothInput, SmoothState, Smoother, Smoothing};
 use crate::surface::{Feel, Holders, SurfaceBlend, Surfaces};
+use felt::Felt;
+pub use felt::TickOutput;
 use glam::DVec3;
 use palpate_volume::first_solid::{Outcome, first_solid_bounded};
 use palpate_volume::occupancy::Occupancy;
@@ -90,36 +93,6 @@ impl TickCache {
     }
 }
 
-/// What a tick gives.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TickOutput {
-    /// The proxy [mm], scene.
-    pub proxy_in_scene: DVec3,
-    /// Where the force comes from [mm], scene; the proxy without contact.
-    pub contact_point_in_scene: DVec3,
-    /// Out of the surface there, of length 1, scene axes; zero without contact.
-    pub normal: DVec3,
-    /// Force on the device [N], scene axes, before the safety stage; zero without contact.
-    pub force: DVec3,
-    /// The spring that the force comes from: from the device to the contact point [mm], scene
-    /// axes; zero without contact, and where a model has a force of its own.
-    pub spring: DVec3,
-    /// What that spring is made of here.
-    pub coupling: Coupling,
-    /// Whether the contact point stays where it is along the surface.
-    pub sticks: bool,
-    /// The solid voxel that holds the proxy back, if one does.
-    pub held_by: Option<Solid>,
-    /// Whether something holds the proxy back, or pushes the device.
-    pub contact: bool,
-    /// Way from contact point to device [mm] in a contact, else 0.
-    pub depth: f64,
-    /// Voxels read.
-    pub visits: u32,
-    /// The proxy was found in a solid voxel: guarantee 1 is broken.
-    pub violation: bool,
-}
-
 /// Moves the proxy toward the device and gives the force of the coupling.
 ///
 /// Input that is not finite, or so far away that no traversal gets there, is no input: the
@@ -162,29 +135,6 @@ struct Tick<'a, O, M, S> {
     input: &'a TickInput,
     /// Grid.
     device: DVec3,
-}
-
-/// What is felt, along the axes of the grid in mm.
-#[derive(Clone, Copy, Debug)]
-struct Felt {
-    /// From the device to the contact point.
-    spring: DVec3,
-    /// Out of the surface, of length 1.
-    normal: DVec3,
-    stiffness: f64,
-    sticks: bool,
-    /// Of a model with a force of its own [N].
-    own_force: Option<DVec3>,
-}
-
-impl Felt {
-    const NOTHING: Self = Self {
-        spring: DVec3::ZERO,
-        normal: DVec3::ZERO,
-        stiffness: 0.0,
-        sticks: false,
-        own_force: None,
-    };
 }
 
 impl<O: Occupancy, M: ContactModel, S: Surfaces> Tick<'_, O, M, S> {
@@ -342,47 +292,6 @@ impl<O: Occupancy, M: ContactModel, S: Surfaces> Tick<'_, O, M, S> {
         };
         (contact, felt)
     }
-
-    /// In the scene; from differences, so that rounding stays relative to them.
-    fn output(&self, state: &TickState, contact: &Contact, felt: &Felt) -> TickOutput {
-        let grid = self.scene.grid;
-        let to_scene = |vector: DVec3| grid.direction() * vector;
-        let coupling = Coupling {
-            stiffness: felt.stiffness,
-            damping: self.input.damping,
-        };
-        let spring = to_scene(felt.spring);
-        let proxy_in_scene = grid
-            .patient_from_grid()
-            .transform_point3(state.proxy.point());
-        let touches = contact.touching || felt.spring != DVec3::ZERO;
-        let force = match felt.own_force {
-            Some(force) => to_scene(force),
-            None => coupling.force(spring, finite(self.input.velocity_in_scene)),
-        };
-        TickOutput {
-            proxy_in_scene,
-            contact_point_in_scene: if felt.spring == DVec3::ZERO {
-                proxy_in_scene
-            } else {
-                self.input.device_in_scene + spring
-            },
-            normal: to_scene(felt.normal),
-            force: finite(force),
-            spring: if felt.own_force.is_some() {
-                DVec3::ZERO
-            } else {
-                spring
-            },
-            coupling,
-            sticks: felt.sticks,
-            held_by: contact.stopped_by,
-            contact: touches,
-            depth: spring.length(),
-            visits: contact.visits,
-            violation: contact.violation,
-        }
-    }
 }
 
 /// With and without the smooth contact point.
@@ -419,13 +328,4 @@ fn solid_between<O: Occupancy>(scene: &TouchScene<'_, O>, from: DVec3, to: DVec3
         let voxel = hit(object.occupancy(), from, to)?;
         Some(Solid { body, voxel })
     })
-}
-
-/// Zero for a vector that is not finite.
-fn finite(vector: DVec3) -> DVec3 {
-    if vector.is_finite() {
-        vector
-    } else {
-        DVec3::ZERO
-    }
 }

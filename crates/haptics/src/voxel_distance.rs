@@ -17,17 +17,31 @@ const SKIN: f64 = 1e-8;
 #[inline]
 pub(crate) fn nearest_point(voxel: IVec3, target: DVec3) -> DVec3 {
     let corner = voxel.as_dvec3();
-    target.max(corner + SKIN).min(corner + (1.0 - SKIN))
+    let along = |axis: usize| {
+        let (low, high) = (corner[axis] + SKIN, corner[axis] + (1.0 - SKIN));
+        smaller(larger(target[axis], low), high)
+    };
+    DVec3::new(along(0), along(1), along(2))
+}
+
+/// The larger of two numbers that are not NaN: one instruction.
+#[inline]
+fn larger(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}
+
+/// The smaller of two numbers that are not NaN.
+#[inline]
+fn smaller(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
 }
 
 /// Squared distance [mm²] along one axis from `target` to that point of a voxel.
 #[inline]
 pub(crate) fn squared_along(voxel: i32, target: f64, spacing: f64) -> f64 {
     let corner = f64::from(voxel);
-    let outside = (corner + SKIN - target)
-        .max(target - (corner + (1.0 - SKIN)))
-        .max(0.0);
-    let outside = outside * spacing;
+    let [before, after] = [corner + SKIN - target, target - (corner + (1.0 - SKIN))];
+    let outside = larger(larger(before, after), 0.0) * spacing;
     outside * outside
 }
 

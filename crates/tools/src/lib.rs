@@ -20,6 +20,7 @@ pub mod journal_file;
 pub mod journal_reader;
 mod journal_record;
 mod measure;
+mod needle;
 pub mod specific_energy;
 pub mod stroke;
 mod sweep;

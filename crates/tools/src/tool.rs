@@ -9,12 +9,14 @@ use glam::{DAffine3, DVec3};
 use palpate_volume::edit::{Edit, SegmentId};
 use palpate_volume::grid::Grid;
 use palpate_volume::matter::SegmentSet;
+use palpate_volume::tissue::{Tissue, TissueError};
 use palpate_volume::voxels::{Voxels, VoxelsError};
 use thiserror::Error;
 
 use crate::adder::Adder;
 use crate::drill::{Drill, DrillSettings, MAX_BURR_IN_VOXELS};
 use crate::eraser::Eraser;
+use crate::needle::Needle;
 
 /// Radius of a tool, at most [mm].
 pub const MAX_RADIUS: f64 = 50.0;
@@ -22,6 +24,8 @@ pub const MAX_RADIUS: f64 = 50.0;
 pub const MAX_RADIUS_IN_VOXELS: f64 = 32.0;
 /// A way of the probe longer than this in one pass [mm] is a jump, not a stroke.
 pub const MAX_WAY: f64 = 500.0;
+/// Segments that a needle can puncture, at most.
+pub const MAX_TISSUES: usize = 16;
 /// A pass lasts so long at most [s]; what is beyond it did no work.
 pub const MAX_PASS: f64 = 0.1;
 
@@ -106,11 +110,13 @@ pub enum ToolKind {
     Adder,
     /// Removes matter by work.
     Drill,
+    /// Goes into tissue and changes no voxel.
+    Needle,
 }
 
 impl ToolKind {
     /// All of them.
-    pub const ALL: [Self; 3] = [Self::Eraser, Self::Adder, Self::Drill];
+    pub const ALL: [Self; 4] = [Self::Eraser, Self::Adder, Self::Drill, Self::Needle];
 
     /// As users write it.
     #[must_use]
@@ -119,6 +125,7 @@ impl ToolKind {
             Self::Eraser => "eraser",
             Self::Adder => "adder",
             Self::Drill => "drill",
+            Self::Needle => "needle",
         }
     }
 
@@ -136,7 +143,7 @@ impl ToolKind {
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum ToolError {
     /// There is no such tool.
-    #[error("tool {0:?} given; allowed: eraser, adder, drill")]
+    #[error("tool {0:?} given; allowed: eraser, adder, drill, needle")]
     UnknownTool(String),
     /// Not a radius, or too large.
     #[error("radius {given} mm given; allowed: above 0 to {allowed} mm")]
@@ -156,6 +163,19 @@ pub enum ToolError {
         /// What may be given.
         allowed: &'static str,
     },
+    /// A tissue that is none.
+    #[error(transparent)]
+    Tissue(#[from] TissueError),
+    /// A needle needs to know what it goes into.
+    #[error(
+        "{tissues} tissues for {segments} segments given; allowed: one for each, at most {MAX_TISSUES}"
+    )]
+    Tissues {
+        /// Tissues given.
+        tissues: usize,
+        /// Segments given.
+        segments: usize,
+    },
     /// Nothing to work on.
     #[error("no segment given; allowed: one or more to work on")]
     NoSegment,
@@ -168,10 +188,13 @@ pub struct ToolSettings {
     pub kind: ToolKind,
     /// Radius of its ball [mm].
     pub radius: f64,
-    /// Segments that it changes; for the drill, those that it cuts.
+    /// Segments that it changes; for the drill, those that it cuts; for the needle, those that it
+    /// can puncture.
     pub segments: Vec<SegmentId>,
     /// How the drill works; other tools pass it over.
     pub drill: DrillSettings,
+    /// What each of the segments is for the needle; other tools pass it over.
+    pub tissues: Vec<Tissue>,
     /// Segments that lose nothing to the drill, since they were moved elsewhere.
     pub spared: SegmentSet,
 }
@@ -189,13 +212,25 @@ impl ToolSettings {
             ToolKind::Eraser => Box::new(Eraser::new(self.radius, segments)),
             ToolKind::Adder => Box::new(Adder::new(self.radius, segments)),
             ToolKind::Drill => Box::new(Drill::new(self.radius, segments, self.drill, self.spared)),
+            ToolKind::Needle => Box::new(Needle::default()),
         })
+    }
+
+    fn check_tissues(&self) -> Result<(), ToolError> {
+        let (tissues, segments) = (self.tissues.len(), self.segments.len());
+        if tissues != segments || tissues > MAX_TISSUES {
+            return Err(ToolError::Tissues { tissues, segments });
+        }
+        self.tissues.iter().try_for_each(Tissue::check)?;
+        Ok(())
     }
 
     fn check(&self, grid: &Grid) -> Result<(), ToolError> {
         let in_voxels = match self.kind {
             ToolKind::Eraser | ToolKind::Adder => MAX_RADIUS_IN_VOXELS,
             ToolKind::Drill => MAX_BURR_IN_VOXELS,
+            // what it is drawn with: it does not act on touch
+            ToolKind::Needle => f64::INFINITY,
         };
         let allowed = MAX_RADIUS.min(in_voxels * grid.smallest_spacing());
         // written so that NaN is refused
@@ -210,6 +245,9 @@ impl ToolSettings {
         }
         if self.kind == ToolKind::Drill {
             self.drill.check()?;
+        }
+        if self.kind == ToolKind::Needle {
+            self.check_tissues()?;
         }
         Ok(())
     }

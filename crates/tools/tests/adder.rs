@@ -17,6 +17,7 @@ fn adder(grid: &Grid, radius: f64) -> Box<dyn Tool> {
         radius,
         segments: vec![SegmentId(1), SegmentId(2)],
         drill: DrillSettings::default(),
+        tissues: Vec::new(),
         spared: SegmentSet::EMPTY,
     };
     settings.build(grid).expect("a tool")

@@ -22,6 +22,7 @@ fn drill_with(grid: &Grid, radius: f64, drill: DrillSettings) -> Box<dyn Tool> {
         radius,
         segments: vec![SegmentId(1)],
         drill,
+        tissues: Vec::new(),
         spared: SegmentSet::EMPTY,
     };
     settings.build(grid).expect("a tool")
@@ -276,6 +277,7 @@ fn a_spared_segment_keeps_its_voxels() {
         radius: 2.0,
         segments: vec![SegmentId(1)],
         drill: DrillSettings::default(),
+        tissues: Vec::new(),
         spared: SegmentSet::EMPTY.with(SegmentId(3)),
     };
     let mut tool = settings.build(&grid).expect("a tool");
@@ -400,6 +402,7 @@ fn numbers_that_describe_no_drill_are_refused() {
             radius: 2.0,
             segments: vec![SegmentId(1)],
             drill,
+            tissues: Vec::new(),
             spared: SegmentSet::EMPTY,
         };
         let error = settings.build(&grid).map(|_| ());

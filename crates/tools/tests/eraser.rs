@@ -20,6 +20,7 @@ fn eraser(grid: &Grid, radius: f64, segments: &[u8]) -> Box<dyn Tool> {
         radius,
         segments: segments.iter().copied().map(SegmentId).collect(),
         drill: DrillSettings::default(),
+        tissues: Vec::new(),
         spared: SegmentSet::EMPTY,
     };
     settings.build(grid).expect("a tool")
@@ -188,6 +189,7 @@ fn wrong_settings_say_what_is_allowed() {
         radius,
         segments,
         drill: DrillSettings::default(),
+        tissues: Vec::new(),
         spared: SegmentSet::EMPTY,
     };
     for radius in [0.0, -1.0, f64::NAN, f64::INFINITY, 32.0 * 0.7 + 0.1] {

@@ -30,25 +30,15 @@ pub fn block_of_bricks<B: Borrow<BitBrick>>(min: IVec3, brick: impl Fn(IVec3) ->
     }
 
     // along z, words come from the lower bricks first, then from the upper ones
-    let low = [
-        brick(0, 0, 0),
-        brick(1, 0, 0),
-        brick(0, 1, 0),
-        brick(1, 1, 0),
-    ];
-    if shift.z == 0 {
-        return BitBrick(std::array::from_fn(|z| word_at(&low, z, shift)));
+    let four = |z| [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(x, y)| brick(x, y, z));
+    let mut layers = [0; 16];
+    let (low, high) = layers.split_at_mut(8);
+    join(&four(0), shift, low);
+    if shift.z > 0 {
+        join(&four(1), shift, high);
     }
-    let high = [
-        brick(0, 0, 1),
-        brick(1, 0, 1),
-        brick(0, 1, 1),
-        brick(1, 1, 1),
-    ];
-    BitBrick(std::array::from_fn(|z| {
-        let z = z + shift.z as usize;
-        word_at(if z < 8 { &low } else { &high }, z & 7, shift)
-    }))
+    let first = shift.z as usize & 7;
+    BitBrick(std::array::from_fn(|z| layers[first + z]))
 }
 
 /// A brick by the first of its voxels.
@@ -60,14 +50,17 @@ fn brick_at(bits: &Bits, corner: IVec3) -> &BitBrick {
     bits.bricks().at(corner).unwrap_or(&BitBrick::EMPTY)
 }
 
-/// One layer, from the layers of four bricks: x before y.
+/// The layers of four bricks joined along x and y; x before y.
 #[inline]
-fn word_at<B: Borrow<BitBrick>>(bricks: &[B; 4], z: usize, shift: IVec3) -> u64 {
-    let [a, b, c, d] = std::array::from_fn(|i| bricks[i].borrow().0[z & 7]);
-    let first = rows_from(a, b, shift.x);
-    let second = rows_from(c, d, shift.x);
+fn join<B: Borrow<BitBrick>>(bricks: &[B; 4], shift: IVec3, layers: &mut [u64]) {
+    let [a, b, c, d] = bricks.each_ref().map(|brick| &brick.borrow().0);
     let rows = 8 * shift.y as u32;
-    first >> rows | second.checked_shl(64 - rows).unwrap_or(0)
+    for (z, layer) in layers.iter_mut().enumerate().take(8) {
+        let first = rows_from(a[z], b[z], shift.x);
+        let second = rows_from(c[z], d[z], shift.x);
+        // in two steps, since none may be by 64
+        *layer = first >> rows | second << 1 << (63 - rows);
+    }
 }
 
 /// Rows that begin in one word and end in the next along x.

@@ -23,6 +23,7 @@ pub mod phantom;
 pub mod segment;
 pub mod statistics;
 pub mod threshold;
+pub mod tissue;
 pub mod voxel_box;
 pub mod voxels;
 pub mod walk;

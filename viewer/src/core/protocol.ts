@@ -46,7 +46,7 @@ export type SurfaceSource = "intensities" | "bits";
 export type SmoothingDegree = number;
 
 /** What the probe does to voxels while it is pressed; none leaves them as they are. */
-export type ToolKind = "none" | "eraser" | "adder" | "drill";
+export type ToolKind = "none" | "eraser" | "adder" | "drill" | "needle";
 
 /** A voxel's or a patch's place along one axis. */
 export type Index = number;
@@ -746,7 +746,7 @@ const isSurfaceSource = oneOf("intensities", "bits");
 
 const isSmoothingDegree = whole({ ge: 0, le: 12 });
 
-const isToolKind = oneOf("none", "eraser", "adder", "drill");
+const isToolKind = oneOf("none", "eraser", "adder", "drill", "needle");
 
 const isIndex = whole({ ge: -2147483648, lt: 2147483648 });
 

@@ -27,16 +27,17 @@ export const toolColours: Readonly<Record<ToolName, string>> = {
   eraser: "#ff7d74",
   adder: "#a9e06c",
   drill: "#c9a2ff",
+  needle: "#d8dee6",
 };
 
 /** What a tool works on: what is touched, all that can be touched, or one segment. */
 export type Works = "touched" | "touchable" | number;
 
 /** Radius of a tool at most, and of a burr [smallest voxel sides], as the engine has them. */
-const mostInVoxels: Readonly<Record<ToolName, number>> = { eraser: 32, adder: 32, drill: 16 };
+const mostInVoxels: Readonly<Record<ToolName, number>> = { eraser: 32, adder: 32, drill: 16, needle: 4 };
 /** Larger ones are hard to see past. */
-const largest: Readonly<Record<ToolName, number>> = { eraser: 25, adder: 25, drill: 10 };
-const usual: Readonly<Record<ToolName, number>> = { eraser: 4, adder: 4, drill: 2 };
+const largest: Readonly<Record<ToolName, number>> = { eraser: 25, adder: 25, drill: 10, needle: 2 };
+const usual: Readonly<Record<ToolName, number>> = { eraser: 4, adder: 4, drill: 2, needle: 0.5 };
 
 export interface RadiusRange {
   readonly min: number;

@@ -39,6 +39,8 @@ export class Picture {
   private readonly surfaces: Surfaces;
   private readonly refiner: Refiner;
   private readonly options: PictureOptions;
+  /** Nothing is drawn, and all is uploaded as always: for the benchmark of edits. */
+  suspended = false;
   private field: FieldTexture | null = null;
   private ready = false;
   private view: { readonly camera: Camera; readonly extent: Extent } | null = null;
@@ -133,7 +135,7 @@ export class Picture {
     if (what.labels) {
       this.labels?.uploadBox(this.renderer, box);
     }
-    this.marcher.changeVoxels(box);
+    this.marcher.changeVoxels(box, this.renderer);
     this.refiner.restart();
   }
 
@@ -177,7 +179,7 @@ export class Picture {
       this.ready = this.field.uploadSlab(this.renderer);
       return;
     }
-    if (!this.ready || this.view === null) {
+    if (!this.ready || this.view === null || this.suspended) {
       return;
     }
     if (this.refiner.wantsView) {

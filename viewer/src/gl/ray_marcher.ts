@@ -169,8 +169,8 @@ export class RayMarcher {
     this.uniforms.labelColours.value = colours;
   }
 
-  /** Values or labels of a box have changed, their bricks with them. */
-  changeVoxels(box: Box): void {
+  /** Values or labels of a box have changed, their bricks with them; all that follows is uploaded. */
+  changeVoxels(box: Box, renderer: THREE.WebGLRenderer): void {
     const { bricks, drawn, filled, labelled } = this;
     if (bricks === null || drawn === null || filled === null) {
       return;
@@ -183,6 +183,10 @@ export class RayMarcher {
     });
     if (!same) {
       this.measureEmptiness();
+      const { value: texture } = this.uniforms.brickTexture;
+      if (texture !== null) {
+        renderer.initTexture(texture);
+      }
     }
   }
 

@@ -55,10 +55,12 @@ export class Connection {
           // worker and page count time from different beginnings
           this.events.message(letter.message, letter.arrived - performance.timeOrigin);
         }
-        // a page in the background takes nothing; the worker keeps the latest state for it
-        requestAnimationFrame(() => {
-          this.tell({ kind: "taken" });
-        });
+        // a page in the background takes no states; the worker keeps the latest one for it
+        if (message.letters.at(-1)?.message.type === "state") {
+          requestAnimationFrame(() => {
+            this.tell({ kind: "taken" });
+          });
+        }
         break;
       case "malformed":
         this.events.malformed(message.text);

@@ -15,9 +15,9 @@ function tell(message: FromConnection, transfer: Transferable[] = []): void {
 }
 
 function deliver(): void {
-  const letters = pageReady ? mailbox.take() : [];
+  const letters = mailbox.take(pageReady);
   if (letters.length > 0) {
-    pageReady = false;
+    pageReady &&= letters.at(-1)?.message.type !== "state";
     tell({ kind: "batch", letters }, memoryOf(letters));
   }
 }

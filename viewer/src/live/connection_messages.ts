@@ -7,7 +7,7 @@ import type { Letter } from "./mailbox";
 export type ToConnection =
   | { readonly kind: "open"; readonly url: string }
   | { readonly kind: "send"; readonly message: FromPage }
-  /** The page has taken the last batch and is ready for the next. */
+  /** The page has taken the last state and is ready for the next. */
   | { readonly kind: "taken" };
 
 export type FromConnection =

@@ -1,6 +1,6 @@
 /**
- * Messages on their way to a page that may be busy: all are kept in order, except that of
- * the states only the latest one waits, with the samples of those it replaces.
+ * Messages on their way to a page that may be busy: of the states only the latest one waits, with
+ * the samples of those it replaces; all others are handed over at once and in order.
  */
 import type { State, ToPage } from "../core/protocol";
 
@@ -26,11 +26,12 @@ export class Mailbox {
     this.state = { message: { ...message, samples }, arrived };
   }
 
-  /** Hands over everything that waits. */
-  take(): Letter[] {
-    const batch = this.state === null ? this.others : [...this.others, this.state];
+  /** Hands over what waits; the state only to a page that is ready for it. */
+  take(ready: boolean): Letter[] {
+    const state = ready ? this.state : null;
+    const batch = state === null ? this.others : [...this.others, state];
     this.others = [];
-    this.state = null;
+    this.state = ready ? null : this.state;
     return batch;
   }
 }

@@ -1,6 +1,6 @@
 /**
  * Edits on their way to the picture. All that one edit changes, voxels, labels and surfaces,
- * is taken at the beginning of one frame; an edit that is not whole is not taken at all.
+ * is taken at once, between two frames; an edit that is not whole is not taken at all.
  */
 import type { Changed, Segment } from "../core/protocol";
 import type { ScanVolume } from "../core/scan_volume";
@@ -11,9 +11,11 @@ import type { Picture } from "../gl/picture";
 
 /** What an edit took on its way [ms]. */
 export interface EditTimes {
+  /** Its number; of several at once the last one's. */
+  readonly edit: number;
   /** From when the engine applied it, by the clock of its machine, until it arrived. */
   readonly way: number;
-  /** Until the next frame began: others were drawn meanwhile. */
+  /** Until the page got to it: a frame was drawn meanwhile. */
   readonly wait: number;
   /** Until all of it was handed to the GPU. */
   readonly work: number;
@@ -72,7 +74,7 @@ export class ShownEdits {
 
   constructor(private readonly outside: Outside) {}
 
-  /** Takes an edit that has arrived; shown with the next frame. */
+  /** Takes an edit that has arrived. */
   add(changed: Changed, arrived: number): void {
     this.waiting.push({ changed, arrived });
   }
@@ -88,7 +90,7 @@ export class ShownEdits {
       this.lastMilliseconds = ended - arrived;
       if (changed.applied !== null) {
         const ago = Date.now() - 1000 * changed.applied;
-        this.times.push({ way: ago - (ended - arrived), wait: began - arrived, work: ended - began });
+        this.times.push({ edit: changed.edit, way: ago - (ended - arrived), wait: began - arrived, work: ended - began });
         this.times.splice(0, this.times.length - mostTimes);
       }
     }

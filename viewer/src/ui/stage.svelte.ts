@@ -33,6 +33,7 @@ import type { GpuSupport } from "../gl/gpu_support";
 import type { Shown, ToolBall } from "../gl/markers";
 import { Picture } from "../gl/picture";
 import { downloadLabels, downloadVolume } from "../live/volume_download";
+import { EditPaceControl } from "./edit_pace_control.svelte";
 import { recall, remember } from "./remembered";
 import type { Session } from "./session.svelte";
 import { ObjectControl } from "./object_control.svelte";
@@ -65,11 +66,15 @@ export class Stage {
   shown = $state.raw<Shown>({ contactPoint: true, normal: true, ball: true, path: true });
   /** Edits of the voxels, and the surfaces of segments. */
   readonly edits: ShownEdits;
+  /** How often the picture follows them. */
+  readonly editPace: EditPaceControl;
   /** Segments that are moved. */
   readonly objects: ObjectControl;
   framesPerSecond = $state.raw(0);
   /** When the first picture stood on the screen [ms since the page was opened]. */
   firstPicture = $state.raw<number | null>(null);
+
+  drawingSuspended = false;
 
   private picture: Picture | null = null;
   private canvas: HTMLCanvasElement | null = null;
@@ -94,6 +99,7 @@ export class Stage {
     // a long line is dear to draw again and again without a graphics card
     this.shown = recall("shown", { ...this.shown, path: !support.software });
     this.objects = new ObjectControl(session);
+    this.editPace = new EditPaceControl(session);
     this.edits = new ShownEdits({
       complain: (text) => {
         session.notify("error", text);
@@ -102,6 +108,7 @@ export class Stage {
     });
     session.onChanged((changed, arrived) => {
       this.edits.add(changed, arrived);
+      this.takeEdits();
     });
     session.onState((state) => {
       this.trail.add(state.time, state.proxy);
@@ -277,6 +284,14 @@ export class Stage {
     return this.picture?.quality ?? null;
   }
 
+  /** Draws nothing any more, or again; edits are uploaded all the same. For the benchmark of edits. */
+  suspendDrawing(on: boolean): void {
+    this.drawingSuspended = on;
+    if (this.picture !== null) {
+      this.picture.suspended = on;
+    }
+  }
+
   private tellCoarseness(step: number): void {
     const resolution = `1/${String(step)} of its resolution`;
     this.coarseness = step === 1 ? null : `Too large for this GPU: shown at ${resolution}; touch uses all of it.`;
@@ -338,10 +353,9 @@ export class Stage {
 
   private drawFrame(now: number): void {
     this.count(now);
-    const { camera, extent, picture, volume, bricks } = this;
-    if (volume !== null && bricks !== null) {
-      this.edits.show({ volume, bricks }, picture);
-    }
+    const { camera, extent, picture } = this;
+    this.takeEdits();
+    this.editPace.begin(now, this.edits.lastEdit);
     if (picture === null) {
       return;
     }
@@ -357,6 +371,14 @@ export class Stage {
     }
     picture.advance(now);
     this.followUpload(picture);
+  }
+
+  /** Hands edits to the GPU as they come: all of one before anything is drawn again. */
+  private takeEdits(): void {
+    const { volume, bricks } = this;
+    if (volume !== null && bricks !== null) {
+      this.edits.show({ volume, bricks }, this.picture);
+    }
   }
 
   private moveMarkers(camera: Camera, picture: Picture): void {
@@ -416,6 +438,7 @@ const toolPaints = {
   eraser: srgbFromHex(toolColours.eraser),
   adder: srgbFromHex(toolColours.adder),
   drill: srgbFromHex(toolColours.drill),
+  needle: srgbFromHex(toolColours.needle),
 } as const;
 
 function toolBall({ tool }: State): ToolBall | null {

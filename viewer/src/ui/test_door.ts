@@ -36,6 +36,12 @@ export interface TestDoor {
   readonly editTimes: readonly EditTimes[];
   /** Number of the last edit on display. */
   readonly lastEdit: number;
+  /**
+   * Draws nothing any more, or again, while edits are uploaded as always: for `palpate bench edit`,
+   * whose budget leaves drawing out.
+   */
+  readonly suspendDrawing: (on: boolean) => void;
+  readonly drawingSuspended: boolean;
   /** Triangles of each segment's surface. */
   readonly triangles: Readonly<Record<number, number>>;
   /** Takes a packed message as if the engine had sent it. */
@@ -94,6 +100,12 @@ export function openTestDoor(session: Session, stage: Stage, hand: HandControl, 
     },
     get lastEdit() {
       return stage.edits.lastEdit;
+    },
+    suspendDrawing: (on) => {
+      stage.suspendDrawing(on);
+    },
+    get drawingSuspended() {
+      return stage.drawingSuspended;
     },
     get triangles() {
       return Object.fromEntries([...stage.edits.sizes].map(([id, { triangles }]) => [id, triangles]));

@@ -10,10 +10,21 @@ test("of waiting states the latest is delivered, with the samples of all", () =>
   const mailbox = new Mailbox();
   mailbox.put(state(1, [[0.1, 1, 0, 0]]));
   mailbox.put(state(2, [[0.2, 2, 0, 0]]));
-  const delivered = mailbox.take()[0]?.message as State;
+  const delivered = mailbox.take(true)[0]?.message as State;
   expect(delivered.tick).toBe(2);
   expect(delivered.samples).toEqual([[0.1, 1, 0, 0], [0.2, 2, 0, 0]]);
-  expect(mailbox.take()).toEqual([]);
+  expect(mailbox.take(true)).toEqual([]);
+});
+
+test("a page that is busy is told of edits at once, and of the state when it is ready", () => {
+  const mailbox = new Mailbox();
+  const notice: ToPage = { type: "notice", level: "info", text: "edit" };
+  mailbox.put(state(1));
+  mailbox.put(notice);
+  expect(mailbox.take(false).map(({ message }) => message.type)).toEqual(["notice"]);
+  mailbox.put(state(2));
+  expect(mailbox.take(false)).toEqual([]);
+  expect(mailbox.take(true).map(({ message }) => (message as State).tick)).toEqual([2]);
 });
 
 test("no other message is lost or overtaken by another of its kind", () => {
@@ -22,7 +33,7 @@ test("no other message is lost or overtaken by another of its kind", () => {
   mailbox.put(notice("first"));
   mailbox.put(state(1));
   mailbox.put(notice("second"));
-  expect(mailbox.take().map(({ message }) => (message.type === "notice" ? message.text : message.type))).toEqual([
+  expect(mailbox.take(true).map(({ message }) => (message.type === "notice" ? message.text : message.type))).toEqual([
     "first",
     "second",
     "state",
@@ -34,7 +45,7 @@ test("a page that sleeps for minutes gets a bounded number of samples", () => {
   for (let i = 0; i < 5000; ++i) {
     mailbox.put(state(i, [[i / 250, 0, 0, 0], [i / 250 + 0.002, 0, 0, 0]]));
   }
-  const delivered = mailbox.take()[0]?.message as State;
+  const delivered = mailbox.take(true)[0]?.message as State;
   expect(delivered.samples).toHaveLength(1500);
   expect(delivered.samples.at(-1)?.[0]).toBeCloseTo(4999 / 250 + 0.002);
 });
@@ -44,7 +55,7 @@ test("a letter tells when it arrived; of merged states the latest", () => {
   mailbox.put({ type: "notice", level: "info", text: "edit" }, 5);
   mailbox.put(state(1), 6);
   mailbox.put(state(2), 7);
-  expect(mailbox.take().map(({ arrived }) => arrived)).toEqual([5, 7]);
+  expect(mailbox.take(true).map(({ arrived }) => arrived)).toEqual([5, 7]);
 });
 
 test("the bytes of an edit are handed over once, however many lie in the same memory", () => {

@@ -11,6 +11,7 @@ use palpate_volume::edit::SegmentId;
 use super::Session;
 use crate::deformation::DeformationNow;
 use crate::error::SessionError;
+use crate::needle::NeedleReport;
 use crate::simulation::Simulation;
 use crate::simulation::recovery::{Kept, Recovered};
 
@@ -29,6 +30,14 @@ impl Session {
     /// Where it is to begin and no tool is chosen, or the session has ended.
     pub fn stroke(&self, on: bool) -> Result<(), SessionError> {
         self.ask(move |simulation| simulation.stroke(on))?
+    }
+
+    /// What the needle has done since it was taken in the hand last.
+    ///
+    /// # Errors
+    /// Where the session has ended.
+    pub fn needle_report(&self) -> Result<NeedleReport, SessionError> {
+        self.ask(|simulation| simulation.needle_report())
     }
 
     /// Chooses the model by which matter gives way under the probe, or none.

@@ -72,6 +72,10 @@ impl Simulation {
     /// Takes the model's answer, if one has come, and asks again. What it moves from contact to
     /// release is one step of undo.
     pub(super) fn advance_deformation(&mut self) {
+        // a needle has a law of its own, and moves no matter
+        if self.touch.status().needle.on {
+            return;
+        }
         let outcome = self.deformation.exchange(&self.scene, self.touch.status());
         if let Some(edit) = outcome.edit {
             match self.perform(Step::of_edit(edit), Action::Do) {

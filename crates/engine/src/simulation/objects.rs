@@ -159,7 +159,7 @@ impl Simulation {
         }
     }
 
-    fn send_all(&mut self, segments: Vec<SegmentId>) {
+    pub(super) fn send_all(&mut self, segments: Vec<SegmentId>) {
         if !segments.is_empty() {
             let change = TouchChange::All(segments);
             self.touch.send_change(&self.scene, &change);

@@ -1,5 +1,6 @@
 //! Tools in the hand of the simulation, and how much undo holds.
 
+use palpate_haptics::needle::tissues::{Segments, Tissues};
 use palpate_tools::journal_entry::Action;
 use palpate_tools::tool::{ToolReport, ToolSettings};
 use palpate_volume::edit::SegmentId;
@@ -8,6 +9,8 @@ use palpate_volume::voxels::VoxelsError;
 use super::Simulation;
 use crate::error::SessionError;
 use crate::frame::Notice;
+use crate::handover::ServoCommand;
+use crate::needle::NeedleReport;
 use crate::scene::Step;
 use crate::tool_stroke::ProbeNow;
 
@@ -46,8 +49,34 @@ impl Simulation {
                  passes them over."
             )));
         }
+        if let Some(tissues) = self.stroke.needle() {
+            self.needle.begin();
+            self.touch.send(ServoCommand::Needle(true, tissues));
+        }
         self.publish();
         Ok(())
+    }
+
+    /// What the needle has done since it was taken in the hand last.
+    #[must_use]
+    pub fn needle_report(&self) -> NeedleReport {
+        self.needle.report().clone()
+    }
+
+    /// Makes obstacles of what the needle is out of, and none of what it has punctured.
+    pub(super) fn advance_needle(&mut self) {
+        let status = self.touch.status();
+        let punctured = self.needle.follow(&status.needle, status.command);
+        if let Some(punctured) = punctured {
+            let changed = self.scene.puncture(punctured);
+            self.send_all(changed);
+        }
+    }
+
+    /// The probe jumps: no needle is in any more.
+    pub(super) fn pull_needle(&mut self) {
+        let changed = self.scene.puncture(Segments::NONE);
+        self.send_all(changed);
     }
 
     /// What the tool has done in the stroke that is on, or in the last one.
@@ -83,6 +112,10 @@ impl Simulation {
 
     pub(super) fn end_stroke(&mut self) {
         self.close_step();
+        if self.stroke.needle().is_some() {
+            self.touch
+                .send(ServoCommand::Needle(false, Tissues::default()));
+        }
         self.stroke.end();
         self.publish();
     }

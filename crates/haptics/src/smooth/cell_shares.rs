@@ -33,24 +33,19 @@ impl KeptRow {
         changes: Changes::NONE,
     };
 
-    /// What is kept of the row with another first cell.
+    /// Makes it what is kept of the row with another first cell.
     #[inline]
-    fn moved_to(&self, first: IVec3, shape: CellShape) -> Self {
-        if self.first == first {
-            return *self;
-        }
-        if (self.first.y, self.first.z) != (first.y, first.z) {
-            return Self {
-                first,
-                ..Self::NONE
-            };
-        }
-        let cells = first.x - self.first.x;
-        Self {
+    fn move_to(&mut self, first: IVec3, shape: CellShape) {
+        let is_same_row = (self.first.y, self.first.z) == (first.y, first.z);
+        let cells = match is_same_row {
+            true => first.x - self.first.x,
+            false => CELLS,
+        };
+        *self = Self {
             first,
             surface: self.surface.moved(shape, cells),
             changes: self.changes.moved(cells),
-        }
+        };
     }
 }
 
@@ -98,25 +93,19 @@ impl CellShares {
         let shape = self.shape;
         let [y, z] = [first.y, first.z].map(|number| (number & (CELLS - 1)) as usize);
         let kept = &mut self.rows[(8 * z + y) & 63];
-        let KeptRow {
-            surface: known,
-            mut changes,
-            ..
-        } = kept.moved_to(first, shape);
-        if known != surface {
-            let cells = surface.differing(known, shape);
+        if kept.first != first {
+            kept.move_to(first, shape);
+        }
+        if kept.surface != surface {
+            let cells = surface.differing(kept.surface, shape);
             let shares = shares_of(occupancy, shape, first, (surface, cells));
             for cell in cells.places(shape) {
                 let change = shares[cell as usize & 7] * f32::from(unit_of(shape.volume()));
-                changes.set(cell, rounded(change));
+                kept.changes.set(cell, rounded(change));
             }
+            kept.surface = surface;
         }
-        *kept = KeptRow {
-            first,
-            surface,
-            changes,
-        };
-        changes
+        kept.changes
     }
 }
 

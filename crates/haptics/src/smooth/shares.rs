@@ -149,7 +149,8 @@ impl Limits {
             1 => {
                 let [low, high] = self.ranges[0];
                 let within = |values: Vec3A| (values - low).min(high - values);
-                let here = (around.here - low).min(high - around.here);
+                let [above, below] = [around.here - low, high - around.here];
+                let here = if above < below { above } else { below };
                 share(within(around.before), here, within(around.after), solid)
             }
             _ => self.share_of_many(around, solid),

@@ -94,6 +94,7 @@ impl Session {
             radius: random.number(0.5, 4.0),
             segments: chosen,
             drill: DrillSettings::default(),
+            tissues: Vec::new(),
             spared: SegmentSet::EMPTY,
         };
         let Ok(mut tool) = settings.build(&grid) else {

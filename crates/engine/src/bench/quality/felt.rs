@@ -141,6 +141,7 @@ fn part_of(solid: &Solid) -> Part {
         bits: solid.bits.clone(),
         moved: None,
         threshold: solid.values.as_ref().map(made_from),
+        punctured: false,
     }
 }
 

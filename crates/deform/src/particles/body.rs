@@ -1,0 +1,324 @@
+//! Particles with their tools: forces, motion to rest, and what the tools feel.
+//!
+//! What local and global models share. Time is scaled: every particle's mass is 72 D/a², so that
+//! all swing alike and soft matter beside bone comes to rest as fast as one matter alone.
+//! Frame: mm along the axes of the grid. Source: thesis 5.16–5.17, 5.20, 5.23.
+
+use glam::{DMat3, DVec3, IVec3};
+use palpate_volume::grid::Grid;
+use palpate_volume::material::LocalContact;
+
+use super::calibration::LatticeScale;
+use super::local_model::{LocalLaw, Motion};
+use super::space::Space;
+use super::state::{Particles, Site};
+use super::system::{MARGIN, ParticleSystem};
+use super::tool_push::{ParticleTool, ToolForce, ToolLaw};
+use super::walls::keep_inside;
+use crate::integrator::{Fire, VelocityVerlet};
+use crate::model::{Budget, ModelReport, ToolContact, ToolState};
+
+/// Angular frequency of a particle on one link: masses are 72 D/a², so time has the unit T₀/2π.
+const LINK_FREQUENCY: f64 = 1.0;
+/// Stiffness of a lattice's fastest swing over that of a link (FCC, four shells).
+const LATTICE_STIFFNESS: f64 = 12.2;
+/// Unbalanced force, as a share of the contact force, at which particles are at rest.
+const REST: f64 = 1e-4;
+/// Smallest contact force that residuals are measured by, as a share of D/a.
+const SMALLEST_FORCE: f64 = 1e-3;
+
+/// How a relaxation ended.
+#[derive(Debug)]
+pub(super) struct Relaxed {
+    pub felt: Vec<ToolForce>,
+    pub report: ModelReport,
+}
+
+/// Into which cells particles may go; none where there are no walls.
+pub(super) type Open<'a> = Option<&'a dyn Fn(IVec3) -> bool>;
+
+#[derive(Debug)]
+pub(super) struct ParticleBody<L> {
+    pub grid: Grid,
+    pub scale: LatticeScale,
+    pub system: ParticleSystem<L>,
+    motion: Motion,
+    /// Springs to the initial positions, as a share of a link's stiffness.
+    binding: f64,
+    /// Length of the slowest swing [mm].
+    length: f64,
+    tool_law: ToolLaw,
+    before: Vec<DVec3>,
+    /// The contacts of the last call.
+    last: Vec<ToolContact>,
+    /// Stiffest contact with a tool at the last evaluation, over that of a link.
+    stiffest: f64,
+}
+
+impl<L: LocalLaw> ParticleBody<L> {
+    pub fn new(grid: &Grid, scale: LatticeScale, capacity: usize, motion: Motion) -> Self {
+        let a = scale.equilibrium;
+        let particles = Particles::with_capacity(capacity);
+        let (law, reach) = (L::on(&scale), L::reach(&scale));
+        Self {
+            grid: *grid,
+            system: ParticleSystem::new(particles, law, reach, MARGIN * a, Space::Open),
+            motion,
+            binding: 0.0,
+            length: 10.0 * a,
+            tool_law: ToolLaw::new(a),
+            scale,
+            before: Vec::with_capacity(capacity),
+            last: Vec::new(),
+            stiffest: 0.0,
+        }
+    }
+
+    /// Binds particles to their initial positions, and says how long the slowest swing is [mm].
+    pub fn bound(mut self, binding: f64, length: f64) -> Self {
+        (self.binding, self.length) = (binding, length);
+        self
+    }
+
+    pub fn places(&self) -> impl Iterator<Item = (DVec3, DVec3)> {
+        let Particles { sites, homes, .. } = &self.system.particles;
+        sites
+            .iter()
+            .zip(homes)
+            .map(|(site, &home)| (site.position(), site.position() - home))
+    }
+
+    /// Whether all particles are where matter can be: no farther from home than this [mm].
+    pub fn is_sound(&self, farthest: f64) -> bool {
+        let Particles {
+            sites,
+            velocities,
+            homes,
+            ..
+        } = &self.system.particles;
+        let near = |(site, home): (&Site, &DVec3)| {
+            site.position().distance_squared(*home) <= farthest.powi(2)
+        };
+        sites.iter().zip(homes).all(near) && velocities.iter().all(|v| v.is_finite())
+    }
+
+    /// The mass that lets every particle swing alike: 72 D/a².
+    pub fn inertia(&self, depth: f64) -> f64 {
+        72.0 * depth / self.scale.equilibrium.powi(2)
+    }
+
+    /// Moves particles until they rest or the budget is spent.
+    pub fn relax(
+        &mut self,
+        tools: &[(u32, ParticleTool)],
+        budget: &Budget,
+        open: Open<'_>,
+    ) -> Relaxed {
+        let mut felt = self.forces(tools);
+        let mut report = ModelReport {
+            residual: self.residual(&felt),
+            nodes: self.system.particles.len() as u32,
+            ..ModelReport::default()
+        };
+        let mut fire = Fire::new(self.scale.equilibrium);
+        if self.motion == Motion::Rest {
+            self.system.particles.velocities.fill(DVec3::ZERO);
+        }
+        while report.iterations < budget.iterations && !budget.is_late() {
+            if report.residual < REST && self.is_slow() {
+                break;
+            }
+            felt = self.step(&mut fire, tools, open);
+            report.residual = self.residual(&felt);
+            report.iterations += 1;
+        }
+        Relaxed { felt, report }
+    }
+
+    /// One step of the chosen motion.
+    fn step(
+        &mut self,
+        fire: &mut Fire,
+        tools: &[(u32, ParticleTool)],
+        open: Open<'_>,
+    ) -> Vec<ToolForce> {
+        if open.is_some() {
+            self.before.clear();
+            self.before.extend(
+                self.system
+                    .particles
+                    .sites
+                    .iter()
+                    .map(|site| site.position()),
+            );
+        }
+        let felt = match self.motion {
+            Motion::ScaledTime {
+                step_share,
+                friction,
+            } => {
+                let friction = friction.unwrap_or_else(|| self.default_friction());
+                let verlet = VelocityVerlet {
+                    step: self.stable_step(step_share),
+                    friction: 2.0 * LINK_FREQUENCY * friction,
+                };
+                verlet.before_forces(&mut self.system.particles);
+                let felt = self.forces(tools);
+                verlet.after_forces(&mut self.system.particles);
+                felt
+            }
+            Motion::Rest => {
+                let inertia = std::mem::take(&mut self.system.particles.masses);
+                fire.step(&mut self.system.particles, &inertia);
+                self.system.particles.masses = inertia;
+                self.forces(tools)
+            }
+        };
+        if let Some(open) = open {
+            let particles = &mut self.system.particles;
+            keep_inside(particles, &self.before, self.scale.cell, open);
+        }
+        felt
+    }
+
+    /// Δt: as chosen, or less where a tool squeezes particles. Between tool and neighbours a
+    /// particle feels the tool's stiffness twice, beside the 12.2 C of its lattice; a quarter of
+    /// the square of what is stable then.
+    fn stable_step(&self, share: f64) -> f64 {
+        let stiffness = LATTICE_STIFFNESS + 2.0 * self.stiffest;
+        (share * std::f64::consts::TAU / LINK_FREQUENCY).min(stiffness.sqrt().recip())
+    }
+
+    /// B/B₀: critical for the slowest swing of the box, B ≈ 2 m ω₁ with ω₁ ≈ π c/L; half of B₀
+    /// where the law gains energy by itself.
+    fn default_friction(&self) -> f64 {
+        let critical = std::f64::consts::PI * self.scale.equilibrium / self.length;
+        if L::CONSERVATIVE {
+            critical
+        } else {
+            critical.max(0.5)
+        }
+    }
+
+    /// All forces at the present places, and what the tools feel.
+    fn forces(&mut self, tools: &[(u32, ParticleTool)]) -> Vec<ToolForce> {
+        self.system.evaluate();
+        let particles = &mut self.system.particles;
+        if self.binding > 0.0 {
+            let Particles {
+                sites,
+                forces,
+                homes,
+                masses,
+                ..
+            } = particles;
+            for (((site, force), home), stiffness) in
+                sites.iter().zip(forces).zip(homes).zip(masses)
+            {
+                *force -= self.binding * *stiffness * (site.position() - *home);
+            }
+        }
+        let push = |(_, tool): &(u32, ParticleTool)| self.tool_law.push(tool, particles);
+        let felt: Vec<_> = tools.iter().map(push).collect();
+        self.stiffest = felt.iter().map(|felt| felt.stiffest).fold(0.0, f64::max);
+        felt
+    }
+
+    /// Largest unbalanced force, as a share of the contact force.
+    fn residual(&self, felt: &[ToolForce]) -> f64 {
+        let Particles {
+            forces,
+            free,
+            sites,
+            ..
+        } = &self.system.particles;
+        let unbalanced = |(force, free): (&DVec3, &DVec3)| (*force * *free).length_squared();
+        let largest = forces
+            .iter()
+            .zip(free)
+            .map(unbalanced)
+            .fold(0.0, f64::max)
+            .sqrt();
+        let contact: f64 = felt.iter().map(|felt| felt.force.length()).sum();
+        let softest = sites.iter().map(|site| site.softness).fold(0.0, f64::max);
+        let least = SMALLEST_FORCE / (softest * self.scale.equilibrium);
+        if least.is_finite() {
+            largest / contact.max(least)
+        } else {
+            0.0
+        }
+    }
+
+    /// Whether no particle moves by more than a thousandth of a link in T₀.
+    fn is_slow(&self) -> bool {
+        let limit = (1e-4 * self.scale.equilibrium).powi(2);
+        self.system
+            .particles
+            .velocities
+            .iter()
+            .all(|v| v.length_squared() <= limit)
+    }
+
+    /// One contact for each tool that was given, usable or not.
+    pub fn contacts(
+        &mut self,
+        given: &[ToolState],
+        tools: &[(u32, ParticleTool)],
+        felt: &[ToolForce],
+    ) -> Vec<ToolContact> {
+        let mut contacts = Vec::with_capacity(given.len());
+        for state in given {
+            let found = tools.iter().zip(felt).find(|((id, _), _)| *id == state.id);
+            let contact = found.and_then(|(_, felt)| self.contact(state, felt));
+            contacts.push(ToolContact {
+                tool: state.id,
+                contact,
+            });
+        }
+        self.last = contacts.clone();
+        contacts
+    }
+
+    fn contact(&self, tool: &ToolState, felt: &ToolForce) -> Option<LocalContact> {
+        if felt.touched == 0 || !felt.force.is_finite() {
+            return None;
+        }
+        let force = self.grid.direction() * felt.force;
+        let normal = force.normalize_or_zero();
+        // the contact itself and the body behind it in series, the body as under a flat punch of
+        // the area that is touched (a² a particle): 2 E r/(1 − ν²), ν of the lattice near 0.36
+        let touched = f64::from(felt.touched);
+        let radius = self.scale.equilibrium * (touched / std::f64::consts::PI).sqrt();
+        let body = 2.0 * self.scale.mean_young_of_depth(felt.depth / touched) * radius / 0.87;
+        let contact = felt.contact_stiffness;
+        let stiffness = if contact > 0.0 {
+            contact * body / (contact + body)
+        } else {
+            body
+        };
+        let stiffness = self.measured_stiffness(tool, force, stiffness);
+        let along = DMat3::from_cols(normal * normal.x, normal * normal.y, normal * normal.z);
+        Some(LocalContact {
+            position: tool.position,
+            force,
+            stiffness: -stiffness * along,
+            validity: 0.5 * self.scale.cell,
+        })
+    }
+
+    /// The stiffness along the force since the last call, where the tool has moved along it; at
+    /// most four times more or less than `expected`, since matter that slips is no spring.
+    fn measured_stiffness(&self, tool: &ToolState, force: DVec3, expected: f64) -> f64 {
+        let normal = force.normalize_or_zero();
+        let same = |last: &&ToolContact| last.tool == tool.id;
+        let Some(last) = self.last.iter().find(same).and_then(|last| last.contact) else {
+            return expected;
+        };
+        let moved = (tool.position - last.position).dot(normal);
+        if moved.abs() < 0.01 * self.scale.cell {
+            return expected;
+        }
+        let measured = (last.force - force).dot(normal) / moved;
+        measured.clamp(0.25 * expected, 4.0 * expected)
+    }
+}

@@ -1,0 +1,392 @@
+//! The thesis' prototype of a global model: coarse particles through whole segments.
+//!
+//! Particles as large as the count allows stand on an FCC lattice inside the segments, come to
+//! rest once, and are then bound to where they rest by springs, since nothing else holds them.
+//! Voxels follow the particles near them: each reads what stood where it came from (the
+//! prototype moves voxels forward, which leaves holes between them; reading backward leaves
+//! none). The springs make matter stiffer than asked, by an amount that grows with the size of
+//! what is pressed: this model's force is not calibrated, as the thesis says of its own.
+//!
+//! Frame: mm along the axes of the grid. Source: thesis 5.26.
+
+use std::collections::BTreeMap;
+
+use glam::{DVec3, IVec3, UVec3, Vec3};
+use palpate_volume::edit::Edit;
+use palpate_volume::grid::Grid;
+use palpate_volume::matter::Matter;
+use palpate_volume::voxel_box::VoxelBox;
+use palpate_volume::voxels::Voxels;
+
+use super::body::ParticleBody;
+use super::calibration::{Calibration, LatticeKind, LatticeScale};
+use super::global_matter::{extent, matter_around};
+use super::lattices::FCC_BASIS;
+use super::local_model::Motion;
+use super::pair_laws::FadedLaw;
+use super::rest_matter::{Changed, Ledger, matter_of, solid_of};
+use super::tool_push::ParticleTool;
+use crate::material::{Materials, Treatment};
+use crate::model::{
+    Budget, DeformationModel, DisplacementField, ModelAnswer, ModelEvent, ModelInput,
+};
+
+/// Steps in which particles come to rest before the first call is answered.
+const SETTLING: u32 = 200;
+/// Farthest displacement that is looked for [a].
+const FARTHEST: f64 = 3.0;
+
+/// What can be chosen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GlobalSettings {
+    /// Particles at most, 100 to 100 000; their size follows.
+    pub max_particles: u32,
+    /// How D follows from the material.
+    pub calibration: Calibration,
+    /// Springs to where particles rest, as a share of a link's stiffness (5.12).
+    pub binding: f64,
+    /// How far a particle takes voxels along, d_a [a]; 0.5 to 2.
+    pub owned_radius: f64,
+    /// Displacement below which voxels stay [smallest voxel side].
+    pub threshold: f64,
+    /// What the scan reads where matter left, in its own unit.
+    pub air: f64,
+}
+
+impl Default for GlobalSettings {
+    fn default() -> Self {
+        Self {
+            max_particles: 4000,
+            calibration: Calibration::Young,
+            binding: 0.3,
+            owned_radius: 1.2,
+            threshold: 0.5,
+            air: -1000.0,
+        }
+    }
+}
+
+impl GlobalSettings {
+    /// The nearest settings that make sense; comparisons with NaN are false.
+    fn sane(mut self) -> Self {
+        let within = |value: f64, low: f64, high: f64, other: f64| {
+            if value >= low { value.min(high) } else { other }
+        };
+        self.max_particles = self.max_particles.clamp(100, 100_000);
+        self.binding = within(self.binding, 1e-3, 10.0, 1e-3);
+        self.owned_radius = within(self.owned_radius, 0.5, 2.0, 0.5);
+        self.threshold = within(self.threshold, 0.01, 10.0, 0.01);
+        self
+    }
+}
+
+/// Coarse particles through whole segments.
+#[derive(Debug)]
+pub struct GlobalModel {
+    settings: GlobalSettings,
+    state: Option<GlobalState>,
+}
+
+#[derive(Debug)]
+struct GlobalState {
+    body: ParticleBody<FadedLaw>,
+    ledger: Ledger,
+    seen_edit: u64,
+}
+
+impl GlobalModel {
+    /// The thesis' prototype.
+    pub fn global_lj(settings: GlobalSettings) -> Self {
+        Self {
+            settings: settings.sane(),
+            state: None,
+        }
+    }
+
+    /// Where each particle is and how far it has moved [mm, frame of the grid].
+    pub fn particles(&self) -> impl Iterator<Item = (DVec3, DVec3)> {
+        self.state.iter().flat_map(|state| state.body.places())
+    }
+}
+
+impl DeformationModel for GlobalModel {
+    fn advance(&mut self, input: &ModelInput<'_>) -> ModelAnswer {
+        let grid = input.voxels.grid();
+        if self
+            .state
+            .as_ref()
+            .is_none_or(|state| state.body.grid != *grid)
+        {
+            self.state = Some(GlobalState::new(&self.settings, input));
+        }
+        let Some(state) = &mut self.state else {
+            return ModelAnswer::default();
+        };
+        let tools = ParticleTool::usable(input.tools, grid);
+        state.follow_edits(input.voxels, input.materials);
+        let relaxed = state.body.relax(&tools, &input.budget, None);
+        let mut answer = ModelAnswer {
+            contacts: state.body.contacts(input.tools, &tools, &relaxed.felt),
+            report: relaxed.report,
+            ..ModelAnswer::default()
+        };
+        if !state.body.is_sound(FARTHEST * state.body.scale.equilibrium) {
+            state.go_home();
+            answer.contacts = state.body.contacts(input.tools, &[], &[]);
+            answer.events.push(ModelEvent::Reset);
+        }
+        let field = state.displacement(&self.settings);
+        answer.edit = state.write_back(input.voxels, &self.settings, field.as_ref());
+        answer.displacement = field.map(|field| field.told(grid));
+        answer
+    }
+
+    fn reset(&mut self) {
+        self.state = None;
+    }
+}
+
+impl GlobalState {
+    /// Fills all segments that take part and lets the particles come to rest (5.26, step 1).
+    fn new(settings: &GlobalSettings, input: &ModelInput<'_>) -> Self {
+        let grid = input.voxels.grid();
+        let (region, count) = extent(input);
+        let volume = count as f64 * grid.voxel_volume();
+        let side = (4.0 * volume / f64::from(settings.max_particles)).cbrt();
+        let scale = LatticeScale::new(LatticeKind::Fcc, side.max(grid.smallest_spacing()));
+        let length = (region.size().as_dvec3() * grid.spacing()).max_element();
+        let motion = Motion::ScaledTime {
+            step_share: 0.05,
+            friction: None,
+        };
+        let body = ParticleBody::new(grid, scale, settings.max_particles as usize, motion);
+        let length = length.max(scale.cell).min(20.0 * scale.cell);
+        let mut state = Self {
+            body: body.bound(0.0, length),
+            ledger: Ledger::default(),
+            seen_edit: input.voxels.edit_number(),
+        };
+        state.fill(settings, input, &region);
+        state.body.relax(&[], &Budget::iterations(SETTLING), None);
+        // where they rest is home, and springs hold them there
+        let particles = &mut state.body.system.particles;
+        for (site, home) in particles.sites.iter().zip(&mut particles.homes) {
+            *home = site.position();
+        }
+        particles.velocities.fill(DVec3::ZERO);
+        state.body = state.body.bound(settings.binding, length);
+        state
+    }
+
+    /// Takes particles for all places of the lattice with enough matter around.
+    fn fill(&mut self, settings: &GlobalSettings, input: &ModelInput<'_>, region: &VoxelBox) {
+        let (grid, scale) = (self.body.grid, self.body.scale);
+        let spacing = grid.spacing();
+        let first = (region.min.as_dvec3() * spacing / scale.cell)
+            .floor()
+            .as_ivec3();
+        let last = (region.max.as_dvec3() * spacing / scale.cell)
+            .ceil()
+            .as_ivec3();
+        for cell in VoxelBox::new(first, last).voxels() {
+            for place in FCC_BASIS {
+                let home = scale.cell * (cell.as_dvec3() + place);
+                let Some((origin, solid, treatment)) =
+                    matter_around(input, &grid, home, 0.5 * scale.equilibrium)
+                else {
+                    continue;
+                };
+                let depth = scale.depth(&solid, settings.calibration);
+                let mass = self.body.inertia(depth);
+                let particles = &mut self.body.system.particles;
+                particles.take(home, depth, mass, origin);
+                if treatment == Treatment::Rigid {
+                    particles.free.pop();
+                    particles.free.push(DVec3::ZERO);
+                }
+            }
+        }
+    }
+
+    /// Puts all particles back to where they rest.
+    fn go_home(&mut self) {
+        let particles = &mut self.body.system.particles;
+        for (site, home) in particles.sites.iter_mut().zip(&particles.homes) {
+            site.set_position(*home);
+        }
+        particles.velocities.fill(DVec3::ZERO);
+    }
+
+    /// Gives back particles whose own voxel somebody else has emptied.
+    fn follow_edits(&mut self, voxels: &Voxels, materials: &Materials) {
+        if self.seen_edit == voxels.edit_number() {
+            return;
+        }
+        self.seen_edit = voxels.edit_number();
+        let ledger = &mut self.ledger;
+        let origins = &self.body.system.particles.origins;
+        let mut gone = Vec::with_capacity(origins.len());
+        for origin in origins {
+            let rest = ledger.rest(voxels, origin.voxel);
+            let solid = rest.and_then(|rest| solid_of(voxels, materials, origin.voxel, &rest));
+            gone.push(solid.is_none());
+        }
+        self.body.system.particles.give_back(|_, index| gone[index]);
+    }
+
+    /// How far the voxels around moved particles have moved; none where none has.
+    fn displacement(&self, settings: &GlobalSettings) -> Option<Field> {
+        let (grid, scale) = (&self.body.grid, &self.body.scale);
+        let spacing = grid.spacing();
+        let reach = settings.owned_radius * scale.equilibrium;
+        let least = (settings.threshold * grid.smallest_spacing()).powi(2);
+        let around = |home: DVec3| {
+            let low = ((home - reach) / spacing).floor().as_ivec3();
+            VoxelBox::new(low, ((home + reach) / spacing).ceil().as_ivec3() + 1)
+        };
+        let moved: Vec<_> = self.body.places().collect();
+        let homes = || moved.iter().map(|(place, moved)| (*place - *moved, *moved));
+        let boxes = homes().filter(|(_, moved)| moved.length_squared() > least);
+        let region = boxes
+            .map(|(home, _)| around(home))
+            .reduce(|a, b| a.union(&b))?;
+        let region = region.intersect(&grid.bounds());
+        if region.is_empty() {
+            return None;
+        }
+
+        // the mean of the particles near, by (1 − r²/d²)²
+        let mut sums = vec![(DVec3::ZERO, 0.0); region.voxel_count() as usize];
+        let size = region.size().as_ivec3();
+        for (home, moved) in homes() {
+            for voxel in around(home).intersect(&region).voxels() {
+                let apart = (voxel.as_dvec3() + 0.5) * spacing - home;
+                let share = 1.0 - apart.length_squared() / reach.powi(2);
+                if share > 0.0 {
+                    let offset = voxel - region.min;
+                    let sum =
+                        &mut sums[(offset.x + size.x * (offset.y + size.y * offset.z)) as usize];
+                    sum.0 += share * share * moved;
+                    sum.1 += share * share;
+                }
+            }
+        }
+        let mean = |(sum, weight): (DVec3, f64)| {
+            if weight > 0.0 {
+                sum / weight
+            } else {
+                DVec3::ZERO
+            }
+        };
+        Some(Field {
+            region,
+            moved: sums.into_iter().map(mean).collect(),
+        })
+    }
+
+    /// The edit by which voxels read what stood where they came from.
+    fn write_back(
+        &mut self,
+        voxels: &Voxels,
+        settings: &GlobalSettings,
+        field: Option<&Field>,
+    ) -> Option<Edit> {
+        let spacing = self.body.grid.spacing();
+        let least = (settings.threshold * self.body.grid.smallest_spacing()).powi(2);
+        let air = (settings.air - voxels.intensities().intercept()) / voxels.intensities().slope();
+        let nothing = Matter {
+            stored: air.round() as i16,
+            segments: Default::default(),
+        };
+        let mut wanted: BTreeMap<[i32; 3], Matter> = BTreeMap::new();
+
+        // what was changed and is no longer moved goes back to rest
+        for key in self.ledger.0.keys().copied().collect::<Vec<_>>() {
+            if let Some(rest) = self.ledger.rest(voxels, IVec3::from_array(key)) {
+                wanted.insert(key, rest);
+            }
+        }
+        if let Some(field) = field {
+            for (voxel, moved) in field.region.voxels().zip(&field.moved) {
+                if moved.length_squared() <= least {
+                    continue;
+                }
+                let from = voxel - (*moved / spacing).round().as_ivec3();
+                let (Some(rest), Some(source)) = (
+                    self.ledger.rest(voxels, voxel),
+                    self.ledger.rest(voxels, from),
+                ) else {
+                    continue;
+                };
+                let matter = match (rest.segments.is_empty(), source.segments.is_empty()) {
+                    (_, false) => source,
+                    (false, true) => nothing,
+                    (true, true) => rest,
+                };
+                wanted.insert(voxel.to_array(), matter);
+            }
+        }
+        self.commit(voxels, &wanted)
+    }
+
+    /// Writes what differs, and remembers it.
+    fn commit(&mut self, voxels: &Voxels, wanted: &BTreeMap<[i32; 3], Matter>) -> Option<Edit> {
+        let mut region = VoxelBox::EMPTY;
+        for (&key, &matter) in wanted {
+            let voxel = IVec3::from_array(key);
+            let (Some(rest), Some(now)) =
+                (self.ledger.rest(voxels, voxel), matter_of(voxels, voxel))
+            else {
+                continue;
+            };
+            if matter != now {
+                region = region.union(&VoxelBox::of_voxel(voxel));
+                self.ledger.0.insert(
+                    key,
+                    Changed {
+                        rest,
+                        before: now,
+                        written: matter,
+                    },
+                );
+            } else if matter == rest {
+                self.ledger.0.remove(&key);
+            }
+        }
+        let edit = voxels.matter_edit(&region, |voxel, was| {
+            wanted.get(&voxel.to_array()).copied().unwrap_or(was)
+        });
+        (!edit.is_empty()).then_some(edit)
+    }
+}
+
+/// Displacements of the voxels of a region, x fastest [mm along the axes of the grid].
+struct Field {
+    region: VoxelBox,
+    moved: Vec<DVec3>,
+}
+
+impl Field {
+    /// As the picture is told it: on nodes between which the smallest voxel side lies.
+    fn told(&self, grid: &Grid) -> DisplacementField {
+        let (spacing, side, axes) = (grid.spacing(), grid.smallest_spacing(), grid.direction());
+        let first = (self.region.min.as_dvec3() + 0.5) * spacing;
+        let last = (self.region.max.as_dvec3() - 0.5) * spacing;
+        let size = ((last - first) / side).round().as_uvec3() + UVec3::ONE;
+        let voxels = self.region.size().as_ivec3();
+        let at = |node: IVec3| -> Vec3 {
+            let offset = ((node.as_dvec3() * side) / spacing).round().as_ivec3();
+            let offset = offset.clamp(IVec3::ZERO, voxels - 1);
+            let moved =
+                self.moved[(offset.x + voxels.x * (offset.y + voxels.y * offset.z)) as usize];
+            (axes * moved).as_vec3()
+        };
+        DisplacementField {
+            origin: grid.patient_from_grid().transform_point3(first / spacing),
+            axes,
+            spacing: side,
+            size,
+            moved: VoxelBox::of_dimensions(size).voxels().map(at).collect(),
+        }
+    }
+}

@@ -1,0 +1,73 @@
+//! What a voxel is at rest: its matter before this model moved anything.
+
+use std::collections::BTreeMap;
+
+use glam::IVec3;
+use palpate_volume::matter::{Matter, SegmentSet};
+use palpate_volume::voxels::Voxels;
+
+use crate::material::{Materials, Part, SegmentMatter, Solid, Treatment};
+
+/// What a voxel is as the scan and all edits say.
+pub fn matter_of(voxels: &Voxels, voxel: IVec3) -> Option<Matter> {
+    let stored = voxels.stored(voxel)?;
+    let holds = voxels
+        .segments()
+        .filter(|(_, segment)| segment.contains(voxel));
+    Some(Matter {
+        stored,
+        segments: holds.map(|(id, _)| id).collect::<SegmentSet>(),
+    })
+}
+
+/// The solid of some matter and how it takes part; none where nothing of it does. The last of
+/// the materials that holds it counts.
+pub fn solid_of(
+    voxels: &Voxels,
+    materials: &Materials,
+    voxel: IVec3,
+    matter: &Matter,
+) -> Option<(Solid, Treatment)> {
+    let holds = |of: &&SegmentMatter| matter.segments.contains(of.segment);
+    let of = materials.segments.iter().rev().find(holds)?;
+    let inside = |part: &Part| match part {
+        Part::Whole => true,
+        Part::Within(region) => region.contains(voxel),
+        Part::Shared(other) => matter.segments.contains(*other),
+    };
+    let treatment = of.treatments.iter().rev().find(|(part, _)| inside(part));
+    let treatment = treatment.map_or(Treatment::Deformable, |(_, treatment)| *treatment);
+    let value = voxels.intensities().physical(matter.stored);
+    (treatment != Treatment::Empty).then(|| (of.law.at(value), treatment))
+}
+
+/// A voxel that the model changed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Changed {
+    /// As it is at rest.
+    pub rest: Matter,
+    /// As it was before the model's last edit of it.
+    pub before: Matter,
+    /// As the model wrote it.
+    pub written: Matter,
+}
+
+/// All voxels that the model changed and has not given back, by their place.
+#[derive(Clone, Debug, Default)]
+pub struct Ledger(pub BTreeMap<[i32; 3], Changed>);
+
+impl Ledger {
+    /// What a voxel is at rest. Where somebody else has changed it since, that counts, and the
+    /// model's change is forgotten. An edit that is not yet admitted has changed nothing.
+    pub fn rest(&mut self, voxels: &Voxels, voxel: IVec3) -> Option<Matter> {
+        let now = matter_of(voxels, voxel)?;
+        let Some(changed) = self.0.get(&voxel.to_array()) else {
+            return Some(now);
+        };
+        if now == changed.written || now == changed.before {
+            return Some(changed.rest);
+        }
+        self.0.remove(&voxel.to_array());
+        Some(now)
+    }
+}

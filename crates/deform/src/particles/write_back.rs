@@ -1,0 +1,215 @@
+//! Particles back to voxels: what is solid where, and with which intensity.
+//!
+//! A voxel is cleared when fewer than half of the particles it has at rest (or, where it is
+//! empty at rest, would have) are in it, and filled again from three quarters on; between, it
+//! stays as it is. For the four particles of an FCC voxel that is below two and from three on,
+//! for the one of a cuboid voxel none and one. A voxel in which another one's matter stands
+//! reads the mean of what stands in it; one that matter has left reads air.
+//! Source: thesis 5.25, whose threshold is not given; errata, section 4 (hysteresis).
+
+use std::collections::BTreeMap;
+
+use glam::{DVec3, IVec3};
+use palpate_volume::edit::Edit;
+use palpate_volume::matter::{Matter, SegmentSet};
+use palpate_volume::voxel_box::VoxelBox;
+use palpate_volume::voxels::Voxels;
+
+use super::rest_matter::{Changed, Ledger, matter_of};
+use super::state::Particles;
+
+/// Share of its particles below which a voxel is cleared.
+const CLEAR_BELOW: f64 = 0.5;
+/// Share from which on it is filled.
+const FILL_FROM: f64 = 0.75;
+
+/// How voxels follow particles.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct WriteBack {
+    /// Particles of a voxel that is full.
+    pub capacity: f64,
+    /// Stored value where matter left.
+    pub air: i16,
+}
+
+/// What stands in a voxel.
+#[derive(Clone, Copy, Debug)]
+struct Standing {
+    count: u32,
+    at_rest: u32,
+    stored: i64,
+    from_elsewhere: bool,
+    nearest: f64,
+    segments: SegmentSet,
+}
+
+impl Standing {
+    const NOTHING: Self = Self {
+        count: 0,
+        at_rest: 0,
+        stored: 0,
+        from_elsewhere: false,
+        nearest: f64::INFINITY,
+        segments: SegmentSet::EMPTY,
+    };
+
+    fn is_as_at_rest(&self) -> bool {
+        self.count == self.at_rest && !self.from_elsewhere
+    }
+}
+
+impl WriteBack {
+    /// The edit that makes voxels of `region` follow the particles, and gives back all that
+    /// the ledger knows of elsewhere; none where nothing changes.
+    pub fn edit(
+        &self,
+        voxels: &Voxels,
+        particles: &Particles,
+        region: &VoxelBox,
+        ledger: &mut Ledger,
+    ) -> Option<Edit> {
+        let standing = gather(voxels, particles, region);
+        let mut wanted = BTreeMap::new();
+        for (voxel, standing) in region.voxels().zip(&standing) {
+            let key = voxel.to_array();
+            if standing.is_as_at_rest() && !ledger.0.contains_key(&key) {
+                continue;
+            }
+            let (Some(rest), Some(now)) = (ledger.rest(voxels, voxel), matter_of(voxels, voxel))
+            else {
+                continue;
+            };
+            let matter = self.matter(standing, &rest, &now);
+            if matter != now {
+                wanted.insert(key, matter);
+                ledger.0.insert(
+                    key,
+                    Changed {
+                        rest,
+                        before: now,
+                        written: matter,
+                    },
+                );
+            } else if matter == rest {
+                ledger.0.remove(&key);
+            }
+        }
+        give_back_elsewhere(voxels, region, ledger, &mut wanted);
+        edit_of(voxels, &wanted)
+    }
+
+    /// What a voxel is with what stands in it.
+    fn matter(&self, standing: &Standing, rest: &Matter, now: &Matter) -> Matter {
+        let solid_at_rest = standing.at_rest > 0;
+        // matter that takes no part is never overwritten
+        if !solid_at_rest && !rest.segments.is_empty() {
+            return *rest;
+        }
+        let full = if solid_at_rest {
+            f64::from(standing.at_rest)
+        } else {
+            self.capacity
+        };
+        let share = f64::from(standing.count) / full;
+        let solid = if share >= FILL_FROM {
+            true
+        } else if share < CLEAR_BELOW {
+            false
+        } else {
+            !now.segments.is_empty()
+        };
+        match (solid, solid_at_rest) {
+            (true, true) if !standing.from_elsewhere => *rest,
+            (true, _) => Matter {
+                stored: (standing.stored as f64 / f64::from(standing.count)).round() as i16,
+                segments: if solid_at_rest {
+                    rest.segments
+                } else {
+                    standing.segments
+                },
+            },
+            (false, true) => Matter {
+                stored: self.air,
+                segments: SegmentSet::EMPTY,
+            },
+            (false, false) => *rest,
+        }
+    }
+}
+
+/// What stands in each voxel of the region, x fastest.
+fn gather(voxels: &Voxels, particles: &Particles, region: &VoxelBox) -> Vec<Standing> {
+    let spacing = voxels.grid().spacing();
+    let size = region.size().as_ivec3();
+    let mut standing = vec![Standing::NOTHING; region.voxel_count() as usize];
+    let place = |voxel: IVec3| {
+        let offset = voxel - region.min;
+        region
+            .contains(voxel)
+            .then(|| (offset.x + size.x * (offset.y + size.y * offset.z)) as usize)
+    };
+    let voxel_of = |at: DVec3| (at / spacing).floor().as_ivec3();
+    for (index, origin) in particles.origins.iter().enumerate() {
+        if let Some(home) = place(origin.voxel) {
+            standing[home].at_rest += 1;
+        }
+        let position = particles.sites[index].position();
+        // a particle that no longer lies over its voxel at rest (their cells differ) counts there
+        let moved = voxel_of(position) - voxel_of(particles.homes[index]);
+        let voxel = origin.voxel + moved;
+        let Some(here) = place(voxel) else {
+            continue;
+        };
+        let here = &mut standing[here];
+        here.count += 1;
+        here.stored += i64::from(origin.matter.stored);
+        here.from_elsewhere |= moved != IVec3::ZERO;
+        let distance = position.distance_squared((voxel.as_dvec3() + 0.5) * spacing);
+        if distance < here.nearest {
+            (here.nearest, here.segments) = (distance, origin.matter.segments);
+        }
+    }
+    standing
+}
+
+/// Matter whose particles have left the box goes back to rest.
+fn give_back_elsewhere(
+    voxels: &Voxels,
+    region: &VoxelBox,
+    ledger: &mut Ledger,
+    wanted: &mut BTreeMap<[i32; 3], Matter>,
+) {
+    let outside = |key: &[i32; 3]| !region.contains(IVec3::from_array(*key));
+    let keys: Vec<_> = ledger.0.keys().copied().filter(outside).collect();
+    for key in keys {
+        let voxel = IVec3::from_array(key);
+        let (rest, now) = (ledger.rest(voxels, voxel), matter_of(voxels, voxel));
+        match (rest, now) {
+            (Some(rest), Some(now)) if rest != now => {
+                wanted.insert(key, rest);
+                ledger.0.insert(
+                    key,
+                    Changed {
+                        rest,
+                        before: now,
+                        written: rest,
+                    },
+                );
+            }
+            _ => {
+                ledger.0.remove(&key);
+            }
+        }
+    }
+}
+
+fn edit_of(voxels: &Voxels, wanted: &BTreeMap<[i32; 3], Matter>) -> Option<Edit> {
+    let boxes = wanted
+        .keys()
+        .map(|key| VoxelBox::of_voxel(IVec3::from_array(*key)));
+    let region = boxes.reduce(|a, b| a.union(&b))?;
+    let edit = voxels.matter_edit(&region, |voxel, was| {
+        wanted.get(&voxel.to_array()).copied().unwrap_or(was)
+    });
+    (!edit.is_empty()).then_some(edit)
+}

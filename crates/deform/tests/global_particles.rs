@@ -1,0 +1,195 @@
+//! The thesis' global prototype: coarse particles through a whole segment.
+
+use glam::{DMat3, DQuat, DVec3, UVec3};
+use palpate_deform::material::{Materials, SegmentMatter, preset};
+use palpate_deform::model::{
+    Budget, DeformationModel, ModelAnswer, ModelInput, ToolShape, ToolState, model_from_name,
+};
+use palpate_deform::particles::{GlobalModel, GlobalSettings};
+use palpate_volume::edit::SegmentId;
+use palpate_volume::grid::Grid;
+use palpate_volume::intensities::Intensities;
+use palpate_volume::segment::Segment;
+use palpate_volume::voxels::Voxels;
+
+const H: f64 = 1.0;
+const TOP: i32 = 24;
+
+/// A block of liver with air around, its middle at (20, 20) voxels.
+fn scan() -> (Voxels, Materials) {
+    let dimensions = UVec3::splat(40);
+    let grid = Grid::new(
+        dimensions,
+        DVec3::splat(H),
+        DVec3::splat(0.5),
+        DMat3::IDENTITY,
+    );
+    let values: Vec<i16> = (0..40_i32.pow(3)).map(|i| (i % 37) as i16).collect();
+    let intensities = Intensities::new(dimensions, values, 1.0, 0.0).expect("one value per voxel");
+    let mut voxels = Voxels::new(grid.expect("a grid"), intensities).expect("the same grid");
+    let solid = |v: glam::IVec3| v.min_element() >= 6 && v.x < 34 && v.y < 34 && v.z < TOP;
+    let segment = voxels
+        .add_segment(Segment::from_fn(dimensions, solid))
+        .expect("its grid");
+    let law = preset("liver")
+        .and_then(|preset| preset.law())
+        .expect("liver is a preset");
+    (
+        voxels,
+        Materials {
+            segments: vec![SegmentMatter {
+                segment,
+                law,
+                treatments: Vec::new(),
+            }],
+        },
+    )
+}
+
+fn ball(depth: f64) -> ToolState {
+    ToolState {
+        id: 1,
+        shape: ToolShape::Ball(6.0 * H),
+        position: DVec3::new(20.0, 20.0, f64::from(TOP) + 6.0 - depth) * H,
+        orientation: DQuat::IDENTITY,
+    }
+}
+
+fn advance(
+    model: &mut GlobalModel,
+    voxels: &mut Voxels,
+    materials: &Materials,
+    tool: ToolState,
+    iterations: u32,
+) -> ModelAnswer {
+    let budget = Budget::iterations(iterations);
+    let tools = [tool];
+    let answer = model.advance(&ModelInput {
+        voxels,
+        materials,
+        tools: &tools,
+        dt: 0.03,
+        budget,
+    });
+    if let Some(edit) = answer.edit.clone() {
+        voxels.apply(edit).expect("an edit of these voxels");
+    }
+    answer
+}
+
+fn picture(voxels: &Voxels) -> Vec<(Option<i16>, bool)> {
+    let segment = voxels.segment(SegmentId(1)).expect("there is one segment");
+    let bounds = voxels.grid().bounds();
+    bounds
+        .voxels()
+        .map(|v| (voxels.stored(v), segment.contains(v)))
+        .collect()
+}
+
+fn force(answer: &ModelAnswer) -> DVec3 {
+    answer.contacts[0]
+        .contact
+        .map_or(DVec3::ZERO, |contact| contact.force)
+}
+
+#[test]
+fn pressing_moves_voxels_far_from_the_tool_and_leaves_no_holes() {
+    let (mut voxels, materials) = scan();
+    let untouched = picture(&voxels);
+    let mut model = GlobalModel::global_lj(GlobalSettings {
+        max_particles: 1000,
+        ..Default::default()
+    });
+    let mut pushed = DVec3::ZERO;
+    for step in 0..=8 {
+        pushed = force(&advance(
+            &mut model,
+            &mut voxels,
+            &materials,
+            ball(0.25 * f64::from(step)),
+            200,
+        ));
+    }
+    assert!(
+        model.particles().count() > 300,
+        "{}",
+        model.particles().count()
+    );
+    assert!(pushed.z > 0.0, "{pushed}");
+    let pressed = picture(&voxels);
+    let emptied = pressed
+        .iter()
+        .zip(&untouched)
+        .filter(|(now, then)| then.1 && !now.1)
+        .count();
+    assert!(emptied > 20, "{emptied} voxels gave way");
+    // no hole: what is empty below the old surface is open to the air above
+    let segment = voxels.segment(SegmentId(1)).expect("there is one segment");
+    let column = |x: i32, y: i32| (8..TOP).map(move |z| glam::IVec3::new(x, y, z));
+    for x in 12..28 {
+        for y in 12..28 {
+            let solid: Vec<bool> = column(x, y).map(|v| segment.contains(v)).collect();
+            let changes = solid.windows(2).filter(|pair| pair[0] != pair[1]).count();
+            assert!(changes <= 1, "a hole in column {x} {y}");
+        }
+    }
+
+    // the tool leaves, springs and links bring all back
+    for _ in 0..20 {
+        advance(&mut model, &mut voxels, &materials, ball(-20.0), 300);
+    }
+    let left = picture(&voxels)
+        .iter()
+        .zip(&untouched)
+        .filter(|(a, b)| a != b)
+        .count();
+    assert_eq!(left, 0, "{left} voxels did not come back");
+}
+
+#[test]
+fn the_same_calls_give_the_same_answers_and_absurd_tools_no_force() {
+    assert!(model_from_name("global-lj").is_ok());
+    let run = || {
+        let (mut voxels, materials) = scan();
+        let settings = GlobalSettings {
+            max_particles: 400,
+            ..Default::default()
+        };
+        let mut model = GlobalModel::global_lj(settings);
+        let mut told = Vec::new();
+        for tool in [
+            ball(1.0),
+            ToolState {
+                position: DVec3::NAN,
+                ..ball(1.0)
+            },
+            ToolState {
+                shape: ToolShape::Ball(f64::INFINITY),
+                ..ball(1.0)
+            },
+            ball(20.0),
+            ball(2.0),
+        ] {
+            let answer = advance(&mut model, &mut voxels, &materials, tool, 40);
+            assert!(force(&answer).is_finite());
+            told.push((answer.contacts, answer.report));
+        }
+        assert!(told[1].0[0].contact.is_none() && told[2].0[0].contact.is_none());
+        (told, picture(&voxels))
+    };
+    assert!(run() == run());
+}
+
+#[test]
+fn a_scan_without_matter_gives_nothing() {
+    let (mut voxels, _) = scan();
+    let mut model = GlobalModel::global_lj(GlobalSettings::default());
+    let answer = advance(
+        &mut model,
+        &mut voxels,
+        &Materials::default(),
+        ball(1.0),
+        10,
+    );
+    assert!(answer.edit.is_none() && answer.contacts[0].contact.is_none());
+}

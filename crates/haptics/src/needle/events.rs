@@ -1,0 +1,86 @@
+//! What happens to a needle: kept until whoever listens has taken it.
+
+use serde::{Deserialize, Serialize};
+
+/// Events that are kept.
+pub const MAX_EVENTS: usize = 16;
+
+/// What happened.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum EventKind {
+    /// The tip went into a segment.
+    #[default]
+    Punctured,
+    /// The tip came into a segment that is punctured already, or out of all (0).
+    Crossed,
+    /// The tip came to a segment that no needle punctures.
+    Stopped,
+    /// The tip came out of where it went in.
+    Withdrawn,
+}
+
+impl EventKind {
+    /// Its name.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Punctured => "punctured",
+            Self::Crossed => "crossed",
+            Self::Stopped => "stopped",
+            Self::Withdrawn => "withdrawn",
+        }
+    }
+}
+
+/// One of them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct NeedleEvent {
+    /// What happened.
+    pub kind: EventKind,
+    /// To which segment; 0 where to none.
+    pub segment: u8,
+    /// When [s].
+    pub time: f64,
+    /// How deep along the line [mm].
+    pub depth: f64,
+    /// With which force at the tip [N].
+    pub force: f64,
+}
+
+/// The newest events.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Events {
+    newest: [NeedleEvent; MAX_EVENTS],
+    count: u64,
+}
+
+impl Events {
+    /// How many there were.
+    #[must_use]
+    pub fn count(&self) -> u64 {
+        self.count
+    }
+
+    /// Those after the first `known`, oldest first, as far as they are kept.
+    pub fn since(&self, known: u64) -> impl Iterator<Item = NeedleEvent> {
+        let first = known.max(self.count.saturating_sub(MAX_EVENTS as u64));
+        let newest = self.newest;
+        (first..self.count).map(move |number| newest[place_of(number)])
+    }
+
+    /// Keeps another one, at a time [s] and depth [mm], with a force [N].
+    pub fn note(&mut self, kind: EventKind, segment: u8, (time, depth, force): (f64, f64, f64)) {
+        self.newest[place_of(self.count)] = NeedleEvent {
+            kind,
+            segment,
+            time,
+            depth,
+            force,
+        };
+        self.count += 1;
+    }
+}
+
+fn place_of(number: u64) -> usize {
+    (number % MAX_EVENTS as u64) as usize
+}

@@ -1,0 +1,130 @@
+//! Which segments a needle can puncture and what they are made of, and what it meets on its way.
+
+use glam::IVec3;
+use palpate_volume::tissue::Tissue;
+use serde::{Deserialize, Serialize};
+
+/// Most segments that a needle can puncture; further ones stay hard.
+pub const MAX_TISSUES: usize = 16;
+
+/// Segments, by number, that a needle can puncture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Tissues([Option<(u8, Tissue)>; MAX_TISSUES]);
+
+impl Tissues {
+    /// These segments; the first [`MAX_TISSUES`] of them, none that is no tissue.
+    pub fn of(segments: impl IntoIterator<Item = (u8, Tissue)>) -> Self {
+        let mut tissues = Self::default();
+        let good = segments
+            .into_iter()
+            .filter(|(_, tissue)| tissue.check().is_ok());
+        for (place, segment) in tissues.0.iter_mut().zip(good) {
+            *place = Some(segment);
+        }
+        tissues
+    }
+
+    /// All of them.
+    pub fn segments(&self) -> impl Iterator<Item = (u8, Tissue)> {
+        self.0.into_iter().flatten()
+    }
+
+    /// The place of a segment in the table; none where it cannot be punctured.
+    #[must_use]
+    pub fn place_of(&self, segment: u8) -> Option<u8> {
+        let is_it = |entry: &Option<(u8, Tissue)>| entry.is_some_and(|(id, _)| id == segment);
+        let place = self.0.iter().position(is_it)?;
+        u8::try_from(place).ok()
+    }
+
+    /// Segment and tissue of what counts where several are: the last of them, as in the picture.
+    #[must_use]
+    pub fn top(&self, layer: Layered) -> Option<(u8, Tissue)> {
+        let there = (0_u8..).zip(self.0).filter(|(place, _)| layer.has(*place));
+        there.filter_map(|(_, entry)| entry).last()
+    }
+
+    /// The segments of a layer.
+    pub fn segments_of(&self, layer: Layered) -> impl Iterator<Item = u8> {
+        let there = (0_u8..)
+            .zip(self.0)
+            .filter(move |(place, _)| layer.has(*place));
+        there.filter_map(|(_, entry)| Some(entry?.0))
+    }
+}
+
+/// Tissues that overlap, one bit for each place in [`Tissues`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Layered(u16);
+
+impl Layered {
+    /// The tissue at a place alone.
+    #[must_use]
+    pub fn of(place: u8) -> Self {
+        Self::default().with(place)
+    }
+
+    /// This one too.
+    #[must_use]
+    pub fn with(self, place: u8) -> Self {
+        Self(self.0 | Self::bit(place))
+    }
+
+    /// Whether the tissue at a place belongs to it.
+    #[must_use]
+    pub fn has(self, place: u8) -> bool {
+        self.0 & Self::bit(place) != 0
+    }
+
+    fn bit(place: u8) -> u16 {
+        1_u16.checked_shl(u32::from(place)).unwrap_or(0)
+    }
+}
+
+/// What stands in a voxel.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Met {
+    /// Nothing solid.
+    #[default]
+    Nothing,
+    /// Tissues; one, where segments do not overlap.
+    Tissue(Layered),
+    /// What no needle punctures, by the number of its segment.
+    Wall(u8),
+}
+
+/// What a needle can meet; neither allocates nor panics.
+pub trait Matter {
+    /// What stands in a voxel of the grid, whether it is punctured or not.
+    fn at(&self, voxel: IVec3) -> Met;
+
+    /// Whether a segment that was punctured is no obstacle for the probe by now.
+    fn is_open(&self) -> bool;
+}
+
+/// A set of segments, one bit for each number.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Segments(pub [u64; 4]);
+
+impl Segments {
+    /// No segment.
+    pub const NONE: Self = Self([0; 4]);
+
+    /// These segments.
+    pub fn of(segments: impl IntoIterator<Item = u8>) -> Self {
+        let mut all = Self::NONE;
+        segments.into_iter().for_each(|segment| all.insert(segment));
+        all
+    }
+
+    /// Whether it has a segment.
+    #[must_use]
+    pub fn contains(&self, segment: u8) -> bool {
+        self.0[usize::from(segment / 64)] >> (segment % 64) & 1 == 1
+    }
+
+    /// Adds a segment.
+    pub fn insert(&mut self, segment: u8) {
+        self.0[usize::from(segment / 64)] |= 1 << (segment % 64);
+    }
+}

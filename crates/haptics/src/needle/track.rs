@@ -1,0 +1,183 @@
+//! What lies on the line of a needle: its layers as far as the tip has been, found voxel by
+//! voxel, each once.
+//!
+//! Depths in mm from the entry along the line; walks in the grid.
+
+use glam::DVec3;
+use palpate_volume::grid::Grid;
+use palpate_volume::tissue::Tissue;
+use palpate_volume::walk::Walk;
+use serde::{Deserialize, Serialize};
+
+use super::tissues::{Layered, Matter, Met, Tissues};
+
+/// Layers that are told apart; what lies beyond counts to the last of them.
+const MAX_LAYERS: usize = 32;
+/// Voxels looked up in a tick, at most: so far ahead a tip can come in one.
+const MAX_VOXELS: u32 = 24;
+/// Beyond the face of a wall by so much, its voxel is asked for again [mm].
+const INTO_WALL: f64 = 1e-6;
+
+/// A straight line in the scene.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Line {
+    /// Where the needle went in [mm].
+    pub entry: DVec3,
+    /// Inward, of length 1.
+    pub direction: DVec3,
+}
+
+impl Line {
+    /// A point on it [mm].
+    #[must_use]
+    pub fn at(&self, depth: f64) -> DVec3 {
+        self.entry + self.direction * depth
+    }
+
+    /// How far along it a point is [mm].
+    #[must_use]
+    pub fn depth_of(&self, point: DVec3) -> f64 {
+        (point - self.entry).dot(self.direction)
+    }
+
+    /// The way from the line to a point, across it [mm].
+    #[must_use]
+    pub fn aside_of(&self, point: DVec3) -> DVec3 {
+        let way = point - self.entry;
+        way - self.direction * way.dot(self.direction)
+    }
+
+    /// The same point in the grid.
+    fn in_grid(&self, grid: &Grid, depth: f64) -> DVec3 {
+        grid.grid_from_patient().transform_point3(self.at(depth))
+    }
+}
+
+/// A stretch of the line in one tissue, or in none.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Layer {
+    /// Where it begins [mm].
+    from: f64,
+    met: Met,
+}
+
+/// The layers on a line.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Track {
+    layers: [Layer; MAX_LAYERS],
+    count: u8,
+    /// Known up to here [mm].
+    seen: f64,
+    /// Where what no needle punctures begins, and its segment.
+    wall: Option<(f64, u8)>,
+}
+
+impl Track {
+    /// Known up to here [mm].
+    #[must_use]
+    pub fn seen(&self) -> f64 {
+        self.seen
+    }
+
+    /// Where the needle ends [mm], and at which segment, if it does.
+    #[must_use]
+    pub fn wall(&self) -> Option<(f64, u8)> {
+        self.wall
+    }
+
+    /// What a layer is.
+    #[must_use]
+    pub fn met(&self, place: u8) -> Met {
+        let layer = self.layers.get(usize::from(place));
+        layer.map_or(Met::Nothing, |layer| layer.met)
+    }
+
+    /// Where a layer ends; none where that is not seen yet.
+    #[must_use]
+    pub fn end(&self, place: u8) -> Option<f64> {
+        let next = usize::from(place) + 1;
+        (next < usize::from(self.count)).then(|| self.layers[next].from)
+    }
+
+    /// Looks further along a line, up to a depth [mm] or as far as one tick allows.
+    pub fn look(&mut self, line: &Line, grid: &Grid, to: f64, matter: &impl Matter) {
+        if let Some((wall, _)) = self.wall {
+            let voxel = line.in_grid(grid, wall + INTO_WALL).floor().as_ivec3();
+            if to <= wall || matches!(matter.at(voxel), Met::Wall(_)) {
+                return;
+            }
+            // it is gone
+            self.wall = None;
+        }
+        let (from, way) = (self.seen, to - self.seen);
+        // written so that NaN is refused
+        if !(way > 0.0 && way.is_finite()) {
+            return;
+        }
+        let walk = Walk::new(line.in_grid(grid, from), line.in_grid(grid, to));
+        let Some(mut walk) = walk else {
+            return;
+        };
+        for _ in 0..MAX_VOXELS {
+            let depth = from + way * walk.fraction();
+            match matter.at(walk.voxel()) {
+                Met::Wall(segment) => {
+                    self.seen = depth;
+                    self.wall = Some((depth, segment));
+                    return;
+                }
+                met => self.note(depth, met),
+            }
+            self.seen = from + way * walk.exit_fraction();
+            if !walk.advance() {
+                self.seen = to;
+                return;
+            }
+        }
+    }
+
+    /// Sum over the shaft from the entry to a depth of a figure per length of its tissues.
+    #[must_use]
+    pub fn along(&self, depth: f64, tissues: &Tissues, figure: impl Fn(&Tissue) -> f64) -> f64 {
+        let mut sum = 0.0;
+        for place in 0..self.count {
+            let Met::Tissue(layer) = self.met(place) else {
+                continue;
+            };
+            let from = self.layers[usize::from(place)].from.max(0.0);
+            let to = self.end(place).unwrap_or(f64::INFINITY).min(depth);
+            if let Some((_, tissue)) = tissues.top(layer) {
+                sum += figure(&tissue) * (to - from).max(0.0);
+            }
+        }
+        sum
+    }
+
+    /// Whether the line comes through a tissue before a depth.
+    #[must_use]
+    pub fn meets(&self, tissue: u8, depth: f64) -> bool {
+        let known = self.layers[..usize::from(self.count)].iter();
+        let mut before = known.take_while(|layer| layer.from <= depth);
+        before.any(|layer| matches!(layer.met, Met::Tissue(met) if met.has(tissue)))
+    }
+
+    /// The first tissue on the line, as far as it is known.
+    #[must_use]
+    pub fn first(&self) -> Option<Layered> {
+        let known = self.layers[..usize::from(self.count)].iter();
+        let mut tissues = known.filter_map(|layer| match layer.met {
+            Met::Tissue(met) => Some(met),
+            Met::Nothing | Met::Wall(_) => None,
+        });
+        tissues.next()
+    }
+
+    fn note(&mut self, from: f64, met: Met) {
+        let count = usize::from(self.count);
+        let goes_on = count > 0 && self.layers[count - 1].met == met;
+        if !goes_on && count < MAX_LAYERS {
+            self.layers[count] = Layer { from, met };
+            self.count += 1;
+        }
+    }
+}

@@ -1,0 +1,135 @@
+"""``palpate bench edit``: how long an edit takes from the engine to the GPU of a page.
+
+The eraser is led in circles through the bone of a scan that is shown as a surface and from its
+voxels. What counts is the time from an edit's being applied by the engine to its last upload's
+being issued by the page. It is measured twice: with drawing suspended, so that the machine does
+all but drawing, and while the picture is drawn in software, which takes all cores. In the second
+case the time that an edit waits for a frame that is being drawn is told apart.
+
+The switch that suspends drawing is there for this benchmark only (``window.palpate``): uploads go
+out as always, and no picture is drawn.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from pathlib import Path
+
+import numpy as np
+
+from palpate.bench.goals import EDIT_DRAWN, EDIT_SUSPENDED, GOALS
+from palpate.bench.haptics_data import CTHEAD, data_file
+from palpate.bench.page import Page, chromium, opened, served
+from palpate.bench.report import Row, row_of
+from palpate.errors import OptionError
+from palpate.progress import Progress, silent
+
+__all__ = ["figures_of", "measure", "rows_of"]
+
+SIZE = {"width": 960, "height": 400}
+"""Of the browser's window [pixels]."""
+SECONDS = 8.0
+"""Of each case."""
+CIRCLE = 15.0
+"""Radius of the circles in which the eraser is led [mm]."""
+DEEPER = 1.0
+"""How fast it goes deeper [mm/s]."""
+
+Times = list[dict[str, float]]
+"""What edits took on their way [ms]: ``way``, ``wait``, ``work``."""
+
+
+def measure(
+    scan: Path | None = None, *, seconds: float = SECONDS, progress: Progress = silent
+) -> list[Row]:
+    """Measures edits of a scan's bone, by default CThead's.
+
+    Raises:
+        OptionError: There is no browser, or the scan has no bone in its middle.
+        MissingDataError: The default scan is not there.
+    """
+    chromium()
+    path = data_file(CTHEAD) if scan is None else scan
+    found: dict[str, Times] = {}
+    with served(path) as url, opened(url, **SIZE) as page:
+        page.read("document.querySelector('[data-testid=shown-as-both]').click()")
+        page.wait("Object.values(window.palpate.triangles).some(count => count > 0)")
+        for done, case in enumerate((EDIT_SUSPENDED, EDIT_DRAWN)):
+            progress(case, done / 2)
+            page.read(f"void window.palpate.suspendDrawing({str(case == EDIT_SUSPENDED).lower()})")
+            found[case] = _erased(page, seconds)
+    for case, times in found.items():
+        if not times:
+            raise OptionError(f"no edit while {case}; allowed: a scan with bone in its middle")
+    return rows_of(found)
+
+
+def rows_of(found: dict[str, Times]) -> list[Row]:
+    """Returns the figures of times by their case."""
+    reports = {case: figures_of(times) for case, times in found.items()}
+    return [row_of(goal, reports[goal.case]) for goal in GOALS["edit"]]
+
+
+def figures_of(times: Times) -> dict[str, float]:
+    """Returns median, 95 % and worst [s], with waiting for the picture and without, and parts."""
+    way, wait, work = (np.array([one[part] for one in times]) / 1e3 for part in PARTS)
+    figures = {"edits": float(len(times))}
+    for name, taken in (("all", way + wait + work), ("undrawn", way + work)):
+        quantiles = np.quantile(taken, [0.5, 0.95, 1.0])
+        figures |= {
+            f"{name} {quantile}": float(value)
+            for quantile, value in zip(("median", "p95", "max"), quantiles, strict=True)
+        }
+    return figures | {
+        "way": float(np.median(way)),
+        "wait": float(np.median(wait)),
+        "work": float(np.median(work)),
+    }
+
+
+PARTS = ("way", "wait", "work")
+
+
+def _erased(page: Page, seconds: float) -> Times:
+    """Erases for a while; returns what the edits took, and takes them back."""
+    page.wait("window.palpate.finished || window.palpate.drawingSuspended")
+    seen, (right, up, back) = _aim(page)
+    first = page.read("window.palpate.lastEdit")
+    page.read(f"window.palpate.place({seen})")
+    _key(page, "e")
+    _key(page, "x")
+    began = time.monotonic()
+    while (passed := time.monotonic() - began) < seconds:
+        across, along = CIRCLE * math.cos(2.0 * passed), CIRCLE * math.sin(2.0 * passed)
+        point = [
+            p + across * r + along * u - DEEPER * passed * b
+            for p, r, u, b in zip(seen, right, up, back, strict=True)
+        ]
+        page.read(f"window.palpate.hand({point})")
+        time.sleep(0.005)
+    _key(page, "x", kind="keyup")
+    page.wait("!window.palpate.state.tool.on")
+    times: Times = page.read(f"window.palpate.editTimes.filter(({{edit}}) => edit > {first})")
+    edit = page.read("window.palpate.state.edit")
+    _key(page, "z", control=True)
+    page.wait(f"window.palpate.state.edit > {edit}")
+    return times
+
+
+def _aim(page: Page) -> tuple[list[float], list[list[float]]]:
+    """Returns the point of the bone in the picture's middle, and the axes of the view."""
+    middle = page.read(
+        "(({width, height}) => [width / 2, height / 2])"
+        "(document.querySelector('[data-testid=canvas]').getBoundingClientRect())"
+    )
+    picked = page.read(f"window.palpate.pick({middle[0]}, {0.7 * middle[1]})")
+    if picked is None:
+        raise OptionError("nothing in the picture's middle; allowed: a scan with bone there")
+    axes = page.read("(({right, up, back}) => [right, up, back])(window.palpate.camera)")
+    return picked["point"], axes
+
+
+def _key(page: Page, key: str, *, kind: str = "keydown", control: bool = False) -> None:
+    written = f"key: {key!r}, ctrlKey: {str(control).lower()}"
+    page.read(f"void window.dispatchEvent(new KeyboardEvent('{kind}', {{{written}}}))")

@@ -1,0 +1,181 @@
+"""A page in an installed Chromium, for benchmarks: driven through its debugging port.
+
+What is read are expressions of the page. Pictures are drawn in software, the same on every
+machine.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import time
+import urllib.request
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import IO, Any
+
+from palpate.errors import OptionError
+
+__all__ = ["Page", "chromium", "opened", "served"]
+
+NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+FLAGS = (
+    "--headless",
+    "--no-sandbox",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--no-first-run",
+    "--remote-debugging-port=0",
+)
+PATIENCE = 60.0
+"""Seconds for a start, or for something to become true."""
+
+
+def chromium() -> str:
+    """Returns the path of the browser.
+
+    Raises:
+        OptionError: None is installed.
+    """
+    given = os.environ.get("PALPATE_CHROMIUM") or os.environ.get("CHROMIUM")
+    found = next(filter(None, map(shutil.which, (given,) if given else NAMES)), None)
+    if found is None:
+        where = f"at {given}" if given else f"of the names {', '.join(NAMES)}"
+        raise OptionError(
+            f"no browser {where}; allowed: an installed Chromium, or PALPATE_CHROMIUM with its path"
+        )
+    return found
+
+
+class Page:
+    """One page of a running browser."""
+
+    def __init__(self, address: str) -> None:
+        """Connects to its debugging address."""
+        from websockets.sync.client import connect
+
+        self._socket = connect(address, max_size=None, compression=None)
+        self._number = 0
+
+    def read(self, expression: str) -> Any:  # noqa: ANN401  # whatever it is
+        """Returns the value of an expression in the page; waits for a promise.
+
+        Raises:
+            RuntimeError: It has none.
+        """
+        found = self._ask(
+            "Runtime.evaluate", expression=expression, returnByValue=True, awaitPromise=True
+        )
+        if "exceptionDetails" in found:
+            raise RuntimeError(f"{expression}: {found['exceptionDetails']}")
+        return found["result"].get("value")
+
+    def wait(self, expression: str) -> None:
+        """Waits until an expression is true.
+
+        Raises:
+            RuntimeError: It does not become true.
+        """
+        ends = time.monotonic() + PATIENCE
+        while not self.read(expression):
+            if time.monotonic() > ends:
+                raise RuntimeError(f"not true within {PATIENCE:g} s: {expression}")
+            time.sleep(0.03)
+
+    def go(self, url: str) -> None:
+        """Opens an address and waits until the picture is there."""
+        self._ask("Page.navigate", url=url)
+        self.wait("window.palpate?.ready === true")
+
+    def close(self) -> None:
+        """Ends the connection."""
+        self._socket.close()
+
+    def _ask(self, method: str, **parameters: object) -> dict[str, Any]:
+        self._number += 1
+        asked = {"id": self._number, "method": method, "params": parameters}
+        self._socket.send(json.dumps(asked))
+        while True:
+            answer = json.loads(self._socket.recv(timeout=PATIENCE))
+            # events of the browser come in between
+            if answer.get("id") == self._number:
+                break
+        if "error" in answer:
+            raise RuntimeError(f"{method}: {answer['error']}")
+        result: dict[str, Any] = answer["result"]
+        return result
+
+
+@contextmanager
+def opened(url: str, *, width: int, height: int) -> Iterator[Page]:
+    """Opens an address in a browser of its own, and ends it.
+
+    Raises:
+        OptionError: There is no browser.
+        RuntimeError: It does not start.
+    """
+    program = chromium()
+    with TemporaryDirectory(ignore_cleanup_errors=True) as profile:
+        command = [program, *FLAGS, f"--user-data-dir={profile}", f"--window-size={width},{height}"]
+        with _running([*command, "about:blank"], "stderr") as (_, output):
+            address = _found_in(output, r"ws://([\d.:]+)/\S+", "the browser")
+            listing = f"http://{address.group(1)}/json/list"
+            with urllib.request.urlopen(listing, timeout=PATIENCE) as answer:
+                pages = json.load(answer)
+            page = Page(next(one for one in pages if one["type"] == "page")["webSocketDebuggerUrl"])
+            try:
+                page.go(url)
+                yield page
+            finally:
+                page.close()
+
+
+@contextmanager
+def served(scan: Path) -> Iterator[str]:
+    """Runs ``palpate open`` in a process of its own; gives the address.
+
+    Raises:
+        RuntimeError: It does not start.
+    """
+    with TemporaryDirectory() as state:
+        environment = os.environ | {"PALPATE_STATE": state, "PYTHONUNBUFFERED": "1"}
+        command = [sys.executable, "-m", "palpate", "open", str(scan), "--no-browser"]
+        with _running(command, "stdout", environment) as (_, output):
+            yield _found_in(output, r"http://(?:127\.0\.0\.1|localhost):\d+/\S*", "palpate").group()
+
+
+@contextmanager
+def _running(
+    command: list[str], told: str, environment: dict[str, str] | None = None
+) -> Iterator[tuple[subprocess.Popen[str], IO[str]]]:
+    """Runs a program whose output is read, and ends it whatever happens."""
+    streams = {"stdout": subprocess.DEVNULL, "stderr": subprocess.STDOUT}
+    streams |= {told: subprocess.PIPE}
+    process = subprocess.Popen(command, env=environment, text=True, **streams)  # type: ignore[call-overload]  # noqa: S603
+    with process:
+        try:
+            yield process, getattr(process, told)
+        finally:
+            process.kill()
+
+
+def _found_in(output: IO[str], pattern: str, who: str) -> re.Match[str]:
+    """Returns the first line's match; what comes later is read and forgotten."""
+    from threading import Thread
+
+    seen = ""
+    for line in output:
+        seen += line
+        if found := re.search(pattern, line):
+            Thread(target=output.read, daemon=True).start()
+            return found
+    raise RuntimeError(f"{who} did not start; it said: {seen.strip() or 'nothing'}")
