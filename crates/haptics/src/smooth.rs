@@ -93,9 +93,9 @@ pub struct Smoother {
     pub turned: f32,
     /// Farthest from the proxy [cells].
     pub reach: f32,
-    /// A ball is held up so much farther behind where voxels are no cubes: in parts of what their
-    /// longest edge is longer than their shortest.
-    pub reach_by_thickness: f32,
+    /// The proxy is held up so much farther behind where voxels are no cubes, as a point and as a
+    /// ball: in parts of what their longest edge is longer than their shortest.
+    pub reach_by_thickness: [f32; 2],
     /// The proxy's distance from the smooth surface [cells]: up to where that is believed, and
     /// from where on not at all.
     pub trusted: [f32; 2],
@@ -125,7 +125,7 @@ impl Smoother {
         turned: 0.05,
         // the proxy is up to three voxels behind (docs/decisions/sliding.md)
         reach: 1.5,
-        reach_by_thickness: 2.0,
+        reach_by_thickness: [0.4, 2.0],
         // on a plane the proxy is at most half a voxel's diagonal below the surface
         trusted: [0.75, 1.25],
         agreed_depth: [0.25, 0.45],

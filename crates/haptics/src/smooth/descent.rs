@@ -145,8 +145,15 @@ impl<'a, F: Field, const N: usize> Search<'a, F, N> {
     ) -> Self {
         let lengths = fields.iter().flatten().map(|field| field.cell);
         let length = lengths.fold(f32::INFINITY, f32::min);
-        let of_balls = fields.iter().flatten().filter(|field| field.is_of_ball());
-        let farther = of_balls.map(|field| field.thickness() * smoother.reach_by_thickness);
+        let [of_point, of_ball] = smoother.reach_by_thickness;
+        let farther = fields.iter().flatten().map(|field| {
+            let share = if field.is_of_ball() {
+                of_ball
+            } else {
+                of_point
+            };
+            share * field.thickness()
+        });
         Self {
             smoother,
             fields,
