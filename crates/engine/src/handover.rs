@@ -75,6 +75,10 @@ pub struct HandTarget {
 
 /// Simulation → servo, obeyed in order.
 #[derive(Debug)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "the servo takes them out of the ring, and must not free what a box would hold"
+)]
 pub enum ServoCommand {
     /// Replaces all that can be touched.
     Root {

@@ -34,6 +34,10 @@ const SWAP_BYTES: usize = size_of::<PartSwap>() + 2 * size_of::<BitBrick>();
 
 /// A command, without its bricks.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "as the command itself, which few of a tape are"
+)]
 pub enum TapeCommand {
     /// All that can be touched was replaced; the bricks are those that it changed.
     Root {

@@ -372,8 +372,8 @@ fn check_parts(parts: &[TapePart], grid: &Grid) -> Result<(), TapeError> {
         return Err(TapeError::Parts);
     }
     for (low, high) in parts.iter().filter_map(|part| part.threshold) {
-        // an end that limits nothing is infinite; written so that NaN is refused
-        if !(low <= high) {
+        // an end that limits nothing is infinite
+        if low.is_nan() || high.is_nan() || low > high {
             return Err(TapeError::Threshold { low, high });
         }
     }

@@ -1,5 +1,10 @@
 //! Matter that gives way under the probe, by a model that is simple enough to know the answer.
 
+#![allow(
+    clippy::unwrap_used,
+    reason = "helpers of tests may fail a test, as the tests themselves"
+)]
+
 mod common;
 
 use common::{OBSTACLE, Rig, box_segment};

@@ -79,10 +79,11 @@ fn read<const BLOCKS: usize, const ROWS: usize>(
                 let column = &mut source[(middle + x) as usize];
                 // no other layers are looked at
                 let from = reached.start.max(first_layer);
-                for layer in from..reached.end.min(first_layer + 8) {
+                let to = reached.end.min(first_layer + 8).max(from);
+                for (layer, rows) in (from..).zip(&mut column[from..to]) {
                     let word = block.0[(layer - first_layer) & 7];
                     any |= word != 0;
-                    let rows = &mut column[layer][first_row..first_row + 8];
+                    let rows = &mut rows[first_row..first_row + 8];
                     rows.copy_from_slice(&word.to_le_bytes());
                 }
             }

@@ -50,7 +50,7 @@ pub enum Coverage {
 pub struct Segment {
     occupancy: Bits,
     statistics: Statistics,
-    own_grid: Option<Grid>,
+    own_grid: Option<Box<Grid>>,
 }
 
 impl Segment {
@@ -81,19 +81,19 @@ impl Segment {
             "voxels of another grid"
         );
         Self {
-            own_grid: Some(grid),
+            own_grid: Some(Box::new(grid)),
             ..self
         }
     }
 
     /// The grid of its own, if it has one.
     pub fn own_grid(&self) -> Option<&Grid> {
-        self.own_grid.as_ref()
+        self.own_grid.as_deref()
     }
 
     /// The grid that it stands on: its own, or that of its scan.
     pub fn grid<'a>(&'a self, scan: &'a Grid) -> &'a Grid {
-        self.own_grid.as_ref().unwrap_or(scan)
+        self.own_grid.as_deref().unwrap_or(scan)
     }
 
     /// Those of its voxels that are wanted, on the same grid; asked in parallel.
@@ -101,7 +101,7 @@ impl Segment {
     pub fn part(&self, wanted: impl Fn(IVec3) -> bool + Sync) -> Self {
         let solid = |voxel| self.contains(voxel) && wanted(voxel);
         Self {
-            own_grid: self.own_grid,
+            own_grid: self.own_grid.clone(),
             ..Self::from_fn(self.dimensions(), solid)
         }
     }

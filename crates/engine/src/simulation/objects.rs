@@ -127,7 +127,7 @@ impl Simulation {
         let asked = self.scene.properties_of(id).pose?;
         let by_servo = self.touch.poses();
         let followed = by_servo
-            .into_iter()
+            .iter()
             .flatten()
             .find(|(other, _)| *other == id.0 && self.scene.is_obstacle(id));
         Some(followed.map_or(asked, |(_, pose)| *pose))

@@ -183,8 +183,8 @@ impl Window {
                         let bits = u64::MAX >> (64 - (1 << log_bits)) << (from & 63);
                         let place = |word: u64| (word & bits) >> (from & 63) << (to & 63);
                         let Surface { free, solid } = at(from / 64);
-                        row.free[to / 64 & 1] |= place(free);
-                        row.solid[to / 64 & 1] |= place(solid);
+                        row.free[(to / 64) & 1] |= place(free);
+                        row.solid[(to / 64) & 1] |= place(solid);
                     }
                 }
                 if row != SurfaceRow::NONE {

@@ -56,8 +56,8 @@ impl Changes {
     #[inline]
     pub(super) fn set(&mut self, cell: u32, change: i32) {
         let bits = ((change + (1 << BIT)) ^ (1 << BIT)) as u16;
-        let place = 16 * (cell / 2 & 3);
-        let word = match cell % 2 == 0 {
+        let place = 16 * ((cell / 2) & 3);
+        let word = match cell.is_multiple_of(2) {
             true => &mut self.even,
             false => &mut self.odd,
         };
@@ -67,7 +67,8 @@ impl Changes {
     /// That of a cell.
     #[cfg(test)]
     pub(super) fn get(self, cell: u32) -> i32 {
-        let word = if cell % 2 == 0 { self.even } else { self.odd };
+        let is_even = cell.is_multiple_of(2);
+        let word = if is_even { self.even } else { self.odd };
         i32::from((word >> (16 * (cell / 2))) as u16 ^ 1 << BIT) - (1 << BIT)
     }
 
