@@ -15,6 +15,7 @@ use palpate_volume::block::block_of_bricks;
 use palpate_volume::brick_grid::BRICK;
 use palpate_volume::occupancy::Occupancy;
 use palpate_volume::voxel_box::VoxelBox;
+use std::ops::Range;
 
 /// Edge of the box in radii of the ball: a square across a round hole that the ball closes.
 const EDGE: f64 = 1.4;
@@ -89,15 +90,17 @@ type Rows = [[u16; SIDE]; SIDE];
 
 /// The brick whose first voxel is `corner`, holes filled by a box.
 fn closed_brick(inner: &impl Occupancy, edges: IVec3, corner: IVec3) -> BitBrick {
-    let Some(mut rows) = read(inner, corner - MARGIN) else {
+    // filling takes nothing away
+    if inner.smooth_block(corner) == BitBrick::FULL {
+        return BitBrick::FULL;
+    }
+    let Some(mut rows) = read(inner, corner) else {
         return BitBrick::EMPTY;
     };
     // solid wherever a box with its first corner there, going down, holds a solid voxel ...
-    along_x(&mut rows, edges.x, |row, step| row | row << step);
-    across(&mut rows, edges, |a, b| a | b, true);
+    dilate(&mut rows, edges);
     // ... and all of those boxes that hold the voxel do
-    along_x(&mut rows, edges.x, |row, step| row & row >> step);
-    across(&mut rows, edges, |a, b| a & b, false);
+    erode(&mut rows, edges);
 
     let first = MARGIN as usize;
     BitBrick(std::array::from_fn(|z| {
@@ -106,57 +109,92 @@ fn closed_brick(inner: &impl Occupancy, edges: IVec3, corner: IVec3) -> BitBrick
     }))
 }
 
-/// Reads 16×16×16 voxels; none where none is solid.
-fn read(inner: &impl Occupancy, min: IVec3) -> Option<Rows> {
+/// Reads a brick and what is around it; none where nothing is solid. Whole bricks are read, since
+/// blocks between them would each be put together from eight.
+fn read(inner: &impl Occupancy, corner: IVec3) -> Option<Rows> {
     let mut rows = [[0; SIDE]; SIDE];
     let mut any = 0;
-    for [x, y, z] in (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2]) {
-        let block = inner.smooth_block(min + BRICK * IVec3::new(x, y, z));
-        for (layer, word) in rows[8 * z as usize..].iter_mut().zip(block.0) {
-            any |= word;
-            for (row, byte) in layer[8 * y as usize..].iter_mut().zip(word.to_le_bytes()) {
-                *row |= u16::from(byte) << (8 * x);
+    for (z, layers) in BESIDE {
+        for (y, lines) in BESIDE {
+            let along_x = BESIDE.map(|(x, _)| {
+                let place = IVec3::new(x, y, z);
+                inner.smooth_block(corner + BRICK * place).0
+            });
+            for layer in layers.clone() {
+                let [before, here, after] = along_x.map(|brick| brick[layer]);
+                if before | here | after == 0 {
+                    continue;
+                }
+                any |= before | here | after;
+                let bytes = [before, here, after].map(u64::to_le_bytes);
+                let rows = &mut rows[place_of(z, layer)];
+                for line in lines.clone() {
+                    let row =
+                        u32::from_le_bytes([bytes[0][line], bytes[1][line], bytes[2][line], 0]);
+                    rows[place_of(y, line)] = (row >> (BRICK - MARGIN)) as u16;
+                }
             }
         }
     }
     (any != 0).then_some(rows)
 }
 
-/// Joins `count` neighbours along each row, in steps that double; `join` takes a row and how far
-/// to move it.
-fn along_x(rows: &mut Rows, count: i32, join: impl Fn(u16, i32) -> u16) {
-    for step in steps(count) {
-        for row in rows.iter_mut().flatten() {
-            *row = join(*row, step);
-        }
-    }
+/// The bricks before, at and after a place along an axis, and their layers that matter.
+const BESIDE: [(i32, Range<usize>); 3] = [
+    (-1, (BRICK - MARGIN) as usize..8),
+    (0, 0..8),
+    (1, 0..MARGIN as usize),
+];
+
+/// Where the layer of a brick stands among the rows.
+fn place_of(brick: i32, layer: usize) -> usize {
+    (BRICK * brick + MARGIN + layer as i32) as usize & (SIDE - 1)
 }
 
-/// The same along y and z, each row with those before it, or after it.
-fn across(rows: &mut Rows, edges: IVec3, join: impl Fn(u16, u16) -> u16, before: bool) {
-    let other = |place: usize, step: usize| match before {
-        true => place.checked_sub(step),
-        false => Some(place + step).filter(|&other| other < SIDE),
-    };
+/// Joins each voxel with those before it, in steps that double.
+fn dilate(rows: &mut Rows, edges: IVec3) {
+    for step in steps(edges.x) {
+        for row in rows.as_flattened_mut() {
+            *row |= *row << step;
+        }
+    }
     for step in steps(edges.y) {
         for layer in rows.iter_mut() {
             let old = *layer;
-            for (place, row) in layer.iter_mut().enumerate() {
-                if let Some(other) = other(place, step as usize) {
-                    *row = join(*row, old[other]);
-                }
+            for (row, before) in layer[step as usize..].iter_mut().zip(old) {
+                *row |= before;
             }
         }
     }
     for step in steps(edges.z) {
         let old = *rows;
-        for (place, layer) in rows.iter_mut().enumerate() {
-            let Some(other) = other(place, step as usize) else {
-                continue;
-            };
-            for (row, other) in layer.iter_mut().zip(old[other]) {
-                *row = join(*row, other);
+        let rows = rows[step as usize..].as_flattened_mut();
+        for (row, before) in rows.iter_mut().zip(old.as_flattened()) {
+            *row |= before;
+        }
+    }
+}
+
+/// Leaves each voxel after which all are solid too; the last ones are too far away to matter.
+fn erode(rows: &mut Rows, edges: IVec3) {
+    for step in steps(edges.x) {
+        for row in rows.as_flattened_mut() {
+            *row &= *row >> step;
+        }
+    }
+    for step in steps(edges.y) {
+        for layer in rows.iter_mut() {
+            let old = *layer;
+            for (row, after) in layer.iter_mut().zip(&old[step as usize..]) {
+                *row &= after;
             }
+        }
+    }
+    for step in steps(edges.z) {
+        let old = *rows;
+        let rows = rows.as_flattened_mut().iter_mut();
+        for (row, after) in rows.zip(old[step as usize..].as_flattened()) {
+            *row &= after;
         }
     }
 }
