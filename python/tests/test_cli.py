@@ -146,7 +146,9 @@ def test_another_rate_is_refused(scan: Path) -> None:
 
 
 def test_an_unknown_command_is_refused_with_the_known_ones() -> None:
-    assert "allowed: open, demo, info, record, replay, surface, bench" in fails("frobnicate")
+    assert "allowed: open, demo, info, record, replay, surface, scenario, bench" in fails(
+        "frobnicate"
+    )
 
 
 def test_a_label_map_of_another_grid_is_refused(scan: Path, write_image: Any) -> None:

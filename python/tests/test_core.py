@@ -139,10 +139,12 @@ def test_thresholds_follow_undo() -> None:
         "touchable": True,
         "pending": False,
         "range": (500.0, 2000.0),
+        "made_by": (500.0, 2000.0),
         "pose": None,
     }
     session.fill_box(1, (0, 0, 0), (5, 5, 5), solid=True)
     assert session.segments_state()[0]["range"] is None
+    assert session.segments_state()[0]["made_by"] == (500.0, 2000.0)
     assert session.segments_state()[0]["voxels"] == 20_125
     assert session.undo()
     assert session.segments_state()[0]["range"] == (500.0, 2000.0)

@@ -193,7 +193,9 @@ impl Deformation {
     fn ask(&mut self, scene: &Scene, status: &ServoStatus) {
         let tool = status.tool;
         let segments = self.soft_segments(scene, tool);
-        if self.model.is_none() || segments == [0; 4] || !tool.is_finite() {
+        // before its first tick the servo has told of no place
+        let is_known = status.time > 0.0 && tool.is_finite();
+        if self.model.is_none() || segments == [0; 4] || !is_known {
             return;
         }
         let edit = scene.voxels().edit_number();
@@ -285,6 +287,6 @@ fn nothing_at(tool: DVec3) -> LocalContact {
         position: tool,
         force: DVec3::ZERO,
         stiffness: DMat3::ZERO,
-        validity: 0.0,
+        validity: REACH,
     }
 }

@@ -376,6 +376,7 @@ impl ServoLoop {
         };
         self.state.touch = TickState::new(proxy);
         self.state.needle.forget();
+        self.state.soft = SoftContact::default();
         let placed = self
             .grid
             .patient_from_grid()

@@ -185,6 +185,30 @@ fn what_others_change_while_the_model_thinks_is_kept() {
 }
 
 #[test]
+fn a_probe_that_is_placed_elsewhere_leaves_the_force_behind() {
+    let mut rig = rig();
+    go(&mut rig, 30.0, 17.0, 2000);
+    let above = DVec3::new(20.2, 20.3, 30.0);
+    rig.simulation.place(above, 1, false).unwrap();
+    for _ in 0..3 {
+        let tick = rig.tick_at(above);
+        assert_eq!(tick.force, DVec3::ZERO);
+    }
+}
+
+#[test]
+fn nothing_is_asked_before_the_servo_has_told_where_the_tool_is() {
+    let mut rig = rig();
+    for _ in 0..5 {
+        rig.simulation.step();
+        rig.deformation.step();
+    }
+    assert_eq!(rig.simulation.deformation().answers, 0);
+    assert_eq!(go(&mut rig, 30.0, 30.0, 100).force, DVec3::ZERO);
+    assert!(rig.simulation.deformation().answers > 0);
+}
+
+#[test]
 fn another_model_or_none_takes_the_place_at_once() {
     let mut rig = rig();
     go(&mut rig, 30.0, 18.0, 2000);

@@ -52,7 +52,7 @@ pub struct SoftContact {
     last: Option<(DVec3, DVec3)>,
 }
 
-/// An answer as it is kept.
+/// An answer as it is kept; its law holds within `validity`, and fades to nothing at four times that.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Answer {
     tool: DVec3,
@@ -119,11 +119,11 @@ impl Answer {
             validity,
         } = *contact;
         let finite = position.is_finite() && force.is_finite() && stiffness.is_finite();
-        (finite && validity >= 0.0).then(|| Self {
+        (finite && validity > 0.0).then(|| Self {
             tool: position,
             force,
             stiffness: spring_like(stiffness, force),
-            validity: validity.min(f64::MAX),
+            validity,
             time,
         })
     }
@@ -139,7 +139,9 @@ impl Answer {
         let pushed = self.force - self.stiffness * self.tool + device * k;
         let moved = balance.inverse() * pushed - self.tool;
         let force = self.force + self.stiffness * moved.clamp_length_max(self.validity);
-        one_sided(force, normal, self.force.length()) / k
+        // held a little beyond what is known, and no farther
+        let share = (2.0 - 0.5 * moved.length() / self.validity).clamp(0.0, 1.0);
+        one_sided(force, normal, self.force.length()) * (share / k)
     }
 }
 

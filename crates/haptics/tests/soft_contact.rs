@@ -188,7 +188,7 @@ fn answers_that_are_no_numbers_are_no_answers() {
             ..good
         },
         LocalContact {
-            validity: -1.0,
+            validity: 0.0,
             ..good
         },
     ];
@@ -201,6 +201,22 @@ fn answers_that_are_no_numbers_are_no_answers() {
         soft.follow(&input(device, 0.0, true), &mut output);
         assert_eq!(output, before);
     }
+}
+
+#[test]
+fn a_law_is_not_followed_far_from_where_it_was_found() {
+    // 5 N/mm, found 1 mm deep; the device is 20 mm to the side, and as deep
+    let answer = LocalContact {
+        validity: 2.0,
+        ..floor(5.0, -1.0)
+    };
+    let far = DVec3::new(20.0, 0.0, -1.0);
+    assert_eq!(
+        settled(&mut SoftContact::default(), &answer, far),
+        DVec3::ZERO
+    );
+    let near = DVec3::new(2.0, 0.0, -1.0);
+    assert!(settled(&mut SoftContact::default(), &answer, near).z > 0.5);
 }
 
 #[test]

@@ -1,0 +1,99 @@
+"""Matter that gives way, from Python: materials, models, the force in a session and its replay."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from palpate.errors import OptionError
+from palpate.material import LinearMaterial, Material, deformation_models, material_presets
+from palpate.recording import Recording
+from palpate.scene import Scene
+from palpate.scripted_path import ScriptedPath
+from palpate.session import Session, SessionOptions
+from palpate.volume import Volume
+
+TOP = 24.0
+"""Upper end of the soft block [mm]."""
+DEEP = 1.5
+"""How far it is pressed [mm]."""
+OFFLINE = SessionOptions(real_time=False)
+"""Every run of the same session gives the same."""
+GEL = Material(young=2.0e4, poisson=0.45, friction=0.0)
+"""Soft, and never breaks."""
+
+
+def scene() -> Scene:
+    values = np.full((48, 48, 48), -1000, dtype=np.int16)
+    values[: int(TOP)] = 50
+    volume = Volume(values, spacing=(1.0, 1.0, 1.0))
+    return Scene(volume, [volume.threshold(0.0, 100.0, name="gel")])
+
+
+def pressed(material: Material | LinearMaterial | str | None, model: str | None) -> Recording:
+    path = ScriptedPath((24.3, 24.4, 30.0))
+    path = path.move((24.3, 24.4, TOP - DEEP), seconds=1.0)
+    path = path.move((24.3, 24.4, TOP - DEEP), seconds=0.6)
+    with Session(scene(), device=path, options=OFFLINE) as session:
+        session.set_material(1, material)
+        session.set_deformation(model)
+        recording = session.run(1.5)
+        answers = session.deformation()["answers"]
+    assert (answers > 10) == (model is not None and material is not None)
+    return recording
+
+
+def test_soft_matter_pushes_less_than_hard_matter_and_as_its_stiffness_says() -> None:
+    hard = pressed(None, None).forces[-1][2]
+    soft = pressed(GEL, "lattice").forces[-1][2]
+    stiffer = pressed(GEL._replace(young=4.0e4), "lattice").forces[-1][2]
+    assert 0.0 < soft < 0.2 * hard
+    # twice as stiff, less what the coupling gives way itself
+    assert 1.7 < stiffer / soft < 2.05
+
+
+def test_no_force_comes_before_the_matter_is_touched_and_none_pulls() -> None:
+    recording = pressed(GEL, "lattice")
+    assert recording.forces[:, 2].min() >= 0.0
+    free = recording.devices[:, 2] > TOP + 2.0
+    assert free.sum() > 200
+    assert not recording.forces[free].any()
+
+
+def test_a_session_with_soft_matter_is_replayed_to_the_bit() -> None:
+    replayed = pressed(GEL, "lattice").replay()
+    assert replayed.is_equal
+    assert replayed.stopped == ""
+
+
+def test_without_a_model_or_a_material_matter_is_hard() -> None:
+    hard = pressed(None, None).forces
+    assert np.array_equal(pressed(GEL, None).forces, hard)
+    assert np.array_equal(pressed(None, "lattice").forces, hard)
+
+
+def test_materials_are_named_with_their_sources() -> None:
+    presets = {preset.name: preset.source for preset in material_presets()}
+    assert {"liver", "skin", "cortical-bone", "thesis-bone"} <= set(presets)
+    assert all(presets.values())
+    assert set(deformation_models()) == {"lattice", "fcc-lj", "cuboid-lj", "global-lj"}
+
+
+@pytest.mark.parametrize(
+    ("material", "message"),
+    [
+        ("cheese", 'material "cheese" given; allowed: thesis-bone,'),
+        (Material(young=-1.0), "Young's modulus -1 Pa given"),
+        (Material(young=1e4, poisson=0.5), "Poisson's ratio 0.5 given"),
+        (LinearMaterial((60.0, 10.0), GEL, GEL), "intensities from 60 to 10 given"),
+    ],
+)
+def test_what_is_no_material_is_refused(
+    material: Material | LinearMaterial | str, message: str
+) -> None:
+    with Session(scene(), device=ScriptedPath((24.0, 24.0, 30.0))) as session:
+        with pytest.raises(OptionError, match=message):
+            session.set_material(1, material)
+        with pytest.raises(OptionError, match="segment 7"):
+            session.set_material(7, "liver")
+        with pytest.raises(OptionError, match='"jelly" given; allowed: lattice'):
+            session.set_deformation("jelly")
