@@ -64,3 +64,4 @@ pub mod touch_occupancy;
 pub mod touch_sender;
 pub mod touchable;
 pub mod touched_surfaces;
+pub mod union_shares;

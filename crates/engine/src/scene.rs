@@ -353,6 +353,7 @@ impl Scene {
                         range,
                         values: self.values.clone(),
                     }),
+                shares: None,
                 punctured: properties.pose.is_none() && self.punctured.contains(id.0),
             })
             .collect()

@@ -359,6 +359,7 @@ pub fn rooted(old: &[Part], new: &[TapePart], values: &ScanValues) -> Vec<Part> 
                 range,
                 values: values.clone(),
             }),
+            shares: None,
             punctured: part.punctured,
         }
     };
