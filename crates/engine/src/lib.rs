@@ -26,6 +26,7 @@ pub mod kept_surface;
 pub mod known_shares;
 pub mod live;
 pub mod mapping;
+pub mod mask_shares;
 pub mod model;
 pub mod moved_poses;
 pub mod needle;

@@ -32,6 +32,7 @@ use crate::error::SessionError;
 use crate::feel::Feels;
 use crate::handover::{Channels, DeviceSample, TickRecord};
 use crate::mapping::Mapping;
+use crate::mask_shares::MaskShares;
 use crate::scene::{Properties, Scene};
 use crate::servo::{ServoLoop, ServoStart};
 use crate::session_config::check_point;
@@ -294,10 +295,13 @@ impl Rig {
         };
         // without a model nothing asks it for anything
         let (deformation, deformation_loop) = Deformation::new(true);
+        // nor do layers have flat slopes
+        let (shares, _) = MaskShares::new();
+        let scene = Scene::new(Voxels::new(*grid, intensities)?);
         let mut rig = Self {
             servo: ServoLoop::new(start, channels.servo, Arc::clone(&shared)),
             simulation: Simulation::new(
-                (Scene::new(Voxels::new(*grid, intensities)?), deformation),
+                (scene, deformation, shares),
                 settings,
                 limits,
                 channels.simulation,

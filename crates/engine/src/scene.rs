@@ -4,17 +4,20 @@
 //! the same way as the change itself.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use crate::feel::{Feel, Feels};
 use crate::kept_surface::SegmentVoxels;
 use crate::scan_values::{ScanValues, Threshold};
 use crate::touchable::{MovedPart, Part};
+use crate::union_shares::SharedBits;
 use glam::DAffine3;
 use palpate_haptics::needle::tissues::Segments;
 use palpate_haptics::scene::MAX_OBJECTS;
 use palpate_tools::stroke::bytes_of;
 use palpate_volume::edit::{Edit, SegmentId};
 use palpate_volume::segment::Segment;
+use palpate_volume::shares::Shares;
 use palpate_volume::voxel_box::VoxelBox;
 use palpate_volume::voxels::{Voxels, VoxelsError};
 
@@ -194,6 +197,8 @@ pub struct Scene {
     held: Option<SegmentId>,
     /// Segments that a needle is in.
     punctured: Segments,
+    /// What was worked out of the shares of masks.
+    shares: BTreeMap<SegmentId, Arc<Shares>>,
 }
 
 impl Scene {
@@ -212,6 +217,7 @@ impl Scene {
             properties,
             held: None,
             punctured: Segments::NONE,
+            shares: BTreeMap::new(),
         }
     }
 
@@ -329,6 +335,38 @@ impl Scene {
         self.properties_of(id).pose.is_none() && !self.punctured.contains(id.0)
     }
 
+    /// Takes what was worked out of the shares of a mask, or forgets it.
+    pub fn know_shares(&mut self, id: SegmentId, shares: Option<Arc<Shares>>) {
+        match shares {
+            Some(shares) => self.shares.insert(id, shares),
+            None => self.shares.remove(&id),
+        };
+    }
+
+    /// What was worked out of the shares of a segment; none of one that a threshold made.
+    #[must_use]
+    pub fn shares_of(&self, id: SegmentId) -> Option<&Arc<Shares>> {
+        self.shares.get(&id).filter(|_| self.is_mask(id))
+    }
+
+    /// Whether touch knows of a segment no more than its bits: no threshold on the scan made it.
+    #[must_use]
+    pub fn is_mask(&self, id: SegmentId) -> bool {
+        self.properties_of(id).made_by.is_none() || self.has_own_grid(id)
+    }
+
+    /// Voxels and shares of all obstacles that are where the scan has them.
+    #[must_use]
+    pub fn standing(&self) -> Vec<SharedBits<'_>> {
+        self.obstacles()
+            .filter(|(id, _, _)| self.stands(*id))
+            .map(|(id, segment, _)| SharedBits {
+                bits: segment.occupancy(),
+                shares: self.shares_of(id).map(|shares| &**shares),
+            })
+            .collect()
+    }
+
     /// All obstacles with their properties, by rising number.
     pub fn obstacles(&self) -> impl Iterator<Item = (SegmentId, &Segment, Properties)> {
         self.segments().filter(|(id, _, _)| self.is_obstacle(*id))
@@ -353,7 +391,7 @@ impl Scene {
                         range,
                         values: self.values.clone(),
                     }),
-                shares: None,
+                shares: self.shares_of(id).cloned(),
                 punctured: properties.pose.is_none() && self.punctured.contains(id.0),
             })
             .collect()

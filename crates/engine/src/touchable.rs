@@ -23,7 +23,7 @@ use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
-use palpate_volume::shares::Shares;
+use palpate_volume::shares::{ShareBrick, Shares};
 use palpate_volume::voxel_box::VoxelBox;
 
 use crate::body::BodyVoxels;
@@ -241,6 +241,16 @@ impl Touchable {
     pub fn swap_world(&mut self, swap: &mut BrickSwap<BitBrick>) {
         let changed = self.world.inner().bits.bricks().box_of(swap.index);
         self.world.change(&changed, |voxels| voxels.bits.swap(swap));
+    }
+
+    /// Exchanges a brick of what is known of the shares of the union.
+    pub fn swap_shares(&mut self, swap: &mut BrickSwap<ShareBrick>) {
+        // what a ball can be in follows from bits alone
+        self.world.change(&VoxelBox::EMPTY, |voxels| {
+            if let Some(shares) = &mut voxels.shares {
+                shares.swap_shares(swap);
+            }
+        });
     }
 
     /// Exchanges a brick of a part, if it is there.

@@ -37,10 +37,12 @@ impl<'a> From<&'a Part> for SharedBits<'a> {
 /// The shares of segments of one grid together.
 #[must_use]
 pub fn union_of_shares(dimensions: UVec3, parts: &[SharedBits<'_>]) -> Shares {
-    if let [SharedBits {
-        shares: Some(shares),
-        ..
-    }] = parts
+    if let [
+        SharedBits {
+            shares: Some(shares),
+            ..
+        },
+    ] = parts
     {
         return (*shares).clone();
     }
@@ -97,7 +99,10 @@ fn union_byte(parts: &[&SharedBits<'_>], voxel: IVec3) -> u8 {
     if known == 0 {
         return 0;
     }
-    let mut owners = parts.iter().filter(|part| part.bits.is_solid(voxel)).peekable();
+    let mut owners = parts
+        .iter()
+        .filter(|part| part.bits.is_solid(voxel))
+        .peekable();
     if owners.peek().is_none() {
         return known;
     }
@@ -109,7 +114,9 @@ fn union_byte(parts: &[&SharedBits<'_>], voxel: IVec3) -> u8 {
             !owner.bits.is_solid(beside) && parts.iter().any(|part| other(&part))
         };
         let beside = [IVec3::X, IVec3::Y, IVec3::Z].into_iter();
-        let is_inner = beside.flat_map(|axis| [voxel - axis, voxel + axis]).any(goes_on);
+        let is_inner = beside
+            .flat_map(|axis| [voxel - axis, voxel + axis])
+            .any(goes_on);
         if share_of(own, true).is_none() || is_inner {
             return 0;
         }

@@ -43,7 +43,11 @@ impl ShareBrick {
 #[inline]
 pub fn byte_of(share: f32, solid: bool) -> u8 {
     let byte = (LEAST + STEPS * share.clamp(0.0, 1.0)).round() as u8;
-    if solid { byte.max(HALF) } else { byte.min(HALF) }
+    if solid {
+        byte.max(HALF)
+    } else {
+        byte.min(HALF)
+    }
 }
 
 /// The share that is stored, if it agrees with what the voxel is.

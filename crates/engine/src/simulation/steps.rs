@@ -66,7 +66,7 @@ impl Simulation {
         goes_on: bool,
     ) -> Result<Step, SessionError> {
         let (inverse, change) = self.scene.perform(step)?;
-        self.touch.send_change(&self.scene, &change);
+        self.send_change(&change);
         self.segments_version += 1;
         for news in SceneNews::of(&inverse, &self.scene, &self.labelled) {
             self.voxels_version += u64::from(news.needs_labels());

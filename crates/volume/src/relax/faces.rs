@@ -57,7 +57,10 @@ fn visit_differing(first: &BitBrick, second: &BitBrick, mut tell: impl FnMut(IVe
             let bit = left.trailing_zeros();
             left &= left - 1;
             let place = bit as i32;
-            tell(IVec3::new(place % BRICK, place / BRICK, z), a >> bit & 1 == 1);
+            tell(
+                IVec3::new(place % BRICK, place / BRICK, z),
+                a >> bit & 1 == 1,
+            );
         }
     }
 }

@@ -96,7 +96,13 @@ impl Level {
             let share = known.any_share(*cell)?;
             (!core.contains(*cell)).then_some((number, share))
         };
-        self.held = self.band.cells.iter().enumerate().filter_map(outside).collect();
+        self.held = self
+            .band
+            .cells
+            .iter()
+            .enumerate()
+            .filter_map(outside)
+            .collect();
     }
 
     /// Bends the field straight.
@@ -144,7 +150,11 @@ impl Level {
                 change = change.max((beside - here).abs());
                 let is_other = bits.is_solid(voxel + step) != solid;
                 is_surface |= is_other;
-                way += if is_other { way_to_zero(here, beside) } else { 1.0 };
+                way += if is_other {
+                    way_to_zero(here, beside)
+                } else {
+                    1.0
+                };
             }
             if change > most {
                 (most, ways) = (change, way);
@@ -211,5 +221,9 @@ pub(super) fn weight_of(corner: IVec3, part: Vec3) -> f32 {
 /// The way from the middle of a voxel to zero, of that to the next, on the other side.
 fn way_to_zero(here: f32, beside: f32) -> f32 {
     let fall = here - beside;
-    if fall > 0.0 { (here / fall).clamp(0.0, 1.0) } else { 0.5 }
+    if fall > 0.0 {
+        (here / fall).clamp(0.0, 1.0)
+    } else {
+        0.5
+    }
 }

@@ -11,9 +11,9 @@ use super::level::{Level, corners, weight_of};
 use crate::bits::Bits;
 
 /// Over so many longest voxel sides a surface is smoothed that is known as well as one at 45°.
-const SMOOTHED: f32 = 3.0;
+const SMOOTHED: f32 = 5.0;
 /// A radius from which on a surface is taken for flat, in longest voxel sides.
-const FLAT_RADIUS: f32 = 50.0;
+const FLAT_RADIUS: f32 = 250.0;
 /// Of the sine of an angle; below it the edges of terraces tell no more.
 const EPSILON: f32 = 0.2;
 /// What a flat terrace tells at least, of what a face at 45° does.
@@ -52,8 +52,8 @@ impl Terms {
         let longest = spacing.max_element();
         let area = spacing.element_product() * longest;
         let volume = side.element_product();
-        let cost = ANYWHERE * (SMOOTHED * longest).powi(4) / area * volume
-            / (THICKNESS * volume.cbrt());
+        let cost =
+            ANYWHERE * (SMOOTHED * longest).powi(4) / area * volume / (THICKNESS * volume.cbrt());
         let flat = FLAT_RADIUS * longest;
         let mut terms = Self {
             stiffness: Vec::with_capacity(count),
@@ -61,7 +61,13 @@ impl Terms {
             gradients: (0..count).map(|number| gradient(level, number)).collect(),
         };
         for number in 0..count {
-            let bend = |axis| if is_bent { bend(level, number, axis) } else { 0.0 };
+            let bend = |axis| {
+                if is_bent {
+                    bend(level, number, axis)
+                } else {
+                    0.0
+                }
+            };
             let bends: [f32; 3] = std::array::from_fn(bend);
             let stiffness = |axis: usize| {
                 let relative: f32 = bends[axis] * flat;

@@ -124,7 +124,9 @@ impl Touch {
             limits: touched.limits(),
         };
         match self {
-            Self::Exact | Self::Ball(_) => feel(exact, Smoothing::Intensities, touched, grid, start),
+            Self::Exact | Self::Ball(_) => {
+                feel(exact, Smoothing::Intensities, touched, grid, start)
+            }
             Self::Intensities => feel(exact, Smoothing::Intensities, touched, grid, start),
             Self::Stairs => feel(exact, Smoothing::Off, touched, grid, start),
             Self::ThesisOriginal => {
@@ -143,7 +145,12 @@ impl Touch {
 fn shares_of(solid: &Solid, grid: &Grid) -> Arc<Shares> {
     let mut shares = Shares::unknown(grid.dimensions());
     for region in relax::regions(&solid.bits) {
-        for mut swap in relaxed_shares(&solid.bits, grid.spacing().as_vec3(), &region, &Shares::unknown(grid.dimensions())) {
+        for mut swap in relaxed_shares(
+            &solid.bits,
+            grid.spacing().as_vec3(),
+            &region,
+            &Shares::unknown(grid.dimensions()),
+        ) {
             shares.swap(&mut swap);
         }
     }
