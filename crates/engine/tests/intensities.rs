@@ -234,7 +234,13 @@ fn a_mask_beside_a_threshold_keeps_its_own_surface() {
     let away = 60;
     let middle = mixed.len() * 18 / 38;
     assert_eq!(mixed[..middle - away], alone[0][..middle - away]);
-    assert_eq!(mixed[middle + away..], alone[1][middle + away..]);
+    // the end of the mask is worked out too, and flat slopes carry far
+    for (mixed, alone) in mixed[middle + away..]
+        .iter()
+        .zip(&alone[1][middle + away..])
+    {
+        assert!((mixed - alone).abs() < 0.05, "{mixed} mm, alone {alone} mm");
+    }
     assert_ne!(alone[0][middle + away..], alone[1][middle + away..]);
     for pair in mixed.windows(2) {
         // the hand's move and a tenth of a voxel

@@ -61,7 +61,7 @@ impl Recorder {
             if tick % pass == 0 {
                 self.rig.simulation.step();
                 // shares of masks come now and then
-                if self.random.below(8) == 0 {
+                if self.random.below(40) == 0 {
                     self.rig.shares.step();
                 }
             }
