@@ -137,6 +137,8 @@ impl MaskShares {
         if changed.is_empty() {
             return Vec::new();
         }
+        // nobody else has them now, so that they need not be copied
+        scene.know_shares(id, None);
         let forgotten = kept.forget(&changed);
         scene.know_shares(id, Some(Arc::clone(&kept.shares)));
         self.want_again(id, &changed);
@@ -212,6 +214,7 @@ impl MaskShares {
                 forget_in(swap, &all.intersect(&changed.dilate(1)));
             }
         }
+        scene.know_shares(asked.id, None);
         let shares = Arc::make_mut(&mut kept.shares);
         for swap in &answer {
             shares.swap(&mut swap.clone());
@@ -289,9 +292,11 @@ impl Kept {
                 forget_in(swap, &self.shares.bricks().box_of(index).intersect(&near));
             }
         }
-        let shares = Arc::make_mut(&mut self.shares);
-        for swap in forgotten.values() {
-            shares.swap(&mut swap.clone());
+        if !forgotten.is_empty() {
+            let shares = Arc::make_mut(&mut self.shares);
+            for swap in forgotten.values() {
+                shares.swap(&mut swap.clone());
+            }
         }
         forgotten.into_values().collect()
     }

@@ -23,6 +23,7 @@
 
 mod band;
 mod faces;
+mod flats;
 mod level;
 mod solve;
 mod terms;

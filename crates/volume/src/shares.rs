@@ -4,8 +4,8 @@
 //! stored in sparse bricks of bytes, like bits, and are touched only together with them: a share
 //! that disagrees with the bit of its voxel is no share.
 //!
-//! Memory: a byte for each voxel, x fastest; 0 where nothing is known, else 1 + 254 times the
-//! share. Frame: grid.
+//! Memory: a byte for each voxel, x fastest; 0 where nothing is known, else 1 + 252 times the
+//! share, so that quarters are whole. Frame: grid.
 
 use glam::{IVec3, UVec3};
 
@@ -14,9 +14,9 @@ use crate::grid::is_inside;
 
 /// Bytes of a share of 0 and of one of 1.
 const LEAST: f32 = 1.0;
-const STEPS: f32 = 254.0;
+const STEPS: f32 = 252.0;
 /// The byte of one half: solid voxels have no less, free ones no more.
-const HALF: u8 = 128;
+const HALF: u8 = 127;
 
 /// Shares of 8×8×8 voxels.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -4,6 +4,7 @@ use glam::{IVec3, UVec3, Vec3};
 
 use super::band::Band;
 use super::faces::{AXES, Face, faces_in};
+use super::flats::flat_faces;
 use super::solve::System;
 use super::terms::Terms;
 use super::{MARGIN, cell_of};
@@ -27,6 +28,8 @@ pub(super) struct Level {
     pub(super) spacing: Vec3,
     pub(super) side: Vec3,
     pub(super) faces: Vec<Face>,
+    /// Of the finest level, which faces are as flat as they look.
+    pub(super) flat: Vec<bool>,
     pub(super) band: Band,
     /// [mm], positive inside.
     pub(super) field: Vec<f32>,
@@ -55,11 +58,16 @@ impl Level {
         }
         let cells = faces.iter().flat_map(|face| [face.solid, face.free]);
         let band = Band::around(region, cells.map(|voxel| cell_of(voxel, factor)));
+        let flat = match factor {
+            UVec3::ONE => flat_faces(bits, &voxels, &faces, &band),
+            _ => Vec::new(),
+        };
         Some(Self {
             factor,
             spacing,
             side: spacing * factor.as_vec3(),
             faces,
+            flat,
             field: vec![0.0; band.cells.len()],
             band,
             held: Vec::new(),

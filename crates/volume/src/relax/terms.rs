@@ -17,7 +17,7 @@ const FLAT_RADIUS: f32 = 250.0;
 /// Of the sine of an angle; below it the edges of terraces tell no more.
 const EPSILON: f32 = 0.2;
 /// What a flat terrace tells at least, of what a face at 45° does.
-const TERRACE: f32 = 1e-4;
+const TERRACE: f32 = 0.1;
 /// The same where the surface bends, times a voxel's side over its radius.
 const BENT_TERRACE: f32 = 0.3;
 /// A normal that points farther away from a face's solid side is none.
@@ -91,8 +91,15 @@ impl Terms {
                 sums[number as usize] += weight * target;
             }
         };
-        for face in &level.faces {
-            let (normal, weight) = self.of_face(level, face);
+        let flat = level.flat.iter().copied().chain(std::iter::repeat(false));
+        for (face, is_flat) in level.faces.iter().zip(flat) {
+            let (normal, weight) = match is_flat {
+                true => (
+                    (face.solid - face.free).as_vec3(),
+                    KNOWN * usual_cost(level.spacing),
+                ),
+                false => self.of_face(level, face),
+            };
             let toward = level.spacing[face.axis] * normal[face.axis].abs();
             if level.factor.element_product() == 1 {
                 add(face.solid, 0.5 * toward, 0.5 * weight);
