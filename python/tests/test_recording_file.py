@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from palpate.errors import OptionError, RecordingFormatError
 from palpate.recording import Recording
-from palpate.recording_file import VERSION
+from palpate.recording_file import SINCE_4, VERSION, read_file
 from palpate.scene import Scene
 from palpate.scripted_path import ScriptedPath
 from palpate.session import Session, SessionOptions
@@ -115,6 +115,23 @@ def about_with(**changes: Any) -> Change:
 
 def put(name: str, array: Any) -> Change:
     return lambda members: members.update({f"{name}.npy": packed(array)})
+
+
+def test_a_file_of_before_there_were_shares_is_read(
+    saved: Path, changed: Callable[[Change], Path]
+) -> None:
+    def older(members: dict[str, bytes]) -> None:
+        about_with(version=3)(members)
+        for name in SINCE_4:
+            members.pop(f"{name}.npy")
+
+    old = changed(older)
+    columns, tape, about = read_file(old)
+    assert about.version == 3
+    assert tape is not None
+    assert len(tape["known_index"]) == len(tape["share_ends"]) == 0
+    assert tape["share_bytes"].shape == (0, 512)
+    np.testing.assert_array_equal(columns["force"], read_file(saved)[0]["force"])
 
 
 @pytest.mark.parametrize("share", [0.0, 0.01, 0.5, 0.9, 0.999])

@@ -8,7 +8,7 @@
 use std::error::Error;
 use std::time::Instant;
 
-use glam::{IVec3, UVec3, Vec3};
+use glam::{IVec3, Vec3};
 use palpate_volume::relax::{regions, relaxed_shares};
 use palpate_volume::segment::Segment;
 use palpate_volume::shares::Shares;
@@ -99,6 +99,6 @@ fn hole(mask: &Segment, spacing: Vec3) -> Option<VoxelBox> {
     let slice = VoxelBox::new(all.min.with_z(z), all.max.with_z(z + 1));
     let first = slice.voxels().find(|voxel| mask.contains(*voxel))?;
     let reach = (HOLE / spacing).ceil().as_ivec3();
-    let grid = VoxelBox::of_dimensions(UVec3::from(mask.dimensions()));
+    let grid = VoxelBox::of_dimensions(mask.dimensions());
     Some(VoxelBox::new(first - reach, first + reach + 1).intersect(&grid))
 }

@@ -141,8 +141,8 @@ fn faces_of_a_box_are_flat_and_where_they_are() {
         let segment = Segment::from_fn(dimensions, inside);
         let shares = worked_out(segment.occupancy(), spacing);
         // edges are rounded
-        for x in low.x + 2..high.x - 2 {
-            for y in low.y + 2..high.y - 2 {
+        for x in low.x + 4..high.x - 4 {
+            for y in low.y + 4..high.y - 4 {
                 let top = IVec3::new(x, y, high.z - 1);
                 let count =
                     shares.share(top, true).unwrap() + shares.share(top + IVec3::Z, false).unwrap();

@@ -28,6 +28,8 @@ const RISING: f32 = 0.2;
 const WRONG_SIDE: f32 = 1.0;
 /// What being off a share that is known costs, of the same.
 const KNOWN: f32 = 100.0;
+/// What being off a flat face costs: more than stiffness, so that it ends with its last voxel.
+const FLAT: f32 = 1e4;
 /// One over the mean square of a way that is anywhere in 0 to 1, from its middle.
 const ANYWHERE: f32 = 12.0;
 /// Cells that the band is thick.
@@ -96,7 +98,7 @@ impl Terms {
             let (normal, weight) = match is_flat {
                 true => (
                     (face.solid - face.free).as_vec3(),
-                    KNOWN * usual_cost(level.spacing),
+                    FLAT * usual_cost(level.spacing),
                 ),
                 false => self.of_face(level, face),
             };
