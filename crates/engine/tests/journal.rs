@@ -156,10 +156,6 @@ fn the_journal_of_another_scan_changes_nothing() {
     assert!(error.unwrap_err().to_string().contains("exists already"));
 }
 
-fn shifted(by: DVec3) -> DAffine3 {
-    DAffine3::from_translation(by)
-}
-
 /// What is known of all segments: numbers, voxels, touchability, ranges, feel, poses, grids.
 fn states(rig: &Rig) -> Vec<String> {
     let states = rig.simulation.segments().into_iter();
