@@ -76,7 +76,7 @@ fn a_changed_byte_ends_it_at_its_record_and_zeros_at_the_end_are_passed_over() {
     let mut bytes = whole.clone();
     bytes.extend([0; 100]);
     fs::write(&damaged.0, &bytes).expect("room");
-    let (voxels, found) = recovered(&damaged, dimensions);
+    let (_, found) = recovered(&damaged, dimensions);
     assert_eq!(
         (found.valid_bytes, found.ignored_bytes),
         (whole.len() as u64, 100)
@@ -133,7 +133,7 @@ fn a_journal_of_version_1_is_read_and_gone_on_with_and_unknown_versions_are_refu
     let of_version = |version| journal_of(&head_of_version(&whole[..60], version), &records);
 
     fs::write(&place.0, of_version(1)).expect("room");
-    let (voxels, found) = recovered(&place, dimensions);
+    let (mut voxels, found) = recovered(&place, dimensions);
     assert_eq!((found.steps, found.ignored_bytes), (12, 0));
     assert!(Dense::of(&voxels) == Dense::of(&session.voxels));
     let mut file = JournalFile::resume(&place.0, &found, &voxels).expect("its end");

@@ -88,7 +88,7 @@ fn a_full_disk_is_told_of_once_and_the_session_goes_on() {
 
     let place = Place::new("full");
     fs::write(&place.0, &*written.lock().expect("no panic")).expect("room");
-    let (voxels, found) = recovered(&place, dimensions);
+    let (_, found) = recovered(&place, dimensions);
     assert!(found.steps > 0 && found.valid_bytes <= 4000, "{found:?}");
 }
 
