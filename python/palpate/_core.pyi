@@ -30,6 +30,7 @@ __all__ = [
 ]
 
 _Triple = tuple[float, float, float]
+_PaintedLine = tuple[NDArray[np.float64], _Triple, _Triple, bool]
 _Voxel = tuple[int, int, int]
 _Range = tuple[float, float]
 _Tissue = tuple[float, float, float, float, float, float, float, float]
@@ -171,24 +172,10 @@ class Session:
     def cut(self, segment_id: int, point: _Triple, normal: _Triple) -> int:
         """Parts a segment by a plane; returns the number of the part before it."""
 
-    def cut_along(
-        self,
-        segment_id: int,
-        line: NDArray[np.float64],
-        eye: _Triple,
-        view: _Triple,
-        closed: bool,
-    ) -> int:
+    def cut_along(self, segment_id: int, line: _PaintedLine) -> int:
         """Parts a segment along a painted line; returns the number of the smaller part."""
 
-    def preview_cut(
-        self,
-        segment_id: int,
-        line: NDArray[np.float64],
-        eye: _Triple,
-        view: _Triple,
-        closed: bool,
-    ) -> list[float]:
+    def preview_cut(self, segment_id: int, line: _PaintedLine) -> list[float]:
         """Volumes of the larger and the smaller part [mm³]."""
 
     def gap(self, from_id: int, to_id: int) -> _Triple:

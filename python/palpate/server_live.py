@@ -99,7 +99,8 @@ class Live:
             pass
         finally:
             self._outboxes.discard(outbox)
-            self._follow_edits(outbox, 1)
+            self._paces.pop(outbox, None)
+            self._follow_edits()
             if not self._outboxes:
                 # nobody looks at the gap any more, nor lets go of what is in the hand
                 self._gaps.choose(None)
@@ -203,7 +204,8 @@ class Live:
                 case protocol.Threshold():
                     self._thresholds.ask(message)
                 case protocol.FollowEdits(every):
-                    self._follow_edits(outbox, every)
+                    self._paces[outbox] = every
+                    self._follow_edits()
                 case protocol.Stroke(on):
                     await asyncio.to_thread(self.session.stroke, on=on)
                     self._presses = outbox if on else None
@@ -226,12 +228,9 @@ class Live:
         ticks: int = self.session.lateness()["servo"]["ticks"]
         return ticks + 1
 
-    def _follow_edits(self, outbox: Outbox, every: int) -> None:
-        """Takes the pace of a page; the slowest page sets that of the engine."""
-        self._paces[outbox] = every
-        self.session.follow_edits(max(self._paces.values()))
-        if every == 1:
-            del self._paces[outbox]
+    def _follow_edits(self) -> None:
+        """Has the engine follow edits at the pace of the slowest page."""
+        self.session.follow_edits(max(self._paces.values(), default=1))
 
     def _release(self) -> None:
         self._presses = None

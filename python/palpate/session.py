@@ -269,7 +269,7 @@ class Session:
             OptionError: The line is none, or leaves all of the segment on one side.
         """
         with _given():
-            return self._internal.cut_along(segment_id, *cut.given())
+            return self._internal.cut_along(segment_id, cut.given())
 
     def preview_cut(self, segment_id: int, cut: PaintedCut) -> tuple[float, float]:
         """Returns the volumes of the parts that ``cut_along`` would make, larger first [ml].
@@ -278,7 +278,7 @@ class Session:
             OptionError: The line is none, or leaves all of the segment on one side.
         """
         with _given():
-            larger, smaller = self._internal.preview_cut(segment_id, *cut.given())
+            larger, smaller = self._internal.preview_cut(segment_id, cut.given())
             return larger / 1000.0, smaller / 1000.0
 
     def gap(self, segment_id: int, other_id: int) -> Gap:

@@ -9,13 +9,16 @@ mod bench;
 mod bench_passivity;
 mod bench_quality;
 mod bench_stress;
+mod device;
 mod errors;
 mod frame;
 mod material;
 mod needle;
+mod painted;
 mod phantom;
 mod picture;
 mod recording;
+mod running;
 mod segment;
 mod session;
 mod settings;
@@ -58,7 +61,7 @@ mod _core {
     /// A program that ends without stopping its sessions must not leave a force behind.
     #[pymodule_init]
     fn stop_sessions_at_exit(module: &Bound<'_, PyModule>) -> PyResult<()> {
-        let stop_all = wrap_pyfunction!(super::session::stop_all, module)?;
+        let stop_all = wrap_pyfunction!(super::running::stop_all, module)?;
         let atexit = module.py().import("atexit")?;
         atexit.call_method1("register", (stop_all,))?;
         Ok(())

@@ -21,54 +21,10 @@ pub type Figures = [f64; 8];
 /// The presets by name.
 #[pyfunction]
 pub fn needle_tissues() -> Vec<(&'static str, Figures)> {
-    let figures = |(name, tissue): (&'static str, Tissue)| {
-        let Tissue {
-            linear,
-            quadratic,
-            puncture,
-            cutting,
-            friction,
-            lateral,
-            relaxation,
-            relaxation_secs,
-        } = tissue;
-        let figures = [
-            linear,
-            quadratic,
-            puncture,
-            cutting,
-            friction,
-            lateral,
-            relaxation,
-            relaxation_secs,
-        ];
-        (name, figures)
-    };
-    Tissue::PRESETS.into_iter().map(figures).collect()
-}
-
-/// A tissue of its figures.
-pub fn tissue_of(figures: Figures) -> Tissue {
-    let [
-        linear,
-        quadratic,
-        puncture,
-        cutting,
-        friction,
-        lateral,
-        relaxation,
-        relaxation_secs,
-    ] = figures;
-    Tissue {
-        linear,
-        quadratic,
-        puncture,
-        cutting,
-        friction,
-        lateral,
-        relaxation,
-        relaxation_secs,
-    }
+    let presets = Tissue::PRESETS.into_iter();
+    presets
+        .map(|(name, tissue)| (name, tissue.figures()))
+        .collect()
 }
 
 /// Drives a needle into layers; those without a tissue are hard. Samples are arrays of one value
@@ -102,7 +58,7 @@ pub fn drive_a_needle<'py>(
         .iter()
         .map(|(segment, figures)| NeedleLayer {
             segment: segment.segment.clone(),
-            tissue: figures.map(tissue_of),
+            tissue: figures.map(Tissue::of_figures),
         })
         .collect();
     let (grid, values) = (volume.grid, volume.intensities.clone());

@@ -6,12 +6,13 @@ use palpate_tools::specific_energy::SpecificEnergy;
 use palpate_tools::tool::{ToolKind, ToolSettings};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::matter::SegmentSet;
+use palpate_volume::tissue::Tissue;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::errors::CoreError;
 use crate::frame::dictionary;
-use crate::needle::{Figures, tissue_of};
+use crate::needle::Figures;
 
 /// A tool by its name; `energy` is the drill's work per volume, none that of bone by HU; `tissues` are
 /// those of a needle.
@@ -33,7 +34,7 @@ pub fn tool_settings(
             specific_energy: energy.map_or(usual.specific_energy, SpecificEnergy::Everywhere),
             ..usual
         },
-        tissues: tissues.into_iter().map(tissue_of).collect(),
+        tissues: tissues.into_iter().map(Tissue::of_figures).collect(),
         spared: SegmentSet::EMPTY,
     })
 }
