@@ -7,15 +7,14 @@ use palpate_volume::material::LocalContact;
 use super::border::Border;
 use super::inelastic::{Breaking, Inelastic, InelasticSettings};
 use super::moduli::POISSON_RANGE;
-use super::nodes::Lattice;
+use super::nodes::{Lattice, NodeMatter};
 use super::relax::{RelaxSettings, Relaxer};
 use super::resample::{matter_of_node, node_near, node_place};
 use super::tool_contact::{LatticeTool, ToolForce};
+use crate::displacement::Displacement;
 use crate::material::Materials;
-use crate::model::{
-    DeformationModel, DisplacementField, ModelAnswer, ModelEvent, ModelInput, ToolContact,
-    ToolState,
-};
+use crate::model::{DeformationModel, ModelAnswer, ModelEvent, ModelInput, ToolContact, ToolState};
+use crate::rest_matter::Ledger;
 
 /// How far the tool may be from the middle of the box before the box follows [nodes].
 const LEASH: i32 = 2;
@@ -23,6 +22,10 @@ const LEASH: i32 = 2;
 const ROUNDS: u32 = 4;
 /// How far from the tool's place its contact holds [spacings].
 const VALIDITY: f64 = 0.5;
+/// Share of the box's half width over which voxels and picture fade to the unmoved body.
+const FADING: f64 = 0.4;
+/// Displacement that is seen [spacings].
+const SEEN: f64 = 0.01;
 
 /// How the lattice works.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,6 +60,7 @@ pub struct LatticeModel {
     bonds_broken: u64,
     work_broken: f64,
     told_poisson: bool,
+    ledger: Ledger,
 }
 
 /// A box of nodes and where it stands.
@@ -225,7 +229,10 @@ impl DeformationModel for LatticeModel {
         }
         if let Some(matter) = &self.matter {
             answer.report.nodes = matter.lattice.matter_nodes().count() as u32;
-            answer.displacement = Some(matter.displacement());
+            let least = SEEN * matter.lattice.spacing();
+            answer.displacement = matter
+                .displacement()
+                .told(&matter.grid, &self.ledger, least);
         }
         answer
     }
@@ -308,19 +315,24 @@ impl MovingBox {
         })
     }
 
-    fn displacement(&self) -> DisplacementField {
-        let direction = self.grid.direction();
+    /// How far matter has moved, less and less toward the border of the box, where the picture
+    /// of the body behind it begins.
+    fn displacement(&self) -> Displacement {
         let layout = self.lattice.layout();
-        DisplacementField {
-            origin: self.patient_place(DVec3::ZERO),
-            axes: direction,
-            spacing: self.lattice.spacing(),
-            size: layout.size(),
-            moved: layout
-                .nodes()
-                .map(|(_, index)| (direction * self.lattice.moved(index)).as_vec3())
-                .collect(),
-        }
+        let middle = 0.5 * (layout.size().as_dvec3() - 1.0);
+        let moved = |(node, index): (UVec3, usize)| {
+            let out = ((node.as_dvec3() - middle) / middle).abs().max_element();
+            let share = ((1.0 - out) / FADING).min(1.0);
+            let is_matter = *self.lattice.matter(index) != NodeMatter::Empty;
+            is_matter.then(|| self.lattice.moved(index) * (share * share * (3.0 - 2.0 * share)))
+        };
+        let spacing = self.lattice.spacing();
+        Displacement::new(
+            node_place(self.origin, spacing),
+            spacing,
+            layout.size(),
+            layout.nodes().map(moved).collect(),
+        )
     }
 }
 

@@ -15,8 +15,8 @@ use palpate_volume::matter::{Matter, SegmentSet};
 use palpate_volume::voxel_box::VoxelBox;
 use palpate_volume::voxels::Voxels;
 
-use super::rest_matter::{Changed, Ledger, matter_of};
 use super::state::Particles;
+use crate::rest_matter::{Changed, Ledger, matter_of};
 
 /// Share of its particles below which a voxel is cleared.
 const CLEAR_BELOW: f64 = 0.5;
@@ -39,6 +39,8 @@ struct Standing {
     at_rest: u32,
     stored: i64,
     from_elsewhere: bool,
+    /// How far they have come, in sum [voxels].
+    come: DVec3,
     nearest: f64,
     segments: SegmentSet,
 }
@@ -49,12 +51,19 @@ impl Standing {
         at_rest: 0,
         stored: 0,
         from_elsewhere: false,
+        come: DVec3::ZERO,
         nearest: f64::INFINITY,
         segments: SegmentSet::EMPTY,
     };
 
     fn is_as_at_rest(&self) -> bool {
         self.count == self.at_rest && !self.from_elsewhere
+    }
+
+    /// How far what a voxel shows has come [voxels]; none where it shows no matter.
+    fn shown(&self, matter: &Matter) -> Option<DVec3> {
+        let mean = self.come / f64::from(self.count.max(1));
+        (!matter.segments.is_empty()).then_some(mean)
     }
 }
 
@@ -88,6 +97,7 @@ impl WriteBack {
                         rest,
                         before: now,
                         written: matter,
+                        shown: standing.shown(&matter),
                     },
                 );
             } else if matter == rest {
@@ -164,6 +174,7 @@ fn gather(voxels: &Voxels, particles: &Particles, region: &VoxelBox) -> Vec<Stan
         here.count += 1;
         here.stored += i64::from(origin.matter.stored);
         here.from_elsewhere |= moved != IVec3::ZERO;
+        here.come += moved.as_dvec3();
         let distance = position.distance_squared((voxel.as_dvec3() + 0.5) * spacing);
         if distance < here.nearest {
             (here.nearest, here.segments) = (distance, origin.matter.segments);
@@ -193,6 +204,7 @@ fn give_back_elsewhere(
                         rest,
                         before: now,
                         written: rest,
+                        shown: Some(DVec3::ZERO),
                     },
                 );
             }

@@ -1,8 +1,12 @@
-//! What a voxel is at rest: its matter before this model moved anything.
+//! What a voxel is at rest: its matter before a model moved anything.
+//!
+//! The voxels of a session are the true ones, those that the model itself moved among them. A
+//! ledger keeps what these were, so that matter comes back to the bit, and notices where
+//! somebody else has changed them since: that counts from then on.
 
 use std::collections::BTreeMap;
 
-use glam::IVec3;
+use glam::{DVec3, IVec3};
 use palpate_volume::matter::{Matter, SegmentSet};
 use palpate_volume::voxels::Voxels;
 
@@ -50,6 +54,8 @@ pub struct Changed {
     pub before: Matter,
     /// As the model wrote it.
     pub written: Matter,
+    /// How far the matter that it shows has come from rest [voxels]; none where it shows none.
+    pub shown: Option<DVec3>,
 }
 
 /// All voxels that the model changed and has not given back, by their place.
