@@ -16,6 +16,8 @@ use crate::rest_matter::Ledger;
 const BESIDE: [f64; 4] = [1.0, 0.75, 0.5, 0.25];
 /// Steps of Newton toward the place at rest.
 const STEPS: u32 = 12;
+/// Layers of voxels that are looked for beyond a face, at most.
+const MOST_HIDDEN: u32 = 8;
 /// How near the place at rest is found [spacings].
 const NEAR: f64 = 1e-3;
 
@@ -78,8 +80,12 @@ impl Displacement {
     /// What the voxels do not show yet, the ledger's last edit taken in; none where that is
     /// below `least` everywhere.
     pub fn told(&self, grid: &Grid, ledger: &Ledger, least: f64) -> Option<DisplacementField> {
-        let left = (0..self.moved.len()).map(|index| self.left_at(grid, ledger, index));
-        let left = continued(self.size, left.collect());
+        let view = Shown::new(self, grid.spacing(), ledger);
+        let nodes = 0..self.moved.len();
+        let left: Vec<_> = nodes.clone().map(|node| view.left_at(node)).collect();
+        let beside = |node: usize| left[node].or_else(|| view.left_beside(node, &left));
+        let left = nodes.map(beside).collect();
+        let left = continued(self.size, left);
         let seen = left.iter().any(|left| left.length() >= least);
         let axes = grid.direction();
         let in_voxels = self.first / grid.spacing();
@@ -92,16 +98,15 @@ impl Displacement {
         })
     }
 
-    /// What is left to show at a node; none where no matter is shown.
-    fn left_at(&self, grid: &Grid, ledger: &Ledger, index: usize) -> Option<DVec3> {
-        let node = node_at(self.size, index);
-        let place = self.first + node.as_dvec3() * self.spacing;
-        let voxel = (place / grid.spacing()).floor().as_ivec3();
-        let Some(changed) = ledger.0.get(&voxel.to_array()) else {
-            return self.has_matter[index].then_some(self.moved[index]);
-        };
-        let shown = changed.shown? * grid.spacing();
-        Some(self.at(place - shown) - shown)
+    fn place_of(&self, node: usize) -> DVec3 {
+        self.first + node_at(self.size, node).as_dvec3() * self.spacing
+    }
+
+    /// Whether matter at rest is at a place.
+    fn has_matter_at(&self, rest: DVec3) -> bool {
+        let node = ((rest - self.first) / self.spacing).round().as_ivec3();
+        let inside = node.cmpge(IVec3::ZERO).all() && node.cmplt(self.size.as_ivec3()).all();
+        inside && self.has_matter[index_of(self.size, node)]
     }
 
     fn cell(&self, rest: DVec3) -> Option<Cell> {
@@ -119,6 +124,81 @@ impl Displacement {
             corners: std::array::from_fn(node),
             share: at - low.as_dvec3(),
         })
+    }
+}
+
+/// A field of displacements and the voxels that show a part of it.
+struct Shown<'a> {
+    field: &'a Displacement,
+    /// Of the voxels.
+    spacing: DVec3,
+    /// How far the matter that the voxel of a node shows has come from rest; none where it
+    /// shows none.
+    shown: Vec<Option<DVec3>>,
+}
+
+impl<'a> Shown<'a> {
+    fn new(field: &'a Displacement, spacing: DVec3, ledger: &Ledger) -> Self {
+        let mut view = Self {
+            field,
+            spacing,
+            shown: Vec::new(),
+        };
+        let shown = |node: usize| match ledger.changed(view.voxel_of(node)) {
+            Some(changed) => changed.shown.map(|shown| shown * spacing),
+            None => field.has_matter[node].then_some(DVec3::ZERO),
+        };
+        view.shown = (0..field.moved.len()).map(shown).collect();
+        view
+    }
+
+    fn voxel_of(&self, node: usize) -> IVec3 {
+        (self.field.place_of(node) / self.spacing)
+            .floor()
+            .as_ivec3()
+    }
+
+    /// What is left to show of the matter that is shown at a node.
+    fn left_at(&self, node: usize) -> Option<DVec3> {
+        let shown = self.shown[node]?;
+        Some(self.field.at(self.field.place_of(node) - shown) - shown)
+    }
+
+    /// For an empty node, the value that brings the face which is shown beside it to where the
+    /// face of matter is: the mean over the nodes beside it that show matter.
+    fn left_beside(&self, node: usize, left: &[Option<DVec3>]) -> Option<DVec3> {
+        let (mut sum, mut count) = (DVec3::ZERO, 0.0);
+        for near in neighbours(self.field.size, node) {
+            let Some((shown, left)) = self.shown[near].zip(left[near]) else {
+                continue;
+            };
+            let step = node_at(self.field.size, node) - node_at(self.field.size, near);
+            let (place, toward) = (self.field.place_of(near), step.as_dvec3());
+            let face = self.face_of(self.voxel_of(near), place, toward);
+            let left_at_face = self.face_at_rest(place - shown, face - shown, toward);
+            let left_at_face = left_at_face + self.field.at(left_at_face) - face;
+            // a face just beside the node would throw the value far away
+            let way = (face - place).dot(toward) / self.field.spacing;
+            sum += left + (left_at_face - left) / way.clamp(0.5, 1.0);
+            count += 1.0;
+        }
+        (count > 0.0).then(|| sum / count)
+    }
+
+    /// Where the line from a place in a voxel leaves it.
+    fn face_of(&self, voxel: IVec3, place: DVec3, toward: DVec3) -> DVec3 {
+        let end = (voxel.as_dvec3() + toward.max(DVec3::ZERO)) * self.spacing;
+        DVec3::select(toward.cmpeq(DVec3::ZERO), place, end)
+    }
+
+    /// Where matter ends at rest, beyond the face of a voxel of it: layers that are pressed flat
+    /// are shown by no voxel.
+    fn face_at_rest(&self, place: DVec3, face: DVec3, toward: DVec3) -> DVec3 {
+        let layer = toward * self.spacing;
+        let hidden = (1..=MOST_HIDDEN)
+            .take_while(|&n| self.field.has_matter_at(place + layer * f64::from(n)))
+            .count();
+        face + layer * hidden as f64
     }
 }
 

@@ -180,6 +180,8 @@ pub struct ModelReport {
     pub residual: f64,
     /// Nodes or particles that take part.
     pub nodes: u32,
+    /// Voxels that are not as they were at rest.
+    pub moved_voxels: u32,
     /// Bonds broken since the start.
     pub bonds_broken: u64,
     /// Work that breaking them took since the start [N·mm].
@@ -206,7 +208,8 @@ pub trait DeformationModel: Send + fmt::Debug {
     /// Brings matter to rest, or one step further, with the tools where they are now.
     fn advance(&mut self, input: &ModelInput<'_>) -> ModelAnswer;
 
-    /// Forgets all displacements, as after undo or a change of the materials.
+    /// Forgets all displacements and what broke, as after undo or a change of the materials.
+    /// What it wrote into voxels, and still stands there, the next answers give back.
     fn reset(&mut self);
 }
 

@@ -9,8 +9,6 @@
 //!
 //! Frame: mm along the axes of the grid. Source: thesis 5.26.
 
-use std::collections::BTreeMap;
-
 use glam::{DVec3, IVec3, UVec3};
 use palpate_volume::edit::Edit;
 use palpate_volume::grid::Grid;
@@ -28,7 +26,7 @@ use super::tool_push::ParticleTool;
 use crate::displacement::Displacement;
 use crate::material::{Materials, Treatment};
 use crate::model::{Budget, DeformationModel, ModelAnswer, ModelEvent, ModelInput};
-use crate::rest_matter::{Changed, Ledger, matter_of, solid_of};
+use crate::rest_matter::{Ledger, Wanted, solid_of};
 
 /// Steps in which particles come to rest before the first call is answered.
 const SETTLING: u32 = 200;
@@ -227,6 +225,7 @@ impl GlobalState {
         }
         self.seen_edit = voxels.edit_number();
         let ledger = &mut self.ledger;
+        ledger.take_overruled(voxels);
         let origins = &self.body.system.particles.origins;
         let mut gone = Vec::with_capacity(origins.len());
         for origin in origins {
@@ -301,14 +300,11 @@ impl GlobalState {
             stored: air.round() as i16,
             segments: Default::default(),
         };
-        let mut wanted: Wanted = BTreeMap::new();
+        let mut wanted = Wanted::new();
 
         // what was changed and is no longer moved goes back to rest
-        for key in self.ledger.0.keys().copied().collect::<Vec<_>>() {
-            if let Some(rest) = self.ledger.rest(voxels, IVec3::from_array(key)) {
-                wanted.insert(key, (rest, Some(DVec3::ZERO)));
-            }
-        }
+        self.ledger
+            .give_back_outside(voxels, &VoxelBox::EMPTY, &mut wanted);
         if let Some(field) = field {
             for (voxel, moved) in field.region.voxels().zip(&field.moved) {
                 if moved.length_squared() <= least {
@@ -330,45 +326,9 @@ impl GlobalState {
                 wanted.insert(voxel.to_array(), matter);
             }
         }
-        self.commit(voxels, &wanted)
-    }
-
-    /// Writes what differs, and remembers it.
-    fn commit(&mut self, voxels: &Voxels, wanted: &Wanted) -> Option<Edit> {
-        let mut region = VoxelBox::EMPTY;
-        for (&key, &(matter, shown)) in wanted {
-            let voxel = IVec3::from_array(key);
-            let (Some(rest), Some(now)) =
-                (self.ledger.rest(voxels, voxel), matter_of(voxels, voxel))
-            else {
-                continue;
-            };
-            if matter != now {
-                region = region.union(&VoxelBox::of_voxel(voxel));
-                self.ledger.0.insert(
-                    key,
-                    Changed {
-                        rest,
-                        before: now,
-                        written: matter,
-                        shown,
-                    },
-                );
-            } else if matter == rest {
-                self.ledger.0.remove(&key);
-            }
-        }
-        let edit = voxels.matter_edit(&region, |voxel, was| {
-            wanted
-                .get(&voxel.to_array())
-                .map_or(was, |(matter, _)| *matter)
-        });
-        (!edit.is_empty()).then_some(edit)
+        self.ledger.write(voxels, &wanted)
     }
 }
-
-/// What voxels are to be, and how far what they show has come [voxels].
-type Wanted = BTreeMap<[i32; 3], (Matter, Option<DVec3>)>;
 
 /// Displacements of the voxels of a region, x fastest [mm along the axes of the grid].
 struct Field {

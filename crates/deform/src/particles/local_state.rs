@@ -108,14 +108,9 @@ impl<L: LocalLaw> LocalState<L> {
         self.seen_edit = Some(number);
         let spacing = self.body.grid.spacing();
         let voxels = input.voxels;
-        let mut overruled = Vec::new();
-        for key in self.ledger.0.keys().copied().collect::<Vec<_>>() {
-            self.ledger.rest(voxels, IVec3::from_array(key));
-            if !self.ledger.0.contains_key(&key) {
-                overruled.push(IVec3::from_array(key));
-            }
-        }
-        let ledger = &mut self.ledger;
+        let overruled = self.ledger.take_overruled(voxels);
+        let overruled: Vec<_> = overruled.iter().map(|(voxel, ..)| *voxel).collect();
+        let ledger = &self.ledger;
         let mut gone: Vec<bool> = Vec::with_capacity(self.body.system.particles.len());
         // particles of one voxel lie side by side, and are asked for once
         let mut asked: Option<(IVec3, bool)> = None;
