@@ -19,11 +19,13 @@ __all__ = [
     "bench_stress",
     "bench_touch_quality",
     "build",
+    "drive_drill",
     "drive_needle",
     "needle_tissues",
     "passivity_devices",
     "phantom",
     "phantom_bones",
+    "press",
     "replay_recording",
     "touch_quality_cases",
     "voxelise_mesh",
@@ -34,6 +36,7 @@ _PaintedLine = tuple[NDArray[np.float64], _Triple, _Triple, bool]
 _Voxel = tuple[int, int, int]
 _Range = tuple[float, float]
 _Tissue = tuple[float, float, float, float, float, float, float, float]
+_Drive = tuple[_Triple, _Triple, float, float, float, float]
 _Columns = dict[str, NDArray[Any]]
 
 class Volume:
@@ -298,6 +301,12 @@ class Session:
         [mJ/mm³]; None is -1000 and bone by HU.
         """
 
+    def needle_events(self) -> list[tuple[str, int, float, float, float]]:
+        """Kind, segment, time [s], depth [mm], force [N] of what happened to the needle."""
+
+    def withdraw_needle(self) -> bool:
+        """Takes the needle out on the way that it went in; False where none is in."""
+
     def stroke(self, on: bool) -> None:
         """Begins a stroke of the chosen tool, or ends it."""
 
@@ -553,24 +562,29 @@ def needle_tissues() -> list[tuple[str, _Tissue]]:
     """Tissues by name, each by the figures of ``palpate.needle.Tissue`` in their order."""
 
 def drive_needle(
-    volume: Volume,
-    layers: list[tuple[Segment, _Tissue | None]],
-    start: tuple[float, float, float],
-    target: tuple[float, float, float],
-    speed: float,
-    force_limit: float,
-    rest_secs: float,
-    stiffness: float,
+    volume: Volume, layers: list[tuple[Segment, _Tissue | None]], drive: _Drive
 ) -> dict[str, Any]:
-    """Drives a needle from a point [mm] to another one through layers; without a tissue it is hard.
+    """Drives a needle through layers; without a tissue they are hard."""
 
-    Returns:
-        Arrays of one value a tick, ``events``, ``wall_at`` and ``violations``; see
-        ``palpate.needle.NeedleRun``.
+def drive_drill(
+    volume: Volume,
+    bone: Segment,
+    drive: _Drive,
+    radius: float,
+    air: float | None,
+    energy: float | None,
+) -> dict[str, Any]:
+    """Drives a drill of a radius [mm] into bone."""
 
-    Raises:
-        ValueError: Something given is not allowed.
-    """
+def press(
+    volume: Volume,
+    layers: list[tuple[Segment, str | None]],
+    drive: _Drive,
+    deepest: float,
+    radius: float,
+    model: str,
+) -> dict[str, Any]:
+    """Presses a ball so far along its way [mm] into layers; without a material they are hard."""
 
 def touch_quality_cases() -> list[str]:
     """Names of the cases of ``bench_touch_quality``, in the order of their report."""

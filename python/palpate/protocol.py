@@ -61,6 +61,13 @@ SmoothingDegree = Annotated[int, msgspec.Meta(ge=0, le=12)]
 ToolKind = Literal["none", "eraser", "adder", "drill", "needle"]
 """What the probe does to voxels while it is pressed; none leaves them as they are."""
 
+TissueName = Literal["skin", "fat", "muscle", "liver"]
+"""What a segment is for a needle; bone is none of them, since no needle punctures it."""
+
+NeedleEventKind = Literal["punctured", "crossed", "stopped", "withdrawn"]
+"""What happens to a needle: it goes into a segment, comes into one that it has punctured or out of
+all, comes to one that stops it, or is out."""
+
 Index = Annotated[int, msgspec.Meta(ge=-(2**31), lt=2**31)]
 """A voxel's or a patch's place along one axis."""
 
@@ -236,6 +243,23 @@ class ToolState(msgspec.Struct, frozen=True):
     undo_budget: int
 
 
+class NeedleState(msgspec.Struct, frozen=True):
+    """A needle, where it is the tool in the hand or still in.
+
+    ``depth`` is how far its tip is from where it went in [mm], ``segment`` the one at the tip, 0
+    for none. ``tip`` and ``friction`` are the forces at tip and shaft, ``wall`` that of what no
+    needle punctures [N]. ``events`` counts what ``NeedleEvents`` tells.
+    """
+
+    inside: bool
+    depth: float
+    segment: int
+    tip: float
+    friction: float
+    wall: float
+    events: int
+
+
 class DeviceLimits(msgspec.Struct, frozen=True):
     """What a device bears: settings that ask for more are cut to it.
 
@@ -298,6 +322,7 @@ class State(Message, frozen=True, tag="state"):
     can_undo: bool
     can_redo: bool
     tool: ToolState
+    needle: NeedleState
     rates: Rates
     safety: Safety
     recording: float | None
@@ -309,6 +334,25 @@ class Segments(Message, frozen=True, tag="segments"):
 
     segments: list[Segment]
     labels: int
+
+
+class NeedleEvent(msgspec.Struct, frozen=True):
+    """What happened to a needle at a time [s], in a segment, 0 for none.
+
+    ``depth`` is from where it went in [mm], ``force`` that at its tip [N].
+    """
+
+    kind: NeedleEventKind
+    segment: int
+    time: float
+    depth: float
+    force: float
+
+
+class NeedleEvents(Message, frozen=True, tag="needle_events"):
+    """What happened to the needle since it was taken in the hand, oldest first, the newest 100."""
+
+    events: list[NeedleEvent]
 
 
 class SurfacePatch(msgspec.Struct, frozen=True):
@@ -443,6 +487,7 @@ ToPage = (
     | Notice
     | Gap
     | CutPreview
+    | NeedleEvents
     | Passed
 )
 
@@ -593,11 +638,19 @@ class Fence(Message, frozen=True, tag="fence"):
 
 
 class Tool(Message, frozen=True, tag="tool"):
-    """Chooses the tool for the next strokes: the radius of its ball [mm], and what it changes."""
+    """Chooses the tool for the next strokes: the radius of its ball [mm], and what it changes.
+
+    Of a needle the radius is its own, and ``tissues`` say what each of its segments is.
+    """
 
     kind: ToolKind
     radius: Annotated[float, msgspec.Meta(gt=0.0, le=50.0)]
     segments: list[SegmentId]
+    tissues: list[TissueName] = []
+
+
+class WithdrawNeedle(Message, frozen=True, tag="withdraw_needle"):
+    """Takes the needle out on the way that it went in."""
 
 
 class Stroke(Message, frozen=True, tag="stroke"):
@@ -640,6 +693,7 @@ FromPage = (
     | ChangeSettings
     | Fence
     | Tool
+    | WithdrawNeedle
     | Stroke
     | Recover
     | Undo

@@ -18,9 +18,11 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from palpate import protocol
 from palpate.errors import OptionError, PalpateError
 from palpate.journal import Journal
+from palpate.needle import TISSUES
 from palpate.painted_cut import PaintedCut
 from palpate.server_changes import messages_of
 from palpate.server_gap import GapWatch
+from palpate.server_needle import ToldNeedle
 from palpate.server_outbox import Missed, Outbox
 from palpate.server_picture import ToldPicture, labels_anew
 from palpate.server_recording import Recorder
@@ -63,6 +65,7 @@ class Live:
         self._thresholds = ThresholdJobs(self._make_threshold)
         self._presses: Outbox | None = None
         self._paces: dict[Outbox, int] = {}
+        self._needle = ToldNeedle(session)
         self._gaps = GapWatch(session, self._from_threads.put)
         self._scene_of_now: object = None
 
@@ -138,6 +141,9 @@ class Live:
             for text in self.segments.take_notices():
                 self._tell(protocol.Notice(level="info", text=text))
         self._tell_changes()
+        needle = self._needle.message(frame["needle"]["events"])
+        if needle is not None:
+            self._tell(needle)
         try:
             state = msgspec.convert(frame, protocol.State)
         except msgspec.ValidationError as error:
@@ -245,9 +251,14 @@ class Live:
                 self.session.view(right=right, up=up)
             case protocol.Clutch(on):
                 self.session.clutch(on=on)
-            case protocol.Tool(kind, radius, segment_ids):
+            case protocol.Tool(kind, radius, segment_ids, names):
                 chosen = None if kind == "none" else kind
-                self.session.set_tool(chosen, radius=radius, segment_ids=segment_ids)
+                tissues = [TISSUES[name].met_by(2.0 * radius) for name in names]
+                self.session.set_tool(
+                    chosen, radius=radius, segment_ids=segment_ids, tissues=tissues
+                )
+            case protocol.WithdrawNeedle():
+                self.session.withdraw_needle()
             case protocol.Undo():
                 self.session.undo()
             case protocol.Redo():

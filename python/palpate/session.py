@@ -21,7 +21,7 @@ from palpate import _core
 from palpate.errors import OptionError
 from palpate.gap import Gap
 from palpate.material import LinearMaterial, Material
-from palpate.needle import Tissue
+from palpate.needle import NeedleEvent, Tissue
 from palpate.package_version import package_version
 from palpate.painted_cut import PaintedCut
 from palpate.recording import Recording
@@ -377,6 +377,20 @@ class Session:
                 energy=None if is_density else CORTICAL_ENERGY,
                 tissues=[astuple(tissue) for tissue in tissues],
             )
+
+    def needle_events(self) -> list[NeedleEvent]:
+        """Returns what happened to the needle since it was taken in the hand, oldest first."""
+        with _given():
+            return [NeedleEvent(*event) for event in self._internal.needle_events()]
+
+    def withdraw_needle(self) -> bool:
+        """Takes the needle out on the way that it went in; returns whether one was in.
+
+        Raises:
+            OptionError: There is no free voxel near where it went in.
+        """
+        with _given():
+            return self._internal.withdraw_needle()
 
     # --- matter that gives way ------------------------------------------------------------
 

@@ -12,7 +12,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::arrays::triple;
-use crate::tool::tool_dict;
+use crate::tool::{needle_dict, tool_dict};
 
 /// Makes a dictionary of `name: value` pairs.
 macro_rules! dictionary {
@@ -53,6 +53,7 @@ pub fn frame_dict<'py>(py: Python<'py>, frame: &Frame) -> PyResult<Bound<'py, Py
         "can_undo": frame.can_undo,
         "can_redo": frame.can_redo,
         "tool": tool_dict(py, frame)?,
+        "needle": needle_dict(py, &frame.needle)?,
         "rates": rates_dict(py, &frame.rates)?,
         "safety": safety_dict(py, frame.safety)?,
         "recording": frame.recording,

@@ -13,12 +13,12 @@ mod device;
 mod errors;
 mod frame;
 mod material;
-mod needle;
 mod painted;
 mod phantom;
 mod picture;
 mod recording;
 mod running;
+mod scenario;
 mod segment;
 mod session;
 mod settings;
@@ -44,11 +44,11 @@ mod _core {
     #[pymodule_export]
     use super::material::{deformation_models, material_presets};
     #[pymodule_export]
-    use super::needle::{drive_a_needle, needle_tissues};
-    #[pymodule_export]
     use super::phantom::make_phantom;
     #[pymodule_export]
     use super::recording::{build, replay_recording};
+    #[pymodule_export]
+    use super::scenario::{drive_drill, drive_needle, needle_tissues, press};
     #[pymodule_export]
     use super::segment::PySegment;
     #[pymodule_export]

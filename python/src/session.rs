@@ -31,7 +31,7 @@ use crate::recording::{recording_dict, tape_dict};
 use crate::running::note;
 use crate::segment::PySegment;
 use crate::settings::{changed, settings_dict};
-use crate::tool::tool_settings;
+use crate::tool::{Event, event_tuple, tool_settings};
 use crate::volume::PyVolume;
 
 /// A segment to begin with: its voxels, whether it is an obstacle, the threshold that it is.
@@ -434,6 +434,17 @@ impl PySession {
     fn deformation<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let now = py.detach(|| self.session.deformation());
         deformation_dict(py, &now.map_err(CoreError::from)?)
+    }
+
+    /// What happened to the needle since it was taken in the hand.
+    fn needle_events(&self, py: Python<'_>) -> Result<Vec<Event>, CoreError> {
+        let report = py.detach(|| self.session.needle_report())?;
+        Ok(report.events.iter().map(event_tuple).collect())
+    }
+
+    /// Takes the needle out on the way that it went in; False where none is in.
+    fn withdraw_needle(&self, py: Python<'_>) -> Result<bool, CoreError> {
+        Ok(py.detach(|| self.session.withdraw_needle())?)
     }
 
     fn stroke(&self, py: Python<'_>, on: bool) -> Result<(), CoreError> {

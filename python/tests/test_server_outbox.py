@@ -16,6 +16,8 @@ ZERO = (0.0, 0.0, 0.0)
 
 NO_TOOL = protocol.ToolState("none", 0.0, False, 0, 0.0, 0.0, 0.0, 0.0, 0, 1)  # noqa: FBT003
 
+NO_NEEDLE = protocol.NeedleState(False, 0.0, 0, 0.0, 0.0, 0.0, 0)  # noqa: FBT003
+
 
 def state(tick: int, samples: int = 4) -> protocol.State:
     return protocol.State(
@@ -40,6 +42,7 @@ def state(tick: int, samples: int = 4) -> protocol.State:
         can_undo=False,
         can_redo=False,
         tool=NO_TOOL,
+        needle=NO_NEEDLE,
         rates=protocol.Rates(RATE, RATE, RATE, RATE, real_time=False),
         safety=protocol.Safety(0, 0, 0, 0, 0, 0, 0, 0, 0, "on", None),
         recording=None,

@@ -110,6 +110,17 @@ impl NeedleStatus {
     }
 }
 
+/// The needle as the picture shows it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct NeedleNow {
+    /// Where it is in; none where it is out.
+    pub place: Option<NeedlePlace>,
+    /// What holds it [N].
+    pub forces: NeedleForces,
+    /// How many events there were since the session began.
+    pub events: u64,
+}
+
 /// Events of one stroke that are kept, at most.
 const MAX_KEPT: usize = 10_000;
 
@@ -162,6 +173,16 @@ impl NeedleWatch {
         self.report.forces = status.forces;
         self.report.punctured = status.punctured.ids().collect();
         Some(status.punctured)
+    }
+
+    /// What the picture shows of it.
+    #[must_use]
+    pub fn now(&self) -> NeedleNow {
+        NeedleNow {
+            place: self.report.place,
+            forces: self.report.forces,
+            events: self.known,
+        }
     }
 
     /// What it has done.

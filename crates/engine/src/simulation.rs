@@ -25,7 +25,7 @@ use crate::grip::Grip;
 use crate::handover::{ServoCommand, SimulationChannels};
 use crate::kept_surface::SegmentVoxels;
 use crate::moved_poses::CurrentPoses;
-use crate::needle::NeedleWatch;
+use crate::needle::{NeedleNow, NeedleWatch};
 use crate::placement::{REACH, free_point};
 use crate::scene::{Scene, Step, ThresholdRange};
 use crate::scene_news::SceneNews;
@@ -71,6 +71,8 @@ pub struct SimulationStatus {
     pub voxels_version: u64,
     /// The tool in the hand.
     pub tool: ToolNow,
+    /// The needle, where it is that.
+    pub needle: NeedleNow,
     /// Bytes that undo and redo hold on to.
     pub undo_bytes: usize,
     /// How many they may.

@@ -165,6 +165,10 @@ impl Needle {
 
     /// Forgets where it is in: the probe jumps.
     pub fn forget(&mut self) {
+        if self.insertion.is_some_and(|insertion| !insertion.is_out()) {
+            let at = (self.time, 0.0, 0.0);
+            self.events.note(EventKind::Withdrawn, 0, at);
+        }
         self.end();
         self.last = None;
     }

@@ -48,6 +48,15 @@ export type SmoothingDegree = number;
 /** What the probe does to voxels while it is pressed; none leaves them as they are. */
 export type ToolKind = "none" | "eraser" | "adder" | "drill" | "needle";
 
+/** What a segment is for a needle; bone is none of them, since no needle punctures it. */
+export type TissueName = "skin" | "fat" | "muscle" | "liver";
+
+/**
+ * What happens to a needle: it goes into a segment, comes into one that it has punctured or out of
+ * all, comes to one that stops it, or is out.
+ */
+export type NeedleEventKind = "punctured" | "crossed" | "stopped" | "withdrawn";
+
 /** A voxel's or a patch's place along one axis. */
 export type Index = number;
 
@@ -197,6 +206,23 @@ export interface ToolState {
 }
 
 /**
+ * A needle, where it is the tool in the hand or still in.
+ *
+ * `depth` is how far its tip is from where it went in [mm], `segment` the one at the tip, 0
+ * for none. `tip` and `friction` are the forces at tip and shaft, `wall` that of what no
+ * needle punctures [N]. `events` counts what `NeedleEvents` tells.
+ */
+export interface NeedleState {
+  readonly inside: boolean;
+  readonly depth: number;
+  readonly segment: number;
+  readonly tip: number;
+  readonly friction: number;
+  readonly wall: number;
+  readonly events: number;
+}
+
+/**
  * How a thread keeps its pace over the last second.
  *
  * `late` counts ticks since the start that began more than 2 ms after their time.
@@ -274,6 +300,7 @@ export interface State {
   readonly can_undo: boolean;
   readonly can_redo: boolean;
   readonly tool: ToolState;
+  readonly needle: NeedleState;
   readonly rates: Rates;
   readonly safety: Safety;
   readonly recording: number | null;
@@ -400,6 +427,25 @@ export interface CutPreview {
   readonly id: SegmentId;
   readonly larger_ml: number | null;
   readonly smaller_ml: number | null;
+}
+
+/**
+ * What happened to a needle at a time [s], in a segment, 0 for none.
+ *
+ * `depth` is from where it went in [mm], `force` that at its tip [N].
+ */
+export interface NeedleEvent {
+  readonly kind: NeedleEventKind;
+  readonly segment: number;
+  readonly time: number;
+  readonly depth: number;
+  readonly force: number;
+}
+
+/** What happened to the needle since it was taken in the hand, oldest first, the newest 100. */
+export interface NeedleEvents {
+  readonly type: "needle_events";
+  readonly events: readonly NeedleEvent[];
 }
 
 /**
@@ -559,12 +605,22 @@ export interface Fence {
   readonly number: number;
 }
 
-/** Chooses the tool for the next strokes: the radius of its ball [mm], and what it changes. */
+/**
+ * Chooses the tool for the next strokes: the radius of its ball [mm], and what it changes.
+ *
+ * Of a needle the radius is its own, and `tissues` say what each of its segments is.
+ */
 export interface Tool {
   readonly type: "tool";
   readonly kind: ToolKind;
   readonly radius: number;
   readonly segments: readonly SegmentId[];
+  readonly tissues: readonly TissueName[];
+}
+
+/** Takes the needle out on the way that it went in. */
+export interface WithdrawNeedle {
+  readonly type: "withdraw_needle";
 }
 
 /** Begins a stroke of the tool, or ends it: what it changed is one step of undo. */
@@ -600,6 +656,7 @@ export type ToPage =
   | Notice
   | Gap
   | CutPreview
+  | NeedleEvents
   | Passed;
 
 /** A message of the page. */
@@ -623,6 +680,7 @@ export type FromPage =
   | ChangeSettings
   | Fence
   | Tool
+  | WithdrawNeedle
   | Stroke
   | Recover
   | Undo
@@ -786,6 +844,8 @@ const isSmoothingDegree = whole({ ge: 0, le: 12 });
 
 const isToolKind = oneOf("none", "eraser", "adder", "drill", "needle");
 
+const isNeedleEventKind = oneOf("punctured", "crossed", "stopped", "withdrawn");
+
 const isIndex = whole({ ge: -2147483648, lt: 2147483648 });
 
 const isGridPlace = tuple(isIndex, isIndex, isIndex);
@@ -891,6 +951,16 @@ const isToolState = record({
   undo_budget: whole(),
 });
 
+const isNeedleState = record({
+  inside: flag,
+  depth: real(),
+  segment: whole(),
+  tip: real(),
+  friction: real(),
+  wall: real(),
+  events: whole(),
+});
+
 const isRate = record({
   asked_hz: real(),
   hz: real(),
@@ -944,6 +1014,7 @@ const isState = record({
   can_undo: flag,
   can_redo: flag,
   tool: isToolState,
+  needle: isNeedleState,
   rates: isRates,
   safety: isSafety,
   recording: nullable(real()),
@@ -1025,6 +1096,19 @@ const isCutPreview = record({
   smaller_ml: nullable(real()),
 });
 
+const isNeedleEvent = record({
+  kind: isNeedleEventKind,
+  segment: whole(),
+  time: real(),
+  depth: real(),
+  force: real(),
+});
+
+const isNeedleEvents = record({
+  type: oneOf("needle_events"),
+  events: list(isNeedleEvent),
+});
+
 const isPassed = record({
   type: oneOf("passed"),
   number: whole(),
@@ -1041,5 +1125,6 @@ const TO_PAGE: ReadonlyMap<string, Check> = new Map([
   ["notice", isNotice],
   ["gap", isGap],
   ["cut_preview", isCutPreview],
+  ["needle_events", isNeedleEvents],
   ["passed", isPassed],
 ]);

@@ -11,6 +11,7 @@ import {
   type FromPage,
   type Gap,
   type Hello,
+  type NeedleEvent,
   type Notice,
   type Offer,
   type Scan,
@@ -57,6 +58,8 @@ export class Session {
   gap = $state.raw<Gap | null>(null);
   /** What a painted line would part; null before the engine has told. */
   cutPreview = $state.raw<CutPreview | null>(null);
+  /** What happened to the needle since it was taken in the hand. */
+  needleEvents = $state.raw<readonly NeedleEvent[]>([]);
   notices = $state.raw<readonly ShownNotice[]>([]);
   /** Changes that an earlier session left, as long as nobody has decided about them. */
   offer = $state.raw<Offer | null>(null);
@@ -231,6 +234,9 @@ export class Session {
         break;
       case "cut_preview":
         this.cutPreview = message;
+        break;
+      case "needle_events":
+        this.needleEvents = message.events;
         break;
       case "notice":
         this.notify(message.level, message.text);

@@ -8,7 +8,7 @@ use palpate_tools::journal_entry::ScanHash;
 use palpate_tools::tool::ToolSettings;
 use palpate_volume::edit::SegmentId;
 
-use super::Session;
+use super::{Session, lock};
 use crate::deformation::DeformationNow;
 use crate::error::SessionError;
 use crate::needle::NeedleReport;
@@ -30,6 +30,15 @@ impl Session {
     /// Where it is to begin and no tool is chosen, or the session has ended.
     pub fn stroke(&self, on: bool) -> Result<(), SessionError> {
         self.ask(move |simulation| simulation.stroke(on))?
+    }
+
+    /// Takes the needle out on the way that it went in; false where none is in.
+    ///
+    /// # Errors
+    /// Where no voxel near its entry is free, or the session has ended.
+    pub fn withdraw_needle(&self) -> Result<bool, SessionError> {
+        let number = lock(&self.hand).1;
+        self.ask(move |simulation| simulation.withdraw_needle(number))?
     }
 
     /// What the needle has done since it was taken in the hand last.

@@ -10,9 +10,12 @@ use super::Simulation;
 use crate::error::SessionError;
 use crate::frame::Notice;
 use crate::handover::ServoCommand;
-use crate::needle::NeedleReport;
+use crate::needle::{NeedlePlace, NeedleReport};
 use crate::scene::Step;
 use crate::tool_stroke::ProbeNow;
+
+/// Where a needle that is taken out stands before its entry [mm].
+const BEFORE_ENTRY: f64 = 2.0;
 
 impl Simulation {
     /// Chooses the tool for the next strokes, or none; a stroke that is on ends.
@@ -64,6 +67,22 @@ impl Simulation {
     #[must_use]
     pub fn needle_report(&self) -> NeedleReport {
         self.needle.report().clone()
+    }
+
+    /// Takes the needle out on the way that it went in; false where none is in. The device comes
+    /// along, and hand targets up to number `hand` are forgotten.
+    ///
+    /// # Errors
+    /// Where no voxel near its entry is free.
+    pub fn withdraw_needle(&mut self, hand: u64) -> Result<bool, SessionError> {
+        let Some(NeedlePlace {
+            entry, direction, ..
+        }) = self.needle.report().place
+        else {
+            return Ok(false);
+        };
+        self.place(entry - direction * BEFORE_ENTRY, hand, true)?;
+        Ok(true)
     }
 
     /// Makes obstacles of what the needle is out of, and none of what it has punctured.
