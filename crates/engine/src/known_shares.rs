@@ -71,6 +71,20 @@ impl KnownShares {
         self.values.share(&self.limits, voxel, solid)
     }
 
+    /// What those of some voxels are beyond their bits; see `Occupancy::share_changes`.
+    #[inline]
+    pub fn share_changes(&self, voxels: &[(IVec3, bool)], changes: &mut [f32]) {
+        self.values.share_changes(&self.limits, voxels, changes);
+        if self.owners.is_empty() {
+            return;
+        }
+        for (change, (voxel, solid)) in changes.iter_mut().zip(voxels) {
+            if !self.is_made(*voxel, *solid) {
+                *change = 0.0;
+            }
+        }
+    }
+
     /// Whether a threshold made a voxel, or for a free one, a voxel beside it.
     #[inline(never)]
     fn is_made(&self, voxel: IVec3, solid: bool) -> bool {
@@ -81,5 +95,55 @@ impl KnownShares {
         [IVec3::X, IVec3::Y, IVec3::Z]
             .into_iter()
             .any(|axis| has(voxel - axis) || has(voxel + axis))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scan_values::Threshold;
+    use glam::UVec3;
+    use palpate_volume::intensities::Intensities;
+    use palpate_volume::threshold::threshold;
+    use palpate_volume::voxel_box::VoxelBox;
+
+    #[test]
+    fn shares_told_at_once_are_those_told_one_by_one_beside_a_mask_too() {
+        let size = UVec3::new(17, 9, 12);
+        let values = (0..17 * 9 * 12).map(|i| (i * 37 % 1000) as i16).collect();
+        let scan = Intensities::new(size, values, 1.0, 0.0).expect("one value per voxel");
+        let range = (400.0, 700.0);
+        let made = Part {
+            id: SegmentId(1),
+            bits: threshold(&scan, None, range.0, range.1).occupancy().clone(),
+            moved: None,
+            threshold: Some(Threshold {
+                range,
+                values: ScanValues::of(&scan),
+            }),
+            punctured: false,
+        };
+        let mask = Part {
+            id: SegmentId(2),
+            bits: threshold(&scan, None, 650.0, 900.0).occupancy().clone(),
+            threshold: None,
+            ..made.clone()
+        };
+        for parts in [vec![&made], vec![&made, &mask]] {
+            let shares = KnownShares::of(&parts).expect("a threshold made one");
+            let solid = |voxel: IVec3| parts.iter().any(|part| part.bits.is_solid(voxel));
+            let voxels = VoxelBox::of_dimensions(size).voxels();
+            let voxels: Vec<_> = voxels.map(|voxel| (voxel, solid(voxel))).collect();
+            let mut changes = vec![f32::NAN; voxels.len()];
+            shares.share_changes(&voxels, &mut changes);
+            let one_by_one = voxels.iter().map(|(voxel, solid)| {
+                let bit = f32::from(u8::from(*solid));
+                shares
+                    .share(*voxel, *solid)
+                    .map_or(0.0, |share| share - bit)
+            });
+            assert!(one_by_one.clone().any(|change| change != 0.0));
+            assert!(changes.iter().copied().eq(one_by_one));
+        }
     }
 }
