@@ -131,6 +131,15 @@ impl Step {
         Self::Edit { edit, ranges }
     }
 
+    /// Whether the step would change any voxel or anything beside edits.
+    #[must_use]
+    pub fn would_change(&self, voxels: &Voxels) -> bool {
+        match self {
+            Self::Edit { edit, .. } => voxels.would_change(edit),
+            _ => true,
+        }
+    }
+
     /// Whether the step brings a segment back under this number, or takes it away.
     #[must_use]
     pub fn needs(&self, number: SegmentId) -> bool {

@@ -1,6 +1,6 @@
 //! Matter that gives way under the probe.
 
-use palpate_deform::material::MaterialLaw;
+use palpate_deform::material::{MaterialLaw, Part, Treatment};
 use palpate_deform::model::{DeformationModel, MODELS, ModelEvent, UnknownModel, model_from_name};
 use palpate_tools::journal_entry::Action;
 use palpate_volume::edit::SegmentId;
@@ -51,7 +51,7 @@ impl Simulation {
         if self.voxels().segment(id).is_none() {
             return Err(VoxelsError::UnknownSegment(id.0).into());
         }
-        self.deformation.set_law(id, law);
+        self.deformation.change_matter().set_law(id, law);
         self.segments_version += 1;
         self.publish();
         Ok(())
@@ -60,7 +60,38 @@ impl Simulation {
     /// What a segment is made of; none where it is hard.
     #[must_use]
     pub fn material(&self, id: SegmentId) -> Option<MaterialLaw> {
-        self.deformation.law(id)
+        self.deformation.matter().law(id)
+    }
+
+    /// Tells how parts of a segment with a material take part: of several that hold a voxel the
+    /// last counts, and what is in none gives way. This changes no voxel and is not undone.
+    ///
+    /// # Errors
+    /// Where there is no such segment, or none that a part is shared with.
+    pub fn set_parts(
+        &mut self,
+        id: SegmentId,
+        parts: Vec<(Part, Treatment)>,
+    ) -> Result<(), SessionError> {
+        let shared = parts.iter().filter_map(|(part, _)| match part {
+            Part::Shared(other) => Some(*other),
+            Part::Whole | Part::Within(_) => None,
+        });
+        for id in shared.chain([id]) {
+            if self.voxels().segment(id).is_none() {
+                return Err(VoxelsError::UnknownSegment(id.0).into());
+            }
+        }
+        self.deformation.change_matter().set_parts(id, parts);
+        self.segments_version += 1;
+        self.publish();
+        Ok(())
+    }
+
+    /// How parts of a segment take part.
+    #[must_use]
+    pub fn parts(&self, id: SegmentId) -> &[(Part, Treatment)] {
+        self.deformation.matter().parts(id)
     }
 
     /// How the deformation goes.
@@ -94,12 +125,35 @@ impl Simulation {
                 .contact
                 .is_none_or(|law| law.force == glam::DVec3::ZERO);
             if released && !self.stroke.is_on() {
-                self.close_step();
+                self.close_deformation();
             }
             self.touch.send(ServoCommand::GiveWay(giving_way));
         }
         for event in outcome.events {
             self.tell_of_event(event);
+        }
+    }
+
+    /// Makes a step of what the deformation has changed; none where all of it came back.
+    fn close_deformation(&mut self) {
+        // what is on its way back is part of the step
+        if self.deformation.now().report.moved_voxels > 0 || !self.stroke.has_changed() {
+            return;
+        }
+        let Some(inverse) = self.stroke.take_inverse() else {
+            return;
+        };
+        if inverse.would_change(self.voxels()) {
+            self.done(inverse);
+            return;
+        }
+        // nothing is left to take back but what the voxels are stored in
+        let known = self.deformation.knows(self.voxels().edit_number());
+        if self.perform(inverse, Action::Do).is_ok() && known {
+            self.deformation.followed(self.voxels().edit_number());
+        }
+        if let Some(file) = &mut self.file {
+            file.end_step();
         }
     }
 
