@@ -14,6 +14,7 @@ use palpate_deform::model::{
     DeformationModel, ModelAnswer, ModelInput, ModelReport, ToolContact, ToolShape,
 };
 use palpate_engine::handover::TickRecord;
+use palpate_engine::settings::Settings;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::material::LocalContact;
 use palpate_volume::voxel_box::VoxelBox;
@@ -236,6 +237,11 @@ fn lattice_rig() -> Rig {
     let law = MaterialLaw::constant(gel).unwrap();
     rig.simulation.set_material(SOFT, Some(law)).unwrap();
     rig.simulation.set_deformation(Some("lattice")).unwrap();
+    let ball = Settings {
+        probe_radius: 2.0,
+        ..rig.simulation.settings()
+    };
+    rig.simulation.set_settings(ball).unwrap();
     rig
 }
 
@@ -245,16 +251,17 @@ fn what_the_lattice_dents_comes_back_and_leaves_no_step_of_undo() {
     let all = soft_voxels(&rig);
     assert!(rig.simulation.undo().unwrap(), "adding the segment");
     assert!(rig.simulation.redo().unwrap());
-    go(&mut rig, 30.0, 20.5, 200);
-    go(&mut rig, 20.5, 16.0, 900);
-    let rest = go(&mut rig, 16.0, 16.0, 300);
+    // the ball reaches 2 mm below its middle
+    go(&mut rig, 30.0, 22.5, 200);
+    go(&mut rig, 22.5, 19.0, 900);
+    let rest = go(&mut rig, 19.0, 19.0, 300);
     let moved = rig.simulation.deformation().report.moved_voxels;
     assert!(moved > 10 && soft_voxels(&rig) < all, "{moved} voxels");
     // the proxy came after the tool into the dent, and is in no voxel
-    assert!(rest.proxy.z < TOP - 0.9, "{}", rest.proxy);
+    assert!(rest.proxy.z < TOP + 2.0 - 0.9, "{}", rest.proxy);
     assert!(rest.force.z > 0.0);
 
-    go(&mut rig, 16.0, 30.0, 600);
+    go(&mut rig, 19.0, 30.0, 600);
     go(&mut rig, 30.0, 30.0, 200);
     assert_eq!(rig.simulation.deformation().report.moved_voxels, 0);
     assert_eq!(soft_voxels(&rig), all);
@@ -269,18 +276,18 @@ fn a_model_that_is_changed_or_left_behind_gives_back_what_it_moved() {
     for name in [None, Some("fcc-lj")] {
         let mut rig = lattice_rig();
         let all = soft_voxels(&rig);
-        go(&mut rig, 30.0, 16.0, 1200);
+        go(&mut rig, 30.0, 19.0, 1200);
         assert!(soft_voxels(&rig) < all);
         rig.simulation.set_deformation(name).unwrap();
         assert_eq!(rig.simulation.deformation().model, name);
-        go(&mut rig, 16.0, 30.0, 500);
+        go(&mut rig, 19.0, 30.0, 500);
         go(&mut rig, 30.0, 30.0, 300);
         assert_eq!(soft_voxels(&rig), all, "{name:?}");
     }
     // the probe is placed far away: nobody presses, and nothing soft is near
     let mut rig = lattice_rig();
     let all = soft_voxels(&rig);
-    go(&mut rig, 30.0, 16.0, 1200);
+    go(&mut rig, 30.0, 19.0, 1200);
     assert!(soft_voxels(&rig) < all);
     rig.simulation
         .place(DVec3::new(20.0, 20.0, 60.0), 1, false)
@@ -304,8 +311,8 @@ fn parts_of_a_segment_can_be_rigid_or_as_if_they_were_not_there() {
             .set_parts(SOFT, vec![(part, treatment)])
             .unwrap();
         assert_eq!(rig.simulation.parts(SOFT), [(part, treatment)]);
-        go(&mut rig, 30.0, 19.0, 1000);
-        go(&mut rig, 19.0, 19.0, 300);
+        go(&mut rig, 30.0, 21.0, 1000);
+        go(&mut rig, 21.0, 21.0, 300);
         rig.simulation.deformation().force.z
     };
     let [soft, rigid, empty] =
