@@ -280,6 +280,15 @@ class Session:
     ) -> None:
         """Tells what a segment is made of, in SI; without anything it is hard."""
 
+    def set_parts(
+        self,
+        segment_id: int,
+        parts: list[
+            tuple[str, tuple[tuple[int, int, int], tuple[int, int, int]] | None, int | None]
+        ],
+    ) -> None:
+        """Tells how parts of a segment take part: treatment, box of voxels, other segment."""
+
     def deformation(self) -> dict[str, Any]:
         """How the deformation goes."""
 

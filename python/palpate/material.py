@@ -6,11 +6,22 @@ Models of deformation read them; docs/algorithms/deformation.md says what each d
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 from palpate import _core
 
-__all__ = ["LinearMaterial", "Material", "Preset", "deformation_models", "material_presets"]
+__all__ = [
+    "LinearMaterial",
+    "Material",
+    "Part",
+    "Preset",
+    "Treatment",
+    "deformation_models",
+    "material_presets",
+]
+
+Treatment = Literal["deformable", "rigid", "empty"]
+"""How matter takes part: it gives, stays where it is, or is as if it were not there."""
 
 
 class Material(NamedTuple):
@@ -36,6 +47,17 @@ class LinearMaterial:
     """HU of ``low`` and of ``high``."""
     low: Material
     high: Material
+
+
+@dataclass(frozen=True)
+class Part:
+    """A part of a segment that takes part in its own way; all of it where nothing else is told."""
+
+    treatment: Treatment
+    box: tuple[tuple[int, int, int], tuple[int, int, int]] | None = None
+    """What lies in a box of voxels (x, y, z): first, and one past the last."""
+    shared_with: int | None = None
+    """What belongs to this other segment too."""
 
 
 @dataclass(frozen=True)

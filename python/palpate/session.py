@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from palpate import _core
 from palpate.errors import OptionError
 from palpate.gap import Gap
-from palpate.material import LinearMaterial, Material
+from palpate.material import LinearMaterial, Material, Part
 from palpate.needle import NeedleEvent, Tissue
 from palpate.package_version import package_version
 from palpate.painted_cut import PaintedCut
@@ -435,14 +435,29 @@ class Session:
                 case Material():
                     self._internal.set_material(segment_id, constant=tuple(material))
 
+    def set_parts(self, segment_id: int, parts: Sequence[Part]) -> None:
+        """Tells how parts of a segment with a material take part.
+
+        Args:
+            segment_id: Which one.
+            parts: Of several that hold a voxel the last counts; what is in none gives way.
+
+        Raises:
+            OptionError: There is no such segment, or a part or its treatment is none.
+        """
+        with _given():
+            self._internal.set_parts(
+                segment_id, [(part.treatment, part.box, part.shared_with) for part in parts]
+            )
+
     def deformation(self) -> dict[str, Any]:
         """Returns how the deformation goes.
 
         Returns:
             ``model`` (None where nothing gives way), ``force`` on the tool [N, scene],
             ``answers`` so far; of the last answer ``iterations``, ``residual`` (what is left of
-            unbalanced force, as a share of the contact's), ``nodes``; ``bonds_broken`` and
-            ``work_broken`` [N·mm] since the start.
+            unbalanced force, as a share of the contact's), ``nodes`` and ``moved_voxels`` (not
+            as at rest); ``bonds_broken`` and ``work_broken`` [N·mm] since the start.
         """
         return self._internal.deformation()
 

@@ -1,8 +1,12 @@
 //! Materials and deformation as the package names and reads them.
 
-use palpate_deform::material::{MaterialError, MaterialLaw, PRESETS, SolidSi, preset};
+use palpate_deform::material::{
+    MaterialError, MaterialLaw, PRESETS, Part, SolidSi, Treatment, preset,
+};
 use palpate_deform::model::MODELS;
 use palpate_engine::deformation::DeformationNow;
+use palpate_volume::edit::SegmentId;
+use palpate_volume::voxel_box::VoxelBox;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -59,6 +63,35 @@ pub fn linear_material(
     )?)
 }
 
+/// A treatment, a box of voxels, and another segment; without both, the whole segment.
+pub type PartTuple = (String, Option<([i32; 3], [i32; 3])>, Option<u8>);
+
+/// A part of a segment and how it takes part.
+pub fn part((treatment, region, shared): PartTuple) -> Result<(Part, Treatment), CoreError> {
+    let treatment = match treatment.as_str() {
+        "deformable" => Treatment::Deformable,
+        "rigid" => Treatment::Rigid,
+        "empty" => Treatment::Empty,
+        other => {
+            return Err(CoreError::value(format!(
+                "treatment {other:?} given; allowed: deformable, rigid, empty"
+            )));
+        }
+    };
+    let part = match (region, shared) {
+        (None, None) => Part::Whole,
+        (Some((low, high)), None) => Part::Within(VoxelBox::new(low.into(), high.into())),
+        (None, Some(id)) => Part::Shared(SegmentId(id)),
+        (Some(_), Some(_)) => {
+            return Err(CoreError::value(
+                "a box and another segment given; allowed: one of them, or none for all of it"
+                    .to_owned(),
+            ));
+        }
+    };
+    Ok((part, treatment))
+}
+
 /// Materials by name, each with the source of its constants.
 #[pyfunction]
 pub fn material_presets() -> Vec<(&'static str, &'static str)> {
@@ -84,6 +117,7 @@ pub fn deformation_dict<'py>(
         "iterations": now.report.iterations,
         "residual": now.report.residual,
         "nodes": now.report.nodes,
+        "moved_voxels": now.report.moved_voxels,
         "bonds_broken": now.report.bonds_broken,
         "work_broken": now.report.work_broken,
     )

@@ -23,7 +23,8 @@ use crate::device::{device_named, path_samples};
 use crate::errors::CoreError;
 use crate::frame::{frame_dict, lateness_dict, segment_dict};
 use crate::material::{
-    LinearTuple, SolidTuple, constant_material, deformation_dict, linear_material, material_named,
+    LinearTuple, PartTuple, SolidTuple, constant_material, deformation_dict, linear_material,
+    material_named, part,
 };
 use crate::painted::{GivenLine, painted};
 use crate::picture::change_dict;
@@ -429,6 +430,17 @@ impl PySession {
             (None, None, None) => None,
         };
         Ok(py.detach(|| self.session.set_material(SegmentId(segment_id), law))?)
+    }
+
+    /// Tells how parts of a segment take part: treatment, box of voxels, other segment.
+    fn set_parts(
+        &self,
+        py: Python<'_>,
+        segment_id: u8,
+        parts: Vec<PartTuple>,
+    ) -> Result<(), CoreError> {
+        let parts = parts.into_iter().map(part).collect::<Result<_, _>>()?;
+        Ok(py.detach(|| self.session.set_parts(SegmentId(segment_id), parts))?)
     }
 
     fn deformation<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {

@@ -5,7 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from palpate.errors import OptionError
-from palpate.material import LinearMaterial, Material, deformation_models, material_presets
+from palpate.material import (
+    LinearMaterial,
+    Material,
+    Part,
+    deformation_models,
+    material_presets,
+)
 from palpate.recording import Recording
 from palpate.scene import Scene
 from palpate.scripted_path import ScriptedPath
@@ -69,6 +75,43 @@ def test_without_a_model_or_a_material_matter_is_hard() -> None:
     hard = pressed(None, None).forces
     assert np.array_equal(pressed(GEL, None).forces, hard)
     assert np.array_equal(pressed(None, "lattice").forces, hard)
+
+
+def test_a_dent_comes_back_and_parts_can_be_rigid() -> None:
+    rigid = Part("rigid", box=((0, 0, 0), (48, 48, int(TOP) - 2)))
+    path = ScriptedPath((24.3, 24.4, 30.0))
+    path = path.move((24.3, 24.4, TOP - DEEP), seconds=1.0)
+    path = path.move((24.3, 24.4, TOP - DEEP), seconds=0.5)
+    path = path.move((24.3, 24.4, 34.0), seconds=0.7)
+    forces, moved = [], []
+    for parts in ([], [rigid]):
+        with Session(scene(), device=path, options=OFFLINE) as session:
+            session.set_material(1, GEL)
+            session.set_parts(1, parts)
+            session.set_deformation("lattice")
+            forces.append(session.run(1.4).forces[-1][2])
+            moved.append(session.deformation()["moved_voxels"])
+            session.run(1.5)
+            assert session.deformation()["moved_voxels"] == 0
+    assert moved[0] > 0
+    # two layers over what is rigid
+    assert forces[1] > 1.2 * forces[0] > 0.0
+
+
+@pytest.mark.parametrize(
+    ("part", "message"),
+    [
+        (Part("soft"), '"soft" given; allowed: deformable, rigid, empty'),  # type: ignore[arg-type]
+        (Part("rigid", box=((0, 0, 0), (1, 1, 1)), shared_with=1), "one of them"),
+        (Part("rigid", shared_with=9), "segment 9"),
+    ],
+)
+def test_what_is_no_part_is_refused(part: Part, message: str) -> None:
+    with (
+        Session(scene(), device=ScriptedPath((24.0, 24.0, 30.0))) as session,
+        pytest.raises(OptionError, match=message),
+    ):
+        session.set_parts(1, [part])
 
 
 def test_materials_are_named_with_their_sources() -> None:

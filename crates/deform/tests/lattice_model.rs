@@ -87,27 +87,26 @@ fn a_pressed_body_pushes_back_as_stiffly_as_its_contact_says() {
         force(&advance(&mut *model, &voxels, &materials, at(-1.0))),
         DVec3::ZERO
     );
-    let answers = [0.8, 1.0].map(|depth| advance(&mut *model, &voxels, &materials, at(depth)));
+    let answers = [0.8, 0.85].map(|depth| advance(&mut *model, &voxels, &materials, at(depth)));
     let [less, more] = answers.each_ref().map(force);
     assert!(
         less.z > 0.0 && more.z > less.z && more.x.abs() < 0.1 * more.z,
         "{less} {more}"
     );
 
-    let stiffness = answers[1].contacts[0].contact.expect("contact").stiffness;
-    let seen = -(more.z - less.z) / 0.2;
+    let stiffness = answers[0].contacts[0].contact.expect("contact").stiffness;
+    let seen = -(more.z - less.z) / 0.05;
     let ratio = stiffness.z_axis.z / seen;
-    // nodes come into contact one by one, so that both are stairs: within a factor of two
     assert!(
-        (0.5..2.0).contains(&ratio),
+        (0.9..1.1).contains(&ratio),
         "told {} seen {seen}",
         stiffness.z_axis.z
     );
     let field = answers[1].displacement.as_ref().expect("a field");
     let deepest = field.moved.iter().map(|moved| moved.z).fold(0.0, f32::min);
     assert!(
-        (-1.1..-0.6).contains(&deepest),
-        "the dent is as deep as the tool: {deepest}"
+        (-0.95..-0.3).contains(&deepest),
+        "what voxels do not show of the dent: {deepest}"
     );
 }
 

@@ -3,21 +3,19 @@
 //!
 //! Frame: scene, which is the patient's; segments that were moved do not give way.
 
-use std::sync::Arc;
 use std::sync::mpsc::{self, Receiver, Sender};
 use std::time::Duration;
 
 use glam::{DMat3, DQuat, DVec3};
-use palpate_deform::material::{MaterialLaw, Materials, Part, SegmentMatter, Treatment};
 use palpate_deform::model::{
     DeformationModel, ModelAnswer, ModelEvent, ModelReport, ToolShape, ToolState,
 };
-use palpate_volume::edit::{Edit, SegmentId};
+use palpate_volume::edit::Edit;
 use palpate_volume::material::LocalContact;
 use palpate_volume::matter::SegmentSet;
-use palpate_volume::segment::Segment;
 
 use crate::deformation_loop::{DeformationJob, DeformationLoop, ModelVoxels};
+use crate::giving_matter::{GivingMatter, soft_segments};
 use crate::handover::{GivingWay, ServoStatus};
 use crate::scene::Scene;
 
@@ -25,6 +23,9 @@ use crate::scene::Scene;
 const PATIENCE: Duration = Duration::from_millis(25);
 /// Matter farther from the tool than this is not asked [mm].
 const REACH: f64 = 30.0;
+
+/// A model and the name that it goes by.
+pub type NamedModel = (&'static str, Box<dyn DeformationModel>);
 
 /// The deformation as the picture shows it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -60,7 +61,9 @@ pub struct Deformation {
     model: Option<&'static str>,
     /// To be sent with the next job.
     new_model: Option<Box<dyn DeformationModel>>,
-    matter: KnownMatter,
+    /// What takes the model's place once that has given back all that it moved.
+    next: Option<Option<NamedModel>>,
+    matter: GivingMatter,
     /// The edit number that the model knows of; none where it knows nothing.
     known: Option<u64>,
     reset: bool,
@@ -76,8 +79,6 @@ struct Asked {
     segments: SegmentSet,
     tool: DVec3,
     edit: u64,
-    /// Whether the model that works on it is no longer the chosen one.
-    is_of_old_model: bool,
 }
 
 impl Deformation {
@@ -93,7 +94,8 @@ impl Deformation {
             patience: (!in_step).then_some(PATIENCE),
             model: None,
             new_model: None,
-            matter: KnownMatter::default(),
+            next: None,
+            matter: GivingMatter::default(),
             known: None,
             reset: false,
             asked: None,
@@ -104,13 +106,37 @@ impl Deformation {
         (deformation, DeformationLoop::new(job_inbox, answers))
     }
 
-    /// Puts a model in the place of the one before, or none: then all matter is hard.
-    pub fn set_model(&mut self, model: Option<(&'static str, Box<dyn DeformationModel>)>) {
-        (self.model, self.new_model) = model.unzip();
-        self.known = None;
-        if let Some(asked) = &mut self.asked {
-            asked.is_of_old_model = true;
+    /// Puts a model in the place of the one before, or none: then all matter is hard. What the
+    /// one before has moved it gives back first.
+    pub fn set_model(&mut self, model: Option<NamedModel>) {
+        self.next = Some(model);
+        self.reset = true;
+        self.install_next();
+    }
+
+    /// The next model takes its place, once nothing is moved any more.
+    fn install_next(&mut self) {
+        let is_free = self.asked.is_none() && self.now.report.moved_voxels == 0;
+        if !is_free && self.model.is_some() {
+            return;
         }
+        if let Some(next) = self.next.take() {
+            (self.model, self.new_model) = next.unzip();
+            self.now.report = ModelReport::default();
+            self.known = None;
+        }
+    }
+
+    /// How parts of segments take part.
+    #[must_use]
+    pub fn matter(&self) -> &GivingMatter {
+        &self.matter
+    }
+
+    /// How parts of segments take part, to be changed: displacements are forgotten.
+    pub fn change_matter(&mut self) -> &mut GivingMatter {
+        self.forget_displacements();
+        &mut self.matter
     }
 
     /// Displacements are forgotten: matter is another one.
@@ -127,8 +153,9 @@ impl Deformation {
     /// What the picture shows of it.
     #[must_use]
     pub fn now(&self) -> DeformationNow {
+        let next = self.next.as_ref();
         DeformationNow {
-            model: self.model,
+            model: next.map_or(self.model, |next| next.as_ref().map(|(name, _)| *name)),
             ..self.now
         }
     }
@@ -136,6 +163,10 @@ impl Deformation {
     /// Takes an answer, if one has come, and asks again where matter gives way near the tool.
     pub fn exchange(&mut self, scene: &Scene, status: &ServoStatus) -> Outcome {
         let mut outcome = self.take_answer(scene);
+        self.matter.follow(scene);
+        if outcome.edit.is_none() {
+            self.install_next();
+        }
         if self.asked.is_none() && outcome.edit.is_none() {
             self.ask(scene, status);
         }
@@ -154,6 +185,12 @@ impl Deformation {
         self.known = Some(edit_number);
     }
 
+    /// Whether the model knows the voxels as of this edit number.
+    #[must_use]
+    pub fn knows(&self, edit_number: u64) -> bool {
+        self.known == Some(edit_number)
+    }
+
     fn take_answer(&mut self, scene: &Scene) -> Outcome {
         let Ok(answer) = self.answers.try_recv() else {
             return Outcome::default();
@@ -161,11 +198,6 @@ impl Deformation {
         let Some(asked) = self.asked.take() else {
             return Outcome::default();
         };
-        if asked.is_of_old_model {
-            // it may have an edit in hand that is not applied
-            self.known = None;
-            return Outcome::default();
-        }
         let contact = answer.contacts.first().and_then(|tool| tool.contact);
         self.now.answers += 1;
         self.now.report = answer.report;
@@ -189,10 +221,16 @@ impl Deformation {
 
     fn ask(&mut self, scene: &Scene, status: &ServoStatus) {
         let tool = status.tool;
-        let segments = soft_segments(scene, tool);
+        let leaves = self.next.is_some();
+        let segments = match leaves {
+            true => SegmentSet::default(),
+            false => soft_segments(scene, tool, REACH),
+        };
+        // what was moved comes back after the tool has left
+        let is_needed = !segments.is_empty() || self.now.report.moved_voxels > 0;
         // before its first tick the servo has told of no place
         let is_known = status.time > 0.0 && tool.is_finite();
-        if self.model.is_none() || segments.is_empty() || !is_known {
+        if self.model.is_none() || !is_needed || !is_known {
             return;
         }
         let edit = scene.voxels().edit_number();
@@ -207,13 +245,13 @@ impl Deformation {
             reset: std::mem::take(&mut self.reset),
             voxels,
             materials: self.matter.materials(scene),
-            tool: ToolState {
+            tool: (!leaves).then_some(ToolState {
                 id: 0,
                 // what is smaller than the voxels would slip between them
                 shape: ToolShape::Ball(status.radius.max(smallest)),
                 position: tool,
                 orientation: DQuat::IDENTITY,
-            },
+            }),
             dt: (status.time - self.last_time).max(0.0),
             patience: self.patience,
         };
@@ -224,74 +262,9 @@ impl Deformation {
                 segments,
                 tool,
                 edit,
-                is_of_old_model: false,
             });
         }
     }
-}
-
-/// Segments that give way near a place [mm].
-fn soft_segments(scene: &Scene, tool: DVec3) -> SegmentSet {
-    let grid = scene.voxels().grid();
-    let point = grid.grid_from_patient().transform_point3(tool);
-    let is_near = |segment: &Segment| {
-        segment.bounding_box().is_some_and(|bounds| {
-            let nearest = point.clamp(bounds.min.as_dvec3(), bounds.max.as_dvec3());
-            ((nearest - point) * grid.spacing()).length() <= REACH
-        })
-    };
-    let soft = matter_in(scene).filter(|(_, _, law)| law.is_some());
-    let near = soft.filter(|(_, segment, _)| is_near(segment));
-    near.map(|(id, _, _)| id).collect()
-}
-
-/// What takes part in a deformation, by rising number: obstacles that stand where the scan has
-/// them, and what they are made of.
-fn matter_in(scene: &Scene) -> impl Iterator<Item = (SegmentId, &Segment, Option<MaterialLaw>)> {
-    scene
-        .obstacles()
-        .filter(|(_, _, properties)| properties.pose.is_none())
-        .map(|(id, segment, properties)| (id, segment, properties.law))
-}
-
-/// The materials of the last job, for the next ones until something is another.
-#[derive(Debug, Default)]
-struct KnownMatter {
-    laws: Vec<(SegmentId, Option<MaterialLaw>)>,
-    materials: Arc<Materials>,
-}
-
-impl KnownMatter {
-    /// What all obstacles are made of: those without a material hold what is bonded to them.
-    fn materials(&mut self, scene: &Scene) -> Arc<Materials> {
-        let now = || matter_in(scene).map(|(id, _, law)| (id, law));
-        if !now().eq(self.laws.iter().copied()) {
-            self.laws = now().collect();
-            self.materials = Arc::new(materials_of(&self.laws));
-        }
-        Arc::clone(&self.materials)
-    }
-}
-
-fn materials_of(laws: &[(SegmentId, Option<MaterialLaw>)]) -> Materials {
-    let matter = laws.iter().map(|&(segment, law)| SegmentMatter {
-        segment,
-        law: law.unwrap_or_else(hard),
-        treatments: match law {
-            Some(_) => Vec::new(),
-            None => vec![(Part::Whole, Treatment::Rigid)],
-        },
-    });
-    let mut segments: Vec<SegmentMatter> = matter.collect();
-    // where a voxel belongs to several the last counts: what is hard stays hard
-    segments.sort_by_key(|matter| (!matter.treatments.is_empty(), matter.segment));
-    Materials { segments }
-}
-
-/// Of matter that does not give way, of which only that it is stiff counts.
-fn hard() -> MaterialLaw {
-    let bone = palpate_deform::material::preset("cortical-bone").and_then(|preset| preset.law());
-    bone.expect("a preset of the list")
 }
 
 /// Nothing pushes the tool here.

@@ -32,8 +32,8 @@ pub struct DeformationJob {
     pub voxels: ModelVoxels,
     /// What it is made of.
     pub materials: Arc<Materials>,
-    /// Where the tool is.
-    pub tool: ToolState,
+    /// Where the tool is; none where matter is to come back.
+    pub tool: Option<ToolState>,
     /// Since the last job [s].
     pub dt: f64,
     /// How long the model may take; without it, it always does the same work.
@@ -109,7 +109,7 @@ impl DeformationLoop {
         let answer = model.advance(&ModelInput {
             voxels,
             materials: &job.materials,
-            tools: &[job.tool],
+            tools: job.tool.as_slice(),
             dt: job.dt,
             budget: Budget {
                 iterations: ITERATIONS,

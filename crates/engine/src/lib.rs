@@ -20,6 +20,7 @@ pub mod feel;
 pub mod frame;
 pub mod gap;
 pub mod gap_bodies;
+pub mod giving_matter;
 pub mod grip;
 pub mod handover;
 pub mod kept_surface;

@@ -24,6 +24,8 @@ const ROUNDS: u32 = 4;
 const VALIDITY: f64 = 0.5;
 /// Displacement that is seen [spacings].
 const SEEN: f64 = 0.01;
+/// One of so many iterations is for the stiffness of the contact.
+const STIFFNESS_SHARE: u32 = 4;
 /// Strain of one bond whose force counts where no tool feels more.
 const SMALL_STRAIN: f64 = 0.01;
 
@@ -200,7 +202,9 @@ impl LatticeModel {
         matter.inelastic.fade(&mut matter.lattice, input.dt);
         let reference = SMALL_STRAIN * matter.lattice.softest_bond() * matter.lattice.spacing();
         for _ in 0..ROUNDS {
-            let left = input.budget.iterations - answer.report.iterations;
+            // the rest of them is for the stiffness
+            let most = input.budget.iterations - input.budget.iterations / STIFFNESS_SHARE;
+            let left = most.saturating_sub(answer.report.iterations);
             if left == 0 {
                 return;
             }
@@ -231,6 +235,37 @@ impl LatticeModel {
                 work: breaking.work,
                 place: matter.patient_place(breaking.place),
             });
+        }
+    }
+
+    /// What each tool feels, one contact for each, usable or not.
+    fn tell_contacts(&mut self, input: &ModelInput<'_>, answer: &mut ModelAnswer) {
+        let usable: Vec<_> = input.tools.iter().filter(|t| t.is_usable()).collect();
+        let none = |tool: &ToolState| ToolContact {
+            tool: tool.id,
+            contact: None,
+        };
+        answer.contacts = input.tools.iter().map(none).collect();
+        let Some(matter) = self.matter.as_mut() else {
+            return;
+        };
+        if self.relaxer.felt().len() != usable.len() {
+            return;
+        }
+        let tools: Vec<_> = usable.iter().map(|tool| matter.tool(tool)).collect();
+        for (which, tool) in usable.iter().enumerate() {
+            let felt = self.relaxer.felt()[which];
+            if felt.nodes == 0 || !felt.force.is_finite() {
+                continue;
+            }
+            let most = (input.budget.iterations / STIFFNESS_SHARE).max(4);
+            let stiffness = self
+                .relaxer
+                .stiffness(&mut matter.lattice, &tools, which, most);
+            let told = answer.contacts.iter_mut().find(|told| told.tool == tool.id);
+            if let Some(told) = told {
+                told.contact = matter.contact(tool, &felt, stiffness);
+            }
         }
     }
 
@@ -277,20 +312,7 @@ impl DeformationModel for LatticeModel {
         }
         answer.report.bonds_broken = self.bonds_broken;
         answer.report.work_broken = self.work_broken;
-        let felt = if answer.report.iterations > 0 {
-            self.relaxer.felt()
-        } else {
-            &[]
-        };
-        let mut felt = felt.iter();
-        for tool in input.tools {
-            let felt = tool.is_usable().then(|| felt.next()).flatten();
-            let contact = self.matter.as_ref().zip(felt);
-            answer.contacts.push(ToolContact {
-                tool: tool.id,
-                contact: contact.and_then(|(matter, felt)| matter.contact(tool, felt)),
-            });
-        }
+        self.tell_contacts(input, &mut answer);
         if let Some(matter) = &self.matter {
             answer.report.nodes = matter.lattice.matter_nodes().count() as u32;
         }
@@ -316,30 +338,16 @@ impl Seen {
 }
 
 impl MovingBox {
-    /// What a tool feels, as a linear law: along the force, it changes by 2 E* a for each mm, a
-    /// being the radius of the contact's area and E* = E / (1 - ν²); that holds for every round
-    /// punch without friction.
-    ///
-    /// Source: Pharr, Oliver & Brotzen, J. Mater. Res. 7 (1992).
-    fn contact(&self, tool: &ToolState, felt: &ToolForce) -> Option<LocalContact> {
-        let size = felt.force.length();
-        if felt.nodes == 0 || !size.is_finite() || size == 0.0 {
-            return None;
-        }
-        let spacing = self.lattice.spacing();
-        let layout = self.lattice.layout();
-        let touched = layout.index_of((felt.place / spacing).round().as_ivec3());
-        let solid = touched.and_then(|index| self.lattice.matter(index).solid());
-        let modulus = solid.map_or(0.0, |s| s.young / (1.0 - s.poisson * s.poisson));
-        let radius = (f64::from(felt.nodes) * spacing * spacing / std::f64::consts::PI).sqrt();
+    /// What a tool feels, as a linear law: `stiffness` [N/mm] along the force, none across it.
+    fn contact(&self, tool: &ToolState, felt: &ToolForce, stiffness: f64) -> Option<LocalContact> {
         let force = self.grid.direction() * felt.force;
-        let normal = force / size;
+        let normal = force.try_normalize()?;
         let along = DMat3::from_cols(normal * normal.x, normal * normal.y, normal * normal.z);
         Some(LocalContact {
             position: tool.position,
             force,
-            stiffness: along * (-2.0 * modulus * radius),
-            validity: VALIDITY * spacing,
+            stiffness: along * -stiffness,
+            validity: VALIDITY * self.lattice.spacing(),
         })
     }
 }

@@ -224,7 +224,7 @@ impl Lattice {
         add_volume_forces(layout, *spacing, cells, moved, force);
         for ground in &self.ground {
             let node = ground.node as usize;
-            let pull = ground.stiffness * self.moved(node);
+            let pull = ground.stiffness * (self.moved(node) - ground.led);
             for axis in 0..3 {
                 self.force[axis][node] -= pull[axis];
             }
@@ -235,7 +235,7 @@ impl Lattice {
     #[must_use]
     pub fn energy(&self) -> f64 {
         let ground = |ground: &Ground| {
-            let moved = self.moved(ground.node as usize);
+            let moved = self.moved(ground.node as usize) - ground.led;
             0.5 * moved.dot(ground.stiffness * moved)
         };
         bond_energy(&self.layout, self.spacing, &self.bonds, &self.moved)

@@ -42,14 +42,14 @@ const FARTHEST: f64 = 0.5;
 const HALVES: u32 = 4;
 
 /// How well one step is to be found.
-struct Wish {
+pub(super) struct Wish {
     /// Evaluations at most.
-    most: u32,
+    pub most: u32,
     /// Unbalanced force that is good enough, as a share of the tools' force.
-    residual: f64,
+    pub residual: f64,
     /// Share of the forces that may be left.
-    gain: f64,
-    reference: f64,
+    pub gain: f64,
+    pub reference: f64,
 }
 
 /// Scratch of the relaxation, kept from call to call.
@@ -58,7 +58,7 @@ pub struct Relaxer {
     /// One over the stiffness that a node feels along each axis; 0 where held.
     mobility: Field,
     factor: CoarseFactor,
-    problem: Conjugate,
+    pub(super) problem: Conjugate,
     reaches: Vec<ToolReach>,
     contacts: NodeContacts,
     felt: Vec<ToolForce>,
@@ -124,7 +124,7 @@ impl Relaxer {
     }
 
     /// Finds the step of Newton, and gives how often it has evaluated forces.
-    fn find_step(
+    pub(super) fn find_step(
         &mut self,
         lattice: &mut Lattice,
         tools: &[LatticeTool],
@@ -177,7 +177,7 @@ impl Relaxer {
     }
 
     /// How much each node gives under a force, its contacts as they are now.
-    fn weigh(&mut self, lattice: &Lattice) {
+    pub(super) fn weigh(&mut self, lattice: &Lattice) {
         let mut mass = lattice.mass.clone();
         for contact in &self.touched {
             mass[contact.node] += contact.stiffness;

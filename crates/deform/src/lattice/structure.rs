@@ -174,6 +174,7 @@ impl Lattice {
                     self.ground.push(Ground {
                         node: index as u32,
                         stiffness,
+                        led: DVec3::ZERO,
                     });
                 }
             }

@@ -223,11 +223,14 @@ impl<L: LocalLaw> DeformationModel for LocalModel<L> {
             answer.events.push(ModelEvent::Reset);
         }
         answer.edit = state.write_back(input.voxels);
+        answer.report.moved_voxels = state.moved_voxels();
         answer.displacement = state.displacement();
         answer
     }
 
     fn reset(&mut self) {
-        self.state = None;
+        if let Some(state) = &mut self.state {
+            state.forget();
+        }
     }
 }

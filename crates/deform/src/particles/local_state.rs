@@ -61,6 +61,11 @@ impl<L: LocalLaw> LocalState<L> {
         }
     }
 
+    /// Voxels that are not as at rest.
+    pub fn moved_voxels(&self) -> u32 {
+        self.ledger.len() as u32
+    }
+
     /// Whether all particles are where matter can be: no farther from home than the box is wide.
     pub fn is_sound(&self) -> bool {
         self.body

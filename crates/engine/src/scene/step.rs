@@ -4,6 +4,7 @@ use glam::DAffine3;
 use palpate_tools::stroke::bytes_of;
 use palpate_volume::edit::{Edit, SegmentId};
 use palpate_volume::segment::Segment;
+use palpate_volume::voxels::Voxels;
 
 use super::{Properties, ThresholdRange};
 
@@ -86,6 +87,15 @@ impl Step {
     pub fn of_edit(edit: Edit) -> Self {
         let ranges = edit.segments.iter().map(|(id, _)| (*id, None)).collect();
         Self::Edit { edit, ranges }
+    }
+
+    /// Whether the step would change any voxel or anything beside edits.
+    #[must_use]
+    pub fn would_change(&self, voxels: &Voxels) -> bool {
+        match self {
+            Self::Edit { edit, .. } => voxels.would_change(edit),
+            _ => true,
+        }
     }
 
     /// Whether the step brings a segment back under this number, or takes it away.

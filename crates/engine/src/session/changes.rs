@@ -3,7 +3,7 @@
 
 use std::path::PathBuf;
 
-use palpate_deform::material::MaterialLaw;
+use palpate_deform::material::{MaterialLaw, Part, Treatment};
 use palpate_tools::journal_entry::ScanHash;
 use palpate_tools::tool::ToolSettings;
 use palpate_volume::edit::SegmentId;
@@ -67,6 +67,18 @@ impl Session {
         law: Option<MaterialLaw>,
     ) -> Result<(), SessionError> {
         self.ask(move |simulation| simulation.set_material(id, law))?
+    }
+
+    /// Tells how parts of a segment with a material take part.
+    ///
+    /// # Errors
+    /// Where there is no such segment, or the session has ended.
+    pub fn set_parts(
+        &self,
+        id: SegmentId,
+        parts: Vec<(Part, Treatment)>,
+    ) -> Result<(), SessionError> {
+        self.ask(move |simulation| simulation.set_parts(id, parts))?
     }
 
     /// How the deformation goes.

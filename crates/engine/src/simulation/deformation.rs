@@ -1,9 +1,10 @@
 //! Matter that gives way under the probe.
 
-use palpate_deform::material::MaterialLaw;
+use palpate_deform::material::{MaterialLaw, Part, Treatment};
 use palpate_deform::model::{DeformationModel, ModelEvent, model_from_name};
 use palpate_tools::journal_entry::Action;
 use palpate_volume::edit::SegmentId;
+use palpate_volume::voxels::VoxelsError;
 
 use super::Simulation;
 use crate::deformation::DeformationNow;
@@ -55,6 +56,37 @@ impl Simulation {
         self.scene.properties_of(id).law
     }
 
+    /// Tells how parts of a segment with a material take part: of several that hold a voxel the
+    /// last counts, and what is in none gives way. This changes no voxel and is not undone.
+    ///
+    /// # Errors
+    /// Where there is no such segment, or none that a part is shared with.
+    pub fn set_parts(
+        &mut self,
+        id: SegmentId,
+        parts: Vec<(Part, Treatment)>,
+    ) -> Result<(), SessionError> {
+        let shared = parts.iter().filter_map(|(part, _)| match part {
+            Part::Shared(other) => Some(*other),
+            Part::Whole | Part::Within(_) => None,
+        });
+        for id in shared.chain([id]) {
+            if self.voxels().segment(id).is_none() {
+                return Err(VoxelsError::UnknownSegment(id.0).into());
+            }
+        }
+        self.deformation.change_matter().set_parts(id, parts);
+        self.segments_version += 1;
+        self.publish();
+        Ok(())
+    }
+
+    /// How parts of a segment take part.
+    #[must_use]
+    pub fn parts(&self, id: SegmentId) -> &[(Part, Treatment)] {
+        self.deformation.matter().parts(id)
+    }
+
     /// How the deformation goes.
     #[must_use]
     pub fn deformation(&self) -> DeformationNow {
@@ -86,12 +118,35 @@ impl Simulation {
                 .contact
                 .is_none_or(|law| law.force == glam::DVec3::ZERO);
             if released && !self.stroke.is_on() {
-                self.close_step();
+                self.close_deformation();
             }
             self.touch.send(ServoCommand::GiveWay(giving_way));
         }
         for event in outcome.events {
             self.tell_of_event(event);
+        }
+    }
+
+    /// Makes a step of what the deformation has changed; none where all of it came back.
+    fn close_deformation(&mut self) {
+        // what is on its way back is part of the step
+        if self.deformation.now().report.moved_voxels > 0 || !self.stroke.has_changed() {
+            return;
+        }
+        let Some(inverse) = self.stroke.take_inverse() else {
+            return;
+        };
+        if inverse.would_change(self.voxels()) {
+            self.done(inverse);
+            return;
+        }
+        // nothing is left to take back but what the voxels are stored in
+        let known = self.deformation.knows(self.voxels().edit_number());
+        if self.perform(inverse, Action::Do).is_ok() && known {
+            self.deformation.followed(self.voxels().edit_number());
+        }
+        if let Some(file) = &mut self.file {
+            file.end_step();
         }
     }
 
