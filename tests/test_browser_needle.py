@@ -71,7 +71,7 @@ def test_a_needle_goes_into_tissue_tells_of_it_and_is_withdrawn(page: Browser) -
     page.shows("needle-depth", "parseFloat(text) > 1")
     # the shaft is rubbed, and the tip is in the block
     page.wait(f"{NEEDLE}.friction > 0 && {NEEDLE}.segment === 1")
-    page.picture(OUTPUT / "needle-in.png")
+    page.do("screenshot", path=str(OUTPUT / "needle-in.png"))
 
     hold(page, on=False)
     page.wait("!window.palpate.state.tool.on")

@@ -1,7 +1,7 @@
 """The commands ``palpate scenario``: tools at work without a device, on the phantom or on a scan.
 
-Each prints what happened; with ``--json`` and ``--plot`` it writes what was felt, and a chart. Heavy
-modules are imported inside the commands.
+Each prints what happened; with ``--json`` and ``--plot`` it writes what was felt, and a chart.
+Heavy modules are imported inside the commands.
 """
 
 from __future__ import annotations

@@ -41,7 +41,7 @@ def plot_run(run: ScenarioRun, path: Path) -> None:
     upper.set_title(f"{run.scenario}: {run.scan}", loc="left")
     for panel in (upper, lower):
         panel.spines[["top", "right"]].set_visible(False)
-        panel.legend(frameon=False)
+        panel.legend(frameon=False, loc="upper right")
     figure.savefig(path, dpi=150)
 
 

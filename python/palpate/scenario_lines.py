@@ -135,8 +135,8 @@ def line_over(
     middle = over[:, :, count // 2]
     ends = np.minimum(over[:, :, 0], over[:, :, -1])
     good = fits.all(axis=1)[None] & (there >= 0).all(axis=2) & (slope.max(axis=2) < steep)
-    # some soft matter over the bone, as much as a finger presses through
-    good &= (middle >= 3.0) & (middle <= 10.0) & (ends >= middle + 6.0)
+    # some soft matter over the bone everywhere, as much as a finger presses in
+    good &= (over.min(axis=2) >= 3.0) & (middle <= 10.0) & (ends >= middle + 6.0)
     score = np.where(good, ends - middle - slope.mean(axis=2), -np.inf)
     score[:2] = score[-2:] = -np.inf
     if not np.isfinite(score).any():

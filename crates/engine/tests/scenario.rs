@@ -21,6 +21,8 @@ const SIZE: UVec3 = UVec3::splat(32);
 const TOP: f64 = 20.0;
 /// Of the burr [mm].
 const BURR: f64 = 2.0;
+/// Speed of the drive [mm/s].
+const FEED: f64 = 0.25;
 /// Work per volume [N/mm²].
 const ENERGY: f64 = 1000.0;
 
@@ -29,6 +31,7 @@ fn from_above(depth: f64, speed: f64) -> Drive {
         speed,
         force_limit: 10.0,
         rest_secs: 0.2,
+        stiffness: 4.0,
         ..Drive::between(
             DVec3::new(16.2, 16.3, TOP + 4.0),
             DVec3::new(16.2, 16.3, TOP - depth),
@@ -43,7 +46,7 @@ fn drilled(thick: i32, depth: f64) -> DrillRun {
         IVec3::new(32, 32, TOP as i32),
     );
     let given = DrillDrive {
-        drive: from_above(depth, 1.0),
+        drive: from_above(depth, FEED),
         radius: BURR,
         drill: DrillSettings {
             specific_energy: SpecificEnergy::Everywhere(ENERGY),
@@ -65,21 +68,21 @@ fn a_drill_sinks_in_with_the_force_that_its_feed_needs() {
         .collect();
     let mean = steady.iter().sum::<f64>() / steady.len() as f64;
     // the volume of the hole in a second, times its work, is the power of the force; the hole is
-    // wider than the burr by up to half a voxel all around
+    // wider than the burr by up to a voxel all around
     let DrillSettings {
         surface_speed,
         cutting_ratio,
         ..
     } = DrillSettings::default();
     let force_of = |radius: f64| {
-        let per_second = std::f64::consts::PI * radius * radius;
+        let per_second = std::f64::consts::PI * radius * radius * FEED;
         per_second * ENERGY / (surface_speed * cutting_ratio)
     };
     assert!(
-        mean > 0.8 * force_of(BURR) && mean < 1.2 * force_of(BURR + 0.5),
+        mean > 0.8 * force_of(BURR) && mean < 1.2 * force_of(BURR + 1.0),
         "{mean} N, {} to {} N",
         force_of(BURR),
-        force_of(BURR + 0.5)
+        force_of(BURR + 1.0)
     );
     assert!(run.volume.is_sorted() && *run.volume.last().unwrap() > 30.0);
     assert!(run.events[0].is_contact);
@@ -89,7 +92,7 @@ fn a_drill_sinks_in_with_the_force_that_its_feed_needs() {
 fn a_drill_that_comes_through_is_free() {
     let run = drilled(4, 10.0);
     let kinds: Vec<bool> = run.events.iter().map(|event| event.is_contact).collect();
-    assert_eq!(kinds, [true, false]);
+    assert_eq!(kinds[..2], [true, false]);
     assert!(run.events[1].travel > run.events[0].travel + 3.0);
     let last = run.samples.iter().rfind(|sample| sample.phase == Phase::In);
     assert_eq!(last.unwrap().force, 0.0);
