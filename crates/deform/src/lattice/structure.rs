@@ -112,7 +112,12 @@ impl Lattice {
         }
         let is_cut = |face: &usize| {
             let axis = face / 2;
-            let at_face = node[axis] == if face % 2 == 0 { 0 } else { last[axis] };
+            let at_face = node[axis]
+                == if face.is_multiple_of(2) {
+                    0
+                } else {
+                    last[axis]
+                };
             at_face && matter(node + outward(*face)) != NodeMatter::Empty
         };
         (0..6).filter(is_cut).fold(0, |cut, face| cut | 1 << face)

@@ -77,7 +77,7 @@ impl WriteBack<'_> {
     ) -> Option<(Matter, Option<DVec3>)> {
         let rest = *rest;
         let in_tool = self.is_in_tool(voxel);
-        let from = self.from_where(came_from, voxel)?;
+        let from = self.source_of(came_from, voxel)?;
         let source = self.ledger.rest(self.input.voxels, from)?;
         let is_empty = source.segments.is_empty();
         if in_tool {
@@ -100,7 +100,7 @@ impl WriteBack<'_> {
     /// The voxel from which the matter has come that stands in this one and was at `rest`
     /// [voxels]: that which is shown, as long as it is not clearly another. None where a voxel
     /// that was cleared is to stay so.
-    fn from_where(&self, rest: DVec3, voxel: IVec3) -> Option<IVec3> {
+    fn source_of(&self, rest: DVec3, voxel: IVec3) -> Option<IVec3> {
         let away = |from: IVec3| (rest - (from.as_dvec3() + 0.5)).abs().max_element();
         let nearest = rest.floor().as_ivec3();
         let Some(changed) = self.ledger.changed(voxel) else {
