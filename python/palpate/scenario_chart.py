@@ -41,7 +41,8 @@ def plot_run(run: ScenarioRun, path: Path) -> None:
     upper.set_title(f"{run.scenario}: {run.scan}", loc="left")
     for panel in (upper, lower):
         panel.spines[["top", "right"]].set_visible(False)
-        panel.legend(frameon=False, loc="upper right")
+        # above the panel, where it hides nothing
+        panel.legend(frameon=False, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=4)
     figure.savefig(path, dpi=150)
 
 
@@ -100,19 +101,26 @@ def _draw_depths(panel: Axes, run: ScenarioRun) -> None:
 
 def _mark(panel: Axes, run: ScenarioRun) -> None:
     """Marks what happened at once, and where the way comes into what stops the tool."""
+    over = run.samples[run.over]
+    near = 0.06 * float(np.ptp(over))
+    last, height = -np.inf, 0.98
     for event in run.events:
-        if event.kind in ("punctured", "contact", "free"):
-            at = float(np.interp(event.time, run.time, run.samples[run.over]))
-            panel.axvline(at, color="#BBBBBB", lw=0.8)
-            panel.text(
-                at,
-                0.98,
-                f" {event.segment}" if event.kind == "punctured" else f" {event.kind}",
-                transform=panel.get_xaxis_transform(),
-                va="top",
-                fontsize=8,
-                color="#555555",
-            )
+        if event.kind not in ("punctured", "contact", "free"):
+            continue
+        at = float(np.interp(event.time, run.time, over))
+        # names side by side stand below one another
+        height = height - 0.05 if at - last < near else 0.98
+        last = at
+        panel.axvline(at, color="#BBBBBB", lw=0.8)
+        panel.text(
+            at,
+            height,
+            f" {event.segment}" if event.kind == "punctured" else f" {event.kind}",
+            transform=panel.get_xaxis_transform(),
+            va="top",
+            fontsize=8,
+            color="#555555",
+        )
     if run.wall_at is not None:
         panel.axvline(run.wall_at, color="black", lw=1.0, linestyle="--")
 
