@@ -240,16 +240,14 @@ pub struct UnknownModel {
     pub allowed: String,
 }
 
-/// Makes the model of a name.
+/// The model of a name.
 ///
 /// # Errors
 /// Where there is none.
-pub fn model_from_name(name: &str) -> Result<Box<dyn DeformationModel>, UnknownModel> {
+pub fn model_from_name(name: &str) -> Result<&'static Registered, UnknownModel> {
     let known = MODELS.iter().find(|model| model.name == name);
-    known
-        .map(|model| (model.make)())
-        .ok_or_else(|| UnknownModel {
-            given: name.to_owned(),
-            allowed: MODELS.iter().map(|m| m.name).collect::<Vec<_>>().join(", "),
-        })
+    known.ok_or_else(|| UnknownModel {
+        given: name.to_owned(),
+        allowed: MODELS.iter().map(|m| m.name).collect::<Vec<_>>().join(", "),
+    })
 }

@@ -3,7 +3,6 @@
 //!
 //! Frame: scene, which is the patient's; segments that were moved do not give way.
 
-use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::mpsc::{self, Receiver, Sender};
 use std::time::Duration;
@@ -15,6 +14,8 @@ use palpate_deform::model::{
 };
 use palpate_volume::edit::{Edit, SegmentId};
 use palpate_volume::material::LocalContact;
+use palpate_volume::matter::SegmentSet;
+use palpate_volume::segment::Segment;
 
 use crate::deformation_loop::{DeformationJob, DeformationLoop, ModelVoxels};
 use crate::handover::{GivingWay, ServoStatus};
@@ -59,7 +60,7 @@ pub struct Deformation {
     model: Option<&'static str>,
     /// To be sent with the next job.
     new_model: Option<Box<dyn DeformationModel>>,
-    laws: BTreeMap<SegmentId, MaterialLaw>,
+    matter: KnownMatter,
     /// The edit number that the model knows of; none where it knows nothing.
     known: Option<u64>,
     reset: bool,
@@ -72,9 +73,11 @@ pub struct Deformation {
 /// The job that is out.
 #[derive(Clone, Copy, Debug)]
 struct Asked {
-    segments: [u64; 4],
+    segments: SegmentSet,
     tool: DVec3,
     edit: u64,
+    /// Whether the model that works on it is no longer the chosen one.
+    is_of_old_model: bool,
 }
 
 impl Deformation {
@@ -90,7 +93,7 @@ impl Deformation {
             patience: (!in_step).then_some(PATIENCE),
             model: None,
             new_model: None,
-            laws: BTreeMap::new(),
+            matter: KnownMatter::default(),
             known: None,
             reset: false,
             asked: None,
@@ -105,25 +108,14 @@ impl Deformation {
     pub fn set_model(&mut self, model: Option<(&'static str, Box<dyn DeformationModel>)>) {
         (self.model, self.new_model) = model.unzip();
         self.known = None;
-    }
-
-    /// What a segment is made of; none where it is hard.
-    pub fn set_law(&mut self, id: SegmentId, law: Option<MaterialLaw>) {
-        match law {
-            Some(law) => {
-                self.laws.insert(id, law);
-            }
-            None => {
-                self.laws.remove(&id);
-            }
+        if let Some(asked) = &mut self.asked {
+            asked.is_of_old_model = true;
         }
-        self.reset = true;
     }
 
-    /// What a segment is made of; none where it is hard.
-    #[must_use]
-    pub fn law(&self, id: SegmentId) -> Option<MaterialLaw> {
-        self.laws.get(&id).copied()
+    /// Displacements are forgotten: matter is another one.
+    pub fn forget_displacements(&mut self) {
+        self.reset = true;
     }
 
     /// Displacements are forgotten: the voxels are those of another time.
@@ -169,6 +161,11 @@ impl Deformation {
         let Some(asked) = self.asked.take() else {
             return Outcome::default();
         };
+        if asked.is_of_old_model {
+            // it may have an edit in hand that is not applied
+            self.known = None;
+            return Outcome::default();
+        }
         let contact = answer.contacts.first().and_then(|tool| tool.contact);
         self.now.answers += 1;
         self.now.report = answer.report;
@@ -192,10 +189,10 @@ impl Deformation {
 
     fn ask(&mut self, scene: &Scene, status: &ServoStatus) {
         let tool = status.tool;
-        let segments = self.soft_segments(scene, tool);
+        let segments = soft_segments(scene, tool);
         // before its first tick the servo has told of no place
         let is_known = status.time > 0.0 && tool.is_finite();
-        if self.model.is_none() || segments == [0; 4] || !is_known {
+        if self.model.is_none() || segments.is_empty() || !is_known {
             return;
         }
         let edit = scene.voxels().edit_number();
@@ -209,7 +206,7 @@ impl Deformation {
             model: self.new_model.take(),
             reset: std::mem::take(&mut self.reset),
             voxels,
-            materials: Arc::new(self.materials(scene)),
+            materials: self.matter.materials(scene),
             tool: ToolState {
                 id: 0,
                 // what is smaller than the voxels would slip between them
@@ -227,52 +224,68 @@ impl Deformation {
                 segments,
                 tool,
                 edit,
+                is_of_old_model: false,
             });
         }
     }
+}
 
-    /// Segments that give way near a place, one bit for each number.
-    fn soft_segments(&self, scene: &Scene, tool: DVec3) -> [u64; 4] {
-        let grid = scene.voxels().grid();
-        let mut bits = [0; 4];
-        for id in self.laws.keys() {
-            let is_there = scene.is_obstacle(*id) && scene.properties_of(*id).pose.is_none();
-            let bounds = scene.voxels().segment(*id).and_then(|s| s.bounding_box());
-            let near = bounds.is_some_and(|bounds| {
-                let point = grid.grid_from_patient().transform_point3(tool);
-                let nearest = point.clamp(bounds.min.as_dvec3(), bounds.max.as_dvec3());
-                ((nearest - point) * grid.spacing()).length() <= REACH
-            });
-            if is_there && near {
-                bits[usize::from(id.0 / 64)] |= 1 << (id.0 % 64);
-            }
-        }
-        bits
-    }
+/// Segments that give way near a place [mm].
+fn soft_segments(scene: &Scene, tool: DVec3) -> SegmentSet {
+    let grid = scene.voxels().grid();
+    let point = grid.grid_from_patient().transform_point3(tool);
+    let is_near = |segment: &Segment| {
+        segment.bounding_box().is_some_and(|bounds| {
+            let nearest = point.clamp(bounds.min.as_dvec3(), bounds.max.as_dvec3());
+            ((nearest - point) * grid.spacing()).length() <= REACH
+        })
+    };
+    let soft = matter_in(scene).filter(|(_, _, law)| law.is_some());
+    let near = soft.filter(|(_, segment, _)| is_near(segment));
+    near.map(|(id, _, _)| id).collect()
+}
 
+/// What takes part in a deformation, by rising number: obstacles that stand where the scan has
+/// them, and what they are made of.
+fn matter_in(scene: &Scene) -> impl Iterator<Item = (SegmentId, &Segment, Option<MaterialLaw>)> {
+    scene
+        .obstacles()
+        .filter(|(_, _, properties)| properties.pose.is_none())
+        .map(|(id, segment, properties)| (id, segment, properties.law))
+}
+
+/// The materials of the last job, for the next ones until something is another.
+#[derive(Debug, Default)]
+struct KnownMatter {
+    laws: Vec<(SegmentId, Option<MaterialLaw>)>,
+    materials: Arc<Materials>,
+}
+
+impl KnownMatter {
     /// What all obstacles are made of: those without a material hold what is bonded to them.
-    fn materials(&self, scene: &Scene) -> Materials {
-        let unmoved = scene
-            .obstacles()
-            .filter(|(_, _, properties)| properties.pose.is_none());
-        let mut segments: Vec<SegmentMatter> = unmoved
-            .map(|(segment, _, _)| match self.laws.get(&segment) {
-                Some(law) => SegmentMatter {
-                    segment,
-                    law: *law,
-                    treatments: Vec::new(),
-                },
-                None => SegmentMatter {
-                    segment,
-                    law: hard(),
-                    treatments: vec![(Part::Whole, Treatment::Rigid)],
-                },
-            })
-            .collect();
-        // where a voxel belongs to several the last counts: what is hard stays hard
-        segments.sort_by_key(|matter| (!matter.treatments.is_empty(), matter.segment));
-        Materials { segments }
+    fn materials(&mut self, scene: &Scene) -> Arc<Materials> {
+        let now = || matter_in(scene).map(|(id, _, law)| (id, law));
+        if !now().eq(self.laws.iter().copied()) {
+            self.laws = now().collect();
+            self.materials = Arc::new(materials_of(&self.laws));
+        }
+        Arc::clone(&self.materials)
     }
+}
+
+fn materials_of(laws: &[(SegmentId, Option<MaterialLaw>)]) -> Materials {
+    let matter = laws.iter().map(|&(segment, law)| SegmentMatter {
+        segment,
+        law: law.unwrap_or_else(hard),
+        treatments: match law {
+            Some(_) => Vec::new(),
+            None => vec![(Part::Whole, Treatment::Rigid)],
+        },
+    });
+    let mut segments: Vec<SegmentMatter> = matter.collect();
+    // where a voxel belongs to several the last counts: what is hard stays hard
+    segments.sort_by_key(|matter| (!matter.treatments.is_empty(), matter.segment));
+    Materials { segments }
 }
 
 /// Of matter that does not give way, of which only that it is stiff counts.

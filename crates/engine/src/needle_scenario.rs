@@ -15,12 +15,10 @@ use glam::DVec3;
 use palpate_device::{DeviceLimits, DeviceState};
 use palpate_haptics::needle::NeedleForces;
 use palpate_haptics::needle::events::NeedleEvent;
-use palpate_tools::drill::DrillSettings;
 use palpate_tools::tool::{ToolKind, ToolSettings};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
 use palpate_volume::intensities::Intensities;
-use palpate_volume::matter::SegmentSet;
 use palpate_volume::segment::Segment;
 use palpate_volume::tissue::Tissue;
 use palpate_volume::voxels::Voxels;
@@ -330,12 +328,8 @@ impl Rig {
             }
         }
         self.simulation.set_tool(Some(ToolSettings {
-            kind: ToolKind::Needle,
-            radius: 0.5,
-            segments,
-            drill: DrillSettings::default(),
             tissues,
-            spared: SegmentSet::EMPTY,
+            ..ToolSettings::new(ToolKind::Needle, 0.5, segments)
         }))?;
         self.simulation.stroke(true)
     }

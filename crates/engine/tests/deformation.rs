@@ -60,6 +60,7 @@ impl DeformationModel for Floor {
             }],
             report: ModelReport {
                 iterations: self.resets,
+                nodes: input.materials.segments.len() as u32,
                 ..ModelReport::default()
             },
             ..ModelAnswer::default()
@@ -218,4 +219,61 @@ fn another_model_or_none_takes_the_place_at_once() {
     // hard again: the coupling over the whole depth
     assert!((rest.force.length() - rest.depth).abs() < 1e-9);
     assert!(rig.simulation.set_deformation(Some("jelly")).is_err());
+}
+
+#[test]
+fn an_answer_of_the_model_before_is_not_followed() {
+    let mut rig = rig();
+    go(&mut rig, 30.0, 18.0, 2000);
+    for _ in 0..20 {
+        rig.tick_at(DVec3::new(20.2, 20.3, 14.0));
+    }
+    // the first may take an answer, then the second asks: how matter gives way that deep
+    rig.simulation.step();
+    rig.simulation.step();
+    let (answers, before) = (rig.simulation.deformation().answers, soft_voxels(&rig));
+    let floor = Box::new(Floor::default());
+    rig.simulation
+        .set_deformation_model(Some(("another floor", floor)));
+
+    // what the first model has worked out meanwhile
+    rig.deformation.step();
+    rig.simulation.step();
+    assert_eq!(rig.simulation.deformation().answers, answers);
+    assert_eq!(soft_voxels(&rig), before);
+    // the other one answers from then on
+    rig.deformation.step();
+    rig.simulation.step();
+    assert_eq!(rig.simulation.deformation().answers, answers + 1);
+    assert!(soft_voxels(&rig) < before);
+}
+
+#[test]
+fn a_material_goes_and_comes_back_with_its_segment() {
+    let mut rig = rig();
+    let fat = rig.simulation.material(SOFT);
+    assert!(fat.is_some());
+    rig.simulation.remove_segment(SOFT).unwrap();
+    assert_eq!(rig.simulation.material(SOFT), None);
+    assert!(rig.simulation.set_material(SOFT, fat).is_err());
+    rig.simulation.undo().unwrap();
+    assert_eq!(rig.simulation.material(SOFT), fat);
+}
+
+#[test]
+fn a_model_is_told_of_other_obstacles_and_other_materials() {
+    let mut rig = rig();
+    let seen = |rig: &mut Rig| {
+        go(rig, 18.0, 18.0, 50);
+        let report = rig.simulation.deformation().report;
+        (report.nodes, report.iterations)
+    };
+    go(&mut rig, 30.0, 18.0, 2000);
+    let (segments, resets) = seen(&mut rig);
+    assert_eq!(segments, 2);
+    rig.simulation.set_touchable(SegmentId(2), false).unwrap();
+    assert_eq!(seen(&mut rig), (1, resets));
+    let liver = preset("liver").unwrap().law().unwrap();
+    rig.simulation.set_material(SOFT, Some(liver)).unwrap();
+    assert_eq!(seen(&mut rig), (1, resets + 1));
 }

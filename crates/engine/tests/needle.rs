@@ -20,10 +20,8 @@ use palpate_engine::session_config::{Reference, SessionConfig};
 use palpate_engine::tape::Tape;
 use palpate_engine::tape_columns::TapeColumns;
 use palpate_haptics::needle::events::EventKind::{self, Punctured, Stopped, Withdrawn};
-use palpate_tools::drill::DrillSettings;
 use palpate_tools::tool::{ToolError, ToolKind, ToolSettings};
 use palpate_volume::edit::SegmentId;
-use palpate_volume::matter::SegmentSet;
 use palpate_volume::tissue::Tissue;
 
 const DIMENSIONS: UVec3 = UVec3::new(40, 40, 90);
@@ -212,12 +210,12 @@ fn half_the_speed_gives_the_same_curve() {
 
 fn needle() -> ToolSettings {
     ToolSettings {
-        kind: ToolKind::Needle,
-        radius: 0.5,
-        segments: [SKIN, FAT, LIVER].map(SegmentId).to_vec(),
-        drill: DrillSettings::default(),
         tissues: vec![Tissue::SKIN, Tissue::FAT, Tissue::LIVER],
-        spared: SegmentSet::EMPTY,
+        ..ToolSettings::new(
+            ToolKind::Needle,
+            0.5,
+            [SKIN, FAT, LIVER].map(SegmentId).to_vec(),
+        )
     }
 }
 

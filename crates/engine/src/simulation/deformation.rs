@@ -1,10 +1,9 @@
 //! Matter that gives way under the probe.
 
 use palpate_deform::material::MaterialLaw;
-use palpate_deform::model::{DeformationModel, MODELS, ModelEvent, UnknownModel, model_from_name};
+use palpate_deform::model::{DeformationModel, ModelEvent, model_from_name};
 use palpate_tools::journal_entry::Action;
 use palpate_volume::edit::SegmentId;
-use palpate_volume::voxels::VoxelsError;
 
 use super::Simulation;
 use crate::deformation::DeformationNow;
@@ -19,13 +18,8 @@ impl Simulation {
     /// # Errors
     /// Where there is none of that name.
     pub fn set_deformation(&mut self, name: Option<&str>) -> Result<(), SessionError> {
-        let model = name.map(|name| {
-            let model = model_from_name(name)?;
-            let known = MODELS.iter().map(|known| known.name);
-            Ok::<_, UnknownModel>((known.into_iter().find(|known| *known == name), model))
-        });
-        let model = model.transpose()?;
-        self.set_deformation_model(model.and_then(|(name, model)| Some((name?, model))));
+        let model = name.map(model_from_name).transpose()?;
+        self.set_deformation_model(model.map(|model| (model.name, (model.make)())));
         Ok(())
     }
 
@@ -48,10 +42,8 @@ impl Simulation {
         id: SegmentId,
         law: Option<MaterialLaw>,
     ) -> Result<(), SessionError> {
-        if self.voxels().segment(id).is_none() {
-            return Err(VoxelsError::UnknownSegment(id.0).into());
-        }
-        self.deformation.set_law(id, law);
+        self.scene.set_law(id, law)?;
+        self.deformation.forget_displacements();
         self.segments_version += 1;
         self.publish();
         Ok(())
@@ -60,7 +52,7 @@ impl Simulation {
     /// What a segment is made of; none where it is hard.
     #[must_use]
     pub fn material(&self, id: SegmentId) -> Option<MaterialLaw> {
-        self.deformation.law(id)
+        self.scene.properties_of(id).law
     }
 
     /// How the deformation goes.
@@ -73,7 +65,7 @@ impl Simulation {
     /// release is one step of undo.
     pub(super) fn advance_deformation(&mut self) {
         // a needle has a law of its own, and moves no matter
-        if self.touch.status().needle.on {
+        if self.touch.needle().on {
             return;
         }
         let outcome = self.deformation.exchange(&self.scene, self.touch.status());

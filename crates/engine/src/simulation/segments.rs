@@ -50,6 +50,8 @@ impl Simulation {
         };
         let action = if undoable { Action::Do } else { Action::Start };
         let inverse = self.perform(step, action)?;
+        // its number may have been another one's
+        self.touch.send(ServoCommand::Feel(id, properties.feel));
         if undoable {
             self.done(inverse);
         }

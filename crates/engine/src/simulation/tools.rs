@@ -1,9 +1,9 @@
 //! Tools in the hand of the simulation, and how much undo holds.
 
-use palpate_haptics::needle::tissues::{Segments, Tissues};
 use palpate_tools::journal_entry::Action;
 use palpate_tools::tool::{ToolReport, ToolSettings};
 use palpate_volume::edit::SegmentId;
+use palpate_volume::matter::SegmentSet;
 use palpate_volume::voxels::VoxelsError;
 
 use super::Simulation;
@@ -53,7 +53,8 @@ impl Simulation {
         }
         if let Some(tissues) = self.stroke.needle() {
             self.needle.begin();
-            self.touch.send(ServoCommand::Needle(true, tissues));
+            self.touch
+                .send(ServoCommand::Needle(true, Box::new(tissues)));
         }
         self.publish();
         Ok(())
@@ -67,8 +68,8 @@ impl Simulation {
 
     /// Makes obstacles of what the needle is out of, and none of what it has punctured.
     pub(super) fn advance_needle(&mut self) {
-        let status = self.touch.status();
-        let punctured = self.needle.follow(&status.needle, status.command);
+        let obeyed = self.touch.status().command;
+        let punctured = self.needle.follow(self.touch.needle(), obeyed);
         if let Some(punctured) = punctured {
             let changed = self.scene.puncture(punctured);
             self.send_all(changed);
@@ -77,7 +78,7 @@ impl Simulation {
 
     /// The probe jumps: no needle is in any more.
     pub(super) fn pull_needle(&mut self) {
-        let changed = self.scene.puncture(Segments::NONE);
+        let changed = self.scene.puncture(SegmentSet::EMPTY);
         self.send_all(changed);
     }
 
@@ -115,8 +116,7 @@ impl Simulation {
     pub(super) fn end_stroke(&mut self) {
         self.close_step();
         if self.stroke.needle().is_some() {
-            self.touch
-                .send(ServoCommand::Needle(false, Tissues::default()));
+            self.touch.send(ServoCommand::Needle(false, Box::default()));
         }
         self.stroke.end();
         self.publish();

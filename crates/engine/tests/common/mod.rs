@@ -44,6 +44,7 @@ pub const OBSTACLE: Properties = Properties {
         friction_kinetic: None,
     },
     pose: None,
+    law: None,
 };
 
 /// Voxels of 1 mm whose grid frame is the scene.
