@@ -16,20 +16,25 @@
 )]
 
 mod bond_forces;
+mod bond_memory;
 mod border;
 mod coarse;
+mod conjugate;
 mod contact_law;
 mod inelastic;
 mod lattice_model;
 mod layout;
 mod moduli;
+mod moving_box;
 mod node_contacts;
 mod nodes;
 mod relax;
 mod resample;
+mod structure;
 mod tool_contact;
 mod vectors;
 mod volume_forces;
+mod write_back;
 
 pub use border::Border;
 pub use inelastic::{Breaking, Inelastic, InelasticSettings, Prony};

@@ -145,12 +145,21 @@ pub enum ModelEvent {
     Reset,
 }
 
-/// What the picture needs to show a displacement that moves no voxel yet.
+/// The displacement that the voxels do not show yet: the whole one less what was written back.
 ///
-/// Memory: x fastest; node (i, j, k) stands at `origin + axes · (i, j, k) · spacing`.
+/// What the voxels show at a place y, the edit of the same answer taken in, stands at
+/// y + moved(y): trilinear between nodes, zero outside the box. Where nothing was written back
+/// that is all of the displacement from rest; where voxels have moved, it is what rounding to
+/// voxels left over, about half a voxel at most. Beside matter it goes on into empty space for some nodes, so that a
+/// surface between nodes moves as the matter under it.
+///
+/// To draw: a vertex of a patch at y goes to y + moved(y); a sample of the volume at x reads
+/// the voxels at the y with y + moved(y) = x (y = x − moved(y), from y = x in some steps).
+///
+/// Memory: x fastest; node (i, j, k) is at `origin + axes · (i, j, k) · spacing`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DisplacementField {
-    /// First node at rest [mm].
+    /// First node [mm].
     pub origin: DVec3,
     /// Directions of the three indices, of length 1.
     pub axes: DMat3,
@@ -158,7 +167,7 @@ pub struct DisplacementField {
     pub spacing: f64,
     /// Nodes along each index.
     pub size: UVec3,
-    /// How far each node has moved [mm], patient axes; zero where there is no matter.
+    /// For each node, from where voxels show it to where it stands [mm], patient axes.
     pub moved: Vec<Vec3>,
 }
 
@@ -171,6 +180,8 @@ pub struct ModelReport {
     pub residual: f64,
     /// Nodes or particles that take part.
     pub nodes: u32,
+    /// Voxels that are not as they were at rest.
+    pub moved_voxels: u32,
     /// Bonds broken since the start.
     pub bonds_broken: u64,
     /// Work that breaking them took since the start [N·mm].
@@ -184,7 +195,7 @@ pub struct ModelAnswer {
     pub edit: Option<Edit>,
     /// One for each tool, in order.
     pub contacts: Vec<ToolContact>,
-    /// Where matter stands within its voxels; none where nothing is deformed.
+    /// Displacement that the voxels do not show; none where they show all.
     pub displacement: Option<DisplacementField>,
     /// What happened at once.
     pub events: Vec<ModelEvent>,
@@ -197,7 +208,8 @@ pub trait DeformationModel: Send + fmt::Debug {
     /// Brings matter to rest, or one step further, with the tools where they are now.
     fn advance(&mut self, input: &ModelInput<'_>) -> ModelAnswer;
 
-    /// Forgets all displacements, as after undo or a change of the materials.
+    /// Forgets all displacements and what broke, as after undo or a change of the materials.
+    /// What it wrote into voxels, and still stands there, the next answers give back.
     fn reset(&mut self);
 }
 

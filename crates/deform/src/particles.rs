@@ -21,7 +21,6 @@ mod local_state;
 pub mod neighbours;
 pub mod pair_force;
 pub mod pair_laws;
-mod rest_matter;
 pub mod space;
 pub mod state;
 pub mod system;

@@ -53,7 +53,7 @@ pub struct DeformationLoop {
 
 /// Iterations for one answer, at most: what a step of a quarter of a node takes to the last
 /// hundredth of the force, twice over.
-const ITERATIONS: u32 = 120;
+const ITERATIONS: u32 = 80;
 
 impl DeformationLoop {
     /// A loop without a model.
