@@ -27,6 +27,7 @@ use crate::errors::CoreError;
 use crate::frame::{frame_dict, lateness_dict, segment_dict};
 use crate::material::{
     LinearTuple, SolidTuple, constant_material, deformation_dict, linear_material, material_named,
+    parts_dict,
 };
 use crate::picture::change_dict;
 use crate::recording::{recording_dict, tape_dict};
@@ -439,8 +440,13 @@ impl PySession {
     }
 
     /// Chooses the model by which matter gives way by its name; none makes all matter hard.
-    fn set_deformation(&self, py: Python<'_>, model: Option<String>) -> Result<(), CoreError> {
-        Ok(py.detach(|| self.session.set_deformation(model))?)
+    fn set_deformation(
+        &self,
+        py: Python<'_>,
+        model: Option<String>,
+        edge: Option<u32>,
+    ) -> Result<(), CoreError> {
+        Ok(py.detach(|| self.session.set_deformation(model, edge))?)
     }
 
     /// Tells what a segment is made of: by name, by constants, or linear in HU; else it is hard.
@@ -465,6 +471,16 @@ impl PySession {
     fn deformation<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let now = py.detach(|| self.session.deformation());
         deformation_dict(py, &now.map_err(CoreError::from)?)
+    }
+
+    fn show_parts(&self, on: bool) {
+        self.session.show_parts(on);
+    }
+
+    /// The parts of the model that were not given before, or None.
+    fn parts<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
+        let parts = py.detach(|| self.session.parts());
+        parts.map(|parts| parts_dict(py, &parts)).transpose()
     }
 
     fn stroke(&self, py: Python<'_>, on: bool) -> Result<(), CoreError> {

@@ -5,6 +5,7 @@
 use glam::{DAffine3, DVec3};
 pub use palpate_haptics::safety::ForceOff;
 
+use crate::deformation::DeformationNow;
 use crate::rate::Rate;
 use crate::tool_stroke::ToolNow;
 
@@ -173,6 +174,8 @@ pub struct Frame {
     pub voxels_version: u64,
     /// The tool in the hand, and what it has done.
     pub tool: ToolNow,
+    /// Matter that gives way.
+    pub matter: DeformationNow,
     /// Bytes that undo and redo hold on to.
     pub undo_bytes: usize,
     /// How many they may.

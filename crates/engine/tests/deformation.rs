@@ -218,7 +218,7 @@ fn another_model_or_none_takes_the_place_at_once() {
     assert_eq!(rig.simulation.deformation().model, None);
     // hard again: the coupling over the whole depth
     assert!((rest.force.length() - rest.depth).abs() < 1e-9);
-    assert!(rig.simulation.set_deformation(Some("jelly")).is_err());
+    assert!(rig.simulation.set_deformation(Some("jelly"), None).is_err());
 }
 
 #[test]
