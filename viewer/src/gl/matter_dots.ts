@@ -9,7 +9,7 @@ import type { Vec3 } from "../core/vector";
 import { shaders } from "./shaders";
 
 /** Radius of a disc [distance of neighbours]. */
-const discRadius = 0.22;
+const discRadius = 0.28;
 const strength = { plain: 0.95, behind: 0.6 } as const;
 
 export class MatterDots {
