@@ -37,6 +37,7 @@ _Voxel = tuple[int, int, int]
 _Range = tuple[float, float]
 _Tissue = tuple[float, float, float, float, float, float, float, float]
 _Drive = tuple[_Triple, _Triple, float, float, float, float]
+_Solid = tuple[float, float, float, float, float]
 _Columns = dict[str, NDArray[Any]]
 
 class Volume:
@@ -267,8 +268,8 @@ class Session:
     def whole_surfaces(self) -> dict[str, Any]:
         """All surfaces as they are now, in the same form."""
 
-    def set_deformation(self, model: str | None) -> None:
-        """Chooses the model by which matter gives way; None makes all matter hard."""
+    def set_deformation(self, model: str | None, edge: int | None) -> None:
+        """Chooses the model by which matter gives way, and its box; None makes all matter hard."""
 
     def set_material(
         self,
@@ -291,6 +292,12 @@ class Session:
 
     def deformation(self) -> dict[str, Any]:
         """How the deformation goes."""
+
+    def show_parts(self, on: bool) -> None:
+        """Has ``parts`` give the nodes or particles of the model, or no more."""
+
+    def parts(self) -> dict[str, Any] | None:
+        """The newest of them, once: the fields of ``protocol.MatterParts``."""
 
     def set_tool(
         self,
@@ -651,8 +658,8 @@ def bench_stress(
         ValueError: There is no such model, or the numbers are not allowed.
     """
 
-def material_presets() -> list[tuple[str, str]]:
-    """Materials by name, each with the source of its constants."""
+def material_presets() -> list[tuple[str, str, bool, _Solid, _Solid]]:
+    """Name, source, whether it follows HU, and the constants at the ends of its HU."""
 
-def deformation_models() -> list[str]:
-    """Names of the models by which matter gives way."""
+def deformation_models() -> list[tuple[str, tuple[int, int, int] | None]]:
+    """Names of models, with the fewest, usual and most nodes along each edge of their box."""

@@ -220,8 +220,10 @@ def demo(*, port: Port = 0, browser: Browser = True, rate: Rate = 1000) -> None:
     with bind(port) as listener:
         with Display() as display:
             display("making the phantom", None)
-            volume = phantom().volume
-            scene = scene_of(volume, bounds=None, label_map=None, progress=display)
+            made = phantom()
+            scene = scene_of(made.volume, bounds=None, label_map=None, progress=display)
+            # something to make soft
+            scene.add(made.part("liver"), shown_as="surface")
         show(scene, listener, rate=rate, browser=browser)
 
 

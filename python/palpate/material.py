@@ -11,6 +11,7 @@ from typing import Literal, NamedTuple
 from palpate import _core
 
 __all__ = [
+    "Boxes",
     "LinearMaterial",
     "Material",
     "Part",
@@ -18,6 +19,7 @@ __all__ = [
     "Treatment",
     "deformation_models",
     "material_presets",
+    "model_boxes",
 ]
 
 Treatment = Literal["deformable", "rigid", "empty"]
@@ -67,13 +69,36 @@ class Preset:
     name: str
     source: str
     """Where its constants are from."""
+    needs_hounsfield: bool
+    """Whether its constants follow HU: it is for CT only."""
+    low: Material
+    """Its constants, at the lower end where they follow HU."""
+    high: Material
+    """Its constants, at the upper end where they follow HU."""
+
+
+class Boxes(NamedTuple):
+    """Boxes that a model can have, by the nodes or cells along each edge; these are odd."""
+
+    least: int
+    usual: int
+    most: int
 
 
 def material_presets() -> list[Preset]:
     """Lists the materials that have a name."""
-    return [Preset(name, source) for name, source in _core.material_presets()]
+    return [
+        Preset(name, source, needs_hounsfield, Material(*low), Material(*high))
+        for name, source, needs_hounsfield, low, high in _core.material_presets()
+    ]
 
 
 def deformation_models() -> list[str]:
     """Lists the names of the models by which matter gives way."""
-    return _core.deformation_models()
+    return [name for name, _ in _core.deformation_models()]
+
+
+def model_boxes(model: str) -> Boxes | None:
+    """Returns the boxes that a model can have; None for one that takes all matter."""
+    boxes = dict(_core.deformation_models())[model]
+    return None if boxes is None else Boxes(*boxes)

@@ -22,6 +22,7 @@ from palpate.needle import TISSUES
 from palpate.painted_cut import PaintedCut
 from palpate.server_changes import messages_of
 from palpate.server_gap import GapWatch
+from palpate.server_matter import asked_material, parts_of
 from palpate.server_needle import ToldNeedle
 from palpate.server_outbox import Missed, Outbox
 from palpate.server_picture import ToldPicture, labels_anew
@@ -66,6 +67,7 @@ class Live:
         self._presses: Outbox | None = None
         self._paces: dict[Outbox, int] = {}
         self._needle = ToldNeedle(session)
+        self._parts_for: set[Outbox] = set()
         self._gaps = GapWatch(session, self._from_threads.put)
         self._scene_of_now: object = None
 
@@ -104,6 +106,7 @@ class Live:
             self._outboxes.discard(outbox)
             self._paces.pop(outbox, None)
             self._follow_edits()
+            self._show_parts(outbox, on=False)
             if not self._outboxes:
                 # nobody looks at the gap any more, nor lets go of what is in the hand
                 self._gaps.choose(None)
@@ -150,7 +153,15 @@ class Live:
             self._tell(protocol.Notice(level="error", text=f"the engine is out of order: {error}"))
             return False
         self._tell(state)
+        self._tell_parts()
         return True
+
+    def _tell_parts(self) -> None:
+        parts = self.session.parts() if self._parts_for else None
+        if parts is not None:
+            message = parts_of(parts)
+            for outbox in self._parts_for:
+                outbox.tell(message)
 
     async def _follow_changes(self) -> None:
         """Tells changes of voxels and surfaces as soon as they are made."""
@@ -212,6 +223,8 @@ class Live:
                 case protocol.FollowEdits(every):
                     self._paces[outbox] = every
                     self._follow_edits()
+                case protocol.ShowParts(on):
+                    self._show_parts(outbox, on=on)
                 case protocol.Stroke(on):
                     await asyncio.to_thread(self.session.stroke, on=on)
                     self._presses = outbox if on else None
@@ -237,6 +250,14 @@ class Live:
     def _follow_edits(self) -> None:
         """Has the engine follow edits at the pace of the slowest page."""
         self.session.follow_edits(max(self._paces.values(), default=1))
+
+    def _show_parts(self, outbox: Outbox, *, on: bool) -> None:
+        """Tells a page the parts of the model from now on, or no more."""
+        if on:
+            self._parts_for.add(outbox)
+        else:
+            self._parts_for.discard(outbox)
+        self.session.show_parts(on=bool(self._parts_for))
 
     def _release(self) -> None:
         self._presses = None
@@ -276,6 +297,8 @@ class Live:
                 self._recover(bring_back=bring_back)
             case protocol.WatchGap(pair):
                 self._gaps.choose(pair)
+            case protocol.SetDeformation(model, edge):
+                self.session.set_deformation(model, edge=edge)
             case _:
                 self._do_to_segment(message)
 
@@ -295,6 +318,8 @@ class Live:
                 self._cut_along(message)
             case protocol.SegmentFeel(segment_id, feel):
                 self.session.set_feel(segment_id, **msgspec.structs.asdict(feel))
+            case protocol.SetMaterial(segment_id):
+                self.session.set_material(segment_id, asked_material(message))
             case protocol.RemoveSegment(segment_id):
                 self.session.remove_segment(segment_id)
 

@@ -394,7 +394,7 @@ class Session:
 
     # --- matter that gives way ------------------------------------------------------------
 
-    def set_deformation(self, model: str | None) -> None:
+    def set_deformation(self, model: str | None, *, edge: int | None = None) -> None:
         """Chooses the model by which matter gives way under the probe; None makes all hard.
 
         Segments without a material stay hard (``set_material``). What the probe moves from
@@ -402,12 +402,14 @@ class Session:
 
         Args:
             model: One of ``palpate.material.deformation_models()``.
+            edge: Nodes or cells along each edge of its box (``palpate.material.model_boxes``);
+                by default as many as usual.
 
         Raises:
-            OptionError: There is no such model.
+            OptionError: There is no such model, or it has no such box.
         """
         with _given():
-            self._internal.set_deformation(model)
+            self._internal.set_deformation(model, edge)
 
     def set_material(
         self, segment_id: int, material: Material | LinearMaterial | str | None
@@ -454,12 +456,26 @@ class Session:
         """Returns how the deformation goes.
 
         Returns:
-            ``model`` (None where nothing gives way), ``force`` on the tool [N, scene],
-            ``answers`` so far; of the last answer ``iterations``, ``residual`` (what is left of
-            unbalanced force, as a share of the contact's), ``nodes`` and ``moved_voxels`` (not
-            as at rest); ``bonds_broken`` and ``work_broken`` [N·mm] since the start.
+            ``model`` (None where nothing gives way), ``edge`` of its box (None for the usual
+            one), ``force`` on the tool [N, scene], ``answers`` so far, whether the next one is
+            ``late`` (then matter is as hard as its voxels); of the last answer ``iterations``,
+            ``residual`` (what is left of unbalanced force, as a share of the contact's),
+            ``nodes`` and ``moved_voxels`` (not as at rest); ``bonds_broken`` and ``work_broken``
+            [N·mm] since the start.
         """
         return self._internal.deformation()
+
+    def show_parts(self, *, on: bool) -> None:
+        """Has ``parts`` return the nodes or particles of the model, or no more."""
+        self._internal.show_parts(on)
+
+    def parts(self) -> dict[str, Any] | None:
+        """Returns the newest nodes or particles of the model with their strains.
+
+        The keys are the fields of ``protocol.MatterParts``. None where they are not shown, or
+        were returned before.
+        """
+        return self._internal.parts()
 
     def stroke(self, *, on: bool) -> None:
         """Begins a stroke of the chosen tool, or ends it: it is one step of undo.

@@ -1,15 +1,17 @@
 //! Materials and deformation as the package names and reads them.
 
 use palpate_deform::material::{
-    MaterialError, MaterialLaw, PRESETS, Part, SolidSi, Treatment, preset,
+    MaterialError, MaterialLaw, PRESETS, Part, Preset, Solid, SolidSi, Treatment, preset,
 };
-use palpate_deform::model::MODELS;
+use palpate_deform::model::{MODELS, Registered};
 use palpate_engine::deformation::DeformationNow;
+use palpate_engine::matter_view::ShownParts;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::voxel_box::VoxelBox;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyBytes, PyDict};
 
+use crate::arrays::triple;
 use crate::errors::CoreError;
 use crate::frame::dictionary;
 
@@ -92,17 +94,72 @@ pub fn part((treatment, region, shared): PartTuple) -> Result<(Part, Treatment),
     Ok((part, treatment))
 }
 
+/// Name, source, whether it follows HU, and the constants at the ends of its HU.
+type PresetTuple = (&'static str, &'static str, bool, SolidTuple, SolidTuple);
+
 /// Materials by name, each with the source of its constants.
 #[pyfunction]
-pub fn material_presets() -> Vec<(&'static str, &'static str)> {
-    let presets = PRESETS.iter();
-    presets.map(|preset| (preset.name, preset.source)).collect()
+pub fn material_presets() -> Result<Vec<PresetTuple>, CoreError> {
+    let preset = |preset: &Preset| {
+        let law = preset.law()?;
+        let [low, high] = law.ends().map(solid_tuple);
+        Ok((
+            preset.name,
+            preset.source,
+            law.needs_hounsfield(),
+            low,
+            high,
+        ))
+    };
+    PRESETS.iter().map(preset).collect()
 }
 
-/// Names of the models by which matter gives way.
+fn solid_tuple(solid: Solid) -> SolidTuple {
+    let si = solid.si();
+    (
+        si.young,
+        si.poisson,
+        si.density,
+        si.breaking_strain,
+        si.friction,
+    )
+}
+
+/// What a segment is made of: the name, where it is one of the list, and the constants at the ends
+/// of its HU.
+pub fn material_dict<'py>(py: Python<'py>, law: &MaterialLaw) -> PyResult<Bound<'py, PyDict>> {
+    let preset = PRESETS.iter().find(|preset| preset.law() == Ok(*law));
+    let [low, high] = law.ends().map(solid_tuple);
+    dictionary!(py,
+        "preset": preset.map(|preset| preset.name),
+        "low": low,
+        "high": high,
+    )
+}
+
+/// The parts of a model as the page draws them: the fields of `protocol.MatterParts`.
+pub fn parts_dict<'py>(py: Python<'py>, parts: &ShownParts) -> PyResult<Bound<'py, PyDict>> {
+    dictionary!(py,
+        "origin": triple(parts.origin),
+        "size": triple(parts.size),
+        "apart": parts.apart,
+        "places": PyBytes::new(py, &parts.places),
+        "strains": PyBytes::new(py, &parts.strains),
+    )
+}
+
+/// A model's name, and the fewest, usual and most nodes or cells along each edge of its box; None
+/// where it has none.
+type ModelTuple = (&'static str, Option<(u32, u32, u32)>);
+
+/// The models by which matter gives way.
 #[pyfunction]
-pub fn deformation_models() -> Vec<&'static str> {
-    MODELS.iter().map(|model| model.name).collect()
+pub fn deformation_models() -> Vec<ModelTuple> {
+    let boxes = |model: &Registered| model.boxes.map(|b| (b.least, b.usual, b.most));
+    MODELS
+        .iter()
+        .map(|model| (model.name, boxes(model)))
+        .collect()
 }
 
 /// How the deformation goes.
@@ -112,8 +169,10 @@ pub fn deformation_dict<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     dictionary!(py,
         "model": now.model,
+        "edge": now.edge,
         "force": now.force.to_array(),
         "answers": now.answers,
+        "late": now.late,
         "iterations": now.report.iterations,
         "residual": now.report.residual,
         "nodes": now.report.nodes,

@@ -24,7 +24,7 @@ use crate::errors::CoreError;
 use crate::frame::{frame_dict, lateness_dict, segment_dict};
 use crate::material::{
     LinearTuple, PartTuple, SolidTuple, constant_material, deformation_dict, linear_material,
-    material_named, part,
+    material_named, part, parts_dict,
 };
 use crate::painted::{GivenLine, painted};
 use crate::picture::change_dict;
@@ -409,8 +409,13 @@ impl PySession {
     }
 
     /// Chooses the model by which matter gives way by its name; none makes all matter hard.
-    fn set_deformation(&self, py: Python<'_>, model: Option<String>) -> Result<(), CoreError> {
-        Ok(py.detach(|| self.session.set_deformation(model))?)
+    fn set_deformation(
+        &self,
+        py: Python<'_>,
+        model: Option<String>,
+        edge: Option<u32>,
+    ) -> Result<(), CoreError> {
+        Ok(py.detach(|| self.session.set_deformation(model, edge))?)
     }
 
     /// Tells what a segment is made of: by name, by constants, or linear in HU; else it is hard.
@@ -457,6 +462,16 @@ impl PySession {
     /// Takes the needle out on the way that it went in; False where none is in.
     fn withdraw_needle(&self, py: Python<'_>) -> Result<bool, CoreError> {
         Ok(py.detach(|| self.session.withdraw_needle())?)
+    }
+
+    fn show_parts(&self, on: bool) {
+        self.session.show_parts(on);
+    }
+
+    /// The parts of the model that were not given before, or None.
+    fn parts<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
+        let parts = py.detach(|| self.session.parts());
+        parts.map(|parts| parts_dict(py, &parts)).transpose()
     }
 
     fn stroke(&self, py: Python<'_>, on: bool) -> Result<(), CoreError> {

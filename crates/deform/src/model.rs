@@ -17,7 +17,7 @@ use palpate_volume::material::LocalContact;
 use palpate_volume::voxels::Voxels;
 use thiserror::Error;
 
-use crate::lattice::LatticeModel;
+use crate::lattice::{LatticeModel, LatticeSettings};
 use crate::material::Materials;
 use crate::particles::{GlobalModel, GlobalSettings, LocalModel, LocalSettings};
 
@@ -203,6 +203,15 @@ pub struct ModelAnswer {
     pub report: ModelReport,
 }
 
+/// Where the parts of a model are, for whoever looks at the model itself.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ModelParts {
+    /// Of each part, where it is at rest and where it stands [mm].
+    pub places: Vec<[DVec3; 2]>,
+    /// Between neighbours at rest [mm].
+    pub apart: f64,
+}
+
 /// A model of deformation. Its state is its own; the same calls give the same answers.
 pub trait DeformationModel: Send + fmt::Debug {
     /// Brings matter to rest, or one step further, with the tools where they are now.
@@ -211,6 +220,11 @@ pub trait DeformationModel: Send + fmt::Debug {
     /// Forgets all displacements and what broke, as after undo or a change of the materials.
     /// What it wrote into voxels, and still stands there, the next answers give back.
     fn reset(&mut self);
+
+    /// Its nodes or particles; none where it has none, or nothing was asked yet.
+    fn parts(&self) -> ModelParts {
+        ModelParts::default()
+    }
 }
 
 /// A model by the name that users write.
@@ -218,27 +232,100 @@ pub trait DeformationModel: Send + fmt::Debug {
 pub struct Registered {
     /// As users write it.
     pub name: &'static str,
-    /// Makes it with its default settings.
-    pub make: fn() -> Box<dyn DeformationModel>,
+    /// Boxes that can be chosen; none where it has no box.
+    pub boxes: Option<Boxes>,
+    /// Makes it with its default settings, but for a box of such an edge.
+    pub make: fn(Option<u32>) -> Box<dyn DeformationModel>,
 }
 
-/// All models; a new one is one line here.
+/// Boxes of a model that moves with the tool, by the nodes or cells along each edge: odd.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Boxes {
+    /// Fewest.
+    pub least: u32,
+    /// As many as its default settings have.
+    pub usual: u32,
+    /// Most.
+    pub most: u32,
+}
+
+impl Registered {
+    /// Makes it, where such a box can be chosen; none is the usual one.
+    ///
+    /// # Errors
+    /// Where its box cannot be as large, or it has none.
+    pub fn with_box(&self, edge: Option<u32>) -> Result<Box<dyn DeformationModel>, WrongBox> {
+        let name = self.name;
+        if let Some(edge) = edge {
+            let Boxes { least, most, .. } = self.boxes.ok_or(WrongBox::NoBox { name })?;
+            if edge % 2 == 0 || !(least..=most).contains(&edge) {
+                return Err(WrongBox::Edge {
+                    name,
+                    edge,
+                    least,
+                    most,
+                });
+            }
+        }
+        Ok((self.make)(edge))
+    }
+}
+
+/// A box that a model cannot have.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+pub enum WrongBox {
+    /// It has none.
+    #[error("a box given for {name}; allowed: none, it takes all matter")]
+    NoBox {
+        /// The model.
+        name: &'static str,
+    },
+    /// Of another size.
+    #[error("a box of {edge} along each edge given for {name}; allowed: odd, {least} to {most}")]
+    Edge {
+        /// The model.
+        name: &'static str,
+        /// As given.
+        edge: u32,
+        /// Fewest.
+        least: u32,
+        /// Most.
+        most: u32,
+    },
+}
+
+/// Of models of particles.
+const PARTICLE_BOXES: Boxes = Boxes {
+    least: 7,
+    usual: 13,
+    most: 31,
+};
+
+/// All models; a new one is one entry here.
 pub const MODELS: &[Registered] = &[
     Registered {
         name: "lattice",
-        make: || Box::new(LatticeModel::default()),
+        boxes: Some(Boxes {
+            least: 9,
+            usual: 21,
+            most: 41,
+        }),
+        make: |edge| Box::new(LatticeModel::new(LatticeSettings::of_box(edge))),
     },
     Registered {
         name: "fcc-lj",
-        make: || Box::new(LocalModel::fcc_lj(LocalSettings::default())),
+        boxes: Some(PARTICLE_BOXES),
+        make: |edge| Box::new(LocalModel::fcc_lj(LocalSettings::of_box(edge))),
     },
     Registered {
         name: "cuboid-lj",
-        make: || Box::new(LocalModel::cuboid_lj(LocalSettings::default())),
+        boxes: Some(PARTICLE_BOXES),
+        make: |edge| Box::new(LocalModel::cuboid_lj(LocalSettings::of_box(edge))),
     },
     Registered {
         name: "global-lj",
-        make: || Box::new(GlobalModel::global_lj(GlobalSettings::default())),
+        boxes: None,
+        make: |_| Box::new(GlobalModel::global_lj(GlobalSettings::default())),
     },
 ];
 

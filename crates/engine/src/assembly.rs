@@ -21,6 +21,7 @@ use crate::frame::Notice;
 use crate::handover::{Channels, HandTarget, SimulationChannels};
 use crate::live::{Loops, PICTURE_HZ, SIMULATION_HZ};
 use crate::mapping::{Mapping, view_from_the_front};
+use crate::matter_view::MatterView;
 use crate::picture::{Picture, PictureSources, RateReaders};
 use crate::placement::{REACH, free_point, in_front_of};
 use crate::rate::RateMeter;
@@ -47,6 +48,8 @@ pub struct Assembly {
     pub pace: SurfacePace,
     /// Rung whenever they have followed.
     pub bell: Arc<Bell>,
+    /// The parts of the deformation model.
+    pub matter_view: Arc<MatterView>,
     /// Where the hand pulls to.
     pub hand: Input<HandTarget>,
     /// What all threads see.
@@ -93,6 +96,7 @@ pub fn assemble(config: SessionConfig) -> Result<Assembly, SessionError> {
     let surfaces = Arc::new(Mutex::new(surfaces));
     let ends = (status, notices.clone(), news);
     let (deformation, deformation_loop) = Deformation::new(!config.real_time);
+    let matter_view = deformation_loop.view();
     let simulation = first_simulation(
         (scene, deformation),
         (settings, limits),
@@ -130,6 +134,7 @@ pub fn assemble(config: SessionConfig) -> Result<Assembly, SessionError> {
         surfaces,
         pace,
         bell,
+        matter_view,
         hand: channels.hand,
         shared,
         notices,

@@ -8,8 +8,9 @@ use std::time::Duration;
 
 use glam::{DMat3, DQuat, DVec3};
 use palpate_deform::model::{
-    DeformationModel, ModelAnswer, ModelEvent, ModelReport, ToolShape, ToolState,
+    DeformationModel, DisplacementField, ModelAnswer, ModelEvent, ModelReport, ToolShape, ToolState,
 };
+use palpate_haptics::soft_contact::STALE_SECS;
 use palpate_volume::edit::Edit;
 use palpate_volume::material::LocalContact;
 use palpate_volume::matter::SegmentSet;
@@ -32,12 +33,16 @@ pub type NamedModel = (&'static str, Box<dyn DeformationModel>);
 pub struct DeformationNow {
     /// Name of the model; none where nothing gives way.
     pub model: Option<&'static str>,
+    /// Nodes or cells along each edge of its box; none for as many as usual.
+    pub edge: Option<u32>,
     /// Force on the tool [N].
     pub force: DVec3,
     /// Answers so far.
     pub answers: u64,
     /// How the last one went.
     pub report: ModelReport,
+    /// Whether the next one is late: until it comes, matter is as hard as its voxels.
+    pub late: bool,
 }
 
 /// What came of an answer.
@@ -47,6 +52,8 @@ pub struct Outcome {
     pub edit: Option<Edit>,
     /// What the servo is to follow.
     pub giving_way: Option<GivingWay>,
+    /// Where matter stands beside its voxels.
+    pub displacement: Option<DisplacementField>,
     /// What happened at once.
     pub events: Vec<ModelEvent>,
 }
@@ -167,6 +174,7 @@ impl Deformation {
         if outcome.edit.is_none() {
             self.install_next();
         }
+        self.now.late = self.asked.is_some() && status.time - self.last_time > STALE_SECS;
         if self.asked.is_none() && outcome.edit.is_none() {
             self.ask(scene, status);
         }
@@ -215,6 +223,7 @@ impl Deformation {
                 segments: asked.segments,
                 contact: Some(contact.unwrap_or_else(|| nothing_at(asked.tool))),
             }),
+            displacement: answer.displacement,
             events: answer.events,
         }
     }

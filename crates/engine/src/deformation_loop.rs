@@ -12,6 +12,8 @@ use palpate_deform::model::{Budget, DeformationModel, ModelAnswer, ModelInput, T
 use palpate_volume::edit::Edit;
 use palpate_volume::voxels::Voxels;
 
+use crate::matter_view::{MatterView, ShownParts};
+
 /// What the model is to look at.
 #[derive(Debug)]
 pub enum ModelVoxels {
@@ -49,6 +51,8 @@ pub struct DeformationLoop {
     voxels: Option<Box<Voxels>>,
     /// Of the last answer; the next job tells whether the true voxels took it.
     edit: Option<Edit>,
+    /// Where the model's parts are put, where anybody looks.
+    view: Arc<MatterView>,
 }
 
 /// Iterations for one answer, at most: what a step of a quarter of a node takes to the last
@@ -65,7 +69,14 @@ impl DeformationLoop {
             model: None,
             voxels: None,
             edit: None,
+            view: Arc::default(),
         }
+    }
+
+    /// Where the parts of the model are shown.
+    #[must_use]
+    pub fn view(&self) -> Arc<MatterView> {
+        Arc::clone(&self.view)
     }
 
     /// Does what is asked for, if anything is.
@@ -119,5 +130,8 @@ impl DeformationLoop {
         self.edit.clone_from(&answer.edit);
         // whoever asked may have gone
         let _ = self.answers.send(answer);
+        if self.view.is_wanted() {
+            self.view.put(ShownParts::of(&model.parts()));
+        }
     }
 }

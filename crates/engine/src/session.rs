@@ -20,6 +20,7 @@ use crate::gap_bodies::GapBodies;
 use crate::handover::HandTarget;
 use crate::live::{Live, Paces};
 use crate::mapping::rotation_of_view;
+use crate::matter_view::MatterView;
 use crate::offline::Offline;
 use crate::picture::Picture;
 use crate::session_config::{SessionConfig, check, check_point};
@@ -53,6 +54,7 @@ pub struct Session {
     surfaces: Arc<Mutex<Surfaces>>,
     pace: SurfacePace,
     bell: Arc<Bell>,
+    matter_view: Arc<MatterView>,
     hand: Mutex<(triple_buffer::Input<HandTarget>, u64)>,
     shared: Arc<Shared>,
     notices: Sender<Notice>,
@@ -84,6 +86,7 @@ impl Session {
             surfaces,
             pace,
             bell,
+            matter_view,
             hand,
             shared,
             notices,
@@ -105,6 +108,7 @@ impl Session {
             surfaces,
             pace,
             bell,
+            matter_view,
             hand: Mutex::new((hand, 0)),
             shared,
             notices,

@@ -7,6 +7,7 @@ use std::sync::mpsc::Sender;
 use std::sync::{Arc, Mutex};
 
 use glam::{DAffine3, DMat3, DVec3, IVec3};
+use palpate_deform::material::MaterialLaw;
 use palpate_device::DeviceLimits;
 use palpate_haptics::ball::{BallError, BallShape};
 use palpate_tools::journal_file::JournalFile;
@@ -17,7 +18,8 @@ use palpate_volume::segment::Segment;
 use palpate_volume::voxel_box::VoxelBox;
 use palpate_volume::voxels::{Voxels, VoxelsError};
 
-use crate::deformation::Deformation;
+use crate::deformation::{Deformation, DeformationNow};
+use crate::displaced::Displaced;
 use crate::error::SessionError;
 use crate::feel::Feel;
 use crate::frame::Notice;
@@ -35,6 +37,7 @@ use crate::tool_stroke::{ToolNow, ToolStroke};
 use crate::touch_sender::{TouchSender, touchable_of};
 
 mod deformation;
+mod displaced;
 mod objects;
 pub mod recovery;
 mod segments;
@@ -73,6 +76,8 @@ pub struct SimulationStatus {
     pub tool: ToolNow,
     /// The needle, where it is that.
     pub needle: NeedleNow,
+    /// Matter that gives way.
+    pub matter: DeformationNow,
     /// Bytes that undo and redo hold on to.
     pub undo_bytes: usize,
     /// How many they may.
@@ -102,6 +107,8 @@ pub struct SegmentState {
     pub made_by: Option<ThresholdRange>,
     /// How its surface feels.
     pub feel: Feel,
+    /// What it is made of; none where it is hard.
+    pub law: Option<MaterialLaw>,
     /// Where it was moved [mm, from the scan to the scene]; none where the scan has it.
     pub pose: Option<DAffine3>,
 }
@@ -125,6 +132,10 @@ pub struct Simulation {
     dragged: Option<SegmentId>,
     clutched: bool,
     deformation: Deformation,
+    /// Edge of its box, where it is not the usual one.
+    box_edge: Option<u32>,
+    /// As the picture was told it last.
+    displaced: Option<Arc<Displaced>>,
     file: Option<JournalFile>,
     touch: TouchSender,
     status: triple_buffer::Input<SimulationStatus>,
@@ -161,6 +172,8 @@ impl Simulation {
             dragged: None,
             clutched: false,
             deformation,
+            box_edge: None,
+            displaced: None,
             file: None,
             touch: TouchSender::new(channels, settings.probe_radius),
             status,
@@ -215,6 +228,7 @@ impl Simulation {
                 range: properties.range,
                 made_by: properties.made_by,
                 feel: properties.feel,
+                law: self.material(id),
                 pose: properties.pose,
             })
             .collect()

@@ -220,7 +220,7 @@ fn another_model_or_none_takes_the_place_at_once() {
     assert_eq!(rig.simulation.deformation().model, None);
     // hard again: the coupling over the whole depth
     assert!((rest.force.length() - rest.depth).abs() < 1e-9);
-    assert!(rig.simulation.set_deformation(Some("jelly")).is_err());
+    assert!(rig.simulation.set_deformation(Some("jelly"), None).is_err());
 }
 
 #[test]
@@ -267,7 +267,9 @@ fn lattice_rig() -> Rig {
     };
     let law = MaterialLaw::constant(gel).unwrap();
     rig.simulation.set_material(SOFT, Some(law)).unwrap();
-    rig.simulation.set_deformation(Some("lattice")).unwrap();
+    rig.simulation
+        .set_deformation(Some("lattice"), None)
+        .unwrap();
     let ball = Settings {
         probe_radius: 2.0,
         ..rig.simulation.settings()
@@ -309,7 +311,7 @@ fn a_model_that_is_changed_or_left_behind_gives_back_what_it_moved() {
         let all = soft_voxels(&rig);
         go(&mut rig, 30.0, 19.0, 1200);
         assert!(soft_voxels(&rig) < all);
-        rig.simulation.set_deformation(name).unwrap();
+        rig.simulation.set_deformation(name, None).unwrap();
         assert_eq!(rig.simulation.deformation().model, name);
         go(&mut rig, 19.0, 30.0, 500);
         go(&mut rig, 30.0, 30.0, 300);

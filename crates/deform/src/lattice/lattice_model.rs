@@ -13,7 +13,9 @@ use super::relax::{RelaxSettings, Relaxer};
 use super::resample::{RestVoxels, node_near};
 use super::tool_contact::{LatticeTool, ToolForce};
 use super::write_back::WriteBack;
-use crate::model::{DeformationModel, ModelAnswer, ModelEvent, ModelInput, ToolContact, ToolState};
+use crate::model::{
+    DeformationModel, ModelAnswer, ModelEvent, ModelInput, ModelParts, ToolContact, ToolState,
+};
 use crate::rest_matter::{Ledger, matter_of};
 
 /// How far the tool may be from the middle of the box before the box follows [nodes].
@@ -52,6 +54,18 @@ impl Default for LatticeSettings {
             tolerance: 1e-3,
             inelastic: InelasticSettings::default(),
             air: -1000.0,
+        }
+    }
+}
+
+impl LatticeSettings {
+    /// The default settings with so many nodes along each edge of the box, where they are given.
+    #[must_use]
+    pub fn of_box(nodes: Option<u32>) -> Self {
+        let usual = Self::default();
+        Self {
+            nodes: nodes.unwrap_or(usual.nodes),
+            ..usual
         }
     }
 }
@@ -318,6 +332,13 @@ impl DeformationModel for LatticeModel {
         }
         self.write_back(input, &usable, &mut answer);
         answer
+    }
+
+    fn parts(&self) -> ModelParts {
+        self.matter
+            .as_ref()
+            .map(MovingBox::parts)
+            .unwrap_or_default()
     }
 
     fn reset(&mut self) {

@@ -11,7 +11,7 @@ use super::resample::{RestVoxels, node_place};
 use super::tool_contact::LatticeTool;
 use crate::displacement::Displacement;
 use crate::material::Materials;
-use crate::model::ToolState;
+use crate::model::{ModelParts, ToolState};
 
 /// Share of the box's half width over which voxels and picture fade to the unmoved body.
 const FADING: f64 = 0.4;
@@ -114,6 +114,18 @@ impl MovingBox {
         self.grid
             .patient_from_grid()
             .transform_point3(in_grid / self.grid.spacing())
+    }
+
+    /// Its nodes with matter.
+    pub fn parts(&self) -> ModelParts {
+        let lattice = &self.lattice;
+        let places = lattice.matter_nodes().map(|node| {
+            [lattice.rest_place(node), lattice.place(node)].map(|place| self.patient_place(place))
+        });
+        ModelParts {
+            places: places.collect(),
+            apart: lattice.spacing(),
+        }
     }
 
     /// Whether all nodes stand somewhere.

@@ -16,7 +16,7 @@ use super::system::{MARGIN, ParticleSystem};
 use super::tool_push::{ParticleTool, ToolForce, ToolLaw};
 use super::walls::keep_inside;
 use crate::integrator::{Fire, VelocityVerlet};
-use crate::model::{Budget, ModelReport, ToolContact, ToolState};
+use crate::model::{Budget, ModelParts, ModelReport, ToolContact, ToolState};
 
 /// Angular frequency of a particle on one link: masses are 72 D/a², so time has the unit T₀/2π.
 const LINK_FREQUENCY: f64 = 1.0;
@@ -78,6 +78,22 @@ impl<L: LocalLaw> ParticleBody<L> {
     pub fn bound(mut self, binding: f64, length: f64) -> Self {
         (self.binding, self.length) = (binding, length);
         self
+    }
+
+    /// Where each particle is at rest and where it stands, in the patient.
+    pub fn parts(&self) -> ModelParts {
+        let spacing = self.grid.spacing();
+        let patient = |place: DVec3| {
+            let patient_from_grid = self.grid.patient_from_grid();
+            patient_from_grid.transform_point3(place / spacing)
+        };
+        let places = self.places();
+        ModelParts {
+            places: places
+                .map(|(place, moved)| [place - moved, place].map(patient))
+                .collect(),
+            apart: self.scale.equilibrium,
+        }
     }
 
     pub fn places(&self) -> impl Iterator<Item = (DVec3, DVec3)> {

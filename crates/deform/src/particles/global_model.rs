@@ -25,7 +25,7 @@ use super::pair_laws::FadedLaw;
 use super::tool_push::ParticleTool;
 use crate::displacement::Displacement;
 use crate::material::{Materials, Treatment};
-use crate::model::{Budget, DeformationModel, ModelAnswer, ModelEvent, ModelInput};
+use crate::model::{Budget, DeformationModel, ModelAnswer, ModelEvent, ModelInput, ModelParts};
 use crate::rest_matter::{Ledger, Wanted, solid_of};
 
 /// Steps in which particles come to rest before the first call is answered.
@@ -140,6 +140,11 @@ impl DeformationModel for GlobalModel {
         answer.displacement =
             field.and_then(|field| field.told(grid, &state.ledger, SEEN * field.spacing));
         answer
+    }
+
+    fn parts(&self) -> ModelParts {
+        let state = self.state.as_ref();
+        state.map(|state| state.body.parts()).unwrap_or_default()
     }
 
     fn reset(&mut self) {

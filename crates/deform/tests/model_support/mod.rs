@@ -43,7 +43,7 @@ pub struct Bench {
 impl Bench {
     /// With the default model, on cubes of 1 mm.
     pub fn new(solid: SolidSi) -> Self {
-        let model = (model_from_name("lattice").expect("a known name").make)();
+        let model = (model_from_name("lattice").expect("a known name").make)(None);
         Self::with(solid, DVec3::ONE, model)
     }
 

@@ -11,6 +11,7 @@ use palpate_volume::edit::SegmentId;
 use super::{Session, lock};
 use crate::deformation::DeformationNow;
 use crate::error::SessionError;
+use crate::matter_view::ShownParts;
 use crate::needle::NeedleReport;
 use crate::simulation::Simulation;
 use crate::simulation::recovery::{Kept, Recovered};
@@ -49,12 +50,17 @@ impl Session {
         self.ask(|simulation| simulation.needle_report())
     }
 
-    /// Chooses the model by which matter gives way under the probe, or none.
+    /// Chooses the model by which matter gives way under the probe and the nodes or cells along
+    /// each edge of its box, or none.
     ///
     /// # Errors
-    /// Where there is none of that name, or the session has ended.
-    pub fn set_deformation(&self, model: Option<String>) -> Result<(), SessionError> {
-        self.ask(move |simulation| simulation.set_deformation(model.as_deref()))?
+    /// Where there is none of that name, it has no such box, or the session has ended.
+    pub fn set_deformation(
+        &self,
+        model: Option<String>,
+        edge: Option<u32>,
+    ) -> Result<(), SessionError> {
+        self.ask(move |simulation| simulation.set_deformation(model.as_deref(), edge))?
     }
 
     /// Tells what a segment is made of; without a material it is hard.
@@ -87,6 +93,17 @@ impl Session {
     /// Where the session has ended.
     pub fn deformation(&self) -> Result<DeformationNow, SessionError> {
         self.ask(|simulation| simulation.deformation())
+    }
+
+    /// Has the nodes or particles of the model shown, or no more.
+    pub fn show_parts(&self, on: bool) {
+        self.matter_view.want(on);
+    }
+
+    /// The parts of the model, where they are shown and were not given before.
+    #[must_use]
+    pub fn parts(&self) -> Option<ShownParts> {
+        self.matter_view.take()
     }
 
     /// What a journal of this scan holds; none where there is no such file.

@@ -1,7 +1,7 @@
 //! Matter that gives way under the probe.
 
 use palpate_deform::material::{MaterialLaw, Part, Treatment};
-use palpate_deform::model::{DeformationModel, ModelEvent, model_from_name};
+use palpate_deform::model::{DeformationModel, ModelEvent, WrongBox, model_from_name};
 use palpate_tools::journal_entry::Action;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::voxels::VoxelsError;
@@ -12,15 +12,24 @@ use crate::error::SessionError;
 use crate::frame::Notice;
 use crate::handover::ServoCommand;
 use crate::scene::Step;
+use crate::scene_news::SceneNews;
 
 impl Simulation {
-    /// Chooses the model by which matter gives way, or none.
+    /// Chooses the model by which matter gives way and the nodes or cells along each edge of its
+    /// box, or none.
     ///
     /// # Errors
-    /// Where there is none of that name.
-    pub fn set_deformation(&mut self, name: Option<&str>) -> Result<(), SessionError> {
-        let model = name.map(model_from_name).transpose()?;
-        self.set_deformation_model(model.map(|model| (model.name, (model.make)())));
+    /// Where there is none of that name, or it has no such box.
+    pub fn set_deformation(
+        &mut self,
+        name: Option<&str>,
+        edge: Option<u32>,
+    ) -> Result<(), SessionError> {
+        let known = name.map(model_from_name).transpose()?;
+        let model = known.map(|known| Ok::<_, WrongBox>((known.name, known.with_box(edge)?)));
+        self.set_deformation_model(model.transpose()?);
+        self.box_edge = edge;
+        self.publish();
         Ok(())
     }
 
@@ -29,6 +38,7 @@ impl Simulation {
         &mut self,
         model: Option<(&'static str, Box<dyn DeformationModel>)>,
     ) {
+        self.box_edge = None;
         self.deformation.set_model(model);
         self.publish();
     }
@@ -90,7 +100,10 @@ impl Simulation {
     /// How the deformation goes.
     #[must_use]
     pub fn deformation(&self) -> DeformationNow {
-        self.deformation.now()
+        DeformationNow {
+            edge: self.box_edge,
+            ..self.deformation.now()
+        }
     }
 
     /// Takes the model's answer, if one has come, and asks again. What it moves from contact to
@@ -98,17 +111,23 @@ impl Simulation {
     pub(super) fn advance_deformation(&mut self) {
         // a needle has a law of its own, and moves no matter
         if self.touch.needle().on {
+            if self.displaced.is_some() {
+                self.forget_deformation();
+            }
             return;
         }
         let outcome = self.deformation.exchange(&self.scene, self.touch.status());
+        // voxels that moved, and what they do not show yet, are seen at once
+        let mut seen = Vec::new();
         if let Some(edit) = outcome.edit {
-            match self.perform(Step::of_edit(edit), Action::Do) {
-                Ok(inverse) => {
+            match self.perform_untold(Step::of_edit(edit), Action::Do, false) {
+                Ok((inverse, news)) => {
+                    seen = news;
                     self.stroke.note(inverse);
                     self.deformation.followed(self.voxels().edit_number());
                 }
                 Err(error) => {
-                    self.deformation.forget();
+                    self.forget_deformation();
                     self.tell(Notice::warning(format!("Matter does not move: {error}.")));
                 }
             }
@@ -121,6 +140,10 @@ impl Simulation {
                 self.close_deformation();
             }
             self.touch.send(ServoCommand::GiveWay(giving_way));
+            seen.extend(self.displaced_news(outcome.displacement.as_ref()));
+        }
+        if !seen.is_empty() {
+            self.tell_picture(SceneNews::Together(seen));
         }
         for event in outcome.events {
             self.tell_of_event(event);

@@ -64,6 +64,7 @@ impl Simulation {
             voxels_version: self.voxels_version,
             tool: self.stroke.now(),
             needle: self.needle.now(),
+            matter: self.deformation(),
             undo_bytes: self.journal.bytes(),
             undo_budget: self.journal.budget(),
         };
