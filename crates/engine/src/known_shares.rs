@@ -110,7 +110,7 @@ mod tests {
     #[test]
     fn shares_told_at_once_are_those_told_one_by_one_beside_a_mask_too() {
         let size = UVec3::new(17, 9, 12);
-        let values = (0..17 * 9 * 12).map(|i| (i * 37 % 1000) as i16).collect();
+        let values: Vec<i16> = (0..17 * 9 * 12).map(|i| (i * 37 % 1000) as i16).collect();
         let scan = Intensities::new(size, values, 1.0, 0.0).expect("one value per voxel");
         let range = (400.0, 700.0);
         let made = Part {
