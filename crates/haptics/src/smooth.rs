@@ -90,9 +90,6 @@ pub struct Smoother {
     pub longest_step: f32,
     /// A step shorter than this is the last [cells].
     pub tolerance: f32,
-    /// After a step none is taken where one that shrinks as this one did would be shorter [cells]:
-    /// what is left of the way is much less, for steps are already as long as the last two tell.
-    pub shrunk: f32,
     /// A ball's contact that is wrong by less is good [cells].
     pub turned: f32,
     /// Farthest from the proxy [cells].
@@ -126,7 +123,6 @@ impl Smoother {
         max_steps: 6,
         longest_step: 0.75,
         tolerance: 3e-3,
-        shrunk: 1e-2,
         turned: 0.05,
         // the proxy is up to three voxels behind (docs/decisions/sliding.md)
         reach: 1.5,

@@ -237,7 +237,6 @@ impl<'a, F: Field, const N: usize> Search<'a, F, N> {
     /// from there, or from so near that it would hardly look otherwise.
     fn settle(&mut self, mut surfaces: Surfaces<N>) -> (Vec3A, Surfaces<N>) {
         let tolerance = self.smoother.tolerance * self.length;
-        let shrunk = self.smoother.shrunk * self.length;
         let longest = self.smoother.longest_step * self.length;
         let turned = self.smoother.turned * self.length;
         let mut at = Vec3A::ZERO;
@@ -256,7 +255,7 @@ impl<'a, F: Field, const N: usize> Search<'a, F, N> {
             at = next;
             // ways shrink by about the same share: the next one would be too short
             let square = way.length_squared();
-            if settled && square * square < shrunk * shrunk * before {
+            if settled && square * square < tolerance * tolerance * before {
                 for surface in surfaces.iter_mut().flatten() {
                     surface.move_point(step);
                 }
