@@ -426,9 +426,9 @@ class Session:
 
         Returns:
             ``model`` (None where nothing gives way), ``force`` on the tool [N, scene],
-            ``answers`` so far; of the last answer ``iterations``, ``residual`` (what is left of
-            unbalanced force, as a share of the contact's), ``nodes``; ``bonds_broken`` and
-            ``work_broken`` [N·mm] since the start.
+            ``answers`` so far, ``slips`` (of these, those in which particles slipped); of the last
+            answer ``iterations``, ``residual`` (what is left of unbalanced force, as a share of
+            the contact's), ``nodes``; ``bonds_broken`` and ``work_broken`` [N·mm] since the start.
         """
         return self._internal.deformation()
 

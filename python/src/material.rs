@@ -81,6 +81,7 @@ pub fn deformation_dict<'py>(
         "model": now.model,
         "force": now.force.to_array(),
         "answers": now.answers,
+        "slips": now.slips,
         "iterations": now.report.iterations,
         "residual": now.report.residual,
         "nodes": now.report.nodes,

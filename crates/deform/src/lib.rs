@@ -17,3 +17,4 @@ pub mod material;
 pub mod model;
 pub mod particles;
 pub mod potential;
+pub mod pressed_block;
