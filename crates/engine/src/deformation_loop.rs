@@ -49,6 +49,8 @@ pub struct DeformationLoop {
     voxels: Option<Box<Voxels>>,
     /// Of the last answer; the next job tells whether the true voxels took it.
     edit: Option<Edit>,
+    /// For one answer, at most.
+    iterations: u32,
 }
 
 /// Iterations for one answer, at most: what a step of a quarter of a node takes to the last
@@ -65,7 +67,13 @@ impl DeformationLoop {
             model: None,
             voxels: None,
             edit: None,
+            iterations: ITERATIONS,
         }
+    }
+
+    /// So many iterations for one answer from now on.
+    pub fn set_iterations(&mut self, iterations: u32) {
+        self.iterations = iterations;
     }
 
     /// Does what is asked for, if anything is.
@@ -112,7 +120,7 @@ impl DeformationLoop {
             tools: &[job.tool],
             dt: job.dt,
             budget: Budget {
-                iterations: ITERATIONS,
+                iterations: self.iterations,
                 deadline: job.patience.map(|patience| began + patience),
             },
         });
