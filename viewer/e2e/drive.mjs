@@ -13,6 +13,10 @@
  *   {"do": "touch", "x": …, "y": …, "depth": wheel pixels}    Shift held: move by x, y; wheel (< 0 is deeper)
  *   {"do": "stroke", "x": …, "y": …, "depth": …}              the same with the left button pressed too, "held": true: still
  *   {"do": "release"}                                         the left button
+ *   {"do": "point", "x": …, "y": …}                           the mouse, in pixels of the page
+ *   {"do": "clickAt", "testid": …, "x": …, "y": …}            in shares of an element; "doubleClickAt" too
+ *   {"do": "wheelOver", "testid": …, "y": …}                  over an element's middle
+ *   {"do": "clickText", "text": …}                            a button by its name
  *   {"do": "wheel", "y": …}                                   over the picture's middle (< 0 is nearer)
  *   {"do": "click", "testid": …}                              {"do": "choose", "testid": …, "value": …} of a list
  *   {"do": "slide", "testid": …, "value": …}                  a slider, with the mouse
@@ -70,7 +74,9 @@ const actions = {
   },
   async screenshot({ path, testid }) {
     // of an element only what it draws itself: nothing that lies over the picture, or passes by
-    const style = testid === undefined ? "" : `main > :not([data-testid="${testid}"]) { visibility: hidden !important }`;
+    const own = `[data-testid="${testid}"]`;
+    const others = `main > :not(canvas, ${own}, :has(${own})), ${own} ~ *, ${own} > *`;
+    const style = testid === undefined ? "" : `${others} { visibility: hidden !important }`;
     await (testid === undefined ? page : byTestId(testid)).screenshot({ path, style });
     return {};
   },
@@ -103,13 +109,36 @@ const actions = {
     await page.mouse.up();
     return {};
   },
-  async dragElement({ testid, x = 0, y = 0, steps = 10, from = [0, 0] }) {
+  async point({ x, y }) {
+    await page.mouse.move(x, y);
+    return {};
+  },
+  async clickAt({ testid, x, y }) {
+    const box = await byTestId(testid).boundingBox();
+    await byTestId(testid).click({ position: { x: x * box.width, y: y * box.height } });
+    return {};
+  },
+  async doubleClickAt({ testid, x, y }) {
+    const box = await byTestId(testid).boundingBox();
+    await byTestId(testid).dblclick({ position: { x: x * box.width, y: y * box.height } });
+    return {};
+  },
+  async clickText({ text }) {
+    await page.getByRole("button", { name: text }).click();
+    return {};
+  },
+  async wheelOver({ testid, y }) {
+    await byTestId(testid).hover();
+    await page.mouse.wheel(0, y);
+    return {};
+  },
+  async dragElement({ testid, x = 0, y = 0, steps = 10, from = [0, 0], button = "left" }) {
     const box = await byTestId(testid).boundingBox();
     const [startX, startY] = [box.x + box.width / 2 + from[0], box.y + box.height / 2 + from[1]];
     await page.mouse.move(startX, startY);
-    await page.mouse.down();
+    await page.mouse.down({ button });
     await page.mouse.move(startX + x, startY + y, { steps });
-    await page.mouse.up();
+    await page.mouse.up({ button });
     return {};
   },
   async touch({ x = 0, y = 0, depth = 0, steps = 10 }) {

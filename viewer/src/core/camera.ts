@@ -96,6 +96,12 @@ export function frame(camera: Camera, extent: Extent, viewport: Viewport): Camer
   return { ...camera, target, distance: Math.max(...needed) };
 }
 
+/** The camera that shows as much in a picture of another shape: its shorter side spans the same. */
+export function reshaped(camera: Camera, before: Viewport, now: Viewport): Camera {
+  const share = ({ width, height }: Viewport): number => Math.min(1, width / Math.max(1, height));
+  return { ...camera, distance: (camera.distance * share(before)) / Math.max(share(now), 1e-3) };
+}
+
 /** Turns the picture as if its content were dragged by these angles [rad]. */
 export function orbit(camera: Camera, horizontal: number, vertical: number): Camera {
   // dragging right turns the front of the body to the right, also when it hangs head down

@@ -3,6 +3,7 @@
  * The shaders compute the same (`gl/shaders/field.glsl`); this side serves picking.
  */
 import type { ScanVolume } from "./scan_volume";
+import { physical } from "./stored_values";
 import { length, type Vec3 } from "./vector";
 
 /** Biased value at a point of the grid; outside the scan as at its border. */
@@ -18,6 +19,16 @@ export function biasedAt(volume: ScanVolume, grid: Vec3): number {
   const row = (y: number, z: number): number => mix(at(x0, y, z), at(x1, y, z), fx);
   const plane = (z: number): number => mix(row(y0, z), row(y1, z), fy);
   return mix(plane(z0), plane(z1), fz);
+}
+
+/** Physical value of the voxel that holds a point of the grid; null outside the scan. */
+export function valueInVoxel({ values, dimensions, step, frame }: ScanVolume, grid: Vec3): number | null {
+  if (grid.some((c, axis) => c < 0 || c >= (frame.dimensions[axis] ?? 0))) {
+    return null;
+  }
+  const place = (axis: 0 | 1 | 2): number => Math.min(Math.round(Math.floor(grid[axis]) / step), dimensions[axis] - 1);
+  const biased = values[place(0) + dimensions[0] * (place(1) + dimensions[1] * place(2))] ?? 0;
+  return physical(biased, frame.rescale);
 }
 
 /** The two samples around a coordinate and the share of the second. */

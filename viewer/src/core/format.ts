@@ -51,3 +51,10 @@ export function formatSeconds(seconds: number): string {
   const whole = Math.max(0, Math.floor(seconds));
   return `${Math.floor(whole / 60).toString()}:${(whole % 60).toString().padStart(2, "0")}`;
 }
+
+/** "L 12.3  P 4.0  S 806.0 mm": a point by the directions of the body. */
+export function formatPlace([x, y, z]: Vec3): string {
+  const along = (value: number, positive: string, negative: string): string =>
+    `${value < 0 ? negative : positive} ${Math.abs(value).toFixed(1)}`;
+  return `${along(x, "L", "R")}  ${along(y, "P", "A")}  ${along(z, "S", "I")} mm`;
+}

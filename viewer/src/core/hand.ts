@@ -3,7 +3,7 @@
  * The hand moves in the movement frame: scene positions, axes of the view (thesis 4.7).
  */
 import { alongView, pixelSizeAt, type Camera, type Viewport } from "./camera";
-import { addScaled, clampToBall, type Vec3 } from "./vector";
+import { add, addScaled, clampToBall, type Vec3 } from "./vector";
 
 /** Farthest that the hand goes ahead of the probe [mm], so that the way back stays short. */
 export const farthestAhead = 40;
@@ -18,4 +18,9 @@ export function moveInView(hand: Vec3, probe: Vec3, x: number, y: number, camera
 export function moveInDepth(hand: Vec3, probe: Vec3, pixels: number, camera: Camera, viewport: Viewport): Vec3 {
   const moved = addScaled(hand, camera.back, -pixels * pixelSizeAt(camera, probe, viewport));
   return clampToBall(moved, probe, farthestAhead);
+}
+
+/** Hand after a move along a vector of the scene [mm]. */
+export function moveAlong(hand: Vec3, probe: Vec3, way: Vec3): Vec3 {
+  return clampToBall(add(hand, way), probe, farthestAhead);
 }

@@ -30,6 +30,11 @@ export function drawnFromVoxels({ visible, shown_as }: Segment): boolean {
   return visible && shown_as !== "surface";
 }
 
+/** Whether slices show a segment: where the scan has it, whatever stands for it in the 3-D view. */
+export function drawnInSlices({ visible, pose, grid }: Segment): boolean {
+  return visible && pose === null && grid === null;
+}
+
 /** All of segments that the picture depends on: not how many voxels they have, nor their names. */
 export function drawnKey(segments: readonly Segment[]): string {
   return JSON.stringify(
@@ -87,8 +92,12 @@ export function shownByValue(segments: readonly Segment[]): Segment[] {
     .slice(0, mostRanges);
 }
 
-/** The ranges of these segments. */
-export function shownRanges(segments: readonly Segment[], rescale: Rescale): ShownRange[] {
+/** The ranges of these segments, visible where `drawn` says so. */
+export function shownRanges(
+  segments: readonly Segment[],
+  rescale: Rescale,
+  drawn: (segment: Segment) => boolean = drawnFromVoxels,
+): ShownRange[] {
   return shownByValue(segments).flatMap((segment) => {
     const range = segment.range ?? segment.made_by;
     if (range === null) {
@@ -97,7 +106,7 @@ export function shownRanges(segments: readonly Segment[], rescale: Rescale): Sho
     const [low, high] = biasedRange(range[0], range[1], rescale);
     const { id, colour } = segment;
     const label = segment.range === null ? id : 0;
-    return [{ id, low, high, colour: linearFromSrgb(colour), visible: drawnFromVoxels(segment), label }];
+    return [{ id, low, high, colour: linearFromSrgb(colour), visible: drawn(segment), label }];
   });
 }
 

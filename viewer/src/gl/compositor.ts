@@ -1,5 +1,5 @@
 /**
- * Puts the cached picture with its depth onto the screen, over the background.
+ * Puts the cached picture with its depth into its pane of the screen, over the background.
  */
 import * as THREE from "three";
 import { linearFromHex } from "../core/colour";
@@ -16,20 +16,23 @@ export class Compositor {
     pictureDepth: { value: null as THREE.Texture | null },
     share: { value: new THREE.Vector2(1, 1) },
     used: { value: new THREE.Vector2(1, 1) },
-    screenSize: { value: new THREE.Vector2(1, 1) },
+    paneCorner: { value: new THREE.Vector2() },
+    paneSize: { value: new THREE.Vector2(1, 1) },
     backgroundCentre: { value: new THREE.Vector3(...centre) },
     backgroundEdge: { value: new THREE.Vector3(...rim) },
   };
   private readonly pass = new FullscreenPass(shaders.composite, this.uniforms);
 
-  draw(renderer: THREE.WebGLRenderer, source: PictureTarget): void {
+  /** Draws into the renderer's viewport, whose lower left corner is given [device pixels]. */
+  draw(renderer: THREE.WebGLRenderer, source: PictureTarget, corner: readonly [number, number]): void {
     const u = this.uniforms;
     const { target, width, height } = source;
     u.picture.value = target.texture;
     u.pictureDepth.value = target.depthTexture;
     u.share.value.set(width / target.width, height / target.height);
     u.used.value.set(width, height);
-    renderer.getDrawingBufferSize(u.screenSize.value);
+    u.paneCorner.value.set(...corner);
+    u.paneSize.value.set(target.width, target.height);
     this.pass.draw(renderer, null);
   }
 

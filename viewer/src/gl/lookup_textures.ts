@@ -33,15 +33,18 @@ export function byteTexture(bytes: Uint8Array, dimensions: Vec3): THREE.Data3DTe
 }
 
 /**
- * Linear colour by segment id; alpha 1 where its voxels are drawn, 0.5 where its surface stands for
+ * Linear colour by segment id; alpha 1 where its voxels are `drawn`, 0.5 where its surface stands for
  * them, 0 where its values tell where it is.
  */
-export function labelColours(segments: readonly Segment[]): THREE.DataTexture {
+export function labelColours(
+  segments: readonly Segment[],
+  drawn: (segment: Segment) => boolean = drawnFromVoxels,
+): THREE.DataTexture {
   const row = new Float32Array(4 * 256);
   const byValue = new Set(shownByValue(segments).map(({ id }) => id));
   for (const segment of segments) {
-    const drawn = byValue.has(segment.id) ? 0 : drawnFromVoxels(segment) ? 1 : segment.visible ? 0.5 : 0;
-    row.set([...linearFromSrgb(segment.colour), drawn], 4 * segment.id);
+    const alpha = byValue.has(segment.id) ? 0 : drawn(segment) ? 1 : segment.visible ? 0.5 : 0;
+    row.set([...linearFromSrgb(segment.colour), alpha], 4 * segment.id);
   }
   const texture = new THREE.DataTexture(row, 256, 1, THREE.RGBAFormat, THREE.FloatType);
   texture.needsUpdate = true;

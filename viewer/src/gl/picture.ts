@@ -6,6 +6,7 @@ import * as THREE from "three";
 import type { BrickRanges } from "../core/bricks";
 import { project, type Camera, type Extent, type Viewport } from "../core/camera";
 import type { Look } from "../core/look";
+import type { Rect } from "../core/picture_layout";
 import type { MovedPose, Segment } from "../core/protocol";
 import type { ScanVolume } from "../core/scan_volume";
 import type { SurfaceChange } from "../core/surface_patches";
@@ -19,6 +20,7 @@ import { labelColours } from "./lookup_textures";
 import { markerMargin, Markers, type MarkerState } from "./markers";
 import { RayMarcher } from "./ray_marcher";
 import { Refiner } from "./refiner";
+import { Slices, type ShownSlice, type SliceLook } from "./slices";
 import { Surfaces } from "./surfaces";
 import { ThreeCamera } from "./three_camera";
 
@@ -38,6 +40,7 @@ export class Picture {
   private readonly camera = new ThreeCamera();
   private readonly surfaces: Surfaces;
   private readonly refiner: Refiner;
+  private readonly slices = new Slices(this.marcher);
   private readonly options: PictureOptions;
   /** Nothing is drawn, and all is uploaded as always: for the benchmark of edits. */
   suspended = false;
@@ -45,7 +48,9 @@ export class Picture {
   private ready = false;
   private view: { readonly camera: Camera; readonly extent: Extent } | null = null;
   private shownCamera: Camera | null = null;
-  private viewport: Viewport = { width: 1, height: 1 };
+  /** The whole canvas, and the pane of the 3-D view [CSS pixels from the upper left]. */
+  private canvas: Viewport = { width: 1, height: 1 };
+  private pane: Rect = { x: 0, y: 0, width: 1, height: 1 };
   private markersShown = false;
   private markersStale = true;
   private screenStale = true;
@@ -88,7 +93,7 @@ export class Picture {
 
   /** Divisor of the resolution on display, and whether it is final. */
   get quality(): { readonly divisor: number; readonly finished: boolean } {
-    return { divisor: this.refiner.shownDivisor, finished: this.refiner.finished };
+    return { divisor: this.refiner.shownDivisor, finished: this.refiner.finished && !this.slices.isStale };
   }
 
   set jitter(on: boolean) {
@@ -101,6 +106,7 @@ export class Picture {
     this.field = new FieldTexture(volume, this.options.format ?? fieldFormatFor(this.options.support));
     this.ready = false;
     this.marcher.setField(this.field, bricks);
+    this.slices.follow(volume.frame);
     this.surfaces.setFrame(volume.frame);
     this.refiner.restart();
   }
@@ -115,6 +121,7 @@ export class Picture {
     this.labels?.dispose();
     this.labels = volume === null ? null : new LabelTexture(volume);
     this.marcher.setLabels(volume === null || this.labels === null ? null : { texture: this.labels.texture, bricks: volume.bricks });
+    this.slices.follow(this.field?.volume.frame ?? null);
     this.refiner.restart();
   }
 
@@ -124,6 +131,7 @@ export class Picture {
     this.colours = labelColours(segments);
     this.marcher.setLabelColours(this.colours);
     this.surfaces.setSegments(segments);
+    this.slices.setSegments(segments);
     this.refiner.restart();
   }
 
@@ -136,6 +144,7 @@ export class Picture {
       this.labels?.uploadBox(this.renderer, box);
     }
     this.marcher.changeVoxels(box, this.renderer);
+    this.slices.changed();
     this.refiner.restart();
   }
 
@@ -162,14 +171,25 @@ export class Picture {
     this.markersShown = true;
   }
 
-  /** Follows the size of the canvas on the page [CSS pixels]. */
-  resize(width: number, height: number): void {
+  /** Which slices are seen beside the 3-D view. */
+  setSlices(shown: readonly ShownSlice[]): void {
+    this.slices.show(shown);
+  }
+
+  setSliceLook(look: SliceLook): void {
+    this.slices.setLook(look);
+  }
+
+  /** Follows the size of the canvas on the page and the place of the 3-D view on it [CSS pixels]. */
+  resize(width: number, height: number, pane: Rect = { x: 0, y: 0, width, height }): void {
     const ratio = Math.min(window.devicePixelRatio, this.options.mostPixelRatio);
-    this.renderer.setPixelRatio(ratio);
-    this.renderer.setSize(width, height, false);
-    const size = this.renderer.getDrawingBufferSize(new THREE.Vector2());
-    this.refiner.resize(size.x, size.y);
-    this.viewport = { width, height };
+    if (width !== this.canvas.width || height !== this.canvas.height || ratio !== this.renderer.getPixelRatio()) {
+      this.renderer.setPixelRatio(ratio);
+      this.renderer.setSize(width, height, false);
+    }
+    this.refiner.resize(Math.floor(pane.width * ratio), Math.floor(pane.height * ratio));
+    this.canvas = { width, height };
+    this.pane = pane;
     this.screenStale = true;
   }
 
@@ -184,23 +204,32 @@ export class Picture {
     }
     if (this.refiner.wantsView) {
       // picture and markers change their view in the same frame
-      const aspect = this.viewport.width / this.viewport.height;
+      const aspect = this.pane.width / this.pane.height;
       this.shownCamera = this.view.camera;
       this.marcher.setCamera(this.view.camera, this.view.extent, aspect);
       this.camera.update(this.view.camera, this.view.extent, aspect);
       this.surfaces.setCamera(this.view.camera, this.camera.camera);
     }
-    if (this.refiner.advance(now) || this.screenStale) {
-      this.drawScreen(null);
-    } else if (this.markersStale) {
-      this.drawMarkers();
+    const pictureChanged = this.refiner.advance(now) || this.screenStale;
+    if (pictureChanged || (this.slices.isStale && !this.keepsScreen)) {
+      this.drawSlices();
+      this.drawView(null);
+    } else {
+      if (this.slices.isStale) {
+        this.drawSlices();
+      }
+      if (this.markersStale) {
+        this.drawMarkers();
+      }
     }
+    this.screenStale = false;
   }
 
   dispose(): void {
     this.refiner.dispose();
     this.marcher.dispose();
     this.surfaces.dispose();
+    this.slices.dispose();
     this.compositor.dispose();
     this.markers.dispose();
     this.field?.dispose();
@@ -213,36 +242,57 @@ export class Picture {
     return this.renderer.getContext() as WebGL2RenderingContext;
   }
 
+  /** Whether what is not drawn again stays on the screen. */
+  private get keepsScreen(): boolean {
+    return this.options.support.software;
+  }
+
+  /** Draws slices: those that have changed, or all where the screen forgets. */
+  private drawSlices(): void {
+    const { renderer } = this;
+    if (this.screenStale) {
+      renderer.setRenderTarget(null);
+      renderer.clear();
+    }
+    this.slices.draw(renderer, this.canvas.height, renderer.getPixelRatio(), this.screenStale || !this.keepsScreen);
+  }
+
   /** Draws again where markers were and are. */
   private drawMarkers(): void {
     const before = this.marked;
     const now = this.markedBox();
-    this.drawScreen(this.options.support.software && before !== null && now !== null ? now.clone().union(before) : null);
+    if (!this.keepsScreen) {
+      this.drawSlices();
+    }
+    this.drawView(this.keepsScreen && before !== null && now !== null ? now.clone().union(before) : null);
   }
 
-  /** Draws the screen, or the part of it inside a box [CSS pixels from the upper left]. */
-  private drawScreen(part: THREE.Box2 | null): void {
-    const { renderer } = this;
-    renderer.setScissorTest(part !== null);
-    if (part !== null) {
-      const { x, y } = part.getSize(new THREE.Vector2());
-      renderer.setScissor(part.min.x, this.viewport.height - part.max.y, x, y);
-    }
-    this.compositor.draw(renderer, this.refiner.picture);
+  /** Draws the 3-D view, or the part of it inside a box [CSS pixels from the upper left of its pane]. */
+  private drawView(part: THREE.Box2 | null): void {
+    const { renderer, pane } = this;
+    const { x, width, height } = pane;
+    const y = this.canvas.height - pane.y - height;
+    const inside = new THREE.Box2(new THREE.Vector2(), new THREE.Vector2(width, height));
+    const box = part === null ? inside : part.clone().intersect(inside);
+    const size = box.getSize(new THREE.Vector2());
+    renderer.setScissorTest(true);
+    renderer.setScissor(x + box.min.x, y + height - box.max.y, size.x, size.y);
+    renderer.setViewport(x, y, width, height);
+    const ratio = renderer.getPixelRatio();
+    this.compositor.draw(renderer, this.refiner.picture, [x * ratio, y * ratio]);
     if (this.markersShown) {
       renderer.render(this.markers.scene, this.camera.camera);
     }
     renderer.setScissorTest(false);
     this.marked = this.markedBox();
     this.markersStale = false;
-    this.screenStale = false;
   }
 
-  /** Box around all markers; null where it cannot be told. */
+  /** Box around all markers in the pane of the view; null where it cannot be told. */
   private markedBox(): THREE.Box2 | null {
     const box = new THREE.Box2();
     for (const point of this.markers.outline) {
-      const place = this.shownCamera === null ? null : project(this.shownCamera, point, this.viewport);
+      const place = this.shownCamera === null ? null : project(this.shownCamera, point, this.pane);
       if (place === null) {
         return null;
       }

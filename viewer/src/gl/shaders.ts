@@ -15,6 +15,7 @@ import ownSegment from "./shaders/own_segment.glsl?raw";
 import pathFrag from "./shaders/path.frag?raw";
 import pathVert from "./shaders/path.vert?raw";
 import segments from "./shaders/segments.glsl?raw";
+import sliceFrag from "./shaders/slice.frag?raw";
 import surfaceFrag from "./shaders/surface.frag?raw";
 import surfaceVert from "./shaders/surface.vert?raw";
 import surfaces from "./shaders/surfaces.glsl?raw";
@@ -29,6 +30,7 @@ export const shaders = {
   fullscreen: joined(fullscreenVert),
   march: joined(field, segments, surfaces, light, openness, marchFrag),
   composite: joined(compositeFrag),
+  slice: joined(field, segments, sliceFrag),
   gauge: { vertex: joined(gaugeVert), fragment: joined(gaugeFrag) },
   marker: { vertex: joined(markerVert), fragment: joined(markerFrag) },
   surface: { vertex: joined(surfaceVert), fragment: joined(field, ownSegment, light, openness, surfaceFrag) },

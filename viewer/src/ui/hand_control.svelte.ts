@@ -2,7 +2,7 @@
  * The hand of a person with a mouse and keys: collects its moves and tells the engine where
  * the hand is, at most once a frame.
  */
-import { moveInDepth, moveInView } from "../core/hand";
+import { moveAlong, moveInDepth, moveInView } from "../core/hand";
 import type { Vec3 } from "../core/vector";
 import type { Session } from "./session.svelte";
 import type { Stage } from "./stage.svelte";
@@ -34,23 +34,17 @@ export class HandControl {
   /** Moves the hand by pixels to the right, downward, and away from the viewer. */
   move(right: number, down: number, away: number): void {
     const { camera, viewport } = this.stage;
-    const state = this.session.latest;
-    if (camera === null || state === null) {
-      return;
+    if (camera !== null) {
+      this.lead((from, probe) => {
+        const sideways = moveInView(from, probe, right, down, camera, viewport);
+        return moveInDepth(sideways, probe, away, camera, viewport);
+      });
     }
-    if (this.clutched || state.clutched) {
-      this.hand = null;
-      return;
-    }
-    if (this.hand === null && this.known < this.sent) {
-      // where the hand was placed is not known yet
-      return;
-    }
-    const now = performance.now();
-    const rested = this.known === this.sent && now - this.movedAt > resumeAfter;
-    const from = this.hand === null || rested ? state.hand : this.hand;
-    const sideways = moveInView(from, state.proxy, right, down, camera, viewport);
-    this.goTo(moveInDepth(sideways, state.proxy, away, camera, viewport));
+  }
+
+  /** Moves the hand along a vector of the scene [mm]. */
+  moveBy(way: Vec3): void {
+    this.lead((from, probe) => moveAlong(from, probe, way));
   }
 
   /** Has the hand move without the probe, or with it again. */
@@ -85,6 +79,26 @@ export class HandControl {
     this.used = true;
     this.session.send({ type: "place", point });
     this.follow();
+  }
+
+  /** Moves the hand from where it is, as far as that is known. */
+  private lead(to: (from: Vec3, probe: Vec3) => Vec3): void {
+    const state = this.session.latest;
+    if (state === null) {
+      return;
+    }
+    if (this.clutched || state.clutched) {
+      this.hand = null;
+      return;
+    }
+    if (this.hand === null && this.known < this.sent) {
+      // where the hand was placed is not known yet
+      return;
+    }
+    const now = performance.now();
+    const rested = this.known === this.sent && now - this.movedAt > resumeAfter;
+    const from = this.hand === null || rested ? state.hand : this.hand;
+    this.goTo(to(from, state.proxy));
   }
 
   /** Learns when the engine has told of all that was sent, with one question at a time. */

@@ -173,6 +173,9 @@ export class KeyboardInput {
       case ",":
       case ".":
         return this.turnHeld(key === "," ? 1 : -1);
+      case "l":
+        this.stage.slices.nextLayout();
+        return true;
       case "n":
         this.stage.mark({ normal: !this.stage.shown.normal });
         return true;

@@ -112,8 +112,7 @@ export class PointerInput {
 
   private wheel(event: WheelEvent): void {
     event.preventDefault();
-    // with Shift held some browsers turn the wheel into a sideways one
-    const turned = pixelsOf(event, event.deltaY === 0 ? event.deltaX : event.deltaY);
+    const turned = wheelPixels(event);
     const { camera, content, objects } = this.stage;
     if (event.altKey && camera !== null && objects.holds) {
       objects.turn(camera.back, turned * turnSpeed * 0.1);
@@ -144,7 +143,9 @@ export class PointerInput {
 }
 
 /** Pixels of a wheel event, which may count lines or pages. */
-function pixelsOf(event: WheelEvent, delta: number): number {
+export function wheelPixels(event: WheelEvent): number {
+  // with Shift held some browsers turn the wheel into a sideways one
+  const delta = event.deltaY === 0 ? event.deltaX : event.deltaY;
   const unit = event.deltaMode === WheelEvent.DOM_DELTA_LINE ? 33 : event.deltaMode === WheelEvent.DOM_DELTA_PAGE ? 400 : 1;
   return Math.max(-400, Math.min(400, delta * unit));
 }

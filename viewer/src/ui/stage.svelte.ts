@@ -13,6 +13,7 @@ import {
   lookFrom,
   pixelSizeAt,
   rayThrough,
+  reshaped,
   sameView,
   type Camera,
   type Extent,
@@ -22,6 +23,8 @@ import { srgbFromHex } from "../core/colour";
 import { contentHull } from "../core/content_hull";
 import type { Look } from "../core/look";
 import { PathTrail } from "../core/path_trail";
+import { valueInVoxel } from "../core/field";
+import type { Panes } from "../core/picture_layout";
 import { unmoved } from "../core/object_pose";
 import { surfaceCrossings } from "../core/pick_patches";
 import { pickSurface, type Picked } from "../core/pick_surface";
@@ -36,10 +39,12 @@ import type { Vec3 } from "../core/vector";
 import type { GpuSupport } from "../gl/gpu_support";
 import type { Shown, ToolBall } from "../gl/markers";
 import { Picture } from "../gl/picture";
+import type { ShownSlice, SliceLook } from "../gl/slices";
 import { downloadLabels, downloadVolume } from "../live/volume_download";
 import { EditPaceControl } from "./edit_pace_control.svelte";
 import { recall, remember } from "./remembered";
 import type { Session } from "./session.svelte";
+import { SliceControl } from "./slice_control.svelte";
 import { CutControl } from "./cut_control.svelte";
 import { ObjectControl } from "./object_control.svelte";
 import { needsLabels, ShownEdits } from "./shown_edits.svelte";
@@ -55,12 +60,18 @@ const trailSpacing = 0.1;
 /** How long the name of an object stands where it was picked [ms]. */
 const namedTime = 4000;
 
+/** Between two drawings of slices where the CPU draws [ms]. */
+const slicePause = 60;
+
 /** A boundary at full strength changes by this share of the soft-tissue-to-bone span per mm. */
 const edgeShare = 0.2;
 
 export class Stage {
   camera = $state.raw<Camera | null>(null);
+  /** Size of the 3-D view's pane [CSS pixels]. */
   viewport = $state.raw<Viewport>({ width: 1, height: 1 });
+  /** The slices beside it. */
+  readonly slices = new SliceControl(() => this.camera);
   appearance = $state.raw<Appearance | null>(null);
   /** Range of a segment while its slider is dragged, before the engine is asked. */
   preview = $state.raw<{ readonly id: number; readonly range: readonly [number, number] } | null>(null);
@@ -94,6 +105,9 @@ export class Stage {
   private bricks: BrickRanges | null = null;
   private extent: Extent | null = null;
   private drawnCamera: Camera | null = null;
+  private drawnSlices: readonly ShownSlice[] | null = null;
+  private drawnSliceLook: SliceLook | null = null;
+  private slicesDrawn = 0;
   private sentCamera: Camera | null = null;
   private sentTo = 0;
   private drawnState: object | null = null;
@@ -128,6 +142,7 @@ export class Stage {
     });
     session.onState((state) => {
       this.trail.add(state.time, state.proxy);
+      this.slices.follow(state.proxy);
     });
   }
 
@@ -190,6 +205,7 @@ export class Stage {
     this.tellCoarseness(step);
     const fallback = defaultAppearance({ softTissue: scan.soft_tissue, bone: scan.bone });
     this.appearance = recall(`appearance.${scan.name}`, fallback);
+    this.slices.open(scan);
     try {
       const { volume, bricks } = await downloadVolume(scanFrame, step, this.token, (share) => {
         this.progress = request === this.request ? 0.9 * share : this.progress;
@@ -265,6 +281,12 @@ export class Stage {
     }
   }
 
+  /** Value of the scan at a point of the scene; null outside of it and before it is here. */
+  valueAt(point: Vec3): number | null {
+    const { volume } = this;
+    return volume === null ? null : valueInVoxel(volume, transformPoint(volume.frame.gridFromScene, point));
+  }
+
   /** Size of what is shown; null before there is a scan. */
   get content(): Extent | null {
     return this.extent;
@@ -325,7 +347,9 @@ export class Stage {
 
   /** How fine the picture on display is. */
   get quality(): Picture["quality"] | null {
-    return this.picture?.quality ?? null;
+    const { picture, slices } = this;
+    const handed = slices.shown === this.drawnSlices && slices.look === this.drawnSliceLook;
+    return picture && { ...picture.quality, finished: picture.quality.finished && handed };
   }
 
   /** Draws nothing any more, or again; edits are uploaded all the same. For the benchmark of edits. */
@@ -371,6 +395,8 @@ export class Stage {
       return;
     }
     this.drawnCamera = null;
+    this.drawnSlices = null;
+    this.drawnSliceLook = null;
     this.drawnState = null;
     this.fit();
     this.fillPicture();
@@ -390,9 +416,22 @@ export class Stage {
   private fit(): void {
     const { clientWidth: width, clientHeight: height } = this.canvas ?? { clientWidth: 0, clientHeight: 0 };
     if (width > 0 && height > 0) {
-      this.viewport = { width, height };
-      this.picture?.resize(width, height);
+      this.slices.size = { width, height };
+      this.arrange(this.slices.panes);
     }
+  }
+
+  /** Gives the 3-D view its pane. */
+  arrange({ view }: Panes): void {
+    const { size } = this.slices;
+    const { width, height } = view;
+    const before = this.viewport;
+    if (width !== before.width || height !== before.height) {
+      this.viewport = { width, height };
+      this.camera = this.camera && reshaped(this.camera, before, this.viewport);
+    }
+    this.picture?.resize(size.width, size.height, view);
+    this.drawnState = null;
   }
 
   private drawFrame(now: number): void {
@@ -403,6 +442,7 @@ export class Stage {
     if (picture === null) {
       return;
     }
+    this.handSlices(picture, now);
     if (camera !== null && extent !== null) {
       if (camera !== this.drawnCamera) {
         picture.setCamera(camera, extent);
@@ -415,6 +455,23 @@ export class Stage {
     }
     picture.advance(now);
     this.followUpload(picture);
+  }
+
+  /** Hands slices to the GPU: without a graphics card less often, so that touch stays fluent. */
+  private handSlices(picture: Picture, now: number): void {
+    if (this.support.software && now - this.slicesDrawn < slicePause) {
+      return;
+    }
+    const { shown, look } = this.slices;
+    this.slicesDrawn = now;
+    if (look !== this.drawnSliceLook) {
+      picture.setSliceLook(look);
+      this.drawnSliceLook = look;
+    }
+    if (shown !== this.drawnSlices) {
+      picture.setSlices(shown);
+      this.drawnSlices = shown;
+    }
   }
 
   /** Hands edits to the GPU as they come: all of one before anything is drawn again. */

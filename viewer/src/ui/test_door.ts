@@ -6,6 +6,7 @@ import type { Camera } from "../core/camera";
 import type { Picked } from "../core/pick_surface";
 import { decodeToPage, type Settings, type State } from "../core/protocol";
 import type { Vec3 } from "../core/vector";
+import type { ShownSlice } from "../gl/slices";
 import type { HandControl } from "./hand_control.svelte";
 import type { Hearing } from "./hearing.svelte";
 import type { Session } from "./session.svelte";
@@ -28,6 +29,11 @@ export interface TestDoor {
   /** Waits until the engine has done all that the page has asked for by now, and has told of it. */
   readonly allDone: () => Promise<void>;
   readonly camera: Camera | null;
+  /** The slices on display. */
+  readonly slices: readonly ShownSlice[];
+  /** The point that all of them go through [scene mm]. */
+  readonly crosshair: Vec3 | null;
+  readonly cross: (point: Vec3) => void;
   /** Whether contact can be heard, and how loud it is now, 0..1. */
   readonly sound: { readonly running: boolean; readonly level: number };
   /** From the arrival of the last edit until all of it was handed to the GPU [ms]; null before the first. */
@@ -91,6 +97,15 @@ export function openTestDoor(session: Session, stage: Stage, hand: HandControl, 
     },
     get camera() {
       return stage.camera;
+    },
+    get slices() {
+      return stage.slices.shown;
+    },
+    get crosshair() {
+      return stage.slices.crosshair;
+    },
+    cross: (point) => {
+      stage.slices.goTo(point);
     },
     get lastEditMilliseconds() {
       return stage.edits.lastMilliseconds;

@@ -7,7 +7,9 @@ uniform sampler2D pictureDepth;
 // part of the cached picture's texture that is in use, and its size [texels]
 uniform vec2 share;
 uniform vec2 used;
-uniform vec2 screenSize;
+// lower left corner and size of the pane on the screen [pixels]
+uniform vec2 paneCorner;
+uniform vec2 paneSize;
 uniform vec3 backgroundCentre;
 uniform vec3 backgroundEdge;
 
@@ -23,7 +25,7 @@ vec3 softened(vec3 colour) {
 }
 
 void main() {
-  vec2 place = gl_FragCoord.xy / screenSize;
+  vec2 place = (gl_FragCoord.xy - paneCorner) / paneSize;
   // stay half a texel inside: beyond lies an older picture
   vec2 texel = share / used;
   vec2 at = clamp(place * share, 0.5 * texel, share - 0.5 * texel);

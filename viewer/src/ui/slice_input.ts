@@ -1,0 +1,175 @@
+/**
+ * The mouse over a slice: left drag moves the crosshair, right drag sets window and level, middle or
+ * Ctrl + left drag moves the picture, the wheel goes through the slices and zooms with Ctrl. Shift + move,
+ * or any move in touch mode, leads the hand in the plane; a double click brings the probe there.
+ * With the focus, arrows up and down go through the slices, + and − zoom.
+ */
+import type { Rect } from "../core/picture_layout";
+import { pointOnSlice, type SliceName, type SlicePlane } from "../core/slice_plane";
+import { addScaled, type Vec3 } from "../core/vector";
+import type { HandControl } from "./hand_control.svelte";
+import { wheelPixels } from "./pointer_input";
+import type { SliceControl } from "./slice_control.svelte";
+
+type Drag = "crosshair" | "window" | "pan";
+
+/** Pixels of the wheel for a slice. */
+const pixelsPerSlice = 60;
+const zoomSpeed = 0.0014;
+/** Zoom by a press of a key. */
+const zoomStep = 1.15;
+
+export class SliceInput {
+  private drag: Drag | null = null;
+  private last: readonly [number, number] | null = null;
+  private turned = 0;
+
+  constructor(
+    private readonly pane: HTMLElement,
+    private readonly name: SliceName,
+    private readonly slices: SliceControl,
+    private readonly hand: HandControl,
+    private readonly pointed: (point: Vec3 | null) => void,
+  ) {}
+
+  /** Listens until the returned function is called. */
+  listen(): () => void {
+    const aborter = new AbortController();
+    const on = <K extends keyof HTMLElementEventMap>(type: K, act: (event: HTMLElementEventMap[K]) => void): void => {
+      this.pane.addEventListener(type, act, { signal: aborter.signal, passive: false });
+    };
+    on("pointerdown", this.press.bind(this));
+    on("pointermove", this.move.bind(this));
+    on("pointerup", this.release.bind(this));
+    on("pointercancel", this.release.bind(this));
+    on("pointerleave", () => {
+      this.last = null;
+      this.pointed(null);
+    });
+    on("dblclick", (event) => {
+      const point = this.pointAt(event);
+      if (point !== null) {
+        this.hand.place(point);
+      }
+    });
+    on("wheel", this.wheel.bind(this));
+    on("keydown", this.key.bind(this));
+    on("contextmenu", (event) => {
+      event.preventDefault();
+    });
+    return () => {
+      aborter.abort();
+    };
+  }
+
+  private get plane(): SlicePlane | null {
+    return this.slices.planeOf(this.name);
+  }
+
+  private pointAt(event: MouseEvent): Vec3 | null {
+    const { plane } = this;
+    const { width, height } = this.pane.getBoundingClientRect();
+    const { x, y } = this.placeOf(event);
+    return plane === null ? null : pointOnSlice(plane, x, y, { width, height });
+  }
+
+  private placeOf(event: MouseEvent): Pick<Rect, "x" | "y"> {
+    const { left, top } = this.pane.getBoundingClientRect();
+    return { x: event.clientX - left, y: event.clientY - top };
+  }
+
+  private press(event: PointerEvent): void {
+    this.pane.focus({ preventScroll: true });
+    this.pane.setPointerCapture(event.pointerId);
+    if (event.button === 2) {
+      this.drag = "window";
+    } else if (event.button === 1 || event.ctrlKey) {
+      this.drag = "pan";
+      event.preventDefault();
+    } else if (event.button === 0 && !this.leads(event)) {
+      this.drag = "crosshair";
+      this.moveCrosshair(event);
+    }
+    this.last = [event.clientX, event.clientY];
+  }
+
+  private move(event: PointerEvent): void {
+    const [lastX, lastY] = this.last ?? [event.clientX, event.clientY];
+    const [x, y] = [event.clientX - lastX, event.clientY - lastY];
+    this.last = [event.clientX, event.clientY];
+    this.pointed(this.pointAt(event));
+    if (x === 0 && y === 0) {
+      return;
+    }
+    if (this.drag === "crosshair") {
+      this.moveCrosshair(event);
+    } else if (this.drag === "window") {
+      this.slices.dragWindow(x, y);
+    } else if (this.drag === "pan") {
+      this.slices.pan(this.name, x, y);
+    } else if (this.leads(event)) {
+      this.leadHand(x, y);
+    }
+  }
+
+  private release(event: PointerEvent): void {
+    this.drag = null;
+    if (this.pane.hasPointerCapture(event.pointerId)) {
+      this.pane.releasePointerCapture(event.pointerId);
+    }
+  }
+
+  /** Whether moves of the mouse lead the hand. */
+  private leads(event: MouseEvent): boolean {
+    return event.shiftKey || this.hand.touchMode;
+  }
+
+  private moveCrosshair(event: MouseEvent): void {
+    const point = this.pointAt(event);
+    if (point !== null) {
+      this.slices.goTo(point);
+    }
+  }
+
+  /** Moves the hand by pixels of this slice. */
+  private leadHand(right: number, down: number): void {
+    const { plane } = this;
+    if (plane !== null) {
+      this.hand.moveBy(addScaled(addScaled([0, 0, 0], plane.right, right * plane.pixel), plane.up, -down * plane.pixel));
+    }
+  }
+
+  private wheel(event: WheelEvent): void {
+    event.preventDefault();
+    const turned = wheelPixels(event);
+    const { plane } = this;
+    if (event.ctrlKey) {
+      const { x, y } = this.placeOf(event);
+      this.slices.zoom(this.name, Math.exp(turned * zoomSpeed), x, y);
+    } else if (this.leads(event) && plane !== null) {
+      this.hand.moveBy(addScaled([0, 0, 0], plane.toward, (turned / pixelsPerSlice) * plane.pixel * 3));
+    } else {
+      this.turned += turned / pixelsPerSlice;
+      const whole = Math.trunc(this.turned);
+      this.turned -= whole;
+      this.slices.scroll(this.name, -whole);
+    }
+  }
+
+  private key(event: KeyboardEvent): void {
+    const { width, height } = this.pane.getBoundingClientRect();
+    const slices = { ArrowUp: 1, ArrowDown: -1, PageUp: 10, PageDown: -10 }[event.key];
+    const factor = { "+": 1 / zoomStep, "=": 1 / zoomStep, "-": zoomStep }[event.key];
+    if (event.ctrlKey || event.metaKey || (slices === undefined && factor === undefined)) {
+      return;
+    }
+    // else the key would move the hand or change the probe
+    event.preventDefault();
+    event.stopPropagation();
+    if (slices !== undefined) {
+      this.slices.scroll(this.name, slices);
+    } else if (factor !== undefined) {
+      this.slices.zoom(this.name, factor, width / 2, height / 2);
+    }
+  }
+}
