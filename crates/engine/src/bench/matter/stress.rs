@@ -302,8 +302,14 @@ impl Run {
     /// Guarantee 7.
     fn changes_arrived(&self) -> Result<(), Violation> {
         let voxels = self.rig.simulation.voxels();
-        let segments = [SKIN_ID, SOFT_ID, BONE_ID].map(|id| voxels.segment(id));
-        let wanted = |voxel| segments.iter().flatten().any(|s| s.contains(voxel));
+        // what a needle that is still in has punctured is no obstacle
+        let punctured = self.rig.simulation.needle_report().punctured;
+        let segments = [SKIN_ID, SOFT_ID, BONE_ID]
+            .into_iter()
+            .filter(|id| !punctured.contains(id))
+            .filter_map(|id| voxels.segment(id));
+        let segments: Vec<_> = segments.collect();
+        let wanted = |voxel| segments.iter().any(|segment| segment.contains(voxel));
         let solid = self.rig.servo.servo.solid();
         let all = voxels.grid().bounds().voxels();
         let others: Vec<_> = all
