@@ -15,17 +15,25 @@ __all__ = [
     "TouchBench",
     "Volume",
     "bench_embedded",
+    "bench_lattice_cost",
+    "bench_lattice_force",
+    "bench_lattice_frames",
+    "bench_lj_pairs",
+    "bench_matter_stress",
     "bench_passivity",
+    "bench_session",
     "bench_stress",
     "bench_touch_quality",
     "build",
     "drive_drill",
     "drive_needle",
     "needle_tissues",
+    "particle_limits",
     "passivity_devices",
     "phantom",
     "phantom_bones",
     "press",
+    "press_block",
     "replay_recording",
     "touch_quality_cases",
     "voxelise_mesh",
@@ -663,3 +671,112 @@ def material_presets() -> list[tuple[str, str, bool, _Solid, _Solid]]:
 
 def deformation_models() -> list[tuple[str, tuple[int, int, int] | None]]:
     """Names of models, with the fewest, usual and most nodes along each edge of their box."""
+
+def press_block(
+    nodes: tuple[int, int, int],
+    spacing: float,
+    young: float,
+    poisson: float,
+    low: tuple[float, float, float],
+    high: tuple[float, float, float],
+    tolerance: float,
+    iterations: int,
+) -> dict[str, Any]:
+    """Presses a whole block of the bonded lattice between plates that it sticks to.
+
+    Args:
+        nodes: Along x, y, z, 3 to 129; the block ends at its outer nodes.
+        spacing: Between nodes [mm].
+        young: [Pa].
+        poisson: Taken to the nearest from 0.25 to 0.45.
+        low: How far the plate at the lower end of z moves [mm].
+        high: And the one at the upper end.
+        tolerance: Unbalanced force at rest, as a share of the force on a plate.
+        iterations: At most.
+
+    Returns:
+        ``moved`` (displacement of each node [mm], shape [nodes, 3], x fastest), ``force`` (on the
+        lower plate [N]), ``iterations``, ``residual``.
+
+    Raises:
+        ValueError: Something given is not allowed.
+    """
+
+def bench_lattice_frames(
+    count: int, poisson: float, soft: int, ratio: float, iterations: int
+) -> dict[str, Any]:
+    """Presses and slides a ball in a box of ``count``³ nodes, a quarter of a node a frame.
+
+    ``soft`` layers of matter lie over matter ``ratio`` times stiffer.
+
+    Returns:
+        ``seconds`` of each frame on a core, ``worst_error`` of the force beside that at residual
+        1e-6, and ``worst_exact``, the largest residual of that one.
+
+    Raises:
+        ValueError: Something given is not allowed.
+    """
+
+def bench_lattice_cost(count: int, updates: float) -> float:
+    """Returns the time of an iteration for a node [s], over so many updates of nodes."""
+
+def bench_lattice_force(count: int, iterations: int) -> float:
+    """Returns the force on a ball 1 mm deep in a box of ``count``³ nodes 1 mm apart [N]."""
+
+def bench_lj_pairs(
+    cells: int, temperature: float, warm_up: int, steps: int, seed: int
+) -> dict[str, Any]:
+    """Runs an FCC crystal of Lennard-Jones particles on one thread; units a = D = m = 1.
+
+    Returns:
+        ``side`` of the periodic box, ``positions`` and ``velocities`` at the start, shape [n, 3],
+        ``step``, ``seconds`` of the timed steps, ``pairs_per_second``, ``builds`` of the lists,
+        and energies per particle: ``potential_at_start``, ``potential_after_warm_up``,
+        ``total_at_end``.
+
+    Raises:
+        ValueError: Something given is not allowed.
+    """
+
+def particle_limits() -> dict[str, float]:
+    """Tells what the thesis' particles cannot do.
+
+    Returns:
+        Of FCC: ``young_110`` and ``young_111`` over E along [100], and ``poisson``. Kinetic
+        energies of a cuboid particle [D]: ``heat_at_start``, ``heat_early`` after 10 T0,
+        ``heat_late`` after 50 T0, ``heat_damped`` after 50 T0 with critical friction.
+    """
+
+def bench_session(
+    volume: Volume,
+    segment: Segment,
+    model: str | None,
+    samples: int,
+    seed: int,
+    ticks_in_step: int | None = None,
+) -> dict[str, Any]:
+    """Strokes a segment that gives way, servo and model as fast as they can.
+
+    With ``ticks_in_step`` for each second all loops take turns, and the counts are always the same.
+
+    Returns:
+        Of each sample: ``ticks``, ``contacts``, ``answers``, ``seconds``; ``nodes`` and
+        ``iterations`` of the last answer; ``violations``.
+
+    Raises:
+        ValueError: There is no surface, no such model, or something given is not allowed.
+    """
+
+def bench_matter_stress(
+    model: str, seed: int, first: int, count: int, ticks: int, threads: int
+) -> dict[str, Any]:
+    """Works in blocks that give way, with every guarantee checked at each tick.
+
+    Returns:
+        ``ticks``, ``contacts``, ``bits`` (voxels around the probe that changed), ``edits``,
+        ``answers``, ``drilled``, ``punctures``, ``rests``, and ``violation``: None, or ``run``,
+        ``tick``, ``guarantee`` (its number), ``what``.
+
+    Raises:
+        ValueError: There is no such model, or something given is not allowed.
+    """

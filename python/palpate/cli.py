@@ -13,6 +13,7 @@ from typing import Annotated
 import typer
 from typer.exceptions import TyperException
 
+from palpate.cli_bench import bench_deform, bench_session, bench_truth_cube, stress_in_matter
 from palpate.cli_scenario import scenario
 from palpate.console import WRONG_INPUT, Display, fail, quiet_libraries, warn
 from palpate.errors import PalpateError
@@ -412,6 +413,9 @@ app.add_typer(scenario, name="scenario")
 
 bench = typer.Typer(help="Measure.", no_args_is_help=True)
 app.add_typer(bench, name="bench")
+bench.command("deform")(bench_deform)
+bench.command("session")(bench_session)
+bench.command("truth-cube")(bench_truth_cube)
 
 
 @bench.command("haptics")
@@ -532,9 +536,17 @@ def bench_stress(  # one per option of the command line
     case: Annotated[
         Path, typer.Option(help="Where a violation is written, to be replayed.")
     ] = Path("stress-violation.json"),
+    deform: Annotated[
+        list[str] | None,
+        typer.Option(help="Instead, work in matter that gives way by this model, or by all."),
+    ] = None,
     model: Annotated[str, typer.Option(hidden=True)] = "exact",
 ) -> int:
     """Move at random and fast, and check every guarantee of touch at each move."""
+    if deform:
+        return stress_in_matter(
+            deform, moves=moves, seed=seed, threads=threads, json_file=json_file
+        )
     from palpate.bench.report import print_rows, write_rows
     from palpate.bench.stress import Plan, again, measure, rows_of, write_case
     from palpate.io import read

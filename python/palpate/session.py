@@ -457,11 +457,11 @@ class Session:
 
         Returns:
             ``model`` (None where nothing gives way), ``edge`` of its box (None for the usual
-            one), ``force`` on the tool [N, scene], ``answers`` so far, whether the next one is
-            ``late`` (then matter is as hard as its voxels); of the last answer ``iterations``,
-            ``residual`` (what is left of unbalanced force, as a share of the contact's),
-            ``nodes`` and ``moved_voxels`` (not as at rest); ``bonds_broken`` and ``work_broken``
-            [N·mm] since the start.
+            one), ``force`` on the tool [N, scene], ``answers`` so far, ``slips`` (of these, those
+            in which particles slipped), whether the next one is ``late`` (then matter is as hard
+            as its voxels); of the last answer ``iterations``, ``residual`` (what is left of
+            unbalanced force, as a share of the contact's), ``nodes`` and ``moved_voxels`` (not as
+            at rest); ``bonds_broken`` and ``work_broken`` [N·mm] since the start.
         """
         return self._internal.deformation()
 

@@ -173,6 +173,7 @@ pub fn deformation_dict<'py>(
         "force": now.force.to_array(),
         "answers": now.answers,
         "late": now.late,
+        "slips": now.slips,
         "iterations": now.report.iterations,
         "residual": now.report.residual,
         "nodes": now.report.nodes,

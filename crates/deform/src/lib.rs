@@ -18,4 +18,5 @@ pub mod material;
 pub mod model;
 pub mod particles;
 pub mod potential;
+pub mod pressed_block;
 mod rest_matter;

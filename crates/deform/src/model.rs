@@ -134,6 +134,13 @@ pub enum ModelEvent {
         /// The middle of them [mm].
         place: DVec3,
     },
+    /// Particles changed their neighbours: a crystal slips by rows.
+    Slipped {
+        /// Links that parted.
+        count: u32,
+        /// The middle of them [mm].
+        place: DVec3,
+    },
     /// Poisson's ratio was out of the model's range, and the nearest one is used.
     PoissonClamped {
         /// As asked.

@@ -147,7 +147,7 @@ fn the_border_stands_for_the_body_behind_it() {
         "21³: {small:.4} N, 41³: {large:.4} N, held border at 21³: {:.4} N",
         force(21, false)
     );
-    // 5 % are asked against a large box; the example `lattice_border` has 81³
+    // 5 % are asked against a large box; `palpate bench deform` has 81³
     assert!((small / large - 1.0).abs() < 0.05);
     assert!(
         force(21, false) / large > 1.05,

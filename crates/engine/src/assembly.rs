@@ -229,7 +229,7 @@ fn scene_of(
         scene.perform(Step::Insert {
             id: SegmentId(id),
             segment,
-            properties,
+            properties: Box::new(properties),
         })?;
     }
     Ok(scene)

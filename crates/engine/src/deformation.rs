@@ -39,6 +39,8 @@ pub struct DeformationNow {
     pub force: DVec3,
     /// Answers so far.
     pub answers: u64,
+    /// Of these, answers in which particles slipped: there the force may jump.
+    pub slips: u64,
     /// How the last one went.
     pub report: ModelReport,
     /// Whether the next one is late: until it comes, matter is as hard as its voxels.
@@ -209,6 +211,8 @@ impl Deformation {
         let contact = answer.contacts.first().and_then(|tool| tool.contact);
         self.now.answers += 1;
         self.now.report = answer.report;
+        let slipped = |event: &ModelEvent| matches!(event, ModelEvent::Slipped { .. });
+        self.now.slips += u64::from(answer.events.iter().any(slipped));
         self.now.force = contact.map_or(DVec3::ZERO, |contact| contact.force);
         self.gave_way = true;
         // built from voxels that are others by now: the model looks again

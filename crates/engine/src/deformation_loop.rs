@@ -53,6 +53,8 @@ pub struct DeformationLoop {
     edit: Option<Edit>,
     /// Where the model's parts are put, where anybody looks.
     view: Arc<MatterView>,
+    /// For one answer, at most.
+    iterations: u32,
 }
 
 /// Iterations for one answer, at most: what a step of a quarter of a node takes to the last
@@ -70,6 +72,7 @@ impl DeformationLoop {
             voxels: None,
             edit: None,
             view: Arc::default(),
+            iterations: ITERATIONS,
         }
     }
 
@@ -77,6 +80,11 @@ impl DeformationLoop {
     #[must_use]
     pub fn view(&self) -> Arc<MatterView> {
         Arc::clone(&self.view)
+    }
+
+    /// So many iterations for one answer from now on.
+    pub fn set_iterations(&mut self, iterations: u32) {
+        self.iterations = iterations;
     }
 
     /// Does what is asked for, if anything is.
@@ -123,7 +131,7 @@ impl DeformationLoop {
             tools: job.tool.as_slice(),
             dt: job.dt,
             budget: Budget {
-                iterations: ITERATIONS,
+                iterations: self.iterations,
                 deadline: job.patience.map(|patience| began + patience),
             },
         });

@@ -232,6 +232,7 @@ impl<L: LocalLaw> DeformationModel for LocalModel<L> {
             answer.contacts = state.body.contacts(input.tools, &[], &[]);
             answer.events.push(ModelEvent::Reset);
         }
+        answer.events.extend(state.slipped());
         answer.edit = state.write_back(input.voxels);
         answer.report.moved_voxels = state.moved_voxels();
         answer.displacement = state.displacement();

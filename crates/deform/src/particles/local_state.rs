@@ -10,12 +10,13 @@ use super::body::{ParticleBody, Relaxed};
 use super::calibration::{LatticeKind, LatticeScale};
 use super::lattices::FCC_BASIS;
 use super::local_model::{LocalLaw, LocalSettings};
+use super::slips::Slips;
 use super::state::{Origin, Particles};
 use super::tool_push::ParticleTool;
 use super::write_back::WriteBack;
 use crate::displacement::Displacement;
 use crate::material::Treatment;
-use crate::model::{Budget, DisplacementField, ModelInput};
+use crate::model::{Budget, DisplacementField, ModelEvent, ModelInput};
 use crate::rest_matter::{Ledger, solid_of};
 
 /// Displacement that is seen [cells].
@@ -36,6 +37,7 @@ pub(super) struct LocalState<L> {
     free: Vec<DVec3>,
     /// Cells with matter at rest, for walls; x fastest within the box.
     filled: Vec<bool>,
+    slips: Slips,
 }
 
 impl<L: LocalLaw> LocalState<L> {
@@ -48,7 +50,8 @@ impl<L: LocalLaw> LocalState<L> {
         };
         let inner = settings.box_cells - 2 * settings.border_cells;
         let body = ParticleBody::new(grid, scale, each * cells, settings.motion)
-            .bound(settings.binding, f64::from(inner) * scale.cell);
+            .bound(settings.binding, f64::from(inner) * scale.cell)
+            .held_at(0.5 * f64::from(inner) * scale.cell);
         Self {
             settings: *settings,
             body,
@@ -58,6 +61,7 @@ impl<L: LocalLaw> LocalState<L> {
             seen_edit: None,
             free: Vec::with_capacity(each * cells),
             filled: vec![false; cells],
+            slips: Slips::default(),
         }
     }
 
@@ -75,6 +79,7 @@ impl<L: LocalLaw> LocalState<L> {
     /// Gives all particles back; what was written is given back by the next edit.
     pub fn forget(&mut self) {
         self.body.system.particles.clear();
+        self.slips = Slips::default();
         self.free.clear();
         self.centre = None;
         self.tool_cell = None;
@@ -309,6 +314,21 @@ impl<L: LocalLaw> LocalState<L> {
             let near = (*home - middle).abs().max_element() <= reach;
             *free = if near { *may } else { DVec3::ZERO };
         }
+    }
+
+    /// Links that parted since the last call.
+    pub fn slipped(&mut self) -> Option<ModelEvent> {
+        let (scale, grid) = (self.body.scale, self.body.grid);
+        let system = &self.body.system;
+        let found = self
+            .slips
+            .look(&system.particles, system.list(), scale.nearest());
+        found.map(|(count, middle)| ModelEvent::Slipped {
+            count,
+            place: grid
+                .patient_from_grid()
+                .transform_point3(middle / grid.spacing()),
+        })
     }
 
     /// The edit that shows where matter is now.

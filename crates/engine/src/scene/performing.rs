@@ -26,7 +26,7 @@ impl Scene {
                 id,
                 segment,
                 properties,
-            } => self.insert(id, segment, properties),
+            } => self.insert(id, segment, *properties),
             Step::Remove { id } => self.remove(id),
             Step::Move { id, pose } => self.move_to(id, pose),
             Step::Several(steps) => self.several(steps),
@@ -166,7 +166,7 @@ impl Scene {
         let inverse = Step::Insert {
             id,
             segment,
-            properties,
+            properties: Box::new(properties),
         };
         Ok((inverse, change))
     }

@@ -36,7 +36,7 @@ pub enum Step {
         /// Its voxels.
         segment: Segment,
         /// What else is known of it.
-        properties: Properties,
+        properties: Box<Properties>,
     },
     /// Removes a segment.
     Remove {

@@ -175,8 +175,8 @@ impl Simulation {
 
     fn tell_of_event(&self, event: ModelEvent) {
         match event {
-            // shown as a number
-            ModelEvent::BondsBroken { .. } => {}
+            // shown as numbers
+            ModelEvent::BondsBroken { .. } | ModelEvent::Slipped { .. } => {}
             ModelEvent::PoissonClamped { asked, used } => self.tell(Notice::warning(format!(
                 "Poisson's ratio {asked} is out of what this model can do; {used} is used."
             ))),

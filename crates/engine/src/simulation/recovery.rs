@@ -337,7 +337,7 @@ impl Simulation {
         Ok(Step::Insert {
             id,
             segment,
-            properties: Properties::default(),
+            properties: Box::default(),
         })
     }
 

@@ -46,7 +46,7 @@ impl Simulation {
         let step = Step::Insert {
             id,
             segment,
-            properties,
+            properties: Box::new(properties),
         };
         let action = if undoable { Action::Do } else { Action::Start };
         let inverse = self.perform(step, action)?;
