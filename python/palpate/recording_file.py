@@ -37,7 +37,7 @@ __all__ = [
 ]
 
 FORMAT = "palpate-session"
-VERSION = 3
+VERSION = 4
 """Of the form of the file; an older Palpate refuses a newer form."""
 OLDEST_VERSION = 2
 """The oldest form that is read: it does not know the tool, which counts as resting then."""
@@ -86,8 +86,18 @@ TAPE: dict[str, tuple[str, int]] = {
     "solid_words": ("<u8", 8),
     "value_index": ("<u4", 0),
     "value_stored": ("<i2", 512),
+    "share_ends": ("<u8", 0),
+    "share_segment": ("|u1", 0),
+    "share_index": ("<u4", 0),
+    "share_bytes": ("|u1", 512),
+    "known_segment": ("|u1", 0),
+    "known_index": ("<u4", 0),
+    "known_bytes": ("|u1", 512),
 }
 """Columns of what else a replay needs."""
+
+SINCE_4 = tuple(name for name in TAPE if name.startswith(("share_", "known_")))
+"""Columns of these that version 3 did not have: nothing was known of the shares of masks."""
 
 MAGIC = b"\x93NUMPY\x01\x00"
 HEADER = re.compile(
@@ -200,14 +210,18 @@ def _read(path: Path, file: BinaryIO) -> tuple[Columns, Columns | None, About]:
         about = _about(path, _column(archive, "about", ("|u1", 0)))
 
         has_tape = not names.isdisjoint(TAPE)
-        told = [name for name in TICKS if about.version >= VERSION or name not in SINCE_3]
-        missing = (set(told) | (set(TAPE) if has_tape else set())) - names
+        told = [name for name in TICKS if about.version >= 3 or name not in SINCE_3]
+        taped = [name for name in TAPE if about.version >= 4 or name not in SINCE_4]
+        missing = (set(told) | (set(taped) if has_tape else set())) - names
         if missing:
             raise _refused(path, f"lacks {', '.join(sorted(missing))}")
         ticks = {name: _column(archive, name, TICKS[name]) for name in told}
         for name in set(TICKS) - set(told):
             ticks[name] = np.zeros(len(ticks["tick"]))
-        tape = {name: _column(archive, name, kind) for name, kind in TAPE.items()}
+        tape = {name: _column(archive, name, TAPE[name]) for name in taped} if has_tape else {}
+        for name in set(TAPE) - set(taped):
+            kind, width = TAPE[name]
+            tape[name] = np.zeros((0, width) if width else 0, kind)
     if len({len(column) for column in ticks.values()}) > 1:
         raise _refused(path, "has columns of different length")
     return ticks, tape if has_tape else None, about

@@ -9,7 +9,7 @@ use numpy::{
 use palpate_engine::recording::Recording;
 use palpate_engine::replay::{Difference, ReplayEnd, Replayed, replay};
 use palpate_engine::tape::Tape;
-use palpate_engine::tape_columns::{BUILD, BrickColumns, TapeColumns, ValueColumns};
+use palpate_engine::tape_columns::{BUILD, BrickColumns, ShareColumns, TapeColumns, ValueColumns};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -71,6 +71,13 @@ pub fn tape_dict<'py>(py: Python<'py>, tape: &Tape) -> PyResult<Bound<'py, PyDic
         "solid_words": words(py, &columns.solid.words),
         "value_index": PyArray1::from_vec(py, columns.values.index),
         "value_stored": stored(py, &columns.values.stored),
+        "share_ends": PyArray1::from_vec(py, columns.share_ends),
+        "share_segment": PyArray1::from_vec(py, columns.shares.segment),
+        "share_index": PyArray1::from_vec(py, columns.shares.index),
+        "share_bytes": bytes(py, &columns.shares.bytes),
+        "known_segment": PyArray1::from_vec(py, columns.known.segment),
+        "known_index": PyArray1::from_vec(py, columns.known.index),
+        "known_bytes": bytes(py, &columns.known.bytes),
     )
 }
 
@@ -156,6 +163,13 @@ fn tape_columns_of(columns: &Bound<'_, PyDict>) -> PyResult<TapeColumns> {
             words: wide(columns, &format!("{name}_words"))?,
         })
     };
+    let shares = |name: &str| -> PyResult<ShareColumns> {
+        Ok(ShareColumns {
+            segment: column(columns, &format!("{name}_segment"))?,
+            index: column(columns, &format!("{name}_index"))?,
+            bytes: wide(columns, &format!("{name}_bytes"))?,
+        })
+    };
     Ok(TapeColumns {
         start: column(columns, "start")?,
         commands: column(columns, "commands")?,
@@ -167,6 +181,9 @@ fn tape_columns_of(columns: &Bound<'_, PyDict>) -> PyResult<TapeColumns> {
             index: column(columns, "value_index")?,
             stored: wide(columns, "value_stored")?,
         },
+        share_ends: column(columns, "share_ends")?,
+        shares: shares("share")?,
+        known: shares("known")?,
     })
 }
 
@@ -207,6 +224,14 @@ fn stored<'py>(py: Python<'py>, bricks: &[[i16; 512]]) -> Bound<'py, numpy::PyAr
     let flat = bricks.as_flattened().to_vec();
     let shape = (bricks.len(), 512);
     let array = Array2::from_shape_vec(shape, flat).expect("512 values for each brick");
+    PyArray2::from_owned_array(py, array)
+}
+
+/// Bricks of shares, shape [count, 512].
+fn bytes<'py>(py: Python<'py>, bricks: &[[u8; 512]]) -> Bound<'py, numpy::PyArray2<u8>> {
+    let flat = bricks.as_flattened().to_vec();
+    let shape = (bricks.len(), 512);
+    let array = Array2::from_shape_vec(shape, flat).expect("512 bytes for each brick");
     PyArray2::from_owned_array(py, array)
 }
 

@@ -21,6 +21,7 @@ use crate::frame::Notice;
 use crate::handover::{Channels, HandTarget, SimulationChannels};
 use crate::live::{Loops, PICTURE_HZ, SIMULATION_HZ};
 use crate::mapping::{Mapping, view_from_the_front};
+use crate::mask_shares::MaskShares;
 use crate::matter_view::MatterView;
 use crate::picture::{Picture, PictureSources, RateReaders};
 use crate::placement::{REACH, free_point, in_front_of};
@@ -97,8 +98,9 @@ pub fn assemble(config: SessionConfig) -> Result<Assembly, SessionError> {
     let ends = (status, notices.clone(), news);
     let (deformation, deformation_loop) = Deformation::new(!config.real_time);
     let matter_view = deformation_loop.view();
+    let (shares, share_loop) = MaskShares::new();
     let simulation = first_simulation(
-        (scene, deformation),
+        (scene, deformation, shares),
         (settings, limits),
         channels.simulation,
         ends,
@@ -129,6 +131,7 @@ pub fn assemble(config: SessionConfig) -> Result<Assembly, SessionError> {
                 (pace.clone(), Arc::clone(&bell)),
             ),
             deformation: deformation_loop,
+            shares: share_loop,
         },
         picture,
         surfaces,
@@ -161,13 +164,13 @@ fn servo_start(
 
 /// A simulation that brings the device to the probe, where the device is not in the scene.
 fn first_simulation(
-    (scene, deformation): (Scene, Deformation),
+    parts: (Scene, Deformation, MaskShares),
     (settings, limits): (Settings, DeviceLimits),
     channels: SimulationChannels,
     ends: PictureEnds,
     (reference, probe): (Reference, DVec3),
 ) -> Result<Simulation, SessionError> {
-    let mut simulation = Simulation::new((scene, deformation), settings, limits, channels, ends);
+    let mut simulation = Simulation::new(parts, settings, limits, channels, ends);
     if reference == Reference::View {
         simulation.place(probe, 0, true)?;
     }

@@ -16,6 +16,7 @@ use palpate_volume::brick_grid::BrickSwap;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::material::LocalContact;
 use palpate_volume::matter::SegmentSet;
+use palpate_volume::shares::ShareBrick;
 use rtrb::{Consumer, Producer, RingBuffer};
 use serde::{Deserialize, Serialize};
 use triple_buffer::{Input, Output, triple_buffer};
@@ -27,6 +28,7 @@ use crate::servo_state::{ServoState, TickInputs};
 use crate::settings::Settings;
 use crate::touch_occupancy::GARBAGE_PER_CHANGE;
 use crate::touchable::{Touchable, union_brick};
+use crate::union_shares::{SharedBits, union_share_brick};
 
 /// Commands that may wait for the servo.
 const INBOX: usize = 4096;
@@ -140,7 +142,15 @@ pub struct BrickChange {
     pub swaps: Vec<BrickSwap<BitBrick>>,
     /// Of the segments that it changes, at most [`MAX_BRICKS`].
     pub parts: Vec<(SegmentId, BrickSwap<BitBrick>)>,
+    /// What is known of the shares of the union: at most eight times [`MAX_BRICKS`], by rising
+    /// index.
+    pub shares: Vec<BrickSwap<ShareBrick>>,
+    /// The same of the segments, at most [`MAX_BRICKS`], for whoever records.
+    pub part_shares: Vec<ShareSwap>,
 }
+
+/// What is known of the shares in a brick of a segment.
+pub type ShareSwap = (SegmentId, BrickSwap<ShareBrick>);
 
 impl BrickChange {
     /// Bricks of segments that hold them by now; what becomes of the union follows from all
@@ -148,21 +158,52 @@ impl BrickChange {
     #[must_use]
     pub fn new(
         sequence: u64,
-        unmoved: &[&Bits],
+        unmoved: &[SharedBits<'_>],
         changed: Vec<(SegmentId, BrickSwap<BitBrick>)>,
+        part_shares: Vec<ShareSwap>,
     ) -> Self {
         let mut bricks: Vec<u32> = changed.iter().map(|(_, swap)| swap.index).collect();
         bricks.sort_unstable();
         bricks.dedup();
-        let swaps = bricks.into_iter().map(|index| BrickSwap {
+        let bits: Vec<&Bits> = unmoved.iter().map(|part| part.bits).collect();
+        let swaps = bricks.iter().map(|&index| BrickSwap {
             index,
-            brick: union_brick(unmoved, index),
+            brick: union_brick(&bits, index),
         });
+        let swaps = swaps.collect();
         Self {
             sequence,
-            swaps: swaps.collect(),
+            swaps,
             parts: changed,
+            shares: Self::union_shares(unmoved, bricks, &part_shares),
+            part_shares,
         }
+    }
+
+    /// What becomes of the shares of the union where bits or shares of segments change.
+    fn union_shares(
+        unmoved: &[SharedBits<'_>],
+        mut bricks: Vec<u32>,
+        changed: &[ShareSwap],
+    ) -> Vec<BrickSwap<ShareBrick>> {
+        if unmoved.iter().all(|part| part.shares.is_none()) {
+            return Vec::new();
+        }
+        if let [first, _, ..] = unmoved {
+            // where one segment goes on beside another there is no surface
+            let directory = first.bits.bricks();
+            let beside = |&index: &u32| directory.indices_beside(index);
+            let beside: Vec<u32> = bricks.iter().flat_map(beside).collect();
+            bricks.extend(beside);
+        }
+        bricks.extend(changed.iter().map(|(_, swap)| swap.index));
+        bricks.sort_unstable();
+        bricks.dedup();
+        let swap = |index| BrickSwap {
+            index,
+            brick: union_share_brick(unmoved, index),
+        };
+        bricks.into_iter().map(swap).collect()
     }
 }
 
@@ -177,6 +218,8 @@ pub enum Garbage {
     Tissues(Box<Tissues>),
     /// A brick that was never touched.
     Brick(BrickSwap<BitBrick>),
+    /// The same of shares.
+    Shares(BrickSwap<ShareBrick>),
 }
 
 /// Bricks of one edit, at most; larger edits go as a root.

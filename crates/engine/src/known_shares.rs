@@ -1,22 +1,24 @@
-//! What a body knows of the shares of its voxels: those that thresholds made, and the values that
-//! say where between voxels they end.
+//! What a body knows of the shares of its voxels: of those that thresholds made, from the scan's
+//! values, which say where between voxels they end; of masks, what was worked out from their bits.
 //!
-//! A voxel counts by its share where a segment that a threshold made has it, or for a free one,
-//! where such a segment has a voxel beside it; all others count as their bits say. So masks
-//! keep their own surface beside segments of thresholds. Where a mask covers such a voxel too,
-//! the share counts: it knows more of the surface.
+//! A voxel counts by the values where a segment that a threshold made has it, or for a free one,
+//! where such a segment has a voxel beside it. Where a mask covers such a voxel too, the values
+//! count: they know more of the surface. All others count as was worked out, and where nothing
+//! was, as their bits say.
 //!
 //! Frame: grid. Nothing here allocates after it was made.
 
-use glam::IVec3;
+use glam::{IVec3, UVec3};
 use palpate_haptics::smooth::shares::Limits;
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;
 use palpate_volume::edit::SegmentId;
+use palpate_volume::shares::{ShareBrick, Shares};
 
 use crate::scan_values::ScanValues;
 use crate::touchable::Part;
+use crate::union_shares::{SharedBits, union_of_shares};
 
 /// Most segments of thresholds in one body whose shares are known; further ones are taken for
 /// masks, so that work stays bounded.
@@ -25,16 +27,92 @@ const MAX_OWNERS: usize = 8;
 /// Shares of the voxels of one body.
 #[derive(Clone, Debug)]
 pub struct KnownShares {
+    made: Option<Made>,
+    /// Those of all masks together; none where the body has no masks.
+    worked_out: Option<Shares>,
+}
+
+/// What thresholds made.
+#[derive(Clone, Debug)]
+struct Made {
     values: ScanValues,
     limits: Limits,
-    /// Voxels that thresholds made, where the body has others as well.
+    /// Its voxels, where the body has others as well.
     owners: Vec<(SegmentId, Bits)>,
 }
 
 impl KnownShares {
-    /// Of a body that is made of these parts of one scan; none where no threshold made any.
+    /// Of a body that is made of these parts of one scan, or of one part on a grid of its own.
     #[must_use]
-    pub fn of(parts: &[&Part]) -> Option<Self> {
+    pub fn of(dimensions: UVec3, parts: &[&Part]) -> Option<Self> {
+        let has_masks = parts.iter().any(|part| part.threshold.is_none());
+        let known = Self {
+            made: Made::of(parts),
+            worked_out: has_masks.then(|| {
+                let parts: Vec<_> = parts.iter().map(|part| SharedBits::from(*part)).collect();
+                union_of_shares(dimensions, &parts)
+            }),
+        };
+        (known.made.is_some() || known.worked_out.is_some()).then_some(known)
+    }
+
+    /// Exchanges a brick of a part, if it is there.
+    pub fn swap_part(&mut self, id: SegmentId, swap: &mut BrickSwap<BitBrick>) {
+        let owners = self.made.iter_mut().flat_map(|made| &mut made.owners);
+        if let Some((_, bits)) = owners.into_iter().find(|(owner, _)| *owner == id) {
+            bits.swap(swap);
+        }
+    }
+
+    /// Exchanges a brick of what was worked out.
+    pub fn swap_shares(&mut self, swap: &mut BrickSwap<ShareBrick>) {
+        if let Some(shares) = &mut self.worked_out {
+            shares.swap(swap);
+        }
+    }
+
+    /// The share of a voxel that is solid; see `Occupancy::share`.
+    #[inline]
+    #[must_use]
+    pub fn share(&self, voxel: IVec3, solid: bool) -> Option<f32> {
+        if let Some(made) = &self.made
+            && (made.owners.is_empty() || made.has(voxel, solid))
+        {
+            return made.values.share(&made.limits, voxel, solid);
+        }
+        self.worked_out.as_ref()?.share(voxel, solid)
+    }
+
+    /// What those of some voxels are beyond their bits; see `Occupancy::share_changes`.
+    #[inline]
+    pub fn share_changes(&self, voxels: &[(IVec3, bool)], changes: &mut [f32]) {
+        match &self.made {
+            Some(made) => made.values.share_changes(&made.limits, voxels, changes),
+            None => changes.fill(0.0),
+        }
+        if self
+            .made
+            .as_ref()
+            .is_some_and(|made| made.owners.is_empty())
+        {
+            return;
+        }
+        for (change, &(voxel, solid)) in changes.iter_mut().zip(voxels) {
+            if self
+                .made
+                .as_ref()
+                .is_none_or(|made| !made.has(voxel, solid))
+            {
+                let known = self.worked_out.as_ref();
+                let share = known.and_then(|shares| shares.share(voxel, solid));
+                *change = share.map_or(0.0, |share| share - f32::from(u8::from(solid)));
+            }
+        }
+    }
+}
+
+impl Made {
+    fn of(parts: &[&Part]) -> Option<Self> {
         let made = parts
             .iter()
             .filter_map(|part| Some((*part, part.threshold.as_ref()?)))
@@ -54,40 +132,9 @@ impl KnownShares {
         })
     }
 
-    /// Exchanges a brick of a part, if it is there.
-    pub fn swap_part(&mut self, id: SegmentId, swap: &mut BrickSwap<BitBrick>) {
-        if let Some((_, bits)) = self.owners.iter_mut().find(|(owner, _)| *owner == id) {
-            bits.swap(swap);
-        }
-    }
-
-    /// The share of a voxel that is solid; see `Occupancy::share`.
-    #[inline]
-    #[must_use]
-    pub fn share(&self, voxel: IVec3, solid: bool) -> Option<f32> {
-        if !self.owners.is_empty() && !self.is_made(voxel, solid) {
-            return None;
-        }
-        self.values.share(&self.limits, voxel, solid)
-    }
-
-    /// What those of some voxels are beyond their bits; see `Occupancy::share_changes`.
-    #[inline]
-    pub fn share_changes(&self, voxels: &[(IVec3, bool)], changes: &mut [f32]) {
-        self.values.share_changes(&self.limits, voxels, changes);
-        if self.owners.is_empty() {
-            return;
-        }
-        for (change, (voxel, solid)) in changes.iter_mut().zip(voxels) {
-            if !self.is_made(*voxel, *solid) {
-                *change = 0.0;
-            }
-        }
-    }
-
     /// Whether a threshold made a voxel, or for a free one, a voxel beside it.
     #[inline(never)]
-    fn is_made(&self, voxel: IVec3, solid: bool) -> bool {
+    fn has(&self, voxel: IVec3, solid: bool) -> bool {
         let has = |voxel: IVec3| self.owners.iter().any(|(_, bits)| bits.is_solid(voxel));
         if solid {
             return has(voxel);
@@ -121,6 +168,7 @@ mod tests {
                 range,
                 values: ScanValues::of(&scan),
             }),
+            shares: None,
             punctured: false,
         };
         let mask = Part {
@@ -130,7 +178,7 @@ mod tests {
             ..made.clone()
         };
         for parts in [vec![&made], vec![&made, &mask]] {
-            let shares = KnownShares::of(&parts).expect("a threshold made one");
+            let shares = KnownShares::of(size, &parts).expect("a threshold made one");
             let solid = |voxel: IVec3| parts.iter().any(|part| part.bits.is_solid(voxel));
             let voxels = VoxelBox::of_dimensions(size).voxels();
             let voxels: Vec<_> = voxels.map(|voxel| (voxel, solid(voxel))).collect();

@@ -15,6 +15,7 @@ use crate::clock;
 use crate::deformation_loop::DeformationLoop;
 use crate::device_loop::DeviceLoop;
 use crate::error::SessionError;
+use crate::mask_shares::ShareLoop;
 use crate::pacing::Pacer;
 use crate::picture::Picture;
 use crate::priority::{self, Priority};
@@ -57,6 +58,8 @@ pub struct Loops {
     pub surfaces: SurfaceLoop,
     /// The deformation.
     pub deformation: DeformationLoop,
+    /// The shares of masks.
+    pub shares: ShareLoop,
 }
 
 /// How fast the two real-time loops run.
@@ -107,7 +110,7 @@ impl Live {
         };
         let live = Self {
             questions: Mutex::new(questions),
-            threads: Mutex::new(Vec::with_capacity(6)),
+            threads: Mutex::new(Vec::with_capacity(7)),
             shared,
             start_ns: context.start_ns,
         };
@@ -118,6 +121,7 @@ impl Live {
             picture,
             mut surfaces,
             mut deformation,
+            shares,
         } = loops;
 
         let [for_device, for_servo, for_simulation, for_picture] =
@@ -134,6 +138,10 @@ impl Live {
         let shared = Arc::clone(&live.shared);
         live.spawn("deformation", move || {
             while !shared.stopping() && deformation.wait(PATIENCE) {}
+        })?;
+        let shared = Arc::clone(&live.shared);
+        live.spawn("shares", move || {
+            while !shared.stopping() && shares.wait(PATIENCE) {}
         })?;
 
         let granted = outcome_of_both(&results);

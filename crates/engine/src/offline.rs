@@ -79,6 +79,7 @@ impl Offline {
             picture,
             surfaces,
             deformation,
+            shares,
             ..
         } = &mut self.loops;
         servo.1.count(start);
@@ -91,6 +92,7 @@ impl Offline {
             simulation.1.count(start);
             simulation.0.step();
             deformation.step();
+            shares.step();
         }
         if self
             .tick

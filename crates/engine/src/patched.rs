@@ -52,7 +52,7 @@ impl Occupancy for Patched<'_> {
 
 /// Where the brick of this index is among swaps by rising index.
 #[must_use]
-pub fn place_of(swaps: &[BrickSwap<BitBrick>], index: u32) -> Option<usize> {
+pub fn place_of<B>(swaps: &[BrickSwap<B>], index: u32) -> Option<usize> {
     swaps.binary_search_by_key(&index, |swap| swap.index).ok()
 }
 

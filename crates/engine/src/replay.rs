@@ -19,8 +19,9 @@ use crate::recording::Recording;
 use crate::scan_values::ScanValues;
 use crate::servo::{MAX_COMMANDS_PER_TICK, ServoLoop};
 use crate::shared::Shared;
-use crate::tape::{Tape, TapeCommand, TapeEntry, put, rooted};
-use crate::touchable::{Part, Touchable, unmoved_bits};
+use crate::tape::{Tape, TapeCommand, TapeEntry, put, put_shares, rooted};
+use crate::touchable::{Part, Touchable, unmoved};
+use crate::union_shares::SharedBits;
 
 /// Why a recording cannot be replayed at all.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -229,6 +230,7 @@ impl<'a> Player<'a> {
             self.latest = rooted(&self.latest, parts, self.values);
         }
         put(&mut self.latest, &entry.swaps);
+        put_shares(&mut self.latest, &entry.shares);
         Ok(match entry.command {
             TapeCommand::Root { sequence, .. } => ServoCommand::Root {
                 sequence,
@@ -237,8 +239,11 @@ impl<'a> Player<'a> {
             },
             TapeCommand::Bricks { sequence } => ServoCommand::Bricks(BrickChange::new(
                 sequence,
-                &unmoved_bits(&self.latest),
+                &unmoved(&self.latest)
+                    .map(SharedBits::from)
+                    .collect::<Vec<_>>(),
                 entry.swaps.clone(),
+                entry.shares.clone(),
             )),
             TapeCommand::Place {
                 point,

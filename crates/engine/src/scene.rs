@@ -4,16 +4,19 @@
 //! the same way as the change itself.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use crate::feel::{Feel, Feels};
 use crate::kept_surface::SegmentVoxels;
 use crate::scan_values::{ScanValues, Threshold};
 use crate::touchable::{MovedPart, Part};
+use crate::union_shares::SharedBits;
 use glam::DAffine3;
 use palpate_deform::material::MaterialLaw;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::matter::SegmentSet;
 use palpate_volume::segment::Segment;
+use palpate_volume::shares::Shares;
 use palpate_volume::voxel_box::VoxelBox;
 use palpate_volume::voxels::{Voxels, VoxelsError};
 
@@ -69,6 +72,8 @@ pub struct Scene {
     held: Option<SegmentId>,
     /// Segments that a needle is in.
     punctured: SegmentSet,
+    /// What was worked out of the shares of masks.
+    shares: BTreeMap<SegmentId, Arc<Shares>>,
 }
 
 impl Scene {
@@ -87,6 +92,7 @@ impl Scene {
             properties,
             held: None,
             punctured: SegmentSet::EMPTY,
+            shares: BTreeMap::new(),
         }
     }
 
@@ -217,6 +223,38 @@ impl Scene {
         self.properties_of(id).pose.is_none() && !self.punctured.contains(id)
     }
 
+    /// Takes what was worked out of the shares of a mask, or forgets it.
+    pub fn know_shares(&mut self, id: SegmentId, shares: Option<Arc<Shares>>) {
+        match shares {
+            Some(shares) => self.shares.insert(id, shares),
+            None => self.shares.remove(&id),
+        };
+    }
+
+    /// What was worked out of the shares of a segment; none of one that a threshold made.
+    #[must_use]
+    pub fn shares_of(&self, id: SegmentId) -> Option<&Arc<Shares>> {
+        self.shares.get(&id).filter(|_| self.is_mask(id))
+    }
+
+    /// Whether touch knows of a segment no more than its bits: no threshold on the scan made it.
+    #[must_use]
+    pub fn is_mask(&self, id: SegmentId) -> bool {
+        self.properties_of(id).made_by.is_none() || self.has_own_grid(id)
+    }
+
+    /// Voxels and shares of all obstacles that are where the scan has them.
+    #[must_use]
+    pub fn standing(&self) -> Vec<SharedBits<'_>> {
+        self.obstacles()
+            .filter(|(id, _, _)| self.stands(*id))
+            .map(|(id, segment, _)| SharedBits {
+                bits: segment.occupancy(),
+                shares: self.shares_of(id).map(|shares| &**shares),
+            })
+            .collect()
+    }
+
     /// All obstacles with their properties, by rising number.
     pub fn obstacles(&self) -> impl Iterator<Item = (SegmentId, &Segment, Properties)> {
         self.segments().filter(|(id, _, _)| self.is_obstacle(*id))
@@ -241,6 +279,7 @@ impl Scene {
                         range,
                         values: self.values.clone(),
                     }),
+                shares: self.shares_of(id).cloned(),
                 punctured: properties.pose.is_none() && self.punctured.contains(id),
             })
             .collect()

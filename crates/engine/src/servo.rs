@@ -6,7 +6,7 @@
 use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
 
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DVec3, IVec3};
 use palpate_haptics::coupling::Coupling;
 use palpate_haptics::needle::{Needle, NeedleInput};
 use palpate_haptics::proxy::Proxy;
@@ -176,6 +176,14 @@ impl ServoLoop {
     #[must_use]
     pub fn solid(&self) -> &Bits {
         &self.occupancy.touchable().world.inner().bits
+    }
+
+    /// How much of a voxel that stands in the scan is solid, if more is known than its bit.
+    #[must_use]
+    pub fn share(&self, voxel: IVec3) -> Option<f32> {
+        let world = self.occupancy.touchable().world.inner();
+        let known = world.shares.as_ref()?;
+        known.share(voxel, world.bits.is_solid(voxel))
     }
 
     /// The needle in the hand, or none.

@@ -26,10 +26,11 @@ use crate::frame::Notice;
 use crate::grip::Grip;
 use crate::handover::{ServoCommand, SimulationChannels};
 use crate::kept_surface::SegmentVoxels;
+use crate::mask_shares::MaskShares;
 use crate::moved_poses::CurrentPoses;
 use crate::needle::{NeedleNow, NeedleWatch};
 use crate::placement::{REACH, free_point};
-use crate::scene::{Scene, Step, ThresholdRange};
+use crate::scene::{Scene, Step, ThresholdRange, TouchChange};
 use crate::scene_news::SceneNews;
 use crate::settings::Settings;
 use crate::tape::TapeRecorder;
@@ -136,6 +137,8 @@ pub struct Simulation {
     box_edge: Option<u32>,
     /// As the picture was told it last.
     displaced: Option<Arc<Displaced>>,
+    /// Works out the shares of masks.
+    shares: MaskShares,
     file: Option<JournalFile>,
     touch: TouchSender,
     status: triple_buffer::Input<SimulationStatus>,
@@ -157,13 +160,13 @@ impl Simulation {
     /// A simulation of this scene, whose device bears `limits`.
     #[must_use]
     pub fn new(
-        (scene, deformation): (Scene, Deformation),
+        (scene, deformation, shares): (Scene, Deformation, MaskShares),
         settings: Settings,
         limits: DeviceLimits,
         channels: SimulationChannels,
         (status, notices, news): PictureEnds,
     ) -> Self {
-        Self {
+        let mut simulation = Self {
             scene,
             journal: UndoJournal::default(),
             stroke: ToolStroke::default(),
@@ -174,6 +177,7 @@ impl Simulation {
             deformation,
             box_edge: None,
             displaced: None,
+            shares,
             file: None,
             touch: TouchSender::new(channels, settings.probe_radius),
             status,
@@ -188,7 +192,12 @@ impl Simulation {
             was_held: false,
             was_stopped: false,
             was_full: false,
-        }
+        };
+        // nobody was told of any yet
+        let masks = simulation.scene.obstacles().map(|(id, _, _)| id);
+        let all = TouchChange::All(masks.collect());
+        let _ = simulation.shares.follow(&mut simulation.scene, &all);
+        simulation
     }
 
     /// The true voxels.
@@ -241,11 +250,34 @@ impl Simulation {
         self.advance_tool();
         self.advance_needle();
         self.advance_deformation();
+        self.advance_shares();
         self.tell_of_held_changes();
         self.tell_of_refused_places();
         self.tell_of_full_tape();
         self.tell_of_journal();
         self.publish();
+    }
+
+    /// Takes shares that were worked out, once touch follows what they were worked out from.
+    fn advance_shares(&mut self) {
+        if self.touch.follows_all() {
+            let shares = self.shares.advance(&mut self.scene);
+            if !shares.is_empty() {
+                self.touch.send_shares(&self.scene, &shares);
+            }
+        }
+    }
+
+    /// Has touch follow a change of the scene.
+    fn send_change(&mut self, change: &TouchChange) {
+        let shares = self.shares.follow(&mut self.scene, change);
+        self.touch.send_change(&self.scene, change, shares);
+    }
+
+    /// Regions of masks whose shares are still to be worked out; 0 where all are known.
+    #[must_use]
+    pub fn unknown_shares(&self) -> usize {
+        self.shares.left()
     }
 
     /// What is told to the servo, where it is recorded.

@@ -14,12 +14,13 @@ use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
+use palpate_volume::shares::{ShareBrick, Shares};
 use palpate_volume::voxel_box::VoxelBox;
 use rtrb::Consumer;
 use serde::{Deserialize, Serialize};
 
 use crate::feel::Feel;
-use crate::handover::{GivingWay, ServoCommand, Snapshot};
+use crate::handover::{GivingWay, ServoCommand, ShareSwap, Snapshot};
 use crate::scan_values::{ScanValues, Threshold};
 use crate::scene::ThresholdRange;
 use crate::servo_state::ServoState;
@@ -31,6 +32,7 @@ pub const MAX_TAPE_BYTES: usize = 1 << 29;
 
 /// A swap with a brick of its own, whose counters fill a cache line.
 const SWAP_BYTES: usize = size_of::<PartSwap>() + 2 * size_of::<BitBrick>();
+const SHARE_BYTES: usize = size_of::<ShareSwap>() + size_of::<ShareBrick>();
 
 /// A command, without its bricks.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -116,6 +118,8 @@ pub struct TapeEntry {
     pub command: TapeCommand,
     /// Bricks of a change, by rising segment and index, each once.
     pub swaps: Vec<PartSwap>,
+    /// What became known of shares, in the same order.
+    pub shares: Vec<ShareSwap>,
 }
 
 /// The state that a recording began with, and every command since.
@@ -269,7 +273,9 @@ impl Writer {
             return;
         }
         let entry = self.entry(command);
-        self.bytes += size_of::<TapeEntry>() + entry.swaps.len() * SWAP_BYTES;
+        self.bytes += size_of::<TapeEntry>()
+            + entry.swaps.len() * SWAP_BYTES
+            + entry.shares.len() * SHARE_BYTES;
         if self.bytes > max_bytes {
             self.is_full = true;
         } else {
@@ -278,7 +284,7 @@ impl Writer {
     }
 
     fn entry(&mut self, command: &ServoCommand) -> TapeEntry {
-        let mut swaps = Vec::new();
+        let (mut swaps, mut shares) = (Vec::new(), Vec::new());
         let command = match command {
             ServoCommand::Root {
                 sequence,
@@ -286,6 +292,7 @@ impl Writer {
             } => {
                 for part in &touchable.parts {
                     swaps.extend(changed_bricks(&self.latest, part));
+                    shares.extend(changed_shares(&self.latest, part));
                 }
                 self.latest.clone_from(&touchable.parts);
                 TapeCommand::Root {
@@ -295,7 +302,9 @@ impl Writer {
             }
             ServoCommand::Bricks(change) => {
                 swaps.clone_from(&change.parts);
+                shares.clone_from(&change.part_shares);
                 put(&mut self.latest, &swaps);
+                put_shares(&mut self.latest, &shares);
                 TapeCommand::Bricks {
                     sequence: change.sequence,
                 }
@@ -318,7 +327,11 @@ impl Writer {
             ServoCommand::Needle(on, tissues) => TapeCommand::Needle(*on, tissues.clone()),
             ServoCommand::Mark => TapeCommand::Mark,
         };
-        TapeEntry { command, swaps }
+        TapeEntry {
+            command,
+            swaps,
+            shares,
+        }
     }
 }
 
@@ -327,6 +340,18 @@ pub fn put(parts: &mut [Part], swaps: &[PartSwap]) {
     for (id, swap) in swaps {
         if let Ok(place) = place_of(parts, *id) {
             parts[place].bits.swap(&mut swap.clone());
+        }
+    }
+}
+
+/// Puts what is known of shares in the place of what was.
+pub fn put_shares(parts: &mut [Part], swaps: &[ShareSwap]) {
+    for (id, swap) in swaps {
+        if let Ok(place) = place_of(parts, *id) {
+            let part = &mut parts[place];
+            let unknown = || Arc::new(Shares::unknown(part.bits.dimensions()));
+            let shares = part.shares.get_or_insert_with(unknown);
+            Arc::make_mut(shares).swap(&mut swap.clone());
         }
     }
 }
@@ -342,6 +367,11 @@ pub fn rooted(old: &[Part], new: &[TapePart], values: &ScanValues) -> Vec<Part> 
             Ok(place) if old[place].bits.dimensions() == dimensions => old[place].bits.clone(),
             _ => Bits::empty(dimensions),
         };
+        let known = place_of(old, id)
+            .ok()
+            .and_then(|place| old[place].shares.clone());
+        let is_mask = part.threshold.is_none();
+        let shares = known.filter(|known| is_mask && known.dimensions() == dimensions);
         let moved = part.moved.map(|(min, max, pose)| MovedPart {
             own_grid: part.own_grid,
             bounds: VoxelBox::new(min, max),
@@ -355,6 +385,7 @@ pub fn rooted(old: &[Part], new: &[TapePart], values: &ScanValues) -> Vec<Part> 
                 range,
                 values: values.clone(),
             }),
+            shares,
             punctured: part.punctured,
         }
     };
@@ -380,7 +411,29 @@ fn changed_bricks(old: &[Part], new: &Part) -> Vec<PartSwap> {
         .collect()
 }
 
-fn is_same(old: Option<&Arc<BitBrick>>, new: Option<&Arc<BitBrick>>) -> bool {
+/// The same of shares.
+fn changed_shares(old: &[Part], new: &Part) -> Vec<ShareSwap> {
+    let old = place_of(old, new.id).ok().map(|place| &old[place]);
+    let old = old.and_then(|old| old.shares.as_ref());
+    let old = old.filter(|old| old.dimensions() == new.bits.dimensions());
+    let Some(shares) = &new.shares else {
+        return Vec::new();
+    };
+    if old.is_some_and(|old| Arc::ptr_eq(old, shares)) {
+        return Vec::new();
+    }
+    let before = |index| old.and_then(|shares| shares.bricks().get(index));
+    (0..)
+        .zip(shares.bricks().entries())
+        .filter(|(index, brick)| !is_same(before(*index), brick.as_ref()))
+        .map(|(index, brick)| {
+            let brick = brick.clone();
+            (new.id, BrickSwap { index, brick })
+        })
+        .collect()
+}
+
+fn is_same<B: PartialEq>(old: Option<&Arc<B>>, new: Option<&Arc<B>>) -> bool {
     match (old, new) {
         (Some(old), Some(new)) => Arc::ptr_eq(old, new) || old == new,
         (old, new) => old.is_none() && new.is_none(),

@@ -5,6 +5,7 @@
 //! scan are a place and 512 numbers each. What comes from a file is checked before anything is made of it.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 use std::sync::Arc;
 
 use palpate_haptics::ball::{BallError, BallShape};
@@ -15,15 +16,16 @@ use palpate_volume::brick_grid::{BRICK, BrickSwap};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
 use palpate_volume::intensity_brick::IntensityBrick;
+use palpate_volume::shares::ShareBrick;
 use palpate_volume::voxel_box::VoxelBox;
 use serde::{Deserialize, Serialize};
 
-use crate::handover::MAX_BRICKS;
+use crate::handover::{MAX_BRICKS, ShareSwap};
 use crate::scan_values::ScanValues;
 use crate::servo_state::ServoState;
 use crate::settings::{Settings, SettingsError};
 use crate::simulation::check_radius;
-use crate::tape::{PartSwap, Tape, TapeCommand, TapeEntry, TapePart, put, rooted};
+use crate::tape::{PartSwap, Tape, TapeCommand, TapeEntry, TapePart, put, put_shares, rooted};
 
 /// Most voxels of a scan in a file; more are not read, so that no file can ask for all memory.
 pub const MAX_FILE_VOXELS: u64 = 1 << 33;
@@ -48,6 +50,23 @@ pub struct TapeColumns {
     pub solid: BrickColumns,
     /// The scan's values that touch read.
     pub values: ValueColumns,
+    /// Where the shares of each command end in `shares`.
+    pub share_ends: Vec<u64>,
+    /// What became known of shares by all commands.
+    pub shares: ShareColumns,
+    /// What was known of shares at the start.
+    pub known: ShareColumns,
+}
+
+/// Bricks of shares by columns.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ShareColumns {
+    /// Number of the segment.
+    pub segment: Vec<u8>,
+    /// Place in the directory, x fastest.
+    pub index: Vec<u32>,
+    /// A byte for each voxel, x fastest; all 0 where nothing is known.
+    pub bytes: Vec<[u8; 512]>,
 }
 
 /// Bricks of stored values by columns.
@@ -160,6 +179,15 @@ impl From<&Tape> for TapeColumns {
                     columns.solid.push(part.id, index, **brick);
                 }
             }
+            let known = part
+                .shares
+                .iter()
+                .flat_map(|shares| shares.bricks().entries());
+            for (index, brick) in (0..).zip(known) {
+                if brick.is_some() {
+                    columns.known.push(part.id, index, brick.as_deref());
+                }
+            }
         }
         for (index, brick) in tape.values.read_bricks() {
             columns.values.index.push(index);
@@ -175,6 +203,10 @@ impl From<&Tape> for TapeColumns {
                     .push(*id, swap.index, brick.unwrap_or_default());
             }
             columns.brick_ends.push(columns.bricks.index.len() as u64);
+            for (id, swap) in &entry.shares {
+                columns.shares.push(*id, swap.index, swap.brick.as_deref());
+            }
+            columns.share_ends.push(columns.shares.index.len() as u64);
         }
         columns
     }
@@ -206,6 +238,8 @@ impl TryFrom<&TapeColumns> for Tape {
         let mut parts = rooted(&[], &parts, &values);
         let solid = columns.solid.swaps(0..columns.solid.index.len(), &frames)?;
         put(&mut parts, &solid);
+        let known = columns.known.swaps(0..columns.known.index.len(), &frames)?;
+        put_shares(&mut parts, &known);
         let entries = columns.entries(&mut frames, &grid)?;
         Ok(Self {
             grid,
@@ -226,6 +260,7 @@ impl TapeColumns {
         }
         let commands = ranges(&self.command_ends, self.commands.len())?;
         let bricks = ranges(&self.brick_ends, self.bricks.index.len())?;
+        let mut shares = self.share_ranges()?.into_iter();
         let mut entries = Vec::with_capacity(commands.len());
         for (number, (bytes, bricks)) in commands.into_iter().zip(bricks).enumerate() {
             let command: TapeCommand =
@@ -233,14 +268,26 @@ impl TapeColumns {
                     let reason = error.to_string();
                     TapeError::Command { number, reason }
                 })?;
-            check(&command, bricks.len(), grid)?;
+            let shares = shares.next().unwrap_or_default();
+            check(&command, bricks.len().max(shares.len()), grid)?;
             if let TapeCommand::Root { parts, .. } = &command {
                 frames.follow(parts);
             }
-            let swaps = self.bricks.swaps(bricks, frames)?;
-            entries.push(TapeEntry { command, swaps });
+            entries.push(TapeEntry {
+                command,
+                swaps: self.bricks.swaps(bricks, frames)?,
+                shares: self.shares.swaps(shares, frames)?,
+            });
         }
         Ok(entries)
+    }
+
+    /// The shares of each command; tapes of before there were any have no ends of them.
+    fn share_ranges(&self) -> Result<Vec<Range<usize>>, TapeError> {
+        if self.share_ends.len() != self.command_ends.len() && !self.share_ends.is_empty() {
+            return Err(TapeError::Lengths);
+        }
+        ranges(&self.share_ends, self.shares.index.len())
     }
 }
 
@@ -270,6 +317,51 @@ impl ValueColumns {
     }
 }
 
+impl ShareColumns {
+    fn push(&mut self, id: SegmentId, index: u32, brick: Option<&ShareBrick>) {
+        self.segment.push(id.0);
+        self.index.push(index);
+        self.bytes.push(brick.unwrap_or(&ShareBrick::UNKNOWN).0);
+    }
+
+    /// Some of the bricks, checked against the grids that they stand on.
+    fn swaps(&self, range: Range<usize>, frames: &Frames) -> Result<Vec<ShareSwap>, TapeError> {
+        let count = self.index.len();
+        if self.bytes.len() != count || self.segment.len() != count {
+            return Err(TapeError::Lengths);
+        }
+        let places = places(&self.segment, &self.index, range.clone(), frames)?;
+        let bricks = places.into_iter().zip(&self.bytes[range]);
+        let swap = |((id, index), &bytes): ((u8, u32), &[u8; 512])| {
+            let brick = ShareBrick(bytes);
+            let brick = (brick != ShareBrick::UNKNOWN).then(|| Arc::new(brick));
+            (SegmentId(id), BrickSwap { index, brick })
+        };
+        Ok(bricks.map(swap).collect())
+    }
+}
+
+/// Places of some bricks, strictly rising, so that each is there once.
+fn places(
+    segment: &[u8],
+    index: &[u32],
+    range: Range<usize>,
+    frames: &Frames,
+) -> Result<Vec<(u8, u32)>, TapeError> {
+    let index = &index[range.clone()];
+    let segment = &segment[range];
+    let places: Vec<(u8, u32)> = segment.iter().copied().zip(index.iter().copied()).collect();
+    let in_order = places.is_sorted_by(|before, after| before < after);
+    let within = places
+        .iter()
+        .all(|&(id, index)| (index as usize) < frames.of(id).bricks().len());
+    if in_order && within {
+        Ok(places)
+    } else {
+        Err(TapeError::Bricks)
+    }
+}
+
 impl BrickColumns {
     fn push(&mut self, id: SegmentId, index: u32, brick: BitBrick) {
         self.segment.push(id.0);
@@ -278,26 +370,12 @@ impl BrickColumns {
     }
 
     /// Some of the bricks, checked against the grids that they stand on.
-    fn swaps(
-        &self,
-        range: std::ops::Range<usize>,
-        frames: &Frames,
-    ) -> Result<Vec<PartSwap>, TapeError> {
+    fn swaps(&self, range: Range<usize>, frames: &Frames) -> Result<Vec<PartSwap>, TapeError> {
         let count = self.index.len();
         if self.words.len() != count || self.segment.len() != count {
             return Err(TapeError::Lengths);
         }
-        let index = &self.index[range.clone()];
-        let segment = &self.segment[range.clone()];
-        // strictly rising, so that each is there once
-        let places: Vec<(u8, u32)> = segment.iter().copied().zip(index.iter().copied()).collect();
-        let in_order = places.is_sorted_by(|before, after| before < after);
-        let within = places
-            .iter()
-            .all(|&(id, index)| (index as usize) < frames.of(id).bricks().len());
-        if !in_order || !within {
-            return Err(TapeError::Bricks);
-        }
+        let places = places(&self.segment, &self.index, range.clone(), frames)?;
         let bricks = places.into_iter().zip(&self.words[range]);
         bricks
             .map(|((id, index), &words)| {

@@ -27,9 +27,9 @@ use crate::patched::{Patched, place_of};
 use crate::probe::Probe;
 use crate::touchable::{Body, Touchable};
 
-/// Garbage that one change can make: what every held change has in common with it, in the union
-/// and in the parts, and itself.
-pub const GARBAGE_PER_CHANGE: usize = 2 * MAX_BRICKS * (MAX_HELD + 1) + MAX_HELD + 3;
+/// Garbage that one change can make: what every held change has in common with it, in the union,
+/// in the parts and in shares, which are eight times as many, and itself.
+pub const GARBAGE_PER_CHANGE: usize = 10 * MAX_BRICKS * (MAX_HELD + 1) + MAX_HELD + 3;
 
 /// A root that is not admitted yet.
 #[derive(Debug)]
@@ -370,6 +370,11 @@ impl TouchOccupancy {
             held.touchable.swap_part(*id, &mut newer);
             dispose(&mut self.garbage, Garbage::Brick(newer));
         }
+        for swap in &change.shares {
+            let mut newer = swap.clone();
+            held.touchable.swap_shares(&mut newer);
+            dispose(&mut self.garbage, Garbage::Shares(newer));
+        }
     }
 
     /// Nor must an edit held back.
@@ -390,6 +395,13 @@ impl TouchOccupancy {
                     let mut newer = swap.clone();
                     std::mem::swap(held, &mut newer);
                     dispose(&mut self.garbage, Garbage::Brick(newer));
+                }
+            }
+            for swap in &change.shares {
+                if let Some(place) = place_of(&held.shares, swap.index) {
+                    let mut newer = swap.clone();
+                    std::mem::swap(&mut held.shares[place], &mut newer);
+                    dispose(&mut self.garbage, Garbage::Shares(newer));
                 }
             }
         }
@@ -418,6 +430,9 @@ impl TouchOccupancy {
         }
         for (id, swap) in &mut change.parts {
             self.touchable.swap_part(*id, swap);
+        }
+        for swap in &mut change.shares {
+            self.touchable.swap_shares(swap);
         }
         self.dispose(Garbage::Bricks(change));
     }

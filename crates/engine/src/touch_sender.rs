@@ -7,12 +7,11 @@ use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use glam::DAffine3;
-use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;
 use palpate_volume::edit::SegmentId;
 
 use crate::handover::{
-    BrickChange, Garbage, MAX_BRICKS, ServoCommand, ServoStatus, SimulationChannels,
+    BrickChange, Garbage, MAX_BRICKS, ServoCommand, ServoStatus, ShareSwap, SimulationChannels,
 };
 use crate::moved_poses::CurrentPoses;
 use crate::needle::NeedleStatus;
@@ -150,12 +149,14 @@ impl TouchSender {
         self.radius = radius;
     }
 
-    /// Sends a change of the scene.
-    pub fn send_change(&mut self, scene: &Scene, change: &TouchChange) {
+    /// Sends a change of the scene, with the shares that changed by it.
+    pub fn send_change(&mut self, scene: &Scene, change: &TouchChange, shares: Vec<ShareSwap>) {
         match change {
             TouchChange::Nothing => {}
-            TouchChange::Bricks(bricks, segments) if bricks.len() <= MAX_BRICKS => {
-                self.send_bricks(scene, bricks, segments.clone());
+            TouchChange::Bricks(bricks, segments)
+                if bricks.len() <= MAX_BRICKS && shares.len() <= MAX_BRICKS =>
+            {
+                self.send_bricks(scene, bricks, segments.clone(), shares);
             }
             TouchChange::Bricks(_, segments) => self.send_root(scene, segments.clone()),
             TouchChange::All(segments) => self.send_root(scene, segments.clone()),
@@ -217,7 +218,13 @@ impl TouchSender {
         self.tape.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn send_bricks(&mut self, scene: &Scene, bricks: &[u32], segments: Vec<SegmentId>) {
+    fn send_bricks(
+        &mut self,
+        scene: &Scene,
+        bricks: &[u32],
+        segments: Vec<SegmentId>,
+        shares: Vec<ShareSwap>,
+    ) {
         let changed = || scene.obstacles().filter(|(id, _, _)| segments.contains(id));
         let moved = changed().any(|(_, _, properties)| properties.pose.is_some());
         if moved || bricks.len() * changed().count().max(1) > MAX_BRICKS {
@@ -231,14 +238,30 @@ impl TouchSender {
             })
         });
         let swaps = swaps.collect();
-        let unmoved: Vec<&Bits> = scene
-            .obstacles()
-            .filter(|(id, _, _)| scene.stands(*id))
-            .map(|(_, segment, _)| segment.occupancy())
-            .collect();
         let sequence = self.begin(segments);
-        let change = BrickChange::new(sequence, &unmoved, swaps);
+        let change = BrickChange::new(sequence, &scene.standing(), swaps, shares);
         self.send(ServoCommand::Bricks(change));
+    }
+
+    /// Whether the servo touches what the simulation has: then shares can be told that were worked
+    /// out from it.
+    #[must_use]
+    pub fn follows_all(&self) -> bool {
+        self.outstanding.is_empty()
+    }
+
+    /// Sends shares that were worked out, which change no bit: those of bodies of their own come
+    /// with a new root.
+    pub fn send_shares(&mut self, scene: &Scene, shares: &[ShareSwap]) {
+        if shares.iter().any(|(id, _)| !scene.stands(*id)) {
+            return self.send_root(scene, Vec::new());
+        }
+        for shares in shares.chunks(MAX_BRICKS) {
+            // no change that anybody waits for
+            let sequence = self.sequence;
+            let change = BrickChange::new(sequence, &scene.standing(), Vec::new(), shares.to_vec());
+            self.send(ServoCommand::Bricks(change));
+        }
     }
 
     fn send_root(&mut self, scene: &Scene, segments: Vec<SegmentId>) {

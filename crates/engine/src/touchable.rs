@@ -23,6 +23,7 @@ use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
+use palpate_volume::shares::{ShareBrick, Shares};
 use palpate_volume::voxel_box::VoxelBox;
 
 use crate::body::BodyVoxels;
@@ -44,6 +45,8 @@ pub struct Part {
     /// The threshold that made them, whatever edits did since; none where they come from
     /// elsewhere.
     pub threshold: Option<Threshold>,
+    /// How much of its voxels at the surface is solid, as far as that was worked out from them.
+    pub shares: Option<Arc<Shares>>,
     /// Whether a needle is in it: then it is no obstacle, unless it was moved.
     pub punctured: bool,
 }
@@ -92,7 +95,7 @@ impl Touchable {
     pub fn new(grid: &Grid, parts: Vec<Part>, radius: f64) -> Result<Self, BallError> {
         let world = BodyVoxels {
             bits: union_of(grid.dimensions(), &unmoved_bits(&parts)),
-            shares: KnownShares::of(&unmoved(&parts).collect::<Vec<_>>()),
+            shares: KnownShares::of(grid.dimensions(), &unmoved(&parts).collect::<Vec<_>>()),
         };
         let world = Body::new(world, radius, grid.spacing())?;
         let object = |part: &Part, moved: MovedPart| {
@@ -100,7 +103,7 @@ impl Touchable {
             let own = moved.grid(grid);
             let voxels = BodyVoxels {
                 bits: part.bits.clone(),
-                shares: KnownShares::of(&[part]),
+                shares: KnownShares::of(part.bits.dimensions(), &[part]),
             };
             let body = Body::new(voxels, radius, own.spacing())?;
             let reach = body.shape().reach();
@@ -238,6 +241,16 @@ impl Touchable {
     pub fn swap_world(&mut self, swap: &mut BrickSwap<BitBrick>) {
         let changed = self.world.inner().bits.bricks().box_of(swap.index);
         self.world.change(&changed, |voxels| voxels.bits.swap(swap));
+    }
+
+    /// Exchanges a brick of what is known of the shares of the union.
+    pub fn swap_shares(&mut self, swap: &mut BrickSwap<ShareBrick>) {
+        // what a ball can be in follows from bits alone
+        self.world.change(&VoxelBox::EMPTY, |voxels| {
+            if let Some(shares) = &mut voxels.shares {
+                shares.swap_shares(swap);
+            }
+        });
     }
 
     /// Exchanges a brick of a part, if it is there.

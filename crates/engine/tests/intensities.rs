@@ -132,13 +132,17 @@ fn a_plane_of_5_degrees_has_no_stairs_where_a_threshold_made_it() {
     assert!(intensities < 0.05, "{intensities} h");
     // no bias: a twentieth of a voxel, as the ripple
     assert!(height.abs() < 0.05, "{height} mm");
-    // the same voxels as an imported mask, and on request
-    let (mask, _) = felt(None, Smoothing::Intensities);
-    assert!(mask > 2.0 * intensities, "{mask} h, {intensities} h");
-    assert_eq!(felt(Some(HALF), Smoothing::Bits).0, mask);
+    // nor where the same voxels are an imported mask
+    let (mask, height) = felt(None, Smoothing::Intensities);
+    assert!(mask < 0.05, "{mask} h");
+    assert!(height.abs() < 0.1, "{height} mm");
+    // the bits alone, on request, have some
+    let (bits, _) = felt(Some(HALF), Smoothing::Bits);
+    assert!(bits > 2.0 * intensities.max(mask), "{bits} h");
+    assert_eq!(felt(None, Smoothing::Bits).0, bits);
     // and stairs are stairs
     let (stairs, _) = felt(Some(HALF), Smoothing::Off);
-    assert!(stairs > 2.0 * mask, "{stairs} h, {mask} h");
+    assert!(stairs > 2.0 * bits, "{stairs} h, {bits} h");
 }
 
 /// A threshold that is dragged: limits and voxels change at once, and the surface goes where the
@@ -230,7 +234,13 @@ fn a_mask_beside_a_threshold_keeps_its_own_surface() {
     let away = 60;
     let middle = mixed.len() * 18 / 38;
     assert_eq!(mixed[..middle - away], alone[0][..middle - away]);
-    assert_eq!(mixed[middle + away..], alone[1][middle + away..]);
+    // the end of the mask is worked out too, and flat slopes carry far
+    for (mixed, alone) in mixed[middle + away..]
+        .iter()
+        .zip(&alone[1][middle + away..])
+    {
+        assert!((mixed - alone).abs() < 0.05, "{mixed} mm, alone {alone} mm");
+    }
     assert_ne!(alone[0][middle + away..], alone[1][middle + away..]);
     for pair in mixed.windows(2) {
         // the hand's move and a tenth of a voxel

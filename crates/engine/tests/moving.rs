@@ -64,6 +64,7 @@ fn poses_are_told_where_they_change_and_at_no_other_tick() {
             pose: shifted(DVec3::X),
         }),
         threshold: None,
+        shares: None,
         punctured: false,
     };
     let Channels {

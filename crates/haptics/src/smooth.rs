@@ -50,7 +50,8 @@ pub enum Smoothing {
     Off,
     /// The smooth surface of the voxels, whatever made them.
     Bits,
-    /// The same, and where a threshold made the voxels, its place between them.
+    /// The same at its place between the voxels: from the values where a threshold made them, of a
+    /// mask from the way of its surface.
     #[default]
     Intensities,
 }

@@ -156,6 +156,19 @@ impl<B> BrickGrid<B> {
             .collect()
     }
 
+    /// Directory places of the bricks beside one, face to face.
+    pub fn indices_beside(&self, index: u32) -> impl Iterator<Item = u32> {
+        let corner = self.box_of(index).min;
+        let size = (self.size * BRICK as u32).as_ivec3();
+        let steps = [IVec3::X, IVec3::Y, IVec3::Z].map(|axis| BRICK * axis);
+        let beside = steps
+            .into_iter()
+            .flat_map(move |step| [corner - step, corner + step]);
+        beside
+            .filter(move |corner| corner.cmpge(IVec3::ZERO).all() && corner.cmplt(size).all())
+            .map(|corner| self.index_of(corner) as u32)
+    }
+
     #[inline]
     fn index_of(&self, voxel: IVec3) -> usize {
         let brick = (voxel >> 3_i32).as_uvec3();

@@ -65,6 +65,7 @@ impl Ground {
                 bits: bits.clone(),
                 moved: None,
                 threshold: self.thresholds.get(place).cloned().flatten(),
+                shares: None,
                 punctured: false,
             })
             .collect()

@@ -67,6 +67,7 @@ impl<'a> Wall<'a> {
             bits: self.solid.clone(),
             moved: None,
             threshold: None,
+            shares: None,
             punctured: false,
         };
         Touchable::new(self.grid, vec![part], 0.0).expect("a point fits anywhere")

@@ -18,6 +18,7 @@ use crate::feel::Feels;
 use crate::frame::Notice;
 use crate::handover::{Channels, DeviceSample, TickRecord};
 use crate::mapping::Mapping;
+use crate::mask_shares::MaskShares;
 use crate::scene::Scene;
 use crate::scene_news::SceneNews;
 use crate::servo::{ServoLoop, ServoStart};
@@ -81,10 +82,13 @@ impl Rig {
             workspace_radius: LONGEST,
         };
         let (deformation, deformation_loop) = Deformation::new(true);
+        // layers have no flat slopes whose shares would matter
+        let (shares, _) = MaskShares::new();
+        let scene = Scene::new(Voxels::new(*grid, intensities)?);
         Ok(Self {
             servo: ServoLoop::new(start, channels.servo, Arc::clone(&shared)),
             simulation: Simulation::new(
-                (Scene::new(Voxels::new(*grid, intensities)?), deformation),
+                (scene, deformation, shares),
                 settings,
                 limits,
                 channels.simulation,

@@ -195,7 +195,7 @@ impl Simulation {
     pub(super) fn send_all(&mut self, segments: Vec<SegmentId>) {
         if !segments.is_empty() {
             let change = TouchChange::All(segments);
-            self.touch.send_change(&self.scene, &change);
+            self.send_change(&change);
         }
     }
 

@@ -393,7 +393,7 @@ impl Simulation {
             .map(|(id, _, properties)| (id, properties))
             .collect();
         let ids = segments.iter().map(|(id, _)| *id).collect();
-        self.touch.send_change(&self.scene, &TouchChange::All(ids));
+        self.send_change(&TouchChange::All(ids));
         for (id, properties) in segments {
             self.touch.send(ServoCommand::Feel(id, properties.feel));
             if let Some(pose) = properties.pose.filter(|_| properties.touchable) {

@@ -96,7 +96,7 @@ impl Simulation {
     pub fn set_touchable(&mut self, id: SegmentId, touchable: bool) -> Result<(), SessionError> {
         if self.scene.set_touchable(id, touchable)? {
             let change = TouchChange::All(vec![id]);
-            self.touch.send_change(&self.scene, &change);
+            self.send_change(&change);
             self.write_facts(id);
             self.publish();
         }

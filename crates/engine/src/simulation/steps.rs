@@ -81,7 +81,7 @@ impl Simulation {
         goes_on: bool,
     ) -> Result<(Step, Vec<SceneNews>), SessionError> {
         let (inverse, change) = self.scene.perform(step)?;
-        self.touch.send_change(&self.scene, &change);
+        self.send_change(&change);
         self.segments_version += 1;
         let news = SceneNews::of(&inverse, &self.scene, &self.labelled);
         let anew = news.iter().filter(|news| news.needs_labels()).count();

@@ -21,6 +21,7 @@ use palpate_engine::feel::{Feel, Feels};
 use palpate_engine::frame::{Frame, Notice};
 use palpate_engine::handover::{Channels, DeviceSample, HandTarget, TickRecord};
 use palpate_engine::mapping::Mapping;
+use palpate_engine::mask_shares::{MaskShares, ShareLoop};
 use palpate_engine::scene::{Properties, Scene};
 use palpate_engine::servo::{ServoLoop, ServoStart};
 use palpate_engine::session::Session;
@@ -236,6 +237,7 @@ pub struct Rig {
     pub servo: ServoLoop,
     pub simulation: Simulation,
     pub deformation: DeformationLoop,
+    pub shares: ShareLoop,
     pub device: triple_buffer::Input<DeviceSample>,
     pub forces: triple_buffer::Output<palpate_engine::handover::ForceCommand>,
     pub hand: triple_buffer::Input<HandTarget>,
@@ -271,11 +273,13 @@ impl Rig {
         };
         let scene = Scene::new(Voxels::new(grid(dimensions), scan).unwrap());
         let (deformation, deformation_loop) = Deformation::new(true);
+        let (shares, share_loop) = MaskShares::new();
         Self {
             servo: ServoLoop::new(start, channels.servo, Arc::clone(&shared)),
             deformation: deformation_loop,
+            shares: share_loop,
             simulation: Simulation::new(
-                (scene, deformation),
+                (scene, deformation, shares),
                 Settings::default(),
                 limits(),
                 channels.simulation,

@@ -50,6 +50,10 @@ impl Recorder {
             self.change_something();
             if tick % pass == 0 {
                 self.rig.simulation.step();
+                // shares of masks come now and then
+                if self.random.below(40) == 0 {
+                    self.rig.shares.step();
+                }
             }
             self.tick();
         }

@@ -20,6 +20,7 @@ use crate::error::SessionError;
 use crate::feel::Feels;
 use crate::handover::{Channels, DeviceChannels, DeviceSample, TickRecord};
 use crate::mapping::Mapping;
+use crate::mask_shares::MaskShares;
 use crate::scene::{Properties, Scene};
 use crate::servo::{ServoLoop, ServoStart};
 use crate::settings::Settings;
@@ -82,8 +83,11 @@ impl Rig {
             feels: Feels::default(),
         };
         let (deformation, deformation_loop) = Deformation::new(in_step);
+        // nobody works them out: touch is by bits
+        let (shares, _) = MaskShares::new();
+        let scene = Scene::new(Voxels::new(grid, intensities)?);
         let mut simulation = Simulation::new(
-            (Scene::new(Voxels::new(grid, intensities)?), deformation),
+            (scene, deformation, shares),
             settings,
             LIMITS,
             channels.simulation,

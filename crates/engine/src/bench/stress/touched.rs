@@ -89,6 +89,8 @@ impl Touched {
             sequence: self.edits,
             swaps,
             parts: Vec::new(),
+            shares: Vec::new(),
+            part_shares: Vec::new(),
         };
         #[cfg(test)]
         let mut elsewhere = Proxy::nearest_in(IVec3::splat(-100), DVec3::ZERO);
