@@ -1,3 +1,4 @@
+/** A patch for tests: the surface of a box. */
 import type { Patch } from "../../src/core/surface_patches";
 import type { Vec3 } from "../../src/core/vector";
 
