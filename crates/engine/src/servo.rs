@@ -341,11 +341,13 @@ impl ServoLoop {
         }
         let touched = SegmentId(self.state.touched);
         let settings = self.state.feels.of(touched).over(&self.state.settings);
+        // in a dent the proxy may be under the smooth surface alone, held by no voxel yet: whose
+        // that is nobody knows
+        let is_hard = touched.0 != 0 && !self.state.giving_way.segments.contains(touched);
         let input = SoftInput {
             device: input.device_in_scene,
             velocity: input.velocity_in_scene,
-            gives_way: !self.state.needle.is_felt()
-                && (!output.contact || self.state.giving_way.segments.contains(touched)),
+            gives_way: !self.state.needle.is_felt() && (!output.contact || !is_hard),
             coupling: Coupling {
                 stiffness: settings.stiffness,
                 damping: settings.damping,

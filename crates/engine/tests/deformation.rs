@@ -361,3 +361,25 @@ fn parts_of_a_segment_can_be_rigid_or_as_if_they_were_not_there() {
     let shared = vec![(Part::Shared(nobody), Treatment::Rigid)];
     assert!(rig.simulation.set_parts(SOFT, shared).is_err());
 }
+
+#[test]
+fn a_point_in_a_dent_feels_the_matter_and_not_the_walls_of_its_voxels() {
+    let mut rig = lattice_rig();
+    let point = Settings {
+        probe_radius: 0.0,
+        ..rig.simulation.settings()
+    };
+    rig.simulation.set_settings(point).unwrap();
+    go(&mut rig, 30.0, 18.5, 1500);
+    let rest = go(&mut rig, 18.5, 18.5, 500);
+    let now = rig.simulation.deformation();
+    assert!(now.report.moved_voxels > 0);
+    // both ends of two springs in a row
+    assert!(now.force.z > 0.01, "{}", now.force);
+    assert!(
+        (rest.force - now.force).length() < 0.1 * now.force.z,
+        "{} {}",
+        rest.force,
+        now.force
+    );
+}
