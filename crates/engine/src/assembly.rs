@@ -100,7 +100,7 @@ pub fn assemble(config: SessionConfig) -> Result<Assembly, SessionError> {
     let matter_view = deformation_loop.view();
     let (shares, share_loop) = MaskShares::new();
     let simulation = first_simulation(
-        (scene, deformation, shares),
+        (scene, deformation, shares.switched(config.mask_shares)),
         (settings, limits),
         channels.simulation,
         ends,

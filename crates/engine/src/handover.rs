@@ -142,8 +142,7 @@ pub struct BrickChange {
     pub swaps: Vec<BrickSwap<BitBrick>>,
     /// Of the segments that it changes, at most [`MAX_BRICKS`].
     pub parts: Vec<(SegmentId, BrickSwap<BitBrick>)>,
-    /// What is known of the shares of the union: at most eight times [`MAX_BRICKS`], by rising
-    /// index.
+    /// What is known of the shares of the union: at most [`MAX_SHARES`], by rising index.
     pub shares: Vec<BrickSwap<ShareBrick>>,
     /// The same of the segments, at most [`MAX_BRICKS`], for whoever records.
     pub part_shares: Vec<ShareSwap>,
@@ -224,6 +223,8 @@ pub enum Garbage {
 
 /// Bricks of one edit, at most; larger edits go as a root.
 pub const MAX_BRICKS: usize = 256;
+/// Bricks of shares that come with them, at most.
+pub const MAX_SHARES: usize = 2 * MAX_BRICKS;
 /// Edits that are held back, at most; beyond, a root has to bring them all.
 pub const MAX_HELD: usize = 8;
 

@@ -67,6 +67,7 @@ pub struct MaskShares {
     asked: Option<Asked>,
     jobs: Sender<ShareJob>,
     answers: Receiver<ShareAnswer>,
+    on: bool,
 }
 
 impl MaskShares {
@@ -81,12 +82,19 @@ impl MaskShares {
             asked: None,
             jobs,
             answers: answer_inbox,
+            on: true,
         };
         let share_loop = ShareLoop {
             jobs: job_inbox,
             answers,
         };
         (shares, share_loop)
+    }
+
+    /// The same, at work or not: then masks are touched by their bits alone.
+    #[must_use]
+    pub fn switched(self, on: bool) -> Self {
+        Self { on, ..self }
     }
 
     /// Regions that are still to be worked out.
@@ -98,6 +106,9 @@ impl MaskShares {
     /// Follows a change of what is touched: forgets shares where voxels changed, and gives what it
     /// forgot.
     pub fn follow(&mut self, scene: &mut Scene, change: &TouchChange) -> Vec<ShareSwap> {
+        if !self.on {
+            return Vec::new();
+        }
         let (bricks, ids) = match change {
             TouchChange::Bricks(bricks, ids) => (Some(&bricks[..]), ids),
             TouchChange::All(ids) => (None, ids),
@@ -137,6 +148,8 @@ impl MaskShares {
         if changed.is_empty() {
             return Vec::new();
         }
+        // nobody else has them now, so that they need not be copied
+        scene.know_shares(id, None);
         let forgotten = kept.forget(&changed);
         scene.know_shares(id, Some(Arc::clone(&kept.shares)));
         self.want_again(id, &changed);
@@ -212,6 +225,7 @@ impl MaskShares {
                 forget_in(swap, &all.intersect(&changed.dilate(1)));
             }
         }
+        scene.know_shares(asked.id, None);
         let shares = Arc::make_mut(&mut kept.shares);
         for swap in &answer {
             shares.swap(&mut swap.clone());
@@ -289,9 +303,11 @@ impl Kept {
                 forget_in(swap, &self.shares.bricks().box_of(index).intersect(&near));
             }
         }
-        let shares = Arc::make_mut(&mut self.shares);
-        for swap in forgotten.values() {
-            shares.swap(&mut swap.clone());
+        if !forgotten.is_empty() {
+            let shares = Arc::make_mut(&mut self.shares);
+            for swap in forgotten.values() {
+                shares.swap(&mut swap.clone());
+            }
         }
         forgotten.into_values().collect()
     }

@@ -21,15 +21,15 @@ use palpate_volume::grid::Grid;
 use palpate_volume::voxel_box::VoxelBox;
 use rtrb::Producer;
 
-use crate::handover::{BrickChange, Garbage, MAX_BRICKS, MAX_HELD};
+use crate::handover::{BrickChange, Garbage, MAX_BRICKS, MAX_HELD, MAX_SHARES};
 use crate::moved_poses::MovedPoses;
 use crate::patched::{Patched, place_of};
 use crate::probe::Probe;
 use crate::touchable::{Body, Touchable};
 
 /// Garbage that one change can make: what every held change has in common with it, in the union,
-/// in the parts and in shares, which are eight times as many, and itself.
-pub const GARBAGE_PER_CHANGE: usize = 10 * MAX_BRICKS * (MAX_HELD + 1) + MAX_HELD + 3;
+/// in the parts and in shares, and itself.
+pub const GARBAGE_PER_CHANGE: usize = (2 * MAX_BRICKS + MAX_SHARES) * (MAX_HELD + 1) + MAX_HELD + 3;
 
 /// A root that is not admitted yet.
 #[derive(Debug)]

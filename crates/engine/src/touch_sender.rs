@@ -11,7 +11,8 @@ use palpate_volume::brick_grid::BrickSwap;
 use palpate_volume::edit::SegmentId;
 
 use crate::handover::{
-    BrickChange, Garbage, MAX_BRICKS, ServoCommand, ServoStatus, ShareSwap, SimulationChannels,
+    BrickChange, Garbage, MAX_BRICKS, MAX_SHARES, ServoCommand, ServoStatus, ShareSwap,
+    SimulationChannels,
 };
 use crate::moved_poses::CurrentPoses;
 use crate::needle::NeedleStatus;
@@ -169,9 +170,12 @@ impl TouchSender {
     }
 
     /// Sends a command that changes no occupancy.
-    pub fn send(&mut self, command: ServoCommand) {
+    pub fn send(&mut self, mut command: ServoCommand) {
         self.commands += 1;
         self.lock_tape().note(&command);
+        if let ServoCommand::Root { touchable, .. } = &mut command {
+            touchable.forget_shares_of_parts();
+        }
         self.backlog.push_back(command);
         self.flush();
     }
@@ -238,8 +242,11 @@ impl TouchSender {
             })
         });
         let swaps = swaps.collect();
-        let sequence = self.begin(segments);
-        let change = BrickChange::new(sequence, &scene.standing(), swaps, shares);
+        let change = BrickChange::new(self.sequence + 1, &scene.standing(), swaps, shares);
+        if change.shares.len() > MAX_SHARES {
+            return self.send_root(scene, segments);
+        }
+        self.begin(segments);
         self.send(ServoCommand::Bricks(change));
     }
 

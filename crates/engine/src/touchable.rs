@@ -243,6 +243,14 @@ impl Touchable {
         self.world.change(&changed, |voxels| voxels.bits.swap(swap));
     }
 
+    /// Forgets the shares of parts: bodies have their own, and whoever works them out would have to
+    /// copy them as long as somebody else has them.
+    pub fn forget_shares_of_parts(&mut self) {
+        for part in &mut self.parts {
+            part.shares = None;
+        }
+    }
+
     /// Exchanges a brick of what is known of the shares of the union.
     pub fn swap_shares(&mut self, swap: &mut BrickSwap<ShareBrick>) {
         // what a ball can be in follows from bits alone

@@ -58,7 +58,7 @@ fn a_session_in_step_counts_ticks_and_answers() {
         ticks_in_step: Some(200),
         seed: 1,
     };
-    for (model, answers) in [(None, 0..=0), (Some("lattice"), 97..=100)] {
+    for (model, answers) in [(None, 0..=0), (Some("lattice"), 50..=100)] {
         let found = measure(&plan(model)).unwrap();
         assert_eq!(found.violations, 0);
         assert_eq!(found.samples.len(), 2);
@@ -66,7 +66,7 @@ fn a_session_in_step_counts_ticks_and_answers() {
         for sample in &found.samples {
             assert_eq!(sample.ticks, 200);
             assert!(sample.contacts >= 190, "{sample:?}");
-            // one for each pass of the simulation but the first, which asks
+            // one for each pass of the simulation, or for each second one where voxels follow
             assert!(answers.contains(&sample.answers), "{sample:?}");
         }
     }

@@ -46,7 +46,7 @@ fn a_servo_that_waited_for_room_is_replayed_too() {
     let mut recorder = Recorder::new(3);
     recorder.begin();
     recorder.run(2, 1);
-    for tick in 0..8_000 {
+    for tick in 0..12_000 {
         let region = recorder.random.voxel_box(DIMENSIONS, 12);
         let id = recorder.ids[0];
         let simulation = &mut recorder.rig.simulation;
