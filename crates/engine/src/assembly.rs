@@ -98,9 +98,10 @@ pub fn assemble(config: SessionConfig) -> Result<Assembly, SessionError> {
     let ends = (status, notices.clone(), news);
     let (deformation, deformation_loop) = Deformation::new(!config.real_time);
     let matter_view = deformation_loop.view();
-    let (shares, share_loop) = MaskShares::new();
+    let (mut shares, share_loop) = MaskShares::new();
+    shares.switch(config.mask_shares);
     let simulation = first_simulation(
-        (scene, deformation, shares.switched(config.mask_shares)),
+        (scene, deformation, shares),
         (settings, limits),
         channels.simulation,
         ends,

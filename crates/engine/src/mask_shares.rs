@@ -71,7 +71,7 @@ pub struct MaskShares {
 }
 
 impl MaskShares {
-    /// Nothing is known; and the loop that works it out.
+    /// Nothing is known nor worked out until it is switched on; and the loop that does it.
     #[must_use]
     pub fn new() -> (Self, ShareLoop) {
         let (jobs, job_inbox) = mpsc::channel();
@@ -82,7 +82,7 @@ impl MaskShares {
             asked: None,
             jobs,
             answers: answer_inbox,
-            on: true,
+            on: false,
         };
         let share_loop = ShareLoop {
             jobs: job_inbox,
@@ -91,10 +91,9 @@ impl MaskShares {
         (shares, share_loop)
     }
 
-    /// The same, at work or not: then masks are touched by their bits alone.
-    #[must_use]
-    pub fn switched(self, on: bool) -> Self {
-        Self { on, ..self }
+    /// Works shares out from now on, or not: then masks are touched by their bits alone.
+    pub fn switch(&mut self, on: bool) {
+        self.on = on;
     }
 
     /// Regions that are still to be worked out.

@@ -274,6 +274,11 @@ impl Simulation {
         self.touch.send_change(&self.scene, change, shares);
     }
 
+    /// Has shares of masks worked out from now on, or not.
+    pub fn switch_mask_shares(&mut self, on: bool) {
+        self.shares.switch(on);
+    }
+
     /// Regions of masks whose shares are still to be worked out; 0 where all are known.
     #[must_use]
     pub fn unknown_shares(&self) -> usize {

@@ -27,6 +27,7 @@ impl Recorder {
     pub fn new(seed: u128) -> Self {
         let start = DVec3::splat(-5.0);
         let mut rig = Rig::of_scan(waves(DIMENSIONS), start);
+        rig.simulation.switch_mask_shares(true);
         let ids = [3, 8].map(|one_in| {
             let segment = sponge(DIMENSIONS, one_in, one_in);
             rig.simulation
