@@ -168,8 +168,8 @@ def test_the_picture_is_told_where_matter_stands_while_it_is_pressed() -> None:
         # a hand that rests: what cannot be seen is not told
         last = displacements(session, 0.35)
         assert len(last) < 5
-        # what is pressed in by so much is seen so much deeper, less what the coupling gives way
-        assert 0.9 * DEEP < farthest([*told, *last][-1]) < DEEP
+        # voxels have followed, and what they do not show yet is less than one of them
+        assert 0.1 < farthest([*told, *last][-1]) <= 1.0
         # and nothing is left once it has gone
         after = displacements(session, 1.0)
         assert (tuple(after[-1]["size"]), after[-1]["moved"]) == ((0, 0, 0), b"")

@@ -32,7 +32,13 @@ impl Displaced {
         let axes_from_patient = grid.direction().transpose().as_mat3();
         let along_axes = |moved: &Vec3| {
             let moved = axes_from_patient * *moved;
-            if moved.is_finite() { moved } else { Vec3::ZERO }
+            // farther than a voxel, voxels show it themselves
+            let farthest = grid.spacing().max_element() as f32;
+            if moved.is_finite() {
+                moved.clamp_length_max(farthest)
+            } else {
+                Vec3::ZERO
+            }
         };
         let moved: Vec<Vec3> = field.moved.iter().map(along_axes).collect();
         let least = least(grid);
