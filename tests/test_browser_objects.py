@@ -101,6 +101,28 @@ def test_the_object_in_the_probes_hand_follows_it(page: Browser) -> None:
     page.wait("window.palpate.state.grabbed === 0")
 
 
+def test_slices_show_an_object_where_it_stands(page: Browser) -> None:
+    pose = pose_of(page.settled(), 1)
+    middle = pose[:3, :3] @ np.array(MIDDLES[0]) + pose[:3, 3]
+    page.do("click", testid="layout-four")
+    page.read(f"window.palpate.cross({middle.tolist()})")
+    outline = "document.querySelector('[data-testid=outline-axial-1]')"
+    page.wait(f"{outline} !== null && {outline}.getBBox().width > 0")
+    page.finish()
+    box = page.read(f"(({{x, y, width, height}}) => [x, y, width, height])({outline}.getBBox())")
+    slice_ = page.read("window.palpate.slices.find(({name}) => name === 'axial')")
+    pixel, rect = slice_["plane"]["pixel"], slice_["rect"]
+    # its diameter, and its middle at that of the crosshair
+    assert box[2] * pixel == pytest.approx(2 * RADIUS, abs=1.5)
+    assert box[3] * pixel == pytest.approx(2 * RADIUS, abs=1.5)
+    offset = middle - np.array(slice_["plane"]["centre"])
+    found = box[0] + box[2] / 2 - rect["width"] / 2, box[1] + box[3] / 2 - rect["height"] / 2
+    # the patient's left is to the right, anterior is up
+    np.testing.assert_allclose(np.multiply(found, pixel), offset[:2], atol=0.7)
+    page.do("screenshot", path=str(OUTPUT / "objects_slices.png"))
+    page.do("click", testid="layout-view")
+
+
 def test_a_cut_makes_another_object(page: Browser) -> None:
     page.read("window.palpate.place([24, 30, 54])")
     page.all_done()

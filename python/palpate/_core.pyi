@@ -15,24 +15,37 @@ __all__ = [
     "TouchBench",
     "Volume",
     "bench_embedded",
+    "bench_lattice_cost",
+    "bench_lattice_force",
+    "bench_lattice_frames",
+    "bench_lj_pairs",
+    "bench_matter_stress",
     "bench_passivity",
+    "bench_session",
     "bench_stress",
     "bench_touch_quality",
     "build",
+    "drive_drill",
     "drive_needle",
     "needle_tissues",
+    "particle_limits",
     "passivity_devices",
     "phantom",
     "phantom_bones",
+    "press",
+    "press_block",
     "replay_recording",
     "touch_quality_cases",
     "voxelise_mesh",
 ]
 
 _Triple = tuple[float, float, float]
+_PaintedLine = tuple[NDArray[np.float64], _Triple, _Triple, bool]
 _Voxel = tuple[int, int, int]
 _Range = tuple[float, float]
 _Tissue = tuple[float, float, float, float, float, float, float, float]
+_Drive = tuple[_Triple, _Triple, float, float, float, float]
+_Solid = tuple[float, float, float, float, float]
 _Columns = dict[str, NDArray[Any]]
 
 class Volume:
@@ -171,24 +184,10 @@ class Session:
     def cut(self, segment_id: int, point: _Triple, normal: _Triple) -> int:
         """Parts a segment by a plane; returns the number of the part before it."""
 
-    def cut_along(
-        self,
-        segment_id: int,
-        line: NDArray[np.float64],
-        eye: _Triple,
-        view: _Triple,
-        closed: bool,
-    ) -> int:
+    def cut_along(self, segment_id: int, line: _PaintedLine) -> int:
         """Parts a segment along a painted line; returns the number of the smaller part."""
 
-    def preview_cut(
-        self,
-        segment_id: int,
-        line: NDArray[np.float64],
-        eye: _Triple,
-        view: _Triple,
-        closed: bool,
-    ) -> list[float]:
+    def preview_cut(self, segment_id: int, line: _PaintedLine) -> list[float]:
         """Volumes of the larger and the smaller part [mm³]."""
 
     def gap(self, from_id: int, to_id: int) -> _Triple:
@@ -277,8 +276,8 @@ class Session:
     def whole_surfaces(self) -> dict[str, Any]:
         """All surfaces as they are now, in the same form."""
 
-    def set_deformation(self, model: str | None) -> None:
-        """Chooses the model by which matter gives way; None makes all matter hard."""
+    def set_deformation(self, model: str | None, edge: int | None) -> None:
+        """Chooses the model by which matter gives way, and its box; None makes all matter hard."""
 
     def set_material(
         self,
@@ -290,8 +289,23 @@ class Session:
     ) -> None:
         """Tells what a segment is made of, in SI; without anything it is hard."""
 
+    def set_parts(
+        self,
+        segment_id: int,
+        parts: list[
+            tuple[str, tuple[tuple[int, int, int], tuple[int, int, int]] | None, int | None]
+        ],
+    ) -> None:
+        """Tells how parts of a segment take part: treatment, box of voxels, other segment."""
+
     def deformation(self) -> dict[str, Any]:
         """How the deformation goes."""
+
+    def show_parts(self, on: bool) -> None:
+        """Has ``parts`` give the nodes or particles of the model, or no more."""
+
+    def parts(self) -> dict[str, Any] | None:
+        """The newest of them, once: the fields of ``protocol.MatterParts``."""
 
     def set_tool(
         self,
@@ -310,6 +324,12 @@ class Session:
         ``air`` is what the scan reads where the drill was, ``energy`` its work per volume
         [mJ/mm³]; None is -1000 and bone by HU.
         """
+
+    def needle_events(self) -> list[tuple[str, int, float, float, float]]:
+        """Kind, segment, time [s], depth [mm], force [N] of what happened to the needle."""
+
+    def withdraw_needle(self) -> bool:
+        """Takes the needle out on the way that it went in; False where none is in."""
 
     def stroke(self, on: bool) -> None:
         """Begins a stroke of the chosen tool, or ends it."""
@@ -566,24 +586,29 @@ def needle_tissues() -> list[tuple[str, _Tissue]]:
     """Tissues by name, each by the figures of ``palpate.needle.Tissue`` in their order."""
 
 def drive_needle(
-    volume: Volume,
-    layers: list[tuple[Segment, _Tissue | None]],
-    start: tuple[float, float, float],
-    target: tuple[float, float, float],
-    speed: float,
-    force_limit: float,
-    rest_secs: float,
-    stiffness: float,
+    volume: Volume, layers: list[tuple[Segment, _Tissue | None]], drive: _Drive
 ) -> dict[str, Any]:
-    """Drives a needle from a point [mm] to another one through layers; without a tissue it is hard.
+    """Drives a needle through layers; without a tissue they are hard."""
 
-    Returns:
-        Arrays of one value a tick, ``events``, ``wall_at`` and ``violations``; see
-        ``palpate.needle.NeedleRun``.
+def drive_drill(
+    volume: Volume,
+    bone: Segment,
+    drive: _Drive,
+    radius: float,
+    air: float | None,
+    energy: float | None,
+) -> dict[str, Any]:
+    """Drives a drill of a radius [mm] into bone."""
 
-    Raises:
-        ValueError: Something given is not allowed.
-    """
+def press(
+    volume: Volume,
+    layers: list[tuple[Segment, str | None]],
+    drive: _Drive,
+    deepest: float,
+    radius: float,
+    model: str,
+) -> dict[str, Any]:
+    """Presses a ball so far along its way [mm] into layers; without a material they are hard."""
 
 def touch_quality_cases() -> list[str]:
     """Names of the cases of ``bench_touch_quality``, in the order of their report."""
@@ -641,8 +666,117 @@ def bench_stress(
         ValueError: There is no such model, or the numbers are not allowed.
     """
 
-def material_presets() -> list[tuple[str, str]]:
-    """Materials by name, each with the source of its constants."""
+def material_presets() -> list[tuple[str, str, bool, _Solid, _Solid]]:
+    """Name, source, whether it follows HU, and the constants at the ends of its HU."""
 
-def deformation_models() -> list[str]:
-    """Names of the models by which matter gives way."""
+def deformation_models() -> list[tuple[str, tuple[int, int, int] | None]]:
+    """Names of models, with the fewest, usual and most nodes along each edge of their box."""
+
+def press_block(
+    nodes: tuple[int, int, int],
+    spacing: float,
+    young: float,
+    poisson: float,
+    low: tuple[float, float, float],
+    high: tuple[float, float, float],
+    tolerance: float,
+    iterations: int,
+) -> dict[str, Any]:
+    """Presses a whole block of the bonded lattice between plates that it sticks to.
+
+    Args:
+        nodes: Along x, y, z, 3 to 129; the block ends at its outer nodes.
+        spacing: Between nodes [mm].
+        young: [Pa].
+        poisson: Taken to the nearest from 0.25 to 0.45.
+        low: How far the plate at the lower end of z moves [mm].
+        high: And the one at the upper end.
+        tolerance: Unbalanced force at rest, as a share of the force on a plate.
+        iterations: At most.
+
+    Returns:
+        ``moved`` (displacement of each node [mm], shape [nodes, 3], x fastest), ``force`` (on the
+        lower plate [N]), ``iterations``, ``residual``.
+
+    Raises:
+        ValueError: Something given is not allowed.
+    """
+
+def bench_lattice_frames(
+    count: int, poisson: float, soft: int, ratio: float, iterations: int
+) -> dict[str, Any]:
+    """Presses and slides a ball in a box of ``count``³ nodes, a quarter of a node a frame.
+
+    ``soft`` layers of matter lie over matter ``ratio`` times stiffer.
+
+    Returns:
+        ``seconds`` of each frame on a core, ``worst_error`` of the force beside that at residual
+        1e-6, and ``worst_exact``, the largest residual of that one.
+
+    Raises:
+        ValueError: Something given is not allowed.
+    """
+
+def bench_lattice_cost(count: int, updates: float) -> float:
+    """Returns the time of an iteration for a node [s], over so many updates of nodes."""
+
+def bench_lattice_force(count: int, iterations: int) -> float:
+    """Returns the force on a ball 1 mm deep in a box of ``count``³ nodes 1 mm apart [N]."""
+
+def bench_lj_pairs(
+    cells: int, temperature: float, warm_up: int, steps: int, seed: int
+) -> dict[str, Any]:
+    """Runs an FCC crystal of Lennard-Jones particles on one thread; units a = D = m = 1.
+
+    Returns:
+        ``side`` of the periodic box, ``positions`` and ``velocities`` at the start, shape [n, 3],
+        ``step``, ``seconds`` of the timed steps, ``pairs_per_second``, ``builds`` of the lists,
+        and energies per particle: ``potential_at_start``, ``potential_after_warm_up``,
+        ``total_at_end``.
+
+    Raises:
+        ValueError: Something given is not allowed.
+    """
+
+def particle_limits() -> dict[str, float]:
+    """Tells what the thesis' particles cannot do.
+
+    Returns:
+        Of FCC: ``young_110`` and ``young_111`` over E along [100], and ``poisson``. Kinetic
+        energies of a cuboid particle [D]: ``heat_at_start``, ``heat_early`` after 10 T0,
+        ``heat_late`` after 50 T0, ``heat_damped`` after 50 T0 with critical friction.
+    """
+
+def bench_session(
+    volume: Volume,
+    segment: Segment,
+    model: str | None,
+    samples: int,
+    seed: int,
+    ticks_in_step: int | None = None,
+) -> dict[str, Any]:
+    """Strokes a segment that gives way, servo and model as fast as they can.
+
+    With ``ticks_in_step`` for each second all loops take turns, and the counts are always the same.
+
+    Returns:
+        Of each sample: ``ticks``, ``contacts``, ``answers``, ``seconds``; ``nodes`` and
+        ``iterations`` of the last answer; ``violations``.
+
+    Raises:
+        ValueError: There is no surface, no such model, or something given is not allowed.
+    """
+
+def bench_matter_stress(
+    model: str, seed: int, first: int, count: int, ticks: int, threads: int
+) -> dict[str, Any]:
+    """Works in blocks that give way, with every guarantee checked at each tick.
+
+    Returns:
+        ``ticks``, ``contacts``, ``bits`` (voxels around the probe that changed), ``edits``,
+        ``answers``, ``drilled``, ``punctures``, ``rests``, and ``violation``: None, or ``run``,
+        ``tick``, ``guarantee`` (its number), ``what``.
+
+    Raises:
+        ValueError: There is no such model, or something given is not allowed.
+    """

@@ -8,11 +8,13 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 import typer
 from typer.exceptions import TyperException
 
+from palpate.cli_bench import bench_deform, bench_session, bench_truth_cube, stress_in_matter
+from palpate.cli_scenario import scenario
 from palpate.console import WRONG_INPUT, Display, fail, quiet_libraries, warn
 from palpate.errors import PalpateError
 
@@ -219,8 +221,10 @@ def demo(*, port: Port = 0, browser: Browser = True, rate: Rate = 1000) -> None:
     with bind(port) as listener:
         with Display() as display:
             display("making the phantom", None)
-            volume = phantom().volume
-            scene = scene_of(volume, bounds=None, label_map=None, progress=display)
+            made = phantom()
+            scene = scene_of(made.volume, bounds=None, label_map=None, progress=display)
+            # something to make soft
+            scene.add(made.part("liver"), shown_as="surface")
         show(scene, listener, rate=rate, browser=browser)
 
 
@@ -404,103 +408,14 @@ def surface_voxels(
     write_voxels(given, file, grid=grid, shell=shell)
 
 
-scenario = typer.Typer(help="Tools at work, without a device.", no_args_is_help=True)
 app.add_typer(scenario, name="scenario")
-
-ScenarioScan = Annotated[
-    Path | None, typer.Argument(help="A scan; by default the phantom.", metavar="[PATH]")
-]
-Json = Annotated[Path | None, typer.Option("--json", help="Write every tick.", metavar="FILE")]
-Speed = Annotated[float, typer.Option(help="Of the needle [mm/s].")]
-ForceLimit = Annotated[float, typer.Option(help="Where it stops [N].")]
-BoneFrom = Annotated[float | None, typer.Option(help="Where bone begins [unit of the scan].")]
-
-
-@scenario.command("needle-skull")
-def needle_skull(
-    path: ScenarioScan = None,
-    *,
-    bone: BoneFrom = None,
-    speed: Speed = 5.0,
-    force_limit: ForceLimit = 6.0,
-    json: Json = None,
-    plot: Plot = None,
-) -> None:
-    """Drive a needle through the skin to the bone."""
-    _needle("needle-skull", path, bone=bone, drive=(speed, force_limit), files=(json, plot))
-
-
-@scenario.command("needle-liver")
-def needle_liver(
-    path: ScenarioScan = None,
-    *,
-    segments: Annotated[
-        Path | None, typer.Option(help="Label map of the scan, with the liver.")
-    ] = None,
-    liver: Annotated[int, typer.Option(help="Number of the liver in it.")] = 6,
-    bone: BoneFrom = None,
-    speed: Speed = 5.0,
-    force_limit: ForceLimit = 6.0,
-    json: Json = None,
-    plot: Plot = None,
-) -> None:
-    """Drive a needle through the liver to the bone behind it."""
-    _needle(
-        "needle-liver",
-        path,
-        bone=bone,
-        labels=(segments, liver),
-        drive=(speed, force_limit),
-        files=(json, plot),
-    )
-
-
-def _needle(
-    name: Literal["needle-skull", "needle-liver"],
-    path: Path | None,
-    *,
-    drive: tuple[float, float],
-    files: tuple[Path | None, Path | None],
-    bone: float | None = None,
-    labels: tuple[Path | None, int] = (None, 0),
-) -> None:
-    from palpate.bench.plots import check_plot
-    from palpate.cli_scenario import (
-        needle_in_phantom,
-        needle_in_scan,
-        plot_run,
-        print_run,
-        write_run,
-    )
-    from palpate.io import read
-
-    json, plot = files
-    check_plot(plot)
-    speed, force_limit = drive
-    with quiet_libraries(), Display() as display:
-        display(name, None)
-        if path is None:
-            run = needle_in_phantom(name, speed=speed, force_limit=force_limit)
-        else:
-            label_map, liver = labels
-            run = needle_in_scan(
-                name,
-                read(path, progress=display),
-                labels=None if label_map is None else read(label_map, progress=display),
-                liver=liver,
-                bone=bone,
-                speed=speed,
-                force_limit=force_limit,
-            )
-    print_run(name, run)
-    if json is not None:
-        write_run(name, run, json)
-    if plot is not None:
-        plot_run(name, run, plot)
 
 
 bench = typer.Typer(help="Measure.", no_args_is_help=True)
 app.add_typer(bench, name="bench")
+bench.command("deform")(bench_deform)
+bench.command("session")(bench_session)
+bench.command("truth-cube")(bench_truth_cube)
 
 
 @bench.command("haptics")
@@ -621,9 +536,17 @@ def bench_stress(  # one per option of the command line
     case: Annotated[
         Path, typer.Option(help="Where a violation is written, to be replayed.")
     ] = Path("stress-violation.json"),
+    deform: Annotated[
+        list[str] | None,
+        typer.Option(help="Instead, work in matter that gives way by this model, or by all."),
+    ] = None,
     model: Annotated[str, typer.Option(hidden=True)] = "exact",
 ) -> int:
     """Move at random and fast, and check every guarantee of touch at each move."""
+    if deform:
+        return stress_in_matter(
+            deform, moves=moves, seed=seed, threads=threads, json_file=json_file
+        )
     from palpate.bench.report import print_rows, write_rows
     from palpate.bench.stress import Plan, again, measure, rows_of, write_case
     from palpate.io import read

@@ -1,235 +1,205 @@
-"""What ``palpate scenario`` does once its options are understood: needles in scans.
+"""The commands ``palpate scenario``: tools at work without a device, on the phantom or on a scan.
 
-``needle-skull`` goes through skin, fat and muscle to bone, ``needle-liver`` through the liver to
-bone behind it; on the built-in phantom, or on a scan. See ``docs/algorithms/needle.md``.
+Each prints what happened; with ``--json`` and ``--plot`` it writes what was felt, and a chart.
+Heavy modules are imported inside the commands.
 """
 
 from __future__ import annotations
 
-import json
-from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
-import numpy as np
 import typer
-from numpy.typing import NDArray
 
-from palpate.errors import EmptySegmentError, OptionError
-from palpate.needle import TISSUES, NeedleRun, Tissue, drive_needle, line_through
-from palpate.phantom_scan import phantom
-from palpate.segment import Segment
-from palpate.volume import Volume
+from palpate.console import Display, quiet_libraries
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
+    from palpate.scenario import Body
+    from palpate.scenario_run import ScenarioRun
 
-__all__ = ["Scenario", "needle_in_phantom", "needle_in_scan", "plot_run", "print_run", "write_run"]
+__all__ = ["scenario"]
 
-Scenario = Literal["needle-skull", "needle-liver"]
-Layers = list[tuple[Segment, Tissue | None]]
+scenario = typer.Typer(help="Tools at work, without a device.", no_args_is_help=True)
 
-SOFT = {"skin": "skin", "fat": "fat", "muscle": "muscle", "liver": "liver"}
-"""Parts of the phantom and the tissues that they are."""
-
-BONES = ("ribs", "sternum", "spine", "pelvis", "shoulders", "femurs")
-
-AIR_END = -300.0
-"""Where a body begins [HU]."""
-
-RAW_SHIFT = 1024.0
-"""What scans without HU that begin at 0 have beyond them: CThead does."""
-
-
-def needle_in_phantom(scenario: Scenario, **drive: float) -> NeedleRun:
-    """Drives a needle into the phantom.
-
-    Args:
-        scenario: Which one.
-        drive: Options of ``drive_needle``.
-    """
-    made = phantom()
-    layers: Layers = [(made.part(name), TISSUES[tissue]) for name, tissue in SOFT.items()]
-    bone = np.isin(made.labels, [made.names[name] for name in BONES])
-    layers.append((made.volume.segment(bone, name="bone"), None))
-    # what is left of the body is as soft as muscle: only these two decide
-    known = np.isin(made.labels, [made.names[name] for name in (*SOFT, "air")]) | bone
-    layers.append((made.volume.segment(~known, name="organs"), TISSUES["muscle"]))
-    first = "liver" if scenario == "needle-liver" else "muscle"
-    through = made.labels == made.names[first]
-    start, target = line_through(made.volume, through, bone, longest=_longest(scenario))
-    start = _outside(made.volume, made.labels != made.names["air"], start)
-    return drive_needle(made.volume, layers, start=start, target=target, **drive)
+Scan = Annotated[
+    Path | None, typer.Argument(help="A scan; by default the phantom.", metavar="[PATH]")
+]
+Json = Annotated[Path | None, typer.Option("--json", help="Write what was felt.", metavar="FILE")]
+Plot = Annotated[Path | None, typer.Option(help="Draw the run: .png, .svg or .pdf.")]
+Speed = Annotated[float, typer.Option(help="Of the tool [mm/s].")]
+ForceLimit = Annotated[float, typer.Option(help="Where it stops [N].")]
+BoneFrom = Annotated[float | None, typer.Option(help="Where bone begins [unit of the scan].")]
+Labels = Annotated[
+    Path | None, typer.Option("--segments", help="Label map of the scan, with the liver.")
+]
+Liver = Annotated[int, typer.Option(help="Number of the liver in it.")]
+Depth = Annotated[float, typer.Option(help="How deep the tool goes [mm].")]
 
 
-def needle_in_scan(
-    scenario: Scenario,
-    volume: Volume,
+@scenario.command("needle-skull")
+def needle_skull(
+    path: Scan = None,
     *,
-    labels: Volume | None = None,
-    liver: int = 6,
-    bone: float | None = None,
-    **drive: float,
-) -> NeedleRun:
-    """Drives a needle into a scan.
-
-    Args:
-        scenario: Which one.
-        volume: The scan.
-        labels: Its label map; the liver is taken from it.
-        liver: Number of the liver in the label map.
-        bone: Where bone begins [unit of the scan]; by default as it is offered for touch.
-        drive: Options of ``drive_needle``.
-
-    Raises:
-        OptionError: The label map does not fit, or no line meets what is asked for.
-        EmptySegmentError: There is no such voxel.
-    """
-    values = volume.slope * volume.array.astype(np.float32) + volume.intercept
-    shift = RAW_SHIFT if volume.unit != "HU" and volume.range[0] >= 0.0 else 0.0
-    hard = values > (volume.anchors.bone if bone is None else bone)
-    body = values > AIR_END + shift
-    if scenario == "needle-liver":
-        soft = _label(volume, labels, liver)
-        hard &= ~soft
-        layers: Layers = [
-            (volume.segment(body & ~soft & ~hard, name="soft tissue"), TISSUES["muscle"]),
-            (volume.segment(soft, name="liver"), TISSUES["liver"]),
-        ]
-    else:
-        soft = body & ~hard
-        layers = [(volume.segment(soft, name="skin"), TISSUES["skin"])]
-    layers.append((volume.segment(hard, name="bone"), None))
-    if not hard.any():
-        raise EmptySegmentError("the scan has no bone; allowed: --bone with a lower value")
-    start, target = line_through(volume, soft, hard, longest=_longest(scenario))
-    start = _outside(volume, body, start)
-    return drive_needle(volume, layers, start=start, target=target, **drive)
+    bone: BoneFrom = None,
+    speed: Speed = 5.0,
+    force_limit: ForceLimit = 6.0,
+    json: Json = None,
+    plot: Plot = None,
+) -> None:
+    """Drive a needle through the skin to the bone."""
+    _needle("needle-skull", (path, None, 0, bone), push=(speed, force_limit), files=(json, plot))
 
 
-def print_run(scenario: str, run: NeedleRun) -> None:
-    """Prints what happened and what was felt."""
-    from rich.console import Console
-    from rich.table import Table
-
-    table = Table(title=scenario, title_justify="left")
-    for name in ("event", "segment", "time [s]", "depth [mm]", "force [N]"):
-        table.add_column(name, justify="left" if name in ("event", "segment") else "right")
-    for event in run.events:
-        numbers = (f"{event.time:.2f}", f"{event.depth:.1f}", f"{event.force:.2f}")
-        table.add_row(event.kind, event.segment, *numbers)
-    Console().print(table)
-    figures = _figures(run)
-    wall = figures["wall"]
-    bone = "no bone on the way" if wall is None else f"bone at {wall:.2f} mm"
-    typer.echo(
-        f"largest force {figures['largest_force']:.2f} N, deepest tip {figures['deepest']:.2f} mm, "
-        f"{bone}, spikes {figures['spikes']}, violations {run.violations}"
+@scenario.command("needle-liver")
+def needle_liver(
+    path: Scan = None,
+    *,
+    segments: Labels = None,
+    liver: Liver = 6,
+    bone: BoneFrom = None,
+    speed: Speed = 5.0,
+    force_limit: ForceLimit = 6.0,
+    json: Json = None,
+    plot: Plot = None,
+) -> None:
+    """Drive a needle through the liver to the bone behind it."""
+    _needle(
+        "needle-liver", (path, segments, liver, bone), push=(speed, force_limit), files=(json, plot)
     )
 
 
-def write_run(scenario: str, run: NeedleRun, path: Path) -> None:
-    """Writes all samples and events as one JSON object; lengths mm, times s, forces N."""
-    samples: dict[str, NDArray[Any]] = {
-        "time": run.time,
-        "travel": run.travel,
-        "tip": run.tip,
-        "probe": run.probe,
-        "force": run.force,
-        "across": run.across,
-        **run.parts,
-        "segment": run.segment,
-    }
-    told = {
-        "scenario": scenario,
-        "layers": run.names,
-        "figures": _figures(run),
-        "events": [asdict(event) for event in run.events],
-        "phase": run.phase,
-        "samples": {name: np.round(values, 6).tolist() for name, values in samples.items()},
-    }
-    path.write_text(json.dumps(told) + "\n", encoding="utf-8")
+@scenario.command("drilling")
+def drilling(
+    path: Scan = None,
+    *,
+    bone: BoneFrom = None,
+    depth: Depth = 4.0,
+    radius: Annotated[float, typer.Option(help="Of the burr [mm].")] = 2.0,
+    speed: Speed = 0.1,
+    force_limit: ForceLimit = 10.0,
+    json: Json = None,
+    plot: Plot = None,
+) -> None:
+    """Drive a drill into the bone."""
+    from palpate.bench.plots import check_plot
+    from palpate.scenario import run_drilling
+
+    check_plot(plot)
+    with quiet_libraries(), Display() as display:
+        body = _body((path, None, 0, bone), display)
+        display("drilling", None)
+        run = run_drilling(body, depth=depth, radius=radius, speed=speed, force_limit=force_limit)
+    _tell(run, (json, plot))
 
 
-def plot_run(scenario: str, run: NeedleRun, path: Path) -> None:
-    """Draws force over depth, in and out, and its parts."""
-    from matplotlib.figure import Figure
+@scenario.command("palpation")
+def palpation(
+    path: Scan = None,
+    *,
+    segments: Labels = None,
+    liver: Liver = 6,
+    bone: BoneFrom = None,
+    places: Annotated[int, typer.Option(help="How many are pressed.")] = 9,
+    length: Annotated[float, typer.Option(help="From the first to the last of them [mm].")] = 40.0,
+    depth: Depth = 2.5,
+    radius: Annotated[float | None, typer.Option(help="Of the ball [mm].")] = None,
+    json: Json = None,
+    plot: Plot = None,
+) -> None:
+    """Press soft tissue along a line that crosses bone below it."""
+    from palpate.bench.plots import check_plot
+    from palpate.scenario import run_palpation
 
-    figure = Figure(figsize=(9.0, 7.0), layout="constrained")
-    upper, lower = figure.subplots(2, 1, sharex=True)
-    phases = np.array(run.phase)
-    for phase, colour in (("in", "#0B5394"), ("rest", "#999999"), ("out", "#B45F06")):
-        of = phases == phase
-        upper.plot(run.travel[of], run.force[of], color=colour, label=phase, linewidth=1.2)
-    going_in = phases == "in"
-    for name in ("stiffness", "cutting", "friction", "wall"):
-        lower.plot(run.travel[going_in], run.parts[name][going_in], label=name, linewidth=1.2)
-    for panel, title in ((upper, "force on the hand [N]"), (lower, "parts on the way in [N]")):
-        _mark(panel, run)
-        panel.set_ylabel(title)
-        panel.legend(frameon=False)
-        panel.spines[["top", "right"]].set_visible(False)
-    upper.set_title(scenario, loc="left")
-    lower.set_xlabel("travel of the drive [mm]")
-    figure.savefig(path, dpi=150)
-
-
-def _mark(panel: Axes, run: NeedleRun) -> None:
-    """Marks where the needle punctured what, and where bone is."""
-    for event in run.events:
-        if event.kind == "punctured":
-            at = float(np.interp(event.time, run.time, run.travel))
-            panel.axvline(at, color="#BBBBBB", linewidth=0.8)
-            panel.text(
-                at,
-                0.98,
-                f" {event.segment}",
-                transform=panel.get_xaxis_transform(),
-                va="top",
-                fontsize=8,
-                color="#555555",
-            )
-    if run.wall_at is not None:
-        panel.axvline(run.wall_at, color="black", linewidth=1.0, linestyle="--")
-
-
-def _figures(run: NeedleRun) -> dict[str, float | int | None]:
-    return {
-        "largest_force": float(np.abs(run.force).max()),
-        "deepest": float(run.tip.max()),
-        "deepest_probe": float(run.probe.max()),
-        "wall": run.wall_at,
-        "spikes": run.spikes(),
-        "violations": run.violations,
-    }
-
-
-def _longest(scenario: Scenario) -> float:
-    """How long a way to take before the bone [mm]: a skull is close under its skin."""
-    return 15.0 if scenario == "needle-skull" else 300.0
-
-
-def _label(volume: Volume, labels: Volume | None, number: int) -> NDArray[np.bool_]:
-    if labels is None:
-        raise OptionError("no label map given; allowed: --segments FILE, which has the liver")
-    if labels.dimensions != volume.dimensions:
-        raise OptionError(
-            f"label map of {labels.dimensions} voxels given; allowed: {volume.dimensions}"
+    check_plot(plot)
+    with quiet_libraries(), Display() as display:
+        body = _body((path, segments, liver, bone), display)
+        run = run_palpation(
+            body, places=places, length=length, depth=depth, radius=radius, progress=display
         )
-    mask = np.asarray(labels.array == number)
-    if not mask.any():
-        raise EmptySegmentError(f"label {number} has no voxel; allowed: a label of the map")
-    return mask
+    _tell(run, (json, plot))
 
 
-def _outside(
-    volume: Volume, body: NDArray[np.bool_], start: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Draws a start back along the second axis of the arrays until nothing is before it."""
-    grid_from_patient = np.linalg.inv(volume.patient_from_grid)
-    place = grid_from_patient @ np.append(start, 1.0)
-    x, z = int(place[0]), int(place[2])
-    column = body[z, :, x]
-    first = int(np.argmax(column)) if np.any(column) else int(place[1])
-    place[1] = min(place[1], first - 5.0 / volume.spacing[1])
-    return np.asarray((volume.patient_from_grid @ place)[:3])
+ScanOptions = tuple[Path | None, Path | None, int, float | None]
+"""A scan, its label map, the liver's number in that, where bone begins."""
+
+Push = tuple[float, float]
+"""Speed [mm/s], force limit [N]."""
+
+Files = tuple[Path | None, Path | None]
+"""For every tick, for the chart."""
+
+
+def _needle(
+    name: Literal["needle-skull", "needle-liver"],
+    scan: ScanOptions,
+    *,
+    push: Push,
+    files: Files,
+) -> None:
+    from palpate.bench.plots import check_plot
+    from palpate.scenario import run_needle
+
+    check_plot(files[1])
+    with quiet_libraries(), Display() as display:
+        body = _body(scan, display)
+        display(name, None)
+        run = run_needle(name, body, speed=push[0], force_limit=push[1])
+    _tell(run, files)
+
+
+def _body(scan: ScanOptions, display: Display) -> Body:
+    from palpate.io import read
+    from palpate.scenario import body_of_phantom, body_of_scan
+
+    path, labels, liver, bone = scan
+    if path is None:
+        return body_of_phantom()
+    return body_of_scan(
+        read(path, progress=display),
+        labels=None if labels is None else read(labels, progress=display),
+        liver=liver,
+        bone=bone,
+    )
+
+
+def _tell(run: ScenarioRun, files: Files) -> None:
+    """Prints what happened and what was felt, and writes the files that are asked for."""
+    from palpate.scenario_chart import plot_run
+    from palpate.scenario_run import write_run
+
+    _print_table(run)
+    figures = run.figures()
+    wall = figures["wall"]
+    typer.echo(
+        f"largest force {figures['largest_force']:.2f} N, deepest {figures['deepest']:.2f} mm, "
+        + ("" if wall is None else f"bone at {wall:.2f} mm, ")
+        + f"spikes {figures['spikes']}, violations {run.violations}"
+    )
+    json, plot = files
+    if json is not None:
+        write_run(run, json)
+    if plot is not None:
+        plot_run(run, plot)
+
+
+def _print_table(run: ScenarioRun) -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table(title=f"{run.scenario}: {run.scan}", title_justify="left")
+    if run.presses:
+        for name in ("along [mm]", "soft over bone [mm]", "depth [mm]", "force [N]"):
+            table.add_column(name, justify="right")
+        table.add_column("stiffness [N/mm]", justify="right")
+        for press in run.presses:
+            soft = "–" if press.thickness is None else f"{press.thickness:.1f}"
+            numbers = (f"{press.depth:.1f}", f"{press.force:.3f}", f"{press.stiffness:.3f}")
+            table.add_row(f"{press.along:.1f}", soft, *numbers)
+    else:
+        for name in ("event", "segment", "time [s]", "depth [mm]", "force [N]"):
+            is_word = name in ("event", "segment")
+            table.add_column(name, justify="left" if is_word else "right")
+        for event in run.events:
+            felt = (f"{event.time:.2f}", f"{event.depth:.1f}", f"{event.force:.2f}")
+            table.add_row(event.kind, event.segment, *felt)
+    Console().print(table)

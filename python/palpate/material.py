@@ -6,11 +6,24 @@ Models of deformation read them; docs/algorithms/deformation.md says what each d
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 from palpate import _core
 
-__all__ = ["LinearMaterial", "Material", "Preset", "deformation_models", "material_presets"]
+__all__ = [
+    "Boxes",
+    "LinearMaterial",
+    "Material",
+    "Part",
+    "Preset",
+    "Treatment",
+    "deformation_models",
+    "material_presets",
+    "model_boxes",
+]
+
+Treatment = Literal["deformable", "rigid", "empty"]
+"""How matter takes part: it gives, stays where it is, or is as if it were not there."""
 
 
 class Material(NamedTuple):
@@ -39,19 +52,53 @@ class LinearMaterial:
 
 
 @dataclass(frozen=True)
+class Part:
+    """A part of a segment that takes part in its own way; all of it where nothing else is told."""
+
+    treatment: Treatment
+    box: tuple[tuple[int, int, int], tuple[int, int, int]] | None = None
+    """What lies in a box of voxels (x, y, z): first, and one past the last."""
+    shared_with: int | None = None
+    """What belongs to this other segment too."""
+
+
+@dataclass(frozen=True)
 class Preset:
     """A material that can be chosen by its name."""
 
     name: str
     source: str
     """Where its constants are from."""
+    needs_hounsfield: bool
+    """Whether its constants follow HU: it is for CT only."""
+    low: Material
+    """Its constants, at the lower end where they follow HU."""
+    high: Material
+    """Its constants, at the upper end where they follow HU."""
+
+
+class Boxes(NamedTuple):
+    """Boxes that a model can have, by the nodes or cells along each edge; these are odd."""
+
+    least: int
+    usual: int
+    most: int
 
 
 def material_presets() -> list[Preset]:
     """Lists the materials that have a name."""
-    return [Preset(name, source) for name, source in _core.material_presets()]
+    return [
+        Preset(name, source, needs_hounsfield, Material(*low), Material(*high))
+        for name, source, needs_hounsfield, low, high in _core.material_presets()
+    ]
 
 
 def deformation_models() -> list[str]:
     """Lists the names of the models by which matter gives way."""
-    return _core.deformation_models()
+    return [name for name, _ in _core.deformation_models()]
+
+
+def model_boxes(model: str) -> Boxes | None:
+    """Returns the boxes that a model can have; None for one that takes all matter."""
+    boxes = dict(_core.deformation_models())[model]
+    return None if boxes is None else Boxes(*boxes)

@@ -61,8 +61,21 @@ SmoothingDegree = Annotated[int, msgspec.Meta(ge=0, le=12)]
 ToolKind = Literal["none", "eraser", "adder", "drill", "needle"]
 """What the probe does to voxels while it is pressed; none leaves them as they are."""
 
+TissueName = Literal["skin", "fat", "muscle", "liver"]
+"""What a segment is for a needle; bone is none of them, since no needle punctures it."""
+
+NeedleEventKind = Literal["punctured", "crossed", "stopped", "withdrawn"]
+"""What happens to a needle: it goes into a segment, comes into one that it has punctured or out of
+all, comes to one that stops it, or is out."""
+
+ModelName = Annotated[str, msgspec.Meta(min_length=1, max_length=40)]
+"""A model of deformation."""
+
 Index = Annotated[int, msgspec.Meta(ge=-(2**31), lt=2**31)]
 """A voxel's or a patch's place along one axis."""
+
+NodeCount = Annotated[int, msgspec.Meta(ge=0, le=1024)]
+"""Nodes of a box along one axis."""
 
 GridPlace = tuple[Index, Index, Index]
 """A voxel or a patch of a grid, along x, y, z."""
@@ -118,6 +131,30 @@ class Feel(msgspec.Struct, frozen=True):
     friction_kinetic: Friction | None
 
 
+class Constants(msgspec.Struct, frozen=True):
+    """What matter is: ``young`` [Pa], ``poisson``, ``density`` [kg/m³], Coulomb ``friction``.
+
+    Bonds break at ``breaking_strain``; null where none does.
+    """
+
+    young: Annotated[float, msgspec.Meta(ge=1.0, le=2e12)]
+    poisson: Annotated[float, msgspec.Meta(gt=-1.0, lt=0.5)]
+    density: Annotated[float, msgspec.Meta(ge=0.1, le=23_000.0)]
+    breaking_strain: Annotated[float, msgspec.Meta(gt=0.0, le=1e6)] | None
+    friction: Annotated[float, msgspec.Meta(ge=0.0, le=10.0)]
+
+
+class SegmentMaterial(msgspec.Struct, frozen=True):
+    """What a segment is made of: constants from ``low`` to ``high`` as they follow HU, or both.
+
+    ``preset`` is its name; null where somebody chose the constants.
+    """
+
+    preset: Name | None
+    low: Constants
+    high: Constants
+
+
 class Segment(msgspec.Struct, frozen=True):
     """A segment of the scan.
 
@@ -126,9 +163,9 @@ class Segment(msgspec.Struct, frozen=True):
     the segment's ``id`` (1..255). ``made_by`` is the threshold that made it, whatever edits
     did since; null where none did. ``pose`` takes the segment from where the scan has it to
     where it stands; null where it was not moved. ``bounds`` are the voxels that hold it, half
-    open; null where it is empty. ``grid`` is the ``patient_from_grid`` of its voxels where they
-    are not the scan's. ``opacity``, ``smoothing``, ``surface_from`` and ``wireframe`` are those
-    of its surface.
+    open; null where it is empty. ``material`` is null where it is hard. ``grid`` is the
+    ``patient_from_grid`` of its voxels where they are not the scan's. ``opacity``,
+    ``smoothing``, ``surface_from`` and ``wireframe`` are those of its surface.
     """
 
     id: SegmentId
@@ -142,6 +179,7 @@ class Segment(msgspec.Struct, frozen=True):
     volume_ml: float
     pending: bool
     feel: Feel
+    material: SegmentMaterial | None
     pose: Pose | None
     bounds: tuple[GridPlace, GridPlace] | None
     grid: Pose | None
@@ -236,6 +274,70 @@ class ToolState(msgspec.Struct, frozen=True):
     undo_budget: int
 
 
+class NeedleState(msgspec.Struct, frozen=True):
+    """A needle, where it is the tool in the hand or still in.
+
+    ``depth`` is how far its tip is from where it went in [mm], ``segment`` the one at the tip, 0
+    for none. ``tip`` and ``friction`` are the forces at tip and shaft, ``wall`` that of what no
+    needle punctures [N]. ``events`` counts what ``NeedleEvents`` tells.
+    """
+
+    inside: bool
+    depth: float
+    segment: int
+    tip: float
+    friction: float
+    wall: float
+    events: int
+
+
+class MaterialPreset(msgspec.Struct, frozen=True):
+    """A material with a name, and where its constants are from.
+
+    One that ``needs_hounsfield`` is for CT only: its constants go from ``low`` to ``high``.
+    """
+
+    name: Name
+    source: str
+    needs_hounsfield: bool
+    low: Constants
+    high: Constants
+
+
+class Boxes(msgspec.Struct, frozen=True):
+    """Boxes that a model can have, by the nodes or cells along each edge; these are odd."""
+
+    least: int
+    usual: int
+    most: int
+
+
+class DeformationModel(msgspec.Struct, frozen=True):
+    """A model by which matter gives way; ``boxes`` is null where it takes all matter."""
+
+    name: ModelName
+    boxes: Boxes | None
+
+
+class MatterState(msgspec.Struct, frozen=True):
+    """Matter that gives way: ``model`` is the one at work, null where all is hard.
+
+    ``edge`` counts nodes or cells along each edge of its box, null for as many as usual.
+    ``force`` is that of the matter on the tool [N, scene], ``answers`` counts the model's answers.
+    While the next one is ``late``, matter is as hard as its voxels. ``nodes`` take part in the
+    last answer; since the start ``bonds_broken`` bonds broke, which took ``work_broken`` [mJ].
+    """
+
+    model: ModelName | None
+    edge: int | None
+    force: Vector
+    answers: int
+    late: bool
+    nodes: int
+    bonds_broken: int
+    work_broken: Annotated[float, msgspec.Meta(ge=0.0)]
+
+
 class DeviceLimits(msgspec.Struct, frozen=True):
     """What a device bears: settings that ask for more are cut to it.
 
@@ -261,6 +363,8 @@ class Hello(Message, frozen=True, tag="hello"):
     defaults: Settings
     device: str
     device_limits: DeviceLimits
+    presets: list[MaterialPreset]
+    models: list[DeformationModel]
 
 
 class State(Message, frozen=True, tag="state"):
@@ -298,6 +402,8 @@ class State(Message, frozen=True, tag="state"):
     can_undo: bool
     can_redo: bool
     tool: ToolState
+    needle: NeedleState
+    matter: MatterState
     rates: Rates
     safety: Safety
     recording: float | None
@@ -309,6 +415,25 @@ class Segments(Message, frozen=True, tag="segments"):
 
     segments: list[Segment]
     labels: int
+
+
+class NeedleEvent(msgspec.Struct, frozen=True):
+    """What happened to a needle at a time [s], in a segment, 0 for none.
+
+    ``depth`` is from where it went in [mm], ``force`` that at its tip [N].
+    """
+
+    kind: NeedleEventKind
+    segment: int
+    time: float
+    depth: float
+    force: float
+
+
+class NeedleEvents(Message, frozen=True, tag="needle_events"):
+    """What happened to the needle since it was taken in the hand, oldest first, the newest 100."""
+
+    events: list[NeedleEvent]
 
 
 class SurfacePatch(msgspec.Struct, frozen=True):
@@ -356,17 +481,49 @@ class ChangedVoxels(msgspec.Struct, frozen=True):
     labels: bytes | None
 
 
+class Displaced(msgspec.Struct, frozen=True):
+    """Where matter stands beside the voxels that show it, at the nodes of a box.
+
+    Node (i, j, k) is at ``origin + step * (i, j, k)`` [grid], and ``size`` counts nodes along each
+    axis, 0 where all matter stands in its voxels. ``moved`` holds how far the matter of each node
+    stands from it as little-endian float16: x, y, z along the axes of the grid [mm] and a zero,
+    nodes with x fastest.
+    """
+
+    origin: Vector
+    step: Vector
+    size: tuple[NodeCount, NodeCount, NodeCount]
+    moved: bytes
+
+
 class Changed(Message, frozen=True, tag="changed"):
     """All that edits up to number ``edit`` change in the picture, shown in one and the same frame.
 
     Boxes of voxels are in the order of their edits: of two that overlap, the later one holds.
     ``applied`` is when the oldest of these edits was applied [s since 1970]; null without one.
+    ``displaced`` goes with the voxels as they are then; null where it is as before.
     """
 
     edit: int
     applied: float | None
     voxels: list[ChangedVoxels]
     surfaces: list[SegmentSurface]
+    displaced: Displaced | None = None
+
+
+class MatterParts(Message, frozen=True, tag="matter_parts"):
+    """The nodes or particles of the model at work, where this page asked for them; latest wins.
+
+    ``places`` are x, y, z as little-endian uint16 each: place = origin + number / 65535 * size
+    [scene]. ``strains`` are an int8 each: strain = number / 127 * 0.5, less than zero where matter
+    is pressed. ``apart`` is the distance of neighbours at rest [mm].
+    """
+
+    origin: Vector
+    size: Vector
+    apart: Annotated[float, msgspec.Meta(gt=0.0)]
+    places: bytes
+    strains: bytes
 
 
 class SettingsChanged(Message, frozen=True, tag="settings_changed"):
@@ -438,11 +595,13 @@ ToPage = (
     | State
     | Segments
     | Changed
+    | MatterParts
     | SettingsChanged
     | Recovery
     | Notice
     | Gap
     | CutPreview
+    | NeedleEvents
     | Passed
 )
 
@@ -503,6 +662,30 @@ class SegmentFeel(Message, frozen=True, tag="segment_feel"):
 
     id: SegmentId
     feel: Feel
+
+
+class SetMaterial(Message, frozen=True, tag="set_material"):
+    """Tells what a segment is made of, by name or by constants; with neither it is hard."""
+
+    id: SegmentId
+    preset: Name | None
+    constants: Constants | None
+
+
+class SetDeformation(Message, frozen=True, tag="set_deformation"):
+    """Chooses the model by which matter gives way, null makes all hard, and the edge of its box.
+
+    The edge counts nodes or cells; null is as many as usual.
+    """
+
+    model: ModelName | None
+    edge: Annotated[int, msgspec.Meta(ge=1, le=1001)] | None
+
+
+class ShowParts(Message, frozen=True, tag="show_parts"):
+    """Has this page told the nodes or particles of the model, or no more."""
+
+    on: bool
 
 
 class MoveSegment(Message, frozen=True, tag="move_segment"):
@@ -593,11 +776,19 @@ class Fence(Message, frozen=True, tag="fence"):
 
 
 class Tool(Message, frozen=True, tag="tool"):
-    """Chooses the tool for the next strokes: the radius of its ball [mm], and what it changes."""
+    """Chooses the tool for the next strokes: the radius of its ball [mm], and what it changes.
+
+    Of a needle the radius is its own, and ``tissues`` say what each of its segments is.
+    """
 
     kind: ToolKind
     radius: Annotated[float, msgspec.Meta(gt=0.0, le=50.0)]
     segments: list[SegmentId]
+    tissues: list[TissueName] = []
+
+
+class WithdrawNeedle(Message, frozen=True, tag="withdraw_needle"):
+    """Takes the needle out on the way that it went in."""
 
 
 class Stroke(Message, frozen=True, tag="stroke"):
@@ -628,6 +819,9 @@ FromPage = (
     | Threshold
     | SegmentProperties
     | SegmentFeel
+    | SetMaterial
+    | SetDeformation
+    | ShowParts
     | MoveSegment
     | Grab
     | TurnGrabbed
@@ -640,6 +834,7 @@ FromPage = (
     | ChangeSettings
     | Fence
     | Tool
+    | WithdrawNeedle
     | Stroke
     | Recover
     | Undo

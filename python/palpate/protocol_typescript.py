@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import ast
 import inspect
+import re
 import sys
 import types
 from collections.abc import Callable, Iterator
@@ -184,9 +185,7 @@ def generate() -> str:
         _union("ToPage", "A message of the engine.", to_page),
         _union("FromPage", "A message of the page.", from_page),
         CHECKER,
-        *(_check_of_alias(name) for name, _ in _documented_aliases()),
-        *(_check_of_struct(struct) for struct in _with_parts(to_page)),
-        _check_table(to_page),
+        *_checks(to_page),
     ]
     return "\n".join(parts)
 
@@ -351,6 +350,16 @@ def _comment(doc: str) -> str:
         return f"/** {lines[0]} */\n"
     body = "\n".join(f" * {line}".rstrip() for line in lines)
     return f"/**\n{body}\n */\n"
+
+
+def _checks(structs: tuple[Any, ...]) -> list[str]:
+    """Writes the checks of what the engine sends, those of named types that they need first."""
+    checks = [*(_check_of_struct(struct) for struct in _with_parts(structs)), _check_table(structs)]
+    # a later name may stand on an earlier one
+    for name, _ in reversed(_documented_aliases()):
+        if any(re.search(rf"\bis{name}\b", check) for check in checks):
+            checks.insert(0, _check_of_alias(name))
+    return checks
 
 
 def _check_of_alias(name: str) -> str:

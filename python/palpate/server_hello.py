@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from palpate import protocol
 from palpate.package_version import package_version
+from palpate.server_matter import models, presets
 from palpate.session import Session
 from palpate.volume import Volume
 
@@ -25,6 +26,8 @@ def hello_of(session: Session) -> protocol.Hello:
         device_limits=protocol.DeviceLimits(
             stiffness=stiffness, force=force, reach=session.device_reach
         ),
+        presets=presets(),
+        models=models(),
     )
 
 

@@ -18,9 +18,12 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from palpate import protocol
 from palpate.errors import OptionError, PalpateError
 from palpate.journal import Journal
+from palpate.needle import TISSUES
 from palpate.painted_cut import PaintedCut
 from palpate.server_changes import messages_of
 from palpate.server_gap import GapWatch
+from palpate.server_matter import asked_material, parts_of
+from palpate.server_needle import ToldNeedle
 from palpate.server_outbox import Missed, Outbox
 from palpate.server_picture import ToldPicture, labels_anew
 from palpate.server_recording import Recorder
@@ -63,6 +66,8 @@ class Live:
         self._thresholds = ThresholdJobs(self._make_threshold)
         self._presses: Outbox | None = None
         self._paces: dict[Outbox, int] = {}
+        self._needle = ToldNeedle(session)
+        self._parts_for: set[Outbox] = set()
         self._gaps = GapWatch(session, self._from_threads.put)
         self._scene_of_now: object = None
 
@@ -99,7 +104,9 @@ class Live:
             pass
         finally:
             self._outboxes.discard(outbox)
-            self._follow_edits(outbox, 1)
+            self._paces.pop(outbox, None)
+            self._follow_edits()
+            self._show_parts(outbox, on=False)
             if not self._outboxes:
                 # nobody looks at the gap any more, nor lets go of what is in the hand
                 self._gaps.choose(None)
@@ -137,13 +144,24 @@ class Live:
             for text in self.segments.take_notices():
                 self._tell(protocol.Notice(level="info", text=text))
         self._tell_changes()
+        needle = self._needle.message(frame["needle"]["events"])
+        if needle is not None:
+            self._tell(needle)
         try:
             state = msgspec.convert(frame, protocol.State)
         except msgspec.ValidationError as error:
             self._tell(protocol.Notice(level="error", text=f"the engine is out of order: {error}"))
             return False
         self._tell(state)
+        self._tell_parts()
         return True
+
+    def _tell_parts(self) -> None:
+        parts = self.session.parts() if self._parts_for else None
+        if parts is not None:
+            message = parts_of(parts)
+            for outbox in self._parts_for:
+                outbox.tell(message)
 
     async def _follow_changes(self) -> None:
         """Tells changes of voxels and surfaces as soon as they are made."""
@@ -203,7 +221,10 @@ class Live:
                 case protocol.Threshold():
                     self._thresholds.ask(message)
                 case protocol.FollowEdits(every):
-                    self._follow_edits(outbox, every)
+                    self._paces[outbox] = every
+                    self._follow_edits()
+                case protocol.ShowParts(on):
+                    self._show_parts(outbox, on=on)
                 case protocol.Stroke(on):
                     await asyncio.to_thread(self.session.stroke, on=on)
                     self._presses = outbox if on else None
@@ -226,12 +247,17 @@ class Live:
         ticks: int = self.session.lateness()["servo"]["ticks"]
         return ticks + 1
 
-    def _follow_edits(self, outbox: Outbox, every: int) -> None:
-        """Takes the pace of a page; the slowest page sets that of the engine."""
-        self._paces[outbox] = every
-        self.session.follow_edits(max(self._paces.values()))
-        if every == 1:
-            del self._paces[outbox]
+    def _follow_edits(self) -> None:
+        """Has the engine follow edits at the pace of the slowest page."""
+        self.session.follow_edits(max(self._paces.values(), default=1))
+
+    def _show_parts(self, outbox: Outbox, *, on: bool) -> None:
+        """Tells a page the parts of the model from now on, or no more."""
+        if on:
+            self._parts_for.add(outbox)
+        else:
+            self._parts_for.discard(outbox)
+        self.session.show_parts(on=bool(self._parts_for))
 
     def _release(self) -> None:
         self._presses = None
@@ -246,9 +272,14 @@ class Live:
                 self.session.view(right=right, up=up)
             case protocol.Clutch(on):
                 self.session.clutch(on=on)
-            case protocol.Tool(kind, radius, segment_ids):
+            case protocol.Tool(kind, radius, segment_ids, names):
                 chosen = None if kind == "none" else kind
-                self.session.set_tool(chosen, radius=radius, segment_ids=segment_ids)
+                tissues = [TISSUES[name].met_by(2.0 * radius) for name in names]
+                self.session.set_tool(
+                    chosen, radius=radius, segment_ids=segment_ids, tissues=tissues
+                )
+            case protocol.WithdrawNeedle():
+                self.session.withdraw_needle()
             case protocol.Undo():
                 self.session.undo()
             case protocol.Redo():
@@ -266,6 +297,8 @@ class Live:
                 self._recover(bring_back=bring_back)
             case protocol.WatchGap(pair):
                 self._gaps.choose(pair)
+            case protocol.SetDeformation(model, edge):
+                self.session.set_deformation(model, edge=edge)
             case _:
                 self._do_to_segment(message)
 
@@ -285,6 +318,8 @@ class Live:
                 self._cut_along(message)
             case protocol.SegmentFeel(segment_id, feel):
                 self.session.set_feel(segment_id, **msgspec.structs.asdict(feel))
+            case protocol.SetMaterial(segment_id):
+                self.session.set_material(segment_id, asked_material(message))
             case protocol.RemoveSegment(segment_id):
                 self.session.remove_segment(segment_id)
 

@@ -128,10 +128,20 @@ class Outbox:
         if self._missed is not None:
             self._missed.add(message)
             return
+        if message.displaced is not None:
+            self._forget_displaced()
         self._messages.append(message)
         self._bytes += _size_of(message)
         if self._bytes > MOST_BYTES:
             self._fall_behind()
+
+    def _forget_displaced(self) -> None:
+        """Of where matter stands beside its voxels only the newest waits."""
+        for place, waiting in enumerate(self._messages):
+            if isinstance(waiting, Changed) and waiting.displaced is not None:
+                self._bytes -= len(waiting.displaced.moved)
+                self._messages[place] = msgspec.structs.replace(waiting, displaced=None)
+        self._messages = [each for each in self._messages if not _is_nothing(each)]
 
     def _fall_behind(self) -> None:
         self._missed = Missed()
@@ -150,13 +160,27 @@ class Outbox:
             self._filled.clear()
 
 
+def _is_nothing(message: ToPage) -> bool:
+    """Says whether a message is a change of nothing."""
+    return (
+        isinstance(message, Changed)
+        and message.applied is None
+        and not (message.voxels or message.surfaces or message.displaced)
+    )
+
+
 def _size_of(changed: Changed) -> int:
     """Returns the bytes of a change's voxels and surfaces."""
     voxels = sum(len(box.stored or b"") + len(box.labels or b"") for box in changed.voxels)
-    return voxels + sum(
-        len(patch.vertices) + len(patch.normals) + len(patch.triangles)
-        for surface in changed.surfaces
-        for patch in surface.patches
+    displaced = 0 if changed.displaced is None else len(changed.displaced.moved)
+    return (
+        displaced
+        + voxels
+        + sum(
+            len(patch.vertices) + len(patch.normals) + len(patch.triangles)
+            for surface in changed.surfaces
+            for patch in surface.patches
+        )
     )
 
 

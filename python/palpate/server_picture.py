@@ -30,6 +30,7 @@ class ToldPicture:
         """Shape [z, y, x]; a copy once an edit has changed some."""
         self._copied = False
         self._surfaces: set[int] = set()
+        self._displaced = False
         self.edit = 0
         """The newest edit."""
 
@@ -37,19 +38,23 @@ class ToldPicture:
         """Follows a change that pages are told."""
         self.edit = max(self.edit, changed.edit)
         self._surfaces.update(surface.id for surface in changed.surfaces)
+        self._displaced |= changed.displaced is not None
         for box in changed.voxels:
             if box.stored is not None:
                 self._write(box)
 
     def surfaces_anew(self, whole: dict[str, Any], *, edit: int) -> Iterator[protocol.Changed]:
-        """Yields all surfaces of ``Session.whole_surfaces``; those that are gone are forgotten."""
+        """Yields all surfaces of ``Session.whole_surfaces``, and where matter stands beside voxels.
+
+        Surfaces that are gone are forgotten.
+        """
         there = {surface["id"] for surface in whole["surfaces"]}
         self._surfaces |= there
         gone = [
             {"id": segment_id, "whole": True, "dropped": [], "patches": []}
             for segment_id in sorted(self._surfaces - there)
         ]
-        if there or gone:
+        if there or gone or self._displaced:
             surfaces = [*whole["surfaces"], *gone]
             yield from messages_of({**whole, "edit": edit, "surfaces": surfaces})
 

@@ -18,6 +18,7 @@ from palpate import protocol
 from palpate.errors import OptionError
 from palpate.scene import PALETTE
 from palpate.server_data import labels_of
+from palpate.server_matter import material_of
 from palpate.session import Session
 
 __all__ = ["ShownSegments"]
@@ -253,6 +254,7 @@ class ShownSegments:
             volume_ml=state["volume"] / 1000.0,
             pending=state["pending"],
             feel=protocol.Feel(**state["feel"]),
+            material=material_of(state),
             pose=state["pose"],
             bounds=state["bounds"],
             grid=state["grid"],

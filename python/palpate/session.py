@@ -20,8 +20,8 @@ from numpy.typing import NDArray
 from palpate import _core
 from palpate.errors import OptionError
 from palpate.gap import Gap
-from palpate.material import LinearMaterial, Material
-from palpate.needle import Tissue
+from palpate.material import LinearMaterial, Material, Part
+from palpate.needle import NeedleEvent, Tissue
 from palpate.package_version import package_version
 from palpate.painted_cut import PaintedCut
 from palpate.recording import Recording
@@ -269,7 +269,7 @@ class Session:
             OptionError: The line is none, or leaves all of the segment on one side.
         """
         with _given():
-            return self._internal.cut_along(segment_id, *cut.given())
+            return self._internal.cut_along(segment_id, cut.given())
 
     def preview_cut(self, segment_id: int, cut: PaintedCut) -> tuple[float, float]:
         """Returns the volumes of the parts that ``cut_along`` would make, larger first [ml].
@@ -278,7 +278,7 @@ class Session:
             OptionError: The line is none, or leaves all of the segment on one side.
         """
         with _given():
-            larger, smaller = self._internal.preview_cut(segment_id, *cut.given())
+            larger, smaller = self._internal.preview_cut(segment_id, cut.given())
             return larger / 1000.0, smaller / 1000.0
 
     def gap(self, segment_id: int, other_id: int) -> Gap:
@@ -378,9 +378,23 @@ class Session:
                 tissues=[astuple(tissue) for tissue in tissues],
             )
 
+    def needle_events(self) -> list[NeedleEvent]:
+        """Returns what happened to the needle since it was taken in the hand, oldest first."""
+        with _given():
+            return [NeedleEvent(*event) for event in self._internal.needle_events()]
+
+    def withdraw_needle(self) -> bool:
+        """Takes the needle out on the way that it went in; returns whether one was in.
+
+        Raises:
+            OptionError: There is no free voxel near where it went in.
+        """
+        with _given():
+            return self._internal.withdraw_needle()
+
     # --- matter that gives way ------------------------------------------------------------
 
-    def set_deformation(self, model: str | None) -> None:
+    def set_deformation(self, model: str | None, *, edge: int | None = None) -> None:
         """Chooses the model by which matter gives way under the probe; None makes all hard.
 
         Segments without a material stay hard (``set_material``). What the probe moves from
@@ -388,12 +402,14 @@ class Session:
 
         Args:
             model: One of ``palpate.material.deformation_models()``.
+            edge: Nodes or cells along each edge of its box (``palpate.material.model_boxes``);
+                by default as many as usual.
 
         Raises:
-            OptionError: There is no such model.
+            OptionError: There is no such model, or it has no such box.
         """
         with _given():
-            self._internal.set_deformation(model)
+            self._internal.set_deformation(model, edge)
 
     def set_material(
         self, segment_id: int, material: Material | LinearMaterial | str | None
@@ -421,16 +437,45 @@ class Session:
                 case Material():
                     self._internal.set_material(segment_id, constant=tuple(material))
 
+    def set_parts(self, segment_id: int, parts: Sequence[Part]) -> None:
+        """Tells how parts of a segment with a material take part.
+
+        Args:
+            segment_id: Which one.
+            parts: Of several that hold a voxel the last counts; what is in none gives way.
+
+        Raises:
+            OptionError: There is no such segment, or a part or its treatment is none.
+        """
+        with _given():
+            self._internal.set_parts(
+                segment_id, [(part.treatment, part.box, part.shared_with) for part in parts]
+            )
+
     def deformation(self) -> dict[str, Any]:
         """Returns how the deformation goes.
 
         Returns:
-            ``model`` (None where nothing gives way), ``force`` on the tool [N, scene],
-            ``answers`` so far; of the last answer ``iterations``, ``residual`` (what is left of
-            unbalanced force, as a share of the contact's), ``nodes``; ``bonds_broken`` and
-            ``work_broken`` [N·mm] since the start.
+            ``model`` (None where nothing gives way), ``edge`` of its box (None for the usual
+            one), ``force`` on the tool [N, scene], ``answers`` so far, ``slips`` (of these, those
+            in which particles slipped), whether the next one is ``late`` (then matter is as hard
+            as its voxels); of the last answer ``iterations``, ``residual`` (what is left of
+            unbalanced force, as a share of the contact's), ``nodes`` and ``moved_voxels`` (not as
+            at rest); ``bonds_broken`` and ``work_broken`` [N·mm] since the start.
         """
         return self._internal.deformation()
+
+    def show_parts(self, *, on: bool) -> None:
+        """Has ``parts`` return the nodes or particles of the model, or no more."""
+        self._internal.show_parts(on)
+
+    def parts(self) -> dict[str, Any] | None:
+        """Returns the newest nodes or particles of the model with their strains.
+
+        The keys are the fields of ``protocol.MatterParts``. None where they are not shown, or
+        were returned before.
+        """
+        return self._internal.parts()
 
     def stroke(self, *, on: bool) -> None:
         """Begins a stroke of the chosen tool, or ends it: it is one step of undo.

@@ -2,7 +2,9 @@
 
 use glam::{DAffine3, DVec3, UVec3};
 use numpy::ndarray::Array2;
-use numpy::{Element, PyArray2, PyReadonlyArray3, PyUntypedArrayMethods, ToPyArray};
+use numpy::{
+    Element, PyArray2, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods, ToPyArray,
+};
 use pyo3::prelude::*;
 
 use crate::errors::CoreError;
@@ -48,4 +50,28 @@ pub fn rows<'py>(py: Python<'py>, vectors: &[DVec3]) -> Bound<'py, PyArray2<f64>
 pub fn matrix<'py>(py: Python<'py>, transform: DAffine3) -> Bound<'py, PyArray2<f64>> {
     let columns = glam::DMat4::from(transform).to_cols_array_2d();
     Array2::from_shape_fn((4, 4), |(row, column)| columns[column][row]).to_pyarray(py)
+}
+
+/// The transform of a homogeneous matrix.
+pub fn affine(matrix: &PyReadonlyArray2<'_, f64>) -> Result<DAffine3, CoreError> {
+    let shape = matrix.shape();
+    if shape != [4, 4] {
+        return Err(CoreError::value(format!(
+            "pose of shape {shape:?} given; allowed: [4, 4]"
+        )));
+    }
+    let rows = matrix.as_array();
+    let column = |axis: usize| vector((rows[[0, axis]], rows[[1, axis]], rows[[2, axis]]));
+    let last = [rows[[3, 0]], rows[[3, 1]], rows[[3, 2]], rows[[3, 3]]];
+    if last != [0.0, 0.0, 0.0, 1.0] {
+        return Err(CoreError::value(format!(
+            "pose with the last row {last:?} given; allowed: 0, 0, 0, 1"
+        )));
+    }
+    Ok(DAffine3::from_cols(
+        column(0),
+        column(1),
+        column(2),
+        column(3),
+    ))
 }

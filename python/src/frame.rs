@@ -12,7 +12,8 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::arrays::triple;
-use crate::tool::tool_dict;
+use crate::material::{deformation_dict, material_dict};
+use crate::tool::{needle_dict, tool_dict};
 
 /// Makes a dictionary of `name: value` pairs.
 macro_rules! dictionary {
@@ -53,6 +54,8 @@ pub fn frame_dict<'py>(py: Python<'py>, frame: &Frame) -> PyResult<Bound<'py, Py
         "can_undo": frame.can_undo,
         "can_redo": frame.can_redo,
         "tool": tool_dict(py, frame)?,
+        "needle": needle_dict(py, &frame.needle)?,
+        "matter": deformation_dict(py, &frame.matter)?,
         "rates": rates_dict(py, &frame.rates)?,
         "safety": safety_dict(py, frame.safety)?,
         "recording": frame.recording,
@@ -76,6 +79,7 @@ pub fn segment_dict<'py>(py: Python<'py>, segment: &SegmentState) -> PyResult<Bo
         "range": segment.range,
         "made_by": segment.made_by,
         "feel": feel_dict(py, segment.feel)?,
+        "material": segment.law.map(|law| material_dict(py, &law)).transpose()?,
         "pose": segment.pose.map(rows_of),
     )
 }

@@ -6,16 +6,20 @@
 
 mod arrays;
 mod bench;
+mod bench_matter;
 mod bench_passivity;
 mod bench_quality;
 mod bench_stress;
+mod device;
 mod errors;
 mod frame;
 mod material;
-mod needle;
+mod painted;
 mod phantom;
 mod picture;
 mod recording;
+mod running;
+mod scenario;
 mod segment;
 mod session;
 mod settings;
@@ -33,6 +37,11 @@ mod _core {
     #[pymodule_export]
     use super::bench::{PyGround, PyTouchBench, bench_embedded};
     #[pymodule_export]
+    use super::bench_matter::{
+        bench_lattice_cost, bench_lattice_force, bench_lattice_frames, bench_lj_pairs,
+        bench_matter_stress, bench_session, particle_limits, press_block,
+    };
+    #[pymodule_export]
     use super::bench_passivity::{bench_passivity, passivity_devices};
     #[pymodule_export]
     use super::bench_quality::{bench_touch_quality, touch_quality_cases};
@@ -41,11 +50,11 @@ mod _core {
     #[pymodule_export]
     use super::material::{deformation_models, material_presets};
     #[pymodule_export]
-    use super::needle::{drive_a_needle, needle_tissues};
-    #[pymodule_export]
     use super::phantom::make_phantom;
     #[pymodule_export]
     use super::recording::{build, replay_recording};
+    #[pymodule_export]
+    use super::scenario::{drive_drill, drive_needle, needle_tissues, press};
     #[pymodule_export]
     use super::segment::PySegment;
     #[pymodule_export]
@@ -58,7 +67,7 @@ mod _core {
     /// A program that ends without stopping its sessions must not leave a force behind.
     #[pymodule_init]
     fn stop_sessions_at_exit(module: &Bound<'_, PyModule>) -> PyResult<()> {
-        let stop_all = wrap_pyfunction!(super::session::stop_all, module)?;
+        let stop_all = wrap_pyfunction!(super::running::stop_all, module)?;
         let atexit = module.py().import("atexit")?;
         atexit.call_method1("register", (stop_all,))?;
         Ok(())

@@ -1,11 +1,17 @@
 //! Materials and deformation as the package names and reads them.
 
-use palpate_deform::material::{MaterialError, MaterialLaw, PRESETS, SolidSi, preset};
-use palpate_deform::model::MODELS;
+use palpate_deform::material::{
+    MaterialError, MaterialLaw, PRESETS, Part, Preset, Solid, SolidSi, Treatment, preset,
+};
+use palpate_deform::model::{MODELS, Registered};
 use palpate_engine::deformation::DeformationNow;
+use palpate_engine::matter_view::ShownParts;
+use palpate_volume::edit::SegmentId;
+use palpate_volume::voxel_box::VoxelBox;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyBytes, PyDict};
 
+use crate::arrays::triple;
 use crate::errors::CoreError;
 use crate::frame::dictionary;
 
@@ -59,17 +65,101 @@ pub fn linear_material(
     )?)
 }
 
-/// Materials by name, each with the source of its constants.
-#[pyfunction]
-pub fn material_presets() -> Vec<(&'static str, &'static str)> {
-    let presets = PRESETS.iter();
-    presets.map(|preset| (preset.name, preset.source)).collect()
+/// A treatment, a box of voxels, and another segment; without both, the whole segment.
+pub type PartTuple = (String, Option<([i32; 3], [i32; 3])>, Option<u8>);
+
+/// A part of a segment and how it takes part.
+pub fn part((treatment, region, shared): PartTuple) -> Result<(Part, Treatment), CoreError> {
+    let treatment = match treatment.as_str() {
+        "deformable" => Treatment::Deformable,
+        "rigid" => Treatment::Rigid,
+        "empty" => Treatment::Empty,
+        other => {
+            return Err(CoreError::value(format!(
+                "treatment {other:?} given; allowed: deformable, rigid, empty"
+            )));
+        }
+    };
+    let part = match (region, shared) {
+        (None, None) => Part::Whole,
+        (Some((low, high)), None) => Part::Within(VoxelBox::new(low.into(), high.into())),
+        (None, Some(id)) => Part::Shared(SegmentId(id)),
+        (Some(_), Some(_)) => {
+            return Err(CoreError::value(
+                "a box and another segment given; allowed: one of them, or none for all of it"
+                    .to_owned(),
+            ));
+        }
+    };
+    Ok((part, treatment))
 }
 
-/// Names of the models by which matter gives way.
+/// Name, source, whether it follows HU, and the constants at the ends of its HU.
+type PresetTuple = (&'static str, &'static str, bool, SolidTuple, SolidTuple);
+
+/// Materials by name, each with the source of its constants.
 #[pyfunction]
-pub fn deformation_models() -> Vec<&'static str> {
-    MODELS.iter().map(|model| model.name).collect()
+pub fn material_presets() -> Result<Vec<PresetTuple>, CoreError> {
+    let preset = |preset: &Preset| {
+        let law = preset.law()?;
+        let [low, high] = law.ends().map(solid_tuple);
+        Ok((
+            preset.name,
+            preset.source,
+            law.needs_hounsfield(),
+            low,
+            high,
+        ))
+    };
+    PRESETS.iter().map(preset).collect()
+}
+
+fn solid_tuple(solid: Solid) -> SolidTuple {
+    let si = solid.si();
+    (
+        si.young,
+        si.poisson,
+        si.density,
+        si.breaking_strain,
+        si.friction,
+    )
+}
+
+/// What a segment is made of: the name, where it is one of the list, and the constants at the ends
+/// of its HU.
+pub fn material_dict<'py>(py: Python<'py>, law: &MaterialLaw) -> PyResult<Bound<'py, PyDict>> {
+    let preset = PRESETS.iter().find(|preset| preset.law() == Ok(*law));
+    let [low, high] = law.ends().map(solid_tuple);
+    dictionary!(py,
+        "preset": preset.map(|preset| preset.name),
+        "low": low,
+        "high": high,
+    )
+}
+
+/// The parts of a model as the page draws them: the fields of `protocol.MatterParts`.
+pub fn parts_dict<'py>(py: Python<'py>, parts: &ShownParts) -> PyResult<Bound<'py, PyDict>> {
+    dictionary!(py,
+        "origin": triple(parts.origin),
+        "size": triple(parts.size),
+        "apart": parts.apart,
+        "places": PyBytes::new(py, &parts.places),
+        "strains": PyBytes::new(py, &parts.strains),
+    )
+}
+
+/// A model's name, and the fewest, usual and most nodes or cells along each edge of its box; None
+/// where it has none.
+type ModelTuple = (&'static str, Option<(u32, u32, u32)>);
+
+/// The models by which matter gives way.
+#[pyfunction]
+pub fn deformation_models() -> Vec<ModelTuple> {
+    let boxes = |model: &Registered| model.boxes.map(|b| (b.least, b.usual, b.most));
+    MODELS
+        .iter()
+        .map(|model| (model.name, boxes(model)))
+        .collect()
 }
 
 /// How the deformation goes.
@@ -79,11 +169,15 @@ pub fn deformation_dict<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     dictionary!(py,
         "model": now.model,
+        "edge": now.edge,
         "force": now.force.to_array(),
         "answers": now.answers,
+        "late": now.late,
+        "slips": now.slips,
         "iterations": now.report.iterations,
         "residual": now.report.residual,
         "nodes": now.report.nodes,
+        "moved_voxels": now.report.moved_voxels,
         "bonds_broken": now.report.bonds_broken,
         "work_broken": now.report.work_broken,
     )

@@ -1,20 +1,16 @@
 //! `_core.Session`: a scan that is touched with a device.
 
 use std::path::PathBuf;
-use std::sync::{Arc, Mutex, PoisonError, Weak};
+use std::sync::Arc;
 use std::time::Duration;
 
-use glam::{DAffine3, IVec3};
-use numpy::{PyReadonlyArray2, PyUntypedArrayMethods};
-use palpate_device::HapticDevice;
-use palpate_device::scripted::{PathSample, ScriptedDevice};
-use palpate_device::simulated::{SimulatedDevice, SimulatedSettings};
-use palpate_engine::cut::Painted;
+use glam::IVec3;
+use numpy::PyReadonlyArray2;
 use palpate_engine::feel::Feel;
 use palpate_engine::kept_surface::{SurfaceMaking, SurfaceSource};
 use palpate_engine::scene::{Properties, ThresholdRange};
 use palpate_engine::session::Session;
-use palpate_engine::session_config::{Reference, SessionConfig};
+use palpate_engine::session_config::SessionConfig;
 use palpate_engine::settings::Settings;
 use palpate_tools::journal_entry::ScanHash;
 use palpate_volume::edit::SegmentId;
@@ -22,17 +18,21 @@ use palpate_volume::segment::Segment;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 
-use crate::arrays::{Triple, triple, vector};
+use crate::arrays::{Triple, affine, triple, vector};
+use crate::device::{device_named, path_samples};
 use crate::errors::CoreError;
 use crate::frame::{frame_dict, lateness_dict, segment_dict};
 use crate::material::{
-    LinearTuple, SolidTuple, constant_material, deformation_dict, linear_material, material_named,
+    LinearTuple, PartTuple, SolidTuple, constant_material, deformation_dict, linear_material,
+    material_named, part, parts_dict,
 };
+use crate::painted::{GivenLine, painted};
 use crate::picture::change_dict;
 use crate::recording::{recording_dict, tape_dict};
+use crate::running::note;
 use crate::segment::PySegment;
 use crate::settings::{changed, settings_dict};
-use crate::tool::tool_settings;
+use crate::tool::{Event, event_tuple, tool_settings};
 use crate::volume::PyVolume;
 
 /// A segment to begin with: its voxels, whether it is an obstacle, the threshold that it is.
@@ -48,29 +48,6 @@ type Voxel = (i32, i32, i32);
 #[pyclass(name = "Session", module = "palpate._core", frozen)]
 pub struct PySession {
     session: Arc<Session>,
-}
-
-/// All sessions of the process, so that none pushes on when Python ends.
-static SESSIONS: Mutex<Vec<Weak<Session>>> = Mutex::new(Vec::new());
-
-/// Ends every session.
-#[pyfunction]
-pub fn stop_all(py: Python<'_>) {
-    py.detach(|| {
-        let mut sessions = SESSIONS.lock().unwrap_or_else(PoisonError::into_inner);
-        for session in sessions.drain(..) {
-            if let Some(session) = session.upgrade() {
-                session.stop();
-            }
-        }
-    });
-}
-
-/// Notes a session for [`stop_all`] and forgets those that are gone.
-fn note(session: &Arc<Session>) {
-    let mut sessions = SESSIONS.lock().unwrap_or_else(PoisonError::into_inner);
-    sessions.retain(|session| session.strong_count() > 0);
-    sessions.push(Arc::downgrade(session));
 }
 
 #[pymethods]
@@ -290,18 +267,14 @@ impl PySession {
         Ok(cut?.0)
     }
 
-    /// Parts a segment along a painted line, points of shape [count, 3]; returns the number of the
-    /// smaller part.
+    /// Parts a segment along a painted line; returns the number of the smaller part.
     fn cut_along(
         &self,
         py: Python<'_>,
         segment_id: u8,
-        line: PyReadonlyArray2<'_, f64>,
-        eye: Triple,
-        view: Triple,
-        closed: bool,
+        line: GivenLine<'_>,
     ) -> Result<u8, CoreError> {
-        let painted = painted_line(&line, (eye, view), closed)?;
+        let painted = painted(&line)?;
         let cut = py.detach(|| self.session.cut_along(SegmentId(segment_id), &painted));
         Ok(cut?.0)
     }
@@ -311,12 +284,9 @@ impl PySession {
         &self,
         py: Python<'_>,
         segment_id: u8,
-        line: PyReadonlyArray2<'_, f64>,
-        eye: Triple,
-        view: Triple,
-        closed: bool,
+        line: GivenLine<'_>,
     ) -> Result<[f64; 2], CoreError> {
-        let painted = painted_line(&line, (eye, view), closed)?;
+        let painted = painted(&line)?;
         Ok(py.detach(|| self.session.preview_cut(SegmentId(segment_id), &painted))?)
     }
 
@@ -439,8 +409,13 @@ impl PySession {
     }
 
     /// Chooses the model by which matter gives way by its name; none makes all matter hard.
-    fn set_deformation(&self, py: Python<'_>, model: Option<String>) -> Result<(), CoreError> {
-        Ok(py.detach(|| self.session.set_deformation(model))?)
+    fn set_deformation(
+        &self,
+        py: Python<'_>,
+        model: Option<String>,
+        edge: Option<u32>,
+    ) -> Result<(), CoreError> {
+        Ok(py.detach(|| self.session.set_deformation(model, edge))?)
     }
 
     /// Tells what a segment is made of: by name, by constants, or linear in HU; else it is hard.
@@ -462,9 +437,41 @@ impl PySession {
         Ok(py.detach(|| self.session.set_material(SegmentId(segment_id), law))?)
     }
 
+    /// Tells how parts of a segment take part: treatment, box of voxels, other segment.
+    fn set_parts(
+        &self,
+        py: Python<'_>,
+        segment_id: u8,
+        parts: Vec<PartTuple>,
+    ) -> Result<(), CoreError> {
+        let parts = parts.into_iter().map(part).collect::<Result<_, _>>()?;
+        Ok(py.detach(|| self.session.set_parts(SegmentId(segment_id), parts))?)
+    }
+
     fn deformation<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let now = py.detach(|| self.session.deformation());
         deformation_dict(py, &now.map_err(CoreError::from)?)
+    }
+
+    /// What happened to the needle since it was taken in the hand.
+    fn needle_events(&self, py: Python<'_>) -> Result<Vec<Event>, CoreError> {
+        let report = py.detach(|| self.session.needle_report())?;
+        Ok(report.events.iter().map(event_tuple).collect())
+    }
+
+    /// Takes the needle out on the way that it went in; False where none is in.
+    fn withdraw_needle(&self, py: Python<'_>) -> Result<bool, CoreError> {
+        Ok(py.detach(|| self.session.withdraw_needle())?)
+    }
+
+    fn show_parts(&self, on: bool) {
+        self.session.show_parts(on);
+    }
+
+    /// The parts of the model that were not given before, or None.
+    fn parts<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
+        let parts = py.detach(|| self.session.parts());
+        parts.map(|parts| parts_dict(py, &parts)).transpose()
     }
 
     fn stroke(&self, py: Python<'_>, on: bool) -> Result<(), CoreError> {
@@ -564,94 +571,5 @@ impl PySession {
 
     fn stop(&self, py: Python<'_>) {
         py.detach(|| self.session.stop());
-    }
-}
-
-/// A line that was painted on the picture.
-fn painted_line(
-    line: &PyReadonlyArray2<'_, f64>,
-    (eye, view): (Triple, Triple),
-    closed: bool,
-) -> Result<Painted, CoreError> {
-    let points = line.as_array();
-    if points.ncols() != 3 {
-        return Err(CoreError::value(format!(
-            "points of shape {:?} given; allowed: [count, 3]",
-            line.shape()
-        )));
-    }
-    let rows = points.rows().into_iter();
-    Ok(Painted {
-        eye: vector(eye),
-        view: vector(view),
-        line: rows.map(|row| vector((row[0], row[1], row[2]))).collect(),
-        closed,
-    })
-}
-
-/// The transform of a homogeneous matrix.
-fn affine(matrix: &PyReadonlyArray2<'_, f64>) -> Result<DAffine3, CoreError> {
-    let shape = matrix.shape();
-    if shape != [4, 4] {
-        return Err(CoreError::value(format!(
-            "pose of shape {shape:?} given; allowed: [4, 4]"
-        )));
-    }
-    let rows = matrix.as_array();
-    let column = |axis: usize| vector((rows[[0, axis]], rows[[1, axis]], rows[[2, axis]]));
-    let last = [rows[[3, 0]], rows[[3, 1]], rows[[3, 2]], rows[[3, 3]]];
-    if last != [0.0, 0.0, 0.0, 1.0] {
-        return Err(CoreError::value(format!(
-            "pose with the last row {last:?} given; allowed: 0, 0, 0, 1"
-        )));
-    }
-    Ok(DAffine3::from_cols(
-        column(0),
-        column(1),
-        column(2),
-        column(3),
-    ))
-}
-
-/// The rows (time, x, y, z) of a path.
-fn path_samples(path: &PyReadonlyArray2<'_, f64>) -> Result<Vec<PathSample>, CoreError> {
-    let shape = path.shape();
-    if shape[1] != 4 {
-        return Err(CoreError::value(format!(
-            "path of shape {shape:?} given; allowed: [count, 4], rows (time, x, y, z)"
-        )));
-    }
-    let rows = path.as_array();
-    let samples = rows.rows().into_iter().map(|row| PathSample {
-        time: row[0],
-        position: vector((row[1], row[2], row[3])),
-    });
-    Ok(samples.collect())
-}
-
-/// The device of this name, and how it moves the probe.
-fn device_named(
-    name: &str,
-    path: Option<Vec<PathSample>>,
-) -> Result<(Box<dyn HapticDevice>, Reference), CoreError> {
-    let settings = SimulatedSettings::default();
-    match (name, path) {
-        ("simulated", None) => {
-            let device = SimulatedDevice::new(settings, glam::DVec3::ZERO)?;
-            Ok((Box::new(device), Reference::View))
-        }
-        ("scripted", Some(samples)) => {
-            let device = ScriptedDevice::new(samples, settings.limits)?;
-            Ok((Box::new(device), Reference::Scene))
-        }
-        ("simulated", Some(_)) => Err(CoreError::value(
-            "device 'simulated' given with a path; allowed: a path with 'scripted' only",
-        )),
-        ("scripted", None) => Err(CoreError::value(
-            "device 'scripted' given without a path; allowed: with an array [count, 4]",
-        )),
-        _ => Err(CoreError::value(format!(
-            "device {name:?} given; allowed: 'simulated', 'scripted'"
-        ))),
     }
 }

@@ -1,17 +1,20 @@
 //! Tools as the package names and reads them.
 
 use palpate_engine::frame::Frame;
+use palpate_engine::needle::NeedleNow;
+use palpate_haptics::needle::events::NeedleEvent;
 use palpate_tools::drill::DrillSettings;
 use palpate_tools::specific_energy::SpecificEnergy;
 use palpate_tools::tool::{ToolKind, ToolSettings};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::matter::SegmentSet;
+use palpate_volume::tissue::Tissue;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::errors::CoreError;
 use crate::frame::dictionary;
-use crate::needle::{Figures, tissue_of};
+use crate::scenario::Figures;
 
 /// A tool by its name; `energy` is the drill's work per volume, none that of bone by HU; `tissues` are
 /// those of a needle.
@@ -23,19 +26,24 @@ pub fn tool_settings(
     energy: Option<f64>,
     tissues: Vec<Figures>,
 ) -> Result<ToolSettings, CoreError> {
-    let usual = DrillSettings::default();
     Ok(ToolSettings {
         kind: ToolKind::from_name(kind)?,
         radius,
         segments: segments.into_iter().map(SegmentId).collect(),
-        drill: DrillSettings {
-            air: air.unwrap_or(usual.air),
-            specific_energy: energy.map_or(usual.specific_energy, SpecificEnergy::Everywhere),
-            ..usual
-        },
-        tissues: tissues.into_iter().map(tissue_of).collect(),
+        drill: drill_settings(air, energy),
+        tissues: tissues.into_iter().map(Tissue::of_figures).collect(),
         spared: SegmentSet::EMPTY,
     })
+}
+
+/// A drill by what the scan reads where matter went and its work per volume; none are as usual.
+pub fn drill_settings(air: Option<f64>, energy: Option<f64>) -> DrillSettings {
+    let usual = DrillSettings::default();
+    DrillSettings {
+        air: air.unwrap_or(usual.air),
+        specific_energy: energy.map_or(usual.specific_energy, SpecificEnergy::Everywhere),
+        ..usual
+    }
 }
 
 /// The tool in the hand; its keys are the fields of `protocol.ToolState`.
@@ -53,4 +61,33 @@ pub fn tool_dict<'py>(py: Python<'py>, frame: &Frame) -> PyResult<Bound<'py, PyD
         "undo_bytes": frame.undo_bytes,
         "undo_budget": frame.undo_budget,
     )
+}
+
+/// A needle in the hand; its keys are the fields of `protocol.NeedleState`.
+pub fn needle_dict<'py>(py: Python<'py>, needle: &NeedleNow) -> PyResult<Bound<'py, PyDict>> {
+    let place = needle.place.unwrap_or_default();
+    dictionary!(py,
+        "inside": needle.place.is_some(),
+        "depth": place.depth,
+        "segment": place.segment,
+        "tip": needle.forces.stiffness + needle.forces.cutting,
+        "friction": needle.forces.friction,
+        "wall": needle.forces.wall,
+        "events": needle.events,
+    )
+}
+
+/// Kind, segment, time [s], depth [mm] and force [N] of what happened to a needle.
+pub type Event = (&'static str, u8, f64, f64, f64);
+
+/// An event as Python has it.
+pub fn event_tuple(event: &NeedleEvent) -> Event {
+    let NeedleEvent {
+        kind,
+        segment,
+        time,
+        depth,
+        force,
+    } = *event;
+    (kind.name(), segment, time, depth, force)
 }

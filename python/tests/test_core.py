@@ -140,6 +140,7 @@ def test_thresholds_follow_undo() -> None:
         "pending": False,
         "range": (500.0, 2000.0),
         "made_by": (500.0, 2000.0),
+        "material": None,
         "pose": None,
     }
     session.fill_box(1, (0, 0, 0), (5, 5, 5), solid=True)

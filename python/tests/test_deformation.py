@@ -2,13 +2,24 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
+from palpate import protocol
 from palpate.errors import OptionError
-from palpate.material import LinearMaterial, Material, deformation_models, material_presets
+from palpate.material import (
+    LinearMaterial,
+    Material,
+    Part,
+    deformation_models,
+    material_presets,
+    model_boxes,
+)
 from palpate.recording import Recording
 from palpate.scene import Scene
 from palpate.scripted_path import ScriptedPath
+from palpate.server_matter import asked_material, material_of
 from palpate.session import Session, SessionOptions
 from palpate.volume import Volume
 
@@ -71,11 +82,159 @@ def test_without_a_model_or_a_material_matter_is_hard() -> None:
     assert np.array_equal(pressed(None, "lattice").forces, hard)
 
 
+def test_a_dent_comes_back_and_parts_can_be_rigid() -> None:
+    rigid = Part("rigid", box=((0, 0, 0), (48, 48, int(TOP) - 2)))
+    path = ScriptedPath((24.3, 24.4, 30.0))
+    path = path.move((24.3, 24.4, TOP - DEEP), seconds=1.0)
+    path = path.move((24.3, 24.4, TOP - DEEP), seconds=0.5)
+    path = path.move((24.3, 24.4, 34.0), seconds=0.7)
+    forces, moved = [], []
+    for parts in ([], [rigid]):
+        with Session(scene(), device=path, options=OFFLINE) as session:
+            session.set_material(1, GEL)
+            session.set_parts(1, parts)
+            session.set_deformation("lattice")
+            forces.append(session.run(1.4).forces[-1][2])
+            moved.append(session.deformation()["moved_voxels"])
+            session.run(1.5)
+            assert session.deformation()["moved_voxels"] == 0
+    assert moved[0] > 0
+    # two layers over what is rigid
+    assert forces[1] > 1.2 * forces[0] > 0.0
+
+
+@pytest.mark.parametrize(
+    ("part", "message"),
+    [
+        (Part("soft"), '"soft" given; allowed: deformable, rigid, empty'),  # type: ignore[arg-type]
+        (Part("rigid", box=((0, 0, 0), (1, 1, 1)), shared_with=1), "one of them"),
+        (Part("rigid", shared_with=9), "segment 9"),
+    ],
+)
+def test_what_is_no_part_is_refused(part: Part, message: str) -> None:
+    with (
+        Session(scene(), device=ScriptedPath((24.0, 24.0, 30.0))) as session,
+        pytest.raises(OptionError, match=message),
+    ):
+        session.set_parts(1, [part])
+
+
 def test_materials_are_named_with_their_sources() -> None:
     presets = {preset.name: preset.source for preset in material_presets()}
     assert {"liver", "skin", "cortical-bone", "thesis-bone"} <= set(presets)
     assert all(presets.values())
     assert set(deformation_models()) == {"lattice", "fcc-lj", "cuboid-lj", "global-lj"}
+    assert model_boxes("lattice") == (9, 21, 41)
+    assert model_boxes("global-lj") is None
+    bone = next(preset for preset in material_presets() if preset.name == "thesis-bone")
+    # 5.28.3
+    assert bone.needs_hounsfield
+    assert (bone.low.young, bone.high.young) == pytest.approx((5e9, 21e9))
+
+
+def pressing() -> Session:
+    """A session that presses the gel for 1.6 s, and is away from it 0.6 s later."""
+    path = ScriptedPath((24.3, 24.4, 30.0))
+    path = path.move((24.3, 24.4, TOP - DEEP), seconds=1.0)
+    path = path.move((24.3, 24.4, TOP - DEEP), seconds=0.6)
+    path = path.move((24.3, 24.4, TOP + 20.0), seconds=0.4)
+    path = path.move((24.3, 24.4, TOP + 20.0), seconds=0.6)
+    session = Session(scene(), device=path, options=OFFLINE)
+    session.set_material(1, GEL)
+    session.set_deformation("lattice")
+    session.picture_changes()
+    return session
+
+
+def displacements(session: Session, seconds: float) -> list[Any]:
+    """Returns what the picture is told of where matter stands in so long."""
+    session.run(seconds)
+    changes = session.picture_changes()
+    return [change["displaced"] for change in changes if change["displaced"] is not None]
+
+
+def farthest(displaced: Any) -> float:
+    moved = np.frombuffer(displaced["moved"], "<f2").reshape(-1, 4)
+    assert not moved[:, 3].any()
+    return float(np.abs(moved[:, :3]).max(initial=0.0))
+
+
+def test_the_picture_is_told_where_matter_stands_while_it_is_pressed() -> None:
+    with pressing() as session:
+        told = displacements(session, 1.2)
+        assert len(told) > 5
+        assert tuple(told[-1]["size"]) == (21, 21, 21)
+        assert len(told[-1]["moved"]) == 8 * 21**3
+        # a hand that rests: what cannot be seen is not told
+        last = displacements(session, 0.35)
+        assert len(last) < 5
+        # voxels have followed, and what they do not show yet is less than one of them
+        assert 0.1 < farthest([*told, *last][-1]) <= 1.0
+        # and nothing is left once it has gone
+        after = displacements(session, 1.0)
+        assert (tuple(after[-1]["size"]), after[-1]["moved"]) == ((0, 0, 0), b"")
+        assert tuple(session.whole_surfaces()["displaced"]["size"]) == (0, 0, 0)
+
+
+def test_without_its_model_matter_stands_in_its_voxels_again() -> None:
+    with pressing() as session:
+        assert farthest(displacements(session, 1.3)[-1]) > 0.1
+        session.set_deformation(None)
+        told = displacements(session, 0.05)
+        assert [tuple(each["size"]) for each in told] == [(0, 0, 0)]
+
+
+def test_the_parts_of_a_model_are_shown_on_request_alone() -> None:
+    with pressing() as session:
+        session.run(0.9)
+        assert session.parts() is None
+        session.show_parts(on=True)
+        session.run(0.3)
+        parts = session.parts()
+        assert parts is not None
+        strains = np.frombuffer(parts["strains"], np.int8)
+        assert len(strains) == session.deformation()["nodes"] > 1000
+        assert len(parts["places"]) == 6 * len(strains)
+        # pressed under the tool
+        assert strains.min() < -5
+        assert session.parts() is None
+        session.show_parts(on=False)
+        session.run(0.1)
+        assert session.parts() is None
+
+
+def test_a_model_takes_the_boxes_that_it_offers() -> None:
+    with Session(scene(), device=ScriptedPath((24.0, 24.0, 30.0)), options=OFFLINE) as session:
+        session.set_material(1, GEL)
+        session.set_deformation("lattice", edge=9)
+        session.run(0.2)
+        assert session.deformation()["edge"] == 9
+        with pytest.raises(OptionError, match="a box of 10 along each edge given for lattice"):
+            session.set_deformation("lattice", edge=10)
+        with pytest.raises(OptionError, match="a box given for global-lj; allowed: none"):
+            session.set_deformation("global-lj", edge=9)
+        assert session.deformation()["model"] == "lattice"
+
+
+def test_segments_say_what_they_are_made_of() -> None:
+    with Session(scene(), device=ScriptedPath((24.0, 24.0, 30.0))) as session:
+        assert material_of(session.segments()[0]) is None
+        session.set_material(1, "liver")
+        liver = material_of(session.segments()[0])
+        assert liver is not None
+        assert liver.preset == "liver"
+        assert liver.low.young == pytest.approx(5500.0)
+        wanted = protocol.SetMaterial(
+            1, None, protocol.Constants(7000.0, 0.3, 1000.0, None, friction=0.1)
+        )
+        session.set_material(1, asked_material(wanted))
+        own = material_of(session.segments()[0])
+        assert own is not None
+        assert own.preset is None
+        assert own.low == own.high
+        assert (own.low.poisson, own.low.breaking_strain) == (0.3, None)
+        session.set_material(1, asked_material(protocol.SetMaterial(1, None, None)))
+        assert material_of(session.segments()[0]) is None
 
 
 @pytest.mark.parametrize(

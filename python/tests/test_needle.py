@@ -1,17 +1,19 @@
-"""Needles from Python: driving one into layers, and the scenarios of the command line."""
+"""Needles from Python: driving one into layers, and one in the hand of a session."""
 
 from __future__ import annotations
 
-import json
-from pathlib import Path
+from typing import get_args
 
 import numpy as np
 import pytest
-from palpate.cli import run
+from palpate import protocol
+from palpate.drive import Drive
 from palpate.errors import OptionError
-from palpate.needle import TISSUES, NeedleRun, Tissue, drive_needle, line_through
+from palpate.needle import TISSUES, Tissue, drive_needle
+from palpate.scenario_lines import line_through
+from palpate.scenario_run import ScenarioRun
 from palpate.scene import Scene
-from palpate.session import Session
+from palpate.session import Session, SessionOptions
 from palpate.volume import Volume
 
 SHAPE = (24, 60, 24)
@@ -30,11 +32,11 @@ def mask(name: str) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
     return solid
 
 
-def driven(**options: float) -> NeedleRun:
+def driven(**options: float) -> ScenarioRun:
     scan = volume()
     layers = [(scan.segment(mask(name), name=name), TISSUES.get(name)) for name in BORDERS]
     start, target = line_through(scan, mask("liver"), mask("bone"))
-    return drive_needle(scan, layers, start=start, target=target, **options)
+    return drive_needle(scan, layers, Drive(start=start, target=target, **options))
 
 
 def test_a_needle_punctures_layer_after_layer_and_stops_at_bone() -> None:
@@ -88,31 +90,41 @@ def test_the_needle_of_a_session_needs_a_tissue_for_each_segment() -> None:
             session.set_tool("needle", segment_ids=[1], tissues=[soft])
 
 
-@pytest.mark.parametrize("name", ["needle-skull", "needle-liver"])
-def test_a_scenario_on_the_phantom_writes_its_ticks_and_its_chart(
-    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    table, chart = tmp_path / "run.json", tmp_path / "run.png"
-    assert run(["scenario", name, "--json", str(table), "--plot", str(chart)]) == 0
-    told = json.loads(table.read_text())
-    assert told["scenario"] == name
-    figures = told["figures"]
-    assert figures["violations"] == 0
-    assert figures["spikes"] == 0
-    assert figures["deepest"] <= figures["wall"]
-    assert figures["deepest_probe"] <= figures["wall"]
-    punctured = [event["segment"] for event in told["events"] if event["kind"] == "punctured"]
-    assert punctured[0] == "skin"
-    assert ("liver" in punctured) == (name == "needle-liver")
-    assert told["events"][-1]["kind"] == "withdrawn"
-    assert any(event["kind"] == "stopped" for event in told["events"])
-    assert len(told["samples"]["force"]) == len(told["phase"])
-    assert chart.stat().st_size > 10_000
-    assert "spikes 0" in capsys.readouterr().out
+def test_a_thicker_needle_meets_more_and_a_foundation_that_is_as_stiff() -> None:
+    liver = TISSUES["liver"]
+    thick = liver.met_by(2.0)
+    assert thick.puncture == pytest.approx(2.0 * liver.puncture)
+    assert thick.friction == pytest.approx(2.0 * liver.friction)
+    assert thick.lateral == liver.lateral
+    assert liver.met_by(1.0) == liver
 
 
-def test_a_scenario_without_its_labels_is_refused(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert run(["scenario", "needle-skull", "--plot", str(tmp_path / "run.txt")]) == 2
-    assert "allowed" in capsys.readouterr().err
+def test_pages_know_the_tissues_that_there_are() -> None:
+    assert set(get_args(protocol.TissueName)) == set(TISSUES)
+
+
+def test_a_needle_in_the_hand_is_told_of_and_withdrawn() -> None:
+    scan = volume()
+    scene = Scene(scan)
+    for name in BORDERS:
+        scene.add(scan.segment(mask(name), name=name), touchable=True)
+    x, y, z = line_through(scan, mask("liver"), mask("bone"))[0].tolist()
+    start = (x, y, z)
+    tissues = [TISSUES["skin"], TISSUES["liver"]]
+    with Session(scene, options=SessionOptions(real_time=False, start=start)) as session:
+        session.set_tool("needle", radius=0.5, segment_ids=[1, 2], tissues=tissues)
+        session.stroke(on=True)
+        assert not session.withdraw_needle()
+        for step in range(60):
+            session.hand((start[0], start[1] + 0.6 * step, start[2]))
+            session.run(0.05)
+        needle = session.frame()["needle"]
+        assert needle["inside"]
+        assert needle["depth"] > 5.0
+        kinds = [(event.kind, event.segment) for event in session.needle_events()]
+        assert kinds[:2] == [("punctured", 1), ("punctured", 2)]
+        assert needle["events"] == len(kinds)
+        assert session.withdraw_needle()
+        session.run(0.1)
+        assert not session.frame()["needle"]["inside"]
+        assert session.needle_events()[-1].kind == "withdrawn"

@@ -16,6 +16,8 @@ ZERO = (0.0, 0.0, 0.0)
 
 NO_TOOL = protocol.ToolState("none", 0.0, False, 0, 0.0, 0.0, 0.0, 0.0, 0, 1)  # noqa: FBT003
 
+NO_NEEDLE = protocol.NeedleState(False, 0.0, 0, 0.0, 0.0, 0.0, 0)  # noqa: FBT003
+
 
 def state(tick: int, samples: int = 4) -> protocol.State:
     return protocol.State(
@@ -40,6 +42,10 @@ def state(tick: int, samples: int = 4) -> protocol.State:
         can_undo=False,
         can_redo=False,
         tool=NO_TOOL,
+        needle=NO_NEEDLE,
+        matter=protocol.MatterState(
+            None, None, ZERO, 0, late=False, nodes=0, bonds_broken=0, work_broken=0.0
+        ),
         rates=protocol.Rates(RATE, RATE, RATE, RATE, real_time=False),
         safety=protocol.Safety(0, 0, 0, 0, 0, 0, 0, 0, 0, "on", None),
         recording=None,
@@ -142,3 +148,32 @@ def test_a_page_that_is_new_is_told_all_surfaces_after_what_it_begins_with() -> 
     segments, missed = told(outbox, 2)
     assert segments["type"] == "segments"
     assert not missed.labels.is_empty
+
+
+def displaced(edit: int, *, applied: float | None = None) -> protocol.Changed:
+    """Where matter stands after an edit: 800 bytes."""
+    box = protocol.Displaced(ZERO, (1.0, 1.0, 1.0), (10, 10, 1), bytes(800))
+    return protocol.Changed(edit=edit, applied=applied, voxels=[], surfaces=[], displaced=box)
+
+
+def test_of_where_matter_stands_only_the_newest_waits() -> None:
+    outbox = Outbox()
+    box = changed(2, low=(0, 0, 0), values=False)
+    with_edit = msgspec.structs.replace(box, displaced=displaced(2).displaced)
+    for message in (displaced(1), with_edit, displaced(2), displaced(3, applied=1.0), displaced(3)):
+        outbox.tell(message)
+    assert outbox.waiting_bytes == 1000 + 800
+    messages = told(outbox, 3)
+    # what has nothing else in it is forgotten; the edits stay
+    assert [message["edit"] for message in messages] == [2, 3, 3]
+    assert [message["displaced"] is None for message in messages] == [True, True, False]
+    assert outbox.waiting_bytes == 0
+
+
+def test_of_the_parts_of_a_model_only_the_newest_wait() -> None:
+    outbox = Outbox()
+    for count in (1, 2, 3):
+        outbox.tell(protocol.MatterParts(ZERO, ZERO, 1.0, bytes(6 * count), bytes(count)))
+    outbox.tell(state(1))
+    parts, newest = told(outbox, 2)
+    assert (parts["type"], len(parts["strains"]), newest["type"]) == ("matter_parts", 3, "state")

@@ -4,7 +4,7 @@
 //! its 6 face and 12 edge neighbours. Equal springs on all of them are exactly isotropic with
 //! ν = 1/4; a term on the volume of each cell of 8 nodes gives the other ratios. A box of nodes
 //! moves with the tool; its border stands for the body behind it. Each frame the nodes are
-//! brought to rest (FIRE) from where they were.
+//! brought to rest from where they were; voxels follow them.
 //!
 //! Frame of this module: the lattice's own, mm along the axes of the grid; node (i, j, k) of
 //! the box rests at (i, j, k) · spacing. Source: thesis errata, sections 3, 6 and 7;
@@ -16,20 +16,26 @@
 )]
 
 mod bond_forces;
+mod bond_memory;
 mod border;
 mod coarse;
+mod conjugate;
 mod contact_law;
 mod inelastic;
 mod lattice_model;
 mod layout;
 mod moduli;
+mod moving_box;
 mod node_contacts;
 mod nodes;
 mod relax;
 mod resample;
+mod structure;
+mod tangent;
 mod tool_contact;
 mod vectors;
 mod volume_forces;
+mod write_back;
 
 pub use border::Border;
 pub use inelastic::{Breaking, Inelastic, InelasticSettings, Prony};

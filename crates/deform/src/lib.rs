@@ -11,9 +11,12 @@
 //! This crate depends on `palpate-volume` only. It will not depend on touch, devices, tools
 //! or the engine's threads.
 
+mod displacement;
 pub mod integrator;
 pub mod lattice;
 pub mod material;
 pub mod model;
 pub mod particles;
 pub mod potential;
+pub mod pressed_block;
+mod rest_matter;

@@ -122,6 +122,18 @@ pub struct Solid {
 }
 
 impl Solid {
+    /// The same constants in SI, as people write them.
+    #[must_use]
+    pub fn si(&self) -> SolidSi {
+        SolidSi {
+            young: self.young / MEGAPASCAL,
+            poisson: self.poisson,
+            density: self.density / PER_CUBIC_MILLIMETRE,
+            breaking_strain: self.breaking_strain,
+            friction: self.friction,
+        }
+    }
+
     /// Lamé's first parameter λ [N/mm²]. Source: thesis 5.46.
     #[must_use]
     pub fn lame(&self) -> f64 {
@@ -264,6 +276,12 @@ impl MaterialLaw {
                 }
             }
         }
+    }
+
+    /// The solids at the two ends of its interval of HU; the same twice where it has none.
+    #[must_use]
+    pub fn ends(&self) -> [Solid; 2] {
+        [f64::NEG_INFINITY, f64::INFINITY].map(|hounsfield| self.at(hounsfield))
     }
 
     /// Whether it reads intensities as HU; such a law is for CT only.

@@ -17,7 +17,7 @@ use palpate_volume::material::LocalContact;
 use palpate_volume::voxels::Voxels;
 use thiserror::Error;
 
-use crate::lattice::LatticeModel;
+use crate::lattice::{LatticeModel, LatticeSettings};
 use crate::material::Materials;
 use crate::particles::{GlobalModel, GlobalSettings, LocalModel, LocalSettings};
 
@@ -134,6 +134,13 @@ pub enum ModelEvent {
         /// The middle of them [mm].
         place: DVec3,
     },
+    /// Particles changed their neighbours: a crystal slips by rows.
+    Slipped {
+        /// Links that parted.
+        count: u32,
+        /// The middle of them [mm].
+        place: DVec3,
+    },
     /// Poisson's ratio was out of the model's range, and the nearest one is used.
     PoissonClamped {
         /// As asked.
@@ -145,12 +152,21 @@ pub enum ModelEvent {
     Reset,
 }
 
-/// What the picture needs to show a displacement that moves no voxel yet.
+/// The displacement that the voxels do not show yet: the whole one less what was written back.
 ///
-/// Memory: x fastest; node (i, j, k) stands at `origin + axes · (i, j, k) · spacing`.
+/// What the voxels show at a place y, the edit of the same answer taken in, stands at
+/// y + moved(y): trilinear between nodes, zero outside the box. Where nothing was written back
+/// that is all of the displacement from rest; where voxels have moved, it is what rounding to
+/// voxels left over, about half a voxel at most. Beside matter it goes on into empty space for some nodes, so that a
+/// surface between nodes moves as the matter under it.
+///
+/// To draw: a vertex of a patch at y goes to y + moved(y); a sample of the volume at x reads
+/// the voxels at the y with y + moved(y) = x (y = x − moved(y), from y = x in some steps).
+///
+/// Memory: x fastest; node (i, j, k) is at `origin + axes · (i, j, k) · spacing`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DisplacementField {
-    /// First node at rest [mm].
+    /// First node [mm].
     pub origin: DVec3,
     /// Directions of the three indices, of length 1.
     pub axes: DMat3,
@@ -158,7 +174,7 @@ pub struct DisplacementField {
     pub spacing: f64,
     /// Nodes along each index.
     pub size: UVec3,
-    /// How far each node has moved [mm], patient axes; zero where there is no matter.
+    /// For each node, from where voxels show it to where it stands [mm], patient axes.
     pub moved: Vec<Vec3>,
 }
 
@@ -171,6 +187,8 @@ pub struct ModelReport {
     pub residual: f64,
     /// Nodes or particles that take part.
     pub nodes: u32,
+    /// Voxels that are not as they were at rest.
+    pub moved_voxels: u32,
     /// Bonds broken since the start.
     pub bonds_broken: u64,
     /// Work that breaking them took since the start [N·mm].
@@ -184,7 +202,7 @@ pub struct ModelAnswer {
     pub edit: Option<Edit>,
     /// One for each tool, in order.
     pub contacts: Vec<ToolContact>,
-    /// Where matter stands within its voxels; none where nothing is deformed.
+    /// Displacement that the voxels do not show; none where they show all.
     pub displacement: Option<DisplacementField>,
     /// What happened at once.
     pub events: Vec<ModelEvent>,
@@ -192,13 +210,28 @@ pub struct ModelAnswer {
     pub report: ModelReport,
 }
 
+/// Where the parts of a model are, for whoever looks at the model itself.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ModelParts {
+    /// Of each part, where it is at rest and where it stands [mm].
+    pub places: Vec<[DVec3; 2]>,
+    /// Between neighbours at rest [mm].
+    pub apart: f64,
+}
+
 /// A model of deformation. Its state is its own; the same calls give the same answers.
 pub trait DeformationModel: Send + fmt::Debug {
     /// Brings matter to rest, or one step further, with the tools where they are now.
     fn advance(&mut self, input: &ModelInput<'_>) -> ModelAnswer;
 
-    /// Forgets all displacements, as after undo or a change of the materials.
+    /// Forgets all displacements and what broke, as after undo or a change of the materials.
+    /// What it wrote into voxels, and still stands there, the next answers give back.
     fn reset(&mut self);
+
+    /// Its nodes or particles; none where it has none, or nothing was asked yet.
+    fn parts(&self) -> ModelParts {
+        ModelParts::default()
+    }
 }
 
 /// A model by the name that users write.
@@ -206,27 +239,100 @@ pub trait DeformationModel: Send + fmt::Debug {
 pub struct Registered {
     /// As users write it.
     pub name: &'static str,
-    /// Makes it with its default settings.
-    pub make: fn() -> Box<dyn DeformationModel>,
+    /// Boxes that can be chosen; none where it has no box.
+    pub boxes: Option<Boxes>,
+    /// Makes it with its default settings, but for a box of such an edge.
+    pub make: fn(Option<u32>) -> Box<dyn DeformationModel>,
 }
 
-/// All models; a new one is one line here.
+/// Boxes of a model that moves with the tool, by the nodes or cells along each edge: odd.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Boxes {
+    /// Fewest.
+    pub least: u32,
+    /// As many as its default settings have.
+    pub usual: u32,
+    /// Most.
+    pub most: u32,
+}
+
+impl Registered {
+    /// Makes it, where such a box can be chosen; none is the usual one.
+    ///
+    /// # Errors
+    /// Where its box cannot be as large, or it has none.
+    pub fn with_box(&self, edge: Option<u32>) -> Result<Box<dyn DeformationModel>, WrongBox> {
+        let name = self.name;
+        if let Some(edge) = edge {
+            let Boxes { least, most, .. } = self.boxes.ok_or(WrongBox::NoBox { name })?;
+            if edge % 2 == 0 || !(least..=most).contains(&edge) {
+                return Err(WrongBox::Edge {
+                    name,
+                    edge,
+                    least,
+                    most,
+                });
+            }
+        }
+        Ok((self.make)(edge))
+    }
+}
+
+/// A box that a model cannot have.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+pub enum WrongBox {
+    /// It has none.
+    #[error("a box given for {name}; allowed: none, it takes all matter")]
+    NoBox {
+        /// The model.
+        name: &'static str,
+    },
+    /// Of another size.
+    #[error("a box of {edge} along each edge given for {name}; allowed: odd, {least} to {most}")]
+    Edge {
+        /// The model.
+        name: &'static str,
+        /// As given.
+        edge: u32,
+        /// Fewest.
+        least: u32,
+        /// Most.
+        most: u32,
+    },
+}
+
+/// Of models of particles.
+const PARTICLE_BOXES: Boxes = Boxes {
+    least: 7,
+    usual: 13,
+    most: 31,
+};
+
+/// All models; a new one is one entry here.
 pub const MODELS: &[Registered] = &[
     Registered {
         name: "lattice",
-        make: || Box::new(LatticeModel::default()),
+        boxes: Some(Boxes {
+            least: 9,
+            usual: 21,
+            most: 41,
+        }),
+        make: |edge| Box::new(LatticeModel::new(LatticeSettings::of_box(edge))),
     },
     Registered {
         name: "fcc-lj",
-        make: || Box::new(LocalModel::fcc_lj(LocalSettings::default())),
+        boxes: Some(PARTICLE_BOXES),
+        make: |edge| Box::new(LocalModel::fcc_lj(LocalSettings::of_box(edge))),
     },
     Registered {
         name: "cuboid-lj",
-        make: || Box::new(LocalModel::cuboid_lj(LocalSettings::default())),
+        boxes: Some(PARTICLE_BOXES),
+        make: |edge| Box::new(LocalModel::cuboid_lj(LocalSettings::of_box(edge))),
     },
     Registered {
         name: "global-lj",
-        make: || Box::new(GlobalModel::global_lj(GlobalSettings::default())),
+        boxes: None,
+        make: |_| Box::new(GlobalModel::global_lj(GlobalSettings::default())),
     },
 ];
 
@@ -240,16 +346,14 @@ pub struct UnknownModel {
     pub allowed: String,
 }
 
-/// Makes the model of a name.
+/// The model of a name.
 ///
 /// # Errors
 /// Where there is none.
-pub fn model_from_name(name: &str) -> Result<Box<dyn DeformationModel>, UnknownModel> {
+pub fn model_from_name(name: &str) -> Result<&'static Registered, UnknownModel> {
     let known = MODELS.iter().find(|model| model.name == name);
-    known
-        .map(|model| (model.make)())
-        .ok_or_else(|| UnknownModel {
-            given: name.to_owned(),
-            allowed: MODELS.iter().map(|m| m.name).collect::<Vec<_>>().join(", "),
-        })
+    known.ok_or_else(|| UnknownModel {
+        given: name.to_owned(),
+        allowed: MODELS.iter().map(|m| m.name).collect::<Vec<_>>().join(", "),
+    })
 }

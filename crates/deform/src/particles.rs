@@ -16,12 +16,13 @@ mod lanes;
 #[cfg(target_arch = "x86_64")]
 mod lanes_x86;
 pub mod lattices;
+pub mod limits;
 pub mod local_model;
 mod local_state;
 pub mod neighbours;
 pub mod pair_force;
 pub mod pair_laws;
-mod rest_matter;
+mod slips;
 pub mod space;
 pub mod state;
 pub mod system;

@@ -81,33 +81,32 @@ fn force(answer: &ModelAnswer) -> DVec3 {
 fn a_pressed_body_pushes_back_as_stiffly_as_its_contact_says() {
     let (voxels, id, top) = body(DVec3::ONE);
     let materials = made_of(id, LIVER, Vec::new());
-    let mut model = model_from_name("lattice").expect("a known name");
+    let mut model = (model_from_name("lattice").expect("a known name").make)(None);
     let at = |depth: f64| ball(DVec3::new(18.0, 18.0, top + 3.0 - depth), 3.0);
     assert_eq!(
         force(&advance(&mut *model, &voxels, &materials, at(-1.0))),
         DVec3::ZERO
     );
-    let answers = [0.8, 1.0].map(|depth| advance(&mut *model, &voxels, &materials, at(depth)));
+    let answers = [0.8, 0.85].map(|depth| advance(&mut *model, &voxels, &materials, at(depth)));
     let [less, more] = answers.each_ref().map(force);
     assert!(
         less.z > 0.0 && more.z > less.z && more.x.abs() < 0.1 * more.z,
         "{less} {more}"
     );
 
-    let stiffness = answers[1].contacts[0].contact.expect("contact").stiffness;
-    let seen = -(more.z - less.z) / 0.2;
+    let stiffness = answers[0].contacts[0].contact.expect("contact").stiffness;
+    let seen = -(more.z - less.z) / 0.05;
     let ratio = stiffness.z_axis.z / seen;
-    // nodes come into contact one by one, so that both are stairs: within a factor of two
     assert!(
-        (0.5..2.0).contains(&ratio),
+        (0.9..1.1).contains(&ratio),
         "told {} seen {seen}",
         stiffness.z_axis.z
     );
     let field = answers[1].displacement.as_ref().expect("a field");
     let deepest = field.moved.iter().map(|moved| moved.z).fold(0.0, f32::min);
     assert!(
-        (-1.1..-0.6).contains(&deepest),
-        "the dent is as deep as the tool: {deepest}"
+        (-0.95..-0.3).contains(&deepest),
+        "what voxels do not show of the dent: {deepest}"
     );
 }
 
@@ -138,7 +137,7 @@ fn flat_voxels_carry_the_same_force_as_cubes() {
 fn a_box_that_follows_a_sliding_tool_makes_no_step_in_the_force() {
     let (voxels, id, top) = body(DVec3::ONE);
     let materials = made_of(id, LIVER, Vec::new());
-    let mut model = model_from_name("lattice").expect("a known name");
+    let mut model = (model_from_name("lattice").expect("a known name").make)(None);
     let mut forces = Vec::new();
     for step in 0..90 {
         let aside = 0.1 * f64::from(step);
@@ -156,7 +155,7 @@ fn parts_can_be_rigid_or_as_if_they_were_not_there() {
     let (voxels, id, top) = body(DVec3::ONE);
     let press = |treatment| {
         let materials = made_of(id, LIVER, vec![(Part::Whole, treatment)]);
-        let mut model = model_from_name("lattice").expect("a known name");
+        let mut model = (model_from_name("lattice").expect("a known name").make)(None);
         let place = DVec3::new(18.0, 18.0, top + 2.7);
         force(&advance(&mut *model, &voxels, &materials, ball(place, 3.0))).z
     };
@@ -176,7 +175,7 @@ fn what_breaks_is_told_as_an_event_and_counted() {
         },
         Vec::new(),
     );
-    let mut model = model_from_name("lattice").expect("a known name");
+    let mut model = (model_from_name("lattice").expect("a known name").make)(None);
     let mut told = 0;
     let mut last = ModelAnswer::default();
     for step in 0..30 {
@@ -200,7 +199,7 @@ fn what_breaks_is_told_as_an_event_and_counted() {
 fn tools_that_are_none_feel_nothing_and_harm_nothing() {
     let (voxels, id, top) = body(DVec3::ONE);
     let materials = made_of(id, LIVER, Vec::new());
-    let mut model = model_from_name("lattice").expect("a known name");
+    let mut model = (model_from_name("lattice").expect("a known name").make)(None);
     let good = ball(DVec3::new(18.0, 18.0, top + 2.5), 3.0);
     let before = force(&advance(&mut *model, &voxels, &materials, good));
     let absurd = [
@@ -239,7 +238,7 @@ fn ratios_beyond_the_lattice_are_told_once_and_unknown_names_list_the_known() {
         },
         Vec::new(),
     );
-    let mut model = model_from_name("lattice").expect("a known name");
+    let mut model = (model_from_name("lattice").expect("a known name").make)(None);
     let tool = ball(DVec3::new(18.0, 18.0, top + 2.5), 3.0);
     let clamped = ModelEvent::PoissonClamped {
         asked: 0.48,

@@ -6,7 +6,8 @@ use palpate_deform::integrator::{Fire, TimeScale, VelocityVerlet};
 use palpate_deform::material::{MaterialLaw, preset};
 use palpate_deform::particles::calibration::{Calibration, FADE, LatticeKind, LatticeScale};
 use palpate_deform::particles::elasticity::{CubicModuli, fcc_offsets};
-use palpate_deform::particles::lattices::{FCC_CHI, cubes, fcc};
+use palpate_deform::particles::lattices::{FCC_CHI, fcc};
+use palpate_deform::particles::limits::cuboid_heat;
 use palpate_deform::particles::{
     CuboidLaw, CutLaw, FadedLaw, PairOptions, ParticleSystem, Particles, Registers, Space, Workers,
 };
@@ -379,35 +380,11 @@ fn virtual_compression_recovers_youngs_modulus() {
     );
 }
 
-/// Kinetic energy per particle of a block of 5³ cubes after so many periods.
-fn cuboid_heat(periods: u32, friction: f64) -> f64 {
-    let mut particles = Particles::at_rest(&cubes(IVec3::splat(5), 1.0), 1.0, 1.0);
-    let mut random = oorandom::Rand64::new(4);
-    for velocity in &mut particles.velocities {
-        let mut one = || 2.0 * random.rand_float() - 1.0;
-        // 0.0006 D each
-        *velocity = 0.0346 * DVec3::new(one(), one(), one());
-    }
-    let law = CuboidLaw::new(1.0, 2.1, 0.5);
-    let mut system = ParticleSystem::new(particles, law, 2.1 * 3.0_f64.sqrt(), 0.3, Space::Open);
-    system.options.depth = Some(1.0);
-    let verlet = VelocityVerlet {
-        step: 0.01 * PERIOD,
-        friction,
-    };
-    system.evaluate();
-    for _ in 0..100 * periods {
-        verlet.advance(&mut system, ParticleSystem::evaluate);
-    }
-    system.particles.kinetic_energy() / system.particles.len() as f64
-}
-
 /// The thesis' cuboid force is not conservative: without friction a block heats up by itself.
 #[test]
 fn a_block_of_cuboid_particles_heats_up_unless_damped() {
     let (early, late) = (cuboid_heat(10, 0.0), cuboid_heat(50, 0.0));
-    // B0/m = 2 ω0, the critical friction of one link
-    let damped = cuboid_heat(50, 2.0 * std::f64::consts::TAU / PERIOD);
+    let damped = cuboid_heat(50, 1.0);
     println!(
         "cuboid-lj, kinetic energy per particle: start 6e-4 D, 10 T0 {early:.2e}, 50 T0 {late:.2e}, with B0 {damped:.1e}"
     );

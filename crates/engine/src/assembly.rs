@@ -22,6 +22,7 @@ use crate::handover::{Channels, HandTarget, SimulationChannels};
 use crate::live::{Loops, PICTURE_HZ, SIMULATION_HZ};
 use crate::mapping::{Mapping, view_from_the_front};
 use crate::mask_shares::MaskShares;
+use crate::matter_view::MatterView;
 use crate::picture::{Picture, PictureSources, RateReaders};
 use crate::placement::{REACH, free_point, in_front_of};
 use crate::rate::RateMeter;
@@ -48,6 +49,8 @@ pub struct Assembly {
     pub pace: SurfacePace,
     /// Rung whenever they have followed.
     pub bell: Arc<Bell>,
+    /// The parts of the deformation model.
+    pub matter_view: Arc<MatterView>,
     /// Where the hand pulls to.
     pub hand: Input<HandTarget>,
     /// What all threads see.
@@ -94,7 +97,9 @@ pub fn assemble(config: SessionConfig) -> Result<Assembly, SessionError> {
     let surfaces = Arc::new(Mutex::new(surfaces));
     let ends = (status, notices.clone(), news);
     let (deformation, deformation_loop) = Deformation::new(!config.real_time);
-    let (shares, share_loop) = MaskShares::new();
+    let matter_view = deformation_loop.view();
+    let (mut shares, share_loop) = MaskShares::new();
+    shares.switch(config.mask_shares);
     let simulation = first_simulation(
         (scene, deformation, shares),
         (settings, limits),
@@ -133,6 +138,7 @@ pub fn assemble(config: SessionConfig) -> Result<Assembly, SessionError> {
         surfaces,
         pace,
         bell,
+        matter_view,
         hand: channels.hand,
         shared,
         notices,
@@ -227,7 +233,7 @@ fn scene_of(
         scene.perform(Step::Insert {
             id: SegmentId(id),
             segment,
-            properties,
+            properties: Box::new(properties),
         })?;
     }
     Ok(scene)

@@ -10,6 +10,7 @@
 
 mod embedded;
 mod ground;
+pub mod matter;
 pub mod passivity;
 pub mod quality;
 mod random;

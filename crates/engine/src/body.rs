@@ -45,4 +45,12 @@ impl Occupancy for BodyVoxels {
     fn share(&self, voxel: IVec3, solid: bool) -> Option<f32> {
         self.shares.as_ref()?.share(voxel, solid)
     }
+
+    #[inline]
+    fn share_changes(&self, voxels: &[(IVec3, bool)], changes: &mut [f32]) {
+        match &self.shares {
+            Some(shares) => shares.share_changes(voxels, changes),
+            None => changes.fill(0.0),
+        }
+    }
 }

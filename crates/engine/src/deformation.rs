@@ -3,20 +3,20 @@
 //!
 //! Frame: scene, which is the patient's; segments that were moved do not give way.
 
-use std::collections::BTreeMap;
-use std::sync::Arc;
 use std::sync::mpsc::{self, Receiver, Sender};
 use std::time::Duration;
 
 use glam::{DMat3, DQuat, DVec3};
-use palpate_deform::material::{MaterialLaw, Materials, Part, SegmentMatter, Treatment};
 use palpate_deform::model::{
-    DeformationModel, ModelAnswer, ModelEvent, ModelReport, ToolShape, ToolState,
+    DeformationModel, DisplacementField, ModelAnswer, ModelEvent, ModelReport, ToolShape, ToolState,
 };
-use palpate_volume::edit::{Edit, SegmentId};
+use palpate_haptics::soft_contact::STALE_SECS;
+use palpate_volume::edit::Edit;
 use palpate_volume::material::LocalContact;
+use palpate_volume::matter::SegmentSet;
 
 use crate::deformation_loop::{DeformationJob, DeformationLoop, ModelVoxels};
+use crate::giving_matter::{GivingMatter, soft_segments};
 use crate::handover::{GivingWay, ServoStatus};
 use crate::scene::Scene;
 
@@ -25,17 +25,26 @@ const PATIENCE: Duration = Duration::from_millis(25);
 /// Matter farther from the tool than this is not asked [mm].
 const REACH: f64 = 30.0;
 
+/// A model and the name that it goes by.
+pub type NamedModel = (&'static str, Box<dyn DeformationModel>);
+
 /// The deformation as the picture shows it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DeformationNow {
     /// Name of the model; none where nothing gives way.
     pub model: Option<&'static str>,
+    /// Nodes or cells along each edge of its box; none for as many as usual.
+    pub edge: Option<u32>,
     /// Force on the tool [N].
     pub force: DVec3,
     /// Answers so far.
     pub answers: u64,
+    /// Of these, answers in which particles slipped: there the force may jump.
+    pub slips: u64,
     /// How the last one went.
     pub report: ModelReport,
+    /// Whether the next one is late: until it comes, matter is as hard as its voxels.
+    pub late: bool,
 }
 
 /// What came of an answer.
@@ -45,6 +54,8 @@ pub struct Outcome {
     pub edit: Option<Edit>,
     /// What the servo is to follow.
     pub giving_way: Option<GivingWay>,
+    /// Where matter stands beside its voxels.
+    pub displacement: Option<DisplacementField>,
     /// What happened at once.
     pub events: Vec<ModelEvent>,
 }
@@ -59,7 +70,9 @@ pub struct Deformation {
     model: Option<&'static str>,
     /// To be sent with the next job.
     new_model: Option<Box<dyn DeformationModel>>,
-    laws: BTreeMap<SegmentId, MaterialLaw>,
+    /// What takes the model's place once that has given back all that it moved.
+    next: Option<Option<NamedModel>>,
+    matter: GivingMatter,
     /// The edit number that the model knows of; none where it knows nothing.
     known: Option<u64>,
     reset: bool,
@@ -72,7 +85,7 @@ pub struct Deformation {
 /// The job that is out.
 #[derive(Clone, Copy, Debug)]
 struct Asked {
-    segments: [u64; 4],
+    segments: SegmentSet,
     tool: DVec3,
     edit: u64,
 }
@@ -90,7 +103,8 @@ impl Deformation {
             patience: (!in_step).then_some(PATIENCE),
             model: None,
             new_model: None,
-            laws: BTreeMap::new(),
+            next: None,
+            matter: GivingMatter::default(),
             known: None,
             reset: false,
             asked: None,
@@ -101,29 +115,42 @@ impl Deformation {
         (deformation, DeformationLoop::new(job_inbox, answers))
     }
 
-    /// Puts a model in the place of the one before, or none: then all matter is hard.
-    pub fn set_model(&mut self, model: Option<(&'static str, Box<dyn DeformationModel>)>) {
-        (self.model, self.new_model) = model.unzip();
-        self.known = None;
-    }
-
-    /// What a segment is made of; none where it is hard.
-    pub fn set_law(&mut self, id: SegmentId, law: Option<MaterialLaw>) {
-        match law {
-            Some(law) => {
-                self.laws.insert(id, law);
-            }
-            None => {
-                self.laws.remove(&id);
-            }
-        }
+    /// Puts a model in the place of the one before, or none: then all matter is hard. What the
+    /// one before has moved it gives back first.
+    pub fn set_model(&mut self, model: Option<NamedModel>) {
+        self.next = Some(model);
         self.reset = true;
+        self.install_next();
     }
 
-    /// What a segment is made of; none where it is hard.
+    /// The next model takes its place, once nothing is moved any more.
+    fn install_next(&mut self) {
+        let is_free = self.asked.is_none() && self.now.report.moved_voxels == 0;
+        if !is_free && self.model.is_some() {
+            return;
+        }
+        if let Some(next) = self.next.take() {
+            (self.model, self.new_model) = next.unzip();
+            self.now.report = ModelReport::default();
+            self.known = None;
+        }
+    }
+
+    /// How parts of segments take part.
     #[must_use]
-    pub fn law(&self, id: SegmentId) -> Option<MaterialLaw> {
-        self.laws.get(&id).copied()
+    pub fn matter(&self) -> &GivingMatter {
+        &self.matter
+    }
+
+    /// How parts of segments take part, to be changed: displacements are forgotten.
+    pub fn change_matter(&mut self) -> &mut GivingMatter {
+        self.forget_displacements();
+        &mut self.matter
+    }
+
+    /// Displacements are forgotten: matter is another one.
+    pub fn forget_displacements(&mut self) {
+        self.reset = true;
     }
 
     /// Displacements are forgotten: the voxels are those of another time.
@@ -135,8 +162,9 @@ impl Deformation {
     /// What the picture shows of it.
     #[must_use]
     pub fn now(&self) -> DeformationNow {
+        let next = self.next.as_ref();
         DeformationNow {
-            model: self.model,
+            model: next.map_or(self.model, |next| next.as_ref().map(|(name, _)| *name)),
             ..self.now
         }
     }
@@ -144,6 +172,11 @@ impl Deformation {
     /// Takes an answer, if one has come, and asks again where matter gives way near the tool.
     pub fn exchange(&mut self, scene: &Scene, status: &ServoStatus) -> Outcome {
         let mut outcome = self.take_answer(scene);
+        self.matter.follow(scene);
+        if outcome.edit.is_none() {
+            self.install_next();
+        }
+        self.now.late = self.asked.is_some() && status.time - self.last_time > STALE_SECS;
         if self.asked.is_none() && outcome.edit.is_none() {
             self.ask(scene, status);
         }
@@ -162,6 +195,12 @@ impl Deformation {
         self.known = Some(edit_number);
     }
 
+    /// Whether the model knows the voxels as of this edit number.
+    #[must_use]
+    pub fn knows(&self, edit_number: u64) -> bool {
+        self.known == Some(edit_number)
+    }
+
     fn take_answer(&mut self, scene: &Scene) -> Outcome {
         let Ok(answer) = self.answers.try_recv() else {
             return Outcome::default();
@@ -172,6 +211,8 @@ impl Deformation {
         let contact = answer.contacts.first().and_then(|tool| tool.contact);
         self.now.answers += 1;
         self.now.report = answer.report;
+        let slipped = |event: &ModelEvent| matches!(event, ModelEvent::Slipped { .. });
+        self.now.slips += u64::from(answer.events.iter().any(slipped));
         self.now.force = contact.map_or(DVec3::ZERO, |contact| contact.force);
         self.gave_way = true;
         // built from voxels that are others by now: the model looks again
@@ -186,16 +227,23 @@ impl Deformation {
                 segments: asked.segments,
                 contact: Some(contact.unwrap_or_else(|| nothing_at(asked.tool))),
             }),
+            displacement: answer.displacement,
             events: answer.events,
         }
     }
 
     fn ask(&mut self, scene: &Scene, status: &ServoStatus) {
         let tool = status.tool;
-        let segments = self.soft_segments(scene, tool);
+        let leaves = self.next.is_some();
+        let segments = match leaves {
+            true => SegmentSet::default(),
+            false => soft_segments(scene, tool, REACH),
+        };
+        // what was moved comes back after the tool has left
+        let is_needed = !segments.is_empty() || self.now.report.moved_voxels > 0;
         // before its first tick the servo has told of no place
         let is_known = status.time > 0.0 && tool.is_finite();
-        if self.model.is_none() || segments == [0; 4] || !is_known {
+        if self.model.is_none() || !is_needed || !is_known {
             return;
         }
         let edit = scene.voxels().edit_number();
@@ -209,14 +257,14 @@ impl Deformation {
             model: self.new_model.take(),
             reset: std::mem::take(&mut self.reset),
             voxels,
-            materials: Arc::new(self.materials(scene)),
-            tool: ToolState {
+            materials: self.matter.materials(scene),
+            tool: (!leaves).then_some(ToolState {
                 id: 0,
                 // what is smaller than the voxels would slip between them
                 shape: ToolShape::Ball(status.radius.max(smallest)),
                 position: tool,
                 orientation: DQuat::IDENTITY,
-            },
+            }),
             dt: (status.time - self.last_time).max(0.0),
             patience: self.patience,
         };
@@ -230,55 +278,6 @@ impl Deformation {
             });
         }
     }
-
-    /// Segments that give way near a place, one bit for each number.
-    fn soft_segments(&self, scene: &Scene, tool: DVec3) -> [u64; 4] {
-        let grid = scene.voxels().grid();
-        let mut bits = [0; 4];
-        for id in self.laws.keys() {
-            let is_there = scene.is_obstacle(*id) && scene.properties_of(*id).pose.is_none();
-            let bounds = scene.voxels().segment(*id).and_then(|s| s.bounding_box());
-            let near = bounds.is_some_and(|bounds| {
-                let point = grid.grid_from_patient().transform_point3(tool);
-                let nearest = point.clamp(bounds.min.as_dvec3(), bounds.max.as_dvec3());
-                ((nearest - point) * grid.spacing()).length() <= REACH
-            });
-            if is_there && near {
-                bits[usize::from(id.0 / 64)] |= 1 << (id.0 % 64);
-            }
-        }
-        bits
-    }
-
-    /// What all obstacles are made of: those without a material hold what is bonded to them.
-    fn materials(&self, scene: &Scene) -> Materials {
-        let unmoved = scene
-            .obstacles()
-            .filter(|(_, _, properties)| properties.pose.is_none());
-        let mut segments: Vec<SegmentMatter> = unmoved
-            .map(|(segment, _, _)| match self.laws.get(&segment) {
-                Some(law) => SegmentMatter {
-                    segment,
-                    law: *law,
-                    treatments: Vec::new(),
-                },
-                None => SegmentMatter {
-                    segment,
-                    law: hard(),
-                    treatments: vec![(Part::Whole, Treatment::Rigid)],
-                },
-            })
-            .collect();
-        // where a voxel belongs to several the last counts: what is hard stays hard
-        segments.sort_by_key(|matter| (!matter.treatments.is_empty(), matter.segment));
-        Materials { segments }
-    }
-}
-
-/// Of matter that does not give way, of which only that it is stiff counts.
-fn hard() -> MaterialLaw {
-    let bone = palpate_deform::material::preset("cortical-bone").and_then(|preset| preset.law());
-    bone.expect("a preset of the list")
 }
 
 /// Nothing pushes the tool here.

@@ -12,6 +12,8 @@ use palpate_deform::model::{Budget, DeformationModel, ModelAnswer, ModelInput, T
 use palpate_volume::edit::Edit;
 use palpate_volume::voxels::Voxels;
 
+use crate::matter_view::{MatterView, ShownParts};
+
 /// What the model is to look at.
 #[derive(Debug)]
 pub enum ModelVoxels {
@@ -32,8 +34,8 @@ pub struct DeformationJob {
     pub voxels: ModelVoxels,
     /// What it is made of.
     pub materials: Arc<Materials>,
-    /// Where the tool is.
-    pub tool: ToolState,
+    /// Where the tool is; none where matter is to come back.
+    pub tool: Option<ToolState>,
     /// Since the last job [s].
     pub dt: f64,
     /// How long the model may take; without it, it always does the same work.
@@ -49,11 +51,15 @@ pub struct DeformationLoop {
     voxels: Option<Box<Voxels>>,
     /// Of the last answer; the next job tells whether the true voxels took it.
     edit: Option<Edit>,
+    /// Where the model's parts are put, where anybody looks.
+    view: Arc<MatterView>,
+    /// For one answer, at most.
+    iterations: u32,
 }
 
 /// Iterations for one answer, at most: what a step of a quarter of a node takes to the last
 /// hundredth of the force, twice over.
-const ITERATIONS: u32 = 120;
+const ITERATIONS: u32 = 80;
 
 impl DeformationLoop {
     /// A loop without a model.
@@ -65,7 +71,20 @@ impl DeformationLoop {
             model: None,
             voxels: None,
             edit: None,
+            view: Arc::default(),
+            iterations: ITERATIONS,
         }
+    }
+
+    /// Where the parts of the model are shown.
+    #[must_use]
+    pub fn view(&self) -> Arc<MatterView> {
+        Arc::clone(&self.view)
+    }
+
+    /// So many iterations for one answer from now on.
+    pub fn set_iterations(&mut self, iterations: u32) {
+        self.iterations = iterations;
     }
 
     /// Does what is asked for, if anything is.
@@ -109,15 +128,18 @@ impl DeformationLoop {
         let answer = model.advance(&ModelInput {
             voxels,
             materials: &job.materials,
-            tools: &[job.tool],
+            tools: job.tool.as_slice(),
             dt: job.dt,
             budget: Budget {
-                iterations: ITERATIONS,
+                iterations: self.iterations,
                 deadline: job.patience.map(|patience| began + patience),
             },
         });
         self.edit.clone_from(&answer.edit);
         // whoever asked may have gone
         let _ = self.answers.send(answer);
+        if self.view.is_wanted() {
+            self.view.put(ShownParts::of(&model.parts()));
+        }
     }
 }

@@ -138,6 +138,9 @@ pub enum SessionError {
     /// No deformation model of that name.
     #[error(transparent)]
     Model(#[from] palpate_deform::model::UnknownModel),
+    /// No such box of a deformation model.
+    #[error(transparent)]
+    ModelBox(#[from] palpate_deform::model::WrongBox),
     /// Voxels that do not fit.
     #[error(transparent)]
     Voxels(#[from] VoxelsError),

@@ -5,6 +5,8 @@
 use glam::{DAffine3, DVec3};
 pub use palpate_haptics::safety::ForceOff;
 
+use crate::deformation::DeformationNow;
+use crate::needle::NeedleNow;
 use crate::rate::Rate;
 use crate::tool_stroke::ToolNow;
 
@@ -173,6 +175,10 @@ pub struct Frame {
     pub voxels_version: u64,
     /// The tool in the hand, and what it has done.
     pub tool: ToolNow,
+    /// The needle, where it is that.
+    pub needle: NeedleNow,
+    /// Matter that gives way.
+    pub matter: DeformationNow,
     /// Bytes that undo and redo hold on to.
     pub undo_bytes: usize,
     /// How many they may.

@@ -15,6 +15,7 @@ use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::material::LocalContact;
+use palpate_volume::matter::SegmentSet;
 use palpate_volume::shares::ShareBrick;
 use rtrb::{Consumer, Producer, RingBuffer};
 use serde::{Deserialize, Serialize};
@@ -77,10 +78,6 @@ pub struct HandTarget {
 
 /// Simulation → servo, obeyed in order.
 #[derive(Debug)]
-#[expect(
-    clippy::large_enum_variant,
-    reason = "the servo takes them out of the ring, and must not free what a box would hold"
-)]
 pub enum ServoCommand {
     /// Replaces all that can be touched.
     Root {
@@ -113,7 +110,7 @@ pub enum ServoCommand {
     /// What gives way from now on, and how it pushes.
     GiveWay(GivingWay),
     /// Takes a needle in the hand that can puncture these segments, or out of it.
-    Needle(bool, Tissues),
+    Needle(bool, Box<Tissues>),
     /// Asks for the servo's state at the end of this tick, from where it can be replayed.
     Mark,
 }
@@ -121,18 +118,10 @@ pub enum ServoCommand {
 /// The newest answer of a deformation model.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct GivingWay {
-    /// Segments that give way, one bit for each number.
-    pub segments: [u64; 4],
+    /// Segments that give way.
+    pub segments: SegmentSet,
     /// How they push the tool; none where nothing is known of it.
     pub contact: Option<LocalContact>,
-}
-
-impl GivingWay {
-    /// Whether a segment gives way.
-    #[must_use]
-    pub fn includes(&self, id: SegmentId) -> bool {
-        self.segments[usize::from(id.0 / 64)] >> (id.0 % 64) & 1 == 1
-    }
 }
 
 /// Servo → simulation: where a recording begins.
@@ -224,6 +213,8 @@ pub enum Garbage {
     Root(Box<Touchable>),
     /// Bricks that are no longer touched.
     Bricks(BrickChange),
+    /// What a command told of a needle, once that is known.
+    Tissues(Box<Tissues>),
     /// A brick that was never touched.
     Brick(BrickSwap<BitBrick>),
     /// The same of shares.
@@ -248,8 +239,8 @@ pub struct ServoStatus {
     pub held_edits: [u64; MAX_HELD],
     /// Edits that were not even held, since too many are.
     pub skipped: u64,
-    /// Moved segments that the probe keeps from where they are to go, one bit for each number.
-    pub stopped: [u64; 4],
+    /// Moved segments that the probe keeps from where they are to go.
+    pub stopped: SegmentSet,
     /// Placements refused, since there was no free voxel near the point.
     pub refused_places: u64,
     /// Radius of the probe that was admitted [mm].
@@ -278,8 +269,6 @@ pub struct ServoStatus {
     pub origin: DVec3,
     /// Commands obeyed by then.
     pub command: u64,
-    /// The needle.
-    pub needle: NeedleStatus,
 }
 
 /// Servo → picture: one tick.
@@ -341,6 +330,8 @@ pub struct ServoChannels {
     pub status: Input<ServoStatus>,
     /// To the simulation, where any of them has changed.
     pub poses: Input<CurrentPoses>,
+    /// To the simulation, while a needle is felt and once more when it no longer is.
+    pub needle: Input<NeedleStatus>,
     /// To the picture.
     pub records: Producer<TickRecord>,
     /// To the simulation.
@@ -358,6 +349,8 @@ pub struct SimulationChannels {
     pub status: Output<ServoStatus>,
     /// From the servo: where moved segments stand, at the time of the status or later.
     pub poses: Output<CurrentPoses>,
+    /// From the servo: the needle, at the time of the status or later.
+    pub needle: Output<NeedleStatus>,
     /// From the servo.
     pub snapshots: Consumer<Snapshot>,
 }
@@ -395,6 +388,7 @@ impl Channels {
         });
         let (status_in, status_out) = triple_buffer(&ServoStatus::default());
         let (poses_in, poses_out) = triple_buffer(&CurrentPoses::default());
+        let (needle_in, needle_out) = triple_buffer(&NeedleStatus::default());
         let (inbox_in, inbox_out) = RingBuffer::new(INBOX);
         let (garbage_in, garbage_out) = RingBuffer::new(GARBAGE);
         let (records_in, records_out) = RingBuffer::new(RECORDS);
@@ -412,6 +406,7 @@ impl Channels {
                 garbage: garbage_in,
                 status: status_in,
                 poses: poses_in,
+                needle: needle_in,
                 records: records_in,
                 snapshots: snapshots_in,
             },
@@ -420,6 +415,7 @@ impl Channels {
                 garbage: garbage_out,
                 status: status_out,
                 poses: poses_out,
+                needle: needle_out,
                 snapshots: snapshots_out,
             },
             records: records_out,

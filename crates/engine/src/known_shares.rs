@@ -82,6 +82,33 @@ impl KnownShares {
         }
         self.worked_out.as_ref()?.share(voxel, solid)
     }
+
+    /// What those of some voxels are beyond their bits; see `Occupancy::share_changes`.
+    #[inline]
+    pub fn share_changes(&self, voxels: &[(IVec3, bool)], changes: &mut [f32]) {
+        match &self.made {
+            Some(made) => made.values.share_changes(&made.limits, voxels, changes),
+            None => changes.fill(0.0),
+        }
+        if self
+            .made
+            .as_ref()
+            .is_some_and(|made| made.owners.is_empty())
+        {
+            return;
+        }
+        for (change, &(voxel, solid)) in changes.iter_mut().zip(voxels) {
+            if self
+                .made
+                .as_ref()
+                .is_none_or(|made| !made.has(voxel, solid))
+            {
+                let known = self.worked_out.as_ref();
+                let share = known.and_then(|shares| shares.share(voxel, solid));
+                *change = share.map_or(0.0, |share| share - f32::from(u8::from(solid)));
+            }
+        }
+    }
 }
 
 impl Made {
@@ -115,5 +142,56 @@ impl Made {
         [IVec3::X, IVec3::Y, IVec3::Z]
             .into_iter()
             .any(|axis| has(voxel - axis) || has(voxel + axis))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scan_values::Threshold;
+    use glam::UVec3;
+    use palpate_volume::intensities::Intensities;
+    use palpate_volume::threshold::threshold;
+    use palpate_volume::voxel_box::VoxelBox;
+
+    #[test]
+    fn shares_told_at_once_are_those_told_one_by_one_beside_a_mask_too() {
+        let size = UVec3::new(17, 9, 12);
+        let values: Vec<i16> = (0..17 * 9 * 12).map(|i| (i * 37 % 1000) as i16).collect();
+        let scan = Intensities::new(size, values, 1.0, 0.0).expect("one value per voxel");
+        let range = (400.0, 700.0);
+        let made = Part {
+            id: SegmentId(1),
+            bits: threshold(&scan, None, range.0, range.1).occupancy().clone(),
+            moved: None,
+            threshold: Some(Threshold {
+                range,
+                values: ScanValues::of(&scan),
+            }),
+            shares: None,
+            punctured: false,
+        };
+        let mask = Part {
+            id: SegmentId(2),
+            bits: threshold(&scan, None, 650.0, 900.0).occupancy().clone(),
+            threshold: None,
+            ..made.clone()
+        };
+        for parts in [vec![&made], vec![&made, &mask]] {
+            let shares = KnownShares::of(size, &parts).expect("a threshold made one");
+            let solid = |voxel: IVec3| parts.iter().any(|part| part.bits.is_solid(voxel));
+            let voxels = VoxelBox::of_dimensions(size).voxels();
+            let voxels: Vec<_> = voxels.map(|voxel| (voxel, solid(voxel))).collect();
+            let mut changes = vec![f32::NAN; voxels.len()];
+            shares.share_changes(&voxels, &mut changes);
+            let one_by_one = voxels.iter().map(|(voxel, solid)| {
+                let bit = f32::from(u8::from(*solid));
+                shares
+                    .share(*voxel, *solid)
+                    .map_or(0.0, |share| share - bit)
+            });
+            assert!(one_by_one.clone().any(|change| change != 0.0));
+            assert!(changes.iter().copied().eq(one_by_one));
+        }
     }
 }

@@ -67,10 +67,11 @@ pub struct MaskShares {
     asked: Option<Asked>,
     jobs: Sender<ShareJob>,
     answers: Receiver<ShareAnswer>,
+    on: bool,
 }
 
 impl MaskShares {
-    /// Nothing is known; and the loop that works it out.
+    /// Nothing is known nor worked out until it is switched on; and the loop that does it.
     #[must_use]
     pub fn new() -> (Self, ShareLoop) {
         let (jobs, job_inbox) = mpsc::channel();
@@ -81,12 +82,18 @@ impl MaskShares {
             asked: None,
             jobs,
             answers: answer_inbox,
+            on: false,
         };
         let share_loop = ShareLoop {
             jobs: job_inbox,
             answers,
         };
         (shares, share_loop)
+    }
+
+    /// Works shares out from now on, or not: then masks are touched by their bits alone.
+    pub fn switch(&mut self, on: bool) {
+        self.on = on;
     }
 
     /// Regions that are still to be worked out.
@@ -98,6 +105,9 @@ impl MaskShares {
     /// Follows a change of what is touched: forgets shares where voxels changed, and gives what it
     /// forgot.
     pub fn follow(&mut self, scene: &mut Scene, change: &TouchChange) -> Vec<ShareSwap> {
+        if !self.on {
+            return Vec::new();
+        }
         let (bricks, ids) = match change {
             TouchChange::Bricks(bricks, ids) => (Some(&bricks[..]), ids),
             TouchChange::All(ids) => (None, ids),

@@ -15,6 +15,7 @@ use palpate_haptics::proxy::Proxy;
 use palpate_haptics::scene::{MAX_OBJECTS, ObjectPose};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
+use palpate_volume::matter::SegmentSet;
 use palpate_volume::voxel_box::VoxelBox;
 use serde::{Deserialize, Serialize};
 
@@ -149,15 +150,11 @@ impl MovedPoses {
             .any(|moved| moved.motion.is_some())
     }
 
-    /// Segments that the probe keeps from where they are to go, one bit for each number.
+    /// Segments that the probe keeps from where they are to go.
     #[must_use]
-    pub fn stopped(&self) -> [u64; 4] {
-        let mut bits = [0; 4];
-        for moved in self.moved.iter().flatten() {
-            if moved.stopped && moved.motion.is_some() {
-                bits[usize::from(moved.id / 64)] |= 1 << (moved.id % 64);
-            }
-        }
-        bits
+    pub fn stopped(&self) -> SegmentSet {
+        let moved = self.moved.iter().flatten();
+        let stopped = moved.filter(|moved| moved.stopped && moved.motion.is_some());
+        stopped.map(|moved| SegmentId(moved.id)).collect()
     }
 }

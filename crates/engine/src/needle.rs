@@ -6,13 +6,14 @@
 
 use glam::{DVec3, IVec3};
 use palpate_haptics::needle::events::{Events, NeedleEvent};
-use palpate_haptics::needle::tissues::{Layered, Matter, Met, Segments, Tissues};
+use palpate_haptics::needle::tissues::{Layered, Matter, Met, Tissues};
 use palpate_haptics::needle::{Needle, NeedleForces};
 use palpate_volume::edit::SegmentId;
+use palpate_volume::matter::SegmentSet;
 
 use crate::model::Model;
 use crate::settings::Settings;
-use crate::touchable::Touchable;
+use crate::touchable::{Part, Touchable};
 
 /// Friction of a tip that sticks where it touches, unless it is pushed nearly along the surface.
 const TIP_STICKS: f64 = 2.0;
@@ -31,33 +32,15 @@ pub fn sharp(settings: &Settings) -> Settings {
     }
 }
 
-/// What can be touched, as a needle meets it.
-#[derive(Clone, Copy, Debug)]
-pub struct NeedleMatter<'a> {
-    touchable: &'a Touchable,
-    tissues: Tissues,
-}
-
-impl<'a> NeedleMatter<'a> {
-    /// With the tissues of a needle.
-    #[must_use]
-    pub fn of(touchable: &'a Touchable, needle: &Needle) -> Self {
-        Self {
-            touchable,
-            tissues: *needle.tissues(),
-        }
-    }
-}
-
-impl Matter for NeedleMatter<'_> {
-    fn at(&self, voxel: IVec3) -> Met {
+impl Matter for Touchable {
+    fn at(&self, voxel: IVec3, tissues: &Tissues) -> Met {
         let mut layer = Layered::default();
-        let stand = |part: &&crate::touchable::Part| part.moved.is_none();
-        for part in self.touchable.parts.iter().filter(stand) {
+        let stand = |part: &&Part| part.moved.is_none();
+        for part in self.parts.iter().filter(stand) {
             if !part.bits.is_solid(voxel) {
                 continue;
             }
-            match self.tissues.place_of(part.id.0) {
+            match tissues.place_of(part.id.0) {
                 // what is hard counts before whatever else is there
                 None => return Met::Wall(part.id.0),
                 Some(place) => layer = layer.with(place),
@@ -71,10 +54,8 @@ impl Matter for NeedleMatter<'_> {
     }
 
     fn is_open(&self) -> bool {
-        let parts = &self.touchable.parts;
-        parts
-            .iter()
-            .any(|part| part.punctured && part.moved.is_none())
+        let mut parts = self.parts.iter();
+        parts.any(|part| part.punctured && part.moved.is_none())
     }
 }
 
@@ -88,7 +69,7 @@ pub struct NeedleStatus {
     /// What holds it [N].
     pub forces: NeedleForces,
     /// Segments that are to be no obstacle.
-    pub punctured: Segments,
+    pub punctured: SegmentSet,
     /// What happened to it.
     pub events: Events,
 }
@@ -127,6 +108,17 @@ impl NeedleStatus {
             events: *needle.events(),
         }
     }
+}
+
+/// The needle as the picture shows it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct NeedleNow {
+    /// Where it is in; none where it is out.
+    pub place: Option<NeedlePlace>,
+    /// What holds it [N].
+    pub forces: NeedleForces,
+    /// How many events there were since the session began.
+    pub events: u64,
 }
 
 /// Events of one stroke that are kept, at most.
@@ -169,7 +161,7 @@ impl NeedleWatch {
 
     /// Takes what the servo says, after so many commands; gives the segments that are to be no
     /// obstacle, where that counts.
-    pub fn follow(&mut self, status: &NeedleStatus, command: u64) -> Option<Segments> {
+    pub fn follow(&mut self, status: &NeedleStatus, command: u64) -> Option<SegmentSet> {
         let room = MAX_KEPT - self.report.events.len();
         let new = status.events.since(self.known).take(room);
         self.report.events.extend(new);
@@ -179,9 +171,18 @@ impl NeedleWatch {
         }
         self.report.place = status.place;
         self.report.forces = status.forces;
-        let all = (0..=u8::MAX).filter(|id| status.punctured.contains(*id));
-        self.report.punctured = all.map(SegmentId).collect();
+        self.report.punctured = status.punctured.ids().collect();
         Some(status.punctured)
+    }
+
+    /// What the picture shows of it.
+    #[must_use]
+    pub fn now(&self) -> NeedleNow {
+        NeedleNow {
+            place: self.report.place,
+            forces: self.report.forces,
+            events: self.known,
+        }
     }
 
     /// What it has done.

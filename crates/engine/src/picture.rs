@@ -148,6 +148,8 @@ impl Picture {
             segments_version: status.segments_version,
             voxels_version: status.voxels_version,
             tool: status.tool,
+            needle: status.needle,
+            matter: status.matter,
             undo_bytes: status.undo_bytes,
             undo_budget: status.undo_budget,
             rates: self.rates(now_ns),

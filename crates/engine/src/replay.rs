@@ -260,7 +260,7 @@ impl<'a> Player<'a> {
             TapeCommand::Pose(id, pose) => ServoCommand::Pose(SegmentId(id), pose),
             TapeCommand::Feel(id, feel) => ServoCommand::Feel(SegmentId(id), feel),
             TapeCommand::GiveWay(giving_way) => ServoCommand::GiveWay(giving_way),
-            TapeCommand::Needle(on, tissues) => ServoCommand::Needle(on, tissues),
+            TapeCommand::Needle(on, ref tissues) => ServoCommand::Needle(on, tissues.clone()),
             TapeCommand::Mark => ServoCommand::Mark,
         })
     }

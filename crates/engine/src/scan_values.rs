@@ -11,7 +11,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
 
 use glam::{IVec3, UVec3};
-use palpate_haptics::smooth::shares::{Around, Limits};
+use palpate_haptics::smooth::shares::{Around, Limits, Stored};
 use palpate_volume::brick_grid::{BRICK, BrickGrid, BrickSwap};
 use palpate_volume::intensities::Intensities;
 use palpate_volume::intensity_brick::IntensityBrick;
@@ -126,16 +126,36 @@ impl ScanValues {
         }
         let around = match &self.kept {
             Kept::All(scan) => Around::of(scan, voxel),
-            Kept::Some(bricks) => self.around_in_bricks(bricks, voxel),
+            Kept::Some(bricks) => Around::of_stored(self.stored_in_bricks(bricks, voxel)),
         };
         limits.share(&around, solid)
     }
 
+    /// What those of some voxels are beyond their bits; see `Occupancy::share_changes`.
+    #[inline]
+    pub fn share_changes(&self, limits: &Limits, voxels: &[(IVec3, bool)], changes: &mut [f32]) {
+        if self.marks.wanted.load(Relaxed) {
+            voxels.iter().for_each(|(voxel, _)| self.mark(*voxel));
+        }
+        match &self.kept {
+            Kept::All(scan) => {
+                limits.share_changes(|voxel| Around::stored(scan, voxel), voxels, changes);
+            }
+            Kept::Some(bricks) => {
+                limits.share_changes(
+                    |voxel| self.stored_in_bricks(bricks, voxel),
+                    voxels,
+                    changes,
+                );
+            }
+        }
+    }
+
     /// The values around a voxel where only some bricks are kept.
     #[inline(never)]
-    fn around_in_bricks(&self, bricks: &BrickGrid<IntensityBrick>, voxel: IVec3) -> Around {
+    fn stored_in_bricks(&self, bricks: &BrickGrid<IntensityBrick>, voxel: IVec3) -> Stored {
         let last = self.dimensions.as_ivec3() - 1;
-        Around::from_fn(voxel, |voxel| {
+        Around::stored_from(voxel, |voxel| {
             let voxel = voxel.clamp(IVec3::ZERO, last);
             bricks.at(voxel).map_or(0, |brick| brick.stored(voxel))
         })
@@ -236,10 +256,21 @@ mod tests {
         let share = |values: &ScanValues| {
             asked.map(|voxel| [true, false].map(|solid| values.share(&limits, voxel, solid)))
         };
+        let changes = |values: &ScanValues| {
+            let mut changes = [[f32::NAN; 5]; 2];
+            for (changes, solid) in changes.iter_mut().zip([true, false]) {
+                values.share_changes(&limits, &asked.map(|voxel| (voxel, solid)), changes);
+            }
+            changes
+        };
         let before = share(&values);
+        let changes_before = changes(&values);
         assert!(values.read_bricks().is_empty());
         values.begin_marking();
+        assert_eq!(changes(&values), changes_before);
+        let marked = values.read_bricks().len();
         assert_eq!(share(&values), before);
+        assert_eq!(values.read_bricks().len(), marked);
         assert!(before.iter().flatten().any(Option::is_some));
 
         let bricks = values.read_bricks();
@@ -247,6 +278,7 @@ mod tests {
         assert!(!bricks.is_empty() && bricks.len() < all, "{}", bricks.len());
         let kept = ScanValues::of_bricks(scan.dimensions(), values.rescale(), bricks);
         assert_eq!(share(&kept), before);
+        assert_eq!(changes(&kept), changes_before);
 
         // marks end with the recording, and begin anew with the next
         let ended = values.end_marking();

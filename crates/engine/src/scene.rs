@@ -12,14 +12,18 @@ use crate::scan_values::{ScanValues, Threshold};
 use crate::touchable::{MovedPart, Part};
 use crate::union_shares::SharedBits;
 use glam::DAffine3;
-use palpate_haptics::needle::tissues::Segments;
-use palpate_haptics::scene::MAX_OBJECTS;
-use palpate_tools::stroke::bytes_of;
-use palpate_volume::edit::{Edit, SegmentId};
+use palpate_deform::material::MaterialLaw;
+use palpate_volume::edit::SegmentId;
+use palpate_volume::matter::SegmentSet;
 use palpate_volume::segment::Segment;
 use palpate_volume::shares::Shares;
 use palpate_volume::voxel_box::VoxelBox;
 use palpate_volume::voxels::{Voxels, VoxelsError};
+
+mod performing;
+mod step;
+
+pub use step::{Step, TouchChange};
 
 /// Threshold that a segment is, in physical units: low and high, both included.
 pub type ThresholdRange = (f64, f64);
@@ -38,79 +42,8 @@ pub struct Properties {
     pub feel: Feel,
     /// Where it was moved [mm, from the scan to the scene]; none where the scan has it.
     pub pose: Option<DAffine3>,
-}
-
-/// A change of the scene.
-#[derive(Debug)]
-pub enum Step {
-    /// Changes bricks; `ranges` are the thresholds of the changed segments afterwards.
-    Edit {
-        /// The bricks.
-        edit: Edit,
-        /// One for each segment of the edit.
-        ranges: Vec<(SegmentId, Option<ThresholdRange>)>,
-    },
-    /// Puts other voxels in the place of a segment's.
-    Replace {
-        /// Which segment.
-        id: SegmentId,
-        /// Its voxels.
-        segment: Segment,
-        /// The threshold that they are.
-        range: Option<ThresholdRange>,
-        /// The threshold that made them.
-        made_by: Option<ThresholdRange>,
-    },
-    /// Adds a segment.
-    Insert {
-        /// Its number, not in use.
-        id: SegmentId,
-        /// Its voxels.
-        segment: Segment,
-        /// What else is known of it.
-        properties: Properties,
-    },
-    /// Removes a segment.
-    Remove {
-        /// Which segment.
-        id: SegmentId,
-    },
-    /// Moves a segment.
-    Move {
-        /// Which segment.
-        id: SegmentId,
-        /// Where to [mm, from the scan to the scene]; a rigid motion.
-        pose: DAffine3,
-    },
-    /// These, one after the other, as one.
-    Several(Vec<Step>),
-}
-
-/// What a step changes of the occupancy of touchable segments.
-#[derive(Clone, Debug, PartialEq)]
-pub enum TouchChange {
-    /// Nothing.
-    Nothing,
-    /// These bricks, by rising place in the directory, each once, of these segments.
-    Bricks(Vec<u32>, Vec<SegmentId>),
-    /// Anything, of these segments.
-    All(Vec<SegmentId>),
-    /// Where this segment stands, which was moved before.
-    Pose(SegmentId, DAffine3),
-    /// That this segment is moved from now on, and where to.
-    FirstPose(SegmentId, DAffine3),
-}
-
-impl TouchChange {
-    /// The segments that it concerns.
-    #[must_use]
-    pub fn segments(self) -> Vec<SegmentId> {
-        match self {
-            Self::Nothing => Vec::new(),
-            Self::Bricks(_, segments) | Self::All(segments) => segments,
-            Self::Pose(id, _) | Self::FirstPose(id, _) => vec![id],
-        }
-    }
+    /// What it is made of; none where it does not give way.
+    pub law: Option<MaterialLaw>,
 }
 
 impl Properties {
@@ -122,64 +55,6 @@ impl Properties {
             range,
             made_by: range,
             ..Self::default()
-        }
-    }
-}
-
-impl Step {
-    /// An edit after which its segments are no threshold any more.
-    #[must_use]
-    pub fn of_edit(edit: Edit) -> Self {
-        let ranges = edit.segments.iter().map(|(id, _)| (*id, None)).collect();
-        Self::Edit { edit, ranges }
-    }
-
-    /// Whether the step brings a segment back under this number, or takes it away.
-    #[must_use]
-    pub fn needs(&self, number: SegmentId) -> bool {
-        match self {
-            Self::Insert { id, .. } | Self::Remove { id } => *id == number,
-            Self::Several(steps) => steps.iter().any(|step| step.needs(number)),
-            _ => false,
-        }
-    }
-
-    /// The segments that the step holds whole.
-    #[must_use]
-    pub fn segments(&self) -> Vec<&Segment> {
-        match self {
-            Self::Replace { segment, .. } | Self::Insert { segment, .. } => vec![segment],
-            Self::Several(steps) => steps.iter().flat_map(Self::segments).collect(),
-            _ => Vec::new(),
-        }
-    }
-
-    /// The segment that the step moves, if it does.
-    #[must_use]
-    pub fn moves(&self) -> Option<SegmentId> {
-        match self {
-            Self::Move { id, .. } => Some(*id),
-            _ => None,
-        }
-    }
-
-    /// How many changes it is made of.
-    #[must_use]
-    pub fn leaves(&self) -> u32 {
-        match self {
-            Self::Several(steps) => steps.iter().map(Self::leaves).sum(),
-            _ => 1,
-        }
-    }
-
-    /// Roughly the bytes that the step holds on to.
-    #[must_use]
-    pub fn bytes(&self) -> usize {
-        match self {
-            Self::Edit { edit, .. } => bytes_of(edit),
-            Self::Replace { segment, .. } | Self::Insert { segment, .. } => segment.memory_bytes(),
-            Self::Remove { .. } | Self::Move { .. } => 0,
-            Self::Several(steps) => steps.iter().map(Self::bytes).sum(),
         }
     }
 }
@@ -196,7 +71,7 @@ pub struct Scene {
     /// The segment that is in the hand: no obstacle meanwhile.
     held: Option<SegmentId>,
     /// Segments that a needle is in.
-    punctured: Segments,
+    punctured: SegmentSet,
     /// What was worked out of the shares of masks.
     shares: BTreeMap<SegmentId, Arc<Shares>>,
 }
@@ -216,7 +91,7 @@ impl Scene {
             values,
             properties,
             held: None,
-            punctured: Segments::NONE,
+            punctured: SegmentSet::EMPTY,
             shares: BTreeMap::new(),
         }
     }
@@ -305,6 +180,19 @@ impl Scene {
         Ok(())
     }
 
+    /// Changes what a segment is made of.
+    ///
+    /// # Errors
+    /// Where there is no such segment.
+    pub fn set_law(&mut self, id: SegmentId, law: Option<MaterialLaw>) -> Result<(), VoxelsError> {
+        let properties = self
+            .properties
+            .get_mut(&id)
+            .ok_or(VoxelsError::UnknownSegment(id.0))?;
+        properties.law = law;
+        Ok(())
+    }
+
     /// Whether the probe is stopped by a segment: not by the one in the hand.
     #[must_use]
     pub fn is_obstacle(&self, id: SegmentId) -> bool {
@@ -321,9 +209,9 @@ impl Scene {
     }
 
     /// A needle is in these segments; gives the obstacles that change by it.
-    pub fn puncture(&mut self, punctured: Segments) -> Vec<SegmentId> {
+    pub fn puncture(&mut self, punctured: SegmentSet) -> Vec<SegmentId> {
         let before = std::mem::replace(&mut self.punctured, punctured);
-        let changes = |id: &SegmentId| before.contains(id.0) != punctured.contains(id.0);
+        let changes = |id: &SegmentId| before.contains(*id) != punctured.contains(*id);
         let obstacles = self.obstacles().map(|(id, _, _)| id);
         obstacles.filter(changes).collect()
     }
@@ -332,7 +220,7 @@ impl Scene {
     /// or a needle is in it.
     #[must_use]
     pub fn stands(&self, id: SegmentId) -> bool {
-        self.properties_of(id).pose.is_none() && !self.punctured.contains(id.0)
+        self.properties_of(id).pose.is_none() && !self.punctured.contains(id)
     }
 
     /// Takes what was worked out of the shares of a mask, or forgets it.
@@ -392,88 +280,9 @@ impl Scene {
                         values: self.values.clone(),
                     }),
                 shares: self.shares_of(id).cloned(),
-                punctured: properties.pose.is_none() && self.punctured.contains(id.0),
+                punctured: properties.pose.is_none() && self.punctured.contains(id),
             })
             .collect()
-    }
-
-    /// Performs a step; gives its inverse and what touch must follow.
-    ///
-    /// # Errors
-    /// Where it does not fit; nothing is changed then.
-    pub fn perform(&mut self, step: Step) -> Result<(Step, TouchChange), VoxelsError> {
-        match step {
-            Step::Edit { edit, ranges } => self.edit(edit, ranges),
-            Step::Replace {
-                id,
-                segment,
-                range,
-                made_by,
-            } => self.replace(id, segment, (range, made_by)),
-            Step::Insert {
-                id,
-                segment,
-                properties,
-            } => self.insert(id, segment, properties),
-            Step::Remove { id } => self.remove(id),
-            Step::Move { id, pose } => self.move_to(id, pose),
-            Step::Several(steps) => self.several(steps),
-        }
-    }
-
-    /// Performs steps in turn; where one does not fit, those before it are taken back.
-    fn several(&mut self, steps: Vec<Step>) -> Result<(Step, TouchChange), VoxelsError> {
-        let mut inverses = Vec::with_capacity(steps.len());
-        let mut changed = Vec::new();
-        for step in steps {
-            match self.perform(step) {
-                Ok((inverse, change)) => {
-                    inverses.push(inverse);
-                    changed.extend(change.segments());
-                }
-                Err(error) => {
-                    for inverse in inverses.into_iter().rev() {
-                        self.perform(inverse)?;
-                    }
-                    return Err(error);
-                }
-            }
-        }
-        inverses.reverse();
-        let change = if changed.is_empty() {
-            TouchChange::Nothing
-        } else {
-            TouchChange::All(changed)
-        };
-        Ok((Step::Several(inverses), change))
-    }
-
-    /// A segment that was moved once stays a body of its own, also where it is taken back, as
-    /// long as there is room for it.
-    fn move_to(
-        &mut self,
-        id: SegmentId,
-        pose: DAffine3,
-    ) -> Result<(Step, TouchChange), VoxelsError> {
-        let properties = self
-            .properties
-            .get_mut(&id)
-            .ok_or(VoxelsError::UnknownSegment(id.0))?;
-        let before = properties.pose.replace(pose);
-        let touchable = self.is_obstacle(id);
-        if before.is_none() {
-            self.make_room_for_moved(id);
-        }
-        let inverse = Step::Move {
-            id,
-            pose: before.unwrap_or(DAffine3::IDENTITY),
-        };
-        let change = match before {
-            _ if !touchable => TouchChange::Nothing,
-            None => TouchChange::FirstPose(id, pose),
-            Some(_) => TouchChange::Pose(id, pose),
-        };
-        Ok((inverse, change))
     }
 
     /// Number of segments that are bodies of their own wherever they stand, or stand elsewhere
@@ -501,89 +310,6 @@ impl Scene {
         segment.is_some_and(|segment| segment.own_grid().is_some())
     }
 
-    /// Where one more segment is a body of its own than can be touched, makes those that were
-    /// taken back to the scan parts of it again.
-    fn make_room_for_moved(&mut self, newest: SegmentId) {
-        let own = |properties: &&Properties| properties.pose.is_some();
-        if self.properties.values().filter(own).count() <= MAX_OBJECTS {
-            return;
-        }
-        for (id, properties) in &mut self.properties {
-            let segment = self.voxels.segment(*id);
-            let has_own = segment.is_some_and(|segment| segment.own_grid().is_some());
-            if *id != newest && !has_own && properties.pose == Some(DAffine3::IDENTITY) {
-                properties.pose = None;
-            }
-        }
-    }
-
-    fn edit(
-        &mut self,
-        edit: Edit,
-        ranges: Vec<(SegmentId, Option<ThresholdRange>)>,
-    ) -> Result<(Step, TouchChange), VoxelsError> {
-        let edit = self.voxels.apply(edit)?;
-        let ranges = ranges
-            .into_iter()
-            .map(|(id, range)| (id, self.exchange_range(id, range)))
-            .collect();
-        let change = self.bricks_to_touch(&edit);
-        Ok((Step::Edit { edit, ranges }, change))
-    }
-
-    fn replace(
-        &mut self,
-        id: SegmentId,
-        segment: Segment,
-        (range, made_by): (Option<ThresholdRange>, Option<ThresholdRange>),
-    ) -> Result<(Step, TouchChange), VoxelsError> {
-        let own_grid = segment.own_grid().is_some();
-        let segment = self.voxels.replace_segment(id, segment)?;
-        let range = self.exchange_range(id, range);
-        let properties = self.properties.entry(id).or_default();
-        let made_by = std::mem::replace(&mut properties.made_by, made_by);
-        if own_grid {
-            properties.pose.get_or_insert(DAffine3::IDENTITY);
-        }
-        let change = self.all_to_touch(id);
-        let inverse = Step::Replace {
-            id,
-            segment,
-            range,
-            made_by,
-        };
-        Ok((inverse, change))
-    }
-
-    fn insert(
-        &mut self,
-        id: SegmentId,
-        segment: Segment,
-        mut properties: Properties,
-    ) -> Result<(Step, TouchChange), VoxelsError> {
-        if segment.own_grid().is_some() {
-            // no part of the scan: a body of its own from the start
-            properties.pose.get_or_insert(DAffine3::IDENTITY);
-        }
-        let replaced = self.voxels.insert_segment(id, segment)?;
-        assert!(replaced.is_none(), "segment number {} was in use", id.0);
-        self.properties.insert(id, properties);
-        self.make_room_for_moved(id);
-        Ok((Step::Remove { id }, self.all_to_touch(id)))
-    }
-
-    fn remove(&mut self, id: SegmentId) -> Result<(Step, TouchChange), VoxelsError> {
-        let segment = self.voxels.remove_segment(id)?;
-        let change = self.all_to_touch(id);
-        let properties = self.properties.remove(&id).unwrap_or_default();
-        let inverse = Step::Insert {
-            id,
-            segment,
-            properties,
-        };
-        Ok((inverse, change))
-    }
-
     /// A threshold without ends that limit nothing.
     fn limiting(&self, (low, high): ThresholdRange) -> ThresholdRange {
         let (lowest, highest) = self.value_range;
@@ -594,35 +320,5 @@ impl Scene {
         };
         let high = if high >= highest { f64::INFINITY } else { high };
         (low, high)
-    }
-
-    fn exchange_range(
-        &mut self,
-        id: SegmentId,
-        range: Option<ThresholdRange>,
-    ) -> Option<ThresholdRange> {
-        let properties = self.properties.get_mut(&id)?;
-        std::mem::replace(&mut properties.range, range)
-    }
-
-    fn all_to_touch(&self, id: SegmentId) -> TouchChange {
-        if self.is_obstacle(id) {
-            TouchChange::All(vec![id])
-        } else {
-            TouchChange::Nothing
-        }
-    }
-
-    fn bricks_to_touch(&self, edit: &Edit) -> TouchChange {
-        let touched = || edit.segments.iter().filter(|(id, _)| self.is_obstacle(*id));
-        let mut bricks: Vec<u32> = touched()
-            .flat_map(|(_, swaps)| swaps.iter().map(|swap| swap.index))
-            .collect();
-        bricks.sort_unstable();
-        bricks.dedup();
-        if bricks.is_empty() {
-            return TouchChange::Nothing;
-        }
-        TouchChange::Bricks(bricks, touched().map(|(id, _)| *id).collect())
     }
 }

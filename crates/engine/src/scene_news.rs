@@ -3,6 +3,7 @@
 //! Bricks are shared, never copied, so that telling an edit costs what the edit costs. Boxes are
 //! in voxels of the grid.
 
+use std::sync::Arc;
 use std::time::SystemTime;
 
 use palpate_volume::bit_brick::BitBrick;
@@ -11,6 +12,7 @@ use palpate_volume::edit::{Edit, SegmentId};
 use palpate_volume::voxel_box::VoxelBox;
 use palpate_volume::voxels::Voxels;
 
+use crate::displaced::Displaced;
 use crate::kept_surface::{SegmentVoxels, SurfaceMaking};
 use crate::scene::{Scene, Step};
 
@@ -26,6 +28,10 @@ pub enum SceneNews {
     Edit(EditNews),
     /// A segment is to be shown as a surface made in this way, or not as a surface any more.
     Show(SegmentId, Option<(SurfaceMaking, SegmentVoxels)>),
+    /// Matter stands beside its voxels; none where all stands in them again.
+    Displaced(Option<Arc<Displaced>>),
+    /// What is to be seen at once.
+    Together(Vec<Self>),
 }
 
 /// An edit as the picture follows it.
@@ -70,7 +76,8 @@ impl SceneNews {
         match self {
             Self::Segment(..) => true,
             Self::Edit(edit) => edit.dirty.voxel_count() > MOST_VOXELS,
-            Self::Show(..) => false,
+            Self::Show(..) | Self::Displaced(_) => false,
+            Self::Together(several) => several.iter().any(Self::needs_labels),
         }
     }
 }

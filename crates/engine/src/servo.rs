@@ -8,9 +8,7 @@ use std::sync::atomic::Ordering::Relaxed;
 
 use glam::{DAffine3, DVec3, IVec3};
 use palpate_haptics::coupling::Coupling;
-use palpate_haptics::local_force::LocalForce;
 use palpate_haptics::needle::{Needle, NeedleInput};
-use palpate_haptics::placement::nearest_free_in;
 use palpate_haptics::proxy::Proxy;
 use palpate_haptics::soft_contact::{SoftContact, SoftInput};
 use palpate_haptics::tick::{TickCache, TickInput, TickOutput, TickState, tick};
@@ -27,7 +25,7 @@ use crate::handover::{
 use crate::mapping::Mapping;
 use crate::model::LimitedModel;
 use crate::moved_poses::{CurrentPoses, MovedPoses};
-use crate::needle::{self, NeedleMatter, NeedleStatus};
+use crate::needle::{NeedleStatus, sharp};
 use crate::owners::Owners;
 use crate::probe::Probe;
 use crate::servo_state::{ServoState, TickInputs};
@@ -37,12 +35,10 @@ use crate::touch_occupancy::TouchOccupancy;
 use crate::touchable::Touchable;
 use crate::touched_surfaces::TouchedSurfaces;
 
-/// Commands obeyed per tick, at most, and one change of the occupancy.
-pub const MAX_COMMANDS_PER_TICK: usize = 16;
+mod obeying;
+mod telling;
 
-/// How far around a placement's point a free voxel is searched [voxels]. The simulation has
-/// found one; this is for changes that are still on their way.
-const PLACE_REACH: i32 = 3;
+pub use obeying::MAX_COMMANDS_PER_TICK;
 
 /// What a servo begins with.
 #[derive(Debug)]
@@ -74,6 +70,8 @@ pub struct ServoLoop {
     marked: bool,
     /// Whether a moved segment stands elsewhere than was told.
     moved: bool,
+    /// Whether a needle was felt when it was last told of.
+    had_needle: bool,
     ends: Ends,
     shared: Arc<Shared>,
 }
@@ -87,6 +85,7 @@ struct Ends {
     inbox: rtrb::Consumer<ServoCommand>,
     status: triple_buffer::Input<ServoStatus>,
     poses: triple_buffer::Input<CurrentPoses>,
+    needle: triple_buffer::Input<NeedleStatus>,
     records: rtrb::Producer<TickRecord>,
     snapshots: rtrb::Producer<Snapshot>,
 }
@@ -140,6 +139,7 @@ impl ServoLoop {
             garbage,
             status,
             poses,
+            needle,
             records,
             snapshots,
         } = channels;
@@ -156,6 +156,7 @@ impl ServoLoop {
             owners: Owners::default(),
             marked: false,
             moved: true,
+            had_needle: true,
             ends: Ends {
                 samples,
                 forces,
@@ -163,6 +164,7 @@ impl ServoLoop {
                 inbox,
                 status,
                 poses,
+                needle,
                 records,
                 snapshots,
             },
@@ -224,6 +226,7 @@ impl ServoLoop {
 
         self.publish_force(inputs, &output);
         self.publish_poses();
+        self.publish_needle();
         self.publish_status(inputs, &output, sent_in_device);
         self.record(inputs, &output, sent_in_device);
         self.state.tick += 1;
@@ -269,133 +272,6 @@ impl ServoLoop {
         }
     }
 
-    /// Obeys the simulation, in its order, as far as one tick allows.
-    fn obey(&mut self, inputs: &TickInputs) {
-        for _ in 0..MAX_COMMANDS_PER_TICK {
-            match self.ends.inbox.peek() {
-                Ok(ServoCommand::Root { .. } | ServoCommand::Bricks(_)) => {
-                    return self.follow_changes();
-                }
-                // the device must have been read once, so that it can be brought along
-                Ok(ServoCommand::Place { .. }) if !inputs.is_read() => return,
-                // what comes after a mark is obeyed after the state is told
-                Ok(ServoCommand::Mark) => return self.obey_next(inputs),
-                Ok(_) => self.obey_next(inputs),
-                Err(_) => return,
-            }
-        }
-    }
-
-    /// Takes the next command.
-    fn pop(&mut self) -> Option<ServoCommand> {
-        let command = self.ends.inbox.pop().ok()?;
-        self.state.command += 1;
-        Some(command)
-    }
-
-    /// Takes the change that comes next, where there is room for what it replaces.
-    fn follow_changes(&mut self) {
-        if !self.occupancy.has_room() {
-            return;
-        }
-        let command = self.pop();
-        let mut probe = Probe {
-            grid: &self.grid,
-            proxy: &mut self.state.touch.proxy,
-        };
-        match command {
-            Some(ServoCommand::Root {
-                sequence,
-                mut touchable,
-            }) => {
-                self.state.poses.follow_root(&mut touchable, &self.grid);
-                self.moved = true;
-                self.state.received = sequence;
-                self.occupancy.take_root(sequence, touchable, &mut probe);
-            }
-            Some(ServoCommand::Bricks(change)) => {
-                self.state.received = change.sequence;
-                self.occupancy.take_bricks(change, &mut probe);
-            }
-            // whoever calls has looked
-            Some(_) | None => {}
-        }
-    }
-
-    /// Obeys a command that changes no occupancy.
-    fn obey_next(&mut self, inputs: &TickInputs) {
-        let device = inputs.position_in_device;
-        match self.pop() {
-            Some(ServoCommand::Place {
-                point,
-                hand,
-                device_too,
-            }) => {
-                self.state.forgotten_hand = hand;
-                self.place(point, device_too.then_some(device));
-            }
-            Some(ServoCommand::Turn(rotation)) => self.state.mapping.turn(device, rotation),
-            Some(ServoCommand::Clutch(on)) => {
-                let proxy = self.state.touch.proxy.point();
-                let point = self.grid.patient_from_grid().transform_point3(proxy);
-                self.state.clutch = on.then_some(point);
-                self.state.forgotten_hand = self.state.forgotten_hand.max(inputs.hand.number);
-            }
-            Some(ServoCommand::Settings(settings)) => {
-                self.state.mapping.rescale(device, settings.gain);
-                self.state.settings = settings;
-                self.occupancy.want_radius(settings.probe_radius);
-                self.state.touch.blend.tell();
-            }
-            Some(ServoCommand::Feel(id, feel)) => {
-                self.state.feels.set(id, feel);
-                self.state.touch.blend.tell();
-            }
-            Some(ServoCommand::Pose(id, target)) => {
-                if let Some((bounds, own_grid)) = self.occupancy.place_of(id) {
-                    let grid = own_grid.unwrap_or(&self.grid);
-                    self.state.poses.lead(id, target, grid, bounds);
-                }
-            }
-            Some(ServoCommand::GiveWay(giving_way)) => {
-                self.state.giving_way = giving_way;
-                self.state
-                    .soft
-                    .take(giving_way.contact.as_ref(), inputs.time);
-            }
-            Some(ServoCommand::Needle(on, tissues)) => self.state.needle.hold(on, &tissues),
-            Some(ServoCommand::Mark) => {
-                self.marked = true;
-                // a replay knows only what is read from here on
-                self.cache.forget();
-            }
-            // changes of occupancy are taken elsewhere
-            Some(ServoCommand::Root { .. } | ServoCommand::Bricks(_)) | None => {}
-        }
-    }
-
-    /// Brings the probe to a free point, and the device there by moving the mapping.
-    fn place(&mut self, point: DVec3, device: Option<DVec3>) {
-        let point_in_grid = self.grid.grid_from_patient().transform_point3(point);
-        let scene = self.occupancy.scene(&self.grid);
-        let Some(proxy) = nearest_free_in(&scene, point_in_grid, PLACE_REACH) else {
-            self.state.refused_places += 1;
-            return;
-        };
-        self.state.touch = TickState::new(proxy);
-        self.state.needle.forget();
-        self.state.soft = SoftContact::default();
-        let placed = self
-            .grid
-            .patient_from_grid()
-            .transform_point3(proxy.point());
-        self.state.hand = placed;
-        self.state.clutch = self.state.clutch.map(|_| placed);
-        if let Some(device) = device {
-            self.state.mapping.place(device, placed);
-        }
-    }
-
     /// What touch is given; a device that was not read in time has no position.
     fn input(&self, inputs: &TickInputs) -> TickInput {
         let known = inputs.is_read() && inputs.time - inputs.read_at <= WATCHDOG_SECS;
@@ -426,15 +302,11 @@ impl ServoLoop {
         self.cache.set_epoch(self.occupancy.version());
         self.owners.set_version(self.occupancy.version());
         let has_needle = self.state.needle.is_felt();
-        let sharp = needle::sharp(&self.state.settings);
+        let sharp = has_needle.then(|| sharp(&self.state.settings));
         let surfaces = TouchedSurfaces {
             touchable: self.occupancy.touchable(),
             owners: &self.owners,
-            settings: if has_needle {
-                &sharp
-            } else {
-                &self.state.settings
-            },
+            settings: sharp.as_ref().unwrap_or(&self.state.settings),
             // a needle is one spring, whatever it touches
             feels: (!has_needle).then_some(&self.state.feels),
         };
@@ -464,13 +336,18 @@ impl ServoLoop {
 
     /// Feels matter that gives way as it answers, instead of its voxels.
     fn give_way(&mut self, time: f64, input: &TickInput, output: &mut TickOutput) {
+        if !self.state.soft.is_awaited() {
+            return;
+        }
         let touched = SegmentId(self.state.touched);
         let settings = self.state.feels.of(touched).over(&self.state.settings);
+        // in a dent the proxy may be under the smooth surface alone, held by no voxel yet: whose
+        // that is nobody knows
+        let is_hard = touched.0 != 0 && !self.state.giving_way.segments.contains(touched);
         let input = SoftInput {
             device: input.device_in_scene,
             velocity: input.velocity_in_scene,
-            gives_way: !self.state.needle.is_felt()
-                && (!output.contact || self.state.giving_way.includes(touched)),
+            gives_way: !self.state.needle.is_felt() && (!output.contact || !is_hard),
             coupling: Coupling {
                 stiffness: settings.stiffness,
                 damping: settings.damping,
@@ -494,8 +371,8 @@ impl ServoLoop {
 
     /// Where touch is led: to the device, or to the needle that is in.
     fn lead_needle(&mut self, needle: &NeedleInput, input: &TickInput) -> TickInput {
-        let matter = NeedleMatter::of(self.occupancy.touchable(), &self.state.needle);
-        let tool = self.state.needle.lead(needle, &self.grid, &matter);
+        let matter = self.occupancy.touchable();
+        let tool = self.state.needle.lead(needle, &self.grid, matter);
         tool.map_or(*input, |tool| TickInput {
             device_in_scene: tool,
             // its contact is hard or none
@@ -507,98 +384,8 @@ impl ServoLoop {
     /// Feels the needle instead of the hard contact.
     fn follow_needle(&mut self, input: &NeedleInput, output: &mut TickOutput) {
         let holder = output.held_by.map(|_| self.state.touched);
-        let matter = NeedleMatter::of(self.occupancy.touchable(), &self.state.needle);
-        let world = (&self.grid, &matter);
+        let world = (&self.grid, self.occupancy.touchable());
         self.state.needle.follow(input, holder, world, output);
-    }
-
-    fn publish_force(&mut self, inputs: &TickInputs, output: &TickOutput) {
-        let mapping = &self.state.mapping;
-        self.ends.forces.write(ForceCommand {
-            time: inputs.time,
-            tick: self.state.tick + 1,
-            law: law_in_device(mapping, inputs, output),
-            hand_in_device: mapping.point_to_device(self.state.hand),
-            max_force: self.state.settings.force_limit,
-        });
-    }
-
-    /// Where matter meets the tool: at the near end of the spring, or where the device is while
-    /// matter that gives way does not push yet.
-    fn tool(&self, inputs: &TickInputs, output: &TickOutput) -> DVec3 {
-        if self.state.soft.is_felt() {
-            self.device_in_scene(inputs) + output.spring
-        } else {
-            output.contact_point_in_scene
-        }
-    }
-
-    /// Before the status, so that who reads that one finds poses as new.
-    fn publish_poses(&mut self) {
-        if std::mem::take(&mut self.moved) {
-            self.ends.poses.write(self.state.poses.current());
-        }
-    }
-
-    fn publish_status(&mut self, inputs: &TickInputs, output: &TickOutput, sent_in_device: DVec3) {
-        self.ends.status.write(ServoStatus {
-            received: self.state.received,
-            held_root: self.occupancy.held_root(),
-            held_edits: self.occupancy.held_edits(),
-            skipped: self.occupancy.skipped(),
-            stopped: self.state.poses.stopped(),
-            refused_places: self.state.refused_places,
-            radius: self.state.radius,
-            device: self.device_in_scene(inputs),
-            proxy: output.proxy_in_scene,
-            tool: self.tool(inputs, output),
-            contact: output.contact,
-            touched: self.state.touched,
-            time: inputs.time,
-            normal: output.normal,
-            sent_force: sent_in_device.length(),
-            axes: self.state.mapping.rotation,
-            orientation: inputs.orientation,
-            origin: self.state.mapping.offset,
-            command: self.state.command,
-            needle: NeedleStatus::of(&self.state.needle),
-        });
-    }
-
-    fn record(&mut self, inputs: &TickInputs, output: &TickOutput, sent_in_device: DVec3) {
-        let recorded = self.ends.records.push(TickRecord {
-            tick: self.state.tick,
-            time: inputs.time,
-            device: self.device_in_scene(inputs),
-            hand: self.state.hand,
-            proxy: output.proxy_in_scene,
-            contact_point: output.contact_point_in_scene,
-            normal: output.normal,
-            force: output.force,
-            sent_force: self.state.mapping.force_to_scene(sent_in_device),
-            contact: output.contact,
-            depth: output.depth,
-            visits: output.visits,
-            inputs: *inputs,
-            command: self.state.command,
-        });
-        if recorded.is_err() {
-            self.shared.counters.lost_records.fetch_add(1, Relaxed);
-        }
-    }
-
-    /// Tells the state between this tick and the next, where it was asked for.
-    fn publish_snapshot(&mut self) {
-        if !self.marked {
-            return;
-        }
-        self.marked = false;
-        let snapshot = Snapshot {
-            state: self.state,
-            held: self.occupancy.holds_back(),
-        };
-        // whoever asks asks once, and takes what he asked for
-        let _ = self.ends.snapshots.push(snapshot);
     }
 }
 
@@ -607,20 +394,4 @@ fn along_axes(grid: &Grid, motion: &DAffine3) -> DAffine3 {
     let mm_from_voxels = DAffine3::from_scale(grid.spacing());
     let voxels_from_mm = DAffine3::from_scale(1.0 / grid.spacing());
     mm_from_voxels * grid.grid_from_patient() * *motion * grid.patient_from_grid() * voxels_from_mm
-}
-
-/// The contact as the device can follow it.
-fn law_in_device(mapping: &Mapping, inputs: &TickInputs, output: &TickOutput) -> LocalForce {
-    if output.spring == DVec3::ZERO {
-        return LocalForce::held(mapping.force_to_device(output.force));
-    }
-    LocalForce {
-        device: inputs.position_in_device,
-        spring: mapping.force_to_device(output.spring),
-        normal: mapping.force_to_device(output.normal),
-        coupling: output.coupling,
-        sticks: output.sticks,
-        scale: mapping.scale,
-        held: DVec3::ZERO,
-    }
 }

@@ -5,44 +5,38 @@
 
 use std::sync::mpsc::{self, Sender};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::time::Duration;
 
-use glam::{DAffine3, DVec3, IVec3};
+use glam::DVec3;
 use palpate_device::DeviceLimits;
-use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
-use palpate_volume::segment::Segment;
-use palpate_volume::voxels::{Voxels, VoxelsError};
+use palpate_volume::voxels::Voxels;
 
 use crate::assembly::{Assembly, assemble};
 use crate::bell::Bell;
 use crate::clock;
 use crate::error::SessionError;
-use crate::feel::Feel;
-use crate::frame::{Frame, Notice, Rates};
+use crate::frame::Notice;
 use crate::gap_bodies::GapBodies;
 use crate::handover::HandTarget;
-use crate::kept_surface::SurfaceMaking;
 use crate::live::{Live, Paces};
 use crate::mapping::rotation_of_view;
+use crate::matter_view::MatterView;
 use crate::offline::Offline;
 use crate::picture::Picture;
-use crate::recording::Recording;
-use crate::scene::{Properties, ThresholdRange};
 use crate::session_config::{SessionConfig, check, check_point};
 use crate::settings::Settings;
 use crate::shared::Shared;
-use crate::simulation::{SegmentState, Simulation, checked_box};
+use crate::simulation::Simulation;
 use crate::surface_loop::SurfacePace;
-use crate::surfaces::{PictureChange, Surfaces};
-use crate::tape::{Tape, TapeRecorder};
+use crate::surfaces::Surfaces;
+use crate::tape::TapeRecorder;
 
 mod changes;
 mod objects;
+mod segments;
+mod showing;
 
-/// Edits of more voxels than this are built outside the simulation thread.
-const SMALL_EDIT: u64 = 1 << 20;
-/// How often such an edit is built again because another came in between.
+/// How often a large edit is built again because another came in between.
 const BUILDS: usize = 4;
 /// Longest stretch of an offline session in one call [s].
 const LONGEST_RUN: f64 = 3600.0;
@@ -60,6 +54,7 @@ pub struct Session {
     surfaces: Arc<Mutex<Surfaces>>,
     pace: SurfacePace,
     bell: Arc<Bell>,
+    matter_view: Arc<MatterView>,
     hand: Mutex<(triple_buffer::Input<HandTarget>, u64)>,
     shared: Arc<Shared>,
     notices: Sender<Notice>,
@@ -91,6 +86,7 @@ impl Session {
             surfaces,
             pace,
             bell,
+            matter_view,
             hand,
             shared,
             notices,
@@ -112,6 +108,7 @@ impl Session {
             surfaces,
             pace,
             bell,
+            matter_view,
             hand: Mutex::new((hand, 0)),
             shared,
             notices,
@@ -183,250 +180,6 @@ impl Session {
     /// Where the session has ended.
     pub fn settings(&self) -> Result<Settings, SessionError> {
         self.ask(|simulation| simulation.settings())
-    }
-
-    /// Adds a segment; undo takes it away again where `undoable`.
-    ///
-    /// # Errors
-    /// Where it belongs to another grid, there are 255, or the session has ended.
-    pub fn add_segment(
-        &self,
-        segment: Segment,
-        properties: Properties,
-        undoable: bool,
-    ) -> Result<SegmentId, SessionError> {
-        self.ask(move |simulation| simulation.add_segment(segment, properties, undoable))?
-    }
-
-    /// Gives a segment other voxels, which are the threshold `range` where there is one.
-    ///
-    /// # Errors
-    /// Where there is no such segment, the voxels belong to another grid, or the session has
-    /// ended.
-    pub fn replace_segment(
-        &self,
-        id: SegmentId,
-        segment: Segment,
-        range: Option<ThresholdRange>,
-    ) -> Result<(), SessionError> {
-        self.ask(move |simulation| simulation.replace_segment(id, segment, range))?
-    }
-
-    /// Removes a segment.
-    ///
-    /// # Errors
-    /// Where there is no such segment or the session has ended.
-    pub fn remove_segment(&self, id: SegmentId) -> Result<(), SessionError> {
-        self.ask(move |simulation| simulation.remove_segment(id))?
-    }
-
-    /// Makes a segment an obstacle, or no obstacle.
-    ///
-    /// # Errors
-    /// Where there is no such segment or the session has ended.
-    pub fn set_touchable(&self, id: SegmentId, touchable: bool) -> Result<(), SessionError> {
-        self.ask(move |simulation| simulation.set_touchable(id, touchable))?
-    }
-
-    /// Moves a segment to a pose [mm, from the scan to the scene]; touch goes there smoothly, and
-    /// stops where the probe is pinched.
-    ///
-    /// # Errors
-    /// Where the pose is no rigid motion, there is no such segment, too many are moved, or the
-    /// session has ended.
-    pub fn move_segment(&self, id: SegmentId, pose: DAffine3) -> Result<(), SessionError> {
-        self.ask(move |simulation| simulation.move_segment(id, pose))?
-    }
-
-    /// Moves a segment a part of the way of a drag, which [`Self::move_segment`] ends: all of it is
-    /// one step of undo.
-    ///
-    /// # Errors
-    /// See [`Self::move_segment`].
-    pub fn drag_segment(&self, id: SegmentId, pose: DAffine3) -> Result<(), SessionError> {
-        self.ask(move |simulation| simulation.drag_segment(id, pose))?
-    }
-
-    /// Changes how the surface of a segment feels.
-    ///
-    /// # Errors
-    /// Where a value is out of range, there is no such segment, or the session has ended.
-    pub fn set_feel(&self, id: SegmentId, feel: Feel) -> Result<(), SessionError> {
-        self.ask(move |simulation| simulation.set_feel(id, feel))?
-    }
-
-    /// Shows a segment as a surface made in this way, or as none.
-    ///
-    /// # Errors
-    /// Where such a surface cannot be made, there is no such segment, or the session has ended.
-    pub fn show_surface(
-        &self,
-        id: SegmentId,
-        making: Option<SurfaceMaking>,
-    ) -> Result<(), SessionError> {
-        self.ask(move |simulation| simulation.show_surface(id, making))?
-    }
-
-    /// Has voxels and surfaces that are shown follow edits every so many-th frame of the picture,
-    /// 1 to 4, for machines that are slow (thesis 5.2.2); 1 is at once.
-    pub fn follow_edits(&self, every: u32) {
-        self.pace.set(every);
-    }
-
-    /// Names the segments that the picture shows by their labels, the last of several on top.
-    ///
-    /// # Errors
-    /// Where the session has ended.
-    pub fn set_labelled(&self, labelled: Vec<SegmentId>) -> Result<(), SessionError> {
-        self.ask(move |simulation| simulation.set_labelled(labelled))
-    }
-
-    /// Waits until surfaces have followed edits more than `heard` times, at most so long; gives
-    /// how often they have.
-    #[must_use]
-    pub fn wait_for_changes(&self, heard: u64, patience: Duration) -> u64 {
-        self.bell.wait(heard, patience)
-    }
-
-    /// What changed in voxels and surfaces since the call before, oldest first; never waits.
-    #[must_use]
-    pub fn picture_changes(&self) -> Vec<PictureChange> {
-        // while surfaces are made there is nothing new yet
-        self.surfaces
-            .try_lock()
-            .map(|mut surfaces| surfaces.changes())
-            .unwrap_or_default()
-    }
-
-    /// All surfaces as they are now; waits until they follow the voxels.
-    #[must_use]
-    pub fn whole_surfaces(&self) -> PictureChange {
-        lock(&self.surfaces).whole()
-    }
-
-    /// Makes a segment of all voxels with low <= value <= high, or gives segment `id` these
-    /// voxels; gives its number.
-    ///
-    /// # Errors
-    /// Where the range is none, there is no such segment, there are 255, or the session has
-    /// ended.
-    pub fn threshold(
-        &self,
-        id: Option<SegmentId>,
-        range: ThresholdRange,
-    ) -> Result<SegmentId, SessionError> {
-        let (low, high) = range;
-        if !(low.is_finite() && high.is_finite() && low <= high) {
-            return Err(SessionError::Range { low, high });
-        }
-        let build = move |voxels: &Voxels| Ok(voxels.threshold(low, high));
-        self.build_and_commit(build, move |simulation, segment| match id {
-            Some(id) => simulation
-                .replace_segment(id, segment, Some(range))
-                .map(|()| id),
-            None => {
-                let properties = Properties::of_threshold(true, Some(range));
-                simulation.add_segment(segment, properties, true)
-            }
-        })
-    }
-
-    /// Makes all voxels from `low` up to, but without, `high` solid or free in one segment.
-    ///
-    /// # Errors
-    /// Where there is no such segment, the box holds no voxel of the scan, or the session has
-    /// ended.
-    pub fn fill_box(
-        &self,
-        id: SegmentId,
-        low: IVec3,
-        high: IVec3,
-        solid: bool,
-    ) -> Result<(), SessionError> {
-        let grid = self.ask(move |simulation| *simulation.voxels().grid_of(id))?;
-        let region = checked_box(low, high, &grid)?;
-        if region.voxel_count() <= SMALL_EDIT {
-            return self.ask(move |simulation| simulation.fill_box(id, &region, solid))?;
-        }
-        let build = move |voxels: &Voxels| Ok(voxels.label_edit(id, &region, |_, _| solid)?);
-        self.build_and_commit(build, Simulation::apply)
-    }
-
-    /// Takes the newest change back; false where there is none.
-    ///
-    /// # Errors
-    /// Where the session has ended.
-    pub fn undo(&self) -> Result<bool, SessionError> {
-        self.ask(Simulation::undo)?
-    }
-
-    /// Does the last undone change again; false where there is none.
-    ///
-    /// # Errors
-    /// Where the session has ended.
-    pub fn redo(&self) -> Result<bool, SessionError> {
-        self.ask(Simulation::redo)?
-    }
-
-    /// The true voxels of a segment.
-    ///
-    /// # Errors
-    /// Where there is no such segment or the session has ended.
-    pub fn segment(&self, id: SegmentId) -> Result<Segment, SessionError> {
-        self.ask(move |simulation| {
-            let segment = simulation.voxels().segment(id).cloned();
-            segment.ok_or(VoxelsError::UnknownSegment(id.0).into())
-        })?
-    }
-
-    /// All segments, by rising number.
-    ///
-    /// # Errors
-    /// Where the session has ended.
-    pub fn segments(&self) -> Result<Vec<SegmentState>, SessionError> {
-        self.ask(|simulation| simulation.segments())
-    }
-
-    /// What is now, with all samples and notices since the frame before. A session that has
-    /// ended shows its last state, without force.
-    #[must_use]
-    pub fn frame(&self) -> Frame {
-        let now_ns = self.now_ns();
-        self.lock_picture().frame(now_ns)
-    }
-
-    /// The pace of each thread.
-    #[must_use]
-    pub fn rates(&self) -> Rates {
-        let now_ns = self.now_ns();
-        self.lock_picture().rates(now_ns)
-    }
-
-    /// Begins a recording of every tick; one that runs is thrown away.
-    ///
-    /// # Errors
-    /// Where the session has ended.
-    pub fn start_recording(&self) -> Result<(), SessionError> {
-        self.check_running()?;
-        // ticks first, so that the tape begins among them
-        self.lock_picture().start_recording();
-        self.ask(Simulation::begin_tape)
-    }
-
-    /// Ends the recording and gives it; none where none runs.
-    #[must_use]
-    pub fn stop_recording(&self) -> Option<Recording> {
-        self.finish_recording().map(|(recording, _)| recording)
-    }
-
-    /// Ends the recording and gives its ticks, and what else a replay needs. That is missing
-    /// where a change waited for the probe all the time, and in the first tick.
-    #[must_use]
-    pub fn finish_recording(&self) -> Option<(Recording, Option<Tape>)> {
-        // ticks first, so that the tape has all that they obeyed
-        let recording = self.lock_picture().stop_recording();
-        let tape = lock(&self.tape).finish();
-        recording.map(|recording| (recording, tape))
     }
 
     /// Steps an offline session for so many seconds.

@@ -7,6 +7,7 @@ use std::sync::mpsc::Sender;
 use std::sync::{Arc, Mutex};
 
 use glam::{DAffine3, DMat3, DVec3, IVec3};
+use palpate_deform::material::MaterialLaw;
 use palpate_device::DeviceLimits;
 use palpate_haptics::ball::{BallError, BallShape};
 use palpate_tools::journal_file::JournalFile;
@@ -17,7 +18,8 @@ use palpate_volume::segment::Segment;
 use palpate_volume::voxel_box::VoxelBox;
 use palpate_volume::voxels::{Voxels, VoxelsError};
 
-use crate::deformation::Deformation;
+use crate::deformation::{Deformation, DeformationNow};
+use crate::displaced::Displaced;
 use crate::error::SessionError;
 use crate::feel::Feel;
 use crate::frame::Notice;
@@ -26,7 +28,7 @@ use crate::handover::{ServoCommand, SimulationChannels};
 use crate::kept_surface::SegmentVoxels;
 use crate::mask_shares::MaskShares;
 use crate::moved_poses::CurrentPoses;
-use crate::needle::NeedleWatch;
+use crate::needle::{NeedleNow, NeedleWatch};
 use crate::placement::{REACH, free_point};
 use crate::scene::{Scene, Step, ThresholdRange, TouchChange};
 use crate::scene_news::SceneNews;
@@ -36,6 +38,7 @@ use crate::tool_stroke::{ToolNow, ToolStroke};
 use crate::touch_sender::{TouchSender, touchable_of};
 
 mod deformation;
+mod displaced;
 mod objects;
 pub mod recovery;
 mod segments;
@@ -72,6 +75,10 @@ pub struct SimulationStatus {
     pub voxels_version: u64,
     /// The tool in the hand.
     pub tool: ToolNow,
+    /// The needle, where it is that.
+    pub needle: NeedleNow,
+    /// Matter that gives way.
+    pub matter: DeformationNow,
     /// Bytes that undo and redo hold on to.
     pub undo_bytes: usize,
     /// How many they may.
@@ -101,6 +108,8 @@ pub struct SegmentState {
     pub made_by: Option<ThresholdRange>,
     /// How its surface feels.
     pub feel: Feel,
+    /// What it is made of; none where it is hard.
+    pub law: Option<MaterialLaw>,
     /// Where it was moved [mm, from the scan to the scene]; none where the scan has it.
     pub pose: Option<DAffine3>,
 }
@@ -124,6 +133,10 @@ pub struct Simulation {
     dragged: Option<SegmentId>,
     clutched: bool,
     deformation: Deformation,
+    /// Edge of its box, where it is not the usual one.
+    box_edge: Option<u32>,
+    /// As the picture was told it last.
+    displaced: Option<Arc<Displaced>>,
     /// Works out the shares of masks.
     shares: MaskShares,
     file: Option<JournalFile>,
@@ -162,6 +175,8 @@ impl Simulation {
             dragged: None,
             clutched: false,
             deformation,
+            box_edge: None,
+            displaced: None,
             shares,
             file: None,
             touch: TouchSender::new(channels, settings.probe_radius),
@@ -222,6 +237,7 @@ impl Simulation {
                 range: properties.range,
                 made_by: properties.made_by,
                 feel: properties.feel,
+                law: self.material(id),
                 pose: properties.pose,
             })
             .collect()
@@ -256,6 +272,11 @@ impl Simulation {
     fn send_change(&mut self, change: &TouchChange) {
         let shares = self.shares.follow(&mut self.scene, change);
         self.touch.send_change(&self.scene, change, shares);
+    }
+
+    /// Has shares of masks worked out from now on, or not.
+    pub fn switch_mask_shares(&mut self, on: bool) {
+        self.shares.switch(on);
     }
 
     /// Regions of masks whose shares are still to be worked out; 0 where all are known.

@@ -17,6 +17,7 @@ use palpate_volume::edit::SegmentId;
 use palpate_volume::intensities::Intensities;
 use palpate_volume::voxel_box::VoxelBox;
 
+use crate::displaced::Displaced;
 use crate::kept_surface::{KeptSurface, SegmentVoxels, SurfaceMaking};
 use crate::packed_patch::{Lattice, PackedPatch};
 use crate::scene_news::{EditNews, SceneNews};
@@ -43,7 +44,12 @@ pub struct PictureChange {
     pub voxels: Vec<VoxelChange>,
     /// Surfaces, by segment.
     pub surfaces: BTreeMap<SegmentId, SurfaceChange>,
+    /// Where matter stands beside its voxels by now; none where that is as before.
+    pub displaced: Option<DisplacedNow>,
 }
+
+/// Where matter stands beside its voxels; none where all stands in them.
+pub type DisplacedNow = Option<Arc<Displaced>>;
 
 /// New voxels of a box.
 #[derive(Clone, Debug)]
@@ -70,6 +76,7 @@ struct Shown {
 pub struct Surfaces {
     scan: Intensities,
     shown: BTreeMap<SegmentId, Shown>,
+    displaced: DisplacedNow,
     next: PictureChange,
     /// Whether anybody ever asked: else nothing is kept.
     watched: bool,
@@ -83,6 +90,7 @@ impl Surfaces {
         Self {
             scan,
             shown: BTreeMap::new(),
+            displaced: None,
             next: PictureChange::default(),
             watched: false,
             changes: VecDeque::new(),
@@ -98,6 +106,11 @@ impl Surfaces {
             SceneNews::Segment(id, None) => self.empty(id),
             SceneNews::Show(id, None) => self.hide(id),
             SceneNews::Show(id, Some((making, voxels))) => self.show(id, making, voxels),
+            SceneNews::Displaced(now) => {
+                self.displaced.clone_from(&now);
+                self.next.displaced = Some(now);
+            }
+            SceneNews::Together(several) => several.into_iter().for_each(|news| self.take(news)),
         }
     }
 
@@ -111,7 +124,7 @@ impl Surfaces {
             }
         }
         let change = std::mem::take(&mut self.next);
-        if self.watched && !(change.voxels.is_empty() && change.surfaces.is_empty()) {
+        if self.watched && !change.is_empty() {
             self.changes.push_back(change);
         }
     }
@@ -139,6 +152,7 @@ impl Surfaces {
         });
         PictureChange {
             surfaces: surfaces.collect(),
+            displaced: Some(self.displaced.clone()),
             ..PictureChange::default()
         }
     }
@@ -251,6 +265,12 @@ impl Shown {
     fn patches(&self) -> Vec<(PatchId, Arc<PackedPatch>)> {
         let shared = |(&id, patch): (&PatchId, &Arc<PackedPatch>)| (id, Arc::clone(patch));
         self.packed.iter().map(shared).collect()
+    }
+}
+
+impl PictureChange {
+    fn is_empty(&self) -> bool {
+        self.voxels.is_empty() && self.surfaces.is_empty() && self.displaced.is_none()
     }
 }
 

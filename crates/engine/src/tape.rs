@@ -36,10 +36,6 @@ const SHARE_BYTES: usize = size_of::<ShareSwap>() + size_of::<ShareBrick>();
 
 /// A command, without its bricks.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[expect(
-    clippy::large_enum_variant,
-    reason = "as the command itself, which few of a tape are"
-)]
 pub enum TapeCommand {
     /// All that can be touched was replaced; the bricks are those that it changed.
     Root {
@@ -75,7 +71,7 @@ pub enum TapeCommand {
     /// What gave way from then on.
     GiveWay(GivingWay),
     /// A needle was taken in the hand, or out of it.
-    Needle(bool, Tissues),
+    Needle(bool, Box<Tissues>),
     /// A recording began anew.
     Mark,
 }
@@ -328,7 +324,7 @@ impl Writer {
             ServoCommand::Pose(id, pose) => TapeCommand::Pose(id.0, *pose),
             ServoCommand::Feel(id, feel) => TapeCommand::Feel(id.0, *feel),
             ServoCommand::GiveWay(giving_way) => TapeCommand::GiveWay(*giving_way),
-            ServoCommand::Needle(on, tissues) => TapeCommand::Needle(*on, *tissues),
+            ServoCommand::Needle(on, tissues) => TapeCommand::Needle(*on, tissues.clone()),
             ServoCommand::Mark => TapeCommand::Mark,
         };
         TapeEntry {

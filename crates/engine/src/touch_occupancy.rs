@@ -437,7 +437,8 @@ impl TouchOccupancy {
         self.dispose(Garbage::Bricks(change));
     }
 
-    fn dispose(&mut self, garbage: Garbage) {
+    /// Gives something back to be freed; there must be room.
+    pub fn dispose(&mut self, garbage: Garbage) {
         dispose(&mut self.garbage, garbage);
     }
 }

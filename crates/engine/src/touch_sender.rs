@@ -15,6 +15,7 @@ use crate::handover::{
     SimulationChannels,
 };
 use crate::moved_poses::CurrentPoses;
+use crate::needle::NeedleStatus;
 use crate::scene::{Scene, TouchChange};
 use crate::tape::TapeRecorder;
 use crate::touchable::{Part, Touchable};
@@ -33,6 +34,7 @@ pub struct TouchSender {
     garbage: rtrb::Consumer<Garbage>,
     replies: triple_buffer::Output<ServoStatus>,
     poses: triple_buffer::Output<CurrentPoses>,
+    needle: triple_buffer::Output<NeedleStatus>,
     tape: Arc<Mutex<TapeRecorder>>,
     /// Of the probe, as it is wanted [mm].
     radius: f64,
@@ -54,6 +56,7 @@ impl TouchSender {
             garbage,
             status,
             poses,
+            needle,
             snapshots,
         } = channels;
         Self {
@@ -61,6 +64,7 @@ impl TouchSender {
             garbage,
             replies: status,
             poses,
+            needle,
             tape: Arc::new(Mutex::new(TapeRecorder::new(snapshots))),
             radius,
             backlog: VecDeque::new(),
@@ -90,15 +94,16 @@ impl TouchSender {
         self.poses.output_buffer()
     }
 
+    /// The needle by now, as the servo last said.
+    #[must_use]
+    pub fn needle(&self) -> &NeedleStatus {
+        self.needle.output_buffer()
+    }
+
     /// Number of changes that touch does not follow yet, moves that the probe stops among them.
     #[must_use]
     pub fn pending(&self) -> usize {
-        let stopped = self
-            .status
-            .stopped
-            .iter()
-            .map(|bits| bits.count_ones() as usize);
-        self.outstanding.len() + stopped.sum::<usize>()
+        self.outstanding.len() + self.status.stopped.len()
     }
 
     /// Whether the servo holds a change back, since the probe is in its way.
@@ -110,7 +115,7 @@ impl TouchSender {
     /// Whether a change of this segment is among the pending ones.
     #[must_use]
     pub fn is_pending(&self, id: SegmentId) -> bool {
-        let is_stopped = self.status.stopped[usize::from(id.0 / 64)] >> (id.0 % 64) & 1 == 1;
+        let is_stopped = self.status.stopped.contains(id);
         let mut outstanding = self.outstanding.iter();
         is_stopped || outstanding.any(|change| change.segments.contains(&id))
     }
@@ -118,7 +123,7 @@ impl TouchSender {
     /// Whether the probe keeps a moved segment from where it is to go.
     #[must_use]
     pub fn is_stopped(&self) -> bool {
-        self.status.stopped != [0; 4]
+        !self.status.stopped.is_empty()
     }
 
     /// What is told to the servo, where it is recorded.
@@ -183,6 +188,7 @@ impl TouchSender {
         self.flush();
         self.status = *self.replies.read();
         self.poses.update();
+        self.needle.update();
         let status = self.status;
         if status.skipped > self.skipped {
             self.skipped = status.skipped;

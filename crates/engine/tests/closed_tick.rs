@@ -12,10 +12,8 @@ use common::*;
 use glam::{DAffine3, DMat3, DVec3, IVec3, UVec3};
 use palpate_engine::handover::HandTarget;
 use palpate_engine::settings::Settings;
-use palpate_tools::drill::DrillSettings;
 use palpate_tools::tool::{ToolKind, ToolSettings};
 use palpate_volume::edit::SegmentId;
-use palpate_volume::matter::SegmentSet;
 use palpate_volume::tissue::Tissue;
 
 /// Ends the test program at the first allocation where none is allowed.
@@ -119,12 +117,8 @@ fn a_needle_neither_allocates_nor_comes_into_what_it_has_not_punctured() {
         add(&mut rig, segment).unwrap();
     }
     let needle = ToolSettings {
-        kind: ToolKind::Needle,
-        radius: 0.5,
-        segments: vec![SegmentId(1), SegmentId(2)],
-        drill: DrillSettings::default(),
         tissues: vec![Tissue::SKIN, Tissue::LIVER],
-        spared: SegmentSet::EMPTY,
+        ..ToolSettings::new(ToolKind::Needle, 0.5, vec![SegmentId(1), SegmentId(2)])
     };
     rig.simulation.set_tool(Some(needle)).unwrap();
     rig.simulation.stroke(true).unwrap();

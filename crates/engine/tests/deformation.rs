@@ -9,13 +9,15 @@ mod common;
 
 use common::{OBSTACLE, Rig, box_segment};
 use glam::{DMat3, DVec3, IVec3, UVec3};
-use palpate_deform::material::preset;
+use palpate_deform::material::{MaterialLaw, Part, SolidSi, Treatment, preset};
 use palpate_deform::model::{
     DeformationModel, ModelAnswer, ModelInput, ModelReport, ToolContact, ToolShape,
 };
 use palpate_engine::handover::TickRecord;
+use palpate_engine::settings::Settings;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::material::LocalContact;
+use palpate_volume::voxel_box::VoxelBox;
 
 const SIZE: UVec3 = UVec3::new(40, 40, 40);
 /// Upper end of the soft block, and of the bone in it [mm].
@@ -60,6 +62,7 @@ impl DeformationModel for Floor {
             }],
             report: ModelReport {
                 iterations: self.resets,
+                nodes: input.materials.segments.len() as u32,
                 ..ModelReport::default()
             },
             ..ModelAnswer::default()
@@ -217,5 +220,166 @@ fn another_model_or_none_takes_the_place_at_once() {
     assert_eq!(rig.simulation.deformation().model, None);
     // hard again: the coupling over the whole depth
     assert!((rest.force.length() - rest.depth).abs() < 1e-9);
-    assert!(rig.simulation.set_deformation(Some("jelly")).is_err());
+    assert!(rig.simulation.set_deformation(Some("jelly"), None).is_err());
+}
+
+#[test]
+fn a_material_goes_and_comes_back_with_its_segment() {
+    let mut rig = rig();
+    let fat = rig.simulation.material(SOFT);
+    assert!(fat.is_some());
+    rig.simulation.remove_segment(SOFT).unwrap();
+    assert_eq!(rig.simulation.material(SOFT), None);
+    assert!(rig.simulation.set_material(SOFT, fat).is_err());
+    rig.simulation.undo().unwrap();
+    assert_eq!(rig.simulation.material(SOFT), fat);
+}
+
+#[test]
+fn a_model_is_told_of_other_obstacles_and_other_materials() {
+    let mut rig = rig();
+    let seen = |rig: &mut Rig| {
+        go(rig, 18.0, 18.0, 50);
+        let report = rig.simulation.deformation().report;
+        (report.nodes, report.iterations)
+    };
+    go(&mut rig, 30.0, 18.0, 2000);
+    let (segments, resets) = seen(&mut rig);
+    assert_eq!(segments, 2);
+    rig.simulation.set_touchable(SegmentId(2), false).unwrap();
+    assert_eq!(seen(&mut rig), (1, resets));
+    let liver = preset("liver").unwrap().law().unwrap();
+    rig.simulation.set_material(SOFT, Some(liver)).unwrap();
+    assert_eq!(seen(&mut rig), (1, resets + 1));
+}
+
+/// A soft block pressed by the default model.
+fn lattice_rig() -> Rig {
+    let mut rig = Rig::new(SIZE, DVec3::new(20.0, 20.0, 30.0));
+    let soft = box_segment(SIZE, IVec3::ZERO, IVec3::new(40, 40, TOP as i32));
+    rig.simulation.add_segment(soft, OBSTACLE, true).unwrap();
+    let gel = SolidSi {
+        young: 2e4,
+        poisson: 0.45,
+        density: 1050.0,
+        breaking_strain: f64::INFINITY,
+        friction: 0.0,
+    };
+    let law = MaterialLaw::constant(gel).unwrap();
+    rig.simulation.set_material(SOFT, Some(law)).unwrap();
+    rig.simulation
+        .set_deformation(Some("lattice"), None)
+        .unwrap();
+    let ball = Settings {
+        probe_radius: 2.0,
+        ..rig.simulation.settings()
+    };
+    rig.simulation.set_settings(ball).unwrap();
+    rig
+}
+
+#[test]
+fn what_the_lattice_dents_comes_back_and_leaves_no_step_of_undo() {
+    let mut rig = lattice_rig();
+    let all = soft_voxels(&rig);
+    assert!(rig.simulation.undo().unwrap(), "adding the segment");
+    assert!(rig.simulation.redo().unwrap());
+    // the ball reaches 2 mm below its middle
+    go(&mut rig, 30.0, 22.5, 200);
+    go(&mut rig, 22.5, 19.0, 900);
+    let rest = go(&mut rig, 19.0, 19.0, 300);
+    let moved = rig.simulation.deformation().report.moved_voxels;
+    assert!(moved > 10 && soft_voxels(&rig) < all, "{moved} voxels");
+    // the proxy came after the tool into the dent, and is in no voxel
+    assert!(rest.proxy.z < TOP + 2.0 - 0.9, "{}", rest.proxy);
+    assert!(rest.force.z > 0.0);
+
+    go(&mut rig, 19.0, 30.0, 600);
+    go(&mut rig, 30.0, 30.0, 200);
+    assert_eq!(rig.simulation.deformation().report.moved_voxels, 0);
+    assert_eq!(soft_voxels(&rig), all);
+    assert_eq!(rig.violations(), 0);
+    // the newest change is still the segment's
+    assert!(rig.simulation.undo().unwrap());
+    assert!(rig.simulation.voxels().segment(SOFT).is_none());
+}
+
+#[test]
+fn a_model_that_is_changed_or_left_behind_gives_back_what_it_moved() {
+    for name in [None, Some("fcc-lj")] {
+        let mut rig = lattice_rig();
+        let all = soft_voxels(&rig);
+        go(&mut rig, 30.0, 19.0, 1200);
+        assert!(soft_voxels(&rig) < all);
+        rig.simulation.set_deformation(name, None).unwrap();
+        assert_eq!(rig.simulation.deformation().model, name);
+        go(&mut rig, 19.0, 30.0, 500);
+        go(&mut rig, 30.0, 30.0, 300);
+        assert_eq!(soft_voxels(&rig), all, "{name:?}");
+    }
+    // the probe is placed far away: nobody presses, and nothing soft is near
+    let mut rig = lattice_rig();
+    let all = soft_voxels(&rig);
+    go(&mut rig, 30.0, 19.0, 1200);
+    assert!(soft_voxels(&rig) < all);
+    rig.simulation
+        .place(DVec3::new(20.0, 20.0, 60.0), 1, false)
+        .unwrap();
+    for tick in 0..300 {
+        rig.tick_at(DVec3::new(20.0, 20.0, 60.0));
+        if tick % 10 == 0 {
+            rig.simulation.step();
+            rig.deformation.step();
+        }
+    }
+    assert_eq!(soft_voxels(&rig), all);
+}
+
+#[test]
+fn parts_of_a_segment_can_be_rigid_or_as_if_they_were_not_there() {
+    let force = |treatment| {
+        let mut rig = lattice_rig();
+        let part = Part::Within(VoxelBox::new(IVec3::ZERO, IVec3::new(40, 40, 18)));
+        rig.simulation
+            .set_parts(SOFT, vec![(part, treatment)])
+            .unwrap();
+        assert_eq!(rig.simulation.parts(SOFT), [(part, treatment)]);
+        go(&mut rig, 30.0, 21.0, 1000);
+        go(&mut rig, 21.0, 21.0, 300);
+        rig.simulation.deformation().force.z
+    };
+    let [soft, rigid, empty] =
+        [Treatment::Deformable, Treatment::Rigid, Treatment::Empty].map(force);
+    // two layers over what is rigid, as a whole body, and as a skin over nothing
+    assert!(
+        rigid > 1.3 * soft && soft > 1.3 * empty && empty > 0.0,
+        "{rigid} {soft} {empty}"
+    );
+    let mut rig = lattice_rig();
+    let nobody = SegmentId(9);
+    assert!(rig.simulation.set_parts(nobody, Vec::new()).is_err());
+    let shared = vec![(Part::Shared(nobody), Treatment::Rigid)];
+    assert!(rig.simulation.set_parts(SOFT, shared).is_err());
+}
+
+#[test]
+fn a_point_in_a_dent_feels_the_matter_and_not_the_walls_of_its_voxels() {
+    let mut rig = lattice_rig();
+    let point = Settings {
+        probe_radius: 0.0,
+        ..rig.simulation.settings()
+    };
+    rig.simulation.set_settings(point).unwrap();
+    go(&mut rig, 30.0, 18.5, 1500);
+    let rest = go(&mut rig, 18.5, 18.5, 500);
+    let now = rig.simulation.deformation();
+    assert!(now.report.moved_voxels > 0);
+    // both ends of two springs in a row
+    assert!(now.force.z > 0.01, "{}", now.force);
+    assert!(
+        (rest.force - now.force).length() < 0.1 * now.force.z,
+        "{} {}",
+        rest.force,
+        now.force
+    );
 }

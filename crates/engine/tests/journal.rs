@@ -6,45 +6,27 @@
 )]
 
 mod common;
+#[path = "../../tools/tests/support/place.rs"]
+mod place;
 
 use std::fs;
-use std::path::PathBuf;
 
 use common::*;
 use glam::{DAffine3, DMat3, DVec3, IVec3, UVec3};
 use palpate_engine::cut::Plane;
 use palpate_engine::feel::Feel;
 use palpate_engine::simulation::SegmentState;
-use palpate_tools::drill::DrillSettings;
 use palpate_tools::journal_entry::ScanHash;
 use palpate_tools::tool::{ToolKind, ToolSettings};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
-use palpate_volume::matter::SegmentSet;
 use palpate_volume::segment::Segment;
 use palpate_volume::voxel_box::VoxelBox;
+use place::Place;
 
 const DIMENSIONS: UVec3 = UVec3::splat(32);
 const HASH: ScanHash = ScanHash([3; 32]);
 const BLOCK: SegmentId = SegmentId(1);
-
-/// A path that nothing is at; removed at the end.
-struct Place(PathBuf);
-
-impl Place {
-    fn new(name: &str) -> Self {
-        let file = format!("palpate-engine-{name}-{}.journal", std::process::id());
-        let place = Self(std::env::temp_dir().join(file));
-        let _ = fs::remove_file(&place.0);
-        place
-    }
-}
-
-impl Drop for Place {
-    fn drop(&mut self) {
-        let _ = fs::remove_file(&self.0);
-    }
-}
 
 /// A block, the probe above it.
 fn rig() -> Rig {
@@ -64,14 +46,7 @@ fn masks(rig: &Rig) -> Vec<(SegmentId, Vec<u8>)> {
 
 fn stroke(rig: &mut Rig, from: DVec3, to: DVec3) {
     rig.simulation
-        .set_tool(Some(ToolSettings {
-            kind: ToolKind::Eraser,
-            radius: 2.0,
-            segments: vec![BLOCK],
-            drill: DrillSettings::default(),
-            tissues: Vec::new(),
-            spared: SegmentSet::EMPTY,
-        }))
+        .set_tool(Some(ToolSettings::new(ToolKind::Eraser, 2.0, vec![BLOCK])))
         .unwrap();
     rig.simulation.stroke(true).unwrap();
     for step in 0..=10 {
@@ -179,10 +154,6 @@ fn the_journal_of_another_scan_changes_nothing() {
     assert!(masks(&rig).is_empty());
     let error = rig.simulation.begin_journal(&place.0, HASH);
     assert!(error.unwrap_err().to_string().contains("exists already"));
-}
-
-fn shifted(by: DVec3) -> DAffine3 {
-    DAffine3::from_translation(by)
 }
 
 /// What is known of all segments: numbers, voxels, touchability, ranges, feel, poses, grids.

@@ -26,6 +26,7 @@ fn slope() -> Segment {
 
 fn rig_on(segments: &[Segment]) -> (Rig, Vec<SegmentId>) {
     let mut rig = Rig::new(DIMENSIONS, START);
+    rig.simulation.switch_mask_shares(true);
     let add = |segment: &Segment| {
         let added = rig.simulation.add_segment(segment.clone(), OBSTACLE, false);
         added.unwrap()

@@ -11,19 +11,16 @@ mod common;
 use common::*;
 use glam::{DVec3, IVec3, UVec3};
 use palpate_engine::handover::TickRecord;
-use palpate_engine::needle_scenario::{
-    NeedleDrive, NeedleLayer, NeedleRun, NeedleSample, Phase, drive_needle,
-};
 use palpate_engine::recording::Recording;
 use palpate_engine::replay::{ReplayEnd, replay};
+use palpate_engine::scenario::drive::{Drive, Phase, Sample};
+use palpate_engine::scenario::needle::{NeedleLayer, NeedleRun, drive_needle};
 use palpate_engine::session_config::{Reference, SessionConfig};
 use palpate_engine::tape::Tape;
 use palpate_engine::tape_columns::TapeColumns;
 use palpate_haptics::needle::events::EventKind::{self, Punctured, Stopped, Withdrawn};
-use palpate_tools::drill::DrillSettings;
 use palpate_tools::tool::{ToolError, ToolKind, ToolSettings};
 use palpate_volume::edit::SegmentId;
-use palpate_volume::matter::SegmentSet;
 use palpate_volume::tissue::Tissue;
 
 const DIMENSIONS: UVec3 = UVec3::new(40, 40, 90);
@@ -52,19 +49,19 @@ fn layers() -> Vec<NeedleLayer> {
     tissues.into_iter().enumerate().map(layer).collect()
 }
 
-fn straight() -> NeedleDrive {
-    NeedleDrive {
+fn straight() -> Drive {
+    Drive {
         rest_secs: 0.5,
-        ..NeedleDrive::between(DVec3::new(20.3, 20.4, 84.0), DVec3::new(20.3, 20.4, 2.0))
+        ..Drive::between(DVec3::new(20.3, 20.4, 84.0), DVec3::new(20.3, 20.4, 2.0))
     }
 }
 
-fn run(drive: &NeedleDrive) -> NeedleRun {
+fn run(drive: &Drive) -> NeedleRun {
     let values = intensities(DIMENSIONS);
     drive_needle(&grid(DIMENSIONS), values, &layers(), drive).unwrap()
 }
 
-fn way_in(run: &NeedleRun) -> Vec<NeedleSample> {
+fn way_in(run: &NeedleRun) -> Vec<Sample> {
     let samples = run.samples.iter().copied();
     samples.filter(|sample| sample.phase == Phase::In).collect()
 }
@@ -80,7 +77,7 @@ fn peak_before(run: &NeedleRun, kind: EventKind, segment: u8) -> f64 {
     let event = events
         .find(|event| (event.kind, event.segment) == (kind, segment))
         .unwrap();
-    let near = |sample: &&NeedleSample| (0.0..0.1).contains(&(event.time - sample.time));
+    let near = |sample: &&Sample| (0.0..0.1).contains(&(event.time - sample.time));
     let near = run.samples.iter().filter(near);
     near.map(|sample| sample.force).fold(0.0, f64::max)
 }
@@ -156,14 +153,14 @@ fn segments_within_segments_give_the_same_events_as_segments_beside_them() {
 #[test]
 fn there_is_no_spike_outside_of_events() {
     for oblique in [0.0, 6.0] {
-        let drive = NeedleDrive {
+        let drive = Drive {
             target: straight().target + DVec3::new(oblique, 0.4 * oblique, 0.0),
             ..straight()
         };
         let run = run(&drive);
         assert!(run.events.len() >= 5, "{:?}", kinds(&run));
         for phase in [Phase::In, Phase::Out] {
-            let samples: Vec<&NeedleSample> = run
+            let samples: Vec<&Sample> = run
                 .samples
                 .iter()
                 .filter(|sample| sample.phase == phase)
@@ -192,7 +189,7 @@ fn there_is_no_spike_outside_of_events() {
 #[test]
 fn half_the_speed_gives_the_same_curve() {
     let fast = run(&straight());
-    let slow = run(&NeedleDrive {
+    let slow = run(&Drive {
         speed: 2.5,
         ..straight()
     });
@@ -212,12 +209,12 @@ fn half_the_speed_gives_the_same_curve() {
 
 fn needle() -> ToolSettings {
     ToolSettings {
-        kind: ToolKind::Needle,
-        radius: 0.5,
-        segments: [SKIN, FAT, LIVER].map(SegmentId).to_vec(),
-        drill: DrillSettings::default(),
         tissues: vec![Tissue::SKIN, Tissue::FAT, Tissue::LIVER],
-        spared: SegmentSet::EMPTY,
+        ..ToolSettings::new(
+            ToolKind::Needle,
+            0.5,
+            [SKIN, FAT, LIVER].map(SegmentId).to_vec(),
+        )
     }
 }
 
@@ -475,19 +472,19 @@ fn a_needle_that_does_not_know_its_tissues_is_refused() {
 #[test]
 fn a_drive_that_is_none_is_refused() {
     for bad in [
-        NeedleDrive {
+        Drive {
             speed: 0.0,
             ..straight()
         },
-        NeedleDrive {
+        Drive {
             target: straight().start,
             ..straight()
         },
-        NeedleDrive {
+        Drive {
             force_limit: f64::NAN,
             ..straight()
         },
-        NeedleDrive {
+        Drive {
             rest_secs: -1.0,
             ..straight()
         },

@@ -19,7 +19,6 @@ use palpate_engine::session_config::{Reference, SessionConfig};
 use palpate_engine::settings::Settings;
 use palpate_engine::tape::Tape;
 use palpate_engine::tape_columns::{TapeColumns, TapeError};
-use palpate_tools::drill::DrillSettings;
 use palpate_tools::tool::{ToolKind, ToolSettings};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
@@ -264,14 +263,7 @@ fn both_parts_of_a_cut_keep_its_grid() {
 }
 
 fn tool(kind: ToolKind, segments: &[SegmentId]) -> ToolSettings {
-    ToolSettings {
-        kind,
-        radius: 1.0,
-        segments: segments.to_vec(),
-        drill: DrillSettings::default(),
-        tissues: Vec::new(),
-        spared: SegmentSet::EMPTY,
-    }
+    ToolSettings::new(kind, 1.0, segments.to_vec())
 }
 
 #[test]

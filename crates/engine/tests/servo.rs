@@ -7,11 +7,18 @@
 
 mod common;
 
+use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use common::*;
 use glam::{DVec3, IVec3, UVec3};
-use palpate_engine::handover::HandTarget;
+use palpate_engine::feel::Feels;
+use palpate_engine::handover::{Channels, Garbage, HandTarget, ServoCommand, ServoStatus};
+use palpate_engine::mapping::Mapping;
+use palpate_engine::servo::{ServoLoop, ServoStart};
+use palpate_engine::settings::Settings;
+use palpate_engine::shared::Shared;
+use palpate_engine::touchable::Touchable;
 
 const DIMENSIONS: UVec3 = UVec3::splat(40);
 
@@ -98,4 +105,57 @@ fn hand_targets_from_before_a_placement_are_forgotten() {
     assert_eq!(rig.tick_at(pressed).hand, point);
     rig.hand.write(at(5));
     assert_eq!(rig.tick_at(pressed).hand, DVec3::splat(30.0));
+}
+
+/// A status goes over every tick and a command waits in a ring of 4096: what is long and rare has
+/// ways of its own.
+#[test]
+fn what_goes_over_every_tick_is_small() {
+    assert!(
+        size_of::<ServoStatus>() <= 640,
+        "{}",
+        size_of::<ServoStatus>()
+    );
+    assert!(
+        size_of::<ServoCommand>() <= 256,
+        "{}",
+        size_of::<ServoCommand>()
+    );
+}
+
+#[test]
+fn the_needle_is_told_of_while_it_is_felt_and_once_when_it_is_not_any_more() {
+    let Channels {
+        servo, simulation, ..
+    } = Channels::new(DVec3::ZERO);
+    let start = ServoStart {
+        grid: grid(DIMENSIONS),
+        touchable: Touchable::new(&grid(DIMENSIONS), Vec::new(), 0.0).unwrap(),
+        mapping: Mapping::IDENTITY,
+        probe: DVec3::splat(20.0),
+        settings: Settings::default(),
+        feels: Feels::default(),
+    };
+    let mut servo = ServoLoop::new(start, servo, Arc::new(Shared::default()));
+    let (mut needle, mut inbox) = (simulation.needle, simulation.inbox);
+    let mut garbage = simulation.garbage;
+    let mut told = |ticks: u32, servo: &mut ServoLoop| {
+        let updates = (0..ticks).filter(|_| {
+            servo.step(0.0);
+            needle.update()
+        });
+        (updates.count(), needle.output_buffer().on)
+    };
+    // what may have been before counts once
+    assert_eq!(told(1, &mut servo), (1, false));
+    assert_eq!(told(50, &mut servo), (0, false));
+    let command = |on| ServoCommand::Needle(on, Box::default());
+    inbox.push(command(true)).unwrap();
+    assert_eq!(told(50, &mut servo), (50, true));
+    inbox.push(command(false)).unwrap();
+    assert_eq!(told(50, &mut servo), (1, false));
+    // the tissues come back to be freed
+    assert!(matches!(garbage.pop(), Ok(Garbage::Tissues(_))));
+    assert!(matches!(garbage.pop(), Ok(Garbage::Tissues(_))));
+    assert!(garbage.pop().is_err());
 }

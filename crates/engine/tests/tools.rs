@@ -13,24 +13,15 @@ use palpate_device::DeviceState;
 use palpate_engine::error::SessionError;
 use palpate_engine::handover::{DeviceSample, TickRecord};
 use palpate_engine::scene::Properties;
-use palpate_tools::drill::DrillSettings;
 use palpate_tools::tool::{ToolKind, ToolSettings};
 use palpate_volume::edit::SegmentId;
-use palpate_volume::matter::SegmentSet;
 use palpate_volume::voxels::VoxelsError;
 
 const DIMENSIONS: UVec3 = UVec3::splat(40);
 const BLOCK: SegmentId = SegmentId(1);
 
 fn tool(kind: ToolKind, radius: f64, segments: &[SegmentId]) -> ToolSettings {
-    ToolSettings {
-        kind,
-        radius,
-        segments: segments.to_vec(),
-        drill: DrillSettings::default(),
-        tissues: Vec::new(),
-        spared: SegmentSet::EMPTY,
-    }
+    ToolSettings::new(kind, radius, segments.to_vec())
 }
 
 /// A block below z = 20, an obstacle, and the probe above it.

@@ -211,6 +211,11 @@ impl<O: Occupancy> Occupancy for ProbeSolid<O> {
     fn share(&self, voxel: IVec3, solid: bool) -> Option<f32> {
         self.inner.share(voxel, solid)
     }
+
+    #[inline]
+    fn share_changes(&self, voxels: &[(IVec3, bool)], changes: &mut [f32]) {
+        self.inner.share_changes(voxels, changes);
+    }
 }
 
 impl<O: Occupancy> Object<ProbeSolid<O>> {

@@ -86,16 +86,17 @@ fn widen<const LOG: u32, const WORDS: usize>(
 ) -> bool {
     let to_next = 64 - Rows::<LOG>::BITS;
     let here = *reached;
+    // each on its own, so that several words go at once
+    let mut beside = here.map(Rows::<LOG>::spread);
+    for word in 1..WORDS {
+        beside[word] |= here[word - 1] >> to_next;
+    }
+    for word in 1..WORDS {
+        beside[word - 1] |= here[word] << to_next;
+    }
     let mut any = 0;
     for word in 0..WORDS {
-        let below = if word > 0 {
-            here[word - 1] >> to_next
-        } else {
-            0
-        };
-        let above = here.get(word + 1).map_or(0, |above| above << to_next);
-        let beside = Rows::<LOG>::spread(here[word]) | below | above;
-        let new = beside & free[word] & !here[word];
+        let new = beside[word] & free[word] & !here[word];
         reached[word] |= new;
         any |= new;
     }

@@ -22,6 +22,7 @@
 
 use glam::DVec3;
 use palpate_volume::grid::Grid;
+use palpate_volume::matter::SegmentSet;
 use palpate_volume::tissue::Tissue;
 use serde::{Deserialize, Serialize};
 
@@ -37,7 +38,7 @@ pub mod track;
 
 use events::{EventKind, Events};
 use insertion::Insertion;
-use tissues::{Layered, Matter, Segments, Tissues};
+use tissues::{Layered, Matter, Tissues, World};
 use track::{Line, Track};
 
 /// Farther than this no hand is [mm].
@@ -157,13 +158,17 @@ impl Needle {
 
     /// Segments that are to be no obstacle: those that it has punctured, until the tip is out.
     #[must_use]
-    pub fn punctured(&self) -> Segments {
+    pub fn punctured(&self) -> SegmentSet {
         let inside = self.insertion.filter(|insertion| !insertion.is_out());
-        inside.map_or(Segments::NONE, |insertion| insertion.punctured)
+        inside.map_or(SegmentSet::EMPTY, |insertion| insertion.punctured)
     }
 
     /// Forgets where it is in: the probe jumps.
     pub fn forget(&mut self) {
+        if self.insertion.is_some_and(|insertion| !insertion.is_out()) {
+            let at = (self.time, 0.0, 0.0);
+            self.events.note(EventKind::Withdrawn, 0, at);
+        }
         self.end();
         self.last = None;
     }
@@ -189,8 +194,12 @@ impl Needle {
         }
         let insertion = self.insertion.as_mut()?;
         let was_out = insertion.is_out();
-        let (tool, forces) =
-            insertion.advance(input, &self.tissues, (grid, matter), &mut self.events);
+        let world = World {
+            grid,
+            matter,
+            tissues: &self.tissues,
+        };
+        let (tool, forces) = insertion.advance(input, &world, &mut self.events);
         self.forces = forces;
         if insertion.is_out() {
             if !was_out {
@@ -290,7 +299,12 @@ impl Needle {
         };
         // with what is hard right behind it, no deeper than there
         let mut ahead = Track::default();
-        ahead.look(&line, grid, depth, matter);
+        let world = World {
+            grid,
+            matter,
+            tissues: &self.tissues,
+        };
+        ahead.look(&line, depth, &world);
         // what overlaps with what is touched is pressed with it
         let alone = Layered::of(place);
         let layer = ahead.first().filter(|layer| layer.has(place));
@@ -307,7 +321,7 @@ impl Needle {
         if force >= tissue.puncture {
             self.events
                 .note(EventKind::Punctured, segment, (input.time, 0.0, force));
-            let punctured = Segments::of(self.tissues.segments_of(layer));
+            let punctured = self.tissues.segments_of(layer).collect();
             self.insertion = Some(Insertion::new(line, end, punctured));
         }
         (coupling, line.direction * (end - depth))

@@ -25,6 +25,7 @@ mod descent;
 pub mod field;
 mod half_spaces;
 mod rows;
+mod share_lanes;
 pub mod shares;
 mod spline;
 mod surface_rows;

@@ -76,6 +76,12 @@ impl SoftContact {
         self.last.is_some()
     }
 
+    /// Whether there is anything to follow: an answer, or a force that goes back to hard contact.
+    #[must_use]
+    pub fn is_awaited(&self) -> bool {
+        self.answer.is_some() || self.last.is_some()
+    }
+
     /// Puts the matter's force in the place of the hard contact's, where matter gives way.
     pub fn follow(&mut self, input: &SoftInput, output: &mut TickOutput) {
         let fresh = self

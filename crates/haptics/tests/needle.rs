@@ -7,6 +7,7 @@ use palpate_haptics::needle::tissues::{Layered, Matter, Met, Tissues};
 use palpate_haptics::needle::{Needle, NeedleForces, NeedleInput};
 use palpate_haptics::scene::Solid;
 use palpate_haptics::tick::TickOutput;
+use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
 use palpate_volume::tissue::Tissue;
 
@@ -21,21 +22,19 @@ const COUPLING: Coupling = Coupling {
     damping: 0.0,
 };
 
-/// Layers below z = 10, and which of them are open.
+/// Layers below z = 10, and whether those that were punctured are open.
 struct Body {
-    tissues: Tissues,
     open: bool,
 }
 
 impl Matter for Body {
-    fn at(&self, voxel: IVec3) -> Met {
+    fn at(&self, voxel: IVec3, tissues: &Tissues) -> Met {
         let above = LAYERS
             .iter()
             .take_while(|(from, _)| *from <= f64::from(voxel.z));
         match above.last() {
             None => Met::Nothing,
-            Some((_, id)) => self
-                .tissues
+            Some((_, id)) => tissues
                 .place_of(*id)
                 .map_or(Met::Wall(*id), |place| Met::Tissue(Layered::of(place))),
         }
@@ -90,7 +89,6 @@ impl Bench {
     fn tick(&mut self, device: DVec3) -> Felt {
         self.now += 1e-3;
         let matter = Body {
-            tissues: self.tissues,
             open: self.needle.punctured() != Default::default(),
         };
         let input = NeedleInput {
@@ -120,7 +118,9 @@ impl Bench {
     /// The hard contact of a probe that is led to a point.
     fn hard(&self, to: DVec3) -> (TickOutput, Option<u8>) {
         let punctured = self.needle.punctured();
-        let holder = LAYERS.iter().find(|(_, id)| !punctured.contains(*id));
+        let holder = LAYERS
+            .iter()
+            .find(|(_, id)| !punctured.contains(SegmentId(*id)));
         let holder = holder.filter(|(from, _)| to.z > *from);
         let proxy = holder.map_or(to, |(from, _)| to.with_z(*from));
         let output = TickOutput {

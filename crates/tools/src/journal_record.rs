@@ -23,19 +23,20 @@
 //!
 //! Source of LZ4: Collet, "LZ4 block format description" (2019), here by the crate lz4_flex.
 
-use glam::{DAffine3, DVec3, UVec3};
-use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::brick_grid::BrickSwap;
-use palpate_volume::edit::{Edit, EditKind, SegmentId};
+use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
 use palpate_volume::intensities::Intensities;
-use palpate_volume::intensity_brick::IntensityBrick;
-use palpate_volume::overlay::Overlay;
 use palpate_volume::segment::Segment;
-use palpate_volume::voxel_box::VoxelBox;
 use palpate_volume::voxels::Voxels;
 
-use crate::journal_entry::{Action, Delta, Entry, Facts, Written};
+use crate::journal_entry::{Action, Entry, Facts, Written};
+
+mod bytes;
+mod edits;
+
+use bytes::{Reader, number_of, push_affine, push_bits, push_count, push_numbers};
+use edits::{dirty_of, edit_bytes, edit_of};
 
 const EDIT: u8 = 1;
 const PUT: u8 = 2;
@@ -52,9 +53,6 @@ const UNKNOWN_KIND: Wrong = "a kind of record that this version does not know";
 
 /// LZ4 makes at most so many bytes of one.
 const MOST_EXPANSION: usize = 255;
-
-/// Voxels of a segment with a grid of its own, at most: no file can ask for more memory.
-const MOST_OWN_VOXELS: u64 = 1 << 33;
 
 /// A record: its kind and what it holds.
 pub(crate) type Record = (u8, Vec<u8>);
@@ -153,104 +151,6 @@ fn unpack(bytes: &[u8]) -> Result<Vec<u8>, Wrong> {
     lz4_flex::block::decompress_size_prepended(bytes).map_err(|_| "bytes that LZ4 cannot unpack")
 }
 
-fn edit_bytes(action: Action, delta: &Delta, scan: &Intensities) -> Vec<u8> {
-    let unedited = Overlay::empty(scan.dimensions());
-    let values = |brick: Option<&IntensityBrick>, index| {
-        brick
-            .cloned()
-            .unwrap_or_else(|| unedited.brick(scan, index))
-    };
-    let mut before = crc32fast::Hasher::new();
-    let mut body = Vec::new();
-
-    push_count(&mut body, delta.segments.len());
-    for (id, bricks) in &delta.segments {
-        body.push(id.0);
-        push_count(&mut body, bricks.len());
-        for brick in bricks {
-            let [old, new] =
-                [&brick.old, &brick.new].map(|brick| brick.as_deref().copied().unwrap_or_default());
-            before.update(&words_as_bytes(&old.0));
-            push_bits(&mut body, brick.index, &exclusive_or(&old, &new));
-        }
-    }
-    push_count(&mut body, delta.intensities.len());
-    for brick in &delta.intensities {
-        let old = values(brick.old.as_deref(), brick.index);
-        before.update(&values_as_bytes(&old.0));
-        body.extend(brick.index.to_le_bytes());
-        body.push(u8::from(brick.new.is_some()));
-        if let Some(new) = &brick.new {
-            body.extend(values_as_bytes(&differences(&old, new).0));
-        }
-    }
-
-    let mut bytes = vec![number_of(action), u8::from(delta.kind == EditKind::Matter)];
-    bytes.extend(before.finalize().to_le_bytes());
-    bytes.extend(body);
-    bytes
-}
-
-fn edit_of(bytes: &[u8], voxels: &Voxels) -> Result<Entry, Wrong> {
-    let mut reader = Reader(bytes);
-    let action = reader.action()?;
-    let kind = match reader.byte()? {
-        0 => EditKind::Label,
-        1 => EditKind::Matter,
-        _ => return Err("neither a label nor a matter edit"),
-    };
-    let checksum = reader.number()?;
-    let mut before = crc32fast::Hasher::new();
-    let mut edit = Edit::empty(kind);
-
-    for _ in 0..reader.count()? {
-        let id = SegmentId(reader.byte()?);
-        let segment = voxels.segment(id).ok_or("a segment that does not exist")?;
-        let bricks = segment.occupancy().bricks();
-        let mut swaps = Vec::new();
-        for _ in 0..reader.count()? {
-            let (index, differs) = reader.bits()?;
-            let old = bricks.get(index).map_or(BitBrick::EMPTY, |brick| **brick);
-            before.update(&words_as_bytes(&old.0));
-            let new = exclusive_or(&old, &differs);
-            let dirty = dirty_of(segment.grid(voxels.grid()), index, &differs)?;
-            edit.dirty = edit.dirty.union(&dirty);
-            let brick = new.shared();
-            swaps.push(BrickSwap { index, brick });
-        }
-        edit.segments.push((id, swaps));
-    }
-    for _ in 0..reader.count()? {
-        let index = reader.number()?;
-        let exists = reader.byte()? != 0;
-        part_of(voxels.grid(), index)?;
-        let old = voxels.overlay().brick(voxels.intensities(), index);
-        before.update(&values_as_bytes(&old.0));
-        let new = if exists {
-            Some(differences(&old, &reader.values()?))
-        } else {
-            None
-        };
-        let shown = match &new {
-            Some(new) => new.clone(),
-            None => Overlay::empty(voxels.grid().dimensions()).brick(voxels.intensities(), index),
-        };
-        let dirty = dirty_of(voxels.grid(), index, &where_different(&old, &shown))?;
-        edit.dirty = edit.dirty.union(&dirty);
-        let brick = new.map(Into::into);
-        edit.intensities.push(BrickSwap { index, brick });
-    }
-
-    if before.finalize() != checksum {
-        return Err("it follows on other voxels");
-    }
-    if kind == EditKind::Label && !edit.intensities.is_empty() {
-        return Err("a label edit of intensities");
-    }
-    reader.end()?;
-    Ok(Entry::Edit(action, edit))
-}
-
 fn put_bytes(action: Action, id: SegmentId, segment: &Segment) -> Vec<u8> {
     let bricks = segment.occupancy().bricks().entries();
     let mut bytes = vec![number_of(action), id.0];
@@ -347,186 +247,4 @@ fn facts_of(bytes: &[u8]) -> Result<Entry, Wrong> {
         pose: exists.then_some(pose),
     };
     Ok(Entry::Facts(id, facts))
-}
-
-/// The part of a brick inside the grid.
-fn part_of(grid: &Grid, index: u32) -> Result<VoxelBox, Wrong> {
-    let bricks = grid.dimensions().map(|n| n.div_ceil(8));
-    let all = u64::from(bricks.x) * u64::from(bricks.y) * u64::from(bricks.z);
-    if u64::from(index) >= all {
-        return Err("a brick beyond the scan");
-    }
-    let row = index / bricks.x;
-    let place = glam::UVec3::new(index % bricks.x, row % bricks.y, row / bricks.y);
-    let min = 8 * place.as_ivec3();
-    Ok(VoxelBox::new(min, min + 8).intersect(&grid.bounds()))
-}
-
-/// The smallest box of the voxels whose bit is set; all must be inside the grid.
-fn dirty_of(grid: &Grid, index: u32, bits: &BitBrick) -> Result<VoxelBox, Wrong> {
-    let part = part_of(grid, index)?;
-    let dirty = bits.difference(&BitBrick::EMPTY);
-    if dirty.is_empty() {
-        return Ok(dirty);
-    }
-    let dirty = VoxelBox::new(dirty.min + part.min, dirty.max + part.min);
-    if !part.contains_box(&dirty) {
-        return Err("voxels beyond the scan");
-    }
-    Ok(dirty)
-}
-
-fn where_different(a: &IntensityBrick, b: &IntensityBrick) -> BitBrick {
-    BitBrick::from_fn(glam::UVec3::splat(8), |voxel| {
-        a.stored(voxel) != b.stored(voxel)
-    })
-}
-
-fn exclusive_or(a: &BitBrick, b: &BitBrick) -> BitBrick {
-    BitBrick(std::array::from_fn(|z| a.0[z] ^ b.0[z]))
-}
-
-fn differences(a: &IntensityBrick, b: &IntensityBrick) -> IntensityBrick {
-    IntensityBrick(std::array::from_fn(|place| a.0[place] ^ b.0[place]))
-}
-
-fn words_as_bytes(words: &[u64; 8]) -> Vec<u8> {
-    words.iter().flat_map(|word| word.to_le_bytes()).collect()
-}
-
-fn values_as_bytes(values: &[i16; 512]) -> Vec<u8> {
-    values
-        .iter()
-        .flat_map(|value| value.to_le_bytes())
-        .collect()
-}
-
-fn push_count(bytes: &mut Vec<u8>, count: usize) {
-    // bricks of a scan are fewer than its voxels, and those fit
-    bytes.extend((count as u32).to_le_bytes());
-}
-
-fn push_numbers(bytes: &mut Vec<u8>, numbers: &[f64]) {
-    bytes.extend(numbers.iter().flat_map(|number| number.to_le_bytes()));
-}
-
-fn push_affine(bytes: &mut Vec<u8>, affine: &DAffine3) {
-    push_numbers(bytes, &affine.to_cols_array());
-}
-
-fn push_bits(bytes: &mut Vec<u8>, index: u32, bits: &BitBrick) {
-    bytes.extend(index.to_le_bytes());
-    bytes.extend(words_as_bytes(&bits.0));
-}
-
-fn number_of(action: Action) -> u8 {
-    match action {
-        Action::Do => 0,
-        Action::Undo => 1,
-        Action::Redo => 2,
-        Action::Start => 3,
-    }
-}
-
-/// What is left to read.
-struct Reader<'a>(&'a [u8]);
-
-impl Reader<'_> {
-    fn take<const N: usize>(&mut self) -> Result<[u8; N], Wrong> {
-        let (taken, left) = self.0.split_first_chunk().ok_or("it ends too early")?;
-        self.0 = left;
-        Ok(*taken)
-    }
-
-    fn byte(&mut self) -> Result<u8, Wrong> {
-        Ok(self.take::<1>()?[0])
-    }
-
-    fn number(&mut self) -> Result<u32, Wrong> {
-        Ok(u32::from_le_bytes(self.take()?))
-    }
-
-    fn count(&mut self) -> Result<usize, Wrong> {
-        Ok(self.number()? as usize)
-    }
-
-    fn action(&mut self) -> Result<Action, Wrong> {
-        match self.byte()? {
-            0 => Ok(Action::Do),
-            1 => Ok(Action::Undo),
-            2 => Ok(Action::Redo),
-            3 => Ok(Action::Start),
-            _ => Err("neither there, done, undone nor redone"),
-        }
-    }
-
-    fn segment(&mut self) -> Result<SegmentId, Wrong> {
-        match self.byte()? {
-            0 => Err("segment 0, which stands for none"),
-            id => Ok(SegmentId(id)),
-        }
-    }
-
-    fn flag(&mut self) -> Result<bool, Wrong> {
-        match self.byte()? {
-            0 => Ok(false),
-            1 => Ok(true),
-            _ => Err("neither yes nor no"),
-        }
-    }
-
-    fn float(&mut self) -> Result<f64, Wrong> {
-        let number = f64::from_le_bytes(self.take()?);
-        number.is_finite().then_some(number).ok_or("no number")
-    }
-
-    /// A number that may be without end.
-    fn limit(&mut self) -> Result<f64, Wrong> {
-        let number = f64::from_le_bytes(self.take()?);
-        (!number.is_nan()).then_some(number).ok_or("no number")
-    }
-
-    fn affine(&mut self) -> Result<DAffine3, Wrong> {
-        let mut columns = [0.0; 12];
-        for number in &mut columns {
-            *number = self.float()?;
-        }
-        Ok(DAffine3::from_cols_array(&columns))
-    }
-
-    fn grid(&mut self) -> Result<Grid, Wrong> {
-        let dimensions = UVec3::new(self.number()?, self.number()?, self.number()?);
-        if u64::from(dimensions.x) * u64::from(dimensions.y) > MOST_OWN_VOXELS
-            || dimensions.as_u64vec3().element_product() > MOST_OWN_VOXELS
-        {
-            return Err("more voxels than a segment of its own may have");
-        }
-        let spacing = DVec3::new(self.float()?, self.float()?, self.float()?);
-        let patient_from_grid = self.affine()?;
-        Grid::from_affine(dimensions, spacing, patient_from_grid).map_err(|_| "a grid that is none")
-    }
-
-    fn bits(&mut self) -> Result<(u32, BitBrick), Wrong> {
-        let index = self.number()?;
-        let mut brick = BitBrick::EMPTY;
-        for word in &mut brick.0 {
-            *word = u64::from_le_bytes(self.take()?);
-        }
-        Ok((index, brick))
-    }
-
-    fn values(&mut self) -> Result<IntensityBrick, Wrong> {
-        let mut brick = IntensityBrick::ZERO;
-        for value in &mut brick.0 {
-            *value = i16::from_le_bytes(self.take()?);
-        }
-        Ok(brick)
-    }
-
-    fn end(&self) -> Result<(), Wrong> {
-        self.0
-            .is_empty()
-            .then_some(())
-            .ok_or("more bytes than it needs")
-    }
 }

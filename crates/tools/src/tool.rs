@@ -207,6 +207,19 @@ pub struct ToolSettings {
 }
 
 impl ToolSettings {
+    /// A tool on these segments, in all else as it is by default.
+    #[must_use]
+    pub fn new(kind: ToolKind, radius: f64, segments: Vec<SegmentId>) -> Self {
+        Self {
+            kind,
+            radius,
+            segments,
+            drill: DrillSettings::default(),
+            tissues: Vec::new(),
+            spared: SegmentSet::EMPTY,
+        }
+    }
+
     /// Makes the tool for segments on a grid: all of them on the same; the drill's is the scan's.
     ///
     /// # Errors

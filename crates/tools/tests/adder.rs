@@ -3,23 +3,14 @@
 mod support;
 
 use glam::{DVec3, UVec3};
-use palpate_tools::drill::DrillSettings;
 use palpate_tools::tool::{Tool, ToolInput, ToolKind, ToolSettings};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
-use palpate_volume::matter::SegmentSet;
 use palpate_volume::voxels::Voxels;
 use support::{centre, distance_to_way, free_move, oblique_grid, scan, straight_grid};
 
 fn adder(grid: &Grid, radius: f64) -> Box<dyn Tool> {
-    let settings = ToolSettings {
-        kind: ToolKind::Adder,
-        radius,
-        segments: vec![SegmentId(1), SegmentId(2)],
-        drill: DrillSettings::default(),
-        tissues: Vec::new(),
-        spared: SegmentSet::EMPTY,
-    };
+    let settings = ToolSettings::new(ToolKind::Adder, radius, vec![SegmentId(1), SegmentId(2)]);
     settings.build(grid).expect("a tool")
 }
 

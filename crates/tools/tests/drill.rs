@@ -18,12 +18,8 @@ const AIR: i16 = -1000;
 
 fn drill_with(grid: &Grid, radius: f64, drill: DrillSettings) -> Box<dyn Tool> {
     let settings = ToolSettings {
-        kind: ToolKind::Drill,
-        radius,
-        segments: vec![SegmentId(1)],
         drill,
-        tissues: Vec::new(),
-        spared: SegmentSet::EMPTY,
+        ..ToolSettings::new(ToolKind::Drill, radius, vec![SegmentId(1)])
     };
     settings.build(grid).expect("a tool")
 }
@@ -273,12 +269,8 @@ fn a_spared_segment_keeps_its_voxels() {
     let grid = straight_grid(UVec3::splat(20), 0.5);
     let voxels = scan(grid, |_| BONE, &[&everywhere, &everywhere, &everywhere]);
     let settings = ToolSettings {
-        kind: ToolKind::Drill,
-        radius: 2.0,
-        segments: vec![SegmentId(1)],
-        drill: DrillSettings::default(),
-        tissues: Vec::new(),
         spared: SegmentSet::EMPTY.with(SegmentId(3)),
+        ..ToolSettings::new(ToolKind::Drill, 2.0, vec![SegmentId(1)])
     };
     let mut tool = settings.build(&grid).expect("a tool");
     let at = DVec3::splat(5.0);
@@ -398,12 +390,8 @@ fn numbers_that_describe_no_drill_are_refused() {
     ];
     for drill in bad {
         let settings = ToolSettings {
-            kind: ToolKind::Drill,
-            radius: 2.0,
-            segments: vec![SegmentId(1)],
             drill,
-            tissues: Vec::new(),
-            spared: SegmentSet::EMPTY,
+            ..ToolSettings::new(ToolKind::Drill, 2.0, vec![SegmentId(1)])
         };
         let error = settings.build(&grid).map(|_| ());
         assert!(matches!(error, Err(ToolError::Drill { .. })), "{drill:?}");

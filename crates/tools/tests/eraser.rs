@@ -3,26 +3,21 @@
 mod support;
 
 use glam::{DVec3, UVec3};
-use palpate_tools::drill::DrillSettings;
 use palpate_tools::stroke::Stroke;
 use palpate_tools::tool::{MAX_WAY, Tool, ToolError, ToolKind, ToolSettings};
 use palpate_volume::edit::{EditKind, SegmentId};
 use palpate_volume::grid::Grid;
-use palpate_volume::matter::SegmentSet;
 use palpate_volume::voxels::VoxelsError;
 use support::{Dense, Random, centre, distance_to_way, everywhere, free_move, oblique_grid, scan};
 
 const DIMENSIONS: UVec3 = UVec3::new(40, 37, 21);
 
 fn eraser(grid: &Grid, radius: f64, segments: &[u8]) -> Box<dyn Tool> {
-    let settings = ToolSettings {
-        kind: ToolKind::Eraser,
+    let settings = ToolSettings::new(
+        ToolKind::Eraser,
         radius,
-        segments: segments.iter().copied().map(SegmentId).collect(),
-        drill: DrillSettings::default(),
-        tissues: Vec::new(),
-        spared: SegmentSet::EMPTY,
-    };
+        segments.iter().copied().map(SegmentId).collect(),
+    );
     settings.build(grid).expect("a tool")
 }
 
@@ -184,13 +179,8 @@ fn a_moved_input_is_the_same_stroke_in_the_other_frame() {
 #[test]
 fn wrong_settings_say_what_is_allowed() {
     let grid = oblique_grid(DIMENSIONS);
-    let settings = |radius: f64, segments: Vec<SegmentId>| ToolSettings {
-        kind: ToolKind::Eraser,
-        radius,
-        segments,
-        drill: DrillSettings::default(),
-        tissues: Vec::new(),
-        spared: SegmentSet::EMPTY,
+    let settings = |radius: f64, segments: Vec<SegmentId>| {
+        ToolSettings::new(ToolKind::Eraser, radius, segments)
     };
     for radius in [0.0, -1.0, f64::NAN, f64::INFINITY, 32.0 * 0.7 + 0.1] {
         let error = settings(radius, vec![SegmentId(1)])

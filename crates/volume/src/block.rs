@@ -16,7 +16,14 @@ use crate::grid::is_inside;
 
 /// The voxels from `min` on; nothing is solid outside the grid.
 pub(crate) fn block_of_bits(bits: &Bits, min: IVec3) -> BitBrick {
-    block_of_bricks(min, |corner| brick_at(bits, corner))
+    let shift = min & (BRICK - 1);
+    if shift == IVec3::ZERO {
+        let there = is_inside(bits.dimensions(), min).then(|| bits.bricks().at(min));
+        return *there.flatten().unwrap_or(&BitBrick::EMPTY);
+    }
+    let bricks = bits.bricks().eight_from(min);
+    let [a, b, c, d, rest @ ..] = bricks.map(|brick| brick.unwrap_or(&BitBrick::EMPTY));
+    joined(&[a, b, c, d], shift, || rest)
 }
 
 /// The voxels from `min` on, from bricks that are asked for by the first of their voxels.
@@ -28,36 +35,36 @@ pub fn block_of_bricks<B: Borrow<BitBrick>>(min: IVec3, brick: impl Fn(IVec3) ->
     if shift == IVec3::ZERO {
         return *brick(0, 0, 0).borrow();
     }
-
-    // along z, words come from the lower bricks first, then from the upper ones
     let four = |z| [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(x, y)| brick(x, y, z));
-    let mut layers = [0; 16];
-    let (low, high) = layers.split_at_mut(8);
-    join(&four(0), shift, low);
+    joined(&four(0), shift, || four(1))
+}
+
+/// The voxels from a shift on, from four bricks and the four above them, x before y.
+#[inline]
+fn joined<B: Borrow<BitBrick>>(
+    lower: &[B; 4],
+    shift: IVec3,
+    upper: impl FnOnce() -> [B; 4],
+) -> BitBrick {
+    // along z, words come from the lower bricks first, then from the upper ones
+    let mut layers = [0; 8];
+    let (low, high) = layers.split_at_mut(8 - (shift.z as usize & 7));
+    join(lower, shift, shift.z as usize, low);
     if shift.z > 0 {
-        join(&four(1), shift, high);
+        join(&upper(), shift, 0, high);
     }
-    let first = shift.z as usize & 7;
-    BitBrick(std::array::from_fn(|z| layers[first + z]))
+    BitBrick(layers)
 }
 
-/// A brick by the first of its voxels.
+/// The layers of four bricks from one on, joined along x and y; x before y.
 #[inline]
-fn brick_at(bits: &Bits, corner: IVec3) -> &BitBrick {
-    if !is_inside(bits.dimensions(), corner) {
-        return &BitBrick::EMPTY;
-    }
-    bits.bricks().at(corner).unwrap_or(&BitBrick::EMPTY)
-}
-
-/// The layers of four bricks joined along x and y; x before y.
-#[inline]
-fn join<B: Borrow<BitBrick>>(bricks: &[B; 4], shift: IVec3, layers: &mut [u64]) {
-    let [a, b, c, d] = bricks.each_ref().map(|brick| &brick.borrow().0);
+fn join<B: Borrow<BitBrick>>(bricks: &[B; 4], shift: IVec3, from: usize, layers: &mut [u64]) {
+    let words = bricks.each_ref().map(|brick| &brick.borrow().0[from & 7..]);
+    let [a, b, c, d] = words;
     let rows = 8 * shift.y as u32;
-    for (z, layer) in layers.iter_mut().enumerate().take(8) {
-        let first = rows_from(a[z], b[z], shift.x);
-        let second = rows_from(c[z], d[z], shift.x);
+    for ((((layer, a), b), c), d) in layers.iter_mut().zip(a).zip(b).zip(c).zip(d) {
+        let first = rows_from(*a, *b, shift.x);
+        let second = rows_from(*c, *d, shift.x);
         // in two steps, since none may be by 64
         *layer = first >> rows | second << 1 << (63 - rows);
     }

@@ -93,6 +93,31 @@ impl<B> BrickGrid<B> {
         self.bricks.get(self.index_of(voxel))?.as_deref()
     }
 
+    /// The brick that holds a voxel and those after it, two along each axis, x fastest; none
+    /// beyond the grid.
+    #[inline]
+    pub(crate) fn eight_from(&self, voxel: IVec3) -> [Option<&B>; 8] {
+        let size = self.size.as_ivec3();
+        let first = voxel >> 3_i32;
+        let steps = |place: i32| IVec3::new(place & 1, place >> 1 & 1, place >> 2);
+        if first.cmpge(IVec3::ZERO).all() && first.cmplt(size - 1).all() {
+            let [x, y] = [1, size.x as usize];
+            let z = y * size.y as usize;
+            let start = self.index_of(voxel);
+            let places = [0, x, y, y + x, z, z + x, z + y, z + y + x];
+            return places.map(|place| self.bricks.get(start + place)?.as_deref());
+        }
+        std::array::from_fn(|place| {
+            let brick = first + steps(place as i32);
+            let is_there = brick.cmpge(IVec3::ZERO).all() && brick.cmplt(size).all();
+            if is_there {
+                self.at(BRICK * brick)
+            } else {
+                None
+            }
+        })
+    }
+
     /// A brick by its place in the directory.
     #[inline]
     pub fn get(&self, index: u32) -> Option<&Arc<B>> {

@@ -1,5 +1,7 @@
 //! What a voxel is made of, as matter edits see it: its intensity and its segments.
 
+use serde::{Deserialize, Serialize};
+
 use crate::edit::SegmentId;
 
 /// The state of one voxel.
@@ -12,7 +14,7 @@ pub struct Matter {
 }
 
 /// A set of segments, one bit for each number.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SegmentSet([u64; 4]);
 
 impl SegmentSet {
@@ -50,6 +52,12 @@ impl SegmentSet {
     #[must_use]
     pub fn intersect(&self, other: &Self) -> Self {
         Self(std::array::from_fn(|i| self.0[i] & other.0[i]))
+    }
+
+    /// How many segments belong to it.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.0.iter().map(|bits| bits.count_ones() as usize).sum()
     }
 
     /// Whether no segment belongs to it.

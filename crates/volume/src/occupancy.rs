@@ -59,6 +59,17 @@ pub trait Occupancy {
     fn share(&self, _voxel: IVec3, _solid: bool) -> Option<f32> {
         None
     }
+
+    /// By how much each of some voxels, told with whether it is solid, counts for more or less
+    /// than its bit: what [`Self::share`] is beyond that, and 0 where it tells nothing. Whoever
+    /// can tell of several at once does so here.
+    #[inline]
+    fn share_changes(&self, voxels: &[(IVec3, bool)], changes: &mut [f32]) {
+        for (change, (voxel, solid)) in changes.iter_mut().zip(voxels) {
+            let beyond_bit = |share: f32| share - f32::from(u8::from(*solid));
+            *change = self.share(*voxel, *solid).map_or(0.0, beyond_bit);
+        }
+    }
 }
 
 impl Occupancy for Bits {
@@ -175,6 +186,11 @@ impl<O: Occupancy + ?Sized> Occupancy for &O {
     #[inline]
     fn share(&self, voxel: IVec3, solid: bool) -> Option<f32> {
         (**self).share(voxel, solid)
+    }
+
+    #[inline]
+    fn share_changes(&self, voxels: &[(IVec3, bool)], changes: &mut [f32]) {
+        (**self).share_changes(voxels, changes);
     }
 }
 

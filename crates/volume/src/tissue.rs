@@ -102,6 +102,30 @@ impl Tissue {
         presets.find_map(|(known, tissue)| (known == name).then_some(tissue))
     }
 
+    /// All figures, in the order of the fields.
+    #[must_use]
+    pub fn figures(&self) -> [f64; 8] {
+        [
+            self.linear,
+            self.quadratic,
+            self.puncture,
+            self.cutting,
+            self.friction,
+            self.lateral,
+            self.relaxation,
+            self.relaxation_secs,
+        ]
+    }
+
+    /// A tissue of its figures, in the order of the fields.
+    #[must_use]
+    #[rustfmt::skip]
+    pub fn of_figures(
+        [linear, quadratic, puncture, cutting, friction, lateral, relaxation, relaxation_secs]: [f64; 8],
+    ) -> Self {
+        Self { linear, quadratic, puncture, cutting, friction, lateral, relaxation, relaxation_secs }
+    }
+
     /// Force of a deflection under the tip [N]; none without one.
     #[must_use]
     pub fn force(&self, deflection: f64) -> f64 {

@@ -9,10 +9,13 @@ use std::collections::{BTreeMap, BTreeSet};
 use glam::{IVec3, UVec3};
 use thiserror::Error;
 
+use crate::bit_brick::BitBrick;
+use crate::brick_grid::BrickSwap;
 use crate::edit::{Edit, SegmentId};
 use crate::edit_builder;
 use crate::grid::Grid;
 use crate::intensities::Intensities;
+use crate::intensity_brick::IntensityBrick;
 use crate::matter::Matter;
 use crate::overlay::Overlay;
 use crate::segment::Segment;
@@ -302,6 +305,31 @@ impl Voxels {
         }
         self.edit_number += 1;
         Ok(edit)
+    }
+
+    /// Whether an edit would change any voxel; bricks that read the same as those that are there
+    /// change none.
+    pub fn would_change(&self, edit: &Edit) -> bool {
+        let bits = |(id, swaps): &(SegmentId, Vec<BrickSwap<BitBrick>>)| {
+            let bricks = self
+                .segment(*id)
+                .map(|segment| segment.occupancy().bricks());
+            swaps.iter().any(|swap| {
+                let now = bricks.and_then(|bricks| bricks.get(swap.index));
+                now.map_or(&BitBrick::EMPTY, AsRef::as_ref)
+                    != swap.brick.as_deref().unwrap_or(&BitBrick::EMPTY)
+            })
+        };
+        let values = |swap: &BrickSwap<IntensityBrick>| {
+            let bounds = self.overlay.bricks().box_of(swap.index);
+            let mut voxels = bounds.intersect(&self.grid.bounds()).voxels();
+            let then = |voxel| match &swap.brick {
+                Some(brick) => Some(brick.stored(voxel)),
+                None => self.intensities.stored(voxel),
+            };
+            voxels.any(|voxel| self.stored(voxel) != then(voxel))
+        };
+        edit.segments.iter().any(bits) || edit.intensities.iter().any(values)
     }
 
     /// Refuses an edit of other segments or of another grid.

@@ -9,6 +9,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+from palpate.bench.goal import Goal
+from palpate.bench.goals_matter import (
+    DEFORM_ROWS,
+    MATTER_STRESS_ROWS,
+    SESSION_ROWS,
+    TRUTH_CUBE_ROWS,
+)
+
 __all__ = [
     "DEFAULT_STIFFNESS",
     "DRILLED",
@@ -43,23 +51,6 @@ __all__ = [
     "haptics_rows",
     "sphere_case",
 ]
-
-
-@dataclass(frozen=True)
-class Goal:
-    """A figure that a benchmark reports."""
-
-    case: str
-    """What was done."""
-    metric: str
-    """What was measured of it."""
-    key: str
-    """Where the engine's report has it."""
-    scale: float
-    """Reported figure per unit of the engine's."""
-    unit: str
-    goal: float | None
-    better: Literal["higher", "lower"]
 
 
 def _times(case: str, *, tail: float | None = None) -> tuple[Goal, ...]:
@@ -492,5 +483,9 @@ GOALS: dict[str, tuple[Goal, ...]] = {
         for rate in RATES
         for row in _servo(servo_case(rate, load), late=0.1 if rate == 1000 else None)
     ),
+    "deform": DEFORM_ROWS,
+    "session": SESSION_ROWS,
+    "truth-cube": TRUTH_CUBE_ROWS,
+    "stress-deform": MATTER_STRESS_ROWS,
 }
 """Rows of each benchmark, in the order of its table."""

@@ -6,7 +6,7 @@ series has a marker of its own as well.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,6 +19,7 @@ from palpate.bench.goals import (
     Touch,
     quality_case,
 )
+from palpate.bench.goals_matter import TRUTH_LEVELS, TRUTH_MODELS, truth_case
 from palpate.bench.report import Row
 from palpate.errors import OptionError
 
@@ -26,7 +27,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["check_plot", "plot_haptics", "plot_quality"]
+    from palpate.bench.truth_cube import Cube, Points
+
+__all__ = ["check_plot", "plot_haptics", "plot_quality", "plot_truth_cube"]
 
 ENDINGS = (".png", ".svg", ".pdf")
 
@@ -176,6 +179,34 @@ def _draw_touch(
     for place, row in points:
         if row.goal:
             panel.plot([place - 0.4, place + 0.4], [row.goal] * 2, color=GREY, linewidth=2.0)
+
+
+def plot_truth_cube(cube: Cube, moved: Mapping[str, Points], path: Path) -> None:
+    """Draws the beads' errors by compression, and where beads of the middle slice went."""
+    from palpate.bench.truth_cube import errors_of
+
+    figure = _figure(11.0, 5.2)
+    left, right = figure.subplots(1, 2)
+    levels = list(TRUTH_LEVELS)
+    deepest = max(levels)
+    slice_ = abs(cube.beads[:, 1] - cube.beads[:, 1].mean()) < cube.sides[1] / 16.0
+    went = cube.beads + cube.measured[deepest]
+    right.plot(*went[slice_][:, ::2].T, "o", color=GREY, fillstyle="none", label="measured")
+    for name, (colour, marker) in zip(TRUTH_MODELS, GROUND_STYLES, strict=False):
+        errors = [errors_of(cube, level, moved[truth_case(name, level)]) for level in levels]
+        style = {"color": colour, "marker": marker, "markersize": 5}
+        left.plot(levels, [error["rmse"] for error in errors], label=name, **style)
+        left.plot(levels, [error["without_drift"] for error in errors], linestyle=":", **style)
+        placed = (cube.beads + moved[truth_case(name, deepest)])[slice_]
+        right.plot(*placed[:, ::2].T, linestyle="none", **(style | {"markersize": 3}))
+    left.set_xlabel("compression [%]")
+    left.set_ylabel("RMSE of the beads [mm]; dotted: without the plate's drift")
+    left.set_ylim(bottom=0.0)
+    right.set_xlabel("x [mm]")
+    right.set_ylabel(f"z [mm], middle slice at {deepest:g} %")
+    right.set_aspect("equal")
+    left.plot([], [], "o", color=GREY, fillstyle="none", label="measured (right)")
+    _finish(figure, [left, right], left, path=path)
 
 
 def _figure(width: float, height: float) -> Figure:

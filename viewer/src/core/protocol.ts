@@ -48,8 +48,23 @@ export type SmoothingDegree = number;
 /** What the probe does to voxels while it is pressed; none leaves them as they are. */
 export type ToolKind = "none" | "eraser" | "adder" | "drill" | "needle";
 
+/** What a segment is for a needle; bone is none of them, since no needle punctures it. */
+export type TissueName = "skin" | "fat" | "muscle" | "liver";
+
+/**
+ * What happens to a needle: it goes into a segment, comes into one that it has punctured or out of
+ * all, comes to one that stops it, or is out.
+ */
+export type NeedleEventKind = "punctured" | "crossed" | "stopped" | "withdrawn";
+
+/** A model of deformation. */
+export type ModelName = string;
+
 /** A voxel's or a patch's place along one axis. */
 export type Index = number;
+
+/** Nodes of a box along one axis. */
+export type NodeCount = number;
 
 /** A voxel or a patch of a grid, along x, y, z. */
 export type GridPlace = readonly [Index, Index, Index];
@@ -96,6 +111,30 @@ export interface Feel {
 }
 
 /**
+ * What matter is: `young` [Pa], `poisson`, `density` [kg/m³], Coulomb `friction`.
+ *
+ * Bonds break at `breaking_strain`; null where none does.
+ */
+export interface Constants {
+  readonly young: number;
+  readonly poisson: number;
+  readonly density: number;
+  readonly breaking_strain: number | null;
+  readonly friction: number;
+}
+
+/**
+ * What a segment is made of: constants from `low` to `high` as they follow HU, or both.
+ *
+ * `preset` is its name; null where somebody chose the constants.
+ */
+export interface SegmentMaterial {
+  readonly preset: Name | null;
+  readonly low: Constants;
+  readonly high: Constants;
+}
+
+/**
  * A segment of the scan.
  *
  * `range` holds the threshold (low, high) while the segment is just that threshold;
@@ -103,9 +142,9 @@ export interface Feel {
  * the segment's `id` (1..255). `made_by` is the threshold that made it, whatever edits
  * did since; null where none did. `pose` takes the segment from where the scan has it to
  * where it stands; null where it was not moved. `bounds` are the voxels that hold it, half
- * open; null where it is empty. `grid` is the `patient_from_grid` of its voxels where they
- * are not the scan's. `opacity`, `smoothing`, `surface_from` and `wireframe` are those
- * of its surface.
+ * open; null where it is empty. `material` is null where it is hard. `grid` is the
+ * `patient_from_grid` of its voxels where they are not the scan's. `opacity`,
+ * `smoothing`, `surface_from` and `wireframe` are those of its surface.
  */
 export interface Segment {
   readonly id: SegmentId;
@@ -119,6 +158,7 @@ export interface Segment {
   readonly volume_ml: number;
   readonly pending: boolean;
   readonly feel: Feel;
+  readonly material: SegmentMaterial | null;
   readonly pose: Pose | null;
   readonly bounds: readonly [GridPlace, GridPlace] | null;
   readonly grid: Pose | null;
@@ -154,6 +194,32 @@ export interface DeviceLimits {
 }
 
 /**
+ * A material with a name, and where its constants are from.
+ *
+ * One that `needs_hounsfield` is for CT only: its constants go from `low` to `high`.
+ */
+export interface MaterialPreset {
+  readonly name: Name;
+  readonly source: string;
+  readonly needs_hounsfield: boolean;
+  readonly low: Constants;
+  readonly high: Constants;
+}
+
+/** Boxes that a model can have, by the nodes or cells along each edge; these are odd. */
+export interface Boxes {
+  readonly least: number;
+  readonly usual: number;
+  readonly most: number;
+}
+
+/** A model by which matter gives way; `boxes` is null where it takes all matter. */
+export interface DeformationModel {
+  readonly name: ModelName;
+  readonly boxes: Boxes | null;
+}
+
+/**
  * First message of the engine: everything the page needs to draw.
  *
  * `defaults` are the settings that the session was started with.
@@ -168,6 +234,8 @@ export interface Hello {
   readonly defaults: Settings;
   readonly device: string;
   readonly device_limits: DeviceLimits;
+  readonly presets: readonly MaterialPreset[];
+  readonly models: readonly DeformationModel[];
 }
 
 /** Where a moved segment stands by now: `Segment.pose` is where it was asked to go. */
@@ -194,6 +262,42 @@ export interface ToolState {
   readonly load: number;
   readonly undo_bytes: number;
   readonly undo_budget: number;
+}
+
+/**
+ * A needle, where it is the tool in the hand or still in.
+ *
+ * `depth` is how far its tip is from where it went in [mm], `segment` the one at the tip, 0
+ * for none. `tip` and `friction` are the forces at tip and shaft, `wall` that of what no
+ * needle punctures [N]. `events` counts what `NeedleEvents` tells.
+ */
+export interface NeedleState {
+  readonly inside: boolean;
+  readonly depth: number;
+  readonly segment: number;
+  readonly tip: number;
+  readonly friction: number;
+  readonly wall: number;
+  readonly events: number;
+}
+
+/**
+ * Matter that gives way: `model` is the one at work, null where all is hard.
+ *
+ * `edge` counts nodes or cells along each edge of its box, null for as many as usual.
+ * `force` is that of the matter on the tool [N, scene], `answers` counts the model's answers.
+ * While the next one is `late`, matter is as hard as its voxels. `nodes` take part in the
+ * last answer; since the start `bonds_broken` bonds broke, which took `work_broken` [mJ].
+ */
+export interface MatterState {
+  readonly model: ModelName | null;
+  readonly edge: number | null;
+  readonly force: Vector;
+  readonly answers: number;
+  readonly late: boolean;
+  readonly nodes: number;
+  readonly bonds_broken: number;
+  readonly work_broken: number;
 }
 
 /**
@@ -274,6 +378,8 @@ export interface State {
   readonly can_undo: boolean;
   readonly can_redo: boolean;
   readonly tool: ToolState;
+  readonly needle: NeedleState;
+  readonly matter: MatterState;
   readonly rates: Rates;
   readonly safety: Safety;
   readonly recording: number | null;
@@ -333,10 +439,26 @@ export interface SegmentSurface {
 }
 
 /**
+ * Where matter stands beside the voxels that show it, at the nodes of a box.
+ *
+ * Node (i, j, k) is at `origin + step * (i, j, k)` [grid], and `size` counts nodes along each
+ * axis, 0 where all matter stands in its voxels. `moved` holds how far the matter of each node
+ * stands from it as little-endian float16: x, y, z along the axes of the grid [mm] and a zero,
+ * nodes with x fastest.
+ */
+export interface Displaced {
+  readonly origin: Vector;
+  readonly step: Vector;
+  readonly size: readonly [NodeCount, NodeCount, NodeCount];
+  readonly moved: Uint8Array;
+}
+
+/**
  * All that edits up to number `edit` change in the picture, shown in one and the same frame.
  *
  * Boxes of voxels are in the order of their edits: of two that overlap, the later one holds.
  * `applied` is when the oldest of these edits was applied [s since 1970]; null without one.
+ * `displaced` goes with the voxels as they are then; null where it is as before.
  */
 export interface Changed {
   readonly type: "changed";
@@ -344,6 +466,23 @@ export interface Changed {
   readonly applied: number | null;
   readonly voxels: readonly ChangedVoxels[];
   readonly surfaces: readonly SegmentSurface[];
+  readonly displaced: Displaced | null;
+}
+
+/**
+ * The nodes or particles of the model at work, where this page asked for them; latest wins.
+ *
+ * `places` are x, y, z as little-endian uint16 each: place = origin + number / 65535 * size
+ * [scene]. `strains` are an int8 each: strain = number / 127 * 0.5, less than zero where matter
+ * is pressed. `apart` is the distance of neighbours at rest [mm].
+ */
+export interface MatterParts {
+  readonly type: "matter_parts";
+  readonly origin: Vector;
+  readonly size: Vector;
+  readonly apart: number;
+  readonly places: Uint8Array;
+  readonly strains: Uint8Array;
 }
 
 /** The settings as the engine holds them. */
@@ -400,6 +539,25 @@ export interface CutPreview {
   readonly id: SegmentId;
   readonly larger_ml: number | null;
   readonly smaller_ml: number | null;
+}
+
+/**
+ * What happened to a needle at a time [s], in a segment, 0 for none.
+ *
+ * `depth` is from where it went in [mm], `force` that at its tip [N].
+ */
+export interface NeedleEvent {
+  readonly kind: NeedleEventKind;
+  readonly segment: number;
+  readonly time: number;
+  readonly depth: number;
+  readonly force: number;
+}
+
+/** What happened to the needle since it was taken in the hand, oldest first, the newest 100. */
+export interface NeedleEvents {
+  readonly type: "needle_events";
+  readonly events: readonly NeedleEvent[];
 }
 
 /**
@@ -467,6 +625,31 @@ export interface SegmentFeel {
   readonly type: "segment_feel";
   readonly id: SegmentId;
   readonly feel: Feel;
+}
+
+/** Tells what a segment is made of, by name or by constants; with neither it is hard. */
+export interface SetMaterial {
+  readonly type: "set_material";
+  readonly id: SegmentId;
+  readonly preset: Name | null;
+  readonly constants: Constants | null;
+}
+
+/**
+ * Chooses the model by which matter gives way, null makes all hard, and the edge of its box.
+ *
+ * The edge counts nodes or cells; null is as many as usual.
+ */
+export interface SetDeformation {
+  readonly type: "set_deformation";
+  readonly model: ModelName | null;
+  readonly edge: number | null;
+}
+
+/** Has this page told the nodes or particles of the model, or no more. */
+export interface ShowParts {
+  readonly type: "show_parts";
+  readonly on: boolean;
 }
 
 /**
@@ -559,12 +742,22 @@ export interface Fence {
   readonly number: number;
 }
 
-/** Chooses the tool for the next strokes: the radius of its ball [mm], and what it changes. */
+/**
+ * Chooses the tool for the next strokes: the radius of its ball [mm], and what it changes.
+ *
+ * Of a needle the radius is its own, and `tissues` say what each of its segments is.
+ */
 export interface Tool {
   readonly type: "tool";
   readonly kind: ToolKind;
   readonly radius: number;
   readonly segments: readonly SegmentId[];
+  readonly tissues: readonly TissueName[];
+}
+
+/** Takes the needle out on the way that it went in. */
+export interface WithdrawNeedle {
+  readonly type: "withdraw_needle";
 }
 
 /** Begins a stroke of the tool, or ends it: what it changed is one step of undo. */
@@ -595,11 +788,13 @@ export type ToPage =
   | State
   | Segments
   | Changed
+  | MatterParts
   | SettingsChanged
   | Recovery
   | Notice
   | Gap
   | CutPreview
+  | NeedleEvents
   | Passed;
 
 /** A message of the page. */
@@ -611,6 +806,9 @@ export type FromPage =
   | Threshold
   | SegmentProperties
   | SegmentFeel
+  | SetMaterial
+  | SetDeformation
+  | ShowParts
   | MoveSegment
   | Grab
   | TurnGrabbed
@@ -623,6 +821,7 @@ export type FromPage =
   | ChangeSettings
   | Fence
   | Tool
+  | WithdrawNeedle
   | Stroke
   | Recover
   | Undo
@@ -786,7 +985,13 @@ const isSmoothingDegree = whole({ ge: 0, le: 12 });
 
 const isToolKind = oneOf("none", "eraser", "adder", "drill", "needle");
 
+const isNeedleEventKind = oneOf("punctured", "crossed", "stopped", "withdrawn");
+
+const isModelName = text({ ge: 1, le: 40 });
+
 const isIndex = whole({ ge: -2147483648, lt: 2147483648 });
+
+const isNodeCount = whole({ ge: 0, le: 1024 });
 
 const isGridPlace = tuple(isIndex, isIndex, isIndex);
 
@@ -821,6 +1026,20 @@ const isFeel = record({
   friction_kinetic: nullable(isFriction),
 });
 
+const isConstants = record({
+  young: real({ ge: 1, le: 2000000000000 }),
+  poisson: real({ gt: -1, lt: 0.5 }),
+  density: real({ ge: 0.1, le: 23000 }),
+  breaking_strain: nullable(real({ gt: 0, le: 1000000 })),
+  friction: real({ ge: 0, le: 10 }),
+});
+
+const isSegmentMaterial = record({
+  preset: nullable(isName),
+  low: isConstants,
+  high: isConstants,
+});
+
 const isSegment = record({
   id: isSegmentId,
   name: isName,
@@ -833,6 +1052,7 @@ const isSegment = record({
   volume_ml: real(),
   pending: flag,
   feel: isFeel,
+  material: nullable(isSegmentMaterial),
   pose: nullable(isPose),
   bounds: nullable(tuple(isGridPlace, isGridPlace)),
   grid: nullable(isPose),
@@ -861,6 +1081,25 @@ const isDeviceLimits = record({
   reach: real(),
 });
 
+const isMaterialPreset = record({
+  name: isName,
+  source: text(),
+  needs_hounsfield: flag,
+  low: isConstants,
+  high: isConstants,
+});
+
+const isBoxes = record({
+  least: whole(),
+  usual: whole(),
+  most: whole(),
+});
+
+const isDeformationModel = record({
+  name: isModelName,
+  boxes: nullable(isBoxes),
+});
+
 const isHello = record({
   type: oneOf("hello"),
   protocol: whole(),
@@ -871,6 +1110,8 @@ const isHello = record({
   defaults: isSettings,
   device: text(),
   device_limits: isDeviceLimits,
+  presets: list(isMaterialPreset),
+  models: list(isDeformationModel),
 });
 
 const isMovedPose = record({
@@ -889,6 +1130,27 @@ const isToolState = record({
   load: real(),
   undo_bytes: whole(),
   undo_budget: whole(),
+});
+
+const isNeedleState = record({
+  inside: flag,
+  depth: real(),
+  segment: whole(),
+  tip: real(),
+  friction: real(),
+  wall: real(),
+  events: whole(),
+});
+
+const isMatterState = record({
+  model: nullable(isModelName),
+  edge: nullable(whole()),
+  force: isVector,
+  answers: whole(),
+  late: flag,
+  nodes: whole(),
+  bonds_broken: whole(),
+  work_broken: real({ ge: 0 }),
 });
 
 const isRate = record({
@@ -944,6 +1206,8 @@ const isState = record({
   can_undo: flag,
   can_redo: flag,
   tool: isToolState,
+  needle: isNeedleState,
+  matter: isMatterState,
   rates: isRates,
   safety: isSafety,
   recording: nullable(real()),
@@ -979,12 +1243,29 @@ const isSegmentSurface = record({
   patches: list(isSurfacePatch),
 });
 
+const isDisplaced = record({
+  origin: isVector,
+  step: isVector,
+  size: tuple(isNodeCount, isNodeCount, isNodeCount),
+  moved: bytes,
+});
+
 const isChanged = record({
   type: oneOf("changed"),
   edit: whole(),
   applied: nullable(real()),
   voxels: list(isChangedVoxels),
   surfaces: list(isSegmentSurface),
+  displaced: nullable(isDisplaced),
+});
+
+const isMatterParts = record({
+  type: oneOf("matter_parts"),
+  origin: isVector,
+  size: isVector,
+  apart: real({ gt: 0 }),
+  places: bytes,
+  strains: bytes,
 });
 
 const isSettingsChanged = record({
@@ -1025,6 +1306,19 @@ const isCutPreview = record({
   smaller_ml: nullable(real()),
 });
 
+const isNeedleEvent = record({
+  kind: isNeedleEventKind,
+  segment: whole(),
+  time: real(),
+  depth: real(),
+  force: real(),
+});
+
+const isNeedleEvents = record({
+  type: oneOf("needle_events"),
+  events: list(isNeedleEvent),
+});
+
 const isPassed = record({
   type: oneOf("passed"),
   number: whole(),
@@ -1036,10 +1330,12 @@ const TO_PAGE: ReadonlyMap<string, Check> = new Map([
   ["state", isState],
   ["segments", isSegments],
   ["changed", isChanged],
+  ["matter_parts", isMatterParts],
   ["settings_changed", isSettingsChanged],
   ["recovery", isRecovery],
   ["notice", isNotice],
   ["gap", isGap],
   ["cut_preview", isCutPreview],
+  ["needle_events", isNeedleEvents],
   ["passed", isPassed],
 ]);

@@ -30,7 +30,7 @@ export function drawnFromVoxels({ visible, shown_as }: Segment): boolean {
   return visible && shown_as !== "surface";
 }
 
-/** Whether slices show a segment: where the scan has it, whatever stands for it in the 3-D view. */
+/** Whether slices show a segment's voxels, whatever stands for it in the 3-D view; of others they show the surface. */
 export function drawnInSlices({ visible, pose, grid }: Segment): boolean {
   return visible && pose === null && grid === null;
 }

@@ -20,6 +20,7 @@ export const toolChoices: readonly ToolChoice[] = [
   { kind: "eraser", name: "Eraser", key: "e", does: "takes voxels out of a segment" },
   { kind: "adder", name: "Adder", key: "a", does: "adds voxels to a segment" },
   { kind: "drill", name: "Drill", key: "d", does: "removes matter by the work of your hand" },
+  { kind: "needle", name: "Needle", key: "i", does: "goes into tissue where you push" },
 ];
 
 /** Colours of the tools' balls, sRGB. */
@@ -37,7 +38,7 @@ export type Works = "touched" | "touchable" | number;
 const mostInVoxels: Readonly<Record<ToolName, number>> = { eraser: 32, adder: 32, drill: 16, needle: 4 };
 /** Larger ones are hard to see past. */
 const largest: Readonly<Record<ToolName, number>> = { eraser: 25, adder: 25, drill: 10, needle: 2 };
-const usual: Readonly<Record<ToolName, number>> = { eraser: 4, adder: 4, drill: 2, needle: 0.5 };
+const usual: Readonly<Record<ToolName, number>> = { eraser: 4, adder: 4, drill: 2, needle: 0.455 };
 
 export interface RadiusRange {
   readonly min: number;
@@ -46,6 +47,10 @@ export interface RadiusRange {
 
 /** Radii that are offered: from one that reaches a voxel's centre from everywhere. */
 export function radiusRange(kind: ToolName, spacing: Vec3): RadiusRange {
+  if (kind === "needle") {
+    // as thick as needles are, whatever the voxels
+    return { min: 0.1, max: largest.needle };
+  }
   const max = Math.min(largest[kind], mostInVoxels[kind] * Math.min(...spacing));
   // half of a voxel's diagonal, to be seen on the slider
   const half = Math.ceil(5 * Math.hypot(...spacing)) / 10;

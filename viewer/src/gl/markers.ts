@@ -8,9 +8,11 @@
  */
 import * as THREE from "three";
 import { srgbFromHex } from "../core/colour";
+import type { MatterParts } from "../core/matter_parts";
 import type { PathTrail } from "../core/path_trail";
 import { addScaled, distance, length, normalize, subtract, type Vec3 } from "../core/vector";
 import { ForceGauge } from "./force_gauge";
+import { MatterDots } from "./matter_dots";
 import { PathRibbon } from "./path_ribbon";
 import { shaders } from "./shaders";
 
@@ -39,6 +41,8 @@ export interface MarkerState {
   /** Unit vector out of the surface; zero without contact. */
   readonly normal: Vec3;
   readonly trail: PathTrail;
+  /** Nodes or particles of the model of deformation; null where they are not shown. */
+  readonly parts: MatterParts | null;
   readonly show: Shown;
   /** The ball of the tool in the hand: radius [mm], colour sRGB 0..1; null without one. */
   readonly tool: ToolBall | null;
@@ -167,6 +171,7 @@ export class Markers {
   private readonly normalHead = new Marker(cone(), 1);
   private readonly gauge = new ForceGauge(amber);
   private readonly path = new PathRibbon(accent);
+  private readonly parts = new MatterDots();
 
   private shown: MarkerState | null = null;
   private tip: Vec3 = [0, 0, 0];
@@ -176,7 +181,7 @@ export class Markers {
     for (const marker of this.all) {
       this.scene.add(marker.group);
     }
-    this.scene.add(this.gauge.mesh, this.path.group);
+    this.scene.add(this.gauge.mesh, this.path.group, this.parts.group);
     this.device.paint(accent);
     this.line.paint(accent);
     this.shaft.paint(amber);
@@ -196,6 +201,7 @@ export class Markers {
     this.showTool(state);
     this.showForce(state);
     this.showContact(state);
+    this.parts.update(state.parts);
     this.path.group.visible = state.show.path;
     if (state.show.path) {
       this.path.update(state.trail, state.pixel);
@@ -210,7 +216,7 @@ export class Markers {
     }
     const { probe, device, radius, show, trail, tool } = this.shown;
     const ball = around(probe, Math.max(show.ball ? radius : 0, tool?.radius ?? 0));
-    return [probe, device, this.tip, this.normalTip, ...ball, ...(show.path ? trail.points : [])];
+    return [probe, device, this.tip, this.normalTip, ...ball, ...(show.path ? trail.points : []), ...this.parts.outline];
   }
 
   dispose(): void {
@@ -219,6 +225,7 @@ export class Markers {
     }
     this.gauge.dispose();
     this.path.dispose();
+    this.parts.dispose();
   }
 
   private showProbe({ probe, device, contact, pixel, radius, show }: MarkerState): void {
@@ -301,6 +308,7 @@ function looksSame(a: MarkerState, b: MarkerState): boolean {
     a.tool?.radius === b.tool?.radius &&
     a.tool?.colour === b.tool?.colour &&
     a.show === b.show &&
+    a.parts === b.parts &&
     !(b.show.path && b.trail.alive) &&
     distance(a.force, b.force) < 0.002 * b.fullForce
   );

@@ -5,6 +5,7 @@
 import * as THREE from "three";
 import type { BrickRanges } from "../core/bricks";
 import { project, type Camera, type Extent, type Viewport } from "../core/camera";
+import type { Displaced } from "../core/displaced";
 import type { Look } from "../core/look";
 import type { Rect } from "../core/picture_layout";
 import type { MovedPose, Segment } from "../core/protocol";
@@ -46,6 +47,7 @@ export class Picture {
   suspended = false;
   private field: FieldTexture | null = null;
   private ready = false;
+  private gives = false;
   private view: { readonly camera: Camera; readonly extent: Extent } | null = null;
   private shownCamera: Camera | null = null;
   /** The whole canvas, and the pane of the 3-D view [CSS pixels from the upper left]. */
@@ -151,6 +153,23 @@ export class Picture {
   /** Exchanges patches of surfaces. */
   changeSurfaces(changes: readonly SurfaceChange[]): void {
     this.surfaces.apply(this.renderer, changes);
+    this.refiner.restart();
+  }
+
+  /** Whether a model of deformation is at work: only then matter can stand beside its voxels. */
+  setGives(gives: boolean): void {
+    if (gives !== this.gives) {
+      this.gives = gives;
+      this.marcher.setGives(gives);
+      this.slices.follow(this.field?.volume.frame ?? null);
+      this.refiner.restart();
+    }
+  }
+
+  /** Where matter stands beside its voxels; null where all stands in them. */
+  setDisplaced(displaced: Displaced | null): void {
+    this.marcher.setDisplaced(displaced);
+    this.slices.changed();
     this.refiner.restart();
   }
 

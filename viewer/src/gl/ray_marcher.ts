@@ -18,6 +18,8 @@ import type { FieldTexture } from "./field_texture";
 import { FullscreenPass } from "./fullscreen_pass";
 import { byteTexture, transferTexture } from "./lookup_textures";
 import type { PictureTarget } from "./picture_target";
+import { DisplacedTexture } from "./displaced_texture";
+import type { Displaced } from "../core/displaced";
 import { shaders } from "./shaders";
 import type { SurfaceLayers } from "./surface_layers";
 
@@ -79,7 +81,7 @@ function marchUniforms() {
   };
 }
 
-type MarchUniforms = ReturnType<typeof marchUniforms>;
+type MarchUniforms = ReturnType<typeof marchUniforms> & DisplacedTexture["uniforms"];
 type FieldUniform =
   | "fieldTexture"
   | "dimensions"
@@ -88,10 +90,12 @@ type FieldUniform =
   | "sampleStep"
   | "spacing"
   | "slope"
-  | "labelTexture";
+  | "labelTexture"
+  | keyof DisplacedTexture["uniforms"];
 
 export class RayMarcher {
-  private readonly uniforms = marchUniforms();
+  private readonly displacements = new DisplacedTexture();
+  private readonly uniforms = { ...marchUniforms(), ...this.displacements.uniforms };
   private readonly pass = new FullscreenPass(shaders.march, this.uniforms);
   private frame: ScanFrame | null = null;
   private bricks: BrickRanges | null = null;
@@ -104,6 +108,8 @@ export class RayMarcher {
   private format = "FIELD_RG8";
   /** Translucent layers of surfaces; -1 where there are no surfaces at all. */
   private layers = -1;
+  /** Whether matter may stand beside its voxels. */
+  private gives = false;
 
   /** Shows another scan. */
   setField(field: FieldTexture, bricks: BrickRanges): void {
@@ -190,6 +196,22 @@ export class RayMarcher {
     }
   }
 
+  /**
+   * Whether a model of deformation is at work: then shaders look for displacements, else they
+   * know of none.
+   */
+  setGives(gives: boolean): void {
+    if (gives !== this.gives) {
+      this.gives = gives;
+      this.compile();
+    }
+  }
+
+  /** Where matter stands beside its voxels; null where all stands in them. */
+  setDisplaced(displaced: Displaced | null): void {
+    this.displacements.set(displaced);
+  }
+
   setCamera(camera: Camera, extent: Extent, aspect: number): void {
     if (this.frame === null) {
       return;
@@ -228,7 +250,11 @@ export class RayMarcher {
   }
 
   get fieldDefines(): Readonly<Record<string, string>> {
-    return { [this.format]: "", ...(this.labelled === null ? {} : { LABELS: "" }) };
+    return {
+      [this.format]: "",
+      ...(this.labelled === null ? {} : { LABELS: "" }),
+      ...(this.gives ? { DISPLACED: "" } : {}),
+    };
   }
 
   /** Draws rows of a level of the picture. */
@@ -258,6 +284,7 @@ export class RayMarcher {
   dispose(): void {
     this.uniforms.transferTexture.value?.dispose();
     this.uniforms.brickTexture.value?.dispose();
+    this.displacements.dispose();
     this.pass.dispose();
   }
 

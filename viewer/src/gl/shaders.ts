@@ -2,6 +2,7 @@
  * The shaders, joined from their files. WebGL2 (GLSL ES 3.00).
  */
 import compositeFrag from "./shaders/composite.frag?raw";
+import displaced from "./shaders/displaced.glsl?raw";
 import field from "./shaders/field.glsl?raw";
 import fullscreenVert from "./shaders/fullscreen.vert?raw";
 import gaugeFrag from "./shaders/gauge.frag?raw";
@@ -12,6 +13,8 @@ import markerFrag from "./shaders/marker.frag?raw";
 import markerVert from "./shaders/marker.vert?raw";
 import openness from "./shaders/openness.glsl?raw";
 import ownSegment from "./shaders/own_segment.glsl?raw";
+import partsFrag from "./shaders/parts.frag?raw";
+import partsVert from "./shaders/parts.vert?raw";
 import pathFrag from "./shaders/path.frag?raw";
 import pathVert from "./shaders/path.vert?raw";
 import segments from "./shaders/segments.glsl?raw";
@@ -28,11 +31,12 @@ function joined(...parts: readonly string[]): string {
 
 export const shaders = {
   fullscreen: joined(fullscreenVert),
-  march: joined(field, segments, surfaces, light, openness, marchFrag),
+  march: joined(displaced, field, segments, surfaces, light, openness, marchFrag),
   composite: joined(compositeFrag),
-  slice: joined(field, segments, sliceFrag),
+  slice: joined(displaced, field, segments, sliceFrag),
   gauge: { vertex: joined(gaugeVert), fragment: joined(gaugeFrag) },
   marker: { vertex: joined(markerVert), fragment: joined(markerFrag) },
-  surface: { vertex: joined(surfaceVert), fragment: joined(field, ownSegment, light, openness, surfaceFrag) },
+  surface: { vertex: joined(displaced, surfaceVert), fragment: joined(displaced, field, ownSegment, light, openness, surfaceFrag) },
+  parts: { vertex: joined(partsVert), fragment: joined(partsFrag) },
   path: { vertex: joined(pathVert), fragment: joined(pathFrag) },
 };

@@ -41,6 +41,7 @@ export function memoryOf(letters: readonly Letter[]): ArrayBuffer[] {
   const views = letters.flatMap(({ message }) =>
     message.type === "changed"
       ? [
+          message.displaced?.moved ?? null,
           ...message.voxels.flatMap(({ stored, labels }) => [stored, labels]),
           ...message.surfaces.flatMap(({ patches }) =>
             patches.flatMap(({ vertices, normals, triangles }) => [vertices, normals, triangles]),

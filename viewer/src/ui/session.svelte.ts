@@ -2,15 +2,19 @@
  * What the page knows of the engine: scan, segments, settings, and what is now.
  */
 import { ForceHistory } from "../core/force_history";
+import { decodeParts, type MatterParts } from "../core/matter_parts";
 import { recalled, remembered, sameSettings } from "../core/touch_settings";
 import {
   PROTOCOL_VERSION,
   type Changed,
   type CutPreview,
+  type DeformationModel,
   type DeviceLimits,
   type FromPage,
   type Gap,
   type Hello,
+  type MaterialPreset,
+  type NeedleEvent,
   type Notice,
   type Offer,
   type Scan,
@@ -48,6 +52,9 @@ export class Session {
   defaults = $state.raw<Settings | null>(null);
   device = $state.raw("");
   deviceLimits = $state.raw<DeviceLimits | null>(null);
+  /** Materials with a name, and models by which matter gives way. */
+  presets = $state.raw<readonly MaterialPreset[]>([]);
+  models = $state.raw<readonly DeformationModel[]>([]);
   version = $state.raw("");
   /** What is now, at a pace that can be read. */
   live = $state.raw<State | null>(null);
@@ -57,6 +64,8 @@ export class Session {
   gap = $state.raw<Gap | null>(null);
   /** What a painted line would part; null before the engine has told. */
   cutPreview = $state.raw<CutPreview | null>(null);
+  /** What happened to the needle since it was taken in the hand. */
+  needleEvents = $state.raw<readonly NeedleEvent[]>([]);
   notices = $state.raw<readonly ShownNotice[]>([]);
   /** Changes that an earlier session left, as long as nobody has decided about them. */
   offer = $state.raw<Offer | null>(null);
@@ -67,6 +76,8 @@ export class Session {
 
   /** What is now, as it arrived; for the picture. */
   latest: State | null = null;
+  /** Nodes or particles of the model of deformation, where they are shown; for the picture. */
+  parts: MatterParts | null = null;
   /** How often an engine has greeted this page: each time it must be told the view again. */
   greetings = 0;
   readonly history = new ForceHistory(plottedSeconds, plottedSamples);
@@ -226,11 +237,17 @@ export class Session {
         this.pass(message.number, message.tick);
         this.settle();
         break;
+      case "matter_parts":
+        this.parts = decodeParts(message);
+        break;
       case "gap":
         this.gap = message;
         break;
       case "cut_preview":
         this.cutPreview = message;
+        break;
+      case "needle_events":
+        this.needleEvents = message.events;
         break;
       case "notice":
         this.notify(message.level, message.text);
@@ -256,6 +273,8 @@ export class Session {
     this.defaults = hello.defaults;
     this.device = hello.device;
     this.deviceLimits = hello.device_limits;
+    this.presets = hello.presets;
+    this.models = hello.models;
     this.version = hello.version;
     this.history.clear();
     this.greetings += 1;

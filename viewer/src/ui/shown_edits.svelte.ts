@@ -3,6 +3,7 @@
  * is taken at once, between two frames; an edit that is not whole is not taken at all.
  */
 import type { Changed, Segment } from "../core/protocol";
+import { decodeDisplaced, type Displaced } from "../core/displaced";
 import type { ScanVolume } from "../core/scan_volume";
 import type { BrickRanges } from "../core/bricks";
 import { decodeSurface, SurfacePatches, type Patch, type SurfaceChange, type SurfaceSize } from "../core/surface_patches";
@@ -36,6 +37,8 @@ interface Edit {
   /** In the order in which they hold. */
   readonly voxels: readonly VoxelChange[];
   readonly surfaces: readonly SurfaceChange[];
+  /** Where matter stands beside its voxels then; undefined where that is as before. */
+  readonly displaced: Displaced | null | undefined;
 }
 
 /** The scan as the page holds it; edits change it in place. */
@@ -65,6 +68,9 @@ export class ShownEdits {
 
   /** The first labels are on their way: until they are here no segment can be shown by them. */
   awaitsLabels = $state(false);
+
+  /** Where matter stands beside its voxels; null where all stands in them. */
+  displaced: Displaced | null = null;
 
   private waiting: Waiting[] = [];
   private labels: LabelVolume | null = null;
@@ -113,6 +119,7 @@ export class ShownEdits {
   /** Another scan: what was shown belongs to the one before. */
   clear(): void {
     this.surfaces.clear();
+    this.displaced = null;
     this.sizes = this.surfaces.sizes;
     this.labels = null;
     this.labelVersion = null;
@@ -123,6 +130,7 @@ export class ShownEdits {
   /** Hands all that is held to a new picture. */
   showAll(picture: Picture): void {
     picture.setLabels(this.labels);
+    picture.setDisplaced(this.displaced);
     picture.changeSurfaces(
       this.surfaces.ids.map((id) => ({ id, whole: true, dropped: [], patches: this.surfaces.patches(id) })),
     );
@@ -175,7 +183,11 @@ export class ShownEdits {
     let edit: Edit;
     try {
       const voxels = changed.voxels.map((box) => decodeVoxels(box, scan.volume));
-      edit = { voxels: voxels.filter((change) => change !== null), surfaces: changed.surfaces.map(decodeSurface) };
+      edit = {
+        voxels: voxels.filter((change) => change !== null),
+        surfaces: changed.surfaces.map(decodeSurface),
+        displaced: changed.displaced === null ? undefined : decodeDisplaced(changed.displaced),
+      };
     } catch (error) {
       this.outside.complain(`Edit ${String(changed.edit)} cannot be shown: ${messageOf(error)}.`);
       return;
@@ -188,6 +200,10 @@ export class ShownEdits {
     }
     if (edit.surfaces.length > 0) {
       picture?.changeSurfaces(edit.surfaces);
+    }
+    if (edit.displaced !== undefined) {
+      this.displaced = edit.displaced;
+      picture?.setDisplaced(edit.displaced);
     }
     this.lastEdit = changed.edit;
   }

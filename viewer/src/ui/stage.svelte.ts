@@ -450,6 +450,7 @@ export class Stage {
         this.drawnState = null;
       }
       picture.setPoses(this.session.latest?.poses ?? []);
+      picture.setGives(this.edits.displaced !== null || (this.session.latest?.matter.model ?? null) !== null);
       this.sendView(camera);
       this.moveMarkers(camera, picture);
     }
@@ -494,6 +495,7 @@ export class Stage {
       contactPoint: state.contact_point,
       normal: state.normal,
       trail: this.trail,
+      parts: this.session.parts,
       show: this.shown,
       tool: toolBall(state),
       device: state.device,

@@ -2,9 +2,9 @@
  * `window.palpate`: what tests and curious people can read and do from the console.
  */
 import type { Letter } from "../core/anatomy";
-import type { Camera } from "../core/camera";
+import { pixelSizeAt, type Camera } from "../core/camera";
 import type { Picked } from "../core/pick_surface";
-import { decodeToPage, type Settings, type State } from "../core/protocol";
+import { decodeToPage, type Scan, type Settings, type State } from "../core/protocol";
 import type { Vec3 } from "../core/vector";
 import type { ShownSlice } from "../gl/slices";
 import type { HandControl } from "./hand_control.svelte";
@@ -50,6 +50,16 @@ export interface TestDoor {
   readonly drawingSuspended: boolean;
   /** Triangles of each segment's surface. */
   readonly triangles: Readonly<Record<number, number>>;
+  /** The scan's voxels and their size [mm]; null before there is one. */
+  readonly scan: Pick<Scan, "dimensions" | "spacing"> | null;
+  /** Size of a CSS pixel at a point [mm]. */
+  readonly pixelSizeAt: (point: Vec3) => number;
+  /** Of the picture [CSS pixels]. */
+  readonly middle: readonly [number, number];
+  /** Nodes along the box in which matter stands beside its voxels; null where all stands in them. */
+  readonly displaced: Vec3 | null;
+  /** Nodes or particles of the model that are shown. */
+  readonly parts: number;
   /** Takes a packed message as if the engine had sent it. */
   readonly receive: (packed: Uint8Array) => void;
   readonly place: (point: Vec3) => void;
@@ -124,6 +134,19 @@ export function openTestDoor(session: Session, stage: Stage, hand: HandControl, 
     },
     get triangles() {
       return Object.fromEntries([...stage.edits.sizes].map(([id, { triangles }]) => [id, triangles]));
+    },
+    get scan() {
+      return session.scan;
+    },
+    pixelSizeAt: (point) => (stage.camera === null ? NaN : pixelSizeAt(stage.camera, point, stage.viewport)),
+    get middle() {
+      return [stage.viewport.width / 2, stage.viewport.height / 2] as const;
+    },
+    get displaced() {
+      return stage.edits.displaced?.size ?? null;
+    },
+    get parts() {
+      return session.parts?.count ?? 0;
     },
     receive: (packed) => {
       session.receive(decodeToPage(packed), performance.now());

@@ -1,7 +1,8 @@
 /**
  * The tool in the person's hand: which one, how large, what it works on, and when it is pressed.
  */
-import type { State, ToolKind } from "../core/protocol";
+import { likelyLayer, type Layer } from "../core/needle";
+import type { Segment, State, TissueName, ToolKind } from "../core/protocol";
 import { fittingRadius, segmentsOf, type ToolName, type Works } from "../core/tools";
 import { recall, remember } from "./remembered";
 import type { Session } from "./session.svelte";
@@ -13,6 +14,8 @@ export class ToolHand {
   works = $state<Works>("touched");
   /** Whether a stroke is on, as far as this page is concerned. */
   pressed = $state(false);
+  /** What segments are to a needle, by their names, as far as the person has said. */
+  private layers = $state.raw<Readonly<Record<string, Layer>>>(recall<Record<string, Layer>>("needle", {}));
   private radii = $state.raw<Radii>(recall<Radii>("tools", {}));
 
   /** The segment that is touched, or was last. */
@@ -57,6 +60,17 @@ export class ToolHand {
     this.tell();
   }
 
+  /** What a segment is to a needle. */
+  layerOf(segment: Segment): Layer {
+    return this.layers[segment.name] ?? likelyLayer(segment);
+  }
+
+  setLayer(segment: Segment, layer: Layer): void {
+    this.layers = { ...this.layers, [segment.name]: layer };
+    remember("needle", this.layers);
+    this.tell();
+  }
+
   /** Begins a stroke; false where there is no tool to begin it with. */
   press(): boolean {
     if (this.kind === "none") {
@@ -78,18 +92,35 @@ export class ToolHand {
 
   /** Tells the engine what is chosen, where it does not know; false where there is nothing to work on. */
   private tell(): boolean {
-    const { kind, radius, works, touched } = this;
-    const segments = kind === "none" ? [] : segmentsOf(kind, works, this.session.segments, touched);
+    const { kind, radius } = this;
+    const [segments, tissues] = this.worked();
     if (kind !== "none" && segments.length === 0) {
-      this.session.notify("info", "There is no segment to work on: add one by a threshold.");
+      this.session.notify("info", nothingToWorkOn(kind));
       return false;
     }
-    const text = JSON.stringify([this.session.greetings, kind, radius, segments]);
+    const text = JSON.stringify([this.session.greetings, kind, radius, segments, tissues]);
     if (text !== this.told) {
       this.told = text;
-      this.session.send({ type: "tool", kind, radius: kind === "none" ? 1 : radius, segments: [...segments] });
+      this.session.send({ type: "tool", kind, radius: kind === "none" ? 1 : radius, segments, tissues });
     }
     return true;
+  }
+
+  /** The segments that the tool works on, and what they are to a needle. */
+  private worked(): [number[], TissueName[]] {
+    const { kind, works, touched } = this;
+    const { segments } = this.session;
+    if (kind === "none") {
+      return [[], []];
+    }
+    if (kind !== "needle") {
+      return [[...segmentsOf(kind, works, segments, touched)], []];
+    }
+    const soft = segments.flatMap((segment) => {
+      const layer = this.layerOf(segment);
+      return segment.touchable && layer !== "hard" ? [{ id: segment.id, layer }] : [];
+    });
+    return [soft.map(({ id }) => id), soft.map(({ layer }) => layer)];
   }
 
   /** With the drill the probe has the burr's radius, so that it sinks in as the burr does. */
@@ -117,4 +148,10 @@ export class ToolHand {
       this.touched = state.touched;
     }
   }
+}
+
+function nothingToWorkOn(kind: ToolKind): string {
+  return kind === "needle"
+    ? "Nothing here is soft for the needle: choose a tissue for a segment that can be touched."
+    : "There is no segment to work on: add one by a threshold.";
 }

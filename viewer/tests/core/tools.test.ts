@@ -17,6 +17,7 @@ function segment(id: number, touchable = true, range: Segment["range"] = null): 
     volume_ml: 1,
     pending: false,
     feel: { stiffness: null, friction_static: null, friction_kinetic: null },
+    material: null,
     pose: null,
     grid: null,
     bounds: null,

@@ -55,6 +55,7 @@ export const segment: Segment = {
   volume_ml: 0,
   pending: false,
   feel: { stiffness: null, friction_static: null, friction_kinetic: null },
+  material: null,
   pose: null,
   bounds: null,
   grid: null,

@@ -6,6 +6,7 @@ import { defaultAppearance, transferFunctionOf } from "../../src/core/appearance
 import { brickRanges, labelledBricks, type BrickRanges } from "../../src/core/bricks";
 import { extentOf, lookFrom, type Camera, type Extent } from "../../src/core/camera";
 import type { Letter } from "../../src/core/anatomy";
+import { decodeDisplaced, type Displaced } from "../../src/core/displaced";
 import type { Look } from "../../src/core/look";
 import type { ScanVolume } from "../../src/core/scan_volume";
 import { PathTrail } from "../../src/core/path_trail";
@@ -13,6 +14,7 @@ import type { TransferFunction } from "../../src/core/transfer_function";
 import type { Changed, Segment, SegmentSurface } from "../../src/core/protocol";
 import { decodeSurface } from "../../src/core/surface_patches";
 import { distance, type Vec3 } from "../../src/core/vector";
+import { forEachCell, type Box } from "../../src/core/voxel_change";
 import { FieldTexture, type FieldFormat } from "../../src/gl/field_texture";
 import { gpuSupport } from "../../src/gl/gpu_support";
 import { byteTexture, labelColours } from "../../src/gl/lookup_textures";
@@ -157,7 +159,7 @@ export type MarkerTest = Omit<Partial<MarkerState>, "trail"> & { readonly way?: 
 function stillMarkers(at: Vec3): Omit<MarkerState, "trail"> {
   const show = { contactPoint: true, normal: true, ball: true, path: true };
   const contact = { contact: false, contactPoint: at, normal: [0, 0, 0] as const };
-  return { probe: at, device: at, force: [0, 0, 0], radius: 0, ...contact, show, tool: null, pixel: 1, fullForce: 1 };
+  return { probe: at, device: at, force: [0, 0, 0], radius: 0, ...contact, show, tool: null, parts: null, pixel: 1, fullForce: 1 };
 }
 
 /** A way of the probe through points, a tenth of a second each. */
@@ -176,6 +178,31 @@ export interface ScreenTest {
   readonly jitter?: boolean;
   /** Surfaces of balls, as segments look them. */
   readonly surfaces?: readonly SurfaceTest[];
+  /** Matter stands beside its voxels; "none" where a model is at work and nothing has moved. */
+  readonly displaced?: DisplacedTest | "none";
+}
+
+/** All nodes of a box move alike [mm along the grid's axes], but for those at its border. */
+export interface DisplacedTest {
+  /** First node, and from one to the next [grid]. */
+  readonly origin: Vec3;
+  readonly step: Vec3;
+  readonly size: Vec3;
+  readonly moved: Vec3;
+}
+
+function displacedBy({ origin, step, size, moved }: DisplacedTest): Displaced {
+  const halves = moved.map((millimetres) => THREE.DataUtils.toHalfFloat(millimetres));
+  const texels = new Uint16Array(4 * size[0] * size[1] * size[2]);
+  const inside: Box = { low: [1, 1, 1], high: [size[0] - 1, size[1] - 1, size[2] - 1] };
+  forEachCell(inside, size, (i) => {
+    texels.set(halves, 4 * i);
+  });
+  const decoded = decodeDisplaced({ origin: [...origin], step: [...step], size: [...size], moved: new Uint8Array(texels.buffer) });
+  if (decoded === null) {
+    throw new Error("no displacements");
+  }
+  return decoded;
 }
 
 export interface SurfaceTest {
@@ -230,7 +257,7 @@ async function finished({ picture, gl }: ReturnType<typeof pictureOf>): Promise<
   return [...bytes];
 }
 
-async function show({ scan: test, markers, jitter = false, surfaces = [] }: ScreenTest): Promise<number[]> {
+async function show({ scan: test, markers, jitter = false, surfaces = [], displaced }: ScreenTest): Promise<number[]> {
   const drawn = pictureOf(jitter);
   const { picture } = drawn;
   const volume = fieldOf(test);
@@ -239,6 +266,10 @@ async function show({ scan: test, markers, jitter = false, surfaces = [] }: Scre
   picture.setLook(lookOf(test));
   picture.setCamera(lookFrom(test.from, extent, viewport), extent);
   showSurfaces(picture, surfaces);
+  if (displaced !== undefined) {
+    picture.setGives(true);
+    picture.setDisplaced(displaced === "none" ? null : displacedBy(displaced));
+  }
   if (markers !== undefined) {
     picture.setMarkers({ ...stillMarkers(extent.centre), ...markers, trail: trailThrough(markers.way ?? []) });
   }
@@ -319,7 +350,7 @@ async function edit(test: EditTest): Promise<EditResult> {
     drawn.picture.setSegments(segments);
     return drawn;
   };
-  const changed = (part: Partial<Changed>): Changed => ({ type: "changed", edit: 1, applied: null, voxels: [], surfaces: [], ...part });
+  const changed = (part: Partial<Changed>): Changed => ({ type: "changed", edit: 1, applied: null, voxels: [], surfaces: [], displaced: null, ...part });
   edits.add(changed({ surfaces: test.before ?? [] }), performance.now());
   edits.show(held, null);
   if (test.label !== null) {

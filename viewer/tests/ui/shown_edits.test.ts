@@ -23,7 +23,7 @@ function labelled(x: number, ids: readonly number[]): ChangedVoxels {
 
 /** Labels 7 in one voxel, or a surface. */
 function changed(edit: number, part: Partial<Changed> = {}): Changed {
-  return { type: "changed", edit, applied: null, voxels: [labelled(1, [7])], surfaces: [], ...part };
+  return { type: "changed", edit, applied: null, voxels: [labelled(1, [7])], surfaces: [], displaced: null, ...part };
 }
 
 function setUp(download: () => Promise<LabelVolume> = () => Promise.resolve(labelsOf(3))) {
@@ -129,4 +129,23 @@ test("another scan forgets the surfaces of the one before, but no edit that wait
   edits.clear();
   show();
   expect([...edits.sizes.keys()]).toEqual([2]);
+});
+
+test("where matter stands is shown with its edit, kept, and gone with the scan or where all is in its voxels", () => {
+  const { edits, picture, complaints, show } = setUp();
+  const told: (readonly number[] | null)[] = [];
+  Object.assign(picture, { setDisplaced: (displaced: { size: readonly number[] } | null) => told.push(displaced?.size ?? null) });
+  const displaced = { origin: [0, 0, 0], step: [1, 1, 1], size: [2, 1, 1], moved: new Uint8Array(16) } satisfies Changed["displaced"];
+  show(changed(1), changed(2, { displaced }), changed(3));
+  expect(told).toEqual([[2, 1, 1]]);
+  edits.showAll(picture);
+  expect(told).toEqual([[2, 1, 1], [2, 1, 1]]);
+  // an edit that lies is not shown at all
+  show(changed(4, { displaced: { ...displaced, moved: new Uint8Array(15) } }));
+  expect(complaints).toEqual(["Edit 4 cannot be shown: 15 bytes of displacements for 2 x 1 x 1 nodes, 8 each."]);
+  show(changed(5, { displaced: { ...displaced, size: [0, 0, 0], moved: new Uint8Array(0) } }));
+  expect(told.at(-1)).toBeNull();
+  show(changed(6, { displaced }));
+  edits.clear();
+  expect(edits.displaced).toBeNull();
 });

@@ -8,6 +8,7 @@
 
 use glam::{DMat3, DVec3};
 
+use super::nodes::Lattice;
 use crate::material::Solid;
 
 /// What the border of a box does where matter goes on behind it.
@@ -31,6 +32,27 @@ pub(super) struct Ground {
     pub node: u32,
     /// Symmetric, not negative [N/mm].
     pub stiffness: DMat3,
+    /// How far its other end has moved [mm].
+    pub led: DVec3,
+}
+
+impl Lattice {
+    /// Moves the body behind the border, as a coarser model of all of it says: `displacement`
+    /// [mm] is asked for places [mm] in the lattice's frame. Held border nodes go there, others
+    /// are drawn there by their springs.
+    pub fn lead_border(&mut self, displacement: impl Fn(DVec3) -> DVec3) {
+        for index in 0..self.layout.len() {
+            if self.border == Border::Held && self.cut[index] != 0 {
+                let moved = displacement(self.rest_place(index));
+                self.set_moved(index, moved);
+            }
+        }
+        let mut ground = std::mem::take(&mut self.ground);
+        for ground in &mut ground {
+            ground.led = displacement(self.rest_place(ground.node as usize));
+        }
+        self.ground = ground;
+    }
 }
 
 /// Stress over displacement at a place on the border, with the sign of a spring [N/mm³]:

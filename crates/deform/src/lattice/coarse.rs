@@ -3,20 +3,21 @@
 //!
 //! Iterations carry news one node further at a time, and the body behind the border is soft, so
 //! that the box as a whole drifts slowly to its place. Its 12 affine displacements and the 3 of
-//! a point force in the middle of the contact are therefore solved for directly: Newton's step
-//! in the space of these 15, with their stiffness at rest and that of the contacts now.
-//! Held nodes do not take part.
+//! a point force in the middle of the contact are therefore solved for directly in every
+//! iteration, with their stiffness at rest and that of the contacts now (an additive two-level
+//! preconditioner). Held nodes do not take part.
+//! Source: Smith, Bjørstad & Gropp, Domain Decomposition (1996), chapter 2.
 
 use glam::{DMat3, DVec3};
 
+use super::layout::CHUNK;
+use super::moduli::LatticeModuli;
 use super::nodes::Lattice;
 use super::tool_contact::ContactNode;
-use super::vectors::{Field, zero_field};
+use super::vectors::{Field, Lanes, lanes, lanes_mut, widest, zero_field};
 
 /// The 12 affine displacements and 3 of a point force.
 const MODES: usize = 15;
-/// Poisson's ratio of the point force; only the shape of a mode hangs on it.
-const POINT_POISSON: f64 = 0.3;
 type ModeVector = [f64; MODES];
 type ModeMatrix = [[f64; MODES]; MODES];
 
@@ -52,6 +53,7 @@ impl Coarse {
     }
 
     fn place_nodes(&mut self, lattice: &Lattice) {
+        let poisson = mean_poisson(lattice);
         for index in lattice.matter_nodes() {
             // a node held along one axis only is rare enough to be left to the iterations
             if (0..3).any(|axis| lattice.held[axis][index]) {
@@ -62,21 +64,12 @@ impl Coarse {
             for axis in 0..3 {
                 self.coordinates[axis][index] = from_middle[axis] / self.reach;
             }
-            let moved = self.point_displacement(from_middle, lattice.spacing);
+            let moved = point_displacement(from_middle, poisson, lattice.spacing);
             let entries = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
             for (values, (row, column)) in self.point.iter_mut().zip(entries) {
                 values[index] = moved.col(column)[row];
             }
         }
-    }
-
-    /// Displacement of a point force, blunt at two spacings, of size 1 there.
-    fn point_displacement(&self, from_middle: DVec3, spacing: f64) -> DMat3 {
-        let blunt = 2.0 * spacing;
-        let distance = (from_middle.length_squared() + blunt * blunt).sqrt();
-        let radial = from_middle / distance;
-        let along = DMat3::from_cols(radial * radial.x, radial * radial.y, radial * radial.z);
-        (DMat3::IDENTITY * (3.0 - 4.0 * POINT_POISSON) + along) * (blunt / (3.0 * distance))
     }
 
     /// Stiffness of each mode at rest, by moving all nodes a little along it.
@@ -105,22 +98,19 @@ impl Coarse {
         }
     }
 
-    /// Moves the nodes by Newton's step of the modes.
-    pub fn correct(&self, lattice: &mut Lattice, contacts: &[ContactNode]) {
+    /// The stiffness of the modes with that of contacts, ready to be solved with.
+    pub fn factor(&self, contacts: &[ContactNode]) -> CoarseFactor {
         let mut stiffness = self.stiffness;
         for contact in contacts {
             self.add_contact(&mut stiffness, contact);
         }
-        let force = self.project(&lattice.force);
-        let Some(shares) = solve(stiffness, force) else {
-            return;
-        };
-        // no mode moves a node farther than a spacing
-        let largest = shares
-            .iter()
-            .fold(0.0f64, |most, share| most.max(share.abs()));
-        let scale = (lattice.spacing / largest.max(1e-300)).min(1.0);
-        self.move_along(&shares.map(|share| share * scale), &mut lattice.moved);
+        CoarseFactor(factor(stiffness))
+    }
+
+    /// Adds to each node's displacement what the modes give under these forces.
+    pub fn add_response(&self, factor: &CoarseFactor, force: &Field, moved: &mut Field) {
+        let shares = factor.solve(self.project(force));
+        self.move_along(&shares, moved);
     }
 
     fn add_contact(&self, stiffness: &mut ModeMatrix, contact: &ContactNode) {
@@ -154,41 +144,125 @@ impl Coarse {
     /// The force along each mode.
     fn project(&self, force: &Field) -> ModeVector {
         let mut sums = [0.0; MODES];
-        for index in 0..self.weight.len() {
-            if self.weight[index] > 0.0 {
-                let f = DVec3::new(force[0][index], force[1][index], force[2][index]);
-                let modes = self.mode_at(index, f);
-                for mode in 0..MODES {
-                    sums[mode] += modes[mode];
-                }
-            }
-        }
+        project(self, force, &mut sums);
         sums
     }
 
     fn move_along(&self, shares: &ModeVector, moved: &mut Field) {
-        // which of the six entries each row of the point force's matrix has
-        let rows = [[0, 3, 4], [3, 1, 5], [4, 5, 2]];
+        move_along(self, shares, moved);
+    }
+}
+
+/// Displacement of a point force, blunt at two spacings, of size 1 there.
+fn point_displacement(from_middle: DVec3, poisson: f64, spacing: f64) -> DMat3 {
+    let blunt = 2.0 * spacing;
+    let distance = (from_middle.length_squared() + blunt * blunt).sqrt();
+    let radial = from_middle / distance;
+    let along = DMat3::from_cols(radial * radial.x, radial * radial.y, radial * radial.z);
+    (DMat3::IDENTITY * (3.0 - 4.0 * poisson) + along) * (blunt / (3.0 * distance))
+}
+
+/// Of what moves; the shape of a mode hangs on it.
+fn mean_poisson(lattice: &Lattice) -> f64 {
+    let moving = lattice
+        .matter_nodes()
+        .filter(|node| lattice.is_mobile(*node));
+    let solids = moving.filter_map(|node| lattice.matter(node).solid());
+    let poissons = solids.map(|solid| LatticeModuli::of(solid, lattice.spacing).poisson);
+    let (sum, count) = poissons.fold((0.0, 0.0), |(sum, count), nu| (sum + nu, count + 1.0));
+    sum / f64::max(count, 1.0)
+}
+
+/// Which of the six entries of the point force's matrix each row has.
+const ROWS: [[usize; 3]; 3] = [[0, 3, 4], [3, 1, 5], [4, 5, 2]];
+
+widest! {
+    /// The force along each mode.
+    fn project(coarse: &Coarse, force: &Field, sums: &mut ModeVector) = project_body
+}
+
+#[inline(always)]
+fn project_body(coarse: &Coarse, force: &Field, sums: &mut ModeVector) {
+    let mut lanewise: [Lanes; MODES] = [[0.0; CHUNK]; MODES];
+    for start in (0..coarse.weight.len()).step_by(CHUNK) {
+        let weight = lanes(&coarse.weight, start);
+        let along = [0, 1, 2].map(|axis| lanes(&coarse.coordinates[axis], start));
         for axis in 0..3 {
-            let [along_x, along_y, along_z] = [0, 1, 2].map(|along| &self.coordinates[along]);
-            let [point_x, point_y, point_z] = rows[axis].map(|entry| &self.point[entry]);
-            let affine = &shares[4 * axis..4 * axis + 4];
-            for (index, moved) in moved[axis].iter_mut().enumerate() {
-                // all of it is 0 where a node is held
-                *moved += affine[0] * self.weight[index]
-                    + affine[1] * along_x[index]
-                    + affine[2] * along_y[index]
-                    + affine[3] * along_z[index]
-                    + shares[12] * point_x[index]
-                    + shares[13] * point_y[index]
-                    + shares[14] * point_z[index];
+            let force = lanes(&force[axis], start);
+            let point = ROWS[axis].map(|entry| lanes(&coarse.point[entry], start));
+            for n in 0..CHUNK {
+                lanewise[4 * axis][n] += weight[n] * force[n];
+                lanewise[4 * axis + 1][n] += along[0][n] * force[n];
+                lanewise[4 * axis + 2][n] += along[1][n] * force[n];
+                lanewise[4 * axis + 3][n] += along[2][n] * force[n];
+            }
+            for n in 0..CHUNK {
+                lanewise[12][n] += point[0][n] * force[n];
+                lanewise[13][n] += point[1][n] * force[n];
+                lanewise[14][n] += point[2][n] * force[n];
+            }
+        }
+    }
+    *sums = lanewise.map(|lanes| lanes.iter().sum());
+}
+
+widest! {
+    /// Moves all nodes along the modes; none of them moves a node that is held.
+    fn move_along(coarse: &Coarse, shares: &ModeVector, moved: &mut Field) = move_along_body
+}
+
+#[inline(always)]
+fn move_along_body(coarse: &Coarse, shares: &ModeVector, moved: &mut Field) {
+    let point_shares = [shares[12], shares[13], shares[14]];
+    for start in (0..coarse.weight.len()).step_by(CHUNK) {
+        let weight = lanes(&coarse.weight, start);
+        let along = [0, 1, 2].map(|axis| lanes(&coarse.coordinates[axis], start));
+        for axis in 0..3 {
+            let point = ROWS[axis].map(|entry| lanes(&coarse.point[entry], start));
+            let affine = [0, 1, 2, 3].map(|n| shares[4 * axis + n]);
+            let moved = lanes_mut(&mut moved[axis], start);
+            for n in 0..CHUNK {
+                moved[n] += affine[0] * weight[n]
+                    + affine[1] * along[0][n]
+                    + affine[2] * along[1][n]
+                    + affine[3] * along[2][n]
+                    + point_shares[0] * point[0][n]
+                    + point_shares[1] * point[1][n]
+                    + point_shares[2] * point[2][n];
             }
         }
     }
 }
 
-/// Solves a symmetric positive system by Cholesky; a mode without stiffness stays where it is.
-fn solve(mut matrix: ModeMatrix, mut right: ModeVector) -> Option<ModeVector> {
+/// The stiffness of all modes, as the lower triangle of Cholesky; none where it is none.
+#[derive(Clone, Debug, Default)]
+pub(super) struct CoarseFactor(Option<ModeMatrix>);
+
+impl CoarseFactor {
+    /// How far each mode goes under these forces.
+    fn solve(&self, mut right: ModeVector) -> ModeVector {
+        let Some(lower) = &self.0 else {
+            return [0.0; MODES];
+        };
+        for row in 0..MODES {
+            for n in 0..row {
+                right[row] -= lower[row][n] * right[n];
+            }
+            right[row] /= lower[row][row];
+        }
+        for row in (0..MODES).rev() {
+            for n in row + 1..MODES {
+                right[row] -= lower[n][row] * right[n];
+            }
+            right[row] /= lower[row][row];
+        }
+        right
+    }
+}
+
+/// Cholesky's lower triangle of a symmetric positive matrix; a mode without stiffness stays
+/// where it is.
+fn factor(mut matrix: ModeMatrix) -> Option<ModeMatrix> {
     let scale = (0..MODES).map(|n| matrix[n][n]).fold(0.0, f64::max);
     if !(scale > 0.0 && scale.is_finite()) {
         return None;
@@ -199,28 +273,14 @@ fn solve(mut matrix: ModeMatrix, mut right: ModeVector) -> Option<ModeVector> {
             for n in 0..column {
                 sum -= matrix[row][n] * matrix[column][n];
             }
-            if row == column {
-                matrix[row][row] = if sum > 1e-10 * scale {
-                    sum.sqrt()
-                } else {
-                    f64::INFINITY
-                };
-            } else {
+            if row > column {
                 matrix[row][column] = sum / matrix[column][column];
+            } else if sum > 1e-10 * scale {
+                matrix[row][row] = sum.sqrt();
+            } else {
+                matrix[row][row] = f64::INFINITY;
             }
         }
     }
-    for row in 0..MODES {
-        for n in 0..row {
-            right[row] -= matrix[row][n] * right[n];
-        }
-        right[row] /= matrix[row][row];
-    }
-    for row in (0..MODES).rev() {
-        for n in row + 1..MODES {
-            right[row] -= matrix[n][row] * right[n];
-        }
-        right[row] /= matrix[row][row];
-    }
-    right.iter().all(|share| share.is_finite()).then_some(right)
+    Some(matrix)
 }

@@ -39,10 +39,10 @@ pub struct InelasticSettings {
 pub struct Inelastic {
     settings: InelasticSettings,
     /// Rest length without creep [mm].
-    base: [Vec<f64>; FAMILY_COUNT],
+    pub(super) base: [Vec<f64>; FAMILY_COUNT],
     /// Elongation that the fading part has followed [mm].
     creep: [Vec<f64>; FAMILY_COUNT],
-    broken: [Vec<bool>; FAMILY_COUNT],
+    pub(super) broken: [Vec<bool>; FAMILY_COUNT],
 }
 
 /// What broke in one look at all bonds.
@@ -69,8 +69,9 @@ impl Inelastic {
                 (0.0..1.0).contains(&prony.share) && prony.time > 0.0,
                 "{prony:?}"
             );
+            lattice.stiffening = 1.0 / (1.0 - prony.share);
             for stiffness in lattice.bonds.stiffness.iter_mut().flatten() {
-                *stiffness /= 1.0 - prony.share;
+                *stiffness *= lattice.stiffening;
             }
             lattice.settle_structure();
         }
@@ -92,6 +93,11 @@ impl Inelastic {
                 .each_ref()
                 .map(|rest| vec![false; rest.len()]),
         }
+    }
+
+    /// As it was made with.
+    pub(super) fn settings(&self) -> InelasticSettings {
+        self.settings
     }
 
     /// Breaks what is too long, and lets the rest yield; the lattice is at rest, and must be
@@ -140,7 +146,7 @@ impl Inelastic {
         }
     }
 
-    /// Takes over what another box, `offset` nodes away, knows of bonds that both have.
+    /// Takes over how nodes stand, and the creep of bonds, from another box `offset` nodes away.
     pub(super) fn adopt(
         &mut self,
         lattice: &mut Lattice,
@@ -153,18 +159,23 @@ impl Inelastic {
                 continue;
             };
             for family in 0..FAMILY_COUNT {
-                if old.broken[family][before] {
-                    self.broken[family][index] = true;
-                    lattice.bonds.stiffness[family][index] = 0.0;
-                    open_cells(lattice, family, index);
-                }
-                self.base[family][index] = old.base[family][before];
                 self.creep[family][index] = old.creep[family][before];
                 lattice.bonds.rest[family][index] = from.bonds.rest[family][before];
             }
-            let moved = from.moved(before);
             if lattice.is_mobile(index) {
-                lattice.set_moved(index, moved);
+                lattice.set_moved(index, from.moved(before));
+            }
+        }
+    }
+
+    /// Breaks what broke before in a lattice whose bonds were made anew.
+    pub(super) fn break_again(&self, lattice: &mut Lattice) {
+        for family in 0..FAMILY_COUNT {
+            for index in 0..self.broken[family].len() {
+                if self.broken[family][index] {
+                    lattice.bonds.stiffness[family][index] = 0.0;
+                    open_cells(lattice, family, index);
+                }
             }
         }
         lattice.settle_structure();

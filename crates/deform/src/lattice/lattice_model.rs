@@ -1,21 +1,22 @@
 //! The bonded lattice as a model: a box of nodes that follows the first tool.
 
-use glam::{DMat3, DVec3, IVec3, UVec3};
-use palpate_volume::grid::Grid;
+use glam::{DMat3, IVec3};
 use palpate_volume::material::LocalContact;
+use palpate_volume::matter::Matter;
 
-use super::border::Border;
-use super::inelastic::{Breaking, Inelastic, InelasticSettings};
+use super::bond_memory::BondMemory;
+use super::inelastic::{Breaking, InelasticSettings};
 use super::moduli::POISSON_RANGE;
+use super::moving_box::{MovingBox, grid_mm};
 use super::nodes::Lattice;
 use super::relax::{RelaxSettings, Relaxer};
-use super::resample::{matter_of_node, node_near, node_place};
+use super::resample::{RestVoxels, node_near};
 use super::tool_contact::{LatticeTool, ToolForce};
-use crate::material::Materials;
+use super::write_back::WriteBack;
 use crate::model::{
-    DeformationModel, DisplacementField, ModelAnswer, ModelEvent, ModelInput, ToolContact,
-    ToolState,
+    DeformationModel, ModelAnswer, ModelEvent, ModelInput, ModelParts, ToolContact, ToolState,
 };
+use crate::rest_matter::{Ledger, matter_of};
 
 /// How far the tool may be from the middle of the box before the box follows [nodes].
 const LEASH: i32 = 2;
@@ -23,6 +24,12 @@ const LEASH: i32 = 2;
 const ROUNDS: u32 = 4;
 /// How far from the tool's place its contact holds [spacings].
 const VALIDITY: f64 = 0.5;
+/// Displacement that is seen [spacings].
+const SEEN: f64 = 0.01;
+/// One of so many iterations is for the stiffness of the contact.
+const STIFFNESS_SHARE: u32 = 4;
+/// Strain of one bond whose force counts where no tool feels more.
+const SMALL_STRAIN: f64 = 0.01;
 
 /// How the lattice works.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,6 +42,8 @@ pub struct LatticeSettings {
     pub tolerance: f64,
     /// What does not come back.
     pub inelastic: InelasticSettings,
+    /// What the scan reads where the tool is in matter, in its own unit.
+    pub air: f64,
 }
 
 impl Default for LatticeSettings {
@@ -44,6 +53,19 @@ impl Default for LatticeSettings {
             spacing: None,
             tolerance: 1e-3,
             inelastic: InelasticSettings::default(),
+            air: -1000.0,
+        }
+    }
+}
+
+impl LatticeSettings {
+    /// The default settings with so many nodes along each edge of the box, where they are given.
+    #[must_use]
+    pub fn of_box(nodes: Option<u32>) -> Self {
+        let usual = Self::default();
+        Self {
+            nodes: nodes.unwrap_or(usual.nodes),
+            ..usual
         }
     }
 }
@@ -54,22 +76,20 @@ pub struct LatticeModel {
     settings: LatticeSettings,
     matter: Option<MovingBox>,
     relaxer: Relaxer,
+    memory: BondMemory,
+    ledger: Ledger,
+    seen: Option<Seen>,
     bonds_broken: u64,
     work_broken: f64,
     told_poisson: bool,
 }
 
-/// A box of nodes and where it stands.
-#[derive(Debug)]
-struct MovingBox {
-    lattice: Lattice,
-    inelastic: Inelastic,
-    /// Its first node, counted from the corner of the grid.
-    origin: IVec3,
-    /// What it was made from.
+/// The voxels as they were after the last answer.
+#[derive(Clone, Copy, Debug)]
+struct Seen {
     edit_number: u64,
-    grid: Grid,
-    materials: Materials,
+    /// One of the voxels that the answer's edit changes, and what to.
+    wrote: Option<(IVec3, Matter)>,
 }
 
 impl LatticeModel {
@@ -98,29 +118,94 @@ impl LatticeModel {
         self.matter.as_ref().map(|matter| &matter.lattice)
     }
 
-    /// Moves or makes the box anew where the tool, the voxels or the materials ask for it.
-    fn follow(&mut self, input: &ModelInput<'_>, tool: &ToolState) {
+    /// Follows the voxels, the materials and the tool.
+    fn follow(&mut self, input: &ModelInput<'_>, tool: Option<&ToolState>) {
+        self.follow_edits(input);
+        let rest = RestVoxels {
+            voxels: input.voxels,
+            materials: input.materials,
+            ledger: &self.ledger,
+        };
+        if self
+            .matter
+            .as_ref()
+            .is_some_and(|matter| !matter.fits(&rest))
+        {
+            self.matter = None;
+        }
+        let Some(tool) = tool else {
+            return;
+        };
         let grid = input.voxels.grid();
         let spacing = self.settings.spacing.unwrap_or(grid.smallest_spacing());
-        let middle = node_near(grid_mm(grid, tool.position), spacing);
         let half = self.settings.nodes as i32 / 2;
-        let stays = self.matter.as_ref().is_some_and(|matter| {
-            let away = (middle - half - matter.origin).abs().max_element();
-            away <= LEASH
-                && matter.edit_number == input.voxels.edit_number()
-                && matter.materials == *input.materials
-                && matter.grid == *grid
+        let origin = node_near(grid_mm(grid, tool.position), spacing) - half;
+        match &mut self.matter {
+            Some(matter) if (origin - matter.origin).abs().max_element() > LEASH => {
+                matter.go(&rest, origin, &mut self.memory);
+            }
+            Some(_) => {}
+            None => {
+                let LatticeSettings {
+                    nodes, inelastic, ..
+                } = self.settings;
+                self.matter = Some(MovingBox::new(&rest, nodes, spacing, inelastic, origin));
+            }
+        }
+    }
+
+    /// Follows what others have changed of the voxels. Matter that moved and was cut where it
+    /// stands is gone where it is at rest too.
+    fn follow_edits(&mut self, input: &ModelInput<'_>) {
+        let voxels = input.voxels;
+        let seen = self.seen.replace(Seen {
+            edit_number: voxels.edit_number(),
+            wrote: None,
         });
-        if stays {
+        if seen.is_some_and(|seen| seen.explains(input)) {
             return;
         }
-        let mut next = MovingBox::new(input, &self.settings, spacing, middle - half);
-        if let Some(old) = self.matter.take().filter(|old| old.grid == *grid) {
-            let offset = next.origin - old.origin;
-            next.inelastic
-                .adopt(&mut next.lattice, &old.inelastic, &old.lattice, offset);
+        match seen {
+            Some(_) => self.ledger.follow_cuts(voxels),
+            // after a reset voxels are those of another time, and nobody cut what they showed
+            None => drop(self.ledger.take_overruled(voxels)),
         }
-        self.matter = Some(next);
+        let rest = RestVoxels {
+            voxels,
+            materials: input.materials,
+            ledger: &self.ledger,
+        };
+        if let Some(matter) = self.matter.as_mut().filter(|matter| matter.fits(&rest)) {
+            matter.follow_edits(&rest);
+        }
+    }
+
+    /// The edit by which voxels follow the nodes, and what they do not show of it.
+    fn write_back(
+        &mut self,
+        input: &ModelInput<'_>,
+        tools: &[&ToolState],
+        answer: &mut ModelAnswer,
+    ) {
+        let intensities = input.voxels.intensities();
+        let air = (self.settings.air - intensities.intercept()) / intensities.slope();
+        let rule = WriteBack {
+            input,
+            ledger: &self.ledger,
+            tools,
+            air: air.round() as i16,
+        };
+        let field = self.matter.as_ref().map(MovingBox::displacement);
+        let wanted = rule.wanted(field.as_ref());
+        answer.edit = self.ledger.write(input.voxels, &wanted);
+        if let Some(seen) = &mut self.seen {
+            seen.wrote = self.ledger.last_written();
+        }
+        if let Some(field) = field {
+            let least = SEEN * field.spacing;
+            answer.displacement = field.told(input.voxels.grid(), &self.ledger, least);
+        }
+        answer.report.moved_voxels = self.ledger.len() as u32;
     }
 
     /// Relaxes, breaks, and relaxes again, within the budget.
@@ -129,15 +214,18 @@ impl LatticeModel {
             return;
         };
         matter.inelastic.fade(&mut matter.lattice, input.dt);
+        let reference = SMALL_STRAIN * matter.lattice.softest_bond() * matter.lattice.spacing();
         for _ in 0..ROUNDS {
-            let left = input.budget.iterations - answer.report.iterations;
+            // the rest of them is for the stiffness
+            let most = input.budget.iterations - input.budget.iterations / STIFFNESS_SHARE;
+            let left = most.saturating_sub(answer.report.iterations);
             if left == 0 {
                 return;
             }
             let settings = RelaxSettings {
                 tolerance: self.settings.tolerance,
                 iterations: left,
-                reference: 0.0,
+                reference,
             };
             let is_late = || input.budget.is_late();
             let report = self
@@ -161,6 +249,37 @@ impl LatticeModel {
                 work: breaking.work,
                 place: matter.patient_place(breaking.place),
             });
+        }
+    }
+
+    /// What each tool feels, one contact for each, usable or not.
+    fn tell_contacts(&mut self, input: &ModelInput<'_>, answer: &mut ModelAnswer) {
+        let usable: Vec<_> = input.tools.iter().filter(|t| t.is_usable()).collect();
+        let none = |tool: &ToolState| ToolContact {
+            tool: tool.id,
+            contact: None,
+        };
+        answer.contacts = input.tools.iter().map(none).collect();
+        let Some(matter) = self.matter.as_mut() else {
+            return;
+        };
+        if self.relaxer.felt().len() != usable.len() {
+            return;
+        }
+        let tools: Vec<_> = usable.iter().map(|tool| matter.tool(tool)).collect();
+        for (which, tool) in usable.iter().enumerate() {
+            let felt = self.relaxer.felt()[which];
+            if felt.nodes == 0 || !felt.force.is_finite() {
+                continue;
+            }
+            let most = (input.budget.iterations / STIFFNESS_SHARE).max(4);
+            let stiffness = self
+                .relaxer
+                .stiffness(&mut matter.lattice, &tools, which, most);
+            let told = answer.contacts.iter_mut().find(|told| told.tool == tool.id);
+            if let Some(told) = told {
+                told.contact = matter.contact(tool, &felt, stiffness);
+            }
         }
     }
 
@@ -191,10 +310,8 @@ impl DeformationModel for LatticeModel {
     fn advance(&mut self, input: &ModelInput<'_>) -> ModelAnswer {
         let mut answer = ModelAnswer::default();
         let usable: Vec<&ToolState> = input.tools.iter().filter(|t| t.is_usable()).collect();
-        if let Some(first) = usable.first() {
-            self.follow(input, first);
-            self.tell_poisson(&mut answer);
-        }
+        self.follow(input, usable.first().copied());
+        self.tell_poisson(&mut answer);
         if let Some(matter) = &self.matter {
             let tools: Vec<_> = usable.iter().map(|tool| matter.tool(tool)).collect();
             self.relax(input, &tools, &mut answer);
@@ -204,127 +321,54 @@ impl DeformationModel for LatticeModel {
             .as_ref()
             .is_some_and(|matter| !matter.is_finite())
         {
-            self.reset();
+            self.matter = None;
             answer.events.push(ModelEvent::Reset);
         }
         answer.report.bonds_broken = self.bonds_broken;
         answer.report.work_broken = self.work_broken;
-        let felt = if answer.report.iterations > 0 {
-            self.relaxer.felt()
-        } else {
-            &[]
-        };
-        let mut felt = felt.iter();
-        for tool in input.tools {
-            let felt = tool.is_usable().then(|| felt.next()).flatten();
-            let contact = self.matter.as_ref().zip(felt);
-            answer.contacts.push(ToolContact {
-                tool: tool.id,
-                contact: contact.and_then(|(matter, felt)| matter.contact(tool, felt)),
-            });
-        }
+        self.tell_contacts(input, &mut answer);
         if let Some(matter) = &self.matter {
             answer.report.nodes = matter.lattice.matter_nodes().count() as u32;
-            answer.displacement = Some(matter.displacement());
         }
+        self.write_back(input, &usable, &mut answer);
         answer
+    }
+
+    fn parts(&self) -> ModelParts {
+        self.matter
+            .as_ref()
+            .map(MovingBox::parts)
+            .unwrap_or_default()
     }
 
     fn reset(&mut self) {
         self.matter = None;
+        self.memory = BondMemory::default();
+        self.seen = None;
+    }
+}
+
+impl Seen {
+    /// Whether the voxels are as they were, or the last answer's edit is all that changed.
+    fn explains(&self, input: &ModelInput<'_>) -> bool {
+        let number = input.voxels.edit_number();
+        let is_written = |(voxel, matter)| matter_of(input.voxels, voxel) == Some(matter);
+        number == self.edit_number
+            || (number == self.edit_number + 1 && self.wrote.is_some_and(is_written))
     }
 }
 
 impl MovingBox {
-    fn new(
-        input: &ModelInput<'_>,
-        settings: &LatticeSettings,
-        spacing: f64,
-        origin: IVec3,
-    ) -> Self {
-        let middle = DVec3::splat(f64::from(settings.nodes / 2) * spacing);
-        let border = Border::Endless { load: middle };
-        let size = UVec3::splat(settings.nodes);
-        let mut lattice = Lattice::new(size, spacing, border, |node| {
-            matter_of_node(input.voxels, input.materials, spacing, origin + node)
-        });
-        Self {
-            inelastic: Inelastic::new(&mut lattice, settings.inelastic),
-            lattice,
-            origin,
-            edit_number: input.voxels.edit_number(),
-            grid: *input.voxels.grid(),
-            materials: input.materials.clone(),
-        }
-    }
-
-    /// A tool in the lattice's frame.
-    fn tool(&self, tool: &ToolState) -> LatticeTool {
-        let first = node_place(self.origin, self.lattice.spacing());
-        LatticeTool {
-            centre: grid_mm(&self.grid, tool.position) - first,
-            half_axes: tool.shape.half_axes(),
-            orientation: self.grid.direction().transpose() * DMat3::from_quat(tool.orientation),
-        }
-    }
-
-    /// A place of the lattice's frame in the patient [mm].
-    fn patient_place(&self, place: DVec3) -> DVec3 {
-        let in_grid = node_place(self.origin, self.lattice.spacing()) + place;
-        self.grid
-            .patient_from_grid()
-            .transform_point3(in_grid / self.grid.spacing())
-    }
-
-    fn is_finite(&self) -> bool {
-        let mut nodes = self.lattice.matter_nodes();
-        nodes.all(|node| self.lattice.moved(node).is_finite())
-    }
-
-    /// What a tool feels, as a linear law: along the force, it changes by 2 E* a for each mm, a
-    /// being the radius of the contact's area and E* = E / (1 - ν²); that holds for every round
-    /// punch without friction.
-    ///
-    /// Source: Pharr, Oliver & Brotzen, J. Mater. Res. 7 (1992).
-    fn contact(&self, tool: &ToolState, felt: &ToolForce) -> Option<LocalContact> {
-        let size = felt.force.length();
-        if felt.nodes == 0 || !size.is_finite() || size == 0.0 {
-            return None;
-        }
-        let spacing = self.lattice.spacing();
-        let layout = self.lattice.layout();
-        let touched = layout.index_of((felt.place / spacing).round().as_ivec3());
-        let solid = touched.and_then(|index| self.lattice.matter(index).solid());
-        let modulus = solid.map_or(0.0, |s| s.young / (1.0 - s.poisson * s.poisson));
-        let radius = (f64::from(felt.nodes) * spacing * spacing / std::f64::consts::PI).sqrt();
+    /// What a tool feels, as a linear law: `stiffness` [N/mm] along the force, none across it.
+    fn contact(&self, tool: &ToolState, felt: &ToolForce, stiffness: f64) -> Option<LocalContact> {
         let force = self.grid.direction() * felt.force;
-        let normal = force / size;
+        let normal = force.try_normalize()?;
         let along = DMat3::from_cols(normal * normal.x, normal * normal.y, normal * normal.z);
         Some(LocalContact {
             position: tool.position,
             force,
-            stiffness: along * (-2.0 * modulus * radius),
-            validity: VALIDITY * spacing,
+            stiffness: along * -stiffness,
+            validity: VALIDITY * self.lattice.spacing(),
         })
     }
-
-    fn displacement(&self) -> DisplacementField {
-        let direction = self.grid.direction();
-        let layout = self.lattice.layout();
-        DisplacementField {
-            origin: self.patient_place(DVec3::ZERO),
-            axes: direction,
-            spacing: self.lattice.spacing(),
-            size: layout.size(),
-            moved: layout
-                .nodes()
-                .map(|(_, index)| (direction * self.lattice.moved(index)).as_vec3())
-                .collect(),
-        }
-    }
-}
-
-/// A point of the patient in mm along the axes of the grid, from its corner.
-fn grid_mm(grid: &Grid, point: DVec3) -> DVec3 {
-    grid.grid_from_patient().transform_point3(point) * grid.spacing()
 }

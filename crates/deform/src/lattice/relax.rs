@@ -1,25 +1,22 @@
-//! Brings a lattice to rest under its tools: FIRE, from where the nodes are.
+//! Brings a lattice to rest under its tools: Newton's method from where the nodes are, each step
+//! found by conjugate gradients as far as it pays.
 //!
-//! Masses are made up: each node weighs what it feels as stiffness, so that soft and hard
-//! matter swing equally fast and the time step is the same number for all matter; there is no
-//! physical time in it.
-//! Source: Bitzek et al., "Structural relaxation made simple", Phys. Rev. Lett. 97 (2006);
-//! Guénolé et al., Comput. Mater. Sci. 175 (2020), for the half step back.
+//! A step that is too long for the contacts is cut in half until the forces fall.
+//! Source: Nocedal & Wright, Numerical Optimization (2006), section 7.1 (line search Newton-CG).
 
-use super::layout::CHUNK;
+use super::coarse::CoarseFactor;
+use super::conjugate::{Conjugate, Easing, unbalanced};
 use super::node_contacts::NodeContacts;
 use super::nodes::Lattice;
-use super::tool_contact::{
-    ContactNode, LatticeTool, ToolForce, ToolReach, largest_contact_stiffness,
-};
-use super::vectors::{Field, Lanes, lanes, lanes_mut, widest, zero_field};
+use super::tool_contact::{ContactNode, LatticeTool, ToolForce, ToolReach};
+use super::vectors::Field;
 
 /// How to relax.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RelaxSettings {
     /// Unbalanced force left, as a share of the tools' force, at which nodes are at rest.
     pub tolerance: f64,
-    /// Iterations at most.
+    /// Evaluations of all forces at most.
     pub iterations: u32,
     /// Force that counts where the tools feel less [N]; for tests without a tool.
     pub reference: f64,
@@ -34,30 +31,34 @@ pub struct RelaxReport {
     pub residual: f64,
 }
 
-/// Longest time step in units of the masses; 2/√2 would be the limit of stability.
-const LONGEST_STEP: f64 = 1.2;
-/// Time step at the start.
-const FIRST_STEP: f64 = 0.6;
-/// Iterations downhill before the step grows.
-const DELAY: u32 = 5;
-/// Growth and fall of the step, share of the force in the direction, and its fading.
-const GROWTH: f64 = 1.1;
-const FALL: f64 = 0.5;
-const MIXING: f64 = 0.1;
-const FADING: f64 = 0.98;
-/// A node moves so far at most in one iteration [spacings], whatever pushes it.
-const FARTHEST: f64 = 0.2;
-/// Iterations between looks at the clock and at which nodes the tools may reach.
-const LOOK_EVERY: u32 = 16;
-/// Iterations between steps of the coarse level.
-const CORRECT_EVERY: u32 = 16;
+/// How much smaller the forces become in one step of Newton, as the linear problem sees them, at
+/// rest and far from it: what is not linear would spoil more (Eisenstat & Walker 1996).
+const GAINS: [f64; 2] = [0.05, 0.5];
+/// Iterations of one step at most.
+const MOST: u32 = 60;
+/// A node moves so far at most in one step [spacings].
+const FARTHEST: f64 = 0.5;
+/// How often a step is cut in half.
+const HALVES: u32 = 4;
+
+/// How well one step is to be found.
+pub(super) struct Wish {
+    /// Evaluations at most.
+    pub most: u32,
+    /// Unbalanced force that is good enough, as a share of the tools' force.
+    pub residual: f64,
+    /// Share of the forces that may be left.
+    pub gain: f64,
+    pub reference: f64,
+}
 
 /// Scratch of the relaxation, kept from call to call.
 #[derive(Clone, Debug, Default)]
 pub struct Relaxer {
-    momentum: Field,
-    /// One over the mass along each axis; 0 where held.
+    /// One over the stiffness that a node feels along each axis; 0 where held.
     mobility: Field,
+    factor: CoarseFactor,
+    pub(super) problem: Conjugate,
     reaches: Vec<ToolReach>,
     contacts: NodeContacts,
     felt: Vec<ToolForce>,
@@ -80,36 +81,34 @@ impl Relaxer {
         settings: &RelaxSettings,
         is_late: &dyn Fn() -> bool,
     ) -> RelaxReport {
-        self.prepare(lattice, tools);
-        let mut pace = Pace::new();
-        let mut report = RelaxReport::default();
+        self.reaches.resize_with(tools.len(), ToolReach::default);
+        self.contacts.find(lattice);
+        self.look_for_nodes(lattice, tools);
+        self.evaluate(lattice, tools);
+        let mut iterations = 1;
         loop {
-            self.evaluate(lattice, tools);
-            report.iterations += 1;
-            let sums = self.sums(lattice);
-            report.residual = self.residual(sums.force, settings.reference);
-            let over = report.residual <= settings.tolerance
-                || report.iterations >= settings.iterations
-                || (report.iterations % LOOK_EVERY == 0 && is_late());
+            self.weigh(lattice);
+            let left = unbalanced(&self.mobility, &lattice.force);
+            let residual = self.share(left, settings.reference);
+            let report = RelaxReport {
+                iterations,
+                residual,
+            };
             // numbers that are none never get better
-            if over || !sums.force.is_finite() {
+            let over = residual <= settings.tolerance || iterations >= settings.iterations;
+            if over || !left.is_finite() || is_late() {
                 return report;
             }
-            if report.iterations % LOOK_EVERY == 0 {
-                self.look_for_nodes(lattice, tools);
-            }
-            if report.iterations % CORRECT_EVERY == 0 && lattice.coarse.is_some() {
-                lattice.correct_coarsely(&self.touched);
-                self.evaluate(lattice, tools);
-            }
-            let stride = pace.next(&sums, lattice.spacing);
-            advance(
-                &self.mobility,
-                &lattice.force,
-                &stride,
-                &mut self.momentum,
-                &mut lattice.moved,
-            );
+            let wish = Wish {
+                most: settings.iterations.saturating_sub(iterations + 1).min(MOST),
+                residual: 0.5 * settings.tolerance,
+                gain: residual.clamp(GAINS[0], GAINS[1]),
+                reference: settings.reference,
+            };
+            iterations += self.find_step(lattice, tools, &wish, is_late);
+            let most = settings.iterations.saturating_sub(iterations);
+            iterations += self.take_step(lattice, tools, most);
+            self.look_for_nodes(lattice, tools);
         }
     }
 
@@ -124,22 +123,64 @@ impl Relaxer {
         }
     }
 
-    fn prepare(&mut self, lattice: &Lattice, tools: &[LatticeTool]) {
-        let length = lattice.layout.len();
-        self.momentum = zero_field(length);
-        self.reaches.resize_with(tools.len(), ToolReach::default);
-        self.contacts.find(lattice);
-        self.look_for_nodes(lattice, tools);
+    /// Finds the step of Newton, and gives how often it has evaluated forces.
+    pub(super) fn find_step(
+        &mut self,
+        lattice: &mut Lattice,
+        tools: &[LatticeTool],
+        wish: &Wish,
+        is_late: &dyn Fn() -> bool,
+    ) -> u32 {
+        let factor = lattice.coarse.as_ref();
+        self.factor = factor.map_or_else(Default::default, |c| c.factor(&self.touched));
+        let easing = Easing::of(&self.mobility, lattice, &self.factor);
+        self.problem.begin(lattice, &easing);
+        for iteration in 1..=wish.most {
+            self.problem.probe(lattice.spacing, &mut lattice.moved);
+            self.evaluate(lattice, tools);
+            let easing = Easing::of(&self.mobility, lattice, &self.factor);
+            let Some(left) = self.problem.advance(&lattice.force, &easing) else {
+                return iteration;
+            };
+            let near = self.share(left, wish.reference) <= wish.residual;
+            let is_long = self.problem.longest_step() > FARTHEST * lattice.spacing;
+            if near || is_long || self.problem.gain() <= wish.gain || is_late() {
+                return iteration;
+            }
+        }
+        wish.most
     }
 
-    /// Finds the nodes that tools may reach, and with them all masses.
+    /// Takes the step, or a part of it so small that the forces fall.
+    fn take_step(&mut self, lattice: &mut Lattice, tools: &[LatticeTool], most: u32) -> u32 {
+        let longest = self.problem.longest_step() / lattice.spacing;
+        let mut share = (FARTHEST / longest.max(f64::MIN_POSITIVE)).min(1.0);
+        let before = self.problem.first_left();
+        let mut tried = 0;
+        loop {
+            self.problem.go(share, &mut lattice.moved);
+            self.evaluate(lattice, tools);
+            tried += 1;
+            let falls = unbalanced(&self.mobility, &lattice.force) < before;
+            if falls || tried > HALVES || tried >= most {
+                return tried;
+            }
+            share *= 0.5;
+        }
+    }
+
+    /// Finds the nodes that tools may reach.
     fn look_for_nodes(&mut self, lattice: &Lattice, tools: &[LatticeTool]) {
-        let mut mass = lattice.mass.clone();
         for (reach, tool) in self.reaches.iter_mut().zip(tools) {
             reach.find(lattice, tool);
-            for node in reach.nodes() {
-                mass[node] += largest_contact_stiffness(lattice, node);
-            }
+        }
+    }
+
+    /// How much each node gives under a force, its contacts as they are now.
+    pub(super) fn weigh(&mut self, lattice: &Lattice) {
+        let mut mass = lattice.mass.clone();
+        for contact in &self.touched {
+            mass[contact.node] += contact.stiffness;
         }
         for (node, stiffness) in self.contacts.stiffnesses() {
             mass[node] += stiffness;
@@ -152,171 +193,13 @@ impl Relaxer {
         }
     }
 
-    fn sums(&self, lattice: &Lattice) -> Sums {
-        let mut sums = Sums::default();
-        add_up(&self.mobility, &lattice.force, &self.momentum, &mut sums);
-        sums
-    }
-
-    /// Unbalanced force as a share of what the tools feel.
-    fn residual(&self, unbalanced: f64, reference: f64) -> f64 {
+    /// Force squared as a share of what the tools feel.
+    fn share(&self, unbalanced: f64, reference: f64) -> f64 {
         let felt: f64 = self.felt.iter().map(|felt| felt.force.length()).sum();
         if unbalanced == 0.0 {
             0.0
         } else {
             unbalanced.sqrt() / felt.max(reference).max(f64::MIN_POSITIVE)
-        }
-    }
-}
-
-/// What an iteration needs to know of all nodes.
-#[derive(Clone, Copy, Debug, Default)]
-struct Sums {
-    /// Force along the momentum, each by mobility.
-    power: f64,
-    /// Momentum squared, by mobility.
-    momentum: f64,
-    /// Force squared, by mobility.
-    weighted_force: f64,
-    /// Force squared, of nodes that move [N²].
-    force: f64,
-}
-
-/// How one iteration goes on.
-#[derive(Clone, Copy, Debug)]
-struct Stride {
-    /// Steps back before anything else.
-    back: f64,
-    /// Share of the old momentum.
-    keep: f64,
-    /// Momentum for each unit of force.
-    gain: f64,
-    /// Time step.
-    step: f64,
-    /// Farthest move along an axis [mm].
-    farthest: f64,
-}
-
-/// The state of FIRE.
-struct Pace {
-    step: f64,
-    mixing: f64,
-    downhill: u32,
-}
-
-impl Pace {
-    fn new() -> Self {
-        Self {
-            step: FIRST_STEP,
-            mixing: MIXING,
-            downhill: 0,
-        }
-    }
-
-    fn next(&mut self, sums: &Sums, spacing: f64) -> Stride {
-        let farthest = FARTHEST * spacing;
-        if sums.power < 0.0 {
-            // uphill: half a step back, and start again from rest
-            let back = 0.5 * self.step;
-            self.step = (self.step * FALL).max(0.02);
-            self.mixing = MIXING;
-            self.downhill = 0;
-            return Stride {
-                back,
-                keep: 0.0,
-                gain: self.step,
-                step: self.step,
-                farthest,
-            };
-        }
-        self.downhill += 1;
-        if self.downhill > DELAY {
-            self.step = (self.step * GROWTH).min(LONGEST_STEP);
-            self.mixing *= FADING;
-        }
-        let share = if sums.weighted_force > 0.0 {
-            (sums.momentum / sums.weighted_force).sqrt()
-        } else {
-            0.0
-        };
-        Stride {
-            back: 0.0,
-            keep: 1.0 - self.mixing,
-            gain: self.step + self.mixing * share,
-            step: self.step,
-            farthest,
-        }
-    }
-}
-
-widest! {
-    /// Adds up what [`Pace`] needs, in an order that is always the same.
-    fn add_up(mobility: &Field, force: &Field, momentum: &Field, sums: &mut Sums) = add_up_body
-}
-
-#[inline(always)]
-fn add_up_body(mobility: &Field, force: &Field, momentum: &Field, sums: &mut Sums) {
-    let mut lanewise: [Lanes; 4] = [[0.0; CHUNK]; 4];
-    for axis in 0..3 {
-        for start in (0..mobility[axis].len()).step_by(CHUNK) {
-            let [w, f, p] = [
-                lanes(&mobility[axis], start),
-                lanes(&force[axis], start),
-                lanes(&momentum[axis], start),
-            ];
-            for n in 0..CHUNK {
-                lanewise[0][n] += w[n] * f[n] * p[n];
-                lanewise[1][n] += w[n] * p[n] * p[n];
-                lanewise[2][n] += w[n] * f[n] * f[n];
-                lanewise[3][n] += if w[n] > 0.0 { f[n] * f[n] } else { 0.0 };
-            }
-        }
-    }
-    let [power, momentum, weighted_force, force] = lanewise.map(|lanes| lanes.iter().sum());
-    *sums = Sums {
-        power,
-        momentum,
-        weighted_force,
-        force,
-    };
-}
-
-widest! {
-    /// Moves all nodes by one stride.
-    fn advance(
-        mobility: &Field,
-        force: &Field,
-        stride: &Stride,
-        momentum: &mut Field,
-        moved: &mut Field,
-    ) = advance_body
-}
-
-#[inline(always)]
-fn advance_body(
-    mobility: &Field,
-    force: &Field,
-    stride: &Stride,
-    momentum: &mut Field,
-    moved: &mut Field,
-) {
-    let Stride {
-        back,
-        keep,
-        gain,
-        step,
-        farthest,
-    } = *stride;
-    for axis in 0..3 {
-        for start in (0..mobility[axis].len()).step_by(CHUNK) {
-            let [w, f] = [lanes(&mobility[axis], start), lanes(&force[axis], start)];
-            let p = lanes_mut(&mut momentum[axis], start);
-            let u = lanes_mut(&mut moved[axis], start);
-            for n in 0..CHUNK {
-                let way_back = back * w[n] * p[n];
-                p[n] = keep * p[n] + gain * f[n];
-                u[n] += (step * w[n] * p[n]).clamp(-farthest, farthest) - way_back;
-            }
         }
     }
 }

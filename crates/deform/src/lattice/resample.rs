@@ -1,55 +1,105 @@
 //! Nodes from voxels: the lattice has its own spacing, the same along all axes.
 //!
 //! Nodes stand in the middles of cubes of the spacing, counted from the corner of the grid,
-//! wherever the box is; so a box that moves by whole nodes finds the same nodes again. A node is made of what
-//! the voxel around it is made of.
+//! wherever the box is; so a box that moves by whole nodes finds the same nodes again. A node
+//! belongs to what the voxel around it belongs to at rest; its intensity is trilinear between
+//! the middles of the voxels around it, those of other matter left out.
 
 use glam::{DVec3, IVec3};
 use palpate_volume::voxels::Voxels;
 
 use super::nodes::NodeMatter;
 use crate::material::{Materials, Part, SegmentMatter, Treatment};
+use crate::rest_matter::Ledger;
 
-/// What the node `node` is made of, counted from the corner of the grid.
-pub(super) fn matter_of_node(
-    voxels: &Voxels,
-    materials: &Materials,
-    spacing: f64,
-    node: IVec3,
-) -> NodeMatter {
-    let grid = voxels.grid();
-    let point = node_place(node, spacing) / grid.spacing();
-    let Some(voxel) = grid.voxel_at(point) else {
-        return NodeMatter::Empty;
-    };
-    let holds = |matter: &&SegmentMatter| {
-        let segment = voxels.segment(matter.segment);
-        segment.is_some_and(|segment| segment.contains(voxel))
-    };
-    // where segments overlap, the last counts
-    let Some(matter) = materials.segments.iter().rev().find(holds) else {
-        return NodeMatter::Empty;
-    };
-    let solid = matter.law.at(voxels.value(voxel).unwrap_or(f64::NAN));
-    match treatment(voxels, matter, voxel) {
-        Treatment::Deformable => NodeMatter::Deformable(solid),
-        Treatment::Rigid => NodeMatter::Rigid(solid),
-        Treatment::Empty => NodeMatter::Empty,
-    }
+/// The matter of a scan at rest.
+pub(super) struct RestVoxels<'a> {
+    pub voxels: &'a Voxels,
+    pub materials: &'a Materials,
+    /// What of it the voxels do not show as it is at rest.
+    pub ledger: &'a Ledger,
 }
 
-/// How the part of a segment that a voxel belongs to takes part.
-fn treatment(voxels: &Voxels, matter: &SegmentMatter, voxel: IVec3) -> Treatment {
-    let holds = |part: &Part| match part {
-        Part::Whole => true,
-        Part::Within(region) => region.contains(voxel),
-        Part::Shared(id) => voxels
-            .segment(*id)
-            .is_some_and(|other| other.contains(voxel)),
-    };
-    let treatments = matter.treatments.iter().rev();
-    let found = treatments.into_iter().find(|(part, _)| holds(part));
-    found.map_or(Treatment::default(), |(_, treatment)| *treatment)
+impl RestVoxels<'_> {
+    /// What a node is made of, counted from the corner of the grid.
+    pub fn matter_of_node(&self, spacing: f64, node: IVec3) -> NodeMatter {
+        let point = node_place(node, spacing) / self.voxels.grid().spacing();
+        let Some(voxel) = self.voxels.grid().voxel_at(point) else {
+            return NodeMatter::Empty;
+        };
+        // where segments overlap, the last counts
+        let mut segments = self.materials.segments.iter().rev();
+        let Some(matter) = segments.find(|matter| self.belongs(voxel, matter)) else {
+            return NodeMatter::Empty;
+        };
+        let value = match matter.law.needs_hounsfield() {
+            true => self.value_at(point, matter),
+            false => 0.0,
+        };
+        let solid = matter.law.at(value);
+        match self.treatment(matter, voxel) {
+            Treatment::Deformable => NodeMatter::Deformable(solid),
+            Treatment::Rigid => NodeMatter::Rigid(solid),
+            Treatment::Empty => NodeMatter::Empty,
+        }
+    }
+
+    fn belongs(&self, voxel: IVec3, matter: &SegmentMatter) -> bool {
+        match self.ledger.changed(voxel) {
+            Some(changed) => changed.rest.segments.contains(matter.segment),
+            None => {
+                let segment = self.voxels.segment(matter.segment);
+                segment.is_some_and(|segment| segment.contains(voxel))
+            }
+        }
+    }
+
+    /// The intensity of some matter at a point [voxels], which lies in a voxel of it.
+    fn value_at(&self, point: DVec3, matter: &SegmentMatter) -> f64 {
+        let low = (point - 0.5).floor();
+        let share = point - 0.5 - low;
+        let (mut sum, mut weight) = (0.0, 0.0);
+        for corner in 0..8 {
+            let step = IVec3::new(corner & 1, corner >> 1 & 1, corner >> 2);
+            let voxel = low.as_ivec3() + step;
+            if !self.belongs(voxel, matter) {
+                continue;
+            }
+            let along = DVec3::select(step.cmpeq(IVec3::ONE), share, 1.0 - share);
+            let Some(value) = self.value(voxel) else {
+                continue;
+            };
+            sum += along.element_product() * value;
+            weight += along.element_product();
+        }
+        sum / weight
+    }
+
+    /// The intensity of a voxel at rest.
+    fn value(&self, voxel: IVec3) -> Option<f64> {
+        match self.ledger.changed(voxel) {
+            Some(changed) => Some(self.voxels.intensities().physical(changed.rest.stored)),
+            None => self.voxels.value(voxel),
+        }
+    }
+
+    /// How the part of a segment that a voxel belongs to takes part.
+    fn treatment(&self, matter: &SegmentMatter, voxel: IVec3) -> Treatment {
+        let holds = |part: &Part| match part {
+            Part::Whole => true,
+            Part::Within(region) => region.contains(voxel),
+            Part::Shared(id) => match self.ledger.changed(voxel) {
+                Some(changed) => changed.rest.segments.contains(*id),
+                None => {
+                    let other = self.voxels.segment(*id);
+                    other.is_some_and(|other| other.contains(voxel))
+                }
+            },
+        };
+        let treatments = matter.treatments.iter().rev();
+        let found = treatments.into_iter().find(|(part, _)| holds(part));
+        found.map_or(Treatment::default(), |(_, treatment)| *treatment)
+    }
 }
 
 /// Where a node rests, mm along the axes of the grid from its corner.

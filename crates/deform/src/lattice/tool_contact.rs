@@ -9,11 +9,14 @@
 
 use glam::{DMat3, DVec3};
 
-use super::contact_law::{LARGEST_STIFFNESS, contact_push};
+use super::contact_law::contact_push;
 use super::nodes::Lattice;
 
 /// Stiffness of a tool's contact with a node over that of the node's bonds.
 const CONTACT_STIFFNESS: f64 = 4.0;
+/// How deep in the tool a node's push begins to be linear, ten times over [spacings]: short, so that
+/// the tool hardly gets into matter.
+const RANGE: f64 = 0.25;
 /// How far nodes may come nearer before they are looked for again [spacings].
 const MARGIN: f64 = 2.0;
 
@@ -115,16 +118,6 @@ impl ToolReach {
         }
         felt
     }
-
-    /// Nodes that it may reach.
-    pub fn nodes(&self) -> impl Iterator<Item = usize> {
-        self.nodes.iter().map(|&node| node as usize)
-    }
-}
-
-/// The largest stiffness that a tool's contact adds to a node [N/mm].
-pub(super) fn largest_contact_stiffness(lattice: &Lattice, node: usize) -> f64 {
-    LARGEST_STIFFNESS * CONTACT_STIFFNESS * lattice.node_stiffness[node]
 }
 
 /// A tool made larger by half a spacing, ready to be asked for its push.
@@ -157,7 +150,7 @@ impl Body {
         if !(level < 1.0 && level > 1e-9) {
             return None;
         }
-        let range = lattice.spacing;
+        let range = RANGE * lattice.spacing;
         let distance = range + (level - 1.0) * self.scale;
         let stiffness = CONTACT_STIFFNESS * lattice.node_stiffness[node];
         let push = contact_push(distance, range, stiffness);

@@ -57,7 +57,7 @@ impl LjCrystal {
 }
 
 /// A number close to normal: the sum of twelve even ones (splitmix64), less six.
-fn normal_number(state: &mut u64) -> f64 {
+pub(super) fn normal_number(state: &mut u64) -> f64 {
     let mut even = || {
         *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut mixed = *state;

@@ -16,7 +16,7 @@ use super::system::{MARGIN, ParticleSystem};
 use super::tool_push::{ParticleTool, ToolForce, ToolLaw};
 use super::walls::keep_inside;
 use crate::integrator::{Fire, VelocityVerlet};
-use crate::model::{Budget, ModelReport, ToolContact, ToolState};
+use crate::model::{Budget, ModelParts, ModelReport, ToolContact, ToolState};
 
 /// Angular frequency of a particle on one link: masses are 72 D/a², so time has the unit T₀/2π.
 const LINK_FREQUENCY: f64 = 1.0;
@@ -47,6 +47,8 @@ pub(super) struct ParticleBody<L> {
     binding: f64,
     /// Length of the slowest swing [mm].
     length: f64,
+    /// From the contact to a border that stands still [mm]; none where there is none.
+    border: Option<f64>,
     tool_law: ToolLaw,
     before: Vec<DVec3>,
     /// The contacts of the last call.
@@ -66,6 +68,7 @@ impl<L: LocalLaw> ParticleBody<L> {
             motion,
             binding: 0.0,
             length: 10.0 * a,
+            border: None,
             tool_law: ToolLaw::new(a),
             scale,
             before: Vec::with_capacity(capacity),
@@ -78,6 +81,30 @@ impl<L: LocalLaw> ParticleBody<L> {
     pub fn bound(mut self, binding: f64, length: f64) -> Self {
         (self.binding, self.length) = (binding, length);
         self
+    }
+
+    /// Where each particle is at rest and where it stands, in the patient.
+    pub fn parts(&self) -> ModelParts {
+        let spacing = self.grid.spacing();
+        let patient = |place: DVec3| {
+            let patient_from_grid = self.grid.patient_from_grid();
+            patient_from_grid.transform_point3(place / spacing)
+        };
+        let places = self.places();
+        ModelParts {
+            places: places
+                .map(|(place, moved)| [place - moved, place].map(patient))
+                .collect(),
+            apart: self.scale.equilibrium,
+        }
+    }
+
+    /// Says how far from the contact the border stands still [mm].
+    pub fn held_at(self, border: f64) -> Self {
+        Self {
+            border: Some(border),
+            ..self
+        }
     }
 
     pub fn places(&self) -> impl Iterator<Item = (DVec3, DVec3)> {
@@ -290,6 +317,7 @@ impl<L: LocalLaw> ParticleBody<L> {
         let touched = f64::from(felt.touched);
         let radius = self.scale.equilibrium * (touched / std::f64::consts::PI).sqrt();
         let body = 2.0 * self.scale.mean_young_of_depth(felt.depth / touched) * radius / 0.87;
+        let body = body / self.share_that_gives(radius);
         let contact = felt.contact_stiffness;
         let stiffness = if contact > 0.0 {
             contact * body / (contact + body)
@@ -304,6 +332,18 @@ impl<L: LocalLaw> ParticleBody<L> {
             stiffness: -stiffness * along,
             validity: 0.5 * self.scale.cell,
         })
+    }
+
+    /// What a border that stands still leaves of the body's compliance under a punch of this
+    /// radius [mm]. On an endless body a point force moves a place d away by (1 − ν²)F/(π E d);
+    /// held there, that is missing of (1 − ν²)F/(2 E r). For dents narrower than a third of the box
+    /// nothing is taken off: what is missing there is made up for by the mean over all directions,
+    /// which is stiffer than the axis. Source: Johnson, *Contact Mechanics* (1985), §3.2.
+    fn share_that_gives(&self, radius: f64) -> f64 {
+        let left = |radius: f64, border: f64| 1.0 - 2.0 * radius / (std::f64::consts::PI * border);
+        let share = |border: f64| left(radius, border) / left(border / 3.0, border);
+        // an area as wide as the box is no punch any more
+        self.border.map_or(1.0, share).clamp(0.25, 1.0)
     }
 
     /// The stiffness along the force since the last call, where the tool has moved along it; at

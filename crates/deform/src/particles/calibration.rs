@@ -69,15 +69,21 @@ impl LatticeScale {
             LatticeKind::Fcc => fcc_constants(),
             LatticeKind::Cuboid => cuboid_constants(),
         };
-        let nearest = match kind {
-            LatticeKind::Fcc => cell * FRAC_1_SQRT_2,
-            LatticeKind::Cuboid => cell,
-        };
-        Self {
+        let mut scale = Self {
             kind,
             cell,
-            equilibrium: nearest / chi,
+            equilibrium: 0.0,
             young,
+        };
+        scale.equilibrium = scale.nearest() / chi;
+        scale
+    }
+
+    /// Between nearest neighbours at rest [mm].
+    pub fn nearest(&self) -> f64 {
+        match self.kind {
+            LatticeKind::Fcc => self.cell * FRAC_1_SQRT_2,
+            LatticeKind::Cuboid => self.cell,
         }
     }
 
@@ -152,17 +158,37 @@ pub fn unit_law() -> Switched<Limited<LennardJones>> {
 
 /// χ and E along an axis of the FCC models.
 fn fcc_constants() -> (f64, f64) {
+    let (chi, moduli) = fcc_at_rest();
+    (chi, moduli.young(DVec3::X))
+}
+
+/// Moduli of the FCC model without pressure [D/a³].
+pub fn fcc_moduli() -> CubicModuli {
+    fcc_at_rest().1
+}
+
+/// χ and moduli of the FCC model.
+fn fcc_at_rest() -> (f64, CubicModuli) {
     let law = unit_law();
     let force = |d: DVec3| law.force(d.length()) * d.normalize();
     let offsets = fcc_offsets(FADE[1] / 0.9);
     let chi = spacing_without_pressure(&offsets, FRAC_1_SQRT_2, force);
     let relaxed: Vec<_> = offsets.iter().map(|&d| chi * d).collect();
     let moduli = CubicModuli::of(&relaxed, FRAC_1_SQRT_2 * chi.powi(3), &law);
-    (chi, moduli.young(DVec3::X))
+    (chi, moduli)
 }
 
 /// χ and E along an axis of the cuboid model, compressed.
 fn cuboid_constants() -> (f64, f64) {
+    cuboid_at(CUBOID_STRAIN)
+}
+
+/// E of the cuboid model compressed along an axis by a strain [D/a³]: its answer is not linear.
+pub fn cuboid_modulus(strain: f64) -> f64 {
+    cuboid_at(strain).1
+}
+
+fn cuboid_at(strain: f64) -> (f64, f64) {
     let law = CuboidLennardJones::new(1.0, 1.0).expect("one is positive");
     let force = |d: DVec3| {
         if d.abs().max_element() < CUBOID_CUT {
@@ -174,8 +200,6 @@ fn cuboid_constants() -> (f64, f64) {
     let offsets = cubic_offsets(2.5);
     let chi = spacing_without_pressure(&offsets, 1.0, force);
     let relaxed: Vec<_> = offsets.iter().map(|&d| chi * d).collect();
-    (
-        chi,
-        compression_modulus(&relaxed, chi.powi(3), CUBOID_STRAIN, force),
-    )
+    let modulus = compression_modulus(&relaxed, chi.powi(3), strain, force);
+    (chi, modulus)
 }

@@ -6,10 +6,10 @@ use glam::{DVec3, IVec3};
 use palpate_volume::grid::Grid;
 use palpate_volume::voxel_box::VoxelBox;
 
-use super::rest_matter::{matter_of, solid_of};
 use super::state::Origin;
 use crate::material::{Solid, Treatment};
 use crate::model::ModelInput;
+use crate::rest_matter::{matter_of, solid_of};
 
 /// Share of the voxels around a place that must be solid for a particle to stand there.
 const SOLID_SHARE: f64 = 0.5;

@@ -9,9 +9,7 @@
 //!
 //! Frame: mm along the axes of the grid. Source: thesis 5.26.
 
-use std::collections::BTreeMap;
-
-use glam::{DVec3, IVec3, UVec3, Vec3};
+use glam::{DVec3, IVec3, UVec3};
 use palpate_volume::edit::Edit;
 use palpate_volume::grid::Grid;
 use palpate_volume::matter::Matter;
@@ -24,17 +22,18 @@ use super::global_matter::{extent, matter_around};
 use super::lattices::FCC_BASIS;
 use super::local_model::Motion;
 use super::pair_laws::FadedLaw;
-use super::rest_matter::{Changed, Ledger, matter_of, solid_of};
 use super::tool_push::ParticleTool;
+use crate::displacement::Displacement;
 use crate::material::{Materials, Treatment};
-use crate::model::{
-    Budget, DeformationModel, DisplacementField, ModelAnswer, ModelEvent, ModelInput,
-};
+use crate::model::{Budget, DeformationModel, ModelAnswer, ModelEvent, ModelInput, ModelParts};
+use crate::rest_matter::{Ledger, Wanted, solid_of};
 
 /// Steps in which particles come to rest before the first call is answered.
 const SETTLING: u32 = 200;
 /// Farthest displacement that is looked for [a].
 const FARTHEST: f64 = 3.0;
+/// Displacement that is seen [smallest voxel side].
+const SEEN: f64 = 0.03;
 
 /// What can be chosen.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -137,8 +136,15 @@ impl DeformationModel for GlobalModel {
         }
         let field = state.displacement(&self.settings);
         answer.edit = state.write_back(input.voxels, &self.settings, field.as_ref());
-        answer.displacement = field.map(|field| field.told(grid));
+        let field = field.map(|field| field.on_nodes(grid));
+        answer.displacement =
+            field.and_then(|field| field.told(grid, &state.ledger, SEEN * field.spacing));
         answer
+    }
+
+    fn parts(&self) -> ModelParts {
+        let state = self.state.as_ref();
+        state.map(|state| state.body.parts()).unwrap_or_default()
     }
 
     fn reset(&mut self) {
@@ -224,6 +230,7 @@ impl GlobalState {
         }
         self.seen_edit = voxels.edit_number();
         let ledger = &mut self.ledger;
+        ledger.take_overruled(voxels);
         let origins = &self.body.system.particles.origins;
         let mut gone = Vec::with_capacity(origins.len());
         for origin in origins {
@@ -298,20 +305,18 @@ impl GlobalState {
             stored: air.round() as i16,
             segments: Default::default(),
         };
-        let mut wanted: BTreeMap<[i32; 3], Matter> = BTreeMap::new();
+        let mut wanted = Wanted::new();
 
         // what was changed and is no longer moved goes back to rest
-        for key in self.ledger.0.keys().copied().collect::<Vec<_>>() {
-            if let Some(rest) = self.ledger.rest(voxels, IVec3::from_array(key)) {
-                wanted.insert(key, rest);
-            }
-        }
+        self.ledger
+            .give_back_outside(voxels, &VoxelBox::EMPTY, &mut wanted);
         if let Some(field) = field {
             for (voxel, moved) in field.region.voxels().zip(&field.moved) {
                 if moved.length_squared() <= least {
                     continue;
                 }
-                let from = voxel - (*moved / spacing).round().as_ivec3();
+                let come = (*moved / spacing).round();
+                let from = voxel - come.as_ivec3();
                 let (Some(rest), Some(source)) = (
                     self.ledger.rest(voxels, voxel),
                     self.ledger.rest(voxels, from),
@@ -319,44 +324,14 @@ impl GlobalState {
                     continue;
                 };
                 let matter = match (rest.segments.is_empty(), source.segments.is_empty()) {
-                    (_, false) => source,
-                    (false, true) => nothing,
-                    (true, true) => rest,
+                    (_, false) => (source, Some(come)),
+                    (false, true) => (nothing, None),
+                    (true, true) => (rest, None),
                 };
                 wanted.insert(voxel.to_array(), matter);
             }
         }
-        self.commit(voxels, &wanted)
-    }
-
-    /// Writes what differs, and remembers it.
-    fn commit(&mut self, voxels: &Voxels, wanted: &BTreeMap<[i32; 3], Matter>) -> Option<Edit> {
-        let mut region = VoxelBox::EMPTY;
-        for (&key, &matter) in wanted {
-            let voxel = IVec3::from_array(key);
-            let (Some(rest), Some(now)) =
-                (self.ledger.rest(voxels, voxel), matter_of(voxels, voxel))
-            else {
-                continue;
-            };
-            if matter != now {
-                region = region.union(&VoxelBox::of_voxel(voxel));
-                self.ledger.0.insert(
-                    key,
-                    Changed {
-                        rest,
-                        before: now,
-                        written: matter,
-                    },
-                );
-            } else if matter == rest {
-                self.ledger.0.remove(&key);
-            }
-        }
-        let edit = voxels.matter_edit(&region, |voxel, was| {
-            wanted.get(&voxel.to_array()).copied().unwrap_or(was)
-        });
-        (!edit.is_empty()).then_some(edit)
+        self.ledger.write(voxels, &wanted)
     }
 }
 
@@ -367,26 +342,19 @@ struct Field {
 }
 
 impl Field {
-    /// As the picture is told it: on nodes between which the smallest voxel side lies.
-    fn told(&self, grid: &Grid) -> DisplacementField {
-        let (spacing, side, axes) = (grid.spacing(), grid.smallest_spacing(), grid.direction());
+    /// On cubic nodes between which the smallest voxel side lies.
+    fn on_nodes(&self, grid: &Grid) -> Displacement {
+        let (spacing, side) = (grid.spacing(), grid.smallest_spacing());
         let first = (self.region.min.as_dvec3() + 0.5) * spacing;
         let last = (self.region.max.as_dvec3() - 0.5) * spacing;
         let size = ((last - first) / side).round().as_uvec3() + UVec3::ONE;
         let voxels = self.region.size().as_ivec3();
-        let at = |node: IVec3| -> Vec3 {
+        let at = |node: IVec3| {
             let offset = ((node.as_dvec3() * side) / spacing).round().as_ivec3();
             let offset = offset.clamp(IVec3::ZERO, voxels - 1);
-            let moved =
-                self.moved[(offset.x + voxels.x * (offset.y + voxels.y * offset.z)) as usize];
-            (axes * moved).as_vec3()
+            Some(self.moved[(offset.x + voxels.x * (offset.y + voxels.y * offset.z)) as usize])
         };
-        DisplacementField {
-            origin: grid.patient_from_grid().transform_point3(first / spacing),
-            axes,
-            spacing: side,
-            size,
-            moved: VoxelBox::of_dimensions(size).voxels().map(at).collect(),
-        }
+        let nodes = VoxelBox::of_dimensions(size).voxels().map(at).collect();
+        Displacement::new(first, side, size, nodes)
     }
 }

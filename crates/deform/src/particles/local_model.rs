@@ -13,7 +13,7 @@ use super::calibration::{CUBOID_CUT, Calibration, FADE, LatticeKind, LatticeScal
 use super::local_state::LocalState;
 use super::pair_laws::{CuboidLaw, FadedLaw, LaneLaw};
 use super::tool_push::ParticleTool;
-use crate::model::{DeformationModel, ModelAnswer, ModelEvent, ModelInput};
+use crate::model::{DeformationModel, ModelAnswer, ModelEvent, ModelInput, ModelParts};
 
 /// How particles come to rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -73,6 +73,16 @@ impl Default for LocalSettings {
 }
 
 impl LocalSettings {
+    /// The default settings with so many cells along each edge of the box, where they are given.
+    #[must_use]
+    pub fn of_box(cells: Option<u32>) -> Self {
+        let usual = Self::default();
+        Self {
+            box_cells: cells.map_or(usual.box_cells, |cells| cells as i32),
+            ..usual
+        }
+    }
+
     /// The nearest settings that make sense.
     pub(super) fn sane(mut self) -> Self {
         self.box_cells = self.box_cells.clamp(7, 41) | 1;
@@ -222,12 +232,21 @@ impl<L: LocalLaw> DeformationModel for LocalModel<L> {
             answer.contacts = state.body.contacts(input.tools, &[], &[]);
             answer.events.push(ModelEvent::Reset);
         }
+        answer.events.extend(state.slipped());
         answer.edit = state.write_back(input.voxels);
+        answer.report.moved_voxels = state.moved_voxels();
         answer.displacement = state.displacement();
         answer
     }
 
+    fn parts(&self) -> ModelParts {
+        let state = self.state.as_ref();
+        state.map(|state| state.body.parts()).unwrap_or_default()
+    }
+
     fn reset(&mut self) {
-        self.state = None;
+        if let Some(state) = &mut self.state {
+            state.forget();
+        }
     }
 }

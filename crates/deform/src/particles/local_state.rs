@@ -1,6 +1,6 @@
 //! The state of a local model: its box, its particles and what it has written.
 
-use glam::{DVec3, IVec3, UVec3, Vec3};
+use glam::{DVec3, IVec3, UVec3};
 use palpate_volume::edit::Edit;
 use palpate_volume::grid::Grid;
 use palpate_volume::voxel_box::VoxelBox;
@@ -10,12 +10,14 @@ use super::body::{ParticleBody, Relaxed};
 use super::calibration::{LatticeKind, LatticeScale};
 use super::lattices::FCC_BASIS;
 use super::local_model::{LocalLaw, LocalSettings};
-use super::rest_matter::{Ledger, solid_of};
+use super::slips::Slips;
 use super::state::{Origin, Particles};
 use super::tool_push::ParticleTool;
 use super::write_back::WriteBack;
+use crate::displacement::Displacement;
 use crate::material::Treatment;
-use crate::model::{Budget, DisplacementField, ModelInput};
+use crate::model::{Budget, DisplacementField, ModelEvent, ModelInput};
+use crate::rest_matter::{Ledger, solid_of};
 
 /// Displacement that is seen [cells].
 const SEEN: f64 = 0.03;
@@ -35,6 +37,7 @@ pub(super) struct LocalState<L> {
     free: Vec<DVec3>,
     /// Cells with matter at rest, for walls; x fastest within the box.
     filled: Vec<bool>,
+    slips: Slips,
 }
 
 impl<L: LocalLaw> LocalState<L> {
@@ -47,7 +50,8 @@ impl<L: LocalLaw> LocalState<L> {
         };
         let inner = settings.box_cells - 2 * settings.border_cells;
         let body = ParticleBody::new(grid, scale, each * cells, settings.motion)
-            .bound(settings.binding, f64::from(inner) * scale.cell);
+            .bound(settings.binding, f64::from(inner) * scale.cell)
+            .held_at(0.5 * f64::from(inner) * scale.cell);
         Self {
             settings: *settings,
             body,
@@ -57,7 +61,13 @@ impl<L: LocalLaw> LocalState<L> {
             seen_edit: None,
             free: Vec::with_capacity(each * cells),
             filled: vec![false; cells],
+            slips: Slips::default(),
         }
+    }
+
+    /// Voxels that are not as at rest.
+    pub fn moved_voxels(&self) -> u32 {
+        self.ledger.len() as u32
     }
 
     /// Whether all particles are where matter can be: no farther from home than the box is wide.
@@ -69,6 +79,7 @@ impl<L: LocalLaw> LocalState<L> {
     /// Gives all particles back; what was written is given back by the next edit.
     pub fn forget(&mut self) {
         self.body.system.particles.clear();
+        self.slips = Slips::default();
         self.free.clear();
         self.centre = None;
         self.tool_cell = None;
@@ -107,14 +118,9 @@ impl<L: LocalLaw> LocalState<L> {
         self.seen_edit = Some(number);
         let spacing = self.body.grid.spacing();
         let voxels = input.voxels;
-        let mut overruled = Vec::new();
-        for key in self.ledger.0.keys().copied().collect::<Vec<_>>() {
-            self.ledger.rest(voxels, IVec3::from_array(key));
-            if !self.ledger.0.contains_key(&key) {
-                overruled.push(IVec3::from_array(key));
-            }
-        }
-        let ledger = &mut self.ledger;
+        let overruled = self.ledger.take_overruled(voxels);
+        let overruled: Vec<_> = overruled.iter().map(|(voxel, ..)| *voxel).collect();
+        let ledger = &self.ledger;
         let mut gone: Vec<bool> = Vec::with_capacity(self.body.system.particles.len());
         // particles of one voxel lie side by side, and are asked for once
         let mut asked: Option<(IVec3, bool)> = None;
@@ -310,6 +316,21 @@ impl<L: LocalLaw> LocalState<L> {
         }
     }
 
+    /// Links that parted since the last call.
+    pub fn slipped(&mut self) -> Option<ModelEvent> {
+        let (scale, grid) = (self.body.scale, self.body.grid);
+        let system = &self.body.system;
+        let found = self
+            .slips
+            .look(&system.particles, system.list(), scale.nearest());
+        found.map(|(count, middle)| ModelEvent::Slipped {
+            count,
+            place: grid
+                .patient_from_grid()
+                .transform_point3(middle / grid.spacing()),
+        })
+    }
+
     /// The edit that shows where matter is now.
     pub fn write_back(&mut self, voxels: &Voxels) -> Option<Edit> {
         let side = self.body.scale.cell / self.body.grid.spacing();
@@ -333,36 +354,28 @@ impl<L: LocalLaw> LocalState<L> {
         )
     }
 
-    /// The mean displacement of each cell's particles; none where nothing has moved.
+    /// The mean displacement of each cell's particles, less what the voxels show of it; none
+    /// where that is nothing.
     pub fn displacement(&self) -> Option<DisplacementField> {
         let corner = self.corner()?;
         let mut sums = vec![(DVec3::ZERO, 0_u32); self.filled.len()];
-        let mut farthest = 0.0_f64;
         let Particles { sites, homes, .. } = &self.body.system.particles;
         for (site, home) in sites.iter().zip(homes) {
-            let moved = site.position() - *home;
-            farthest = farthest.max(moved.length_squared());
             if let Some(place) = self.place_in_box(self.cell_of(*home)) {
-                sums[place].0 += moved;
+                sums[place].0 += site.position() - *home;
                 sums[place].1 += 1;
             }
         }
+        let cell = self.body.scale.cell;
+        let mean = |(sum, count): (DVec3, u32)| (count > 0).then(|| sum / f64::from(count));
+        let field = Displacement::new(
+            cell * (corner.as_dvec3() + 0.5),
+            cell,
+            UVec3::splat(self.settings.box_cells as u32),
+            sums.into_iter().map(mean).collect(),
+        );
         // free surfaces of a crystal draw in by themselves, by less than is seen
-        if farthest.sqrt() < SEEN * self.body.scale.cell {
-            return None;
-        }
-        let axes = self.body.grid.direction();
-        let mean = |&(sum, count): &(DVec3, u32)| -> Vec3 {
-            (axes * sum / f64::from(count.max(1))).as_vec3()
-        };
-        let first = self.body.scale.cell * (corner.as_dvec3() + 0.5) / self.body.grid.spacing();
-        Some(DisplacementField {
-            origin: self.body.grid.patient_from_grid().transform_point3(first),
-            axes,
-            spacing: self.body.scale.cell,
-            size: UVec3::splat(self.settings.box_cells as u32),
-            moved: sums.iter().map(mean).collect(),
-        })
+        field.told(&self.body.grid, &self.ledger, SEEN * cell)
     }
 }
 

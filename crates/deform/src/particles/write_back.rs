@@ -7,16 +7,14 @@
 //! reads the mean of what stands in it; one that matter has left reads air.
 //! Source: thesis 5.25, whose threshold is not given; errata, section 4 (hysteresis).
 
-use std::collections::BTreeMap;
-
 use glam::{DVec3, IVec3};
 use palpate_volume::edit::Edit;
 use palpate_volume::matter::{Matter, SegmentSet};
 use palpate_volume::voxel_box::VoxelBox;
 use palpate_volume::voxels::Voxels;
 
-use super::rest_matter::{Changed, Ledger, matter_of};
 use super::state::Particles;
+use crate::rest_matter::{Ledger, Wanted, matter_of};
 
 /// Share of its particles below which a voxel is cleared.
 const CLEAR_BELOW: f64 = 0.5;
@@ -39,6 +37,8 @@ struct Standing {
     at_rest: u32,
     stored: i64,
     from_elsewhere: bool,
+    /// How far they have come, in sum [voxels].
+    come: DVec3,
     nearest: f64,
     segments: SegmentSet,
 }
@@ -49,12 +49,19 @@ impl Standing {
         at_rest: 0,
         stored: 0,
         from_elsewhere: false,
+        come: DVec3::ZERO,
         nearest: f64::INFINITY,
         segments: SegmentSet::EMPTY,
     };
 
     fn is_as_at_rest(&self) -> bool {
         self.count == self.at_rest && !self.from_elsewhere
+    }
+
+    /// How far what a voxel shows has come [voxels]; none where it shows no matter.
+    fn shown(&self, matter: &Matter) -> Option<DVec3> {
+        let mean = self.come / f64::from(self.count.max(1));
+        (!matter.segments.is_empty()).then_some(mean)
     }
 }
 
@@ -69,10 +76,9 @@ impl WriteBack {
         ledger: &mut Ledger,
     ) -> Option<Edit> {
         let standing = gather(voxels, particles, region);
-        let mut wanted = BTreeMap::new();
+        let mut wanted = Wanted::new();
         for (voxel, standing) in region.voxels().zip(&standing) {
-            let key = voxel.to_array();
-            if standing.is_as_at_rest() && !ledger.0.contains_key(&key) {
+            if standing.is_as_at_rest() && ledger.changed(voxel).is_none() {
                 continue;
             }
             let (Some(rest), Some(now)) = (ledger.rest(voxels, voxel), matter_of(voxels, voxel))
@@ -80,22 +86,11 @@ impl WriteBack {
                 continue;
             };
             let matter = self.matter(standing, &rest, &now);
-            if matter != now {
-                wanted.insert(key, matter);
-                ledger.0.insert(
-                    key,
-                    Changed {
-                        rest,
-                        before: now,
-                        written: matter,
-                    },
-                );
-            } else if matter == rest {
-                ledger.0.remove(&key);
-            }
+            wanted.insert(voxel.to_array(), (matter, standing.shown(&matter)));
         }
-        give_back_elsewhere(voxels, region, ledger, &mut wanted);
-        edit_of(voxels, &wanted)
+        // matter whose particles have left the box goes back to rest
+        ledger.give_back_outside(voxels, region, &mut wanted);
+        ledger.write(voxels, &wanted)
     }
 
     /// What a voxel is with what stands in it.
@@ -164,52 +159,11 @@ fn gather(voxels: &Voxels, particles: &Particles, region: &VoxelBox) -> Vec<Stan
         here.count += 1;
         here.stored += i64::from(origin.matter.stored);
         here.from_elsewhere |= moved != IVec3::ZERO;
+        here.come += moved.as_dvec3();
         let distance = position.distance_squared((voxel.as_dvec3() + 0.5) * spacing);
         if distance < here.nearest {
             (here.nearest, here.segments) = (distance, origin.matter.segments);
         }
     }
     standing
-}
-
-/// Matter whose particles have left the box goes back to rest.
-fn give_back_elsewhere(
-    voxels: &Voxels,
-    region: &VoxelBox,
-    ledger: &mut Ledger,
-    wanted: &mut BTreeMap<[i32; 3], Matter>,
-) {
-    let outside = |key: &[i32; 3]| !region.contains(IVec3::from_array(*key));
-    let keys: Vec<_> = ledger.0.keys().copied().filter(outside).collect();
-    for key in keys {
-        let voxel = IVec3::from_array(key);
-        let (rest, now) = (ledger.rest(voxels, voxel), matter_of(voxels, voxel));
-        match (rest, now) {
-            (Some(rest), Some(now)) if rest != now => {
-                wanted.insert(key, rest);
-                ledger.0.insert(
-                    key,
-                    Changed {
-                        rest,
-                        before: now,
-                        written: rest,
-                    },
-                );
-            }
-            _ => {
-                ledger.0.remove(&key);
-            }
-        }
-    }
-}
-
-fn edit_of(voxels: &Voxels, wanted: &BTreeMap<[i32; 3], Matter>) -> Option<Edit> {
-    let boxes = wanted
-        .keys()
-        .map(|key| VoxelBox::of_voxel(IVec3::from_array(*key)));
-    let region = boxes.reduce(|a, b| a.union(&b))?;
-    let edit = voxels.matter_edit(&region, |voxel, was| {
-        wanted.get(&voxel.to_array()).copied().unwrap_or(was)
-    });
-    (!edit.is_empty()).then_some(edit)
 }

@@ -38,6 +38,8 @@ mod touched;
 mod ways;
 mod world;
 
+pub(super) use dense::{Dense, Finder};
+pub(super) use guarantee::hold;
 pub use guarantee::{Guarantee, Violation};
 pub use plan::{Plan, Terrain};
 pub use report::{Found, Report, Source};

@@ -3,14 +3,15 @@
 
 use std::path::PathBuf;
 
-use palpate_deform::material::MaterialLaw;
+use palpate_deform::material::{MaterialLaw, Part, Treatment};
 use palpate_tools::journal_entry::ScanHash;
 use palpate_tools::tool::ToolSettings;
 use palpate_volume::edit::SegmentId;
 
-use super::Session;
+use super::{Session, lock};
 use crate::deformation::DeformationNow;
 use crate::error::SessionError;
+use crate::matter_view::ShownParts;
 use crate::needle::NeedleReport;
 use crate::simulation::Simulation;
 use crate::simulation::recovery::{Kept, Recovered};
@@ -32,6 +33,15 @@ impl Session {
         self.ask(move |simulation| simulation.stroke(on))?
     }
 
+    /// Takes the needle out on the way that it went in; false where none is in.
+    ///
+    /// # Errors
+    /// Where no voxel near its entry is free, or the session has ended.
+    pub fn withdraw_needle(&self) -> Result<bool, SessionError> {
+        let number = lock(&self.hand).1;
+        self.ask(move |simulation| simulation.withdraw_needle(number))?
+    }
+
     /// What the needle has done since it was taken in the hand last.
     ///
     /// # Errors
@@ -40,12 +50,17 @@ impl Session {
         self.ask(|simulation| simulation.needle_report())
     }
 
-    /// Chooses the model by which matter gives way under the probe, or none.
+    /// Chooses the model by which matter gives way under the probe and the nodes or cells along
+    /// each edge of its box, or none.
     ///
     /// # Errors
-    /// Where there is none of that name, or the session has ended.
-    pub fn set_deformation(&self, model: Option<String>) -> Result<(), SessionError> {
-        self.ask(move |simulation| simulation.set_deformation(model.as_deref()))?
+    /// Where there is none of that name, it has no such box, or the session has ended.
+    pub fn set_deformation(
+        &self,
+        model: Option<String>,
+        edge: Option<u32>,
+    ) -> Result<(), SessionError> {
+        self.ask(move |simulation| simulation.set_deformation(model.as_deref(), edge))?
     }
 
     /// Tells what a segment is made of; without a material it is hard.
@@ -60,12 +75,35 @@ impl Session {
         self.ask(move |simulation| simulation.set_material(id, law))?
     }
 
+    /// Tells how parts of a segment with a material take part.
+    ///
+    /// # Errors
+    /// Where there is no such segment, or the session has ended.
+    pub fn set_parts(
+        &self,
+        id: SegmentId,
+        parts: Vec<(Part, Treatment)>,
+    ) -> Result<(), SessionError> {
+        self.ask(move |simulation| simulation.set_parts(id, parts))?
+    }
+
     /// How the deformation goes.
     ///
     /// # Errors
     /// Where the session has ended.
     pub fn deformation(&self) -> Result<DeformationNow, SessionError> {
         self.ask(|simulation| simulation.deformation())
+    }
+
+    /// Has the nodes or particles of the model shown, or no more.
+    pub fn show_parts(&self, on: bool) {
+        self.matter_view.want(on);
+    }
+
+    /// The parts of the model, where they are shown and were not given before.
+    #[must_use]
+    pub fn parts(&self) -> Option<ShownParts> {
+        self.matter_view.take()
     }
 
     /// What a journal of this scan holds; none where there is no such file.

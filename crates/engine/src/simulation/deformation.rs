@@ -1,7 +1,7 @@
 //! Matter that gives way under the probe.
 
-use palpate_deform::material::MaterialLaw;
-use palpate_deform::model::{DeformationModel, MODELS, ModelEvent, UnknownModel, model_from_name};
+use palpate_deform::material::{MaterialLaw, Part, Treatment};
+use palpate_deform::model::{DeformationModel, ModelEvent, WrongBox, model_from_name};
 use palpate_tools::journal_entry::Action;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::voxels::VoxelsError;
@@ -12,20 +12,24 @@ use crate::error::SessionError;
 use crate::frame::Notice;
 use crate::handover::ServoCommand;
 use crate::scene::Step;
+use crate::scene_news::SceneNews;
 
 impl Simulation {
-    /// Chooses the model by which matter gives way, or none.
+    /// Chooses the model by which matter gives way and the nodes or cells along each edge of its
+    /// box, or none.
     ///
     /// # Errors
-    /// Where there is none of that name.
-    pub fn set_deformation(&mut self, name: Option<&str>) -> Result<(), SessionError> {
-        let model = name.map(|name| {
-            let model = model_from_name(name)?;
-            let known = MODELS.iter().map(|known| known.name);
-            Ok::<_, UnknownModel>((known.into_iter().find(|known| *known == name), model))
-        });
-        let model = model.transpose()?;
-        self.set_deformation_model(model.and_then(|(name, model)| Some((name?, model))));
+    /// Where there is none of that name, or it has no such box.
+    pub fn set_deformation(
+        &mut self,
+        name: Option<&str>,
+        edge: Option<u32>,
+    ) -> Result<(), SessionError> {
+        let known = name.map(model_from_name).transpose()?;
+        let model = known.map(|known| Ok::<_, WrongBox>((known.name, known.with_box(edge)?)));
+        self.set_deformation_model(model.transpose()?);
+        self.box_edge = edge;
+        self.publish();
         Ok(())
     }
 
@@ -34,6 +38,7 @@ impl Simulation {
         &mut self,
         model: Option<(&'static str, Box<dyn DeformationModel>)>,
     ) {
+        self.box_edge = None;
         self.deformation.set_model(model);
         self.publish();
     }
@@ -48,10 +53,8 @@ impl Simulation {
         id: SegmentId,
         law: Option<MaterialLaw>,
     ) -> Result<(), SessionError> {
-        if self.voxels().segment(id).is_none() {
-            return Err(VoxelsError::UnknownSegment(id.0).into());
-        }
-        self.deformation.set_law(id, law);
+        self.scene.set_law(id, law)?;
+        self.deformation.forget_displacements();
         self.segments_version += 1;
         self.publish();
         Ok(())
@@ -60,31 +63,71 @@ impl Simulation {
     /// What a segment is made of; none where it is hard.
     #[must_use]
     pub fn material(&self, id: SegmentId) -> Option<MaterialLaw> {
-        self.deformation.law(id)
+        self.scene.properties_of(id).law
+    }
+
+    /// Tells how parts of a segment with a material take part: of several that hold a voxel the
+    /// last counts, and what is in none gives way. This changes no voxel and is not undone.
+    ///
+    /// # Errors
+    /// Where there is no such segment, or none that a part is shared with.
+    pub fn set_parts(
+        &mut self,
+        id: SegmentId,
+        parts: Vec<(Part, Treatment)>,
+    ) -> Result<(), SessionError> {
+        let shared = parts.iter().filter_map(|(part, _)| match part {
+            Part::Shared(other) => Some(*other),
+            Part::Whole | Part::Within(_) => None,
+        });
+        for id in shared.chain([id]) {
+            if self.voxels().segment(id).is_none() {
+                return Err(VoxelsError::UnknownSegment(id.0).into());
+            }
+        }
+        self.deformation.change_matter().set_parts(id, parts);
+        self.segments_version += 1;
+        self.publish();
+        Ok(())
+    }
+
+    /// How parts of a segment take part.
+    #[must_use]
+    pub fn parts(&self, id: SegmentId) -> &[(Part, Treatment)] {
+        self.deformation.matter().parts(id)
     }
 
     /// How the deformation goes.
     #[must_use]
     pub fn deformation(&self) -> DeformationNow {
-        self.deformation.now()
+        DeformationNow {
+            edge: self.box_edge,
+            ..self.deformation.now()
+        }
     }
 
     /// Takes the model's answer, if one has come, and asks again. What it moves from contact to
     /// release is one step of undo.
     pub(super) fn advance_deformation(&mut self) {
         // a needle has a law of its own, and moves no matter
-        if self.touch.status().needle.on {
+        if self.touch.needle().on {
+            if self.displaced.is_some() {
+                self.forget_deformation();
+            }
             return;
         }
         let outcome = self.deformation.exchange(&self.scene, self.touch.status());
+        // voxels that moved, and what they do not show yet, are seen at once
+        let mut seen = Vec::new();
         if let Some(edit) = outcome.edit {
-            match self.perform(Step::of_edit(edit), Action::Do) {
-                Ok(inverse) => {
+            match self.perform_untold(Step::of_edit(edit), Action::Do, false) {
+                Ok((inverse, news)) => {
+                    seen = news;
                     self.stroke.note(inverse);
                     self.deformation.followed(self.voxels().edit_number());
                 }
                 Err(error) => {
-                    self.deformation.forget();
+                    self.forget_deformation();
                     self.tell(Notice::warning(format!("Matter does not move: {error}.")));
                 }
             }
@@ -94,19 +137,46 @@ impl Simulation {
                 .contact
                 .is_none_or(|law| law.force == glam::DVec3::ZERO);
             if released && !self.stroke.is_on() {
-                self.close_step();
+                self.close_deformation();
             }
             self.touch.send(ServoCommand::GiveWay(giving_way));
+            seen.extend(self.displaced_news(outcome.displacement.as_ref()));
+        }
+        if !seen.is_empty() {
+            self.tell_picture(SceneNews::Together(seen));
         }
         for event in outcome.events {
             self.tell_of_event(event);
         }
     }
 
+    /// Makes a step of what the deformation has changed; none where all of it came back.
+    fn close_deformation(&mut self) {
+        // what is on its way back is part of the step
+        if self.deformation.now().report.moved_voxels > 0 || !self.stroke.has_changed() {
+            return;
+        }
+        let Some(inverse) = self.stroke.take_inverse() else {
+            return;
+        };
+        if inverse.would_change(self.voxels()) {
+            self.done(inverse);
+            return;
+        }
+        // nothing is left to take back but what the voxels are stored in
+        let known = self.deformation.knows(self.voxels().edit_number());
+        if self.perform(inverse, Action::Do).is_ok() && known {
+            self.deformation.followed(self.voxels().edit_number());
+        }
+        if let Some(file) = &mut self.file {
+            file.end_step();
+        }
+    }
+
     fn tell_of_event(&self, event: ModelEvent) {
         match event {
-            // shown as a number
-            ModelEvent::BondsBroken { .. } => {}
+            // shown as numbers
+            ModelEvent::BondsBroken { .. } | ModelEvent::Slipped { .. } => {}
             ModelEvent::PoissonClamped { asked, used } => self.tell(Notice::warning(format!(
                 "Poisson's ratio {asked} is out of what this model can do; {used} is used."
             ))),

@@ -109,10 +109,10 @@ impl Simulation {
         let inserted = Step::Insert {
             id: new_id,
             segment: before,
-            properties: Properties {
+            properties: Box::new(Properties {
                 range: None,
                 ..properties
-            },
+            }),
         };
         self.change(Step::Several(vec![replaced, inserted]))?;
         // the new one feels alike

@@ -337,7 +337,7 @@ impl Simulation {
         Ok(Step::Insert {
             id,
             segment,
-            properties: Properties::default(),
+            properties: Box::default(),
         })
     }
 
@@ -349,7 +349,11 @@ impl Simulation {
         if let Some(pose) = facts.pose {
             self.check_moved(id, pose)?;
         }
-        let properties = properties_of(facts);
+        let properties = Properties {
+            // no journal tells of it
+            law: self.scene.properties_of(id).law,
+            ..properties_of(facts)
+        };
         properties.feel.check()?;
         for (low, high) in [facts.range, facts.made_by].into_iter().flatten() {
             if low > high {
@@ -436,5 +440,6 @@ fn properties_of(facts: &Facts) -> Properties {
             friction_kinetic,
         },
         pose: facts.pose,
+        law: None,
     }
 }

@@ -46,10 +46,12 @@ impl Simulation {
         let step = Step::Insert {
             id,
             segment,
-            properties,
+            properties: Box::new(properties),
         };
         let action = if undoable { Action::Do } else { Action::Start };
         let inverse = self.perform(step, action)?;
+        // its number may have been another one's
+        self.touch.send(ServoCommand::Feel(id, properties.feel));
         if undoable {
             self.done(inverse);
         }

@@ -17,7 +17,7 @@ impl Simulation {
     pub fn undo(&mut self) -> Result<bool, SessionError> {
         self.let_go();
         self.close_step();
-        self.deformation.forget();
+        self.forget_deformation();
         let Some(step) = self.journal.pop_undo() else {
             return Ok(false);
         };
@@ -35,7 +35,7 @@ impl Simulation {
     pub fn redo(&mut self) -> Result<bool, SessionError> {
         self.let_go();
         self.close_step();
-        self.deformation.forget();
+        self.forget_deformation();
         let Some(step) = self.journal.pop_redo() else {
             return Ok(false);
         };
@@ -65,15 +65,29 @@ impl Simulation {
         action: Action,
         goes_on: bool,
     ) -> Result<Step, SessionError> {
+        let (inverse, news) = self.perform_untold(step, action, goes_on)?;
+        for news in news {
+            self.tell_picture(news);
+        }
+        Ok(inverse)
+    }
+
+    /// Performs a step, or a part of one that `goes_on` with the step before, and gives what the
+    /// picture is to be told of it.
+    pub(super) fn perform_untold(
+        &mut self,
+        step: Step,
+        action: Action,
+        goes_on: bool,
+    ) -> Result<(Step, Vec<SceneNews>), SessionError> {
         let (inverse, change) = self.scene.perform(step)?;
         self.send_change(&change);
         self.segments_version += 1;
-        for news in SceneNews::of(&inverse, &self.scene, &self.labelled) {
-            self.voxels_version += u64::from(news.needs_labels());
-            self.tell_picture(news);
-        }
+        let news = SceneNews::of(&inverse, &self.scene, &self.labelled);
+        let anew = news.iter().filter(|news| news.needs_labels()).count();
+        self.voxels_version += anew as u64;
         self.write_down(action, &inverse, goes_on);
-        Ok(inverse)
+        Ok((inverse, news))
     }
 
     /// Notes the inverse of a whole step.

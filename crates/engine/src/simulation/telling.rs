@@ -63,6 +63,8 @@ impl Simulation {
             segments_version: self.segments_version,
             voxels_version: self.voxels_version,
             tool: self.stroke.now(),
+            needle: self.needle.now(),
+            matter: self.deformation(),
             undo_bytes: self.journal.bytes(),
             undo_budget: self.journal.budget(),
         };

@@ -1,18 +1,21 @@
 //! Tools in the hand of the simulation, and how much undo holds.
 
-use palpate_haptics::needle::tissues::{Segments, Tissues};
 use palpate_tools::journal_entry::Action;
 use palpate_tools::tool::{ToolReport, ToolSettings};
 use palpate_volume::edit::SegmentId;
+use palpate_volume::matter::SegmentSet;
 use palpate_volume::voxels::VoxelsError;
 
 use super::Simulation;
 use crate::error::SessionError;
 use crate::frame::Notice;
 use crate::handover::ServoCommand;
-use crate::needle::NeedleReport;
+use crate::needle::{NeedlePlace, NeedleReport};
 use crate::scene::Step;
 use crate::tool_stroke::ProbeNow;
+
+/// Where a needle that is taken out stands before its entry [mm].
+const BEFORE_ENTRY: f64 = 2.0;
 
 impl Simulation {
     /// Chooses the tool for the next strokes, or none; a stroke that is on ends.
@@ -53,7 +56,8 @@ impl Simulation {
         }
         if let Some(tissues) = self.stroke.needle() {
             self.needle.begin();
-            self.touch.send(ServoCommand::Needle(true, tissues));
+            self.touch
+                .send(ServoCommand::Needle(true, Box::new(tissues)));
         }
         self.publish();
         Ok(())
@@ -65,10 +69,26 @@ impl Simulation {
         self.needle.report().clone()
     }
 
+    /// Takes the needle out on the way that it went in; false where none is in. The device comes
+    /// along, and hand targets up to number `hand` are forgotten.
+    ///
+    /// # Errors
+    /// Where no voxel near its entry is free.
+    pub fn withdraw_needle(&mut self, hand: u64) -> Result<bool, SessionError> {
+        let Some(NeedlePlace {
+            entry, direction, ..
+        }) = self.needle.report().place
+        else {
+            return Ok(false);
+        };
+        self.place(entry - direction * BEFORE_ENTRY, hand, true)?;
+        Ok(true)
+    }
+
     /// Makes obstacles of what the needle is out of, and none of what it has punctured.
     pub(super) fn advance_needle(&mut self) {
-        let status = self.touch.status();
-        let punctured = self.needle.follow(&status.needle, status.command);
+        let obeyed = self.touch.status().command;
+        let punctured = self.needle.follow(self.touch.needle(), obeyed);
         if let Some(punctured) = punctured {
             let changed = self.scene.puncture(punctured);
             self.send_all(changed);
@@ -77,7 +97,7 @@ impl Simulation {
 
     /// The probe jumps: no needle is in any more.
     pub(super) fn pull_needle(&mut self) {
-        let changed = self.scene.puncture(Segments::NONE);
+        let changed = self.scene.puncture(SegmentSet::EMPTY);
         self.send_all(changed);
     }
 
@@ -115,8 +135,7 @@ impl Simulation {
     pub(super) fn end_stroke(&mut self) {
         self.close_step();
         if self.stroke.needle().is_some() {
-            self.touch
-                .send(ServoCommand::Needle(false, Tissues::default()));
+            self.touch.send(ServoCommand::Needle(false, Box::default()));
         }
         self.stroke.end();
         self.publish();

@@ -5,11 +5,13 @@
     reason = "each test file uses its part of this module"
 )]
 
+pub mod recorder;
+
 use std::sync::mpsc::{self, Receiver};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use glam::{DMat3, DVec3, IVec3, UVec3};
+use glam::{DAffine3, DMat3, DVec3, IVec3, UVec3};
 use palpate_device::scripted::{PathSample, ScriptedDevice};
 use palpate_device::simulated::{SimulatedDevice, SimulatedSettings};
 use palpate_device::{DeviceLimits, DeviceState, HapticDevice};
@@ -35,6 +37,16 @@ use palpate_volume::segment::Segment;
 use palpate_volume::voxel_box::VoxelBox;
 use palpate_volume::voxels::Voxels;
 
+/// Ticks after which everything that was told has arrived: the simulation takes its pass every
+/// tenth, and the servo follows one change per tick, of which no test here sends more than three.
+pub const ARRIVED: u32 = 20;
+/// Ticks after which nothing changes any more: a move or a turn takes some 17, and the force
+/// comes up to its depth by a tenth of a voxel per tick, of 5 voxels at most.
+pub const SETTLED: u32 = 100;
+/// How far before a face the probe stands at most [mm]: 1e-8 where it stops by itself, 1e-6 where
+/// a body carries it.
+pub const BEFORE_FACE: f64 = 2e-6;
+
 pub const OBSTACLE: Properties = Properties {
     touchable: true,
     range: None,
@@ -45,7 +57,13 @@ pub const OBSTACLE: Properties = Properties {
         friction_kinetic: None,
     },
     pose: None,
+    law: None,
 };
+
+/// A motion of the scene [mm].
+pub fn shifted(by: DVec3) -> DAffine3 {
+    DAffine3::from_translation(by)
+}
 
 /// Voxels of 1 mm whose grid frame is the scene.
 pub fn grid(dimensions: UVec3) -> Grid {
@@ -300,6 +318,20 @@ impl Rig {
         self.servo.step(self.now);
         self.now += 1e-3;
         self.records.pop().expect("every tick is recorded")
+    }
+
+    /// Ticks with the simulation between them, as a session has it; gives the last record.
+    pub fn ticks(&mut self, count: u32, device: DVec3) -> TickRecord {
+        let mut last = None;
+        for tick in 0..count {
+            last = Some(self.tick_at(device));
+            if tick % 10 == 0 {
+                self.simulation.step();
+            }
+            assert_eq!(self.violations(), 0);
+        }
+        self.simulation.step();
+        last.expect("some ticks")
     }
 
     /// Makes a segment the voxels from `low` to `high`, as a dragged threshold does.

@@ -3,13 +3,14 @@
 //! Frame: scene [mm]; depths along the line; N, s.
 
 use glam::DVec3;
-use palpate_volume::grid::Grid;
+use palpate_volume::edit::SegmentId;
+use palpate_volume::matter::SegmentSet;
 use palpate_volume::tissue::Tissue;
 use serde::{Deserialize, Serialize};
 
 use super::events::{EventKind, Events};
 use super::shaft::{Resistance, Shaft};
-use super::tissues::{Layered, Matter, Met, Segments, Tissues};
+use super::tissues::{Layered, Matter, Met, Tissues, World};
 use super::track::{Line, Track};
 use super::{NeedleForces, NeedleInput};
 
@@ -34,7 +35,7 @@ pub struct Insertion {
     /// The layer in which the cut ends.
     place: u8,
     /// Segments that were punctured.
-    pub punctured: Segments,
+    pub punctured: SegmentSet,
     /// Whether the tip rests against what no needle punctures.
     stopped: bool,
 }
@@ -43,7 +44,7 @@ impl Insertion {
     /// A needle that goes in along a line, with its tip as deep as it has pressed the surface
     /// in of what it punctures just now.
     #[must_use]
-    pub fn new(line: Line, tip: f64, punctured: Segments) -> Self {
+    pub fn new(line: Line, tip: f64, punctured: SegmentSet) -> Self {
         Self {
             line,
             shaft: Shaft {
@@ -84,15 +85,14 @@ impl Insertion {
     pub fn advance(
         &mut self,
         input: &NeedleInput,
-        tissues: &Tissues,
-        world: (&Grid, &impl Matter),
+        world: &World<'_, impl Matter>,
         events: &mut Events,
     ) -> (DVec3, NeedleForces) {
         let k = input.coupling.stiffness;
         let device = self.line.depth_of(input.device);
-        let (grid, matter) = world;
+        let tissues = world.tissues;
         self.track
-            .look(&self.line, grid, device.max(self.shaft.tip), matter);
+            .look(&self.line, device.max(self.shaft.tip), world);
 
         let meets = self.meets(tissues);
         self.shaft.press(device, k, &meets);
@@ -178,9 +178,8 @@ impl Insertion {
                         if force < tissue.puncture {
                             break;
                         }
-                        for segment in tissues.segments_of(self.layer()) {
-                            self.punctured.insert(segment);
-                        }
+                        let gone_into = tissues.segments_of(self.layer());
+                        self.punctured = gone_into.fold(self.punctured, SegmentSet::with);
                         note(EventKind::Punctured, segment, self.cut);
                     }
                     tissue.deflection(tissue.cutting)
@@ -241,7 +240,7 @@ impl Insertion {
     #[must_use]
     pub fn gives_way(&self, segment: u8, tissues: &Tissues) -> bool {
         let place = tissues.place_of(segment);
-        self.punctured.contains(segment)
+        self.punctured.contains(SegmentId(segment))
             || place.is_some_and(|place| self.track.meets(place, self.shaft.tip))
     }
 

@@ -1,6 +1,8 @@
 //! Which segments a needle can puncture and what they are made of, and what it meets on its way.
 
 use glam::IVec3;
+use palpate_volume::edit::SegmentId;
+use palpate_volume::grid::Grid;
 use palpate_volume::tissue::Tissue;
 use serde::{Deserialize, Serialize};
 
@@ -45,11 +47,11 @@ impl Tissues {
     }
 
     /// The segments of a layer.
-    pub fn segments_of(&self, layer: Layered) -> impl Iterator<Item = u8> {
+    pub fn segments_of(&self, layer: Layered) -> impl Iterator<Item = SegmentId> {
         let there = (0_u8..)
             .zip(self.0)
             .filter(move |(place, _)| layer.has(*place));
-        there.filter_map(|(_, entry)| Some(entry?.0))
+        there.filter_map(|(_, entry)| Some(SegmentId(entry?.0)))
     }
 }
 
@@ -95,36 +97,21 @@ pub enum Met {
 
 /// What a needle can meet; neither allocates nor panics.
 pub trait Matter {
-    /// What stands in a voxel of the grid, whether it is punctured or not.
-    fn at(&self, voxel: IVec3) -> Met;
+    /// What stands in a voxel of the grid, whether it is punctured or not, for a needle that can
+    /// puncture these tissues.
+    fn at(&self, voxel: IVec3, tissues: &Tissues) -> Met;
 
     /// Whether a segment that was punctured is no obstacle for the probe by now.
     fn is_open(&self) -> bool;
 }
 
-/// A set of segments, one bit for each number.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Segments(pub [u64; 4]);
-
-impl Segments {
-    /// No segment.
-    pub const NONE: Self = Self([0; 4]);
-
-    /// These segments.
-    pub fn of(segments: impl IntoIterator<Item = u8>) -> Self {
-        let mut all = Self::NONE;
-        segments.into_iter().for_each(|segment| all.insert(segment));
-        all
-    }
-
-    /// Whether it has a segment.
-    #[must_use]
-    pub fn contains(&self, segment: u8) -> bool {
-        self.0[usize::from(segment / 64)] >> (segment % 64) & 1 == 1
-    }
-
-    /// Adds a segment.
-    pub fn insert(&mut self, segment: u8) {
-        self.0[usize::from(segment / 64)] |= 1 << (segment % 64);
-    }
+/// All that a needle knows of what it goes into.
+#[derive(Debug)]
+pub struct World<'a, M> {
+    /// Where the scan stands.
+    pub grid: &'a Grid,
+    /// What is in it.
+    pub matter: &'a M,
+    /// What it can puncture of that.
+    pub tissues: &'a Tissues,
 }

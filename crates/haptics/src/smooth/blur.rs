@@ -84,10 +84,8 @@ impl BlurField {
         let mut cells = Cells::of_counts(&self.window.counts(), unit);
         if let Some((source, known)) = known {
             known.keep(source, self.shape);
-            self.window.visit_surface(&mut |y, z, row| {
-                let first = first + IVec3::new(0, y as i32, z as i32);
-                let changes = known.changes(occupancy, first, row);
-                cells.add(8 * z + y, changes, full);
+            known.look_at(occupancy, &self.window, |row, changes| {
+                cells.add(row, changes, full);
             });
         }
         let scale = 1.0 / (64.0 * f32::from(full));

@@ -11,6 +11,7 @@ use super::cache::Source;
 use super::cell_shape::{CELLS, CellShape};
 use super::surface_rows::{CellsOfRow, SurfaceRow};
 use super::tents::{Changes, unit_of};
+use super::window::Window;
 use glam::IVec3;
 use palpate_volume::occupancy::Occupancy;
 
@@ -81,49 +82,123 @@ impl CellShares {
         }
     }
 
-    /// What the cells of a row along x count beyond their bits, by the number of its first cell;
-    /// one voxel counts [`unit_of`].
-    #[inline]
-    pub(super) fn changes(
+    /// Tells what the cells of a window count beyond their bits, by rows of cells at its surface,
+    /// y before z, eight of each; one voxel counts [`unit_of`].
+    pub(super) fn look_at(
         &mut self,
         occupancy: &(impl Occupancy + ?Sized),
-        first: IVec3,
-        surface: SurfaceRow,
-    ) -> Changes {
+        window: &Window,
+        mut tell: impl FnMut(usize, Changes),
+    ) {
         let shape = self.shape;
-        let [y, z] = [first.y, first.z].map(|number| (number & (CELLS - 1)) as usize);
-        let kept = &mut self.rows[(8 * z + y) & 63];
-        if kept.first != first {
-            kept.move_to(first, shape);
-        }
-        if kept.surface != surface {
-            let cells = surface.differing(kept.surface, shape);
-            let shares = shares_of(occupancy, shape, first, (surface, cells));
-            for cell in cells.places(shape) {
-                let change = shares[cell as usize & 7] * f32::from(unit_of(shape.volume()));
-                kept.changes.set(cell, rounded(change));
+        let mut asked = Asked::nothing(occupancy);
+        let mut rows = 0_u64;
+        window.visit_surface(&mut |y, z, surface| {
+            let first = window.first() + IVec3::new(0, y as i32, z as i32);
+            let kept = &mut self.rows[place_of(first)];
+            rows |= 1 << ((8 * z + y) & 63);
+            if kept.first != first {
+                kept.move_to(first, shape);
             }
+            if kept.surface == surface {
+                return;
+            }
+            let cells = surface.differing(kept.surface, shape);
             kept.surface = surface;
+            asked.add(8 * z + y, shape, first, (surface, cells));
+        });
+        asked.ask();
+
+        let unit = f32::from(unit_of(shape.volume()));
+        for row in ones(rows) {
+            let first = window.first() + IVec3::new(0, row as i32 & 7, row as i32 >> 3);
+            let changes = &mut self.rows[place_of(first)].changes;
+            // also of cells without voxels, which may have had some
+            for cell in asked.cells[row].places(shape) {
+                changes.set(cell, rounded(asked.sums[row][cell as usize & 7] * unit));
+            }
+            tell(row, *changes);
         }
-        kept.changes
     }
 }
 
-/// How many voxels some cells of a row count beyond their bits; 0 for others.
-#[inline(never)]
-fn shares_of(
-    occupancy: &(impl Occupancy + ?Sized),
-    shape: CellShape,
-    first: IVec3,
-    (surface, cells): (SurfaceRow, CellsOfRow),
-) -> [f32; 8] {
-    let mut sums = [0.0; 8];
-    surface.visit(shape, first, cells, |cell, voxel, solid| {
-        if let Some(share) = occupancy.share(voxel, solid) {
-            sums[cell & 7] += share - f32::from(u8::from(solid));
+/// The place of a row among those that are kept.
+#[inline]
+fn place_of(first: IVec3) -> usize {
+    let [y, z] = [first.y, first.z].map(|number| (number & (CELLS - 1)) as usize);
+    (8 * z + y) & 63
+}
+
+/// The places of set bits.
+fn ones(mut word: u64) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let place = (word != 0).then(|| word.trailing_zeros() as usize & 63)?;
+        word &= word - 1;
+        Some(place)
+    })
+}
+
+/// Voxels that are asked for at once.
+const AT_ONCE: usize = 32;
+
+/// Cells of a window whose voxels at the surface are asked for their shares.
+struct Asked<'a, O: ?Sized> {
+    occupancy: &'a O,
+    /// Those of each row of the window.
+    cells: [CellsOfRow; 64],
+    /// How many voxels they count beyond their bits.
+    sums: [[f32; 8]; 64],
+    /// Voxels that are to be asked for next.
+    voxels: [(IVec3, bool); AT_ONCE],
+    /// Their rows and cells.
+    places: [[u8; 2]; AT_ONCE],
+    count: usize,
+}
+
+impl<'a, O: Occupancy + ?Sized> Asked<'a, O> {
+    fn nothing(occupancy: &'a O) -> Self {
+        Self {
+            occupancy,
+            cells: [CellsOfRow::NONE; 64],
+            sums: [[0.0; 8]; 64],
+            voxels: [(IVec3::ZERO, false); AT_ONCE],
+            places: [[0; 2]; AT_ONCE],
+            count: 0,
         }
-    });
-    sums
+    }
+
+    /// Asks for the voxels of some cells of a row.
+    #[inline]
+    fn add(
+        &mut self,
+        row: usize,
+        shape: CellShape,
+        first: IVec3,
+        (surface, cells): (SurfaceRow, CellsOfRow),
+    ) {
+        self.cells[row & 63] = cells;
+        surface.visit(shape, first, cells, |cell, voxel, solid| {
+            let next = self.count & (AT_ONCE - 1);
+            self.voxels[next] = (voxel, solid);
+            self.places[next] = [row as u8, cell as u8];
+            self.count += 1;
+            if self.count == AT_ONCE {
+                self.ask();
+            }
+        });
+    }
+
+    #[inline(never)]
+    fn ask(&mut self) {
+        let count = self.count.min(AT_ONCE);
+        let mut changes = [0.0_f32; AT_ONCE];
+        let asked = &self.voxels[..count];
+        self.occupancy.share_changes(asked, &mut changes[..count]);
+        for ([row, cell], change) in self.places[..count].iter().zip(changes) {
+            self.sums[usize::from(row & 63)][usize::from(cell & 7)] += change;
+        }
+        self.count = 0;
+    }
 }
 
 /// The whole number next to a small one, of two the even one, without a call.
@@ -136,7 +211,6 @@ fn rounded(number: f32) -> i32 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::window::Window;
     use super::*;
     use glam::DVec3;
 
@@ -234,10 +308,7 @@ mod tests {
                     continue;
                 }
                 let mut told = [Changes::NONE; 64];
-                window.visit_surface(&mut |y, z, row| {
-                    let first = first + IVec3::new(0, y as i32, z as i32);
-                    told[8 * z + y] = known.changes(&occupancy, first, row);
-                });
+                known.look_at(&occupancy, &window, |row, changes| told[row] = changes);
                 for place in 0..512 {
                     let cell = IVec3::new(place % 8, place / 8 % 8, place / 64);
                     if cell.min_element() == 0 || cell.max_element() == 7 {

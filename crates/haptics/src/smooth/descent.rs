@@ -100,7 +100,7 @@ struct Search<'a, F, const N: usize> {
     /// From a ball's middle to where it touches each body [mm]; zero for a point.
     contacts: [Vec3A; N],
     /// How they were last found to be wrong, and what share of that was taken.
-    turns: [Turn; N],
+    turns: [Pace; N],
     /// The largest of those [mm²].
     largest_turn: f32,
     /// The shortest edge of a cell [mm].
@@ -110,21 +110,23 @@ struct Search<'a, F, const N: usize> {
     samples: u32,
 }
 
-/// How a contact turns from step to step.
+/// A way that is asked for again and again, each time from where the last one led, and the share
+/// of it that is taken.
 #[derive(Clone, Copy, Debug)]
-struct Turn {
+struct Pace {
     way: Vec3A,
     share: f32,
 }
 
-impl Turn {
-    const NONE: Self = Self {
+impl Pace {
+    const FIRST: Self = Self {
         way: Vec3A::ZERO,
         share: 1.0,
     };
 
-    /// The share to take of the next turn, so that the one after it is none where all goes on
-    /// evenly: on a bent surface turns swing back by the ball's radius over that of the bend.
+    /// The share to take of the next way, so that the one after it is none where all goes on
+    /// evenly (the secant rule). So ways that swing to and fro, as between the sides of a valley
+    /// or a ball's turns on a bent surface, come to an end, and those that shrink slowly do sooner.
     fn next(&self, way: Vec3A) -> Self {
         let square = self.way.length_squared();
         let ratio = self.way.dot(way) / square;
@@ -134,6 +136,20 @@ impl Turn {
             self.share
         };
         Self { way, share }
+    }
+
+    /// The same where no more than this step could be taken.
+    fn with_step(&self, step: Vec3A) -> Self {
+        let share = step.dot(self.way) / self.way.length_squared();
+        Self {
+            // no way has no share
+            share: if share > 0.0 {
+                share.clamp(0.05, 1.5)
+            } else {
+                self.share
+            },
+            ..*self
+        }
     }
 }
 
@@ -159,7 +175,7 @@ impl<'a, F: Field, const N: usize> Search<'a, F, N> {
             fields,
             device: query.device.as_vec3a(),
             contacts: fields.map(|field| field.map_or(Vec3A::ZERO, |field| field.contact)),
-            turns: [Turn::NONE; N],
+            turns: [Pace::FIRST; N],
             largest_turn: 0.0,
             length,
             reach: smoother.reach * length + farther.fold(0.0, f32::max),
@@ -224,26 +240,24 @@ impl<'a, F: Field, const N: usize> Search<'a, F, N> {
         let longest = self.smoother.longest_step * self.length;
         let turned = self.smoother.turned * self.length;
         let mut at = Vec3A::ZERO;
-        let mut last_step = Vec3A::ZERO;
-        let mut ease = 1.0;
+        let mut pace = Pace::FIRST;
         for _ in 0..self.smoother.max_steps {
-            let step = (goal(at, &surfaces, self.device) - at).clamp_length_max(longest);
-            // to and fro between the sides of a valley: shorter steps end it
-            if step.dot(last_step) < 0.0 {
-                ease *= 0.5;
-            }
-            let next = self.within_reach(at + step * ease);
-            let [before, square] = [last_step, next - at].map(Vec3A::length_squared);
-            last_step = next - at;
+            let before = pace.way.length_squared();
+            let way = goal(at, &surfaces, self.device) - at;
+            pace = pace.next(way);
+            let next = self.within_reach(at + (way * pace.share).clamp_length_max(longest));
+            let step = next - at;
+            pace = pace.with_step(step);
             let settled = self.largest_turn <= turned * turned;
-            if settled && square < tolerance * tolerance {
+            if settled && step.length_squared() < tolerance * tolerance {
                 break;
             }
             at = next;
-            // steps shrink by about the same share: the next one would be too short
-            if settled && ease == 1.0 && square * square < tolerance * tolerance * before {
+            // ways shrink by about the same share: the next one would be too short
+            let square = way.length_squared();
+            if settled && square * square < tolerance * tolerance * before {
                 for surface in surfaces.iter_mut().flatten() {
-                    surface.move_point(last_step);
+                    surface.move_point(step);
                 }
                 break;
             }

@@ -24,46 +24,73 @@ pub struct Around {
     pub after: Vec3A,
 }
 
+/// A voxel's stored value, then those before and after it along x, y and z.
+pub type Stored = [i16; 7];
+
 impl Around {
     /// Of a voxel of a scan; beyond its border the outermost values go on, so that a body that
     /// the border cuts ends there as its bits do.
     #[inline]
     #[must_use]
     pub fn of(scan: &Intensities, voxel: IVec3) -> Self {
+        Self::of_stored(Self::stored(scan, voxel))
+    }
+
+    /// The stored values themselves.
+    #[inline]
+    #[must_use]
+    pub fn stored(scan: &Intensities, voxel: IVec3) -> Stored {
         Self::of_inner(scan, voxel).unwrap_or_else(|| Self::of_outer(scan, voxel))
+    }
+
+    /// Of values as they are stored.
+    #[inline]
+    #[must_use]
+    pub fn of_stored(stored: Stored) -> Self {
+        let [
+            here,
+            before_x,
+            after_x,
+            before_y,
+            after_y,
+            before_z,
+            after_z,
+        ] = stored.map(f32::from);
+        Self {
+            here,
+            before: Vec3A::new(before_x, before_y, before_z),
+            after: Vec3A::new(after_x, after_y, after_z),
+        }
     }
 
     /// Of a voxel that is not at the border; none for others.
     #[inline]
-    fn of_inner(scan: &Intensities, voxel: IVec3) -> Option<Self> {
+    fn of_inner(scan: &Intensities, voxel: IVec3) -> Option<Stored> {
         // without its sign, what is negative is large
         let before = (voxel - 1).as_uvec3();
         let inner = scan.dimensions().saturating_sub(UVec3::splat(2));
         if !before.cmplt(inner).all() {
             return None;
         }
-        let values = &**scan.values();
         let [nx, ny] = [scan.dimensions().x as usize, scan.dimensions().y as usize];
         let [x, y, z] = voxel.to_array().map(|i| i as usize);
         let layer = nx * ny;
-        let place = z * layer + y * nx + x;
-        let value = |place: usize| values.get(place).map(|&value| f32::from(value));
-        let row = values.get(place - 1..)?.first_chunk()?;
-        let [before_x, here, after_x] = row.map(|value: i16| f32::from(value));
-        let [before_y, before_z] = [value(place - nx)?, value(place - layer)?];
-        let [after_y, after_z] = [value(place + nx)?, value(place + layer)?];
-        Some(Self {
-            here,
-            before: Vec3A::new(before_x, before_y, before_z),
-            after: Vec3A::new(after_x, after_y, after_z),
-        })
+        // from the one below to the one above
+        let first = (z - 1) * layer + y * nx + x;
+        let values = scan.values().get(first..)?.get(..=2 * layer)?;
+        let [before_x, here, after_x] = *values.get(layer - 1..)?.first_chunk()?;
+        let [before_y, after_y] = [*values.get(layer - nx)?, *values.get(layer + nx)?];
+        let [before_z, after_z] = [values[0], *values.last()?];
+        Some([
+            here, before_x, after_x, before_y, after_y, before_z, after_z,
+        ])
     }
 
     /// Of any voxel.
     #[inline(never)]
-    fn of_outer(scan: &Intensities, voxel: IVec3) -> Self {
+    fn of_outer(scan: &Intensities, voxel: IVec3) -> Stored {
         let size = scan.dimensions().as_ivec3();
-        Self::from_fn(voxel, |voxel| {
+        Self::stored_from(voxel, |voxel| {
             let [x, y, z] = voxel.clamp(IVec3::ZERO, size - 1).to_array();
             let place = (z as usize * size.y as usize + y as usize) * size.x as usize + x as usize;
             scan.values().get(place).copied().unwrap_or_default()
@@ -73,13 +100,23 @@ impl Around {
     /// Of a voxel, from the stored value of each.
     #[must_use]
     pub fn from_fn(voxel: IVec3, stored: impl Fn(IVec3) -> i16) -> Self {
-        let value = |voxel: IVec3| f32::from(stored(voxel));
+        Self::of_stored(Self::stored_from(voxel, stored))
+    }
+
+    /// The same as they are stored.
+    #[must_use]
+    pub fn stored_from(voxel: IVec3, stored: impl Fn(IVec3) -> i16) -> Stored {
         let [x, y, z] = [IVec3::X, IVec3::Y, IVec3::Z];
-        Self {
-            here: value(voxel),
-            before: Vec3A::new(value(voxel - x), value(voxel - y), value(voxel - z)),
-            after: Vec3A::new(value(voxel + x), value(voxel + y), value(voxel + z)),
-        }
+        [
+            voxel,
+            voxel - x,
+            voxel + x,
+            voxel - y,
+            voxel + y,
+            voxel - z,
+            voxel + z,
+        ]
+        .map(stored)
     }
 }
 
@@ -90,8 +127,8 @@ const MAX_RANGES: usize = 8;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Limits {
     /// Apart from each other and rising; as stored.
-    ranges: [[f32; 2]; MAX_RANGES],
-    count: usize,
+    pub(super) ranges: [[f32; 2]; MAX_RANGES],
+    pub(super) count: usize,
 }
 
 impl Limits {

@@ -103,6 +103,9 @@ impl SurfaceRow {
 pub(super) struct CellsOfRow(u64);
 
 impl CellsOfRow {
+    /// No cell.
+    pub(super) const NONE: Self = Self(0);
+
     /// Their places in the row.
     pub(super) fn places(self, shape: CellShape) -> impl Iterator<Item = u32> {
         let [log_x, ..] = shape.log;

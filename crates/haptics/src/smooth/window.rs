@@ -69,7 +69,6 @@ impl Window {
         (self.shape, self.first, self.seed) = (shape, first, Some(seed));
         let words = shape.words();
         let (free, reached) = (&mut self.free[..words], &mut self.reached[..words]);
-        free.fill(0);
         let any_solid = read_free(occupancy, shape, first * shape.voxels(), free);
         if !any_solid {
             reached.copy_from_slice(free);
@@ -164,18 +163,34 @@ fn read_free(
     min: IVec3,
     free: &mut [u64],
 ) -> bool {
-    let [mx, my, mz] = shape.voxels().to_array();
+    match shape.log[0] {
+        0 => read_free_of::<1>(occupancy, shape, min, free),
+        1 => read_free_of::<2>(occupancy, shape, min, free),
+        _ => read_free_of::<4>(occupancy, shape, min, free),
+    }
+}
+
+/// The same for windows that are so many blocks wide.
+fn read_free_of<const BLOCKS: usize>(
+    occupancy: &(impl Occupancy + ?Sized),
+    shape: CellShape,
+    min: IVec3,
+    free: &mut [u64],
+) -> bool {
+    let [_, my, mz] = shape.voxels().to_array();
+    let (words, _) = free.as_chunks_mut::<BLOCKS>();
     let mut any_solid = 0;
     for block_z in 0..mz {
         for block_y in 0..my {
-            for block_x in 0..mx {
-                let corner = min + 8 * IVec3::new(block_x, block_y, block_z);
-                let block = occupancy.smooth_block(corner);
-                for (z, word) in block.0.into_iter().enumerate() {
-                    any_solid |= word;
-                    let layer = (8 * block_z as usize + z) * shape.layer();
-                    let first = layer + block_y as usize * mx as usize;
-                    spread_rows(!word, mx, block_x, free.get_mut(first..));
+            let blocks: [_; BLOCKS] = std::array::from_fn(|x| {
+                occupancy.smooth_block(min + 8 * IVec3::new(x as i32, block_y, block_z))
+            });
+            for z in 0..8 {
+                let rows = blocks.map(|block| block.0[z]);
+                any_solid |= rows.iter().fold(0, |any, rows| any | rows);
+                let place = (8 * block_z as usize + z) * my as usize + block_y as usize;
+                if let Some(words) = words.get_mut(place) {
+                    *words = side_by_side(rows.map(|rows| !rows));
                 }
             }
         }
@@ -183,29 +198,13 @@ fn read_free(
     any_solid != 0
 }
 
-/// Puts the eight rows of a block's layer in their places, `width` bytes apart.
-fn spread_rows(rows: u64, width: i32, place: i32, words: Option<&mut [u64]>) {
-    let Some(words) = words else { return };
-    let put = |word: Option<&mut u64>, rows: u64| {
-        if let Some(word) = word {
-            *word |= rows << (8 * place);
-        }
-    };
-    match width {
-        1 => put(words.get_mut(0), rows),
-        2 => {
-            for half in 0..2 {
-                let rows = rows >> (32 * half) & 0xffff_ffff;
-                let rows = (rows | rows << 16) & 0x0000_ffff_0000_ffff;
-                let rows = (rows | rows << 8) & 0x00ff_00ff_00ff_00ff;
-                put(words.get_mut(half), rows);
-            }
-        }
-        _ => {
-            for pair in 0..4 {
-                let rows = rows >> (16 * pair);
-                put(words.get_mut(pair), rows & 0xff | (rows & 0xff00) << 24);
-            }
-        }
+/// The eight rows of each of some words, put side by side: the first of each, then the next.
+fn side_by_side<const WORDS: usize>(words: [u64; WORDS]) -> [u64; WORDS] {
+    let rows = words.map(u64::to_le_bytes);
+    let mut bytes = [[0; WORDS]; 8];
+    for (row, bytes) in bytes.iter_mut().enumerate() {
+        *bytes = rows.map(|rows| rows[row]);
     }
+    let (chunks, _) = bytes.as_flattened().as_chunks::<8>();
+    std::array::from_fn(|word| chunks.get(word).map_or(0, |rows| u64::from_le_bytes(*rows)))
 }

@@ -309,4 +309,9 @@ impl Occupancy for Thresholded<'_> {
     fn share(&self, voxel: IVec3, solid: bool) -> Option<f32> {
         self.limits.share(&Around::of(self.scan, voxel), solid)
     }
+
+    fn share_changes(&self, voxels: &[(IVec3, bool)], changes: &mut [f32]) {
+        let stored = |voxel| Around::stored(self.scan, voxel);
+        self.limits.share_changes(stored, voxels, changes);
+    }
 }

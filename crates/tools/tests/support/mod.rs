@@ -2,6 +2,8 @@
 
 #![allow(dead_code, reason = "each test file uses a part of it")]
 
+pub mod journal;
+pub mod place;
 pub mod session;
 
 use std::collections::BTreeMap;

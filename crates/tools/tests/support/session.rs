@@ -1,14 +1,12 @@
 //! A small session: voxels, tools, undo and a journal, as the engine has them.
 
 use glam::DVec3;
-use palpate_tools::drill::DrillSettings;
 use palpate_tools::journal_entry::Action;
 use palpate_tools::journal_file::JournalFile;
 use palpate_tools::stroke::{Stroke, bytes_of};
 use palpate_tools::tool::{ToolInput, ToolKind, ToolSettings};
 use palpate_tools::undo::UndoJournal;
 use palpate_volume::edit::{Edit, SegmentId};
-use palpate_volume::matter::SegmentSet;
 use palpate_volume::segment::Segment;
 use palpate_volume::voxels::Voxels;
 
@@ -89,14 +87,7 @@ impl Session {
         let kind = ToolKind::ALL[random.integer(0, 3) as usize];
         let ids: Vec<_> = self.voxels.segments().map(|(id, _)| id).collect();
         let chosen = ids.iter().copied().filter(|_| random.chance(0.7)).collect();
-        let settings = ToolSettings {
-            kind,
-            radius: random.number(0.5, 4.0),
-            segments: chosen,
-            drill: DrillSettings::default(),
-            tissues: Vec::new(),
-            spared: SegmentSet::EMPTY,
-        };
+        let settings = ToolSettings::new(kind, random.number(0.5, 4.0), chosen);
         let Ok(mut tool) = settings.build(&grid) else {
             return false;
         };

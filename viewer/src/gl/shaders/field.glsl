@@ -1,4 +1,4 @@
-// The scan as a continuous field. Values are biased stored values, 0..65535
+// The scan as a continuous field, with its matter where it stands (displaced.glsl). Values are biased stored values, 0..65535
 // (core/stored_values.ts); positions are grid coordinates of the whole scan.
 // The same on the CPU: core/field.ts.
 
@@ -8,14 +8,13 @@ uniform vec3 dimensions;
 // texture = grid * scale + offset; holds the subsampling
 uniform vec3 textureScale;
 uniform vec3 textureOffset;
-// one sample along each axis [grid], and the same in mm
+// one sample along each axis [grid]
 uniform vec3 sampleStep;
-uniform vec3 spacing;
 // physical value = slope * biased + constant; only the slope matters to gradients
 uniform float slope;
 
 float biasedAt(vec3 grid) {
-  vec3 place = grid * textureScale + textureOffset;
+  vec3 place = atRest(grid) * textureScale + textureOffset;
 #if defined(FIELD_RG8)
   // red holds the low byte, green the high one: linear in both, so filtering stays exact
   return dot(texture(fieldTexture, place).rg, vec2(255.0, 65280.0));

@@ -39,11 +39,11 @@ const int refinements = 5;
 const float opaqueStep = 0.12;
 const int quarters = 4;
 
-// Where the ray is inside the scan; `axis` gets the face through which it enters.
-vec2 throughScan(vec3 direction, out vec3 face) {
+// Where the ray is inside a box [grid]; `face` gets the one through which it enters.
+vec2 throughBox(vec3 low, vec3 high, vec3 direction, out vec3 face) {
   vec3 inverse = 1.0 / (mix(vec3(1.0), sign(direction), step(1e-12, abs(direction))) * max(abs(direction), 1e-12));
-  vec3 a = -eye * inverse;
-  vec3 b = (dimensions - eye) * inverse;
+  vec3 a = (low - eye) * inverse;
+  vec3 b = (high - eye) * inverse;
   vec3 near = min(a, b);
   vec3 far = max(a, b);
   float enter = max(max(near.x, near.y), near.z);
@@ -51,8 +51,27 @@ vec2 throughScan(vec3 direction, out vec3 face) {
   return vec2(max(enter, 0.0), min(min(far.x, far.y), far.z));
 }
 
-// Length that can be leapt over from here [mm]; 0 in a filled brick.
-float emptyAhead(vec3 grid, vec3 direction) {
+// Where the ray is among matter that stands beside its voxels.
+vec2 throughDisplaced(vec3 direction) {
+  vec3 face;
+  vec2 span = vec2(farAway);
+#ifdef DISPLACED
+  if (displacedScale.x > 0.0) {
+    vec3 low = -displacedOffset / displacedScale;
+    span = throughBox(low, low + 1.0 / displacedScale, direction, face);
+  }
+#endif
+  return span;
+}
+
+// Length that can be leapt over from here [mm]; 0 in a filled brick. Bricks tell of voxels, and
+// nothing of what stands beside them: there nothing is leapt over.
+float emptyAhead(vec3 grid, float t, vec2 displaced, vec3 direction) {
+#ifdef DISPLACED
+  if (displaced.x <= t && t < displaced.y) {
+    return 0.0;
+  }
+#endif
   vec3 place = grid * brickScale + brickOffset;
   vec3 brick = floor(place);
   float reach = floor(texelFetch(brickTexture, ivec3(brick), 0).r * 255.0 + 0.5);
@@ -62,7 +81,11 @@ float emptyAhead(vec3 grid, vec3 direction) {
   vec3 speed = direction * brickScale;
   vec3 ahead = mix(place - brick + (reach - 1.0), brick + reach - place, step(0.0, speed));
   vec3 lengths = ahead / max(abs(speed), 1e-9);
-  return min(min(lengths.x, lengths.y), lengths.z);
+  float leap = min(min(lengths.x, lengths.y), lengths.z);
+#ifdef DISPLACED
+  leap = t < displaced.x ? min(leap, displaced.x - t) : leap;
+#endif
+  return leap;
 }
 
 // Where between two samples the ray enters a segment, and which: where segments lie in one
@@ -131,7 +154,8 @@ void main() {
   vec3 inGrid = direction / spacing;
 
   vec3 face;
-  vec2 span = throughScan(inGrid, face);
+  vec2 span = throughBox(vec3(0.0), dimensions, inGrid, face);
+  vec2 displaced = throughDisplaced(inGrid);
   Layers layers = layersOnRay(stretch);
   span.y = min(span.y, layers.end);
   float start = jitter > 0.5 ? noise(gl_FragCoord.xy + 5.588238 * shift.z) : 0.5;
@@ -146,7 +170,7 @@ void main() {
       break;
     }
     vec3 grid = eye + inGrid * t;
-    float leap = emptyAhead(grid, inGrid);
+    float leap = emptyAhead(grid, t, displaced, inGrid);
     if (leap > 0.0) {
       t += max(1.0, ceil(leap / stepLength)) * stepLength;
       fine = 0;

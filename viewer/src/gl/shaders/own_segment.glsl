@@ -12,7 +12,7 @@ uniform sampler3D labelTexture;
 bool insideSegment(vec3 grid, int segment) {
 #ifdef LABELS
   if (ownLabel > 0) {
-    return int(texture(labelTexture, grid * textureScale + textureOffset).r * 255.0 + 0.5) == ownLabel;
+    return int(texture(labelTexture, atRest(grid) * textureScale + textureOffset).r * 255.0 + 0.5) == ownLabel;
   }
 #endif
   float value = biasedAt(grid);

@@ -18,13 +18,13 @@ uniform sampler3D labelTexture;
 uniform sampler2D labelColours;
 
 int labelAt(vec3 grid) {
-  return int(texture(labelTexture, grid * textureScale + textureOffset).r * 255.0 + 0.5);
+  return int(texture(labelTexture, atRest(grid) * textureScale + textureOffset).r * 255.0 + 0.5);
 }
 
 // Whether the id of a voxel around a point is not what its value says.
 bool editedAround(vec3 grid, vec4 bounds) {
   ivec3 size = textureSize(labelTexture, 0);
-  ivec3 first = ivec3(floor((grid * textureScale + textureOffset) * vec3(size) - 0.5));
+  ivec3 first = ivec3(floor((atRest(grid) * textureScale + textureOffset) * vec3(size) - 0.5));
   for (int i = 0; i < 8; ++i) {
     ivec3 texel = clamp(first + ivec3(i & 1, i >> 1 & 1, i >> 2), ivec3(0), size - 1);
     float value = biasedOf(texel);

@@ -12,16 +12,46 @@ uniform mat4 gridFromPosed;
 uniform mat3 posedFromSurface;
 uniform mat3 gridAxesFromSurface;
 
+#ifdef DISPLACED
+// 1 where its segment stands where the scan has it, so that a model may have moved its matter
+uniform float gives;
+#endif
+
 out vec3 posed;
 out vec3 posedNormal;
 out vec3 grid;
 out vec3 gridNormal;
 
+#ifdef DISPLACED
+// How a normal turns with the matter around it: by the inverse transpose of the displacements'
+// gradient, from differences over a voxel.
+vec3 turned(vec3 gridNormal) {
+  mat3 gradient = mat3(1.0);
+  for (int axis = 0; axis < 3; ++axis) {
+    vec3 reach = vec3(0.0);
+    reach[axis] = 0.5;
+    gradient[axis] += (displacementAt(grid + reach) - displacementAt(grid - reach)) / spacing[axis];
+  }
+  // matter that is folded has no side
+  return determinant(gradient) > 0.1 ? transpose(inverse(gradient)) * gridNormal : gridNormal;
+}
+#endif
+
 void main() {
   vec4 inScene = modelMatrix * vec4(position, 1.0);
-  posed = inScene.xyz;
   grid = (gridFromPosed * inScene).xyz;
   posedNormal = posedFromSurface * normal;
   gridNormal = gridAxesFromSurface * normal;
+#ifdef DISPLACED
+  if (gives > 0.5 && isDisplaced(grid)) {
+    mat3 surfaceFromGridAxes = transpose(gridAxesFromSurface);
+    vec3 moved = displacementAt(grid);
+    gridNormal = turned(gridNormal);
+    grid += moved / spacing;
+    inScene.xyz += surfaceFromGridAxes * moved;
+    posedNormal = surfaceFromGridAxes * gridNormal;
+  }
+#endif
+  posed = inScene.xyz;
   gl_Position = projectionMatrix * viewMatrix * inScene;
 }

@@ -1,0 +1,320 @@
+//! How far matter has moved from rest, and what of it the voxels do not show yet.
+//!
+//! Nodes stand on a cubic lattice along the axes of the grid. A place of matter at rest X stands
+//! at X + u(X) now; so what stands at x was at rest where X + u(X) = x.
+//!
+//! Frame: mm along the axes of the grid, from its corner.
+
+use glam::{DMat3, DVec3, IVec3, UVec3};
+use palpate_volume::grid::Grid;
+
+use crate::model::DisplacementField;
+use crate::rest_matter::Ledger;
+
+/// Shares of the displacement of matter with which the empty nodes beside it go along, by their
+/// distance [nodes].
+const BESIDE: [f64; 4] = [1.0, 0.75, 0.5, 0.25];
+/// Steps of Newton toward the place at rest.
+const STEPS: u32 = 12;
+/// Layers of voxels that are looked for beyond a face, at most.
+const MOST_HIDDEN: u32 = 8;
+/// How near the place at rest is found [spacings].
+const NEAR: f64 = 1e-3;
+
+/// Displacements on a box of nodes, x fastest.
+#[derive(Clone, Debug)]
+pub(crate) struct Displacement {
+    /// Where the first node is at rest.
+    pub first: DVec3,
+    /// Between nodes.
+    pub spacing: f64,
+    /// Nodes along each axis.
+    pub size: UVec3,
+    /// From rest, for each node; continued beside matter, zero farther away.
+    moved: Vec<DVec3>,
+    has_matter: Vec<bool>,
+}
+
+impl Displacement {
+    /// From the displacements of the nodes that have matter.
+    pub fn new(first: DVec3, spacing: f64, size: UVec3, moved: Vec<Option<DVec3>>) -> Self {
+        Self {
+            first,
+            spacing,
+            size,
+            has_matter: moved.iter().map(Option::is_some).collect(),
+            moved: continued(size, moved),
+        }
+    }
+
+    /// Between nodes trilinear; zero outside the box.
+    pub fn at(&self, rest: DVec3) -> DVec3 {
+        self.cell(rest).map_or(DVec3::ZERO, |cell| cell.value())
+    }
+
+    /// Where what stands at a place was at rest; none where matter is folded so that nobody can
+    /// tell. By Newton's method.
+    pub fn rest_of(&self, place: DVec3) -> Option<DVec3> {
+        let mut rest = place;
+        for _ in 0..STEPS {
+            let (moved, slope) = match self.cell(rest) {
+                Some(cell) => (cell.value(), cell.slope() * self.spacing.recip()),
+                None => (DVec3::ZERO, DMat3::ZERO),
+            };
+            let miss = rest + moved - place;
+            if miss.abs().max_element() < NEAR * self.spacing {
+                return Some(rest);
+            }
+            let stretch = DMat3::IDENTITY + slope;
+            // where it is nearly folded, the plain step
+            let step = if stretch.determinant() > 0.1 {
+                stretch.inverse() * miss
+            } else {
+                miss
+            };
+            rest -= step.clamp_length_max(2.0 * self.spacing);
+        }
+        None
+    }
+
+    /// What the voxels do not show yet, the ledger's last edit taken in; none where that is
+    /// below `least` everywhere.
+    pub fn told(&self, grid: &Grid, ledger: &Ledger, least: f64) -> Option<DisplacementField> {
+        let view = Shown::new(self, grid.spacing(), ledger);
+        let nodes = 0..self.moved.len();
+        let left: Vec<_> = nodes.clone().map(|node| view.left_at(node)).collect();
+        let beside = |node: usize| left[node].or_else(|| view.left_beside(node, &left));
+        let left = nodes.map(beside).collect();
+        let left = continued(self.size, left);
+        let seen = left.iter().any(|left| left.length() >= least);
+        let axes = grid.direction();
+        let in_voxels = self.first / grid.spacing();
+        seen.then(|| DisplacementField {
+            origin: grid.patient_from_grid().transform_point3(in_voxels),
+            axes,
+            spacing: self.spacing,
+            size: self.size,
+            moved: left.iter().map(|left| (axes * *left).as_vec3()).collect(),
+        })
+    }
+
+    fn place_of(&self, node: usize) -> DVec3 {
+        self.first + node_at(self.size, node).as_dvec3() * self.spacing
+    }
+
+    /// Whether matter at rest is at a place.
+    fn has_matter_at(&self, rest: DVec3) -> bool {
+        let node = ((rest - self.first) / self.spacing).round().as_ivec3();
+        let inside = node.cmpge(IVec3::ZERO).all() && node.cmplt(self.size.as_ivec3()).all();
+        inside && self.has_matter[index_of(self.size, node)]
+    }
+
+    fn cell(&self, rest: DVec3) -> Option<Cell> {
+        let at = (rest - self.first) / self.spacing;
+        let last = self.size.as_ivec3() - 1;
+        // comparisons with NaN are false
+        let inside = at.cmpge(DVec3::ZERO).all() && at.cmple(last.as_dvec3()).all();
+        if !inside {
+            return None;
+        }
+        let low = at.floor().as_ivec3().min(last - 1);
+        let step = |corner: i32| IVec3::new(corner & 1, corner >> 1 & 1, corner >> 2);
+        let node = |corner| self.moved[index_of(self.size, low + step(corner as i32))];
+        Some(Cell {
+            corners: std::array::from_fn(node),
+            share: at - low.as_dvec3(),
+        })
+    }
+}
+
+/// A field of displacements and the voxels that show a part of it.
+struct Shown<'a> {
+    field: &'a Displacement,
+    /// Of the voxels.
+    spacing: DVec3,
+    /// How far the matter that the voxel of a node shows has come from rest; none where it
+    /// shows none.
+    shown: Vec<Option<DVec3>>,
+}
+
+impl<'a> Shown<'a> {
+    fn new(field: &'a Displacement, spacing: DVec3, ledger: &Ledger) -> Self {
+        let mut view = Self {
+            field,
+            spacing,
+            shown: Vec::new(),
+        };
+        let shown = |node: usize| match ledger.changed(view.voxel_of(node)) {
+            Some(changed) => changed.shown.map(|shown| shown * spacing),
+            None => field.has_matter[node].then_some(DVec3::ZERO),
+        };
+        view.shown = (0..field.moved.len()).map(shown).collect();
+        view
+    }
+
+    fn voxel_of(&self, node: usize) -> IVec3 {
+        (self.field.place_of(node) / self.spacing)
+            .floor()
+            .as_ivec3()
+    }
+
+    /// What is left to show of the matter that is shown at a node.
+    fn left_at(&self, node: usize) -> Option<DVec3> {
+        let shown = self.shown[node]?;
+        Some(self.field.at(self.field.place_of(node) - shown) - shown)
+    }
+
+    /// For an empty node, the value that brings the face which is shown beside it to where the
+    /// face of matter is: the mean over the nodes beside it that show matter.
+    fn left_beside(&self, node: usize, left: &[Option<DVec3>]) -> Option<DVec3> {
+        let (mut sum, mut count) = (DVec3::ZERO, 0.0);
+        for near in neighbours(self.field.size, node) {
+            let Some((shown, left)) = self.shown[near].zip(left[near]) else {
+                continue;
+            };
+            let step = node_at(self.field.size, node) - node_at(self.field.size, near);
+            let (place, toward) = (self.field.place_of(near), step.as_dvec3());
+            let face = self.face_of(self.voxel_of(near), place, toward);
+            let left_at_face = self.face_at_rest(place - shown, face - shown, toward);
+            let left_at_face = left_at_face + self.field.at(left_at_face) - face;
+            // a face just beside the node would throw the value far away
+            let way = (face - place).dot(toward) / self.field.spacing;
+            sum += left + (left_at_face - left) / way.clamp(0.5, 1.0);
+            count += 1.0;
+        }
+        (count > 0.0).then(|| sum / count)
+    }
+
+    /// Where the line from a place in a voxel leaves it.
+    fn face_of(&self, voxel: IVec3, place: DVec3, toward: DVec3) -> DVec3 {
+        let end = (voxel.as_dvec3() + toward.max(DVec3::ZERO)) * self.spacing;
+        DVec3::select(toward.cmpeq(DVec3::ZERO), place, end)
+    }
+
+    /// Where matter ends at rest, beyond the face of a voxel of it: layers that are pressed flat
+    /// are shown by no voxel.
+    fn face_at_rest(&self, place: DVec3, face: DVec3, toward: DVec3) -> DVec3 {
+        let layer = toward * self.spacing;
+        let hidden = (1..=MOST_HIDDEN)
+            .take_while(|&n| self.field.has_matter_at(place + layer * f64::from(n)))
+            .count();
+        face + layer * hidden as f64
+    }
+}
+
+/// Eight nodes around a place.
+struct Cell {
+    corners: [DVec3; 8],
+    /// Where in it the place is, 0..1.
+    share: DVec3,
+}
+
+impl Cell {
+    fn value(&self) -> DVec3 {
+        let [x, y, z] = self.share.to_array();
+        let along_x = |n: usize| self.corners[n].lerp(self.corners[n + 1], x);
+        let along_y = |n: usize| along_x(n).lerp(along_x(n + 2), y);
+        along_y(0).lerp(along_y(4), z)
+    }
+
+    /// How the value changes with the place, for each step of one node.
+    fn slope(&self) -> DMat3 {
+        let [x, y, z] = self.share.to_array();
+        let c = &self.corners;
+        let mean = |[a, b, c, d]: [DVec3; 4], p: f64, q: f64| a.lerp(b, p).lerp(c.lerp(d, p), q);
+        DMat3::from_cols(
+            mean([c[1] - c[0], c[3] - c[2], c[5] - c[4], c[7] - c[6]], y, z),
+            mean([c[2] - c[0], c[3] - c[1], c[6] - c[4], c[7] - c[5]], x, z),
+            mean([c[4] - c[0], c[5] - c[1], c[6] - c[2], c[7] - c[3]], x, y),
+        )
+    }
+}
+
+fn index_of(size: UVec3, node: IVec3) -> usize {
+    let node = node.as_uvec3();
+    (node.x + size.x * (node.y + size.y * node.z)) as usize
+}
+
+fn node_at(size: UVec3, index: usize) -> IVec3 {
+    let index = index as u32;
+    UVec3::new(
+        index % size.x,
+        index / size.x % size.y,
+        index / (size.x * size.y),
+    )
+    .as_ivec3()
+}
+
+/// Has empty nodes beside matter go along with it, so that a surface between nodes moves as the
+/// matter under it, and those farther away less and less.
+fn continued(size: UVec3, mut moved: Vec<Option<DVec3>>) -> Vec<DVec3> {
+    let mut share_before = 1.0;
+    let mut front: Vec<usize> = (0..moved.len()).filter(|&n| moved[n].is_some()).collect();
+    for share in BESIDE {
+        let mut sums = std::collections::BTreeMap::<usize, (DVec3, f64)>::new();
+        for &index in &front {
+            let value = moved[index].unwrap_or_default();
+            for near in neighbours(size, index).filter(|&near| moved[near].is_none()) {
+                let sum = sums.entry(near).or_default();
+                sum.0 += value;
+                sum.1 += 1.0;
+            }
+        }
+        front.clear();
+        for (index, (sum, count)) in sums {
+            moved[index] = Some(sum * (share / share_before / count));
+            front.push(index);
+        }
+        share_before = share;
+    }
+    moved.into_iter().map(Option::unwrap_or_default).collect()
+}
+
+/// The six nodes beside one, as far as they are in the box.
+fn neighbours(size: UVec3, index: usize) -> impl Iterator<Item = usize> {
+    let node = node_at(size, index);
+    let steps = IVec3::AXES.into_iter().flat_map(|axis| [axis, -axis]);
+    let inside =
+        move |node: &IVec3| node.cmpge(IVec3::ZERO).all() && node.cmplt(size.as_ivec3()).all();
+    steps
+        .map(move |step| node + step)
+        .filter(inside)
+        .map(move |near| index_of(size, near))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A slab whose upper face at z = 4 is pressed down by 1.2, less and less below.
+    fn slab() -> Displacement {
+        let size = UVec3::new(5, 5, 12);
+        let moved = |index| {
+            let z = node_at(size, index).z;
+            (z < 4).then(|| DVec3::NEG_Z * 0.4 * f64::from(z))
+        };
+        let nodes = (0..size.element_product() as usize).map(moved);
+        Displacement::new(DVec3::splat(0.5), 1.0, size, nodes.collect())
+    }
+
+    #[test]
+    fn what_stands_at_a_place_is_found_at_rest_inside_matter_and_beside_it() {
+        let field = slab();
+        for step in 0..100 {
+            let rest = DVec3::new(2.1, 2.7, 0.6 + 0.1 * f64::from(step));
+            let found = field.rest_of(rest + field.at(rest)).expect("not folded");
+            assert!((found - rest).length() < 0.02, "{rest} {found}");
+        }
+        // the face itself moves as the node under it does
+        assert!((field.at(DVec3::new(2.5, 2.5, 4.0)).z + 1.2).abs() < 1e-12);
+        assert_eq!(field.at(DVec3::new(2.5, 2.5, 11.0)), DVec3::ZERO);
+    }
+
+    #[test]
+    fn places_that_are_none_harm_nothing() {
+        let field = slab();
+        assert_eq!(field.at(DVec3::NAN), DVec3::ZERO);
+        assert_eq!(field.rest_of(DVec3::NAN), None);
+        assert_eq!(field.rest_of(DVec3::splat(1e9)), Some(DVec3::splat(1e9)));
+    }
+}

@@ -1,0 +1,142 @@
+//! A soft block in a small scan, a model and its tool, as tests of voxels share them.
+#![allow(dead_code, reason = "each test file uses its part")]
+
+use std::sync::Arc;
+
+use glam::{DMat3, DQuat, DVec3, IVec3};
+use palpate_deform::material::{MaterialLaw, Materials, SegmentMatter, SolidSi};
+use palpate_deform::model::{
+    Budget, DeformationModel, ModelAnswer, ModelInput, ToolShape, ToolState, model_from_name,
+};
+use palpate_volume::edit::{Edit, SegmentId};
+use palpate_volume::grid::Grid;
+use palpate_volume::intensities::Intensities;
+use palpate_volume::segment::Segment;
+use palpate_volume::voxel_box::VoxelBox;
+use palpate_volume::voxels::Voxels;
+
+/// Soft, and never breaks.
+pub const LIVER: SolidSi = SolidSi {
+    young: 1e6,
+    poisson: 0.3,
+    density: 1060.0,
+    breaking_strain: f64::INFINITY,
+    friction: 0.0,
+};
+/// Upper face of the block [mm].
+pub const TOP: f64 = 18.0;
+/// Of the tool [mm].
+pub const RADIUS: f64 = 3.0;
+/// The only segment.
+pub const BLOCK: SegmentId = SegmentId(1);
+
+/// The stored value and whether it is solid, for each voxel.
+pub type Picture = Vec<(i16, bool)>;
+
+/// A block of 36 × 36 × 18 mm and what presses on it. A voxel reads ten times its layer.
+pub struct Bench {
+    pub voxels: Voxels,
+    pub materials: Materials,
+    pub model: Box<dyn DeformationModel>,
+}
+
+impl Bench {
+    /// With the default model, on cubes of 1 mm.
+    pub fn new(solid: SolidSi) -> Self {
+        let model = (model_from_name("lattice").expect("a known name").make)(None);
+        Self::with(solid, DVec3::ONE, model)
+    }
+
+    pub fn with(solid: SolidSi, spacing: DVec3, model: Box<dyn DeformationModel>) -> Self {
+        let dimensions = (36.0 / spacing).round().as_uvec3();
+        let grid = Grid::new(dimensions, spacing, 0.5 * spacing, DMat3::IDENTITY).expect("a grid");
+        let layer = |voxel: IVec3| 10 * voxel.z as i16;
+        let values: Arc<[i16]> = VoxelBox::of_dimensions(dimensions)
+            .voxels()
+            .map(layer)
+            .collect();
+        let intensities = Intensities::new(dimensions, values, 1.0, 0.0).expect("intensities");
+        let mut voxels = Voxels::new(grid, intensities).expect("one grid");
+        let top = (TOP / spacing.z).round() as i32;
+        let block = Segment::from_fn(dimensions, |voxel| voxel.z < top);
+        assert_eq!(voxels.add_segment(block).expect("a free number"), BLOCK);
+        let materials = Materials {
+            segments: vec![SegmentMatter {
+                segment: BLOCK,
+                law: MaterialLaw::constant(solid).expect("matter"),
+                treatments: Vec::new(),
+            }],
+        };
+        Self {
+            voxels,
+            materials,
+            model,
+        }
+    }
+
+    pub fn grid(&self) -> &Grid {
+        self.voxels.grid()
+    }
+
+    /// One answer with the tool there; its edit is applied, as a session does.
+    pub fn advance(&mut self, tool: DVec3) -> ModelAnswer {
+        let tool = ToolState {
+            id: 3,
+            shape: ToolShape::Ball(RADIUS),
+            position: tool,
+            orientation: DQuat::IDENTITY,
+        };
+        let answer = self.model.advance(&ModelInput {
+            voxels: &self.voxels,
+            materials: &self.materials,
+            tools: &[tool],
+            dt: 0.03,
+            budget: Budget::iterations(200),
+        });
+        if let Some(edit) = answer.edit.clone() {
+            self.voxels.apply(edit).expect("of this scan");
+        }
+        answer
+    }
+
+    /// Takes matter away, as a drill does, and gives the inverse.
+    pub fn cut(&mut self, region: &VoxelBox) -> Edit {
+        let edit = self.voxels.matter_edit(region, |_, mut matter| {
+            matter.stored = -1000;
+            matter.segments = matter.segments.without(BLOCK);
+            matter
+        });
+        self.voxels.apply(edit).expect("of this scan")
+    }
+
+    pub fn undo(&mut self, inverse: Edit) {
+        self.voxels.apply(inverse).expect("of this scan");
+    }
+
+    pub fn is_solid(&self, voxel: IVec3) -> bool {
+        let block = self.voxels.segment(BLOCK).expect("the block");
+        block.contains(voxel)
+    }
+
+    /// From which layer the matter of a voxel is.
+    pub fn layer_of(&self, voxel: IVec3) -> i32 {
+        i32::from(self.voxels.stored(voxel).expect("in the scan")) / 10
+    }
+
+    pub fn picture(&self) -> Picture {
+        let look = |voxel| {
+            (
+                self.voxels.stored(voxel).unwrap_or_default(),
+                self.is_solid(voxel),
+            )
+        };
+        self.grid().bounds().voxels().map(look).collect()
+    }
+
+    /// Voxels that are not as in a picture.
+    pub fn changed(&self, picture: &Picture) -> u32 {
+        let now = self.picture();
+        let differ = now.iter().zip(picture).filter(|(now, then)| now != then);
+        differ.count() as u32
+    }
+}

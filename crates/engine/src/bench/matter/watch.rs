@@ -1,0 +1,171 @@
+//! Whether a session whose matter gives way keeps the promises of touch, tick by tick.
+//!
+//! What is solid is asked of the servo, voxel by voxel, and kept as bytes around the probe, so
+//! that a way can be looked for through what was free before the tick or is free after it.
+//! Guarantees by number as in [`crate::bench::stress`]. Frame: scene [mm], whose origin is the
+//! grid's corner.
+
+use glam::{DVec3, IVec3};
+use palpate_haptics::contact::ContactModel;
+use palpate_haptics::exact::Exact;
+use palpate_haptics::safety::ForceLimits;
+use palpate_volume::bits::Bits;
+use palpate_volume::voxel_box::VoxelBox;
+
+use super::rig::LIMITS;
+use super::world::World;
+use crate::bench::stress::{Dense, Finder, Guarantee, Violation, hold};
+use crate::handover::TickRecord;
+use crate::settings::Settings;
+use crate::touchable::Touchable;
+
+/// Between ticks [s].
+pub const DT: f64 = 1e-3;
+/// How far around the probe voxels are kept [voxels]: a change pushes it by 7 at most.
+const REACH: i32 = 8;
+/// What the force may grow by beside the hand's own way [smallest spacings].
+const STEP: f64 = 0.1;
+
+/// What a tick did.
+#[derive(Clone, Copy, Debug)]
+pub struct Told<'a> {
+    /// As the servo records it.
+    pub record: &'a TickRecord,
+    /// What is solid for the probe now.
+    pub solid: &'a Bits,
+    /// Force that was sent to the device.
+    pub sent: DVec3,
+    /// Whether a needle is in: then the force is the needle's.
+    pub needle: bool,
+}
+
+/// The checker.
+#[derive(Debug)]
+pub struct Watch {
+    spacing: DVec3,
+    radius: f64,
+    visit_bound: u32,
+    stiffness: f64,
+    dense: Dense,
+    finder: Finder,
+    last: Option<(TickRecord, DVec3)>,
+    /// Bits that changed around the probe.
+    pub bits: u64,
+}
+
+impl Watch {
+    /// Of a world whose probe stands free.
+    pub fn new(world: &World, solid: &Bits) -> Self {
+        let touchable = Touchable::new(&world.grid(), Vec::new(), world.radius);
+        let limits = touchable.expect("balls fit the world").limits();
+        let size = world.dimensions().as_ivec3();
+        Self {
+            spacing: world.spacing,
+            radius: world.radius,
+            // a tick touches twice at most, before and after it slides
+            visit_bound: 2 * Exact { limits }.visit_bound(),
+            stiffness: Settings::default().stiffness,
+            dense: Dense::from_fn(size, |voxel| solid.is_solid(voxel)),
+            finder: Finder::default(),
+            last: None,
+            bits: 0,
+        }
+    }
+
+    /// After a tick.
+    pub fn after_tick(&mut self, told: &Told<'_>) -> Result<(), Violation> {
+        let record = told.record;
+        self.way(record, told.solid)?;
+        self.look(record, told.solid);
+        self.stays_out(record)?;
+        let bound = self.visit_bound;
+        hold(record.visits <= bound, Guarantee::BoundedWork, || {
+            format!("{} voxels visited, {bound} allowed", record.visits)
+        })?;
+        self.force(told)?;
+        self.sent(told.sent)?;
+        self.last = Some((*record, told.sent));
+        Ok(())
+    }
+
+    fn voxel(&self, point: DVec3) -> IVec3 {
+        (point / self.spacing).floor().as_ivec3()
+    }
+
+    /// Guarantee 2: from where it was through faces of voxels that were or are free.
+    fn way(&mut self, record: &TickRecord, solid: &Bits) -> Result<(), Violation> {
+        let Some((last, _)) = &self.last else {
+            return Ok(());
+        };
+        let ends = [last.proxy, record.proxy].map(|point| self.voxel(point));
+        let Self { dense, finder, .. } = self;
+        let is_free = |voxel| !dense.is_solid(voxel) || !solid.is_solid(voxel);
+        let is_way = ends[0] == ends[1] || finder.is_way(dense, ends, REACH, is_free);
+        hold(is_way, Guarantee::CrossesNoWall, || {
+            format!("from {} to {}", ends[0], ends[1])
+        })
+    }
+
+    /// Keeps what is solid around the probe.
+    fn look(&mut self, record: &TickRecord, solid: &Bits) {
+        let middle = self.voxel(record.proxy);
+        for voxel in VoxelBox::new(middle - REACH, middle + REACH + 1).voxels() {
+            let now = solid.is_solid(voxel);
+            if self.dense.is_solid(voxel) != now && self.dense.index(voxel).is_some() {
+                self.dense.set(voxel, now);
+                self.bits += 1;
+            }
+        }
+    }
+
+    /// Guarantee 1.
+    fn stays_out(&self, record: &TickRecord) -> Result<(), Violation> {
+        let point = record.proxy / self.spacing;
+        let is_in = self.dense.is_solid(point.floor().as_ivec3());
+        let touches = || self.dense.is_near(point, point, self.spacing, self.radius);
+        let is_out = !(is_in || (self.radius > 0.0 && touches()));
+        hold(is_out, Guarantee::StaysOut, || {
+            format!("the probe is at {} mm", record.proxy)
+        })
+    }
+
+    /// Guarantees 3, 6 and 8, of the force before the safety stage.
+    fn force(&self, told: &Told<'_>) -> Result<(), Violation> {
+        let record = told.record;
+        let felt = record.contact || told.needle;
+        hold(
+            felt || record.force == DVec3::ZERO,
+            Guarantee::BoundedWork,
+            || format!("{} N without contact", record.force),
+        )?;
+        if told.needle {
+            return Ok(());
+        }
+        let out = record.proxy - record.device;
+        // rounding, as of the ends of a spring some 100 mm from the origin
+        let along = record.force.dot(out) + 1e-9 * (record.force.length() + out.length());
+        hold(along >= 0.0, Guarantee::NeverPulls, || {
+            format!("{} N, the probe {out} mm away", record.force)
+        })?;
+        let Some((last, _)) = &self.last else {
+            return Ok(());
+        };
+        let way = record.device.distance(last.device);
+        let most = self.stiffness * (way + STEP * self.spacing.min_element()) + 1e-9;
+        let grown = record.force.length() - last.force.length();
+        hold(grown <= most, Guarantee::StepsLittle, || {
+            format!("grown by {grown} N to {} N, {most} N allowed", record.force)
+        })
+    }
+
+    /// Guarantee 5.
+    fn sent(&self, sent: DVec3) -> Result<(), Violation> {
+        let last = self.last.map_or(0.0, |(_, sent)| sent.length());
+        let grown = sent.length() - last;
+        let most = ForceLimits::default().max_growth * DT * (1.0 + 1e-9);
+        let is_safe = sent.is_finite() && sent.length() <= LIMITS.max_force && grown <= most;
+        hold(is_safe, Guarantee::SafeForce, || {
+            format!("{sent} N sent after {last} N")
+        })
+    }
+}

@@ -1,0 +1,126 @@
+"""``palpate bench session``: the thesis' tables 5.1 to 5.4 with our models.
+
+A segment is pressed and stroked while it gives way. The servo ticks as often as it can, the model
+answers as fast as the session asks it, 100 times a second at most. Samples are of one second; the
+average of all and the least and the most are told. What gives way is made of the thesis' soft
+tissue, whatever it is in the scan.
+"""
+
+from __future__ import annotations
+
+import statistics
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from palpate import _core
+from palpate.bench.goals_matter import (
+    MODELS,
+    NO_MODEL,
+    SESSION_GROUNDS,
+    SESSION_ROWS,
+    THESIS,
+    session_case,
+)
+from palpate.bench.haptics_data import CTHEAD, CTHEAD_BONE, LIDC, MissingDataError, data_file
+from palpate.bench.report import Row, row_of
+from palpate.errors import OptionError
+from palpate.io import read
+from palpate.phantom_scan import phantom
+from palpate.progress import Progress, silent
+from palpate.segment import Segment
+
+__all__ = ["Pace", "figures", "measure"]
+
+SEED = 1
+TORSO_SIZE = (512, 512, 520)
+
+
+@dataclass(frozen=True)
+class Pace:
+    """How long, and whether loops take turns."""
+
+    seconds: int = 60
+    ticks_in_step: int | None = None
+    """Ticks of a second where all loops take turns; then everything is a count."""
+
+
+def measure(
+    grounds: Sequence[str], pace: Pace, progress: Progress = silent
+) -> tuple[list[Row], list[str]]:
+    """Measures grounds; returns the rows, and the data sets that are not there.
+
+    Raises:
+        OptionError: A ground or the pace is not allowed.
+    """
+    for ground in grounds:
+        if ground not in LOADS:
+            raise OptionError(f"data {ground!r} given; allowed: {', '.join(LOADS)}")
+    chosen = [ground for ground in LOADS if not grounds or ground in grounds]
+    reports: dict[str, dict[str, float]] = {}
+    missing = []
+    for done, ground in enumerate(chosen):
+        progress(f"loading {ground}", done / len(chosen))
+        try:
+            segment = LOADS[ground]()
+        except MissingDataError as error:
+            missing.append(f"{ground}: {error}")
+            continue
+        for nth, model in enumerate((NO_MODEL, *MODELS)):
+            case = session_case(ground, model)
+            share = (done + nth / (1 + len(MODELS))) / len(chosen)
+            progress(f"{case}, {pace.seconds} s", share)
+            reports[case] = figures(segment, model, pace) | _thesis(ground, model)
+    rows = [row_of(goal, reports[goal.case]) for goal in SESSION_ROWS if goal.case in reports]
+    return rows, missing
+
+
+def figures(segment: Segment, model: str, pace: Pace) -> dict[str, float]:
+    """Returns what one segment gives with one model.
+
+    Raises:
+        OptionError: There is no surface, or the pace is not allowed.
+    """
+    try:
+        found = _core.bench_session(
+            segment.volume._internal,  # noqa: SLF001
+            segment._internal,  # noqa: SLF001
+            None if model == NO_MODEL else model,
+            pace.seconds,
+            SEED,
+            pace.ticks_in_step,
+        )
+    except (ValueError, OverflowError) as error:
+        raise OptionError(str(error)) from None
+    servo, answers = (
+        [count / seconds for count, seconds in zip(found[name], found["seconds"], strict=True)]
+        for name in ("ticks", "answers")
+    )
+    return {
+        "servo": statistics.mean(servo),
+        "servo_least": min(servo),
+        "servo_most": max(servo),
+        "answers": statistics.mean(answers),
+        "answers_least": min(answers),
+        "answers_most": max(answers),
+        "contact_share": sum(found["contacts"]) / max(1.0, sum(found["ticks"])),
+        "violations": float(found["violations"]),
+        "nodes": float(found["nodes"]),
+    }
+
+
+def _thesis(ground: str, model: str) -> dict[str, float]:
+    told = THESIS.get((SESSION_GROUNDS[ground] or "", model), (None, None, None))
+    names = ("servo", "deformation", "deformation, equal voxels")
+    return {
+        f"thesis {name}": figure
+        for name, figure in zip(names, told, strict=True)
+        if figure is not None
+    }
+
+
+LOADS: dict[str, Callable[[], Segment]] = {
+    "CThead bone": lambda: read(data_file(CTHEAD)).threshold(CTHEAD_BONE),
+    "LIDC bone": lambda: read(data_file(LIDC)).offered_bone(),
+    "phantom 520×512×512": lambda: phantom(TORSO_SIZE).volume.offered_bone(),  # noqa: PLW0108
+}
+assert tuple(LOADS) == tuple(SESSION_GROUNDS)  # noqa: S101  # rows are told in this order

@@ -1,0 +1,25 @@
+"""A figure that a benchmark reports, and what it is held against."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+__all__ = ["Goal"]
+
+
+@dataclass(frozen=True)
+class Goal:
+    """A figure that a benchmark reports."""
+
+    case: str
+    """What was done."""
+    metric: str
+    """What was measured of it."""
+    key: str
+    """Where the engine's report has it."""
+    scale: float
+    """Reported figure per unit of the engine's."""
+    unit: str
+    goal: float | None
+    better: Literal["higher", "lower"]

@@ -1,0 +1,102 @@
+"""``palpate bench deform``, ``session`` and ``truth-cube``: matter that gives way, measured."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from palpate.console import Display, quiet_libraries, warn
+
+__all__ = ["bench_deform", "bench_session", "bench_truth_cube", "stress_in_matter"]
+
+Json = Annotated[Path | None, typer.Option("--json", help="Write the figures to this file.")]
+Plot = Annotated[Path | None, typer.Option(help="Draw the figures: .png, .svg or .pdf.")]
+
+
+def bench_deform(
+    *,
+    json_file: Json = None,
+    quick: Annotated[bool, typer.Option("--quick", help="Little work: rough figures.")] = False,
+) -> None:
+    """Measure models of deformation: the lattice, and Lennard-Jones pairs beside LAMMPS."""
+    from palpate.bench.deform import CANNOT, QUICK, Effort, measure
+    from palpate.bench.report import print_rows, write_rows
+
+    with Display() as display:
+        rows, missing = measure(QUICK if quick else Effort(), display)
+    print_rows("deform", rows)
+    typer.echo(CANNOT)
+    for sentence in missing:
+        warn(f"not measured: {sentence}")
+    if json_file is not None:
+        write_rows("deform", rows, json_file)
+
+
+def bench_session(
+    *,
+    seconds: Annotated[
+        int, typer.Option(min=1, max=3600, help="Samples of one second of each case.")
+    ] = 60,
+    data: Annotated[
+        list[str] | None,
+        typer.Option(help="What is touched, again for more; by default all."),
+    ] = None,
+    json_file: Json = None,
+) -> None:
+    """Measure how often servo and deformation come around, with each model and without."""
+    from palpate.bench.free_session import Pace, measure
+    from palpate.bench.report import print_rows, write_rows
+
+    with quiet_libraries(), Display() as display:
+        rows, missing = measure(data or (), Pace(seconds), display)
+    print_rows("session", rows)
+    for sentence in missing:
+        warn(f"not measured: {sentence} is not there; allowed: PALPATE_DATA with it")
+    if json_file is not None:
+        write_rows("session", rows, json_file)
+
+
+def bench_truth_cube(*, json_file: Json = None, plot: Plot = None) -> None:
+    """Measure how well the lattice tells where a pressed silicone cube goes, beside an FEM."""
+    from palpate.bench.haptics_data import MissingDataError
+    from palpate.bench.plots import check_plot, plot_truth_cube
+    from palpate.bench.report import print_rows, write_rows
+    from palpate.bench.truth_cube import Cube, measure
+    from palpate.errors import OptionError
+
+    check_plot(plot)
+    try:
+        with Display() as display:
+            rows, moved = measure(display)
+    except MissingDataError as error:
+        raise OptionError(f"no {error}; allowed: PALPATE_DATA with it") from None
+    print_rows("truth-cube", rows)
+    if json_file is not None:
+        write_rows("truth-cube", rows, json_file)
+    if plot is not None:
+        plot_truth_cube(Cube.load(), moved, plot)
+
+
+def stress_in_matter(
+    models: list[str], *, moves: int, seed: int, threads: int | None, json_file: Path | None
+) -> int:
+    """Works in matter that gives way, with each model, until there are so many ticks."""
+    from palpate.bench.matter_stress import checked_models, rows_of, work
+    from palpate.bench.report import print_rows, write_rows
+
+    chosen = checked_models(models)
+    with Display() as display:
+        found = [
+            work(model, moves=moves, seed=seed, threads=threads, progress=display)
+            for model in chosen
+        ]
+    rows = rows_of(found)
+    print_rows("stress in matter that gives way", rows)
+    if json_file is not None:
+        write_rows("stress-deform", rows, json_file)
+    broken = [f"{one.model}: {one.violation}" for one in found if one.violation is not None]
+    for sentence in broken:
+        typer.echo(sentence)
+    return 1 if broken else 0

@@ -1,0 +1,75 @@
+"""Matter that gives way, as pages see it: what can be chosen, and what segments are made of."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import msgspec
+
+from palpate import protocol
+from palpate.material import Material, deformation_models, material_presets, model_boxes
+
+__all__ = ["asked_material", "material_of", "models", "parts_of", "presets"]
+
+
+def presets() -> list[protocol.MaterialPreset]:
+    """Lists the materials that have a name."""
+    return [
+        protocol.MaterialPreset(
+            name=preset.name,
+            source=preset.source,
+            needs_hounsfield=preset.needs_hounsfield,
+            low=_constants(preset.low),
+            high=_constants(preset.high),
+        )
+        for preset in material_presets()
+    ]
+
+
+def models() -> list[protocol.DeformationModel]:
+    """Lists the models by which matter gives way."""
+    return [
+        protocol.DeformationModel(
+            name=name,
+            boxes=None if (boxes := model_boxes(name)) is None else protocol.Boxes(*boxes),
+        )
+        for name in deformation_models()
+    ]
+
+
+def material_of(state: dict[str, Any]) -> protocol.SegmentMaterial | None:
+    """Returns what a segment of ``Session.segments`` is made of; None where it is hard."""
+    material = state["material"]
+    if material is None:
+        return None
+    return protocol.SegmentMaterial(
+        preset=material["preset"],
+        low=_constants(Material(*material["low"])),
+        high=_constants(Material(*material["high"])),
+    )
+
+
+def asked_material(wanted: protocol.SetMaterial) -> Material | str | None:
+    """Returns the material that a page asks for; None is hard matter."""
+    if wanted.preset is not None or wanted.constants is None:
+        return wanted.preset
+    constants = msgspec.structs.asdict(wanted.constants)
+    breaking = constants.pop("breaking_strain")
+    return Material(**constants, breaking_strain=math.inf if breaking is None else breaking)
+
+
+def parts_of(parts: dict[str, Any]) -> protocol.MatterParts:
+    """Returns the parts of ``Session.parts`` as pages are told them."""
+    return msgspec.convert(parts, protocol.MatterParts)
+
+
+def _constants(material: Material) -> protocol.Constants:
+    breaking = material.breaking_strain
+    return protocol.Constants(
+        young=material.young,
+        poisson=material.poisson,
+        density=material.density,
+        breaking_strain=breaking if math.isfinite(breaking) else None,
+        friction=material.friction,
+    )

@@ -1,0 +1,165 @@
+"""The scenarios of the command line on the phantom, and the file that keeps a run."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from palpate.cli import run
+from palpate.errors import OptionError
+from palpate.scenario_lines import line_into, line_over
+from palpate.scenario_run import UNITS, Press, ScenarioEvent, ScenarioRun, read_run, write_run
+from palpate.volume import Volume
+
+
+def told(name: str, tmp_path: Path, *options: str) -> ScenarioRun:
+    """Runs a scenario on the phantom, with its files; reads what it wrote."""
+    table, chart = tmp_path / "run.json", tmp_path / "run.png"
+    assert run(["scenario", name, "--json", str(table), "--plot", str(chart), *options]) == 0
+    assert chart.stat().st_size > 10_000
+    assert json.loads(table.read_text())["figures"]["violations"] == 0
+    return read_run(table)
+
+
+@pytest.mark.parametrize("name", ["needle-skull", "needle-liver"])
+def test_a_needle_rises_at_the_skin_and_at_bone_and_never_comes_into_that(
+    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    driven = told(name, tmp_path)
+    assert (driven.scenario, driven.scan, driven.spikes()) == (name, "phantom", 0)
+    assert driven.wall_at is not None
+    assert max(driven.tip.max(), driven.probe.max()) <= driven.wall_at
+    punctured = [event.segment for event in driven.events if event.kind == "punctured"]
+    assert punctured[0] == "skin"
+    assert ("liver" in punctured) == (name == "needle-liver")
+    stopped = next(event for event in driven.events if event.kind == "stopped")
+    assert driven.events[-1].kind == "withdrawn"
+    # the first rise ends where the skin gives way; at bone it goes up to the limit
+    skin = next(event for event in driven.events if event.kind == "punctured")
+    before, after = (driven.force[driven.time < event.time] for event in (skin, stopped))
+    assert before.max() > 1.0
+    assert after.max() < 6.0 <= driven.force.max()
+    assert "spikes 0" in capsys.readouterr().out
+
+
+def test_a_drill_goes_in_with_a_steady_force_and_leaves_a_hole(tmp_path: Path) -> None:
+    driven = told("drilling", tmp_path, "--depth", "2", "--speed", "0.2")
+    assert driven.spikes() == 0
+    assert driven.events[0].kind == "contact"
+    volume = driven.samples["volume"]
+    assert (np.diff(volume) >= 0.0).all()
+    assert volume[-1] > 30.0
+    # it stays behind the drive by what the spring of 4 N/mm gives
+    behind = driven.travel - driven.tip
+    assert behind.max() < driven.force.max() / 4.0 + 0.1
+    assert driven.radius == 2.0
+
+
+def test_soft_tissue_is_stiffer_where_bone_is_near(tmp_path: Path) -> None:
+    pressed = told("palpation", tmp_path, "--places", "3", "--depth", "2")
+    assert pressed.spikes() == 0
+    first, middle, last = pressed.presses
+    assert middle.thickness is not None
+    assert middle.stiffness > 1.15 * max(first.stiffness, last.stiffness)
+    assert middle.force > 1.4 * max(first.force, last.force) > 0.0
+    assert set(pressed.samples["press"]) == {0.0, 1.0, 2.0}
+
+
+def example() -> ScenarioRun:
+    ticks = np.arange(4.0)
+    return ScenarioRun(
+        scenario="drilling",
+        scan="a block",
+        layers=("bone",),
+        radius=2.0,
+        over="time",
+        phase=("in", "in", "rest", "out"),
+        samples=dict.fromkeys(UNITS, ticks),
+        events=(ScenarioEvent(kind="contact", segment="bone", time=1.0, depth=2.0, force=0.5),),
+        presses=(
+            Press(
+                place=(1.0, 2.0, 3.0),
+                along=0.0,
+                thickness=None,
+                depth=1.0,
+                force=0.1,
+                stiffness=0.2,
+            ),
+        ),
+        violations=0,
+    )
+
+
+def test_a_run_comes_back_from_its_file(tmp_path: Path) -> None:
+    path = tmp_path / "run.json"
+    padded = dataclasses.replace(
+        example(), phase=("in",) * 40, samples={name: np.arange(40.0) for name in UNITS}
+    )
+    write_run(padded, path)
+    again = read_run(path)
+    for field in dataclasses.fields(ScenarioRun):
+        was, now = getattr(padded, field.name), getattr(again, field.name)
+        if field.name == "samples":
+            assert list(was) == list(now)
+            assert all((was[name] == now[name]).all() for name in was)
+        else:
+            assert was == now, field.name
+
+
+@pytest.mark.parametrize(
+    "text", ["", "[]", "{}", '{"format": "other"}', '{"format": "palpate-scenario-1"}']
+)
+def test_what_is_no_run_is_refused(text: str, tmp_path: Path) -> None:
+    path = tmp_path / "run.json"
+    path.write_text(text)
+    with pytest.raises(OptionError, match="allowed"):
+        read_run(path)
+
+
+def test_columns_of_unequal_lengths_are_refused(tmp_path: Path) -> None:
+    path = tmp_path / "run.json"
+    ticks = {name: list(range(40)) for name in UNITS}
+    given = {"format": "palpate-scenario-1", "phase": ["in"] * 40, "samples": {**ticks, "x": [1]}}
+    path.write_text(json.dumps(given))
+    with pytest.raises(OptionError, match="unequal"):
+        read_run(path)
+
+
+def slab(thick: int) -> tuple[Volume, np.ndarray[tuple[int, ...], np.dtype[np.bool_]]]:
+    mask = np.zeros((20, 40, 24), dtype=bool)
+    mask[:, 10 : 10 + thick, :] = True
+    return Volume(np.zeros(mask.shape, dtype=np.int16), spacing=(2.0, 1.0, 3.0)), mask
+
+
+def test_a_way_into_bone_begins_before_it_and_ends_as_deep_as_asked() -> None:
+    volume, mask = slab(9)
+    start, target = line_into(volume, mask, depth=4.0, margin=3.0)
+    grid = np.linalg.inv(volume.patient_from_grid)
+    first, last = ((grid @ np.append(point, 1.0))[1] for point in (start, target))
+    assert (first, last) == pytest.approx((7.0, 14.0))
+    with pytest.raises(OptionError, match="allowed"):
+        line_into(volume, np.zeros_like(mask), depth=4.0, margin=3.0)
+
+
+def test_a_line_over_bone_crosses_what_is_near_the_surface() -> None:
+    volume, soft = slab(28)
+    bone = np.zeros_like(soft)
+    bone[:, 16:20, 11:13] = True
+    line = line_over(volume, soft & ~bone, bone, length=20.0, count=5)
+    assert line.thickness == (None, None, 6.0, None, None)
+    assert line.along == pytest.approx((0.0, 6.0, 10.0, 14.0, 20.0), abs=2.1)
+    assert line.direction == pytest.approx((0.0, 1.0, 0.0))
+    with pytest.raises(OptionError, match="allowed"):
+        line_over(volume, soft, np.zeros_like(bone), length=20.0, count=5)
+    with pytest.raises(OptionError, match="3 or more"):
+        line_over(volume, soft, bone, count=2)
+
+
+def test_a_scenario_that_cannot_be_drawn_is_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(["scenario", "needle-skull", "--plot", str(tmp_path / "run.txt")]) == 2
+    assert "allowed" in capsys.readouterr().err

@@ -1,0 +1,158 @@
+"""Matter that gives way, on the page in a real browser, on the liver of a real scan.
+
+What stands beside its voxels is drawn where it stands, as a volume and as a surface: measured along
+an outline of the liver, over many rows of pixels.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+import SimpleITK
+from browser import ROOT, Browser, browser, palpate
+from numpy.typing import NDArray
+from palpate import protocol
+
+pytestmark = [pytest.mark.browser, pytest.mark.data]
+
+OUTPUT = ROOT / "tests" / "output"
+LIVER = 6
+"""Number of the liver in the label map."""
+SIZE = {"width": 1000, "height": 700}
+MATTER = "window.palpate.state.matter"
+ROWS = range(-130, -30)
+"""Rows of pixels along which the outline is read, from the picture's middle: above the probe."""
+
+
+@pytest.fixture(scope="module")
+def liver(data_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The liver of a real scan alone, in air, as soft at its border as scans are."""
+    folder = data_folder / "amos_0336"
+    labels = SimpleITK.ReadImage(str(folder / "labels_from_meshes.nii.gz"))
+    mask = SimpleITK.GetArrayFromImage(labels) == LIVER
+    around = [np.flatnonzero(mask.any(axis=axes)) for axes in ((1, 2), (0, 2), (0, 1))]
+    box = tuple(slice(max(0, each[0] - 12), each[-1] + 13) for each in around)
+    image = SimpleITK.GetImageFromArray(mask[box].astype(np.float32))
+    image.SetSpacing(labels.GetSpacing())
+    soft = SimpleITK.SmoothingRecursiveGaussian(image, 1.5 * labels.GetSpacing()[0])
+    path = tmp_path_factory.mktemp("liver") / "liver.mha"
+    SimpleITK.WriteImage(SimpleITK.Cast(soft * 1100.0 - 1000.0, SimpleITK.sitkInt16), str(path))
+    return path
+
+
+@pytest.fixture(scope="module")
+def page(liver: Path) -> Iterator[Browser]:
+    """The liver on the page, seen from before."""
+    threshold = ("--unit", "HU", "--threshold=-450")
+    with palpate("open", liver, *threshold) as command, browser() as opened:
+        assert opened.do("open", url=command.url, **SIZE)["firstPicture"] is not None
+        opened.read("window.palpate.setView('A')")
+        # a voxel is a few pixels then
+        opened.do("wheel", y=-900)
+        opened.finish()
+        yield opened
+
+
+def outline(picture: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Returns where the liver ends at the right in each of some rows [pixels]."""
+    middle = picture.shape[0] // 2
+    rows = picture[middle + ROWS.start : middle + ROWS.stop]
+    # the ground is nearly black
+    seen = rows.max(axis=-1) > 0.25
+    return np.array([np.flatnonzero(row)[-1] + 1 for row in seen], np.float64)
+
+
+def is_alike(one: NDArray[np.float64], other: NDArray[np.float64]) -> bool:
+    """Says whether two pictures show the same.
+
+    How finely rays step follows how quick the machine was: that turns single pixels at edges.
+    """
+    differs = np.abs(one - other).max(axis=-1) > 0.1
+    return float(differs.mean()) < 0.005
+
+
+def tell(page: Browser, displaced: protocol.Displaced) -> None:
+    """Tells the page where matter stands, as the engine does."""
+    changed = protocol.Changed(0, None, [], [], displaced)
+    packed = list(protocol.encode_to_page(changed))
+    page.read(f"window.palpate.receive(new Uint8Array({packed}))")
+
+
+def standing(moved: tuple[float, float, float], page: Browser) -> protocol.Displaced:
+    """Returns nodes around the whole scan that stand beside their places [mm], fading at its ends.
+
+    The fade is far from the outline that is looked at.
+    """
+    dimensions = page.read("window.palpate.scan.dimensions")
+    size = (17, 17, 17)
+    texels = np.zeros((*size, 4), np.float16)
+    texels[1:-1, 1:-1, 1:-1, :3] = moved
+    x, y, z = (float(count) / 15.0 for count in dimensions)
+    origin = (-0.5 * x, -0.5 * y, -0.5 * z)
+    return protocol.Displaced(origin, (x, y, z), size, texels.tobytes())
+
+
+NOTHING = protocol.Displaced((0.0, 0.0, 0.0), (1.0, 1.0, 1.0), (0, 0, 0), b"")
+
+
+@pytest.mark.parametrize("shown_as", ["volume", "surface"])
+def test_matter_a_third_of_a_voxel_beside_its_voxels_is_seen_there(
+    page: Browser, shown_as: str
+) -> None:
+    choice = f"document.querySelector('[data-testid=shown-as-{shown_as}]')"
+    page.read(f"{choice}.click()")
+    page.all_done()
+    # until the surface is there, the voxels are seen
+    there = "window.palpate.triangles[1] > 0" if shown_as == "surface" else "true"
+    page.wait(f"{choice}.checked && {there}")
+    still = page.picture(OUTPUT / f"matter_{shown_as}_still.png")
+    spacing = page.read("window.palpate.scan.spacing[0]")
+    # just inside of the outline
+    x, y = float(outline(still)[len(ROWS) // 2]) - 4.0, still.shape[0] // 2 + ROWS[len(ROWS) // 2]
+    edge = page.read(f"window.palpate.pick({x}, {y}).point")
+    pixels_per_mm = 1.0 / page.read(f"window.palpate.pixelSizeAt({edge})")
+    for voxels in (0.3, -0.3, 1.7):
+        # seen from before, the patient's left (+x) is at the right
+        tell(page, standing((voxels * spacing, 0.0, 0.0), page))
+        moved = page.picture(OUTPUT / f"matter_{shown_as}_moved.png")
+        pixels = float((outline(moved) - outline(still)).mean())
+        seen = pixels / (spacing * pixels_per_mm)
+        # a voxel is five pixels, and the outline is not all at one depth
+        assert abs(seen - voxels) < 0.1 + 0.05 * abs(voxels), (seen, voxels)
+    tell(page, NOTHING)
+    assert is_alike(page.picture(OUTPUT / "matter_again.png"), still)
+
+
+def test_a_pressed_liver_gives_way_on_the_page_and_comes_back(page: Browser) -> None:
+    tell(page, NOTHING)
+    still = page.picture(OUTPUT / "matter_before.png")
+    start = page.read("window.palpate.pick(...window.palpate.middle)")["point"]
+    page.do("choose", testid="material-1", value="liver")
+    page.wait(f"{MATTER}.model === 'lattice'")
+    assert "5.50 kPa" in page.text("matter-1")
+    before = [start[0], start[1] - 6.0, start[2]]
+    page.read(f"window.palpate.place({before})")
+    page.all_done()
+    page.read(f"window.palpate.hand({[start[0], start[1] + 3.0, start[2]]})")
+    page.wait(f"Math.hypot(...{MATTER}.force) > 0.005 && window.palpate.displaced !== null")
+    page.shows("matter-force", "parseFloat(text) > 0")
+    page.shows("matter-rate", "parseFloat(text) > 0")
+    # its nodes on request
+    page.do("click", testid="show-parts")
+    page.wait("window.palpate.parts > 1000")
+    page.do("screenshot", path=str(OUTPUT / "matter_nodes.png"))
+    page.do("click", testid="show-parts")
+    page.wait("window.palpate.parts === 0")
+    page.do("screenshot", path=str(OUTPUT / "matter_pressed.png"))
+
+    # away from it, and hard again: no trace
+    page.read(f"window.palpate.place({before})")
+    page.do("click", testid="reset-matter")
+    page.wait(f"{MATTER}.model === null && window.palpate.displaced === null", seconds=240)
+    # above the probe, which stands elsewhere now
+    above = slice(0, still.shape[0] // 3)
+    assert is_alike(page.picture(OUTPUT / "matter_after.png")[above], still[above])
+    assert page.complaints == []

@@ -1,0 +1,173 @@
+/**
+ * What segments are made of and by which model they give way, as the page offers it: names,
+ * ranges of the controls, and what of it outlives a visit. Moduli [Pa].
+ */
+import type { Boxes, Constants, DeformationModel, MaterialPreset, SegmentMaterial } from "./protocol";
+
+/** What the sliders offer. */
+export const offeredMatter = {
+  young: { min: 500, max: 1e8 },
+  poisson: { min: 0.25, max: 0.45 },
+} as const;
+
+/** The model that is taken where a segment is made soft and none was chosen. */
+export const usualModel = "lattice";
+
+const modelNames: Readonly<Record<string, string>> = {
+  lattice: "Lattice",
+  "fcc-lj": "Particles, FCC (thesis 5.8)",
+  "cuboid-lj": "Particles, cuboid (thesis 5.18)",
+  "global-lj": "Particles, whole segment (thesis 5.26)",
+};
+
+/** The name of a model, as a person reads it. */
+export function modelName(model: string): string {
+  return modelNames[model] ?? model;
+}
+
+/** "Cortical bone", of "cortical-bone". */
+export function presetName(preset: string): string {
+  const words = preset.replaceAll("-", " ");
+  return words.charAt(0).toUpperCase() + words.slice(1);
+}
+
+/** "5.50 kPa" */
+export function formatModulus(pascal: number): string {
+  const [unit, name] = ([[1e9, "GPa"], [1e6, "MPa"], [1e3, "kPa"]] as const).find(([size]) => pascal >= 0.9995 * size) ?? [1, "Pa"];
+  return `${(pascal / unit).toPrecision(3)} ${name}`;
+}
+
+/** Constants that do not follow HU; null where they do. */
+export function constantsOf({ low, high }: SegmentMaterial): Constants | null {
+  const same = (Object.keys(low) as (keyof Constants)[]).every((name) => low[name] === high[name]);
+  return same ? low : null;
+}
+
+/** "5.50 kPa, ν 0.45", or from one to the other where they follow HU. */
+export function describeMaterial({ low, high }: Pick<SegmentMaterial, "low" | "high">): string {
+  const range = (write: (constants: Constants) => string): string => [...new Set([write(low), write(high)])].join(" to ");
+  return `${range(({ young }) => formatModulus(young))}, ν ${range(({ poisson }) => poisson.toFixed(2))}`;
+}
+
+/** Parts of names by which segments are known to be of a tissue: the first that fits. */
+const tissues: readonly (readonly [RegExp, string])[] = [
+  [/\b(muscle|psoas|gluteus|iliopsoas|autochthon)/i, "muscle"],
+  [/\b(fat|adipose)/i, "fat"],
+  [/\bliver/i, "liver"],
+  [/\bskin/i, "skin"],
+  [/\b(brain|cerebrum|cerebellum)/i, "brain"],
+  [/\bcartilage/i, "cartilage"],
+];
+
+/** The soft tissue that a segment's name tells of; null where it tells of none that is offered. */
+export function suggestedPreset(name: string, presets: readonly MaterialPreset[]): string | null {
+  const suggested = tissues.find(([word]) => word.test(name))?.[1];
+  return presets.find((preset) => preset.name === suggested)?.name ?? null;
+}
+
+/** Materials that a scan with values of this unit can have. */
+export function presetsFor(presets: readonly MaterialPreset[], unit: string): readonly MaterialPreset[] {
+  return presets.filter(({ needs_hounsfield }) => unit === "HU" || !needs_hounsfield);
+}
+
+/** The box that a model has: as chosen, or as many nodes or cells as usual; null where it has none. */
+export function edgeOf(model: DeformationModel | undefined, edge: number | null): number | null {
+  const boxes = model?.boxes ?? null;
+  return boxes === null ? null : (edge ?? boxes.usual);
+}
+
+/** The nearest edge of a box that can be. */
+export function oddEdge(edge: number, { least, most }: Boxes): number {
+  const odd = 2 * Math.floor(edge / 2) + 1;
+  return Math.min(most, Math.max(least, odd));
+}
+
+/** How many answers come in a second of the session, over the last one. */
+export class AnswerRate {
+  private counts: { readonly time: number; readonly answers: number }[] = [];
+
+  /** Takes a count of answers so far; `time` [s]. */
+  add(time: number, answers: number): void {
+    const last = this.counts.at(-1);
+    if (last !== undefined && (time < last.time || answers < last.answers)) {
+      this.counts = [];
+    }
+    this.counts.push({ time, answers });
+    while ((this.counts[1]?.time ?? time) <= time - 1) {
+      this.counts.shift();
+    }
+  }
+
+  /** [Hz]; 0 before there are two counts. */
+  get hz(): number {
+    const [first, last] = [this.counts[0], this.counts.at(-1)];
+    return first === undefined || last === undefined || last.time <= first.time ? 0 : (last.answers - first.answers) / (last.time - first.time);
+  }
+}
+
+// --- what outlives a visit --------------------------------------------------------------
+
+/** What a person has chosen for one scan. Segments are known by their names. */
+export interface MatterMemory {
+  readonly version: number;
+  readonly model: string | null;
+  readonly edge: number | null;
+  readonly materials: readonly RememberedMaterial[];
+}
+
+export interface RememberedMaterial {
+  readonly segment: string;
+  readonly preset: string | null;
+  readonly constants: Constants | null;
+}
+
+/** Form of what is kept; another number means that nothing kept before is read. */
+const memoryVersion = 1;
+
+export const nothingRemembered: MatterMemory = { version: memoryVersion, model: null, edge: null, materials: [] };
+
+/** What to keep of segments and the model. */
+export function rememberedMatter(
+  segments: readonly { readonly name: string; readonly material: SegmentMaterial | null }[],
+  model: string | null,
+  edge: number | null,
+): MatterMemory {
+  const materials = segments.flatMap(({ name, material }): RememberedMaterial[] =>
+    material === null ? [] : [{ segment: name, preset: material.preset, constants: material.preset === null ? material.low : null }],
+  );
+  return { version: memoryVersion, model, edge, materials };
+}
+
+/** Reads what was kept; anything may have been written there. What is not offered is left out. */
+export function recalledMatter(memory: unknown, presets: readonly MaterialPreset[], models: readonly DeformationModel[]): MatterMemory {
+  const { version, model, edge, materials } = asMap(memory);
+  if (version !== memoryVersion || !Array.isArray(materials)) {
+    return nothingRemembered;
+  }
+  const known = models.find(({ name }) => name === model);
+  const boxes = known?.boxes ?? null;
+  const edgeKept = typeof edge === "number" && boxes !== null && edge === oddEdge(edge, boxes) ? edge : null;
+  const kept = materials.flatMap((each: unknown): RememberedMaterial[] => {
+    const { segment, preset, constants } = asMap(each);
+    const name = presets.find((offered) => offered.name === preset)?.name ?? null;
+    const own = isConstants(constants) ? constants : null;
+    return typeof segment === "string" && (name !== null || own !== null) ? [{ segment, preset: name, constants: own }] : [];
+  });
+  return { version: memoryVersion, model: known?.name ?? null, edge: edgeKept, materials: kept };
+}
+
+function isConstants(value: unknown): value is Constants {
+  const { young, poisson, density, breaking_strain, friction } = asMap(value);
+  const within = (number: unknown, low: number, high: number): boolean => typeof number === "number" && number >= low && number <= high;
+  return (
+    within(young, 1, 2e12) &&
+    within(poisson, -0.999, 0.4999) &&
+    within(density, 0.1, 23_000) &&
+    (breaking_strain === null || within(breaking_strain, 1e-9, 1e6)) &&
+    within(friction, 0, 10)
+  );
+}
+
+function asMap(value: unknown): Readonly<Record<string, unknown>> {
+  return typeof value === "object" && value !== null && !Array.isArray(value) ? { ...value } : {};
+}

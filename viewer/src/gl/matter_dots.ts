@@ -1,0 +1,113 @@
+/**
+ * The nodes or particles of a model of deformation, coloured by strain: an instanced disc each.
+ * Like the markers they are drawn twice: plain where nothing hides them, and fainter behind.
+ */
+import * as THREE from "three";
+import { srgbFromHex } from "../core/colour";
+import type { MatterParts } from "../core/matter_parts";
+import type { Vec3 } from "../core/vector";
+import { shaders } from "./shaders";
+
+/** Radius of a disc [distance of neighbours]. */
+const discRadius = 0.28;
+const strength = { plain: 0.95, behind: 0.6 } as const;
+
+export class MatterDots {
+  readonly group = new THREE.Group();
+  private readonly geometry = new THREE.InstancedBufferGeometry();
+  private readonly uniforms = {
+    boxOrigin: { value: new THREE.Vector3() },
+    boxSize: { value: new THREE.Vector3() },
+    radius: { value: 1 },
+    pressed: { value: new THREE.Vector3(...srgbFromHex("#4aa8ff")) },
+    resting: { value: new THREE.Vector3(...srgbFromHex("#e6edf5")) },
+    pulled: { value: new THREE.Vector3(...srgbFromHex("#ff8a3c")) },
+  };
+  private shown: MatterParts | null = null;
+  private room = 0;
+
+  constructor() {
+    const corners = new Float32Array([-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0]);
+    this.geometry.setAttribute("position", new THREE.BufferAttribute(corners, 3));
+    this.geometry.setIndex([0, 1, 2, 0, 2, 3]);
+    const behind = new THREE.Mesh(this.geometry, this.material(strength.behind, THREE.GreaterDepth));
+    const plain = new THREE.Mesh(this.geometry, this.material(strength.plain, THREE.LessEqualDepth));
+    for (const mesh of [behind, plain]) {
+      mesh.frustumCulled = false;
+      mesh.renderOrder = 0;
+      this.group.add(mesh);
+    }
+    this.group.visible = false;
+  }
+
+  /** Shows other parts; none with null. */
+  update(parts: MatterParts | null): void {
+    if (parts === this.shown) {
+      return;
+    }
+    this.shown = parts;
+    this.group.visible = parts !== null && parts.count > 0;
+    if (parts === null) {
+      return;
+    }
+    this.uniforms.boxOrigin.value.set(...parts.origin);
+    this.uniforms.boxSize.value.set(...parts.size);
+    this.uniforms.radius.value = discRadius * parts.apart;
+    this.fill(parts);
+  }
+
+  /** Corners of what is drawn. */
+  get outline(): readonly Vec3[] {
+    if (this.shown === null) {
+      return [];
+    }
+    const { origin, size } = this.shown;
+    const corner = (i: number): Vec3 => [
+      origin[0] + (i & 1 ? size[0] : 0),
+      origin[1] + (i & 2 ? size[1] : 0),
+      origin[2] + (i & 4 ? size[2] : 0),
+    ];
+    return [0, 1, 2, 3, 4, 5, 6, 7].map(corner);
+  }
+
+  dispose(): void {
+    this.geometry.dispose();
+    for (const child of this.group.children) {
+      (child as THREE.Mesh<THREE.BufferGeometry, THREE.Material>).material.dispose();
+    }
+  }
+
+  private fill({ places, strains, count }: MatterParts): void {
+    if (count > this.room) {
+      // other buffers: what the GPU holds of those before goes with them
+      this.geometry.dispose();
+      this.room = 2 ** Math.ceil(Math.log2(count));
+      this.geometry.setAttribute("place", instanced(new Uint16Array(3 * this.room), 3));
+      this.geometry.setAttribute("strain", instanced(new Int8Array(this.room), 1));
+    }
+    this.geometry.instanceCount = count;
+    for (const [name, values] of [["place", places], ["strain", strains]] as const) {
+      const attribute = this.geometry.getAttribute(name) as THREE.InstancedBufferAttribute;
+      attribute.array.set(values);
+      attribute.needsUpdate = true;
+    }
+  }
+
+  private material(opacity: number, depthFunc: THREE.DepthModes): THREE.RawShaderMaterial {
+    return new THREE.RawShaderMaterial({
+      glslVersion: THREE.GLSL3,
+      vertexShader: shaders.parts.vertex,
+      fragmentShader: shaders.parts.fragment,
+      uniforms: { ...this.uniforms, opacity: { value: opacity } },
+      transparent: true,
+      premultipliedAlpha: true,
+      depthFunc,
+      depthWrite: false,
+    });
+  }
+}
+
+/** An attribute of each disc, as a share of its range. */
+function instanced(values: Uint16Array | Int8Array, size: number): THREE.InstancedBufferAttribute {
+  return new THREE.InstancedBufferAttribute(values, size, true).setUsage(THREE.DynamicDrawUsage);
+}

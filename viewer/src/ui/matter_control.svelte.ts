@@ -1,0 +1,107 @@
+/**
+ * Matter that gives way: what a person asks of materials and models, and what outlives a visit.
+ */
+import { AnswerRate, recalledMatter, rememberedMatter, usualModel, type RememberedMaterial } from "../core/matter";
+import type { Constants, Segment, State } from "../core/protocol";
+import { recall, remember } from "./remembered";
+import type { Session } from "./session.svelte";
+
+export class MatterControl {
+  /** Whether the model's nodes or particles are shown. */
+  partsShown = $state(false);
+  /** Answers of the model [Hz]. */
+  rate = $state.raw(0);
+
+  private readonly answers = new AnswerRate();
+  /** Greeting of the engine that was told what was chosen at the last visit. */
+  private recalledAt = 0;
+  private shownTo = 0;
+
+  constructor(private readonly session: Session) {
+    session.onState((state) => {
+      this.follow(state);
+    });
+  }
+
+  /** What a segment is made of, by name or by its constants; hard with neither. */
+  make(segment: Segment, preset: string | null, constants: Constants | null): void {
+    this.session.send({ type: "set_material", id: segment.id, preset, constants });
+    const isSoft = preset !== null || constants !== null;
+    if (isSoft && this.session.latest?.matter.model === null) {
+      this.choose(usualModel, null);
+    }
+    this.keepOnceTold();
+  }
+
+  /** The model by which matter gives way, and the edge of its box; null for none, and for the usual one. */
+  choose(model: string | null, edge: number | null): void {
+    this.session.send({ type: "set_deformation", model, edge });
+    this.keepOnceTold();
+  }
+
+  /** All matter is hard again. */
+  reset(): void {
+    for (const segment of this.session.segments) {
+      if (segment.material !== null) {
+        this.session.send({ type: "set_material", id: segment.id, preset: null, constants: null });
+      }
+    }
+    this.choose(null, null);
+  }
+
+  showParts(on: boolean): void {
+    this.partsShown = on;
+    this.shownTo = this.session.greetings;
+    this.session.send({ type: "show_parts", on });
+    this.session.parts = null;
+  }
+
+  private follow(state: State): void {
+    const { matter, time } = state;
+    this.answers.add(time, matter.answers);
+    this.rate = this.answers.hz;
+    const { greetings } = this.session;
+    if (this.recalledAt !== greetings) {
+      this.recalledAt = greetings;
+      this.recall(state);
+    }
+    if (this.partsShown && this.shownTo !== greetings) {
+      this.showParts(true);
+    }
+    // a model that is not asked any more tells of parts no more
+    if (matter.model === null || this.rate === 0) {
+      this.session.parts = null;
+    }
+  }
+
+  private keepOnceTold(): void {
+    const { session } = this;
+    session.whenTold(() => {
+      const { segments, latest } = session;
+      remember(this.memory, rememberedMatter(segments, latest?.matter.model ?? null, latest?.matter.edge ?? null));
+    });
+  }
+
+  /** Asks for what was chosen at the last visit, unless the engine was already told otherwise. */
+  private recall({ matter }: State): void {
+    const { session } = this;
+    if (matter.model !== null || session.segments.some(({ material }) => material !== null)) {
+      return;
+    }
+    const { presets, models } = session;
+    const { model, edge, materials } = recalledMatter(recall(this.memory, {}), presets, models);
+    const kept = session.segments.map((segment) => ({ id: segment.id, material: materials.find((each) => each.segment === segment.name) }));
+    const known = kept.filter((each): each is { id: number; material: RememberedMaterial } => each.material !== undefined);
+    for (const { id, material } of known) {
+      session.send({ type: "set_material", id, preset: material.preset, constants: material.constants });
+    }
+    if (model !== null) {
+      session.send({ type: "set_deformation", model, edge });
+    }
+  }
+
+  /** Under which name it is kept. */
+  private get memory(): string {
+    return `matter.${this.session.scan?.name ?? ""}`;
+  }
+}
