@@ -48,8 +48,8 @@ pub struct SessionConfig {
     pub safety: Option<SafetySettings>,
     /// Whether threads run in real time; else the owner steps the session.
     pub real_time: bool,
-    /// Whether masks are felt by shares that are worked out from their bits, an experiment: flat
-    /// slopes have no terraces then, but faces of small boxes bulge by up to half a voxel.
+    /// Whether masks are felt by shares that are worked out from their bits, so that flat slopes
+    /// have no terraces.
     pub mask_shares: bool,
 }
 
@@ -69,7 +69,7 @@ impl SessionConfig {
             device_rate_hz: None,
             safety: None,
             real_time: true,
-            mask_shares: false,
+            mask_shares: true,
         }
     }
 }

@@ -1,5 +1,7 @@
 //! What a hand feels: the one thing that the yardstick asks of a way of touch.
 
+use std::sync::Arc;
+
 use glam::DVec3;
 use palpate_haptics::contact::ContactModel;
 use palpate_haptics::exact::Exact;
@@ -11,6 +13,8 @@ use palpate_haptics::thesis_original::ThesisOriginal;
 use palpate_haptics::tick::{TickCache, TickInput, TickState, tick};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
+use palpate_volume::relax::{self, relaxed_shares};
+use palpate_volume::shares::Shares;
 
 use super::body::Body;
 use super::solid::{Solid, THRESHOLD};
@@ -106,9 +110,13 @@ impl Touch {
     /// A hand that touches a solid in this way, from a free point of the scene on.
     #[must_use]
     pub fn start<'a>(self, solid: &Solid, grid: &'a Grid, start: DVec3) -> Feel<'a> {
+        let shares = match self {
+            Self::Exact | Self::Ball(_) => Some(shares_of(solid, grid)),
+            _ => None,
+        };
         let touched = Touchable::new(
             grid,
-            vec![part_of(solid)],
+            vec![part_of(solid, shares)],
             self.radius() * grid.smallest_spacing(),
         )
         .expect("a ball of some voxels fits");
@@ -116,7 +124,9 @@ impl Touch {
             limits: touched.limits(),
         };
         match self {
-            Self::Exact | Self::Ball(_) => feel(exact, Smoothing::Bits, touched, grid, start),
+            Self::Exact | Self::Ball(_) => {
+                feel(exact, Smoothing::Intensities, touched, grid, start)
+            }
             Self::Intensities => feel(exact, Smoothing::Intensities, touched, grid, start),
             Self::Stairs => feel(exact, Smoothing::Off, touched, grid, start),
             Self::ThesisOriginal => {
@@ -131,7 +141,23 @@ impl Touch {
     }
 }
 
-fn part_of(solid: &Solid) -> Part {
+/// The shares of a mask, as a session works them out.
+fn shares_of(solid: &Solid, grid: &Grid) -> Arc<Shares> {
+    let mut shares = Shares::unknown(grid.dimensions());
+    for region in relax::regions(&solid.bits) {
+        for mut swap in relaxed_shares(
+            &solid.bits,
+            grid.spacing().as_vec3(),
+            &region,
+            &Shares::unknown(grid.dimensions()),
+        ) {
+            shares.swap(&mut swap);
+        }
+    }
+    Arc::new(shares)
+}
+
+fn part_of(solid: &Solid, shares: Option<Arc<Shares>>) -> Part {
     let made_from = |values| Threshold {
         range: (THRESHOLD, f64::INFINITY),
         values: ScanValues::of(values),
@@ -141,7 +167,7 @@ fn part_of(solid: &Solid) -> Part {
         bits: solid.bits.clone(),
         moved: None,
         threshold: solid.values.as_ref().map(made_from),
-        shares: None,
+        shares,
         punctured: false,
     }
 }
