@@ -40,15 +40,22 @@ def is_dicom(path: Path) -> bool:
 
 
 def read_dicom_folder(
-    folder: Path, *, series: str | None, max_voxels: int, progress: Progress
+    folder: Path,
+    *,
+    series: str | None,
+    max_voxels: int,
+    progress: Progress,
+    called: Path | None = None,
 ) -> RawScan:
     """Reads the series in a folder and the folders below, or the one asked for of several.
+
+    Messages call the folder as it is ``called``, where its files come from elsewhere.
 
     Raises:
         SeriesChoiceError: There are several series, or not the one asked for.
         VolumeFormatError: There is none, or it is no stack of slices.
     """
-    files = _files_below(folder)
+    files, folder = _files_below(folder), called or folder
     if not files:
         raise VolumeFormatError(
             f"{folder} is an empty folder; allowed: a folder with the files of a DICOM series"
@@ -62,7 +69,7 @@ def read_dicom_folder(
     chosen, warnings = _choose(folder, found, series)
     what = f"{folder} (series {chosen.uid})" if chosen.uid else str(folder)
     scan = _read_series(what, chosen, max_voxels=max_voxels, progress=progress)
-    scan.name = chosen.description or folder.name
+    scan.name = chosen.description or folder.name.removesuffix(".zip")
     scan.warnings[:0] = warnings
     return scan
 
