@@ -152,7 +152,10 @@ MaxVoxels = Annotated[int, typer.Option(help="Largest scan that is read.")]
 Threshold = Annotated[
     str | None, typer.Option(help="Values of the segment to touch.", metavar="LOW[,HIGH]")
 ]
-Segments = Annotated[Path | None, typer.Option(help="Label map: each label becomes a segment.")]
+Segments = Annotated[
+    Path | None,
+    typer.Option(help="Label map, .seg.nrrd, DICOM SEG or RTSTRUCT, or a folder of masks."),
+]
 Mesh = Annotated[
     Path | None,
     typer.Option(help="Closed .stl, .ply, .obj or .glb: becomes a segment that can be moved."),

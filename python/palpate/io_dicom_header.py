@@ -20,7 +20,7 @@ from palpate.progress import Progress
 if TYPE_CHECKING:
     from pydicom.dataset import Dataset
 
-__all__ = ["PARALLEL", "Frame", "Header", "Series", "find_series", "read_header"]
+__all__ = ["PARALLEL", "Frame", "Header", "Series", "find_series", "frame_of", "read_header"]
 
 DERIVED_OBJECTS = ("SEG", "RTSTRUCT", "RTDOSE", "RTPLAN", "RTIMAGE", "SR", "PR", "REG", "KO")
 """Modalities of objects that refer to a scan and are none."""
@@ -188,7 +188,7 @@ def _header(
         rows=int(rows),
         columns=int(columns),
         samples=samples,
-        frames=tuple(_frame(dataset, index) for index in range(count)),
+        frames=tuple(frame_of(dataset, index) for index in range(count)),
         truncated=not packed and left < stored,
         plain=plain,
         instance=str(dataset.get("SOPInstanceUID") or ""),
@@ -199,7 +199,8 @@ def _header(
     )
 
 
-def _frame(dataset: Dataset, index: int) -> Frame:
+def frame_of(dataset: Dataset, index: int) -> Frame:
+    """Returns where a frame lies, by its own functional groups, the shared ones or the file."""
     plane = _holder(dataset, index, "PlanePositionSequence")
     orientation = _holder(dataset, index, "PlaneOrientationSequence")
     measures = _holder(dataset, index, "PixelMeasuresSequence")
