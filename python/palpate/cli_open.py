@@ -148,17 +148,20 @@ def show(
     browser: bool,
     journalled: bool = False,
     recover: bool | None = None,
+    run: Path | None = None,
 ) -> None:
     """Serves a scene until Ctrl-C; a recording that still runs then is kept.
 
     Changes are ``journalled``; what an earlier session left is brought back (``recover``), kept
-    aside, or asked about on the page (None).
+    aside, or asked about on the page (None). A scenario's ``run`` is played on the page.
     """
     with Session(scene, options=SessionOptions(rate_hz=rate)) as session:
         recorder = Recorder(session)
         journal = begin_journal(session, recover=recover) if journalled else None
         try:
-            serve_page(session, listener, recorder=recorder, journal=journal, browser=browser)
+            serve_page(
+                session, listener, recorder=recorder, journal=journal, browser=browser, run=run
+            )
             if recorder.is_running:
                 keep_unfinished(recorder)
         finally:
@@ -187,6 +190,7 @@ def serve_page(
     recorder: Recorder,
     browser: bool,
     journal: Journal | None = None,
+    run: Path | None = None,
     seconds: float | None = None,
 ) -> None:
     """Serves a session until Ctrl-C, or for so long."""
@@ -207,6 +211,7 @@ def serve_page(
             ready=ready,
             recorder=recorder,
             journal=journal,
+            run=run,
             seconds=seconds,
         )
     except KeyboardInterrupt:
