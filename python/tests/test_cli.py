@@ -152,7 +152,7 @@ def test_an_unknown_command_is_refused_with_the_known_ones() -> None:
 
 
 def test_a_label_map_of_another_grid_is_refused(scan: Path, write_image: Any) -> None:
-    labels = write_image(np.ones((3, 4, 5), np.uint8), "labels.nrrd")
+    labels = write_image(np.ones((3, 4, 5), np.uint8), "labels.nrrd", spacing=(1.0, 1.0, 2.0))
     assert "lies on another grid" in fails("open", scan, "--segments", labels)
 
 
