@@ -13,7 +13,13 @@ from typing import Annotated
 import typer
 from typer.exceptions import TyperException
 
-from palpate.cli_bench import bench_deform, bench_session, bench_truth_cube, stress_in_matter
+from palpate.cli_bench import (
+    bench_deform,
+    bench_open,
+    bench_session,
+    bench_truth_cube,
+    stress_in_matter,
+)
 from palpate.cli_scenario import scenario
 from palpate.console import WRONG_INPUT, Display, fail, quiet_libraries, warn
 from palpate.errors import PalpateError
@@ -146,7 +152,10 @@ MaxVoxels = Annotated[int, typer.Option(help="Largest scan that is read.")]
 Threshold = Annotated[
     str | None, typer.Option(help="Values of the segment to touch.", metavar="LOW[,HIGH]")
 ]
-Segments = Annotated[Path | None, typer.Option(help="Label map: each label becomes a segment.")]
+Segments = Annotated[
+    Path | None,
+    typer.Option(help="Label map, .seg.nrrd, DICOM SEG or RTSTRUCT, or a folder of masks."),
+]
 Mesh = Annotated[
     Path | None,
     typer.Option(help="Closed .stl, .ply, .obj or .glb: becomes a segment that can be moved."),
@@ -456,6 +465,7 @@ app.add_typer(scenario, name="scenario")
 bench = typer.Typer(help="Measure.", no_args_is_help=True)
 app.add_typer(bench, name="bench")
 bench.command("deform")(bench_deform)
+bench.command("open")(bench_open)
 bench.command("session")(bench_session)
 bench.command("truth-cube")(bench_truth_cube)
 

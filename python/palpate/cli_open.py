@@ -14,8 +14,8 @@ import typer
 
 from palpate.console import Display, warn
 from palpate.errors import EmptySegmentError, OptionError, SceneFormatError
-from palpate.io import read
 from palpate.journal import Journal
+from palpate.labels import read_labels
 from palpate.progress import Progress
 from palpate.scene import Scene
 from palpate.scene_file import ENDING, SavedScene, kept_changes, open_scene
@@ -104,31 +104,12 @@ def scene_of(
 
 
 def add_labels(scene: Scene, path: Path, progress: Progress) -> None:
-    """Adds each label of a label map as a segment."""
-    volume = scene.volume
-    labels = read(path, progress=progress)
-    if labels.dimensions != volume.dimensions or not np.allclose(
-        # a tenth of a voxel: headers of label maps are rounded
-        labels.patient_from_grid,
-        volume.patient_from_grid,
-        atol=0.1 * min(volume.spacing),
-    ):
-        raise OptionError(
-            f"label map {path} lies on another grid ({labels!r}); allowed: the grid of {volume!r}"
-        )
-    values = [value for value in map(labels.value_of, _stored_values(labels)) if value != 0.0]
-    for done, value in enumerate(values):
-        progress(f"making {len(values)} segments", done / len(values))
-        scene.add(labels.threshold(value, value).part_of(volume, name=f"label {value:g}"))
-
-
-def _stored_values(volume: Volume) -> list[int]:
-    """Lists the different stored values of a scan."""
-    lowest, highest = int(volume.array.min()), int(volume.array.max())
-    counts = np.zeros(highest - lowest + 1, np.int64)
-    for slab in volume.array:
-        counts += np.bincount(slab.ravel().astype(np.int64) - lowest, minlength=len(counts))
-    return [int(lowest + step) for step in np.flatnonzero(counts)]
+    """Adds the segments of a file or folder, and says what was changed or left out."""
+    found = read_labels(path, scene.volume, progress=progress)
+    for label in found.labels:
+        scene.add(label.segment, colour=label.colour)
+    for warning in found.warnings:
+        warn(f"{path.name}: {warning}")
 
 
 def check_start(rate: int) -> None:
