@@ -114,8 +114,9 @@ export function opticsOf(choice: OpticsChoice, anchors: Anchors): Optics {
     density: isGrey(blend) || blend === "iso" ? 1 : densities[blend],
     window: isGrey(blend) ? windows[blend] : windows.average,
     isoValue: choice.isoValue,
-    // fat and all that is denser, but no cushion; with CT values about -130 HU
-    tissueFrom: valueAt(-0.8, anchors),
+    // fat and all that is denser, but no cushion: with CT values about -130 HU. A slab is inside of the
+    // body: there all counts, lungs too
+    tissueFrom: slab > 0 ? -1e9 : valueAt(-0.8, anchors),
     slab: slab > 0 ? slab : null,
   };
 }

@@ -11,9 +11,31 @@ vec3 linearFromGrey(float share) {
   return vec3(s <= 0.04045 ? s / 12.92 : pow((s + 0.055) / 1.055, 2.4));
 }
 
+#if BLEND == MIP
+// The largest value beside a sample: a thin bone lies between two of them.
+float refinedMost(Ray ray, float place, float most) {
+  float reach = 0.5 * stepLength;
+  for (int i = 0; i < 4 && most > 0.0 && most < 1.0; ++i) {
+    for (int side = -1; side <= 1; side += 2) {
+      float t = place + float(side) * reach;
+      vec3 grid = eye + ray.inGrid * t;
+      float value = biasedAt(grid);
+      float share = value * grey.x + grey.y;
+      if (share > most && ray.span.x <= t && t <= ray.span.y && segmentAt(grid, value) >= 0) {
+        most = share;
+        place = t;
+      }
+    }
+    reach *= 0.5;
+  }
+  return most;
+}
+#endif
+
 Seen seenAlong(Ray ray, inout Layers layers) {
   const float none = 1e9;
   float most = -none;
+  float place = 0.0;
   // of what counts, and of what counts as soon as tissue comes after it
   float least = none;
   float leastWaiting = none;
@@ -26,6 +48,7 @@ Seen seenAlong(Ray ray, inout Layers layers) {
     }
     vec3 grid = eye + ray.inGrid * t;
     float leap = stepsOverEmpty(ray, grid, t);
+    float before = t;
     t += leap > 0.0 ? leap : stepLength;
     if (leap > 0.0) {
       continue;
@@ -36,7 +59,10 @@ Seen seenAlong(Ray ray, inout Layers layers) {
     }
     float share = value * grey.x + grey.y;
 #if BLEND == MIP
-    most = max(most, share);
+    if (share > most) {
+      most = share;
+      place = before;
+    }
     if (most >= 1.0) {
       break;
     }
@@ -55,7 +81,7 @@ Seen seenAlong(Ray ray, inout Layers layers) {
 #endif
   }
 #if BLEND == MIP
-  float share = most;
+  float share = refinedMost(ray, place, most);
 #elif BLEND == MINIP
   float share = least < none ? least : 0.0;
 #else
