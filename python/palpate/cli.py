@@ -118,7 +118,11 @@ def root(
 # --- options of several commands --------------------------------------------------------
 
 Scan = Annotated[
-    Path, typer.Argument(help="NIfTI, MetaImage or NRRD file, or a DICOM folder.", metavar="PATH")
+    Path,
+    typer.Argument(
+        help="DICOM folder, file or zip archive; NIfTI, NRRD, MetaImage or MINC file; pictures.",
+        metavar="PATH",
+    ),
 ]
 Series = Annotated[
     str | None, typer.Option(help="DICOM series: its UID, description or number in the list.")
@@ -127,6 +131,16 @@ Orientation = Annotated[
     str | None, typer.Option(help="Sides toward which x, y, z run, such as LPS or RAS.")
 ]
 Unit = Annotated[str | None, typer.Option(help="HU, where the values are known to be.")]
+Raw = Annotated[
+    str | None,
+    typer.Option(
+        help="Layout of raw voxels, such as 256x256x113,int16,big.",
+        metavar="SIZE,TYPE[,ORDER[,SKIP]]",
+    ),
+]
+VoxelSize = Annotated[
+    str | None, typer.Option(help="Of raw voxels and pictures [mm].", metavar="X,Y,Z")
+]
 Fill = Annotated[float | None, typer.Option(help="Value in the place of NaN and infinity.")]
 MaxVoxels = Annotated[int, typer.Option(help="Largest scan that is read.")]
 Threshold = Annotated[
@@ -161,6 +175,8 @@ def open_scan(  # noqa: PLR0913  # one per option of the command line
     orientation: Orientation = None,
     unit: Unit = None,
     fill: Fill = None,
+    raw: Raw = None,
+    voxel_size: VoxelSize = None,
     max_voxels: MaxVoxels = 1024**3,
     threshold: Threshold = None,
     segments: Segments = None,
@@ -184,13 +200,19 @@ def open_scan(  # noqa: PLR0913  # one per option of the command line
     ] = True,
 ) -> None:
     """Show a scan and feel it."""
-    from palpate.cli_open import check_start, parse_threshold, scene_of, show
+    from palpate.cli_open import (
+        check_start,
+        parse_threshold,
+        parse_voxel_size,
+        scene_of,
+        show,
+    )
     from palpate.cli_surface import add_mesh
     from palpate.io import read
     from palpate.server import bind
 
     check_start(rate)
-    bounds = parse_threshold(threshold)
+    bounds, size = parse_threshold(threshold), parse_voxel_size(voxel_size)
     with bind(port) as listener, quiet_libraries():
         with Display() as display:
             volume = read(
@@ -199,6 +221,8 @@ def open_scan(  # noqa: PLR0913  # one per option of the command line
                 orientation=orientation,
                 unit=unit,
                 fill=fill,
+                raw=raw,
+                voxel_size=size,
                 max_voxels=max_voxels,
                 progress=display,
             )
@@ -236,13 +260,17 @@ def info(  # one per option of the command line
     orientation: Orientation = None,
     unit: Unit = None,
     fill: Fill = None,
+    raw: Raw = None,
+    voxel_size: VoxelSize = None,
     max_voxels: MaxVoxels = 1024**3,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
 ) -> None:
     """Tell what a scan is."""
+    from palpate.cli_open import parse_voxel_size
     from palpate.info import describe, print_table
     from palpate.io import read
 
+    size = parse_voxel_size(voxel_size)
     with quiet_libraries(), Display() as display:
         volume = read(
             path,
@@ -250,6 +278,8 @@ def info(  # one per option of the command line
             orientation=orientation,
             unit=unit,
             fill=fill,
+            raw=raw,
+            voxel_size=size,
             max_voxels=max_voxels,
             progress=display,
         )

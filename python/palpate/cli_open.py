@@ -29,6 +29,7 @@ __all__ = [
     "check_rate",
     "check_start",
     "parse_threshold",
+    "parse_voxel_size",
     "scene_of",
     "serve_page",
     "show",
@@ -57,6 +58,23 @@ def parse_threshold(given: str | None) -> Bounds | None:
             f"threshold {given!r} given; allowed: LOW or LOW,HIGH, such as 250 or 250,1500"
         )
     return numbers[0], numbers[1] if len(numbers) == 2 else None
+
+
+def parse_voxel_size(given: str | None) -> tuple[float, float, float] | None:
+    """Returns the lengths that X,Y,Z stands for [mm]; None where none are given.
+
+    Raises:
+        OptionError: They are no three numbers.
+    """
+    if given is None:
+        return None
+    try:
+        x, y, z = (float(part) for part in given.split(","))
+    except ValueError:
+        raise OptionError(
+            f"voxel size {given!r} given; allowed: X,Y,Z [mm], such as 0.5,0.5,1.25"
+        ) from None
+    return x, y, z
 
 
 def scene_of(
@@ -149,17 +167,20 @@ def show(
     browser: bool,
     journalled: bool = False,
     recover: bool | None = None,
+    run: Path | None = None,
 ) -> None:
     """Serves a scene until Ctrl-C; a recording that still runs then is kept.
 
     Changes are ``journalled``; what an earlier session left is brought back (``recover``), kept
-    aside, or asked about on the page (None).
+    aside, or asked about on the page (None). A scenario's ``run`` is played on the page.
     """
     with Session(scene, options=SessionOptions(rate_hz=rate)) as session:
         recorder = Recorder(session)
         journal = begin_journal(session, recover=recover) if journalled else None
         try:
-            serve_page(session, listener, recorder=recorder, journal=journal, browser=browser)
+            serve_page(
+                session, listener, recorder=recorder, journal=journal, browser=browser, run=run
+            )
             if recorder.is_running:
                 keep_unfinished(recorder)
         finally:
@@ -188,6 +209,7 @@ def serve_page(
     recorder: Recorder,
     browser: bool,
     journal: Journal | None = None,
+    run: Path | None = None,
     seconds: float | None = None,
 ) -> None:
     """Serves a session until Ctrl-C, or for so long."""
@@ -208,6 +230,7 @@ def serve_page(
             ready=ready,
             recorder=recorder,
             journal=journal,
+            run=run,
             seconds=seconds,
         )
     except KeyboardInterrupt:

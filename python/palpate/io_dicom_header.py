@@ -20,10 +20,14 @@ from palpate.progress import Progress
 if TYPE_CHECKING:
     from pydicom.dataset import Dataset
 
-__all__ = ["Frame", "Header", "Series", "find_series", "read_header"]
+__all__ = ["PARALLEL", "Frame", "Header", "Series", "find_series", "read_header"]
 
 DERIVED_OBJECTS = ("SEG", "RTSTRUCT", "RTDOSE", "RTPLAN", "RTIMAGE", "SR", "PR", "REG", "KO")
 """Modalities of objects that refer to a scan and are none."""
+PARALLEL = 2e-3
+"""By how much the cosines of parallel slices differ at most: writers leave three digits."""
+STUDY = ("StudyInstanceUID", "FrameOfReferenceUID")
+PADDING = ("PixelPaddingValue", "PixelPaddingRangeLimit")
 
 
 @dataclass(frozen=True)
@@ -34,6 +38,8 @@ class Frame:
     orientation: tuple[float, ...] | None
     pixel_spacing: tuple[float, ...] | None
     """Between rows, between columns [mm], in DICOM's order."""
+    scale: tuple[float, float] | None
+    """Rescale slope and intercept."""
 
 
 @dataclass(frozen=True)
@@ -51,8 +57,16 @@ class Header:
     frames: tuple[Frame, ...]
     truncated: bool
     """Whether uncompressed pixels are fewer than announced; compressed ones are not counted."""
-    scale: tuple[float, float] | None
-    """Rescale slope and intercept, if the file has one pair for all frames."""
+    instance: str
+    """SOPInstanceUID: two files with the same one are copies."""
+    study: tuple[str, ...]
+    """UIDs of study and frame of reference: what is left to tell scans apart without a series."""
+    inverted: bool
+    """Whether low numbers are meant to be bright (MONOCHROME1)."""
+    bits: int
+    """Of a stored number, those in use."""
+    padding: tuple[int, int] | None
+    """Lowest and highest stored number that stand for no value."""
 
 
 @dataclass(frozen=True)
@@ -79,25 +93,39 @@ class Series:
 def find_series(paths: Iterable[Path], progress: Progress) -> list[Series]:
     """Groups the images among these files into series, the longest first."""
     files = sorted(paths)
-    groups: dict[tuple[Any, ...], list[Header]] = {}
+    groups: dict[tuple[Any, ...], list[list[Header]]] = {}
     for done, path in enumerate(files):
         progress(f"looking at {len(files)} files", done / len(files))
         header = read_header(path)
-        if header is not None:
-            groups.setdefault(_group(header), []).append(header)
+        if header is None:
+            continue
+        alike = groups.setdefault(_group(header), [])
+        group = next((group for group in alike if _parallel(group[0], header)), None)
+        if group is None:
+            alike.append([header])
+        else:
+            group.append(header)
     found = [
         Series(headers[0].series, headers[0].description, headers[0].modality, tuple(headers))
-        for headers in groups.values()
+        for alike in groups.values()
+        for headers in alike
     ]
     return sorted(found, key=lambda series: (-series.slices, series.uid))
 
 
 def _group(header: Header) -> tuple[Any, ...]:
-    """Returns what the files of one volume have in common."""
-    orientation = header.frames[0].orientation
-    rounded = tuple(round(cosine, 3) + 0.0 for cosine in orientation) if orientation else None
+    """Returns what the files of one volume have in common, beside their orientation."""
     own_volume = header.path if len(header.frames) > 1 else None
-    return (header.series, header.rows, header.columns, rounded, own_volume)
+    # without a UID, what lies on one grid in one frame of reference belongs together
+    told = header.series or (header.study, header.modality, header.frames[0].pixel_spacing)
+    return (told, header.rows, header.columns, own_volume)
+
+
+def _parallel(one: Header, other: Header) -> bool:
+    first, second = one.frames[0].orientation, other.frames[0].orientation
+    if first is None or second is None:
+        return first is second
+    return all(abs(a - b) <= PARALLEL for a, b in zip(first, second, strict=True))
 
 
 def read_header(path: Path) -> Header | None:
@@ -138,7 +166,11 @@ def _header(path: Path, dataset: Dataset, left: int) -> Header | None:
         samples=samples,
         frames=tuple(_frame(dataset, index) for index in range(count)),
         truncated=not packed and left < stored,
-        scale=_scale(dataset),
+        instance=str(dataset.get("SOPInstanceUID") or ""),
+        study=tuple(str(dataset.get(name) or "") for name in STUDY),
+        inverted=dataset.get("PhotometricInterpretation") == "MONOCHROME1",
+        bits=int(dataset.get("BitsStored") or dataset.get("BitsAllocated") or 16),
+        padding=_padding(dataset),
     )
 
 
@@ -150,6 +182,7 @@ def _frame(dataset: Dataset, index: int) -> Frame:
         position=_numbers(plane, "ImagePositionPatient", 3),
         orientation=_numbers(orientation, "ImageOrientationPatient", 6),
         pixel_spacing=_numbers(measures, "PixelSpacing", 2),
+        scale=_scale(dataset, index),
     )
 
 
@@ -172,12 +205,21 @@ def _holder(dataset: Dataset, index: int, group: str) -> Dataset:
     return dataset
 
 
-def _scale(dataset: Dataset) -> tuple[float, float] | None:
-    holder = _holder(dataset, 0, "PixelValueTransformationSequence")
+def _scale(dataset: Dataset, index: int) -> tuple[float, float] | None:
+    holder = _holder(dataset, index, "PixelValueTransformationSequence")
     slope, intercept = holder.get("RescaleSlope"), holder.get("RescaleIntercept")
     if slope is None or intercept is None:
         return None
     return float(slope), float(intercept)
+
+
+def _padding(dataset: Dataset) -> tuple[int, int] | None:
+    """Returns the range of PS3.3, C.7.5.1.1.2: one number, or two in either order."""
+    try:
+        ends = [int(dataset[name].value) for name in PADDING if dataset.get(name) is not None]
+    except (TypeError, ValueError):
+        return None
+    return (min(ends), max(ends)) if ends else None
 
 
 def _unit(dataset: Dataset, modality: str) -> str:

@@ -15,6 +15,7 @@ from threading import Timer
 from typing import Any
 
 import uvicorn
+from numpy.typing import NDArray
 from starlette.applications import Starlette
 from starlette.concurrency import run_in_threadpool
 from starlette.middleware import Middleware
@@ -72,10 +73,12 @@ def make_app(
     page: Path = PAGE,
     recorder: Recorder | None = None,
     journal: Journal | None = None,
+    run: Path | None = None,
 ) -> Starlette:
     """Makes the application that shows a session.
 
-    Recordings are those of ``recorder``; what ``journal`` offers, pages are asked about.
+    Recordings are those of ``recorder``; what ``journal`` offers, pages are asked about; the file
+    of a scenario's ``run`` is what they play.
     """
     kept = Recorder(session) if recorder is None else recorder
     live = Live(session, hello_of(session), kept, journal=journal)
@@ -98,23 +101,18 @@ def make_app(
         return FileResponse(page / "index.html")
 
     async def volume(request: Request) -> Response:
-        try:
-            step = parse_step(request.query_params.get("step"))
-        except OptionError as error:
-            return PlainTextResponse(str(error), status_code=400)
         # as edits have left it
-        return voxels_response(live.picture.values, step=step)
+        return await _voxels(request, lambda: live.picture.values)
 
     async def labels(request: Request) -> Response:
-        try:
-            step = parse_step(request.query_params.get("step"))
-        except OptionError as error:
-            return PlainTextResponse(str(error), status_code=400)
-        return voxels_response(await run_in_threadpool(live.segments.labels), step=step)
+        return await _voxels(request, live.segments.labels)
 
     async def recording(_: Request) -> Response:
         # a page asks as soon as the recording has ended, which is before its file is written
         return _recording_of(kept.file_name, await run_in_threadpool(kept.newest))
+
+    async def scenario(_: Request) -> Response:
+        return Response(status_code=204) if run is None else FileResponse(run)
 
     async def messages(websocket: WebSocket) -> None:
         await live.serve(websocket)
@@ -125,6 +123,7 @@ def make_app(
             Route("/api/volume", volume),
             Route("/api/labels", labels),
             Route("/api/recording", recording),
+            Route("/api/scenario", scenario),
             WebSocketRoute("/api/live", messages),
             # scripts, styles and icons of the page
             Mount("/", StaticFiles(directory=page, check_dir=False)),
@@ -132,6 +131,14 @@ def make_app(
         middleware=[Middleware(AccessMiddleware, access=access)],
         lifespan=lifespan,
     )
+
+
+async def _voxels(request: Request, array: Callable[[], NDArray[Any]]) -> Response:
+    try:
+        step = parse_step(request.query_params.get("step"))
+    except OptionError as error:
+        return PlainTextResponse(str(error), status_code=400)
+    return voxels_response(await run_in_threadpool(array), step=step)
 
 
 def _recording_of(name: str, file: Path | None) -> Response:
@@ -181,6 +188,7 @@ def serve(
     ready: Callable[[], None],
     recorder: Recorder | None = None,
     journal: Journal | None = None,
+    run: Path | None = None,
     seconds: float | None = None,
 ) -> None:
     """Serves a session until the process is asked to end; then stops the session.
@@ -192,6 +200,7 @@ def serve(
         ready: Called once it answers.
         recorder: Keeps the recordings that pages ask for.
         journal: Keeps the session's changes on disk.
+        run: File of a scenario's run, which pages play.
         seconds: Ends by itself after so long.
 
     Raises:
@@ -203,7 +212,7 @@ def serve(
         raise OptionError(
             f"port {access.port} cannot be used ({error.strerror}); allowed: a free port"
         ) from None
-    app = make_app(session, access=access, recorder=recorder, journal=journal)
+    app = make_app(session, access=access, recorder=recorder, journal=journal, run=run)
     server = make_server(app, ready=ready)
     timer = Timer(seconds or 0.0, server.end)
     if seconds is not None:

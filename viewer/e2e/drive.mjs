@@ -22,6 +22,7 @@
  *   {"do": "click", "testid": …}                              {"do": "choose", "testid": …, "value": …} of a list
  *   {"do": "slide", "testid": …, "value": …}                  a slider, with the mouse
  *   {"do": "download", "testid": …, "path": …}                → {"name": of the file}
+ *   {"do": "give", "testid": …, "path": …}                    a file to a chooser of files
  *   {"do": "press", "key": "Escape"}, {"do": "resize", "width": …, "height": …}
  *
  * The browser is the one in CHROMIUM, with CHROMIUM_FLAGS beside the usual ones.
@@ -192,6 +193,9 @@ const actions = {
     const [download] = await Promise.all([page.waitForEvent("download"), byTestId(testid).click()]);
     await download.saveAs(path);
     return { name: download.suggestedFilename() };
+  },
+  async give({ testid, path }) {
+    await byTestId(testid).setInputFiles(path);
   },
   async press({ key }) {
     await page.keyboard.press(key);

@@ -42,6 +42,7 @@ import type { ShownSlice, SliceLook } from "../gl/slices";
 import { downloadLabels, downloadVolume } from "../live/volume_download";
 import { EditPaceControl } from "./edit_pace_control.svelte";
 import { LookControl } from "./look_control.svelte";
+import { Player, type ShownTouch } from "./player.svelte";
 import { recall, remember } from "./remembered";
 import type { Session } from "./session.svelte";
 import { SliceControl } from "./slice_control.svelte";
@@ -87,6 +88,8 @@ export class Stage {
   readonly editPace: EditPaceControl;
   /** Segments that are moved. */
   readonly objects: ObjectControl;
+  /** Plays scenarios: their tool stands in the picture then, and not the probe. */
+  readonly player: Player;
   /** A segment that is cut along a painted line. */
   readonly cutting: CutControl;
   /** The object that was picked last, and where [mm]. */
@@ -128,6 +131,7 @@ export class Stage {
     this.objects = new ObjectControl(session);
     this.editPace = new EditPaceControl(session);
     this.cutting = new CutControl(session);
+    this.player = new Player(session);
     this.edits = new ShownEdits({
       complain: (text) => {
         session.notify("error", text);
@@ -139,9 +143,19 @@ export class Stage {
       this.takeEdits();
     });
     session.onState((state) => {
-      this.trail.add(state.time, state.proxy);
-      this.slices.follow(state.proxy);
+      if (!this.player.showing) {
+        this.trail.add(state.time, state.proxy);
+        this.slices.follow(state.proxy);
+      }
     });
+  }
+
+  /** Takes the slices and the line of the way along with a scenario's tool. */
+  followPlayed({ time, proxy }: ShownTouch): void {
+    this.trail.add(time, proxy);
+    if (this.slices.habits.follows) {
+      this.slices.goTo(proxy);
+    }
   }
 
   /** Shows or hides some of what is drawn of touch. */
@@ -466,8 +480,9 @@ export class Stage {
   }
 
   private moveMarkers(camera: Camera, picture: Picture): void {
-    const state = this.session.latest;
-    if (state === null || state === this.drawnState) {
+    const { latest } = this.session;
+    const state: ShownTouch | null = this.player.shown ?? latest;
+    if (latest === null || state === null || state === this.drawnState) {
       return;
     }
     this.drawnState = state;
@@ -479,7 +494,7 @@ export class Stage {
       trail: this.trail,
       parts: this.session.parts,
       show: this.shown,
-      tool: toolBall(state),
+      tool: this.player.showing ? null : toolBall(latest),
       device: state.device,
       force: state.force,
       contact: state.contact,
