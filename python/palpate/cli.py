@@ -209,20 +209,32 @@ def open_scan(  # noqa: PLR0913  # one per option of the command line
         bool, typer.Option("--journal/--no-journal", help="Keep changes on disk as they are made.")
     ] = True,
 ) -> None:
-    """Show a scan and feel it."""
+    """Show a scan, or a scene that was saved, and feel it."""
     from palpate.cli_open import (
         check_start,
+        is_scene,
         parse_threshold,
         parse_voxel_size,
         scene_of,
         show,
+        show_saved,
     )
     from palpate.cli_surface import add_mesh
+    from palpate.errors import OptionError
     from palpate.io import read
     from palpate.server import bind
 
     check_start(rate)
     bounds, size = parse_threshold(threshold), parse_voxel_size(voxel_size)
+    if is_scene(path):
+        of_scans = (series, orientation, unit, fill, raw, size, bounds, segments, mesh)
+        if any(option is not None for option in of_scans):
+            raise OptionError(f"{path} is a scene: options of scans are allowed with scans only")
+        with bind(port) as listener, quiet_libraries():
+            show_saved(
+                path, listener, rate=rate, browser=browser, journalled=journal, recover=recover
+            )
+        return
     with bind(port) as listener, quiet_libraries():
         with Display() as display:
             volume = read(

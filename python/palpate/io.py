@@ -17,7 +17,7 @@ from palpate.orientation import direction_of, letters_of
 from palpate.progress import Progress, silent
 from palpate.raw_scan import RawScan
 from palpate.stored import to_stored
-from palpate.volume import Volume, VolumeTraits
+from palpate.volume import Source, Volume, VolumeTraits
 
 __all__ = ["list_series", "read"]
 
@@ -91,7 +91,7 @@ def read(
         scan.warnings.append(f"{stored.filled} NaN or infinite values were set to {fill:g}")
     if not scan.unit:
         scan.warnings.append("the unit of the values is unknown; give --unit HU if it is HU")
-    return Volume(
+    volume = Volume(
         stored.values,
         spacing=scan.spacing,
         origin=scan.origin,
@@ -107,6 +107,18 @@ def read(
             warnings=tuple(scan.warnings),
         ),
     )
+    # what other places of the file and of the program could not know
+    options = {
+        "series": series,
+        "orientation": orientation,
+        "unit": unit,
+        "fill": fill,
+        "raw": raw,
+        "voxel_size": voxel_size,
+    }
+    given = {name: option for name, option in options.items() if option is not None}
+    volume.source = Source(source.resolve(), given)
+    return volume
 
 
 def list_series(path: str | PathLike[str], *, progress: Progress = silent) -> list[Series]:
