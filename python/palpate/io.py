@@ -133,10 +133,10 @@ def list_series(path: str | PathLike[str], *, progress: Progress = silent) -> li
         raise FileNotFoundError(f"{source} does not exist; allowed: an existing file or folder")
     if is_archive(source):
         with unpacked(source, progress) as folder:
-            return series_in(folder, called=source, progress=progress)
+            return series_in(folder, called=source, progress=progress)[0]
     if not source.is_dir():
         raise VolumeFormatError(f"{source} is one file; allowed: a DICOM folder or zip archive")
-    return series_in(source, progress=progress)
+    return series_in(source, progress=progress)[0]
 
 
 def _check_options(source: Path, *, series: str | None, unit: str | None, max_voxels: int) -> None:

@@ -55,18 +55,24 @@ def read_dicom_folder(
         SeriesChoiceError: There are several series, or not the one asked for.
         VolumeFormatError: There is none, or it is no stack of slices.
     """
-    found = series_in(folder, called=called, progress=progress)
+    found, damaged = series_in(folder, called=called, progress=progress)
     folder = called or folder
     chosen, warnings = _choose(folder, found, series)
     what = f"{folder} (series {chosen.uid})" if chosen.uid else str(folder)
     scan = _read_series(what, chosen, max_voxels=max_voxels, progress=progress)
     scan.name = chosen.description or folder.name.removesuffix(".zip")
     scan.warnings[:0] = warnings
+    if damaged:
+        scan.warnings.append(
+            f"{len(damaged)} files are damaged and were left out, such as {damaged[0].name}"
+        )
     return scan
 
 
-def series_in(folder: Path, *, called: Path | None = None, progress: Progress) -> list[Series]:
-    """Lists the series of scans in a folder and those below, the longest first.
+def series_in(
+    folder: Path, *, called: Path | None = None, progress: Progress
+) -> tuple[list[Series], list[Path]]:
+    """Lists the series of scans in a folder and those below, the longest first, and damaged files.
 
     Raises:
         VolumeFormatError: There is none.
@@ -76,13 +82,13 @@ def series_in(folder: Path, *, called: Path | None = None, progress: Progress) -
         raise VolumeFormatError(
             f"{folder} is an empty folder; allowed: a folder with the files of a DICOM series"
         )
-    found = find_series(files, progress)
+    found, damaged = find_series(files, progress)
     if not found:
         raise VolumeFormatError(
             f"{folder} holds no DICOM images ({len(files)} files looked at); "
             "allowed: a folder with the files of a DICOM series"
         )
-    return found
+    return found, damaged
 
 
 def _files_below(folder: Path) -> list[Path]:
@@ -167,7 +173,7 @@ def _read_series(what: str, series: Series, *, max_voxels: int, progress: Progre
         grid = grid_of(what, stack, columns=first.columns, rows=first.rows)
         check_shape(what, grid.size, max_voxels)
 
-    pixels = read_slices(what, series.headers, progress=progress)
+    pixels = read_slices(series.headers, progress=progress)
     values = pixels.values
     if stack is not None and grid is not None:
         if stack.order != tuple(range(len(values))):

@@ -9,18 +9,31 @@ Source: DICOM PS3.3, C.7.6.2 (image plane), C.7.6.16 (functional groups of multi
 
 from __future__ import annotations
 
+import struct
 import warnings
-from collections.abc import Iterable
+import zlib
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
+from palpate.errors import PalpateError, VolumeFormatError
 from palpate.progress import Progress
 
 if TYPE_CHECKING:
     from pydicom.dataset import Dataset
 
-__all__ = ["PARALLEL", "Frame", "Header", "Series", "find_series", "frame_of", "read_header"]
+__all__ = [
+    "PARALLEL",
+    "Frame",
+    "Header",
+    "Series",
+    "damage_told",
+    "find_series",
+    "frame_of",
+    "read_header",
+]
 
 DERIVED_OBJECTS = ("SEG", "RTSTRUCT", "RTDOSE", "RTPLAN", "RTIMAGE", "SR", "PR", "REG", "KO")
 """Modalities of objects that refer to a scan and are none."""
@@ -102,13 +115,18 @@ class Series:
         return f"{name}{said} {self.modality}, {self.slices} of {first.columns} x {first.rows}"
 
 
-def find_series(paths: Iterable[Path], progress: Progress) -> list[Series]:
-    """Groups the images among these files into series, the longest first."""
+def find_series(paths: Iterable[Path], progress: Progress) -> tuple[list[Series], list[Path]]:
+    """Groups the images among these files into series, the longest first; lists damaged ones."""
     files = sorted(paths)
     groups: dict[tuple[Any, ...], list[list[Header]]] = {}
+    damaged: list[Path] = []
     for done, path in enumerate(files):
         progress(f"looking at {len(files)} files", done / len(files))
-        header = read_header(path)
+        try:
+            header = read_header(path)
+        except VolumeFormatError:
+            damaged.append(path)
+            continue
         if header is None:
             continue
         alike = groups.setdefault(_group(header), [])
@@ -122,7 +140,7 @@ def find_series(paths: Iterable[Path], progress: Progress) -> list[Series]:
         for alike in groups.values()
         for headers in alike
     ]
-    return sorted(found, key=lambda series: (-series.slices, series.uid))
+    return sorted(found, key=lambda series: (-series.slices, series.uid)), damaged
 
 
 def _group(header: Header) -> tuple[Any, ...]:
@@ -140,22 +158,51 @@ def _parallel(one: Header, other: Header) -> bool:
     return all(abs(a - b) <= PARALLEL for a, b in zip(first, second, strict=True))
 
 
+@contextmanager
+def damage_told(path: Path, *, allowed: str = "complete, undamaged files") -> Iterator[None]:
+    """Tells what pydicom and its decoders raise at damaged files as one kind of error.
+
+    Raises:
+        VolumeFormatError: The file is damaged.
+    """
+    from pydicom.errors import BytesLengthException
+
+    try:
+        with warnings.catch_warnings():
+            # sloppy values are common and judged where they matter
+            warnings.simplefilter("ignore")
+            yield
+    except (PalpateError, MemoryError):
+        raise
+    except (
+        ArithmeticError, AttributeError, EOFError, LookupError, NotImplementedError, OSError,
+        RuntimeError, StopIteration, TypeError, ValueError, struct.error, zlib.error,
+        BytesLengthException,
+    ) as error:  # fmt: skip
+        why = (str(error).strip().splitlines() or [type(error).__name__])[-1].strip().rstrip(".")
+        raise VolumeFormatError(
+            f"{path} is damaged, or DICOM of an unknown kind ({why}); allowed: {allowed}"
+        ) from None
+
+
 def read_header(path: Path) -> Header | None:
-    """Reads a file's header; None where it is no DICOM image of a scan."""
+    """Reads a file's header; None where it is no DICOM image of a scan.
+
+    Raises:
+        VolumeFormatError: It is DICOM, and damaged.
+    """
     import pydicom
     from pydicom.errors import InvalidDicomError
 
-    with warnings.catch_warnings():
-        # sloppy values are common and judged below
-        warnings.simplefilter("ignore")
+    with damage_told(path):
         try:
             with path.open("rb") as file:
                 dataset = pydicom.dcmread(file, stop_before_pixels=True, force=False)
                 plain = _plain(file, dataset)
                 left = path.stat().st_size - file.tell()
-            return _header(path, dataset, left=left, plain=plain)
-        except (InvalidDicomError, OSError, EOFError):
+        except InvalidDicomError:
             return None
+        return _header(path, dataset, left=left, plain=plain)
 
 
 def _plain(file: BinaryIO, dataset: Dataset) -> tuple[int, str] | None:

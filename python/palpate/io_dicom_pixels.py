@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import math
 import os
-import warnings
 import zlib
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -22,8 +21,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.errors import VolumeFormatError
-from palpate.io_dicom_header import Frame, Header
+from palpate.io_dicom_header import Frame, Header, damage_told
 from palpate.progress import Progress
 
 if TYPE_CHECKING:
@@ -38,6 +36,7 @@ DEFLATED_FRAMES = "1.2.840.10008.1.2.8.1"
 """Transfer syntax Deflated Image Frame Compression, not yet known to pydicom."""
 RUN_LENGTHS = "1.2.840.10008.1.2.5"
 MOST_THREADS = 8
+READ = "complete, undamaged files, uncompressed or in JPEG, JPEG-LS, JPEG 2000, RLE or deflated"
 
 
 @dataclass(frozen=True)
@@ -50,7 +49,7 @@ class SlicePixels:
     """What stands where nothing was measured [unit of the scan]."""
 
 
-def read_slices(what: str, headers: Sequence[Header], *, progress: Progress) -> SlicePixels:
+def read_slices(headers: Sequence[Header], *, progress: Progress) -> SlicePixels:
     """Decodes and rescales the slices of a series, several files at a time.
 
     Raises:
@@ -59,7 +58,7 @@ def read_slices(what: str, headers: Sequence[Header], *, progress: Progress) -> 
     voxels = sum(len(header.frames) * header.rows * header.columns for header in headers)
     said = f"reading {len(headers)} files, {voxels * 2 / 2**20:.0f} MiB"
     parts: list[_Part] = []
-    for part in _in_parallel(lambda header: _part(what, header), headers):
+    for part in _in_parallel(_part, headers):
         parts.append(part)
         progress(said, len(parts) / len(headers))
 
@@ -95,10 +94,10 @@ class _Part:
     """Of those that are not padding."""
 
 
-def _part(what: str, header: Header) -> _Part:
+def _part(header: Header) -> _Part:
     stored = _plain(header)
     if stored is None:
-        stored = stored_pixels(what, header.path, shape=(-1, header.rows, header.columns))
+        stored = stored_pixels(header.path, shape=(-1, header.rows, header.columns))
     padded = _padded(stored, header.padding)
     if header.inverted and header.unit != "HU":
         # what is meant to be bright is high
@@ -156,33 +155,19 @@ def _rescaled(stored: NDArray[Any], frame: Frame) -> NDArray[Any]:
     return values
 
 
-def stored_pixels(what: str, path: Path, *, shape: tuple[int, ...]) -> NDArray[Any]:
+def stored_pixels(path: Path, *, shape: tuple[int, ...]) -> NDArray[Any]:
     """Returns the numbers of a file as they are stored, in the machine's order of bytes.
 
     Raises:
         VolumeFormatError: They cannot be decoded, or are not as many as announced.
     """
     import pydicom
-    from pydicom.errors import InvalidDicomError
 
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            dataset = pydicom.dcmread(path)
-            pixels = _decoded(dataset)
+    with damage_told(path, allowed=READ):
+        dataset = pydicom.dcmread(path)
+        pixels = _decoded(dataset)
         native = pixels.astype(pixels.dtype.newbyteorder("="), copy=False)
         return _used_bits(native, int(dataset.get("BitsStored") or 0)).reshape(shape)
-    except MemoryError:
-        raise
-    except (
-        ArithmeticError, AttributeError, InvalidDicomError, LookupError, NotImplementedError,
-        OSError, RuntimeError, TypeError, ValueError, zlib.error,
-    ) as error:  # fmt: skip
-        # decoders raise all of these at damaged files
-        raise VolumeFormatError(
-            f"{what} cannot be decoded at {path.name} ({_reason(error)}); allowed: complete, "
-            "undamaged files, uncompressed or in JPEG, JPEG-LS, JPEG 2000, RLE or deflated"
-        ) from None
 
 
 def _decoded(dataset: Dataset) -> NDArray[Any]:
@@ -231,8 +216,3 @@ def _used_bits(pixels: NDArray[Any], used: int) -> NDArray[Any]:
     shifted: NDArray[Any] = pixels << unused
     shifted >>= unused
     return shifted
-
-
-def _reason(error: Exception) -> str:
-    """Returns the last line of a decoder's message."""
-    return (str(error).strip().splitlines() or [type(error).__name__])[-1].strip().rstrip(".")

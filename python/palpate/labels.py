@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import warnings
 from os import PathLike
 from pathlib import Path
 
 from palpate.errors import OptionError
 from palpate.io_dicom import is_dicom
+from palpate.io_dicom_header import damage_told
 from palpate.labels_contours import read_rtstruct
 from palpate.labels_dicom import read_seg
 from palpate.labels_grid import Label, Labels
@@ -59,7 +59,8 @@ def _read(source: Path, volume: Volume, progress: Progress) -> Labels:
             raise OptionError(
                 f"{source} is DICOM of modality {modality or 'unknown'}; allowed: SEG or RTSTRUCT"
             )
-        return reader(source, volume, progress=progress)
+        with damage_told(source):
+            return reader(source, volume, progress=progress)
     if is_segmentation(source):
         return read_seg_nrrd(source, volume, progress=progress)
     return read_label_map(source, volume, progress=progress)
@@ -68,7 +69,6 @@ def _read(source: Path, volume: Volume, progress: Progress) -> Labels:
 def _modality(path: Path) -> str:
     import pydicom
 
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
+    with damage_told(path):
         dataset = pydicom.dcmread(path, stop_before_pixels=True, specific_tags=["Modality"])
-    return str(dataset.get("Modality") or "")
+        return str(dataset.get("Modality") or "")

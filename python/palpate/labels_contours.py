@@ -10,7 +10,6 @@ Source: DICOM PS3.3, C.8.8.6 (ROI contour).
 
 from __future__ import annotations
 
-import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -18,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.errors import OptionError
+from palpate.io_dicom_header import damage_told
 from palpate.labels_grid import Colour, Label, Labels
 from palpate.progress import Progress
 from palpate.volume import Volume
@@ -43,8 +43,7 @@ def read_rtstruct(path: Path, volume: Volume, *, progress: Progress) -> Labels:
     """
     import pydicom
 
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
+    with damage_told(path):
         dataset = pydicom.dcmread(path)
         names = {
             int(roi.ROINumber): str(roi.get("ROIName") or f"structure {roi.ROINumber}")

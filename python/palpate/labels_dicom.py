@@ -8,7 +8,6 @@ Source: DICOM PS3.3, A.51 and C.8.20 (segmentation), C.10.7.1.1 (CIELab).
 
 from __future__ import annotations
 
-import warnings
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.errors import VolumeFormatError
-from palpate.io_dicom_header import Frame, frame_of
+from palpate.io_dicom_header import Frame, damage_told, frame_of
 from palpate.io_dicom_pixels import stored_pixels
 from palpate.labels_grid import Colour, Label, Labels, Placement, patient_from_grid, placement
 from palpate.progress import Progress
@@ -50,8 +49,7 @@ def read_seg(path: Path, volume: Volume, *, progress: Progress) -> Labels:
     """
     import pydicom
 
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
+    with damage_told(path):
         dataset = pydicom.dcmread(path, stop_before_pixels=True)
         told = [_told(item) for item in dataset.get("SegmentSequence") or [] if _is_part(item)]
         count = int(dataset.get("NumberOfFrames") or 1)
@@ -59,7 +57,7 @@ def read_seg(path: Path, volume: Volume, *, progress: Progress) -> Labels:
         of_frame = [_number(dataset, index) for index in range(count)]
     progress(f"reading {count} frames", None)
     shape = (count, int(dataset.Rows), int(dataset.Columns))
-    stored = stored_pixels(str(path), path, shape=shape)
+    stored = stored_pixels(path, shape=shape)
     places = [_place(path, frame, shape, volume=volume) for frame in frames]
 
     kind = str(dataset.get("SegmentationType") or "BINARY")

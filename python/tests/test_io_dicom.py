@@ -213,3 +213,42 @@ def test_files_of_two_patients_are_two_series(write_series: Any) -> None:
     folder = write_series(uid="1.2.3", prefix="b", PatientID="8")
     assert "holds 2 series" in refused(folder)
     assert palpate.read(folder, series="2").dimensions == (4, 3, 4)
+
+
+def test_a_damaged_header_is_told_and_its_slice_is_missing(write_series: Any) -> None:
+    folder = write_series(positions=[(0.0, 0.0, 2.5 * k) for k in range(6)])
+    path = next(file for file in folder.iterdir() if palpate_number(file) == 2)
+    content = path.read_bytes()
+    # columns of a kind that DICOM does not know
+    place = content.index(bytes.fromhex("28001100"))
+    path.write_bytes(content[: place + 4] + b"ZZ" + content[place + 6 :])
+    volume = palpate.read(folder)
+    assert f"1 files are damaged and were left out, such as {path.name}" in volume.warnings
+    assert any("1 slices are missing, after number 2" in warning for warning in volume.warnings)
+    with pytest.raises(
+        VolumeFormatError, match=r"is damaged, or DICOM of an unknown kind .*allowed"
+    ):
+        palpate.read(path)
+
+
+def palpate_number(path: Path) -> int:
+    from pydicom import dcmread
+
+    return int(dcmread(path).pixel_array[0, 0]) // 100
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_files_with_wrong_bytes_are_refused_or_read(write_series: Any, seed: int) -> None:
+    at_random = np.random.default_rng(seed)
+    folder = write_series()
+    said: list[str] = []
+    for _ in range(10):
+        path = sorted(folder.iterdir())[int(at_random.integers(4))]
+        content = bytearray(path.read_bytes())
+        content[int(at_random.integers(132, len(content)))] = int(at_random.integers(256))
+        path.write_bytes(content)
+        try:
+            palpate.read(folder)
+        except PalpateError as error:
+            said.append(str(error))
+    assert all("allowed" in one or "choose one" in one for one in said)

@@ -146,7 +146,7 @@ def test_transfer_syntaxes_give_what_itk_gives(data_folder: Path, name: str) -> 
     path = data_folder / "pydicom_transfer_syntaxes" / f"{name}.dcm"
     header = read_header(path)
     assert header is not None
-    stored = stored_pixels(name, path, shape=(-1, header.rows, header.columns))
+    stored = stored_pixels(path, shape=(-1, header.rows, header.columns))
     slope, intercept = header.frames[0].scale or (1.0, 0.0)
     expected = SimpleITK.GetArrayFromImage(SimpleITK.ReadImage(str(path)))
     np.testing.assert_allclose(stored * slope + intercept, expected)
@@ -162,6 +162,6 @@ def test_single_bits_are_the_same_in_every_syntax(data_folder: Path, name: str) 
     folder = data_folder / "pydicom_transfer_syntaxes"
     rows, columns = (510, 510) if "nonbyte" in name else (512, 512)
     plain = dcmread(folder / "liver.dcm").pixel_array
-    stored = stored_pixels(name, folder / f"{name}.dcm", shape=(-1, rows, columns))
+    stored = stored_pixels(folder / f"{name}.dcm", shape=(-1, rows, columns))
     # those of 510 rows and columns are cut from the others
     np.testing.assert_array_equal(stored, plain[:, :rows, :columns])
