@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 import os
+import warnings
 import zlib
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -58,9 +59,12 @@ def read_slices(headers: Sequence[Header], *, progress: Progress) -> SlicePixels
     voxels = sum(len(header.frames) * header.rows * header.columns for header in headers)
     said = f"reading {len(headers)} files, {voxels * 2 / 2**20:.0f} MiB"
     parts: list[_Part] = []
-    for part in _in_parallel(_part, headers):
-        parts.append(part)
-        progress(said, len(parts) / len(headers))
+    # filters of warnings belong to all threads: what each of them sets is undone here
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        for part in _in_parallel(_part, headers):
+            parts.append(part)
+            progress(said, len(parts) / len(headers))
 
     # what was not measured is air, or where that has no known value the lowest that was
     air = AIR_HU if headers[0].unit == "HU" else min(part.lowest for part in parts)
