@@ -1,4 +1,4 @@
-"""The command line: `open`, `demo`, `info`, `record`, `replay`, `surface`, `scenario`, `bench`.
+"""The command line: `open`, `demo`, `info`, `series`, `record`, `replay`, `surface`, and others.
 
 Whatever is wrong with what was given becomes one line on stderr and exit code 2. Heavy
 modules are imported inside the commands, so that ``palpate --help`` is quick.
@@ -21,6 +21,7 @@ from palpate.cli_bench import (
     stress_in_matter,
 )
 from palpate.cli_scenario import scenario
+from palpate.cli_series import series
 from palpate.console import WRONG_INPUT, Display, fail, quiet_libraries, warn
 from palpate.errors import PalpateError
 
@@ -382,6 +383,9 @@ def replay(
     from palpate.cli_record import replay_file
 
     return replay_file(file, csv=csv, npz=npz, as_json=as_json)
+
+
+app.command("series")(series)
 
 
 surface = typer.Typer(help="Meshes of segments, and voxels of meshes.", no_args_is_help=True)

@@ -7,9 +7,10 @@ from pathlib import Path
 
 import numpy as np
 
-from palpate.errors import OptionError, PalpateError
+from palpate.errors import OptionError, PalpateError, VolumeFormatError
 from palpate.io_archive import is_archive, unpacked
-from palpate.io_dicom import is_dicom, read_dicom_file, read_dicom_folder
+from palpate.io_dicom import is_dicom, read_dicom_file, read_dicom_folder, series_in
+from palpate.io_dicom_header import Series
 from palpate.io_file import read_file
 from palpate.io_raw import RawLayout, holds_pictures, is_picture, read_pictures, read_raw
 from palpate.orientation import direction_of, letters_of
@@ -18,7 +19,7 @@ from palpate.raw_scan import RawScan
 from palpate.stored import to_stored
 from palpate.volume import Source, Volume, VolumeTraits
 
-__all__ = ["read"]
+__all__ = ["list_series", "read"]
 
 UNITS = ("HU",)
 """Units that a person can say a scan has."""
@@ -118,6 +119,24 @@ def read(
     given = {name: option for name, option in options.items() if option is not None}
     volume.source = Source(source.resolve(), given)
     return volume
+
+
+def list_series(path: str | PathLike[str], *, progress: Progress = silent) -> list[Series]:
+    """Lists the scans in a DICOM folder or zip archive, the longest first.
+
+    Raises:
+        FileNotFoundError: ``path`` does not exist.
+        VolumeFormatError: It is neither, or holds no scan.
+    """
+    source = Path(path)
+    if not source.exists():
+        raise FileNotFoundError(f"{source} does not exist; allowed: an existing file or folder")
+    if is_archive(source):
+        with unpacked(source, progress) as folder:
+            return series_in(folder, called=source, progress=progress)
+    if not source.is_dir():
+        raise VolumeFormatError(f"{source} is one file; allowed: a DICOM folder or zip archive")
+    return series_in(source, progress=progress)
 
 
 def _check_options(source: Path, *, series: str | None, unit: str | None, max_voxels: int) -> None:

@@ -67,6 +67,10 @@ class Header:
     """Byte at which uncompressed pixels begin, and their type; None where a decoder is needed."""
     instance: str
     """SOPInstanceUID: two files with the same one are copies."""
+    patient: str
+    """Name and number, as the file has them."""
+    study_told: str
+    """Date and description."""
     study: tuple[str, ...]
     """UIDs of study and frame of reference: what is left to tell scans apart without a series."""
     inverted: bool
@@ -126,7 +130,7 @@ def _group(header: Header) -> tuple[Any, ...]:
     own_volume = header.path if len(header.frames) > 1 else None
     # without a UID, what lies on one grid in one frame of reference belongs together
     told = header.series or (header.study, header.modality, header.frames[0].pixel_spacing)
-    return (told, header.rows, header.columns, own_volume)
+    return (told, header.patient, header.rows, header.columns, own_volume)
 
 
 def _parallel(one: Header, other: Header) -> bool:
@@ -192,6 +196,8 @@ def _header(
         truncated=not packed and left < stored,
         plain=plain,
         instance=str(dataset.get("SOPInstanceUID") or ""),
+        patient=_joined(dataset, "PatientName", "PatientID"),
+        study_told=_joined(dataset, "StudyDate", "StudyDescription"),
         study=tuple(str(dataset.get(name) or "") for name in STUDY),
         inverted=dataset.get("PhotometricInterpretation") == "MONOCHROME1",
         bits=int(dataset.get("BitsStored") or dataset.get("BitsAllocated") or 16),
@@ -237,6 +243,11 @@ def _scale(dataset: Dataset, index: int) -> tuple[float, float] | None:
     if slope is None or intercept is None:
         return None
     return float(slope), float(intercept)
+
+
+def _joined(dataset: Dataset, *names: str) -> str:
+    """Returns what of several elements is there, as one text."""
+    return " ".join(filter(None, (str(dataset.get(name) or "").strip() for name in names)))
 
 
 def _padding(dataset: Dataset) -> tuple[int, int] | None:

@@ -66,7 +66,10 @@ def read_label_map(path: Path, volume: Volume, *, progress: Progress) -> Labels:
         VolumeFormatError: It cannot be read.
         OptionError: It lies on another grid than the scan, or holds no labels.
     """
-    labels = _on_grid(path, read(path, progress=progress), volume)
+    given = read(path, progress=progress)
+    labels = _on_grid(path, given, volume)
+    size, whole = (" x ".join(map(str, one.dimensions)) for one in (given, volume))
+    said = () if size == whole else (f"the map has {size} voxels, the scan {whole}",)
     counts = _stored_counts(labels)
     values = {stored: labels.value_of(stored) for stored in counts if labels.value_of(stored)}
     if len(values) > MOST_LABELS:
@@ -81,7 +84,7 @@ def read_label_map(path: Path, volume: Volume, *, progress: Progress) -> Labels:
         name, colour = names.get(round(value), (f"label {value:g}", None))
         part = labels.threshold(value, value).part_of(volume, name=name)
         made.append(Label(part, colour or colour_of_name(name)))
-    return Labels(tuple(made))
+    return Labels(tuple(made), said)
 
 
 def read_mask_folder(folder: Path, volume: Volume, *, progress: Progress) -> Labels:

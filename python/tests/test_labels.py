@@ -67,7 +67,9 @@ def test_a_cropped_map_that_runs_the_other_way_lies_in_its_place(
     SimpleITK.WriteImage(swapped, str(tmp_path / "part.nrrd"))
     expected = np.zeros(SHAPE, np.uint8)
     expected[1:4, 2:, 1:6] = labels[1:4, 2:, 1:6]
-    for value, label in enumerate(palpate.read_labels(tmp_path / "part.nrrd", scan).labels, 1):
+    found = palpate.read_labels(tmp_path / "part.nrrd", scan)
+    assert found.warnings == ("the map has 3 x 5 x 4 voxels, the scan 7 x 6 x 5",)
+    for value, label in enumerate(found.labels, 1):
         np.testing.assert_array_equal(label.segment.mask(), expected == value)
 
 
