@@ -10,7 +10,10 @@ import numpy as np
 import pytest
 from palpate.cli import run
 from palpate.errors import OptionError
-from palpate.scenario_lines import line_into, line_over
+from palpate.io import read
+from palpate.palpation import palpate_line
+from palpate.scenario import body_of_scan
+from palpate.scenario_lines import PressLine, line_into, line_over
 from palpate.scenario_run import UNITS, Press, ScenarioEvent, ScenarioRun, read_run, write_run
 from palpate.volume import Volume
 
@@ -163,3 +166,39 @@ def test_a_scenario_that_cannot_be_drawn_is_refused(
 ) -> None:
     assert run(["scenario", "needle-skull", "--plot", str(tmp_path / "run.txt")]) == 2
     assert "allowed" in capsys.readouterr().err
+
+
+@pytest.mark.data
+def test_the_skull_under_two_millimetres_of_skin_pushes_back_all_the_way(
+    data_folder: Path,
+) -> None:
+    volume = read(data_folder / "cthead_stanford/CThead.mha")
+    body = body_of_scan(volume)
+    met, hard = (mask.argmax(axis=1) for mask in (body.all_soft | body.bone, body.bone))
+    sides = [(axis, way) for axis in (0, 1) for way in (-2, -1, 1, 2)]
+    flat = np.max([np.abs(met - np.roll(met, way, axis=axis)) for axis, way in sides], axis=0)
+    thin = ((hard - met) * volume.spacing[1] == 2.0) & (flat <= 1)
+    thin[:6] = thin[-6:] = False
+    z, x = np.argwhere(thin)[0]
+    grid = np.array([[x + 0.5, y, z + 0.5, 1.0] for y in (met[z, x], met[z, x] + 1.0)])
+    skin, inward = (grid @ volume.patient_from_grid.T)[:, :3]
+    line = PressLine(
+        surface=(skin,),
+        direction=(inward - skin) / np.linalg.norm(inward - skin),
+        along=(0.0,),
+        thickness=(2.0,),
+    )
+    layers = [
+        (volume.segment(body.all_soft, name="skin"), "muscle"),
+        (volume.segment(body.bone, name="bone"), None),
+    ]
+    radius = 2.0 * min(volume.spacing)
+    driven = palpate_line(volume, layers, line, radius=radius, depth=8.0)
+    assert driven.violations == 0
+    # how far the drive has the ball's face in the bone: the spring is 1 N/mm
+    deep = driven.travel - 2.0 * max(volume.spacing) - 2.0
+    assert deep.max() > 3.0
+    # the skull falls away beside the place: its voxels hold a ball later than a flat face would
+    missing = deep - driven.force
+    assert missing.max() < 1.5
+    assert driven.force[deep > 2.0].min() > 0.8
