@@ -341,6 +341,9 @@ class Session:
     def begin_journal(self, path: Path, scan_hash: bytes) -> None:
         """Begins a journal in a new file, with what is there now."""
 
+    def keep_state(self, path: Path, scan_hash: bytes) -> None:
+        """Writes what is there now into a new file; a journal that runs goes on."""
+
     def recover_journal(self, path: Path, scan_hash: bytes) -> tuple[int, int, list[bytes]]:
         """Does again what a journal says and goes on with it; steps, lost bytes, notes."""
 

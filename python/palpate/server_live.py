@@ -52,13 +52,19 @@ class Live:
         recorder: Recorder,
         *,
         journal: Journal | None = None,
+        looks: bytes | None = None,
     ) -> None:
-        """Shows a session; ``hello`` is what each page is told first."""
+        """Shows a session; ``hello`` is what each page is told first.
+
+        ``looks`` are those of a scene that was opened.
+        """
         self._from_threads: SimpleQueue[protocol.ToPage] = SimpleQueue()
         self.session = session
         self.recorder = recorder
         self.journal = journal
         self.segments = ShownSegments(session, None if journal is None else journal.note)
+        if looks is not None:
+            self.segments.restore(looks)
         self._restore_looks()
         self._hello = hello
         self.picture = ToldPicture(session.scene.volume.array)

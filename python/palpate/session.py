@@ -518,6 +518,15 @@ class Session:
         with _given():
             self._internal.begin_journal(path, scan_hash)
 
+    def keep_state(self, path: Path, scan_hash: bytes) -> None:
+        """Writes what is there now into a new file, as a journal without steps.
+
+        Raises:
+            OptionError: The file exists already, or the disk says no.
+        """
+        with _given():
+            self._internal.keep_state(path, scan_hash)
+
     def recover_journal(self, path: Path, scan_hash: bytes) -> tuple[int, int, list[bytes]]:
         """Does again what a journal says, step by step, and goes on with that file.
 
@@ -530,6 +539,11 @@ class Session:
         """
         with _given():
             return self._internal.recover_journal(path, scan_hash)
+
+    def end_journal(self) -> None:
+        """Writes what waits and closes the journal."""
+        with _given():
+            self._internal.end_journal()
 
     def note_in_journal(self, note: bytes) -> None:
         """Keeps bytes beside the voxels, where there is a journal."""

@@ -501,6 +501,15 @@ impl PySession {
         Ok(py.detach(|| self.session.begin_journal(path, ScanHash(scan_hash)))?)
     }
 
+    fn keep_state(
+        &self,
+        py: Python<'_>,
+        path: PathBuf,
+        scan_hash: [u8; 32],
+    ) -> Result<(), CoreError> {
+        Ok(py.detach(|| self.session.keep_state(path, ScanHash(scan_hash)))?)
+    }
+
     /// Steps, bytes that are lost, and notes of a journal that is followed.
     fn recover_journal<'py>(
         &self,

@@ -1,4 +1,4 @@
-"""DICOM folders: one series, an even and upright stack, wherever its files come from."""
+"""DICOM folders: one series as one stack, wherever its files come from."""
 
 from __future__ import annotations
 
@@ -101,21 +101,6 @@ def test_files_that_are_no_scans_do_not_matter(write_series: Any) -> None:
     assert palpate.read(folder).dimensions == (4, 3, 4)
 
 
-def test_a_missing_slice_is_refused(write_series: Any) -> None:
-    positions = [(0.0, 0.0, z) for z in (0.0, 2.5, 5.0, 10.0, 12.5)]
-    message = refused(write_series(positions=positions))
-    assert "uneven steps between slices: 2.50 to 5.00 mm, 1 of 4" in message
-
-
-def test_a_gantry_tilt_is_refused(write_series: Any) -> None:
-    tilt = np.radians(18.5)
-    orientation = (1.0, 0.0, 0.0, 0.0, float(np.cos(tilt)), float(-np.sin(tilt)))
-    positions = [(0.0, 0.0, 4.0 * k) for k in range(6)]
-    message = refused(write_series(positions=positions, orientation=orientation))
-    assert "tilted by 18.5 degrees" in message
-    assert "uneven" not in message
-
-
 def test_slices_at_one_place_are_refused(write_series: Any) -> None:
     message = refused(write_series(positions=UPRIGHT + UPRIGHT[:2]))
     assert "2 slices at the place of another" in message
@@ -128,6 +113,22 @@ def test_steps_as_headers_round_them_are_even(write_series: Any) -> None:
     assert palpate.read(write_series(positions=positions)).spacing[2] == pytest.approx(
         0.625, abs=2e-4
     )
+
+
+def test_copies_of_slices_are_left_out_and_told(write_series: Any) -> None:
+    folder = write_series()
+    path = sorted(folder.iterdir())[1]
+    (folder / "copy").write_bytes(path.read_bytes())
+    volume = palpate.read(folder)
+    assert volume.dimensions == (4, 3, 4)
+    assert "1 files are copies of others and were left out" in volume.warnings
+
+
+def test_an_empty_series_uid_is_told_apart_by_geometry(write_series: Any) -> None:
+    write_series(uid="", prefix="a", PixelSpacing=[0.9, 0.9])
+    folder = write_series(uid="", prefix="b", positions=UPRIGHT[:3])
+    assert "holds 2 series" in refused(folder)
+    assert palpate.read(folder, series="2").dimensions == (4, 3, 3)
 
 
 def test_one_slice_is_no_volume(write_series: Any) -> None:

@@ -132,6 +132,15 @@ impl Session {
         self.ask(move |simulation| simulation.begin_journal(&path, hash))?
     }
 
+    /// Writes what is there now into a new file, as the head of a journal without steps; a journal
+    /// that runs goes on.
+    ///
+    /// # Errors
+    /// Where the file exists already, the disk says no, or the session has ended.
+    pub fn keep_state(&self, path: PathBuf, hash: ScanHash) -> Result<(), SessionError> {
+        self.ask(move |simulation| simulation.keep_state(&path, hash))?
+    }
+
     /// Does again what a journal of this scan says, and goes on with it.
     ///
     /// # Errors
