@@ -276,12 +276,13 @@ class Session:
     def whole_surfaces(self) -> dict[str, Any]:
         """All surfaces as they are now, in the same form."""
 
-    def set_deformation(self, model: str | None, edge: int | None) -> None:
+    def set_deformation(self, model: str | None, edge: int | None, undoable: bool) -> None:
         """Chooses the model by which matter gives way, and its box; None makes all matter hard."""
 
     def set_material(
         self,
         segment_id: int,
+        undoable: bool,
         *,
         name: str | None = None,
         constant: tuple[float, ...] | None = None,

@@ -119,8 +119,8 @@ class SavedScene:
         if lost:
             raise SceneFormatError(f"{self.path}: {SEGMENTS} is damaged: {lost} bytes are missing")
         for each in self.about.materials:
-            session.set_material(each.segment, _given_material(each))
-        session.set_deformation(self.about.model, edge=self.about.edge)
+            session.set_material(each.segment, _given_material(each), undoable=False)
+        session.set_deformation(self.about.model, edge=self.about.edge, undoable=False)
 
 
 def save_scene(

@@ -394,7 +394,9 @@ class Session:
 
     # --- matter that gives way ------------------------------------------------------------
 
-    def set_deformation(self, model: str | None, *, edge: int | None = None) -> None:
+    def set_deformation(
+        self, model: str | None, *, edge: int | None = None, undoable: bool = True
+    ) -> None:
         """Chooses the model by which matter gives way under the probe; None makes all hard.
 
         Segments without a material stay hard (``set_material``). What the probe moves from
@@ -404,15 +406,20 @@ class Session:
             model: One of ``palpate.material.deformation_models()``.
             edge: Nodes or cells along each edge of its box (``palpate.material.model_boxes``);
                 by default as many as usual.
+            undoable: Whether undo takes the choice back.
 
         Raises:
             OptionError: There is no such model, or it has no such box.
         """
         with _given():
-            self._internal.set_deformation(model, edge)
+            self._internal.set_deformation(model, edge, undoable)
 
     def set_material(
-        self, segment_id: int, material: Material | LinearMaterial | str | None
+        self,
+        segment_id: int,
+        material: Material | LinearMaterial | str | None,
+        *,
+        undoable: bool = True,
     ) -> None:
         """Tells what a segment is made of.
 
@@ -420,6 +427,7 @@ class Session:
             segment_id: Which one.
             material: Constants, or a name of ``palpate.material.material_presets()``; None is
                 hard matter.
+            undoable: Whether undo takes it back.
 
         Raises:
             OptionError: There is no such segment or name, or no matter has such constants.
@@ -427,15 +435,15 @@ class Session:
         with _given():
             match material:
                 case str():
-                    self._internal.set_material(segment_id, name=material)
+                    self._internal.set_material(segment_id, undoable, name=material)
                 case LinearMaterial(interval, low, high):
                     self._internal.set_material(
-                        segment_id, linear=(interval, tuple(low), tuple(high))
+                        segment_id, undoable, linear=(interval, tuple(low), tuple(high))
                     )
                 case None:
-                    self._internal.set_material(segment_id)
+                    self._internal.set_material(segment_id, undoable)
                 case Material():
-                    self._internal.set_material(segment_id, constant=tuple(material))
+                    self._internal.set_material(segment_id, undoable, constant=tuple(material))
 
     def set_parts(self, segment_id: int, parts: Sequence[Part]) -> None:
         """Tells how parts of a segment with a material take part.

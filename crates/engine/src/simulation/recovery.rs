@@ -167,7 +167,8 @@ impl Simulation {
                 file.moved(action, *id, pose, goes_on);
                 Vec::new()
             }
-            Step::Several(_) => Vec::new(),
+            // no journal tells of matter
+            Step::Material { .. } | Step::Model(_) | Step::Several(_) => Vec::new(),
         };
         for id in known_anew {
             self.write_facts(id);

@@ -17,7 +17,7 @@ const FLAT_RADIUS: f32 = 250.0;
 /// Of the sine of an angle; below it the edges of terraces tell no more.
 const EPSILON: f32 = 0.2;
 /// What a flat terrace tells at least, of what a face at 45° does.
-const TERRACE: f32 = 1e-4;
+const TERRACE: f32 = 0.1;
 /// The same where the surface bends, times a voxel's side over its radius.
 const BENT_TERRACE: f32 = 0.3;
 /// A normal that points farther away from a face's solid side is none.
