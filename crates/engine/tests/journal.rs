@@ -154,11 +154,7 @@ fn what_is_there_is_kept_in_a_file_while_the_journal_goes_on() {
     rig.simulation.keep_state(&kept.0, HASH).unwrap();
     let error = rig.simulation.keep_state(&kept.0, HASH);
     assert!(error.unwrap_err().to_string().contains("exists already"));
-    stroke(
-        &mut rig,
-        ends[0] + 6.0 * DVec3::Y,
-        ends[1] + 6.0 * DVec3::Y,
-    );
+    stroke(&mut rig, ends[0] + 6.0 * DVec3::Y, ends[1] + 6.0 * DVec3::Y);
     let later = masks(&rig);
     assert!(later != then);
     drop(rig);
