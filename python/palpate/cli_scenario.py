@@ -119,6 +119,34 @@ def palpation(
     _tell(run, (json, plot))
 
 
+@scenario.command()
+def play(
+    run: Annotated[Path, typer.Argument(help="What --json has written.", metavar="FILE")],
+    path: Scan = None,
+    *,
+    segments: Labels = None,
+    liver: Liver = 6,
+    bone: BoneFrom = None,
+    port: Annotated[int, typer.Option(help="Port of 127.0.0.1; 0 takes a free one.")] = 0,
+    browser: Annotated[bool, typer.Option(help="Open the page, where there is a display.")] = True,
+) -> None:
+    """Show a run on the page, with its scan, and play it."""
+    from palpate.cli_open import check_page, show
+    from palpate.console import warn
+    from palpate.scenario import scene_of_body
+    from palpate.scenario_run import read_run
+    from palpate.server import bind
+
+    check_page()
+    scan = read_run(run).scan
+    with bind(port) as listener, quiet_libraries():
+        with Display() as display:
+            body = _body((path, segments, liver, bone), display)
+        if body.volume.name != scan:
+            warn(f"the run is of {scan}, and this scan is {body.volume.name}")
+        show(scene_of_body(body), listener, rate=1000, browser=browser, run=run)
+
+
 ScanOptions = tuple[Path | None, Path | None, int, float | None]
 """A scan, its label map, the liver's number in that, where bone begins."""
 
@@ -178,6 +206,7 @@ def _tell(run: ScenarioRun, files: Files) -> None:
     json, plot = files
     if json is not None:
         write_run(run, json)
+        typer.echo(f"palpate scenario play {json} shows it on the page")
     if plot is not None:
         plot_run(run, plot)
 

@@ -7,16 +7,19 @@ from pathlib import Path
 
 import numpy as np
 
-from palpate.errors import OptionError, PalpateError
-from palpate.io_dicom import is_dicom, read_dicom_file, read_dicom_folder
+from palpate.errors import OptionError, PalpateError, VolumeFormatError
+from palpate.io_archive import is_archive, unpacked
+from palpate.io_dicom import is_dicom, read_dicom_file, read_dicom_folder, series_in
+from palpate.io_dicom_header import Series
 from palpate.io_file import read_file
+from palpate.io_raw import RawLayout, holds_pictures, is_picture, read_pictures, read_raw
 from palpate.orientation import direction_of, letters_of
 from palpate.progress import Progress, silent
 from palpate.raw_scan import RawScan
 from palpate.stored import to_stored
-from palpate.volume import Volume, VolumeTraits
+from palpate.volume import Source, Volume, VolumeTraits
 
-__all__ = ["read"]
+__all__ = ["list_series", "read"]
 
 UNITS = ("HU",)
 """Units that a person can say a scan has."""
@@ -29,20 +32,25 @@ def read(
     orientation: str | None = None,
     unit: str | None = None,
     fill: float | None = None,
+    raw: str | None = None,
+    voxel_size: tuple[float, float, float] | None = None,
     max_voxels: int = 1024**3,
     progress: Progress = silent,
 ) -> Volume:
     """Reads one volume and places it in patient space, LPS [mm].
 
     Args:
-        path: A NIfTI, NRRD or MetaImage file, a folder with a DICOM series, or a DICOM file
-            with all slices of one.
+        path: A folder with a DICOM series, a zip archive of one, or a DICOM file with all its
+            slices; a NIfTI, NRRD, MetaImage or MINC file; a folder of pictures; raw voxels.
         series: Series to take where the folder holds several: its UID, its description, or its
             number in the list that the error shows.
         orientation: Sides toward which the file's x, y and z run, such as "LPS", where the file
             does not tell or is wrong.
         unit: "HU" where the values are known to be.
         fill: Value that takes the place of NaN and infinite ones.
+        raw: Layout of raw voxels, as SIZE,TYPE[,ORDER[,SKIP]], such as "256x256x113,int16,big";
+            for a folder, each file holds slices.
+        voxel_size: Along x, y, z [mm], where the files cannot tell: of raw voxels and pictures.
         max_voxels: Largest volume accepted, a guard against running out of memory.
         progress: Told how far the reading is.
 
@@ -54,7 +62,17 @@ def read(
     """
     source = Path(path)
     _check_options(source, series=series, unit=unit, max_voxels=max_voxels)
-    scan = _read(source, series=series, max_voxels=max_voxels, progress=progress)
+    if raw is not None or _is_pictures(source, sized=voxel_size is not None):
+        layout = None if raw is None else RawLayout.of(raw)
+        scan = _read_bare(
+            source, layout, voxel=voxel_size, max_voxels=max_voxels, progress=progress
+        )
+    elif voxel_size is not None:
+        raise OptionError(
+            f"voxel size given for {source}; allowed: for raw voxels and pictures, others tell it"
+        )
+    else:
+        scan = _read(source, series=series, max_voxels=max_voxels, progress=progress)
     _apply_orientation(scan, orientation)
     if unit is not None:
         scan.unit = unit
@@ -73,7 +91,7 @@ def read(
         scan.warnings.append(f"{stored.filled} NaN or infinite values were set to {fill:g}")
     if not scan.unit:
         scan.warnings.append("the unit of the values is unknown; give --unit HU if it is HU")
-    return Volume(
+    volume = Volume(
         stored.values,
         spacing=scan.spacing,
         origin=scan.origin,
@@ -89,6 +107,36 @@ def read(
             warnings=tuple(scan.warnings),
         ),
     )
+    # what other places of the file and of the program could not know
+    options = {
+        "series": series,
+        "orientation": orientation,
+        "unit": unit,
+        "fill": fill,
+        "raw": raw,
+        "voxel_size": voxel_size,
+    }
+    given = {name: option for name, option in options.items() if option is not None}
+    volume.source = Source(source.resolve(), given)
+    return volume
+
+
+def list_series(path: str | PathLike[str], *, progress: Progress = silent) -> list[Series]:
+    """Lists the scans in a DICOM folder or zip archive, the longest first.
+
+    Raises:
+        FileNotFoundError: ``path`` does not exist.
+        VolumeFormatError: It is neither, or holds no scan.
+    """
+    source = Path(path)
+    if not source.exists():
+        raise FileNotFoundError(f"{source} does not exist; allowed: an existing file or folder")
+    if is_archive(source):
+        with unpacked(source, progress) as folder:
+            return series_in(folder, called=source, progress=progress)
+    if not source.is_dir():
+        raise VolumeFormatError(f"{source} is one file; allowed: a DICOM folder or zip archive")
+    return series_in(source, progress=progress)
 
 
 def _check_options(source: Path, *, series: str | None, unit: str | None, max_voxels: int) -> None:
@@ -98,16 +146,42 @@ def _check_options(source: Path, *, series: str | None, unit: str | None, max_vo
         raise OptionError(f"unit {unit!r} is not known; allowed: {', '.join(UNITS)}")
     if max_voxels < 1:
         raise OptionError(f"max_voxels is {max_voxels}; allowed: 1 or more")
-    if series is not None and not source.is_dir():
-        raise OptionError(f"series {series!r} was asked of {source}; allowed: with a DICOM folder")
+    if series is not None and not (source.is_dir() or is_archive(source)):
+        raise OptionError(
+            f"series {series!r} was asked of {source}; allowed: with a DICOM folder or archive"
+        )
 
 
 def _read(source: Path, *, series: str | None, max_voxels: int, progress: Progress) -> RawScan:
     if source.is_dir():
         return read_dicom_folder(source, series=series, max_voxels=max_voxels, progress=progress)
+    if is_archive(source):
+        with unpacked(source, progress) as folder:
+            return read_dicom_folder(
+                folder, series=series, max_voxels=max_voxels, progress=progress, called=source
+            )
     if is_dicom(source):
         return read_dicom_file(source, max_voxels=max_voxels, progress=progress)
     return read_file(source, max_voxels=max_voxels, progress=progress)
+
+
+def _is_pictures(source: Path, *, sized: bool) -> bool:
+    """Says whether pictures are to be stacked: a single one is a scan only if said to be one."""
+    return holds_pictures(source) if source.is_dir() else sized and is_picture(source)
+
+
+def _read_bare(
+    source: Path,
+    layout: RawLayout | None,
+    *,
+    voxel: tuple[float, float, float] | None,
+    max_voxels: int,
+    progress: Progress,
+) -> RawScan:
+    """Reads what does not tell its own geometry."""
+    if layout is None:
+        return read_pictures(source, voxel=voxel, max_voxels=max_voxels, progress=progress)
+    return read_raw(source, layout, voxel=voxel, max_voxels=max_voxels, progress=progress)
 
 
 def _apply_orientation(scan: RawScan, orientation: str | None) -> None:

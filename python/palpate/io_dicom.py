@@ -1,7 +1,7 @@
 """Reading of DICOM: a folder with the slices of a series, or one file with all of them.
 
-Pixels are decoded and rescaled by GDCM through SimpleITK, which knows JPEG, JPEG-LS,
-JPEG 2000 and RLE; geometry comes from the headers themselves.
+Headers are read first, and say where the slices lie and what is wrong with them; then pixels
+are decoded, several files at a time, and laid on a right grid where the stack is none.
 
 Frame: LPS [mm].
 """
@@ -17,11 +17,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.errors import SeriesChoiceError, VolumeFormatError
-from palpate.io_dicom_geometry import Stack, stack_of
+from palpate.io_dicom_geometry import Grid, grid_of, stack_of
 from palpate.io_dicom_header import Header, Series, find_series, read_header
+from palpate.io_dicom_pixels import read_slices
+from palpate.io_dicom_resample import resample
 from palpate.progress import Progress
-from palpate.raw_scan import RawScan, check_shape, orthonormal
-from palpate.simpleitk import reason_of, simpleitk
+from palpate.raw_scan import RawScan, check_shape
 from palpate.stored import Scale
 
 MOST_LISTED = 12
@@ -29,7 +30,7 @@ MOST_LISTED = 12
 MOST_FILES = 50_000
 """Files looked at in one folder: ten of the largest studies, and not a whole disc."""
 
-__all__ = ["is_dicom", "read_dicom_file", "read_dicom_folder"]
+__all__ = ["is_dicom", "read_dicom_file", "read_dicom_folder", "series_in"]
 
 
 def is_dicom(path: Path) -> bool:
@@ -39,15 +40,38 @@ def is_dicom(path: Path) -> bool:
 
 
 def read_dicom_folder(
-    folder: Path, *, series: str | None, max_voxels: int, progress: Progress
+    folder: Path,
+    *,
+    series: str | None,
+    max_voxels: int,
+    progress: Progress,
+    called: Path | None = None,
 ) -> RawScan:
     """Reads the series in a folder and the folders below, or the one asked for of several.
 
+    Messages call the folder as it is ``called``, where its files come from elsewhere.
+
     Raises:
         SeriesChoiceError: There are several series, or not the one asked for.
-        VolumeFormatError: There is none, or it is no even, upright stack.
+        VolumeFormatError: There is none, or it is no stack of slices.
     """
-    files = _files_below(folder)
+    found = series_in(folder, called=called, progress=progress)
+    folder = called or folder
+    chosen, warnings = _choose(folder, found, series)
+    what = f"{folder} (series {chosen.uid})" if chosen.uid else str(folder)
+    scan = _read_series(what, chosen, max_voxels=max_voxels, progress=progress)
+    scan.name = chosen.description or folder.name.removesuffix(".zip")
+    scan.warnings[:0] = warnings
+    return scan
+
+
+def series_in(folder: Path, *, called: Path | None = None, progress: Progress) -> list[Series]:
+    """Lists the series of scans in a folder and those below, the longest first.
+
+    Raises:
+        VolumeFormatError: There is none.
+    """
+    files, folder = _files_below(folder), called or folder
     if not files:
         raise VolumeFormatError(
             f"{folder} is an empty folder; allowed: a folder with the files of a DICOM series"
@@ -58,12 +82,7 @@ def read_dicom_folder(
             f"{folder} holds no DICOM images ({len(files)} files looked at); "
             "allowed: a folder with the files of a DICOM series"
         )
-    chosen, warnings = _choose(folder, found, series)
-    what = f"{folder} (series {chosen.uid})" if chosen.uid else str(folder)
-    scan = _read_series(what, chosen, max_voxels=max_voxels, progress=progress)
-    scan.name = chosen.description or folder.name
-    scan.warnings[:0] = warnings
-    return scan
+    return found
 
 
 def _files_below(folder: Path) -> list[Path]:
@@ -81,7 +100,7 @@ def read_dicom_file(path: Path, *, max_voxels: int, progress: Progress) -> RawSc
     """Reads a file that holds all slices of a volume.
 
     Raises:
-        VolumeFormatError: The file holds one slice, no image, or no even, upright stack.
+        VolumeFormatError: The file holds one slice, no image, or no stack of slices.
     """
     header = read_header(path)
     if header is None:
@@ -132,6 +151,7 @@ def _read_series(what: str, series: Series, *, max_voxels: int, progress: Progre
             f"{what} has {first.samples} numbers per pixel, as colour images have; "
             "allowed: one intensity per pixel"
         )
+    series, said = _without_copies(series)
     check_shape(what, (first.columns, first.rows, series.slices), max_voxels)
     short = [header.path.name for header in series.headers if header.truncated]
     if short:
@@ -139,22 +159,39 @@ def _read_series(what: str, series: Series, *, max_voxels: int, progress: Progre
             f"{what} is truncated: {len(short)} files are shorter than their image, such as "
             f"{short[0]}; allowed: complete files"
         )
+
+    # where the slices lie, before the long work
     stack = stack_of(what, [frame for header in series.headers for frame in header.frames])
-    values = _decode(what, _sorted(series, stack), progress)
-    if stack is not None and len(series.headers) == 1:
-        values = values[list(stack.order)]
-    return _scan(what, series, stack=stack, values=values)
+    grid = None
+    if stack is not None:
+        grid = grid_of(what, stack, columns=first.columns, rows=first.rows)
+        check_shape(what, grid.size, max_voxels)
+
+    pixels = read_slices(what, series.headers, progress=progress)
+    values = pixels.values
+    if stack is not None and grid is not None:
+        if stack.order != tuple(range(len(values))):
+            values = values[list(stack.order)]
+        if grid.resampled:
+            values = resample(values, stack, grid, air=pixels.air, progress=progress)
+    scan = _scan(series, grid=grid, values=values)
+    scan.warnings += said
+    return scan
 
 
-def _sorted(series: Series, stack: Stack | None) -> Series:
-    """Returns a series of single slices with its files in the order of the stack."""
-    if stack is None or len(series.headers) == 1:
-        return series
-    return replace(series, headers=tuple(series.headers[index] for index in stack.order))
+def _without_copies(series: Series) -> tuple[Series, list[str]]:
+    """Returns a series with each slice once, and what was left out."""
+    once: dict[str, Header] = {}
+    for header in series.headers:
+        once.setdefault(header.instance or str(header.path), header)
+    kept = tuple(once.values())
+    copies = len(series.headers) - len(kept)
+    said = [f"{copies} files are copies of others and were left out"] if copies else []
+    return replace(series, headers=kept), said
 
 
-def _scan(what: str, series: Series, *, stack: Stack | None, values: NDArray[Any]) -> RawScan:
-    scales = {header.scale for header in series.headers}
+def _scan(series: Series, *, grid: Grid | None, values: NDArray[Any]) -> RawScan:
+    scales = {frame.scale for header in series.headers for frame in header.frames}
     scale = scales.pop() if len(scales) == 1 else None
     scan = RawScan(
         values=values,
@@ -167,34 +204,16 @@ def _scan(what: str, series: Series, *, stack: Stack | None, values: NDArray[Any
         series=series.uid,
         file_scale=Scale(*scale) if scale else None,
     )
-    if stack is None:
+    if series.headers[0].inverted:
+        scan.warnings.append(
+            "the files want low values bright (MONOCHROME1): "
+            + ("HU are kept as they are" if scan.unit == "HU" else "values are turned around")
+        )
+    if grid is None:
         scan.orientation_known = False
         scan.warnings.append("the files tell no positions or spacing: 1 mm is assumed")
         return scan
-    scan.spacing, scan.origin = stack.spacing, stack.origin
-    scan.direction = orthonormal(what, stack.direction)
+    scan.spacing, scan.origin, scan.direction = grid.spacing, grid.origin, grid.direction
+    if grid.told:
+        scan.warnings.append("; ".join(grid.told))
     return scan
-
-
-def _decode(what: str, series: Series, progress: Progress) -> NDArray[Any]:
-    """Decodes and rescales all slices, in the order of the files."""
-    parts = []
-    for done, header in enumerate(series.headers):
-        progress(f"reading {series.slices} slices", done / len(series.headers))
-        parts.append(_decode_file(what, header))
-    return np.concatenate(parts)
-
-
-def _decode_file(what: str, header: Header) -> NDArray[Any]:
-    sitk = simpleitk()
-    reader = sitk.ImageFileReader()
-    reader.SetFileName(str(header.path))
-    reader.SetImageIO("GDCMImageIO")
-    try:
-        values: NDArray[Any] = sitk.GetArrayFromImage(reader.Execute())
-    except RuntimeError as error:
-        raise VolumeFormatError(
-            f"{what} cannot be decoded at {header.path.name} ({reason_of(error)}); "
-            "allowed: complete, undamaged files, uncompressed or in JPEG, JPEG-LS, JPEG 2000 or RLE"
-        ) from None
-    return values.reshape(-1, header.rows, header.columns)

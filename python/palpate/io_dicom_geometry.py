@@ -1,8 +1,10 @@
-"""Where the slices of a series lie, and whether they make a straight, even stack.
+"""Where the slices of a series lie, and the right grid that they become.
 
-Frame: LPS [mm]. A stack that is tilted (gantry tilt) or unevenly spaced is refused: laid on
-an even, upright grid it would be a sheared or stretched picture of the patient.
-Source: DICOM PS3.3, C.7.6.2.1.1, equation C.7.6.2.1-1.
+A stack is even and upright as it is, or is laid on a right grid by ``io_dicom_resample``: a
+tilted gantry shifts its slices sideways, and steps between them differ where a protocol changes
+or slices are missing. What was found is told in words.
+
+Frame: LPS [mm]. Source: DICOM PS3.3, C.7.6.2.1.1, equation C.7.6.2.1-1.
 """
 
 from __future__ import annotations
@@ -14,45 +16,115 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.errors import VolumeFormatError
-from palpate.io_dicom_header import Frame
+from palpate.io_dicom_header import PARALLEL, Frame
 
-__all__ = ["Stack", "stack_of"]
+__all__ = ["Grid", "Stack", "grid_of", "stack_of"]
+
+SAME_PLACE = 1e-3
+"""Slices nearer than this lie at one place [mm]."""
+WIDEST_GAP = 3.0, 10.0
+"""Gaps wider than so many usual steps and so many mm are not filled: too little is known there."""
 
 
 @dataclass(frozen=True)
 class Stack:
-    """The grid that a series fills."""
+    """Slices in the order of rising normal."""
 
     order: tuple[int, ...]
-    """Frames in the order of rising z of the grid."""
+    """Which of the frames given comes when."""
+    pixel: tuple[float, float]
+    """Between columns, between rows [mm]: along x and y."""
+    axes: NDArray[np.float64]
+    """Unit vectors along rows, along columns and their normal as columns, shape [3, 3]."""
+    positions: NDArray[np.float64]
+    """Centre of each slice's first pixel, in order, shape [slices, 3]."""
+
+    @property
+    def local(self) -> NDArray[np.float64]:
+        """Positions from the first one, along x, y and the normal [mm], shape [slices, 3]."""
+        away: NDArray[np.float64] = (self.positions - self.positions[0]) @ self.axes
+        return away
+
+
+@dataclass(frozen=True)
+class Grid:
+    """A right grid, even on each axis, that holds all of a stack."""
+
+    size: tuple[int, int, int]
     spacing: tuple[float, float, float]
     origin: tuple[float, float, float]
     direction: NDArray[np.float64]
+    resampled: bool
+    """Whether the stack's slices are no slices of it as they are."""
+    told: tuple[str, ...]
+    """What is not as it should be, in words."""
 
 
 def stack_of(what: str, frames: Sequence[Frame]) -> Stack | None:
     """Orders frames along their normal; None where the files tell no positions.
 
     Raises:
-        VolumeFormatError: The frames are tilted, uneven, doubled, or differ in their spacing.
+        VolumeFormatError: Frames are turned against each other, lie at one place, or differ in
+            their spacing.
     """
     if any(frame.position is None or frame.orientation is None for frame in frames):
         return None
     spacing = _pixel_spacing(what, frames)
     if spacing is None:
         return None
-    across, down, normal = _axes(what, frames)
+    axes = _axes(what, frames)
 
-    # order along the normal; a file with its frames from end to start keeps its order
+    # a file with its frames from end to start keeps its order
     positions = np.array([frame.position for frame in frames])
-    order = np.argsort(positions @ normal, kind="stable")
-    step = _even_step(what, positions[order], normal=normal, pixel=min(spacing))
-    first = positions[order[0]]
+    along = positions @ axes[:, 2]
+    order = np.argsort(along, kind="stable")
+    doubled = int(np.count_nonzero(np.diff(along[order]) < SAME_PLACE))
+    if doubled:
+        raise VolumeFormatError(
+            f"{what} has {doubled} slices at the place of another (several phases or times?); "
+            "allowed: one slice per place"
+        )
     return Stack(
         order=tuple(int(index) for index in order),
-        spacing=(spacing[1], spacing[0], step),
-        origin=(float(first[0]), float(first[1]), float(first[2])),
-        direction=np.column_stack([across, down, normal]),
+        pixel=(spacing[1], spacing[0]),
+        axes=axes,
+        positions=positions[order],
+    )
+
+
+def grid_of(what: str, stack: Stack, *, columns: int, rows: int) -> Grid:
+    """Returns the right grid for a stack of slices of such a size.
+
+    It keeps the slices' own axes and pixels, and grows where a tilt shifts them sideways. Its
+    step is the one between slices, or where that differs the finest that is usual.
+
+    Raises:
+        VolumeFormatError: A gap between slices is too wide to be filled.
+    """
+    local = stack.local
+    step, count, told = _steps(what, local[:, 2], least=0.5 * min(stack.pixel))
+    tilt = _tilt(stack)
+    low, high = np.zeros(2), np.zeros(2)
+    if tilt is not None:
+        told.insert(0, tilt)
+        # whole pixels from the first slice, so that its own pixels stay what they are
+        shifts = local[:, :2] / stack.pixel
+        low = np.floor(shifts.min(axis=0) + 1e-6)
+        high = np.ceil(shifts.max(axis=0) - 1e-6)
+    wide, deep = (high - low).astype(int)
+    size = (columns + int(wide), rows + int(deep), count)
+    if told:
+        told.append(
+            f"resampled linearly to {size[0]} x {size[1]} x {size[2]} voxels on a right grid"
+        )
+    corner = stack.positions[0] + stack.axes[:, :2] @ (low * stack.pixel)
+    return Grid(
+        size=size,
+        spacing=(*stack.pixel, step),
+        origin=(float(corner[0]), float(corner[1]), float(corner[2])),
+        direction=stack.axes,
+        resampled=bool(told),
+        told=tuple(told),
     )
 
 
@@ -70,10 +142,16 @@ def _pixel_spacing(what: str, frames: Sequence[Frame]) -> tuple[float, ...] | No
     return first
 
 
-def _axes(what: str, frames: Sequence[Frame]) -> tuple[NDArray[np.float64], ...]:
-    """Returns unit vectors along rows, along columns, and their normal."""
-    cosines = np.array([frame.orientation for frame in frames], float).mean(axis=0)
-    across, down = cosines[:3], cosines[3:]
+def _axes(what: str, frames: Sequence[Frame]) -> NDArray[np.float64]:
+    """Returns unit vectors along rows, along columns, and their normal, as columns."""
+    cosines = np.array([frame.orientation for frame in frames], float)
+    mean = cosines.mean(axis=0)
+    if np.abs(cosines - cosines[0]).max() > PARALLEL:
+        raise VolumeFormatError(
+            f"{what} has slices that are turned against each other; "
+            "allowed: slices of one orientation, such as one stack of a multi-frame file"
+        )
+    across, down = mean[:3], mean[3:]
     lengths = np.linalg.norm(across), np.linalg.norm(down)
     # 1e-3: cosines written with four digits
     if abs(lengths[0] - 1) > 1e-3 or abs(lengths[1] - 1) > 1e-3 or abs(across @ down) > 1e-3:
@@ -84,58 +162,57 @@ def _axes(what: str, frames: Sequence[Frame]) -> tuple[NDArray[np.float64], ...]
     across = across / lengths[0]
     down = down - across * (across @ down)
     down = down / np.linalg.norm(down)
-    return across, down, np.cross(across, down)
+    return np.column_stack([across, down, np.cross(across, down)])
 
 
-def _even_step(
-    what: str,
-    positions: NDArray[np.float64],
-    *,
-    normal: NDArray[np.float64],
-    pixel: float,
-) -> float:
-    """Returns the distance between slices [mm]; refuses a stack that is not even and upright."""
-    along = positions @ normal
-    if len(along) < 2:
-        return 1.0
-    steps = np.diff(along)
-    step = float(np.median(steps))
-    if steps.min() < 1e-3:
-        doubled = int(np.count_nonzero(steps < 1e-3))
-        raise VolumeFormatError(
-            f"{what} has {doubled} slices at the place of another (several phases or times?); "
-            "allowed: one slice per place"
-        )
-
+def _tilt(stack: Stack) -> str | None:
+    """Says by how much slices are shifted sideways; None where it cannot be seen."""
+    local = stack.local
     # half a pixel of drift across the stack cannot be seen; a tilt makes tens of pixels
-    drift = positions[-1] - positions[0]
-    sideways = drift - normal * (drift @ normal)
-    if np.linalg.norm(sideways) > 0.5 * pixel:
-        tilt = np.degrees(np.arctan2(np.linalg.norm(sideways), drift @ normal))
-        uneven = _steps_found(steps, step) if _uneven(along, step) else ""
-        raise VolumeFormatError(
-            f"{what} has slices tilted by {tilt:.1f} degrees against their stack (gantry tilt)"
-            f"{' and ' if uneven else ''}{uneven}; allowed: upright, evenly spaced slices, so "
-            "resample it first, e.g. with dcm2niix"
-        )
-    if _uneven(along, step):
-        raise VolumeFormatError(
-            f"{what} has {_steps_found(steps, step)}; allowed: evenly spaced slices, so look for "
-            "missing files or resample it first, e.g. with dcm2niix"
-        )
-    return float((along[-1] - along[0]) / (len(along) - 1))
+    straight = np.abs(local[:, :2]).max(initial=0.0) <= 0.5 * min(stack.pixel)
+    if straight or len(local) < 2:
+        return None
+    sideways = float(np.linalg.norm(local[-1, :2]))
+    angle = np.degrees(np.arctan2(sideways, local[-1, 2]))
+    return f"slices are tilted by {angle:.1f} degrees against their stack (gantry tilt)"
 
 
-def _uneven(along: NDArray[np.float64], step: float) -> bool:
-    """Says whether a slice lies off its place on an even stack by more than a tenth of a step."""
+def _steps(what: str, along: NDArray[np.float64], *, least: float) -> tuple[float, int, list[str]]:
+    """Returns the grid's step [mm] and slices, and what is uneven about the stack's own."""
+    if len(along) == 1:
+        return 1.0, 1, []
+    steps = np.diff(along)
+    usual = float(np.median(steps))
+    length = float(along[-1] - along[0])
     even = np.linspace(along[0], along[-1], len(along))
-    return bool(np.abs(along - even).max() > 0.1 * step)
+    # a slice off its place by more than a tenth of a step shows
+    if np.abs(along - even).max() <= 0.1 * usual:
+        return length / (len(along) - 1), len(along), []
+
+    widest = float(steps.max())
+    if widest > WIDEST_GAP[0] * usual and widest > WIDEST_GAP[1]:
+        raise VolumeFormatError(
+            f"{what} has a gap of {widest:.1f} mm between slices {usual:.2f} mm apart; allowed: "
+            f"gaps of at most {WIDEST_GAP[0]:g} steps or {WIDEST_GAP[1]:g} mm, so look for missing "
+            "files"
+        )
+    # a step that at least a tenth of all are no finer than; no finer than the pixels need
+    wanted = max(float(np.quantile(steps, 0.1, method="higher")), least)
+    count = round(length / wanted) + 1
+    return length / (count - 1), count, [_told(steps, usual)]
 
 
-def _steps_found(steps: NDArray[np.float64], step: float) -> str:
+def _told(steps: NDArray[np.float64], usual: float) -> str:
     """Says what the steps are, as a person would look for them."""
-    odd = int(np.count_nonzero(np.abs(steps - step) > 0.1 * step))
+    off = np.abs(steps - usual) > 0.1 * usual
+    missing = np.rint(steps / usual) - 1
+    if np.all(np.abs(steps - (missing + 1) * usual) <= 0.1 * usual) and np.all(missing >= 0):
+        places = ", ".join(str(int(index) + 1) for index in np.flatnonzero(missing)[:5])
+        return (
+            f"{int(missing.sum())} slices are missing, after number {places}: filled in between "
+            "their neighbours"
+        )
     return (
-        f"uneven steps between slices: {steps.min():.2f} to {steps.max():.2f} mm, "
-        f"{odd} of {len(steps)} off the usual {step:.2f} mm"
+        f"steps between slices are uneven: {steps.min():.2f} to {steps.max():.2f} mm, "
+        f"{int(np.count_nonzero(off))} of {len(steps)} off the usual {usual:.2f} mm"
     )

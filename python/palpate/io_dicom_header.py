@@ -13,17 +13,27 @@ import warnings
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 from palpate.progress import Progress
 
 if TYPE_CHECKING:
     from pydicom.dataset import Dataset
 
-__all__ = ["Frame", "Header", "Series", "find_series", "read_header"]
+__all__ = ["PARALLEL", "Frame", "Header", "Series", "find_series", "frame_of", "read_header"]
 
 DERIVED_OBJECTS = ("SEG", "RTSTRUCT", "RTDOSE", "RTPLAN", "RTIMAGE", "SR", "PR", "REG", "KO")
 """Modalities of objects that refer to a scan and are none."""
+PARALLEL = 2e-3
+"""By how much the cosines of parallel slices differ at most: writers leave three digits."""
+PLAIN = {
+    "1.2.840.10008.1.2": ("<", b"\xe0\x7f\x10\x00", 8),
+    "1.2.840.10008.1.2.1": ("<", b"\xe0\x7f\x10\x00", 12),
+}
+"""Transfer syntaxes without compression, little endian: order of bytes, the tag of pixels, and the
+bytes before them (PS3.5, 7.1)."""
+STUDY = ("StudyInstanceUID", "FrameOfReferenceUID")
+PADDING = ("PixelPaddingValue", "PixelPaddingRangeLimit")
 
 
 @dataclass(frozen=True)
@@ -34,6 +44,8 @@ class Frame:
     orientation: tuple[float, ...] | None
     pixel_spacing: tuple[float, ...] | None
     """Between rows, between columns [mm], in DICOM's order."""
+    scale: tuple[float, float] | None
+    """Rescale slope and intercept."""
 
 
 @dataclass(frozen=True)
@@ -51,8 +63,22 @@ class Header:
     frames: tuple[Frame, ...]
     truncated: bool
     """Whether uncompressed pixels are fewer than announced; compressed ones are not counted."""
-    scale: tuple[float, float] | None
-    """Rescale slope and intercept, if the file has one pair for all frames."""
+    plain: tuple[int, str] | None
+    """Byte at which uncompressed pixels begin, and their type; None where a decoder is needed."""
+    instance: str
+    """SOPInstanceUID: two files with the same one are copies."""
+    patient: str
+    """Name and number, as the file has them."""
+    study_told: str
+    """Date and description."""
+    study: tuple[str, ...]
+    """UIDs of study and frame of reference: what is left to tell scans apart without a series."""
+    inverted: bool
+    """Whether low numbers are meant to be bright (MONOCHROME1)."""
+    bits: int
+    """Of a stored number, those in use."""
+    padding: tuple[int, int] | None
+    """Lowest and highest stored number that stand for no value."""
 
 
 @dataclass(frozen=True)
@@ -79,25 +105,39 @@ class Series:
 def find_series(paths: Iterable[Path], progress: Progress) -> list[Series]:
     """Groups the images among these files into series, the longest first."""
     files = sorted(paths)
-    groups: dict[tuple[Any, ...], list[Header]] = {}
+    groups: dict[tuple[Any, ...], list[list[Header]]] = {}
     for done, path in enumerate(files):
         progress(f"looking at {len(files)} files", done / len(files))
         header = read_header(path)
-        if header is not None:
-            groups.setdefault(_group(header), []).append(header)
+        if header is None:
+            continue
+        alike = groups.setdefault(_group(header), [])
+        group = next((group for group in alike if _parallel(group[0], header)), None)
+        if group is None:
+            alike.append([header])
+        else:
+            group.append(header)
     found = [
         Series(headers[0].series, headers[0].description, headers[0].modality, tuple(headers))
-        for headers in groups.values()
+        for alike in groups.values()
+        for headers in alike
     ]
     return sorted(found, key=lambda series: (-series.slices, series.uid))
 
 
 def _group(header: Header) -> tuple[Any, ...]:
-    """Returns what the files of one volume have in common."""
-    orientation = header.frames[0].orientation
-    rounded = tuple(round(cosine, 3) + 0.0 for cosine in orientation) if orientation else None
+    """Returns what the files of one volume have in common, beside their orientation."""
     own_volume = header.path if len(header.frames) > 1 else None
-    return (header.series, header.rows, header.columns, rounded, own_volume)
+    # without a UID, what lies on one grid in one frame of reference belongs together
+    told = header.series or (header.study, header.modality, header.frames[0].pixel_spacing)
+    return (told, header.patient, header.rows, header.columns, own_volume)
+
+
+def _parallel(one: Header, other: Header) -> bool:
+    first, second = one.frames[0].orientation, other.frames[0].orientation
+    if first is None or second is None:
+        return first is second
+    return all(abs(a - b) <= PARALLEL for a, b in zip(first, second, strict=True))
 
 
 def read_header(path: Path) -> Header | None:
@@ -111,13 +151,29 @@ def read_header(path: Path) -> Header | None:
         try:
             with path.open("rb") as file:
                 dataset = pydicom.dcmread(file, stop_before_pixels=True, force=False)
+                plain = _plain(file, dataset)
                 left = path.stat().st_size - file.tell()
-            return _header(path, dataset, left)
+            return _header(path, dataset, left=left, plain=plain)
         except (InvalidDicomError, OSError, EOFError):
             return None
 
 
-def _header(path: Path, dataset: Dataset, left: int) -> Header | None:
+def _plain(file: BinaryIO, dataset: Dataset) -> tuple[int, str] | None:
+    """Finds uncompressed pixels in a file that was read up to them."""
+    syntax = getattr(dataset.file_meta, "TransferSyntaxUID", None)
+    bits = dataset.get("BitsAllocated")
+    if syntax is None or syntax not in PLAIN or bits not in (8, 16):
+        return None
+    order, tag, length = PLAIN[syntax]
+    sign = "i" if dataset.get("PixelRepresentation") else "u"
+    begins = file.tell()
+    found = file.read(length).startswith(tag)
+    return (begins + length, f"{order}{sign}{bits // 8}") if found else None
+
+
+def _header(
+    path: Path, dataset: Dataset, *, left: int, plain: tuple[int, str] | None
+) -> Header | None:
     modality = str(dataset.get("Modality") or "")
     rows, columns = dataset.get("Rows"), dataset.get("Columns")
     if not rows or not columns or modality in DERIVED_OBJECTS:
@@ -136,13 +192,21 @@ def _header(path: Path, dataset: Dataset, left: int) -> Header | None:
         rows=int(rows),
         columns=int(columns),
         samples=samples,
-        frames=tuple(_frame(dataset, index) for index in range(count)),
+        frames=tuple(frame_of(dataset, index) for index in range(count)),
         truncated=not packed and left < stored,
-        scale=_scale(dataset),
+        plain=plain,
+        instance=str(dataset.get("SOPInstanceUID") or ""),
+        patient=_joined(dataset, "PatientName", "PatientID"),
+        study_told=_joined(dataset, "StudyDate", "StudyDescription"),
+        study=tuple(str(dataset.get(name) or "") for name in STUDY),
+        inverted=dataset.get("PhotometricInterpretation") == "MONOCHROME1",
+        bits=int(dataset.get("BitsStored") or dataset.get("BitsAllocated") or 16),
+        padding=_padding(dataset),
     )
 
 
-def _frame(dataset: Dataset, index: int) -> Frame:
+def frame_of(dataset: Dataset, index: int) -> Frame:
+    """Returns where a frame lies, by its own functional groups, the shared ones or the file."""
     plane = _holder(dataset, index, "PlanePositionSequence")
     orientation = _holder(dataset, index, "PlaneOrientationSequence")
     measures = _holder(dataset, index, "PixelMeasuresSequence")
@@ -150,6 +214,7 @@ def _frame(dataset: Dataset, index: int) -> Frame:
         position=_numbers(plane, "ImagePositionPatient", 3),
         orientation=_numbers(orientation, "ImageOrientationPatient", 6),
         pixel_spacing=_numbers(measures, "PixelSpacing", 2),
+        scale=_scale(dataset, index),
     )
 
 
@@ -172,12 +237,26 @@ def _holder(dataset: Dataset, index: int, group: str) -> Dataset:
     return dataset
 
 
-def _scale(dataset: Dataset) -> tuple[float, float] | None:
-    holder = _holder(dataset, 0, "PixelValueTransformationSequence")
+def _scale(dataset: Dataset, index: int) -> tuple[float, float] | None:
+    holder = _holder(dataset, index, "PixelValueTransformationSequence")
     slope, intercept = holder.get("RescaleSlope"), holder.get("RescaleIntercept")
     if slope is None or intercept is None:
         return None
     return float(slope), float(intercept)
+
+
+def _joined(dataset: Dataset, *names: str) -> str:
+    """Returns what of several elements is there, as one text."""
+    return " ".join(filter(None, (str(dataset.get(name) or "").strip() for name in names)))
+
+
+def _padding(dataset: Dataset) -> tuple[int, int] | None:
+    """Returns the range of PS3.3, C.7.5.1.1.2: one number, or two in either order."""
+    try:
+        ends = [int(dataset[name].value) for name in PADDING if dataset.get(name) is not None]
+    except (TypeError, ValueError):
+        return None
+    return (min(ends), max(ends)) if ends else None
 
 
 def _unit(dataset: Dataset, modality: str) -> str:

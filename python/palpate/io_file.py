@@ -1,4 +1,4 @@
-"""Reading of single image files: NIfTI, MetaImage and NRRD.
+"""Reading of single image files: NIfTI, MetaImage, NRRD and MINC.
 
 Frame: SimpleITK turns what each format says into LPS [mm]; nothing else here turns axes.
 """
@@ -23,10 +23,14 @@ FORMATS = {
     "nifti": ("NiftiImageIO", (".nii", ".nii.gz", ".hdr", ".img", ".img.gz", ".hdr.gz")),
     "metaimage": ("MetaImageIO", (".mha", ".mhd")),
     "nrrd": ("NrrdImageIO", (".nrrd", ".nhdr")),
+    "minc": ("MINCImageIO", (".mnc", ".mnc2")),
 }
 """Each format's reader in ITK and the endings of its files."""
 
-ALLOWED = "NIfTI (.nii, .nii.gz), MetaImage (.mha, .mhd), NRRD (.nrrd, .nhdr) or a DICOM folder"
+ALLOWED = (
+    "NIfTI (.nii, .nii.gz), MetaImage (.mha, .mhd), NRRD (.nrrd, .nhdr), MINC (.mnc), a DICOM "
+    "folder or a zip archive of one, or pictures of slices with --voxel-size"
+)
 
 
 def read_file(path: Path, *, max_voxels: int, progress: Progress) -> RawScan:
@@ -41,8 +45,10 @@ def read_file(path: Path, *, max_voxels: int, progress: Progress) -> RawScan:
     # all that the header tells, before voxels are loaded
     _check_pixels(path, reader)
     check_shape(str(path), reader.GetSize(), max_voxels)
-    progress(f"checking {path.name}", None)
-    check_payload(path, metadata, format_name)
+    # others than MINC are taken by ITK without a word where they are incomplete
+    if format_name != "minc":
+        progress(f"checking {path.name}", None)
+        check_payload(path, metadata, format_name)
 
     progress(f"reading {path.name}", None)
     image = _read(path, reader)
@@ -123,6 +129,8 @@ def _orientation_known(path: Path, metadata: Mapping[str, str], format_name: str
             "right-anterior-superior",
             "left-anterior-superior",
         )
+    if format_name == "minc":
+        return True
     fields, _ = metaimage_header(path)
     return bool({"TransformMatrix", "Orientation", "Rotation"} & fields.keys())
 

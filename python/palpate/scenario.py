@@ -21,6 +21,7 @@ from palpate.palpation import palpate_line
 from palpate.phantom_scan import phantom
 from palpate.scenario_lines import before_body, line_into, line_over, line_through
 from palpate.scenario_run import ScenarioRun
+from palpate.scene import Scene
 from palpate.segment import Segment
 from palpate.volume import Volume
 
@@ -33,6 +34,7 @@ __all__ = [
     "run_drilling",
     "run_needle",
     "run_palpation",
+    "scene_of_body",
 ]
 
 Mask = NDArray[np.bool_]
@@ -115,6 +117,16 @@ def body_of_scan(
     if not hard.any():
         raise EmptySegmentError("the scan has no bone; allowed: --bone with a lower value")
     return Body(volume=volume, soft={"soft tissue": body & ~hard, **soft}, bone=hard)
+
+
+def scene_of_body(body: Body) -> Scene:
+    """Returns what is shown of a body: its bone, and organs that are known beside it."""
+    scene = Scene(body.volume)
+    scene.add(body.volume.segment(body.bone, name="bone"), shown_as="surface")
+    if "liver" in body.soft:
+        liver = body.volume.segment(body.soft["liver"], name="liver")
+        scene.add(liver, shown_as="surface")
+    return scene
 
 
 def run_needle(

@@ -78,6 +78,7 @@ def write_series(tmp_path: Path) -> Callable[..., Path]:
         description: str = "abdomen",
         scale: tuple[float, float] = (1.0, -1024.0),
         prefix: str = "",
+        each: Callable[[int, FileDataset], None] | None = None,
         **changes: Any,
     ) -> Path:
         target = tmp_path / folder
@@ -90,6 +91,8 @@ def write_series(tmp_path: Path) -> Callable[..., Path]:
             dataset.RescaleSlope, dataset.RescaleIntercept = scale
             for name, value in changes.items():
                 setattr(dataset, name, value)
+            if each is not None:
+                each(number, dataset)
             # names in another order than places, and without an ending
             dataset.save_as(target / f"{prefix}{97 * number % 101:03}", enforce_file_format=True)
         return target

@@ -284,3 +284,10 @@ def test_a_header_without_its_voxels_is_refused(
             path.unlink()
     message = refused(tmp_path / name)
     assert "does not exist" in message or "couldn't open" in message
+
+
+def test_minc_files_are_read_with_their_place(write_image: Any, small_values: Any) -> None:
+    volume = palpate.read(write_image(small_values, "scan.mnc", spacing=(0.5, 0.6, 0.7)))
+    np.testing.assert_array_equal(volume.array, small_values)
+    assert volume.spacing == pytest.approx((0.5, 0.6, 0.7))
+    assert volume.orientation == "LPS"

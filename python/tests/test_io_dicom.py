@@ -1,4 +1,4 @@
-"""DICOM folders: one series, an even and upright stack, wherever its files come from."""
+"""DICOM folders: one series as one stack, wherever its files come from."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import numpy as np
 import palpate
 import pytest
 from palpate.errors import PalpateError, SeriesChoiceError, VolumeFormatError
+from palpate.io import list_series
 
 UPRIGHT = [(-10.0, -20.0, 30.0 + 2.5 * k) for k in range(4)]
 
@@ -101,21 +102,6 @@ def test_files_that_are_no_scans_do_not_matter(write_series: Any) -> None:
     assert palpate.read(folder).dimensions == (4, 3, 4)
 
 
-def test_a_missing_slice_is_refused(write_series: Any) -> None:
-    positions = [(0.0, 0.0, z) for z in (0.0, 2.5, 5.0, 10.0, 12.5)]
-    message = refused(write_series(positions=positions))
-    assert "uneven steps between slices: 2.50 to 5.00 mm, 1 of 4" in message
-
-
-def test_a_gantry_tilt_is_refused(write_series: Any) -> None:
-    tilt = np.radians(18.5)
-    orientation = (1.0, 0.0, 0.0, 0.0, float(np.cos(tilt)), float(-np.sin(tilt)))
-    positions = [(0.0, 0.0, 4.0 * k) for k in range(6)]
-    message = refused(write_series(positions=positions, orientation=orientation))
-    assert "tilted by 18.5 degrees" in message
-    assert "uneven" not in message
-
-
 def test_slices_at_one_place_are_refused(write_series: Any) -> None:
     message = refused(write_series(positions=UPRIGHT + UPRIGHT[:2]))
     assert "2 slices at the place of another" in message
@@ -128,6 +114,22 @@ def test_steps_as_headers_round_them_are_even(write_series: Any) -> None:
     assert palpate.read(write_series(positions=positions)).spacing[2] == pytest.approx(
         0.625, abs=2e-4
     )
+
+
+def test_copies_of_slices_are_left_out_and_told(write_series: Any) -> None:
+    folder = write_series()
+    path = sorted(folder.iterdir())[1]
+    (folder / "copy").write_bytes(path.read_bytes())
+    volume = palpate.read(folder)
+    assert volume.dimensions == (4, 3, 4)
+    assert "1 files are copies of others and were left out" in volume.warnings
+
+
+def test_an_empty_series_uid_is_told_apart_by_geometry(write_series: Any) -> None:
+    write_series(uid="", prefix="a", PixelSpacing=[0.9, 0.9])
+    folder = write_series(uid="", prefix="b", positions=UPRIGHT[:3])
+    assert "holds 2 series" in refused(folder)
+    assert palpate.read(folder, series="2").dimensions == (4, 3, 3)
 
 
 def test_one_slice_is_no_volume(write_series: Any) -> None:
@@ -191,3 +193,23 @@ def test_a_series_in_folders_below_is_found(write_series: Any, tmp_path: Path) -
     disc.parent.mkdir(parents=True)
     series.rename(disc)
     assert palpate.read(tmp_path / "disc").dimensions == (4, 3, 4)
+
+
+def test_series_are_listed_with_patient_and_study(write_series: Any) -> None:
+    told = {"PatientName": "Doe^Jo", "PatientID": "7", "StudyDate": "20260102"}
+    write_series(uid="1.2.3", prefix="a", StudyDescription="trauma", **told)
+    folder = write_series(uid="1.2.4", prefix="b", positions=UPRIGHT[:3])
+    write_series(uid="1.2.5", prefix="s", positions=UPRIGHT[:1], Modality="SEG")
+    first, second = list_series(folder)
+    assert (first.headers[0].patient, first.headers[0].study_told) == (
+        "Doe^Jo 7",
+        "20260102 trauma",
+    )
+    assert (second.headers[0].patient, second.slices) == ("", 3)
+
+
+def test_files_of_two_patients_are_two_series(write_series: Any) -> None:
+    write_series(uid="1.2.3", prefix="a", PatientID="7")
+    folder = write_series(uid="1.2.3", prefix="b", PatientID="8")
+    assert "holds 2 series" in refused(folder)
+    assert palpate.read(folder, series="2").dimensions == (4, 3, 4)

@@ -9,6 +9,7 @@
  *   {"do": "screenshot", "path": …, "testid": optional}
  *   {"do": "doubleClick", "x": …, "y": …}                     in pixels of the picture
  *   {"do": "drag", "x": …, "y": …}                            left button held: turns the picture
+ *   {"do": "altDrag", "x": …, "y": …}                         the same with Alt held: window and level
  *   {"do": "dragElement", "testid": …, "x": …, "y": …}        a handle in the picture, "from": [x, y] of its middle
  *   {"do": "touch", "x": …, "y": …, "depth": wheel pixels}    Shift held: move by x, y; wheel (< 0 is deeper)
  *   {"do": "stroke", "x": …, "y": …, "depth": …}              the same with the left button pressed too, "held": true: still
@@ -21,6 +22,7 @@
  *   {"do": "click", "testid": …}                              {"do": "choose", "testid": …, "value": …} of a list
  *   {"do": "slide", "testid": …, "value": …}                  a slider, with the mouse
  *   {"do": "download", "testid": …, "path": …}                → {"name": of the file}
+ *   {"do": "give", "testid": …, "path": …}                    a file to a chooser of files
  *   {"do": "press", "key": "Escape"}, {"do": "resize", "width": …, "height": …}
  *
  * The browser is the one in CHROMIUM, with CHROMIUM_FLAGS beside the usual ones.
@@ -91,6 +93,12 @@ const actions = {
     await page.mouse.down();
     await page.mouse.move(startX + x, startY + y, { steps });
     await page.mouse.up();
+    return {};
+  },
+  async altDrag(options) {
+    await page.keyboard.down("Alt");
+    await actions.drag(options);
+    await page.keyboard.up("Alt");
     return {};
   },
   async stroke(options) {
@@ -185,6 +193,9 @@ const actions = {
     const [download] = await Promise.all([page.waitForEvent("download"), byTestId(testid).click()]);
     await download.saveAs(path);
     return { name: download.suggestedFilename() };
+  },
+  async give({ testid, path }) {
+    await byTestId(testid).setInputFiles(path);
   },
   async press({ key }) {
     await page.keyboard.press(key);

@@ -4,8 +4,29 @@
  * A table of running sums over equal bins of the biased value answers for any range of
  * values whether something in it is drawn.
  */
+import type { Look } from "./look";
+import { drawsSolids, seenInGrey, usesTransferFunction } from "./optics";
 import { sample, type TransferFunction } from "./transfer_function";
 import { biasedOf, largest, physical, type Rescale } from "./stored_values";
+
+/** Tells of ranges of biased values, both ends included, whether any of them is drawn. */
+export interface Drawn {
+  readonly any: (low: number, high: number) => boolean;
+}
+
+/** What a look draws. */
+export function drawnBy(look: Look, rescale: Rescale): Drawn {
+  const { optics, ranges, transferFunction } = look;
+  const solids = drawsSolids(optics.blend) ? ranges.filter(({ visible }) => visible) : [];
+  if (usesTransferFunction(optics.blend)) {
+    return new DrawnValues(transferFunction, rescale, solids.map(({ low, high }) => [low, high]));
+  }
+  return {
+    any: (low, high) =>
+      seenInGrey(optics, physical(low, rescale), physical(high, rescale)) ||
+      solids.some((range) => range.low <= high && low <= range.high),
+  };
+}
 
 const binShift = 4;
 const bins = (largest + 1) >> binShift;
@@ -13,7 +34,7 @@ const bins = (largest + 1) >> binShift;
 /** Extinction below which nothing can be seen, even through a metre of it [1/mm]. */
 const clear = 1e-6;
 
-export class DrawnValues {
+export class DrawnValues implements Drawn {
   /** Number of drawn bins before each bin. */
   private readonly before = new Uint32Array(bins + 1);
 

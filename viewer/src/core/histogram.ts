@@ -38,3 +38,15 @@ export function shareWithin({ low, high, counts }: Histogram, from: number, to: 
   });
   return total > 0 ? within / total : 0;
 }
+
+/** Value that all but a share of the scan's values stay below, to a bin. */
+export function valueAbove({ low, high, counts }: Histogram, share: number): number {
+  const total = counts.reduce((sum, count) => sum + count, 0);
+  let above = 0;
+  let bin = counts.length;
+  while (bin > 0 && above + (counts[bin - 1] ?? 0) <= share * total) {
+    bin -= 1;
+    above += counts[bin] ?? 0;
+  }
+  return low + ((high - low) * bin) / Math.max(1, counts.length);
+}

@@ -1,6 +1,7 @@
 /**
  * Everything but the camera that decides how the scan is drawn.
  */
+import type { Optics } from "./optics";
 import type { ShownRange } from "./shown_segments";
 import type { TransferFunction } from "./transfer_function";
 
@@ -9,6 +10,8 @@ export interface Look {
   readonly ranges: readonly ShownRange[];
   /** Gradient [value per mm] from which on a tissue boundary is drawn at full strength. */
   readonly edgeGradient: number;
+  /** How values along a ray become one colour. */
+  readonly optics: Optics;
 }
 
 /** Share of its extinction that flat tissue keeps, away from any boundary. */

@@ -1,12 +1,14 @@
 /**
  * What a ray of the picture shows first: the point where it becomes more opaque than clear,
- * enters a visible segment, or goes through a surface. The same march as the shader's, for one
+ * enters a visible segment or an iso-surface, or goes through a surface; in a MIP where it has its
+ * largest value. The same march as the shader's, for one
  * ray, on the CPU.
  */
 import { transformPoint, transformVector } from "./affine";
 import type { Ray } from "./camera";
 import { biasedAt, gradientMagnitude } from "./field";
 import { edgeFactor, type Look } from "./look";
+import { greyOf } from "./optics";
 import { smallestSpacing, type ScanVolume } from "./scan_volume";
 import type { Crossing } from "./pick_patches";
 import { rangeHolding } from "./shown_segments";
@@ -47,6 +49,14 @@ export function pickSurface(volume: ScanVolume, look: Look, ray: Ray, also: Also
     segment,
   });
 
+  const step = 0.5 * smallestSpacing(frame) * volume.step;
+  const [enter, leave] = throughBox(origin, direction, frame.dimensions) ?? [0, 0];
+  const { optics } = look;
+  if (optics.blend === "mip") {
+    const t = largestOnRay(volume, look, also, { origin, direction, enter, leave, step });
+    return t === null ? null : picked(t, null);
+  }
+
   let clarity = 1;
   let passed = 0;
   /** The surface before `end` behind which nothing can be seen any more. */
@@ -61,8 +71,6 @@ export function pickSurface(volume: ScanVolume, look: Look, ray: Ray, also: Also
     return null;
   };
 
-  const step = 0.5 * smallestSpacing(frame) * volume.step;
-  const [enter, leave] = throughBox(origin, direction, frame.dimensions) ?? [0, 0];
   for (let t = enter + step / 2; t < leave; t += step) {
     const surface = surfaceBefore(t);
     if (surface !== null) {
@@ -74,12 +82,36 @@ export function pickSurface(volume: ScanVolume, look: Look, ray: Ray, also: Also
     if (segment?.visible === false) {
       continue;
     }
-    clarity *= segment === null ? Math.exp(-step * extinctionAt(volume, look, grid, biased)) : 0;
+    if (optics.blend === "iso" && segment === null) {
+      clarity = physical(biased, frame.rescale) >= optics.isoValue ? 0 : clarity;
+    } else {
+      clarity *= segment === null ? Math.exp(-step * extinctionAt(volume, look, grid, biased)) : 0;
+    }
     if (clarity <= 1 - surfaceOpacity) {
       return picked(t, segment?.id ?? null);
     }
   }
   return surfaceBefore(Infinity);
+}
+
+/** Where a ray of a MIP has its value, in the grid; null where nothing of it is seen. */
+function largestOnRay(
+  volume: ScanVolume,
+  look: Look,
+  also: AlsoDrawn,
+  ray: { readonly origin: Vec3; readonly direction: Vec3; readonly enter: number; readonly leave: number; readonly step: number },
+): number | null {
+  let most = 0;
+  let place: number | null = null;
+  for (let t = ray.enter + ray.step / 2; t < ray.leave; t += ray.step) {
+    const grid = addScaled(ray.origin, ray.direction, t);
+    const biased = biasedAt(volume, grid);
+    const share = greyOf(physical(biased, volume.frame.rescale), look.optics.window);
+    if (share > most && segmentAt(look, also, grid, biased)?.visible !== false) {
+      [most, place] = [share, t];
+    }
+  }
+  return place;
 }
 
 /** The segment that a point belongs to, in the order of the shader: visible ranges, labels, hidden ones. */

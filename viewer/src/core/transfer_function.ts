@@ -3,7 +3,7 @@
  *
  * Values are in the units of the scan (HU for CT). Colours are linear RGB, 0..1.
  * Extinction is per mm, so the picture does not depend on the ray's step.
- * This module is pure; the upload is in `gl/transfer_texture.ts`.
+ * This module is pure; the upload is in `gl/lookup_textures.ts`.
  *
  * Source: Engel et al., "Real-Time Volume Graphics" (2006), ch. 4.
  */
@@ -63,6 +63,26 @@ export function bakeTransferFunction(
     row.set([...colour, extinction], 4 * i);
   }
   return row;
+}
+
+/**
+ * Running integrals of a baked row over its coordinate from 0 to 1, by trapezoids.
+ *
+ * @returns RGBA floats, shape [size, 4]: colour times extinction, and extinction.
+ */
+export function integrateRow(row: Float32Array): Float32Array {
+  const size = row.length / 4;
+  const integrals = new Float32Array(row.length);
+  const sums = [0, 0, 0, 0];
+  const weighted = (texel: number, channel: number): number =>
+    (row[4 * texel + 3] ?? 0) * (channel === 3 ? 1 : (row[4 * texel + channel] ?? 0));
+  for (let i = 1; i < size; ++i) {
+    for (let c = 0; c < 4; ++c) {
+      sums[c] = (sums[c] ?? 0) + (0.5 * (weighted(i - 1, c) + weighted(i, c))) / (size - 1);
+    }
+    integrals.set(sums, 4 * i);
+  }
+  return integrals;
 }
 
 /** The function at a value, straight between its points. */

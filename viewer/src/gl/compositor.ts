@@ -18,10 +18,16 @@ export class Compositor {
     used: { value: new THREE.Vector2(1, 1) },
     paneCorner: { value: new THREE.Vector2() },
     paneSize: { value: new THREE.Vector2(1, 1) },
+    bend: { value: 1 },
     backgroundCentre: { value: new THREE.Vector3(...centre) },
     backgroundEdge: { value: new THREE.Vector3(...rim) },
   };
   private readonly pass = new FullscreenPass(shaders.composite, this.uniforms);
+
+  /** Whether highlights are bent instead of clipped; grey by window and level is shown as it is. */
+  set bendsHighlights(on: boolean) {
+    this.uniforms.bend.value = on ? 1 : 0;
+  }
 
   /** Draws into the renderer's viewport, whose lower left corner is given [device pixels]. */
   draw(renderer: THREE.WebGLRenderer, source: PictureTarget, corner: readonly [number, number]): void {

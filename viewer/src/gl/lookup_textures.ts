@@ -6,18 +6,27 @@ import * as THREE from "three";
 import { linearFromSrgb } from "../core/colour";
 import type { Segment } from "../core/protocol";
 import { drawnFromVoxels, shownByValue } from "../core/shown_segments";
-import { bakeTransferFunction, type TransferFunction } from "../core/transfer_function";
+import { bakeTransferFunction, integrateRow, type TransferFunction } from "../core/transfer_function";
 import type { Vec3 } from "../core/vector";
 
-/** The transfer function as a row of half floats: linear colour, extinction [1/mm]. */
-export function transferTexture(transferFunction: TransferFunction): THREE.DataTexture {
+/** The transfer function as rows: linear colour with extinction [1/mm], and their running integrals. */
+export interface TransferTextures {
+  readonly values: THREE.DataTexture;
+  readonly integrals: THREE.DataTexture;
+}
+
+export function transferTextures(transferFunction: TransferFunction): TransferTextures {
   const row = bakeTransferFunction(transferFunction);
+  const size = row.length / 4;
   const halves = Uint16Array.from(row, (value) => THREE.DataUtils.toHalfFloat(value));
-  const texture = new THREE.DataTexture(halves, row.length / 4, 1, THREE.RGBAFormat, THREE.HalfFloatType);
-  texture.minFilter = THREE.LinearFilter;
-  texture.magFilter = THREE.LinearFilter;
-  texture.needsUpdate = true;
-  return texture;
+  const values = new THREE.DataTexture(halves, size, 1, THREE.RGBAFormat, THREE.HalfFloatType);
+  values.minFilter = THREE.LinearFilter;
+  values.magFilter = THREE.LinearFilter;
+  values.needsUpdate = true;
+  // differences of sums need all of 32 bits; the shader interpolates itself
+  const integrals = new THREE.DataTexture(integrateRow(row), size, 1, THREE.RGBAFormat, THREE.FloatType);
+  integrals.needsUpdate = true;
+  return { values, integrals };
 }
 
 /** One byte per cell of a 3-D grid, read without filtering. */

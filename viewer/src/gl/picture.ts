@@ -7,6 +7,7 @@ import type { BrickRanges } from "../core/bricks";
 import { project, type Camera, type Extent, type Viewport } from "../core/camera";
 import type { Displaced } from "../core/displaced";
 import type { Look } from "../core/look";
+import { isGrey } from "../core/optics";
 import type { Rect } from "../core/picture_layout";
 import type { MovedPose, Segment } from "../core/protocol";
 import type { ScanVolume } from "../core/scan_volume";
@@ -115,6 +116,7 @@ export class Picture {
 
   setLook(look: Look): void {
     this.marcher.setLook(look);
+    this.compositor.bendsHighlights = !isGrey(look.optics.blend);
     this.refiner.restart();
   }
 

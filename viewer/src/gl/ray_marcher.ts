@@ -4,22 +4,26 @@
  */
 import * as THREE from "three";
 import { transformPoint } from "../core/affine";
-import { brickEdge, distanceToFilled, filledBricks, type BrickRanges } from "../core/bricks";
+import { brickEdge, type BrickRanges } from "../core/bricks";
 import { clipPlanes, eyeOf, type Camera, type Extent } from "../core/camera";
-import { DrawnValues } from "../core/drawn_values";
+import type { Displaced } from "../core/displaced";
+import { drawnBy } from "../core/drawn_values";
 import { flatShare, type Look } from "../core/look";
+import { blends, greyOf, type Blend, type Optics } from "../core/optics";
 import { smallestSpacing, type ScanFrame } from "../core/scan_volume";
 import { mostRanges } from "../core/shown_segments";
-import { biasedOf } from "../core/stored_values";
-import { domainOf } from "../core/transfer_function";
-import { add, dot, normalize, scale, type Vec3 } from "../core/vector";
-import { bricksReadingBox, forEachCell, type Box } from "../core/voxel_change";
+import { biasedOf, largest, physical, type Rescale } from "../core/stored_values";
+import { domainOf, sample, type TransferFunction } from "../core/transfer_function";
+import { dot, scale, type Vec3 } from "../core/vector";
+import type { Box } from "../core/voxel_change";
+import { DisplacedTexture } from "./displaced_texture";
+import { EmptySpace } from "./empty_space";
 import type { FieldTexture } from "./field_texture";
 import { FullscreenPass } from "./fullscreen_pass";
-import { byteTexture, transferTexture } from "./lookup_textures";
+import { keyLight } from "./key_light";
+import { transferTextures } from "./lookup_textures";
+import { marchUniforms, type FieldUniform, type MarchUniforms } from "./march_uniforms";
 import type { PictureTarget } from "./picture_target";
-import { DisplacedTexture } from "./displaced_texture";
-import type { Displaced } from "../core/displaced";
 import { shaders } from "./shaders";
 import type { SurfaceLayers } from "./surface_layers";
 
@@ -39,71 +43,17 @@ export interface Labels {
 /** Shift within the pixel [texels], and the number of the noise pattern. */
 export type Shift = readonly [number, number, number];
 
-const vector = (v: Vec3 = [0, 0, 0]): THREE.Vector3 => new THREE.Vector3(...v);
-
-function marchUniforms() {
-  const many = (): THREE.Vector3[] => Array.from({ length: mostRanges }, () => vector());
-  return {
-    fieldTexture: { value: null as THREE.Texture | null },
-    dimensions: { value: vector() },
-    textureScale: { value: vector() },
-    textureOffset: { value: vector() },
-    sampleStep: { value: vector() },
-    spacing: { value: vector() },
-    slope: { value: 1 },
-    rangeBounds: { value: Array.from({ length: mostRanges }, () => new THREE.Vector4()) },
-    rangeColours: { value: many() },
-    rangeCount: { value: 0 },
-    labelTexture: { value: null as THREE.Texture | null },
-    labelColours: { value: null as THREE.Texture | null },
-    keyDirection: { value: vector() },
-    upDirection: { value: vector() },
-    pictureSize: { value: new THREE.Vector2() },
-    shift: { value: vector() },
-    eye: { value: vector() },
-    forward: { value: vector() },
-    across: { value: vector() },
-    upward: { value: vector() },
-    clip: { value: new THREE.Vector2() },
-    stepLength: { value: 1 },
-    jitter: { value: 1 },
-    transferTexture: { value: null as THREE.Texture | null },
-    transferScale: { value: new THREE.Vector2() },
-    edge: { value: new THREE.Vector2() },
-    brickTexture: { value: null as THREE.Texture | null },
-    brickScale: { value: vector() },
-    brickOffset: { value: vector() },
-    surfaceColour: { value: null as THREE.Texture | null },
-    surfaceDepth: { value: null as THREE.Texture | null },
-    surfaceLead: { value: 0 },
-    layerColour: { value: [] as THREE.Texture[] },
-    layerDepth: { value: [] as THREE.Texture[] },
-  };
-}
-
-type MarchUniforms = ReturnType<typeof marchUniforms> & DisplacedTexture["uniforms"];
-type FieldUniform =
-  | "fieldTexture"
-  | "dimensions"
-  | "textureScale"
-  | "textureOffset"
-  | "sampleStep"
-  | "spacing"
-  | "slope"
-  | "labelTexture"
-  | keyof DisplacedTexture["uniforms"];
-
 export class RayMarcher {
   private readonly displacements = new DisplacedTexture();
   private readonly uniforms = { ...marchUniforms(), ...this.displacements.uniforms };
   private readonly pass = new FullscreenPass(shaders.march, this.uniforms);
   private frame: ScanFrame | null = null;
-  private bricks: BrickRanges | null = null;
-  private labelled: Uint8Array | null = null;
-  /** Values that the look draws. */
-  private drawn: DrawnValues | null = null;
-  /** Bricks that hold something drawn. */
-  private filled: Uint8Array | null = null;
+  private readonly empty = new EmptySpace(this.uniforms.brickTexture);
+  private labelled = false;
+  private mode: Blend = "shaded";
+  private slab: number | null = null;
+  /** From the eye to the middle of the view [mm]. */
+  private distance = 1;
   private step = 1;
   private format = "FIELD_RG8";
   /** Translucent layers of surfaces; -1 where there are no surfaces at all. */
@@ -116,7 +66,7 @@ export class RayMarcher {
     const { frame, dimensions, step } = field.volume;
     const u = this.uniforms;
     this.frame = frame;
-    this.bricks = bricks;
+    this.empty.setBricks(bricks);
     this.step = step;
     u.fieldTexture.value = field.texture;
     u.dimensions.value.set(...frame.dimensions);
@@ -136,38 +86,40 @@ export class RayMarcher {
 
   /** Shows the scan in another way. */
   setLook(look: Look): void {
-    if (this.frame === null || this.bricks === null) {
+    if (this.frame === null) {
       return;
     }
     const u = this.uniforms;
     const { rescale } = this.frame;
-    u.transferTexture.value?.dispose();
-    const table = transferTexture(look.transferFunction);
-    u.transferTexture.value = table;
-    const [low, high] = domainOf(look.transferFunction).map((value) => biasedOf(value, rescale));
-    u.transferScale.value.set(...texelCoordinates(low ?? 0, high ?? 1, table.width));
+    const { optics } = look;
+    this.setTransferFunction(look.transferFunction, rescale);
     u.edge.value.set(look.edgeGradient, flatShare);
+    u.density.value = optics.density;
+    u.grey.value.set(...greyScale(optics, rescale));
+    u.tissueFrom.value = greyOf(optics.tissueFrom, optics.window);
+    u.isoColour.value.set(...sample(look.transferFunction.points, optics.isoValue).colour);
 
     const ranges = look.ranges.slice(0, mostRanges);
     u.rangeCount.value = ranges.length;
     ranges.forEach((range, i) => {
-      u.rangeBounds.value[i]?.set(range.low, range.high, range.visible ? 1 : 0, range.label);
+      u.rangeBounds.value[i]?.set(range.low, range.high, range.visible ? 2 : 0, range.label);
       u.rangeColours.value[i]?.set(...range.colour);
     });
-    this.drawn = new DrawnValues(
-      look.transferFunction,
-      rescale,
-      look.ranges.filter((range) => range.visible).map(({ low, high }) => [low, high]),
-    );
-    this.fillBricks();
+    this.empty.setDrawn(drawnBy(look, rescale));
+    this.slab = optics.slab;
+    this.setSlab();
+    if (optics.blend !== this.mode) {
+      this.mode = optics.blend;
+      this.compile();
+    }
   }
 
   /** Shows the voxels of segments that are no threshold; null where there are none. */
   setLabels(labels: Labels | null): void {
     this.uniforms.labelTexture.value = labels?.texture ?? null;
-    this.labelled = labels?.bricks ?? null;
+    this.labelled = labels !== null;
     this.compile();
-    this.fillBricks();
+    this.empty.setLabelled(labels?.bricks ?? null);
   }
 
   /** Colour of each label, as `labelColours` makes it. */
@@ -177,23 +129,7 @@ export class RayMarcher {
 
   /** Values or labels of a box have changed, their bricks with them; all that follows is uploaded. */
   changeVoxels(box: Box, renderer: THREE.WebGLRenderer): void {
-    const { bricks, drawn, filled, labelled } = this;
-    if (bricks === null || drawn === null || filled === null) {
-      return;
-    }
-    let same = true;
-    forEachCell(bricksReadingBox(box, bricks.counts), bricks.counts, (i) => {
-      const full = drawn.any(bricks.low[i] ?? 0, bricks.high[i] ?? 0) || labelled?.[i] === 1 ? 1 : 0;
-      same &&= filled[i] === full;
-      filled[i] = full;
-    });
-    if (!same) {
-      this.measureEmptiness();
-      const { value: texture } = this.uniforms.brickTexture;
-      if (texture !== null) {
-        renderer.initTexture(texture);
-      }
-    }
+    this.empty.change(box, renderer);
   }
 
   /**
@@ -228,6 +164,8 @@ export class RayMarcher {
     u.keyDirection.value.set(...along(keyLight(camera)));
     const { near, far } = clipPlanes(camera, extent);
     u.clip.value.set(near, far);
+    this.distance = camera.distance;
+    this.setSlab();
   }
 
   /** Surfaces of triangles that stand in the picture; null where there are none. */
@@ -252,7 +190,7 @@ export class RayMarcher {
   get fieldDefines(): Readonly<Record<string, string>> {
     return {
       [this.format]: "",
-      ...(this.labelled === null ? {} : { LABELS: "" }),
+      ...(!this.labelled ? {} : { LABELS: "" }),
       ...(this.gives ? { DISPLACED: "" } : {}),
     };
   }
@@ -283,7 +221,8 @@ export class RayMarcher {
 
   dispose(): void {
     this.uniforms.transferTexture.value?.dispose();
-    this.uniforms.brickTexture.value?.dispose();
+    this.uniforms.integralTexture.value?.dispose();
+    this.empty.dispose();
     this.displacements.dispose();
     this.pass.dispose();
   }
@@ -292,26 +231,24 @@ export class RayMarcher {
   private compile(): void {
     const { material } = this.pass;
     const surfaces = this.layers < 0 ? { LAYERS: "0" } : { SURFACES: "", LAYERS: String(this.layers) };
-    material.defines = { ...this.fieldDefines, ...surfaces };
+    material.defines = { ...this.fieldDefines, ...surfaces, BLEND: String(blends.indexOf(this.mode)) };
     material.needsUpdate = true;
   }
 
-  private fillBricks(): void {
-    const { bricks, drawn } = this;
-    if (bricks !== null && drawn !== null) {
-      const filled = filledBricks(bricks, (low, high) => drawn.any(low, high));
-      this.filled = filled.map((full, i) => full | (this.labelled?.[i] ?? 0));
-      this.measureEmptiness();
-    }
+  private setTransferFunction(transferFunction: TransferFunction, rescale: Rescale): void {
+    const u = this.uniforms;
+    u.transferTexture.value?.dispose();
+    u.integralTexture.value?.dispose();
+    const { values, integrals } = transferTextures(transferFunction);
+    u.transferTexture.value = values;
+    u.integralTexture.value = integrals;
+    const [low = 0, high = 1] = domainOf(transferFunction).map((value) => biasedOf(value, rescale));
+    u.transferScale.value.set(1 / (high - low), -low / (high - low));
   }
 
-  /** Tells the shader how far it may leap. */
-  private measureEmptiness(): void {
-    if (this.filled !== null && this.bricks !== null) {
-      const { counts } = this.bricks;
-      this.uniforms.brickTexture.value?.dispose();
-      this.uniforms.brickTexture.value = byteTexture(distanceToFilled(this.filled, counts), counts);
-    }
+  private setSlab(): void {
+    const { distance, slab } = this;
+    this.uniforms.slab.value.set(slab === null ? 0 : distance - slab / 2, slab === null ? 1e9 : distance + slab / 2);
   }
 }
 
@@ -319,13 +256,11 @@ function inverted(v: Vec3): Vec3 {
   return [1 / v[0], 1 / v[1], 1 / v[2]];
 }
 
-/** Scale and offset from a value to the coordinate of a row whose end texels stand at its ends. */
-function texelCoordinates(low: number, high: number, texels: number): readonly [number, number] {
-  const perValue = (texels - 1) / texels / (high - low);
-  return [perValue, 0.5 / texels - low * perValue];
-}
-
-/** Over the viewer's left shoulder. */
-export function keyLight(camera: Camera): Vec3 {
-  return normalize(add(add(scale(camera.right, -0.45), scale(camera.up, 0.65)), scale(camera.back, 0.75)));
+/** Grey per biased value and grey at 0; of the iso-surface, above 0 where it encloses. */
+function greyScale(optics: Optics, rescale: Rescale): readonly [number, number] {
+  const grey = (biased: number): number => {
+    const value = physical(biased, rescale);
+    return optics.blend === "iso" ? value - optics.isoValue : greyOf(value, optics.window);
+  };
+  return [(grey(largest) - grey(0)) / largest, grey(0)];
 }

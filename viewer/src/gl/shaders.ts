@@ -7,6 +7,7 @@ import field from "./shaders/field.glsl?raw";
 import fullscreenVert from "./shaders/fullscreen.vert?raw";
 import gaugeFrag from "./shaders/gauge.frag?raw";
 import gaugeVert from "./shaders/gauge.vert?raw";
+import iso from "./shaders/iso.glsl?raw";
 import light from "./shaders/light.glsl?raw";
 import marchFrag from "./shaders/march.frag?raw";
 import markerFrag from "./shaders/marker.frag?raw";
@@ -17,11 +18,15 @@ import partsFrag from "./shaders/parts.frag?raw";
 import partsVert from "./shaders/parts.vert?raw";
 import pathFrag from "./shaders/path.frag?raw";
 import pathVert from "./shaders/path.vert?raw";
+import projection from "./shaders/projection.glsl?raw";
+import ray from "./shaders/ray.glsl?raw";
 import segments from "./shaders/segments.glsl?raw";
 import sliceFrag from "./shaders/slice.frag?raw";
+import solid from "./shaders/solid.glsl?raw";
 import surfaceFrag from "./shaders/surface.frag?raw";
 import surfaceVert from "./shaders/surface.vert?raw";
 import surfaces from "./shaders/surfaces.glsl?raw";
+import tissue from "./shaders/tissue.glsl?raw";
 
 const precision = "precision highp float;\nprecision highp int;\nprecision highp sampler2D;\nprecision highp sampler3D;\n";
 
@@ -29,9 +34,21 @@ function joined(...parts: readonly string[]): string {
   return [precision, ...parts].join("\n");
 }
 
+// the ray caster has one `seenAlong` for each family of blend modes
+const alongRays = `
+#if BLEND <= EMISSION
+${solid}
+${tissue}
+#elif BLEND <= AVERAGE
+${projection}
+#else
+${solid}
+${iso}
+#endif`;
+
 export const shaders = {
   fullscreen: joined(fullscreenVert),
-  march: joined(displaced, field, segments, surfaces, light, openness, marchFrag),
+  march: joined(displaced, field, segments, surfaces, light, ray, openness, alongRays, marchFrag),
   composite: joined(compositeFrag),
   slice: joined(displaced, field, segments, sliceFrag),
   gauge: { vertex: joined(gaugeVert), fragment: joined(gaugeFrag) },

@@ -58,6 +58,7 @@ export class HandControl {
 
   /** Puts the hand at a point of the scene [mm]. */
   goTo(hand: Vec3): void {
+    this.stage.player.release();
     this.hand = hand;
     this.movedAt = performance.now();
     this.used = true;
@@ -75,6 +76,7 @@ export class HandControl {
 
   /** Brings probe, device and hand to a point, or next to it. */
   place(point: Vec3): void {
+    this.stage.player.release();
     this.hand = null;
     this.used = true;
     this.session.send({ type: "place", point });

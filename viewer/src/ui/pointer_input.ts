@@ -3,7 +3,7 @@
  *
  * Left drag turns, middle or Ctrl + left drag moves the picture, the wheel zooms. Right drag,
  * Shift + move, or any move in touch mode moves the hand in the view plane; meanwhile the
- * wheel moves it in depth. Where a segment is to be cut, the left button paints the line. With a tool chosen, the left button presses it wherever the mouse
+ * wheel moves it in depth. Alt + left drag changes window and level of what is seen. Where a segment is to be cut, the left button paints the line. With a tool chosen, the left button presses it wherever the mouse
  * moves the hand without a button. A double click brings the probe to what is seen there.
  */
 import { orbit, pan, zoom } from "../core/camera";
@@ -13,7 +13,7 @@ import type { Session } from "./session.svelte";
 import type { Stage } from "./stage.svelte";
 import type { ToolHand } from "./tool_hand.svelte";
 
-type Drag = "orbit" | "pan" | "hand" | "tool" | "cut";
+type Drag = "orbit" | "pan" | "hand" | "tool" | "cut" | "look";
 
 /** Turn per pixel [rad]. */
 const turnSpeed = 0.0075;
@@ -65,6 +65,8 @@ export class PointerInput {
     } else if (event.button === 1 || event.ctrlKey) {
       this.drag = "pan";
       event.preventDefault();
+    } else if (event.button === 0 && event.altKey) {
+      this.drag = "look";
     } else if (event.button === 0 && this.stage.cutting.id !== null) {
       this.drag = "cut";
       this.stage.cutting.begin([event.offsetX, event.offsetY]);
@@ -85,6 +87,10 @@ export class PointerInput {
     }
     if (this.drag === "cut") {
       this.stage.cutting.paint([event.offsetX, event.offsetY]);
+      return;
+    }
+    if (this.drag === "look") {
+      this.stage.looks.drag(x, y);
       return;
     }
     const doing = this.drag === "orbit" && event.shiftKey ? "hand" : this.drag;

@@ -4,7 +4,6 @@
  */
 import { transformPoint } from "../core/affine";
 import type { Letter } from "../core/anatomy";
-import { defaultAppearance, transferFunctionOf, type Appearance } from "../core/appearance";
 import type { BrickRanges } from "../core/bricks";
 import {
   extentOf,
@@ -42,6 +41,8 @@ import { Picture } from "../gl/picture";
 import type { ShownSlice, SliceLook } from "../gl/slices";
 import { downloadLabels, downloadVolume } from "../live/volume_download";
 import { EditPaceControl } from "./edit_pace_control.svelte";
+import { LookControl } from "./look_control.svelte";
+import { Player, type ShownTouch } from "./player.svelte";
 import { recall, remember } from "./remembered";
 import type { Session } from "./session.svelte";
 import { SliceControl } from "./slice_control.svelte";
@@ -63,16 +64,14 @@ const namedTime = 4000;
 /** Between two drawings of slices where the CPU draws [ms]. */
 const slicePause = 60;
 
-/** A boundary at full strength changes by this share of the soft-tissue-to-bone span per mm. */
-const edgeShare = 0.2;
-
 export class Stage {
   camera = $state.raw<Camera | null>(null);
   /** Size of the 3-D view's pane [CSS pixels]. */
   viewport = $state.raw<Viewport>({ width: 1, height: 1 });
   /** The slices beside it. */
   readonly slices = new SliceControl(() => this.camera);
-  appearance = $state.raw<Appearance | null>(null);
+  /** How the scan is shown. */
+  readonly looks = new LookControl();
   /** Range of a segment while its slider is dragged, before the engine is asked. */
   preview = $state.raw<{ readonly id: number; readonly range: readonly [number, number] } | null>(null);
   /** Share of the scan on its way to the picture, 0..1; null once it is shown. */
@@ -89,6 +88,8 @@ export class Stage {
   readonly editPace: EditPaceControl;
   /** Segments that are moved. */
   readonly objects: ObjectControl;
+  /** Plays scenarios: their tool stands in the picture then, and not the probe. */
+  readonly player: Player;
   /** A segment that is cut along a painted line. */
   readonly cutting: CutControl;
   /** The object that was picked last, and where [mm]. */
@@ -130,6 +131,7 @@ export class Stage {
     this.objects = new ObjectControl(session);
     this.editPace = new EditPaceControl(session);
     this.cutting = new CutControl(session);
+    this.player = new Player(session);
     this.edits = new ShownEdits({
       complain: (text) => {
         session.notify("error", text);
@@ -141,9 +143,19 @@ export class Stage {
       this.takeEdits();
     });
     session.onState((state) => {
-      this.trail.add(state.time, state.proxy);
-      this.slices.follow(state.proxy);
+      if (!this.player.showing) {
+        this.trail.add(state.time, state.proxy);
+        this.slices.follow(state.proxy);
+      }
     });
+  }
+
+  /** Takes the slices and the line of the way along with a scenario's tool. */
+  followPlayed({ time, proxy }: ShownTouch): void {
+    this.trail.add(time, proxy);
+    if (this.slices.habits.follows) {
+      this.slices.goTo(proxy);
+    }
   }
 
   /** Shows or hides some of what is drawn of touch. */
@@ -203,8 +215,7 @@ export class Stage {
     this.edits.clear();
     const step = subsamplingStep(scanFrame.dimensions, { edge: this.support.largestEdge, values: mostValues });
     this.tellCoarseness(step);
-    const fallback = defaultAppearance({ softTissue: scan.soft_tissue, bone: scan.bone });
-    this.appearance = recall(`appearance.${scan.name}`, fallback);
+    this.looks.open(scan);
     this.slices.open(scan);
     try {
       const { volume, bricks } = await downloadVolume(scanFrame, step, this.token, (share) => {
@@ -251,14 +262,11 @@ export class Stage {
   /** The look that the page's controls ask for; null before there is a scan. */
   readonly look = $derived.by((): Look | null => {
     const { scan } = this.session;
-    if (scan === null || this.appearance === null) {
+    const { parts } = this.looks;
+    if (scan === null || parts === null) {
       return null;
     }
-    const look = {
-      transferFunction: transferFunctionOf(this.appearance),
-      ranges: shownRanges(this.segments, scan),
-      edgeGradient: edgeShare * Math.abs(this.appearance.window),
-    };
+    const look = { ...parts, ranges: shownRanges(this.segments, scan) };
     return this.sameLook.of(look, JSON.stringify(look));
   });
 
@@ -266,18 +274,6 @@ export class Stage {
   applyLook(look: Look | null): void {
     if (look !== null && this.volume !== null) {
       this.picture?.setLook(look);
-    }
-  }
-
-  setAppearance(appearance: Appearance): void {
-    this.appearance = appearance;
-    remember(`appearance.${this.session.scan?.name ?? ""}`, appearance);
-  }
-
-  resetAppearance(): void {
-    const { scan } = this.session;
-    if (scan !== null) {
-      this.setAppearance(defaultAppearance({ softTissue: scan.soft_tissue, bone: scan.bone }));
     }
   }
 
@@ -484,8 +480,9 @@ export class Stage {
   }
 
   private moveMarkers(camera: Camera, picture: Picture): void {
-    const state = this.session.latest;
-    if (state === null || state === this.drawnState) {
+    const { latest } = this.session;
+    const state: ShownTouch | null = this.player.shown ?? latest;
+    if (latest === null || state === null || state === this.drawnState) {
       return;
     }
     this.drawnState = state;
@@ -497,7 +494,7 @@ export class Stage {
       trail: this.trail,
       parts: this.session.parts,
       show: this.shown,
-      tool: toolBall(state),
+      tool: this.player.showing ? null : toolBall(latest),
       device: state.device,
       force: state.force,
       contact: state.contact,

@@ -9,6 +9,7 @@ import type { Vec3 } from "../core/vector";
 import type { ShownSlice } from "../gl/slices";
 import type { HandControl } from "./hand_control.svelte";
 import type { Hearing } from "./hearing.svelte";
+import type { ShownTouch } from "./player.svelte";
 import type { Session } from "./session.svelte";
 import type { EditTimes } from "./shown_edits.svelte";
 import type { Stage } from "./stage.svelte";
@@ -28,6 +29,8 @@ export interface TestDoor {
   readonly settingsHold: boolean;
   /** Waits until the engine has done all that the page has asked for by now, and has told of it. */
   readonly allDone: () => Promise<void>;
+  /** The scenario's tool that stands in place of the probe; null while the probe is shown. */
+  readonly played: ShownTouch | null;
   readonly camera: Camera | null;
   /** The slices on display. */
   readonly slices: readonly ShownSlice[];
@@ -104,6 +107,9 @@ export function openTestDoor(session: Session, stage: Stage, hand: HandControl, 
     },
     get sound() {
       return { running: hearing.running, level: hearing.level };
+    },
+    get played() {
+      return stage.player.shown;
     },
     get camera() {
       return stage.camera;

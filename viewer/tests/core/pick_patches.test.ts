@@ -1,5 +1,6 @@
 import { expect, test } from "vitest";
 import { shifted, turned, unmoved } from "../../src/core/object_pose";
+import { shadedOptics } from "../../src/core/optics";
 import { surfaceCrossings, throughTriangle, type DrawnSurface } from "../../src/core/pick_patches";
 import { pickSurface } from "../../src/core/pick_surface";
 import { defaultAppearance, transferFunctionOf } from "../../src/core/appearance";
@@ -56,6 +57,7 @@ const look = {
   transferFunction: transferFunctionOf(defaultAppearance({ softTissue: 40, bone: 250 })),
   ranges: shownRanges([segment], scan),
   edgeGradient: 40,
+  optics: shadedOptics,
 };
 
 function pick(surfaces: readonly DrawnSurface[], from: Vec3, direction: Vec3 = [0, 1, 0]): ReturnType<typeof pickSurface> {

@@ -9,6 +9,7 @@ import type { Letter } from "../../src/core/anatomy";
 import { decodeDisplaced, type Displaced } from "../../src/core/displaced";
 import type { Look } from "../../src/core/look";
 import type { ScanVolume } from "../../src/core/scan_volume";
+import { shadedOptics, type Optics } from "../../src/core/optics";
 import { PathTrail } from "../../src/core/path_trail";
 import type { TransferFunction } from "../../src/core/transfer_function";
 import type { Changed, Segment, SegmentSurface } from "../../src/core/protocol";
@@ -27,9 +28,11 @@ import { ThreeCamera } from "../../src/gl/three_camera";
 import { ShownEdits } from "../../src/ui/shown_edits.svelte";
 import { ballSurface } from "../core/ball_surface";
 import { scanOf, segment, volumeOf } from "../core/volumes";
+import { marble } from "./marble";
 
 export interface MarchTest {
-  readonly field: "flat" | "ball" | "label";
+  readonly field: "flat" | "ball" | "label" | "marble";
+  readonly optics?: Partial<Optics>;
   readonly spacing: Vec3;
   readonly from: Letter;
   readonly stepsPerVoxel: number;
@@ -65,7 +68,7 @@ function fieldOf({ field, spacing, step = 1 }: MarchTest): ScanVolume {
     const point: Vec3 = [grid[0] * spacing[0], grid[1] * spacing[1], grid[2] * spacing[2]];
     return Math.min(1000, Math.max(-1000, 400 * (14 - distance(point, centre))));
   };
-  return volumeOf(scan, field === "ball" ? value : () => (field === "flat" ? 100 : -1000), step);
+  return volumeOf(scan, field === "ball" ? value : field === "marble" ? marble : () => (field === "flat" ? 100 : -1000), step);
 }
 
 function lookOf(test: MarchTest): Look {
@@ -83,6 +86,7 @@ function lookOf(test: MarchTest): Look {
     transferFunction: test.extinction === undefined ? transferFunctionOf(usual) : flat,
     ranges,
     edgeGradient: 40,
+    optics: { ...shadedOptics, ...test.optics },
   };
 }
 

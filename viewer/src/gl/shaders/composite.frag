@@ -10,6 +10,8 @@ uniform vec2 used;
 // lower left corner and size of the pane on the screen [pixels]
 uniform vec2 paneCorner;
 uniform vec2 paneSize;
+// 1 where highlights are bent instead of clipped
+uniform float bend;
 uniform vec3 backgroundCentre;
 uniform vec3 backgroundEdge;
 
@@ -33,7 +35,7 @@ void main() {
 
   float away = length((place - vec2(0.5, 0.52)) * vec2(1.1, 1.25));
   vec3 background = mix(backgroundCentre, backgroundEdge, smoothstep(0.0, 0.85, away));
-  vec3 colour = softened(drawn.rgb) + (1.0 - drawn.a) * background;
+  vec3 colour = mix(drawn.rgb, softened(drawn.rgb), bend) + (1.0 - drawn.a) * background;
 
   // less than one step of noise hides the steps of a dark gradient
   float grain = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715)))) - 0.5;

@@ -6,15 +6,16 @@
 
 #define RANGES 16
 
-// low and high biased value, 1 where visible, and its id where it was edited, else 0
+// low and high biased value; 2 where solid, 1 where tissue in its colour, 0 where left out; and its
+// id where it was edited, else 0
 uniform vec4 rangeBounds[RANGES];
 uniform vec3 rangeColours[RANGES];
 uniform int rangeCount;
 
 #ifdef LABELS
 uniform sampler3D labelTexture;
-// colour of each id (linear); alpha 1 where its voxels are drawn, 0.5 where nothing is, 0 where
-// there is no such segment or a range tells of it
+// colour of each id (linear); alpha 1 where its voxels are solid, 0.75 where tissue in its colour,
+// 0.5 where nothing is drawn, 0 where there is no such segment or a range tells of it
 uniform sampler2D labelColours;
 
 int labelAt(vec3 grid) {
@@ -68,7 +69,7 @@ int segmentAt(vec3 grid, float value) {
   }
 #ifdef LABELS
   float drawn = label > 0 ? texelFetch(labelColours, ivec2(label, 0), 0).a : 0.0;
-  if (drawn > 0.75) {
+  if (drawn > 0.6) {
     return RANGES + label;
   }
   found = drawn > 0.25 ? -1 : found;
@@ -85,6 +86,15 @@ vec3 segmentColour(int segment) {
   return rangeColours[segment - 1];
 }
 
-bool insideSegment(vec3 grid, int segment) {
-  return segmentAt(grid, biasedAt(grid)) == segment;
+// Whether a segment is a solid body, and no tissue in its colour.
+bool isSolid(int segment) {
+  if (segment <= 0) {
+    return false;
+  }
+#ifdef LABELS
+  if (segment > RANGES) {
+    return texelFetch(labelColours, ivec2(segment - RANGES, 0), 0).a > 0.9;
+  }
+#endif
+  return rangeBounds[segment - 1].z > 1.5;
 }

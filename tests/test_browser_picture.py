@@ -1,0 +1,143 @@
+"""Blend modes and transfer functions of a real scan in a real browser.
+
+The oracle is NumPy: it samples the file itself along the rays of the page's own camera.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import SimpleITK
+from browser import ROOT, Browser, browser, palpate
+from numpy.typing import NDArray
+
+pytestmark = pytest.mark.browser
+
+OUTPUT = ROOT / "tests" / "output"
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Opened:
+    """A scan on the page, in the 3-D view alone."""
+
+    page: Browser
+    image: Any
+
+    def values_along(self, pixels: Array, lengths: Array) -> Array:
+        """Returns the file's values [ray, sample] along the rays of pixels; NaN outside of it."""
+        camera = self.page.read("window.palpate.camera")
+        box = self.page.read(
+            "document.querySelector('[data-testid=canvas]').getBoundingClientRect().toJSON()"
+        )
+        right, up, back, target = (np.array(camera[k]) for k in ("right", "up", "back", "target"))
+        half = np.tan(camera["field"] / 2)
+        place = (pixels + 0.5) / (box["width"], box["height"]) * 2 - 1
+        toward = -back + half * (
+            place[:, :1] * box["width"] / box["height"] * right - place[:, 1:] * up
+        )
+        toward /= np.linalg.norm(toward, axis=1, keepdims=True)
+        eye = target + camera["distance"] * back
+        points = eye + toward[:, None] * (lengths + camera["distance"])[None, :, None]
+        axes = np.array(self.image.GetDirection()).reshape(3, 3) * self.image.GetSpacing()
+        index = (points - self.image.GetOrigin()) @ np.linalg.inv(axes).T
+        return trilinear(SimpleITK.GetArrayFromImage(self.image), index)
+
+
+def trilinear(values: NDArray[Any], index: Array) -> Array:
+    """Returns values [z, y, x] between voxels at indices (x, y, z); NaN outside."""
+    size = np.array(values.shape)[::-1]
+    outside = ((index < -0.5) | (index > size - 0.5)).any(axis=-1)
+    inside = np.clip(index, 0, size - 1.000001)
+    low = np.floor(inside).astype(int)
+    share = inside - low
+    total = np.zeros(index.shape[:-1])
+    for corner in np.ndindex(2, 2, 2):
+        weight = np.prod(np.where(np.array(corner) == 1, share, 1 - share), axis=-1)
+        x, y, z = np.moveaxis(low + corner, -1, 0)
+        total += weight * values[z, y, x]
+    total[outside] = np.nan
+    return total
+
+
+@pytest.fixture(scope="module")
+def opened(data_folder: Path) -> Iterator[Opened]:
+    """A contrast CT of the trunk, seen from the front."""
+    path = data_folder / "amos_0336" / "amos_0336.mhd"
+    with palpate("open", path, "--unit", "HU") as command, browser() as page:
+        opening = page.do("open", url=command.url, width=1000, height=640)
+        assert opening["firstPicture"] is not None
+        page.read("window.palpate.setView('A')")
+        yield Opened(page, SimpleITK.ReadImage(str(path)))
+
+
+@pytest.mark.data
+def test_a_mip_is_the_largest_value_on_each_ray_of_the_file(opened: Opened) -> None:
+    page = opened.page
+    page.do("choose", testid="blend", value="mip")
+    drawn = page.picture(OUTPUT / "mip.png")[..., 1]
+    width, level = (
+        float(page.read(f"document.querySelector('[data-testid={testid}]').value"))
+        for testid in ("picture-window", "picture-level")
+    )
+    height, across = drawn.shape
+    rows, columns = np.mgrid[60 : height - 60 : 9, 60 : across - 60 : 9]
+    pixels = np.stack([columns.ravel(), rows.ravel()], 1).astype(float)
+    values = opened.values_along(pixels, np.arange(-420, 420, 0.4))
+    most = np.nanmax(np.where(np.isnan(values), -5000, values), axis=1)
+    grey = np.clip((most - level) / width + 0.5, 0, 1)
+    shown = drawn[rows.ravel(), columns.ravel()]
+
+    # black is the page's own ground, of which dark grey has a share
+    lit = grey > 0.3
+    assert lit.mean() > 0.03
+    off = np.abs(shown - grey)[lit]
+    assert np.median(off) < 4 / 255, np.median(off) * 255
+    assert np.mean(off < 12 / 255) > 0.9
+    mirrored = np.abs(drawn[rows.ravel(), across - 1 - columns.ravel()] - grey)[lit]
+    assert np.median(mirrored) > 12 / 255
+    assert shown[grey == 0].mean() < 0.15
+
+
+@pytest.mark.data
+def test_modes_are_remembered_and_look_as_they_are_called(opened: Opened) -> None:
+    page = opened.page
+    pictures = {}
+    for mode in ("shaded", "composite", "absorption", "emission", "average", "iso"):
+        page.do("choose", testid="blend", value=mode)
+        pictures[mode] = page.picture(OUTPUT / f"{mode}.png")
+
+    def colour(picture: Array) -> float:
+        middle = picture[200:400, 200:500]
+        return float(np.mean(np.ptp(middle, axis=2)))
+
+    # a radiograph and a mean are grey, tissue is not
+    assert colour(pictures["absorption"]) < 0.06 < colour(pictures["composite"])
+    assert colour(pictures["average"]) < 0.06 < colour(pictures["shaded"])
+    different = [
+        float(np.abs(pictures[one] - pictures[other]).mean())
+        for one in pictures
+        for other in pictures
+        if one < other
+    ]
+    assert min(different) > 0.01
+
+    url = page.read("location.href")
+    page.do("open", url=url, width=1000, height=640)
+    assert page.read("document.querySelector('[data-testid=blend]').value") == "iso"
+    assert not page.complaints
+
+
+@pytest.mark.data
+def test_alt_drag_changes_window_and_level_in_the_picture(opened: Opened) -> None:
+    page = opened.page
+    page.do("choose", testid="blend", value="mip")
+    before, camera = page.text("picture-window-value"), page.read("window.palpate.camera")
+    page.do("altDrag", x=60, y=0)
+    page.shows("picture-window-value", f"text !== '{before}'")
+    assert page.read("window.palpate.camera") == camera

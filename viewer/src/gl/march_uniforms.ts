@@ -1,0 +1,74 @@
+/**
+ * What the shaders of the ray caster are told: in sync with `shaders/march.frag` and what it is joined from.
+ */
+import * as THREE from "three";
+import { mostRanges } from "../core/shown_segments";
+import type { Vec3 } from "../core/vector";
+import type { DisplacedTexture } from "./displaced_texture";
+
+/** Planes that can cut the scan at once. In sync with `shaders/ray.glsl`. */
+export const mostCuts = 12;
+
+const vector = (v: Vec3 = [0, 0, 0]): THREE.Vector3 => new THREE.Vector3(...v);
+
+// its type is what it returns: written out it would be the same list again
+// eslint-disable-next-line @typescript-eslint/explicit-module-boundary-types
+export function marchUniforms() {
+  const many = (): THREE.Vector3[] => Array.from({ length: mostRanges }, () => vector());
+  return {
+    fieldTexture: { value: null as THREE.Texture | null },
+    dimensions: { value: vector() },
+    textureScale: { value: vector() },
+    textureOffset: { value: vector() },
+    sampleStep: { value: vector() },
+    spacing: { value: vector() },
+    slope: { value: 1 },
+    rangeBounds: { value: Array.from({ length: mostRanges }, () => new THREE.Vector4()) },
+    rangeColours: { value: many() },
+    rangeCount: { value: 0 },
+    labelTexture: { value: null as THREE.Texture | null },
+    labelColours: { value: null as THREE.Texture | null },
+    keyDirection: { value: vector() },
+    upDirection: { value: vector() },
+    pictureSize: { value: new THREE.Vector2() },
+    shift: { value: vector() },
+    eye: { value: vector() },
+    forward: { value: vector() },
+    across: { value: vector() },
+    upward: { value: vector() },
+    clip: { value: new THREE.Vector2() },
+    stepLength: { value: 1 },
+    jitter: { value: 1 },
+    slab: { value: new THREE.Vector2() },
+    cutPlanes: { value: Array.from({ length: mostCuts }, () => new THREE.Vector4()) },
+    cutCount: { value: 0 },
+    transferTexture: { value: null as THREE.Texture | null },
+    integralTexture: { value: null as THREE.Texture | null },
+    transferScale: { value: new THREE.Vector2() },
+    edge: { value: new THREE.Vector2() },
+    density: { value: 1 },
+    grey: { value: new THREE.Vector2() },
+    tissueFrom: { value: 0 },
+    isoColour: { value: vector() },
+    brickTexture: { value: null as THREE.Texture | null },
+    brickScale: { value: vector() },
+    brickOffset: { value: vector() },
+    surfaceColour: { value: null as THREE.Texture | null },
+    surfaceDepth: { value: null as THREE.Texture | null },
+    surfaceLead: { value: 0 },
+    layerColour: { value: [] as THREE.Texture[] },
+    layerDepth: { value: [] as THREE.Texture[] },
+  };
+}
+
+export type MarchUniforms = ReturnType<typeof marchUniforms> & DisplacedTexture["uniforms"];
+export type FieldUniform =
+  | "fieldTexture"
+  | "dimensions"
+  | "textureScale"
+  | "textureOffset"
+  | "sampleStep"
+  | "spacing"
+  | "slope"
+  | "labelTexture"
+  | keyof DisplacedTexture["uniforms"];

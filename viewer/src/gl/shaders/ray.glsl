@@ -1,0 +1,170 @@
+// A ray through the scan: where it goes, which part of it is looked at, and what on its way is
+// empty. Positions run in grid coordinates, lengths along the ray in mm.
+
+// the ways in which values along a ray become one colour; keep in sync with core/optics.ts
+#define SHADED 0
+#define COMPOSITE 1
+#define ABSORPTION 2
+#define EMISSION 3
+#define MIP 4
+#define MINIP 5
+#define AVERAGE 6
+#define ISO 7
+
+uniform vec2 pictureSize;
+// shift within the pixel and of the noise, for averaging several pictures
+uniform vec3 shift;
+uniform vec3 eye;
+// axes of the view along the grid's axes, per mm; `across` and `upward` reach half the picture
+uniform vec3 forward;
+uniform vec3 across;
+uniform vec3 upward;
+// length of a step [mm]; 1 where the start is jittered
+uniform float stepLength;
+uniform float jitter;
+// nearest and farthest depth that is looked at [mm]
+uniform vec2 slab;
+// planes that cut the scan: what is kept has dot(plane.xyz, grid) + plane.w >= 0
+#define MOST_CUTS 12
+uniform vec4 cutPlanes[MOST_CUTS];
+uniform int cutCount;
+
+uniform sampler3D brickTexture;
+uniform vec3 brickScale;
+uniform vec3 brickOffset;
+
+const float clearEnough = 0.012;
+
+struct Ray {
+  // direction along the grid's axes, per mm: in mm, and in voxels
+  vec3 direction;
+  vec3 inGrid;
+  // per mm of depth
+  float stretch;
+  // from where to where it is followed [mm], and the normal of the face through which it enters
+  vec2 span;
+  vec3 face;
+  // where it is among matter that stands beside its voxels [mm]
+  vec2 displaced;
+  // share of a step before the first sample
+  float start;
+};
+
+// What has been seen along a ray: light, share that still passes, and the length at which the ray
+// became more opaque than clear, < 0 where it has not.
+struct Seen {
+  vec3 light;
+  float clarity;
+  float depth;
+};
+
+// Whether a point belongs to a segment, or, for `isoSegment`, to what the iso-surface encloses.
+const int isoSegment = -2;
+// share of the window at a biased value: x per value, y at 0
+uniform vec2 grey;
+
+bool insideSegment(vec3 grid, int segment) {
+  float value = biasedAt(grid);
+  return segment == isoSegment ? value * grey.x + grey.y >= 0.0 : segmentAt(grid, value) == segment;
+}
+
+// Where the ray is inside a box [grid]; `face` gets the one through which it enters.
+vec2 throughBox(vec3 low, vec3 high, vec3 direction, out vec3 face) {
+  vec3 inverse = 1.0 / (mix(vec3(1.0), sign(direction), step(1e-12, abs(direction))) * max(abs(direction), 1e-12));
+  vec3 a = (low - eye) * inverse;
+  vec3 b = (high - eye) * inverse;
+  vec3 near = min(a, b);
+  vec3 far = max(a, b);
+  float enter = max(max(near.x, near.y), near.z);
+  face = -sign(direction) * step(vec3(enter), near);
+  return vec2(max(enter, 0.0), min(min(far.x, far.y), far.z));
+}
+
+// Where the ray is among matter that stands beside its voxels.
+vec2 throughDisplaced(vec3 direction) {
+  vec3 face;
+  vec2 span = vec2(farAway);
+#ifdef DISPLACED
+  if (displacedScale.x > 0.0) {
+    vec3 low = -displacedOffset / displacedScale;
+    span = throughBox(low, low + 1.0 / displacedScale, direction, face);
+  }
+#endif
+  return span;
+}
+
+// Length that can be leapt over from here [mm]; 0 in a filled brick. Bricks tell of voxels, and
+// nothing of what stands beside them: there nothing is leapt over.
+float emptyAhead(vec3 grid, float t, vec2 displaced, vec3 direction) {
+#ifdef DISPLACED
+  if (displaced.x <= t && t < displaced.y) {
+    return 0.0;
+  }
+#endif
+  vec3 place = grid * brickScale + brickOffset;
+  vec3 brick = floor(place);
+  float reach = floor(texelFetch(brickTexture, ivec3(brick), 0).r * 255.0 + 0.5);
+  if (reach == 0.0) {
+    return 0.0;
+  }
+  vec3 speed = direction * brickScale;
+  vec3 ahead = mix(place - brick + (reach - 1.0), brick + reach - place, step(0.0, speed));
+  vec3 lengths = ahead / max(abs(speed), 1e-9);
+  float leap = min(min(lengths.x, lengths.y), lengths.z);
+#ifdef DISPLACED
+  leap = t < displaced.x ? min(leap, displaced.x - t) : leap;
+#endif
+  return leap;
+}
+
+// Keeps what lies on the kept side of every plane.
+void cutByPlanes(vec3 inGrid, inout vec2 span, inout vec3 face) {
+  for (int i = 0; i < MOST_CUTS; ++i) {
+    if (i >= cutCount) {
+      break;
+    }
+    vec4 plane = cutPlanes[i];
+    float here = dot(plane.xyz, eye) + plane.w;
+    float speed = dot(plane.xyz, inGrid);
+    float crossing = abs(speed) > 1e-12 ? -here / speed : here >= 0.0 ? -1e9 : 1e9;
+    if (speed > 0.0 || abs(speed) <= 1e-12) {
+      if (crossing > span.x) {
+        span.x = crossing;
+        face = -normalize(plane.xyz / spacing);
+      }
+    } else {
+      span.y = min(span.y, crossing);
+    }
+  }
+}
+
+float noise(vec2 pixel) {
+  // interleaved gradient noise: neighbours differ much, so the eye averages it away
+  // (Jimenez, "Next generation post processing in Call of Duty", SIGGRAPH 2014)
+  return fract(52.9829189 * fract(dot(pixel, vec2(0.06711056, 0.00583715))));
+}
+
+Ray rayOfPixel() {
+  Ray ray;
+  vec2 place = (gl_FragCoord.xy + shift.xy) / pictureSize * 2.0 - 1.0;
+  vec3 toPixel = forward + across * place.x + upward * place.y;
+  ray.stretch = length(toPixel);
+  ray.direction = toPixel / ray.stretch;
+  ray.inGrid = ray.direction / spacing;
+  ray.span = throughBox(vec3(0.0), dimensions, ray.inGrid, ray.face);
+  cutByPlanes(ray.inGrid, ray.span, ray.face);
+  if (slab.x * ray.stretch > ray.span.x) {
+    ray.span.x = slab.x * ray.stretch;
+    ray.face = -ray.direction;
+  }
+  ray.span.y = min(ray.span.y, slab.y * ray.stretch);
+  ray.displaced = throughDisplaced(ray.inGrid);
+  ray.start = jitter > 0.5 ? noise(gl_FragCoord.xy + 5.588238 * shift.z) : 0.5;
+  return ray;
+}
+
+// Length of whole steps to the first sample beyond what is empty from here; 0 where it is not.
+float stepsOverEmpty(Ray ray, vec3 grid, float t) {
+  float leap = emptyAhead(grid, t, ray.displaced, ray.inGrid);
+  return leap > 0.0 ? max(1.0, ceil(leap / stepLength)) * stepLength : 0.0;
+}

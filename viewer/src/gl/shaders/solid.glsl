@@ -1,0 +1,60 @@
+// Surfaces of segments along a ray, found between two samples, and their normals.
+
+const int refinements = 5;
+
+// Where between two samples the ray enters a solid segment, and which: where segments lie in one
+// another it is the outer one, however steep the step between.
+float refinedEntry(vec3 inGrid, float before, float inside, inout int segment) {
+  for (int i = 0; i < refinements; ++i) {
+    float middle = 0.5 * (before + inside);
+    vec3 grid = eye + inGrid * middle;
+    int here = segmentAt(grid, biasedAt(grid));
+    if (isSolid(here)) {
+      inside = middle;
+      segment = here;
+    } else {
+      before = middle;
+    }
+  }
+  return inside;
+}
+
+#ifdef LABELS
+// Outward normal of a label, from the share of its voxels around the point.
+vec3 labelNormal(vec3 grid, int label) {
+  vec3 sum = vec3(0.0);
+  for (int i = 0; i < 27; ++i) {
+    vec3 offset = vec3(i % 3, (i / 3) % 3, i / 9) - 1.0;
+    vec3 place = grid + 1.5 * offset * sampleStep;
+    sum -= float(labelAt(place) == label) * offset / spacing;
+  }
+  return sum;
+}
+#endif
+
+vec3 surfaceNormal(vec3 grid, int segment) {
+#ifdef LABELS
+  if (segment > RANGES) {
+    return labelNormal(grid, segment - RANGES);
+  }
+  vec4 bounds = rangeBounds[segment - 1];
+  if (bounds.w > 0.5 && editedAround(grid, bounds)) {
+    return labelNormal(grid, int(bounds.w));
+  }
+#endif
+  return gradientAt(grid);
+}
+
+// Unit vector, turned to the viewer; `instead` where there is no direction.
+vec3 facing(vec3 vector, vec3 toEye, vec3 instead) {
+  float size = length(vector);
+  vec3 unit = size > 1e-9 ? vector / size : instead;
+  return dot(unit, toEye) < 0.0 ? -unit : unit;
+}
+
+// Light of a solid segment at a point, seen through one of the faces that cut it or not.
+vec3 lightOfSegment(Ray ray, vec3 grid, int segment, bool cut) {
+  vec3 toEye = -ray.direction;
+  vec3 normal = cut ? ray.face : facing(surfaceNormal(grid, segment), toEye, toEye);
+  return litSurface(segmentColour(segment), normal, toEye, openness(grid, normal, segment));
+}

@@ -1,0 +1,166 @@
+// Tissue by absorption and emission, front to back. Between two samples the transfer function is
+// integrated over the values between theirs, so the step changes cost and not look; where tissue
+// becomes opaque, steps are quartered. Solid segments end the ray at their surface.
+// Source: Max, "Optical models for direct volume rendering", IEEE TVCG 1 (1995); Engel et al.,
+// "Real-Time Volume Graphics" (2006), ch. 4 (pre-integration by integral functions); Levoy, "Display
+// of surfaces from volume data", IEEE CG&A 8 (1988) for the weight of boundaries.
+
+uniform sampler2D transferTexture;
+// running integrals of the same row over its coordinate: colour times extinction, extinction
+uniform sampler2D integralTexture;
+// biased value -> place in the row, 0..1
+uniform vec2 transferScale;
+// gradient of a full boundary [value per mm], share that flat tissue keeps
+uniform vec2 edge;
+// factor on all extinction
+uniform float density;
+
+// opacity of a whole step from which on it is quartered, and for how many quarters
+const float opaqueStep = 0.12;
+const int quarters = 4;
+const float unknown = -1e9;
+
+// The transfer function at a place of its row.
+vec4 tissueAt(float place) {
+  float texels = float(textureSize(transferTexture, 0).x);
+  return texture(transferTexture, vec2((clamp(place, 0.0, 1.0) * (texels - 1.0) + 0.5) / texels, 0.5));
+}
+
+vec4 integralTo(float place) {
+  int last = textureSize(integralTexture, 0).x - 1;
+  float inside = clamp(place, 0.0, 1.0);
+  float texel = inside * float(last);
+  int first = min(int(texel), last - 1);
+  vec4 low = texelFetch(integralTexture, ivec2(first, 0), 0);
+  vec4 high = texelFetch(integralTexture, ivec2(first + 1, 0), 0);
+  vec4 integral = low + (high - low) * (texel - float(first));
+  vec4 outer = tissueAt(inside);
+  return integral + (place - inside) * vec4(outer.rgb * outer.a, outer.a);
+}
+
+// Mean of the transfer function over all values between two: colour, and extinction [1/mm].
+vec4 tissueBetween(float front, float back) {
+  float a = front * transferScale.x + transferScale.y;
+  float b = back * transferScale.x + transferScale.y;
+  float texels = float(textureSize(transferTexture, 0).x);
+  if (abs(b - a) * texels < 2.0) {
+    return tissueAt(0.5 * (a + b));
+  }
+  vec4 mean = (integralTo(b) - integralTo(a)) / (b - a);
+  return vec4(mean.rgb / max(mean.a, 1e-9), mean.a);
+}
+
+// Adds the light of an interval of tissue; false where it is too opaque for its length.
+bool addTissue(Ray ray, vec2 interval, vec4 tissue, bool dividable, inout Layers layers, inout Seen seen) {
+  float size = interval.y - interval.x;
+  float middle = 0.5 * (interval.x + interval.y);
+  float extinction = tissue.a * density;
+#if BLEND == SHADED || BLEND == COMPOSITE
+  vec3 gradient = coarseGradientAt(eye + ray.inGrid * middle);
+  float boundary = smoothstep(0.0, edge.x, length(gradient));
+  extinction *= mix(edge.y, 1.0, boundary);
+  if (dividable && extinction * stepLength > opaqueStep) {
+    return false;
+  }
+#endif
+  passLayers(layers, middle, seen.light, seen.clarity, seen.depth);
+#if BLEND == EMISSION
+  seen.light += seen.clarity * extinction * size * tissue.rgb;
+#else
+  float opacity = 1.0 - exp(-extinction * size);
+#if BLEND == SHADED
+  vec3 toEye = -ray.direction;
+  vec3 colour = litTissue(tissue.rgb, facing(gradient, toEye, toEye), toEye, boundary);
+#elif BLEND == COMPOSITE
+  vec3 colour = tissue.rgb;
+#else
+  // what is absorbed of the light behind, bright where much is: as a radiograph shows it
+  vec3 colour = vec3(1.0);
+#endif
+  seen.light += seen.clarity * opacity * colour;
+  seen.clarity *= 1.0 - opacity;
+#if BLEND != ABSORPTION
+  seen.depth = seen.depth < 0.0 && seen.clarity < 0.5 ? interval.y : seen.depth;
+#endif
+#endif
+  return true;
+}
+
+Seen seenAlong(Ray ray, inout Layers layers) {
+  Seen seen = Seen(vec3(0.0), 1.0, -1.0);
+  // up to here the ray is done, and the value there
+  float last = ray.span.x;
+  float front = unknown;
+  float t = last + ray.start * stepLength;
+  int fine = 0;
+  for (int i = 0; i < 8192; ++i) {
+    if (last >= ray.span.y || seen.clarity <= clearEnough) {
+      break;
+    }
+    t = min(t, ray.span.y);
+    vec3 grid = eye + ray.inGrid * t;
+    float leap = stepsOverEmpty(ray, grid, t);
+    if (leap > 0.0 && front == unknown) {
+      t += leap;
+      last = t - stepLength;
+      fine = 0;
+      continue;
+    }
+
+    float value = biasedAt(grid);
+    int segment = segmentAt(grid, value);
+    if (segment < 0) {
+      // what is left out has no skin either
+      front = value;
+      last = t;
+      t += stepLength;
+      fine = 0;
+      continue;
+    }
+    float first = front == unknown ? biasedAt(eye + ray.inGrid * last) : front;
+    float end = t;
+#if BLEND == SHADED || BLEND == COMPOSITE
+    bool solid = isSolid(segment);
+    bool cut = false;
+    if (solid) {
+      vec3 before = eye + ray.inGrid * last;
+      cut = last <= ray.span.x && isSolid(segmentAt(before, first));
+      end = cut ? last : refinedEntry(ray.inGrid, last, t, segment);
+      grid = eye + ray.inGrid * end;
+      value = biasedAt(grid);
+    }
+#else
+    const bool solid = false;
+#endif
+    vec4 tissue = tissueBetween(first, value);
+    if (tissue.a > 0.0 && end > last) {
+      if (segment > 0 && !solid) {
+        tissue.rgb = segmentColour(segment);
+      }
+      bool dividable = fine == 0 && end - last > 0.3 * stepLength;
+      if (!addTissue(ray, vec2(last, end), tissue, dividable, layers, seen)) {
+        front = first;
+        fine = quarters;
+        t = last + 0.25 * stepLength;
+        continue;
+      }
+    } else {
+      fine = 0;
+    }
+#if BLEND == SHADED || BLEND == COMPOSITE
+    if (solid) {
+      passLayers(layers, end, seen.light, seen.clarity, seen.depth);
+      seen.light += seen.clarity * lightOfSegment(ray, grid, segment, cut);
+      seen.clarity = 0.0;
+      seen.depth = seen.depth < 0.0 ? end : seen.depth;
+      break;
+    }
+#endif
+    // an empty brick is leapt over from here on
+    front = leap > 0.0 ? unknown : value;
+    last = t;
+    fine = max(0, fine - 1);
+    t += fine > 0 ? 0.25 * stepLength : stepLength;
+  }
+  return seen;
+}

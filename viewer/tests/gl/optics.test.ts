@@ -1,0 +1,234 @@
+/**
+ * Each blend mode of the real shaders against what its model says: analytic where it can be, else the
+ * same rays on the CPU. Scans of 48³, pictures of 96², no jitter.
+ */
+import { afterAll, beforeAll, expect, test } from "vitest";
+import { transformPoint, transformVector } from "../../src/core/affine";
+import { rayThrough } from "../../src/core/camera";
+import { linearFromSrgb } from "../../src/core/colour";
+import { biasedAt } from "../../src/core/field";
+import { flatShare } from "../../src/core/look";
+import { blends, greyOf, shadedOptics, type GreyBlend } from "../../src/core/optics";
+import { throughBox } from "../../src/core/pick_surface";
+import { frameOf, type ScanVolume } from "../../src/core/scan_volume";
+import { physical } from "../../src/core/stored_values";
+import type { WindowLevel } from "../../src/core/window_level";
+import { add, addScaled, dot, normalize, scale, subtract, type Vec3 } from "../../src/core/vector";
+import { keyLight } from "../../src/gl/key_light";
+import { scanOf, volumeOf } from "../core/volumes";
+import { openGlBrowser, type GlBrowser } from "./browser";
+import { marble } from "./marble";
+import type { MarchResult, MarchTest } from "./page";
+
+const edge = 96;
+const voxels = 48;
+const spacing: Vec3 = [1, 1, 1];
+const frame = frameOf(scanOf([voxels, voxels, voxels], spacing));
+let browser: GlBrowser;
+
+beforeAll(async () => {
+  browser = await openGlBrowser();
+}, 60_000);
+
+afterAll(async () => {
+  await browser.close();
+});
+
+function march(part: Partial<MarchTest> & Pick<MarchTest, "field">): Promise<MarchResult> {
+  const whole: MarchTest = { spacing, from: "A", stepsPerVoxel: 2, ...part };
+  return browser.page.evaluate((t) => window.glTests?.march(t) ?? Promise.reject(new Error("no page")), whole);
+}
+
+/** The rays of all pixels, rows from the bottom: where they are inside the scan [mm], in its grid. */
+function raysOf({ camera }: MarchResult): { origin: Vec3; direction: Vec3; span: readonly [number, number] | null }[] {
+  return Array.from({ length: edge * edge }, (_, i) => {
+    const [x, y] = [i % edge, edge - 1 - Math.floor(i / edge)];
+    const ray = rayThrough(camera, x + 0.5, y + 0.5, { width: edge, height: edge });
+    const origin = transformPoint(frame.gridFromScene, ray.origin);
+    const direction = transformVector(frame.gridFromScene, ray.direction);
+    return { origin, direction, span: throughBox(origin, direction, frame.dimensions) };
+  });
+}
+
+function channel({ pixels }: MarchResult, c: number): number[] {
+  return pixels.filter((_, i) => i % 4 === c);
+}
+
+const mean = (values: readonly number[]): number => values.reduce((sum, value) => sum + value, 0) / values.length;
+
+/** Differences as a person sees them, in sRGB. */
+function seen(linear: number): number {
+  const c = Math.min(1, Math.max(0, linear));
+  return c <= 0.0031308 ? 12.92 * c : 1.055 * c ** (1 / 2.4) - 0.055;
+}
+
+/** The bounds of the project: a mean of 2/255, and 8/255 for 99.9 % of all. */
+function expectAlike(one: readonly number[], other: readonly number[], share = 0.999): void {
+  const differences = one.map((value, i) => Math.abs(value - (other[i] ?? 0)));
+  const within = differences.filter((difference) => difference <= 8 / 255).length;
+  expect(mean(differences)).toBeLessThan(2 / 255);
+  expect(within / differences.length).toBeGreaterThanOrEqual(share);
+}
+
+// half floats, rounding of rays at the block's edges
+const fine = 0.003;
+const tint: Vec3 = [0.2, 0.4, 0.6];
+
+test.each([1, 2, 4])("absorption of a homogeneous block is that of its length, with %d steps a voxel", async (stepsPerVoxel) => {
+  const result = await march({ field: "flat", extinction: 0.4, stepsPerVoxel, optics: { blend: "absorption", density: 0.05 } });
+  const expected = raysOf(result).map(({ span }) => 1 - Math.exp(-0.05 * 0.4 * (span === null ? 0 : span[1] - span[0])));
+  for (const c of [0, 1, 2, 3]) {
+    // bright where much is absorbed
+    expect(Math.max(...channel(result, c).map((value, i) => Math.abs(value - (expected[i] ?? 0))))).toBeLessThan(fine);
+  }
+});
+
+test("emission grows with the length of the way, in the tissue's colour, and nothing hides it", async () => {
+  const result = await march({ field: "flat", extinction: 0.4, optics: { blend: "emission", density: 0.05 } });
+  const lengths = raysOf(result).map(({ span }) => (span === null ? 0 : span[1] - span[0]));
+  for (const c of [0, 1, 2] as const) {
+    const errors = channel(result, c).map((value, i) => Math.abs(value - 0.05 * 0.4 * tint[c] * (lengths[i] ?? 0)));
+    expect(Math.max(...errors)).toBeLessThan(fine);
+  }
+});
+
+test("a composite without light is the tissue's own colour, as much as it absorbs", async () => {
+  const result = await march({ field: "flat", extinction: 0.4, optics: { blend: "composite" } });
+  const opacities = raysOf(result).map(({ span }) => 1 - Math.exp(-flatShare * 0.4 * (span === null ? 0 : span[1] - span[0])));
+  for (const c of [0, 1, 2] as const) {
+    const errors = channel(result, c).map((value, i) => Math.abs(value - tint[c] * (opacities[i] ?? 0)));
+    expect(Math.max(...errors)).toBeLessThan(fine);
+  }
+});
+
+/** One value of each ray, by samples four times as dense as the shader's. */
+function reference(volume: ScanVolume, result: MarchResult, optics: GreyTest): number[] {
+  const { blend, slab, tissueFrom, window } = optics;
+  const { camera } = result;
+  return raysOf(result).map(({ origin, direction, span }) => {
+    const [enter, leave] = span ?? [0, 0];
+    const depth = -dot(direction, camera.back);
+    const values: number[] = [];
+    for (let t = enter + 0.0625; t < leave; t += 0.125) {
+      if (slab === null || Math.abs(t * depth - camera.distance) <= slab / 2) {
+        values.push(physical(biasedAt(volume, addScaled(origin, direction, t)), frame.rescale));
+      }
+    }
+    const isTissue = values.map((value) => value >= tissueFrom);
+    const [first, last] = [isTissue.indexOf(true), isTissue.lastIndexOf(true)];
+    const counted = blend === "mip" ? values : first < 0 ? [] : values.slice(first, last + 1);
+    const all = { mip: Math.max(...counted), minip: Math.min(...counted), average: mean(counted) };
+    return counted.length === 0 ? 0 : Math.min(1, Math.max(0, greyOf(all[blend], window)));
+  });
+}
+
+interface GreyTest {
+  readonly blend: GreyBlend;
+  readonly tissueFrom: number;
+  readonly slab: number | null;
+  readonly window: WindowLevel;
+}
+
+const everything = -5000;
+const wide = { window: 1400, level: 0 };
+
+test.each([
+  { blend: "mip", tissueFrom: -300, slab: null, window: wide },
+  { blend: "mip", tissueFrom: -300, slab: 9, window: wide },
+  { blend: "minip", tissueFrom: everything, slab: 9, window: { window: 1600, level: -400 } },
+  { blend: "minip", tissueFrom: -300, slab: null, window: wide },
+  { blend: "average", tissueFrom: everything, slab: null, window: wide },
+  { blend: "average", tissueFrom: -300, slab: null, window: wide },
+] as const)("$blend of values from $tissueFrom HU, slab $slab mm, is that of the same rays on the CPU", async (optics) => {
+  const result = await march({ field: "marble", stepsPerVoxel: 4, optics });
+  const volume = volumeOf(scanOf([voxels, voxels, voxels], spacing), marble);
+  const expected = reference(volume, result, optics);
+  // where a ray only just has tissue, the first sample of it decides
+  const grazing = optics.blend !== "mip" && optics.tissueFrom > everything ? 0.98 : 0.999;
+  expectAlike(channel(result, 0).map(seen), expected, grazing);
+  expect(Math.max(...expected) - Math.min(...expected)).toBeGreaterThan(0.25);
+});
+
+test.each([
+  { blend: "shaded", softTissue: 0.6 },
+  { blend: "composite", softTissue: 0.6 },
+  { blend: "absorption", softTissue: 0.4 },
+  { blend: "mip", softTissue: 0 },
+  { blend: "iso", softTissue: 0 },
+] as const)("in mode $blend leaping over empty bricks changes no pixel", async ({ blend, softTissue }) => {
+  const test = { field: "ball", softTissue, optics: { blend, density: 1, isoValue: 250, window: { window: 400, level: 300 } } } as const;
+  const skipped = await march({ ...test, skip: true });
+  const visited = await march({ ...test, skip: false });
+  const differing = skipped.pixels.filter((value, i) => Math.abs(value - (visited.pixels[i] ?? 0)) > 2e-3);
+  expect(differing.length).toBeLessThan(skipped.pixels.length / 1000);
+  expect(Math.max(...channel(skipped, 3))).toBeGreaterThan(0.2);
+});
+
+test.each(blends.filter((blend) => blend !== "minip" && blend !== "average"))(
+  "in mode %s the step changes cost and not look: a quarter, a half and a whole voxel agree",
+  async (blend) => {
+    const optics = { blend, density: blend === "emission" ? 0.02 : 1, isoValue: 250, window: { window: 1400, level: 0 } };
+    const at = async (stepsPerVoxel: number): Promise<number[]> =>
+      (await march({ field: "ball", softTissue: 0.5, stepsPerVoxel, optics })).pixels.map(seen);
+    const quarter = await at(4);
+    expectAlike(quarter, await at(2));
+    expectAlike(quarter, await at(1));
+    expect(Math.max(...quarter)).toBeGreaterThan(0.3);
+  },
+);
+
+/** Light of an uncovered surface: the same as in `light.glsl`, written again. */
+function litSphere(colour: Vec3, normal: Vec3, toEye: Vec3, up: Vec3, key: Vec3): Vec3 {
+  const sky = 0.5 + 0.5 * dot(normal, up);
+  const lambert = Math.max(0, dot(normal, key));
+  const shine = 0.16 * Math.max(0, dot(normal, normalize(add(key, toEye)))) ** 28;
+  const facing = Math.max(0, dot(normal, toEye));
+  const of = (c: 0 | 1 | 2, ground: number, above: number, direct: number): number =>
+    colour[c] * (ground + (above - ground) * sky + direct * 0.82 * lambert + 0.04 * (1 - facing)) + shine;
+  return [of(0, 0.14, 0.36, 1.06), of(1, 0.11, 0.38, 1.0), of(2, 0.1, 0.42, 0.92)];
+}
+
+test("an iso-surface is the analytic picture of a lit sphere", async () => {
+  // the field falls by 400 per mm from the middle: 0 at 14 mm
+  const result = await march({ field: "ball", extinction: 1, optics: { blend: "iso", isoValue: 0 } });
+  const centre: Vec3 = [24, 24, 24];
+  const light = keyLight(result.camera);
+  const expected: number[] = [];
+  const drawn: number[] = [];
+  raysOf(result).forEach(({ origin, direction }, i) => {
+    const to = subtract(centre, origin);
+    const along = dot(to, direction);
+    const off = Math.sqrt(Math.max(0, dot(to, to) - along * along));
+    // the outline is a pixel of its own
+    if (off > 14 || off < 13.5) {
+      const hit = addScaled(origin, direction, along - Math.sqrt(Math.max(0, 14 ** 2 - off ** 2)));
+      const normal = normalize(subtract(hit, centre));
+      const lit = litSphere(tint, normal, scale(direction, -1), result.camera.up, light);
+      const pixel = off < 14 ? [...lit, 1] : off > 14.5 ? [0, 0, 0, 0] : [];
+      expected.push(...pixel.map(seen));
+      drawn.push(...(pixel.length === 0 ? [] : result.pixels.slice(4 * i, 4 * i + 4).map(seen)));
+    }
+  });
+  expect(expected.filter((value) => value > 0.999).length).toBeGreaterThan(1000);
+  expectAlike(drawn, expected, 0.995);
+});
+
+test("a slab shows what is inside of it and nothing else", async () => {
+  const optics = { blend: "mip", window: { window: 400, level: 300 } } as const;
+  const whole = await march({ field: "ball", optics });
+  const cut = await march({ field: "ball", optics: { ...optics, slab: 4 } });
+  const middle = 4 * (edge / 2 + edge * (edge / 2));
+  expect(whole.pixels[middle + 3]).toBe(1);
+  expect(cut.pixels[middle + 3]).toBe(1);
+  // seen from the front the slab holds the ball's middle: all of its outline, and no more
+  const covered = (result: MarchResult): number => channel(result, 3).filter((alpha) => alpha > 0.5).length;
+  expect(Math.abs(covered(cut) - covered(whole))).toBeLessThan(0.05 * covered(whole));
+  const thin = await march({ field: "flat", extinction: 0.4, optics: { blend: "absorption", density: 0.05, slab: 4 } });
+  expect(thin.pixels[middle + 3]).toBeCloseTo(1 - Math.exp(-0.05 * 0.4 * 4), 2);
+});
+
+test("grey is what the window says, on the screen as in the reference", () => {
+  expect(greyOf(-160, shadedOptics.window)).toBe(0);
+  expect(greyOf(240, shadedOptics.window)).toBe(1);
+  expect(linearFromSrgb([greyOf(40, shadedOptics.window), 0, 1])[0]).toBeCloseTo(0.214, 3);
+});
