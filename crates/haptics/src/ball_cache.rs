@@ -88,6 +88,13 @@ impl BallCache {
         word >> (local.y << 3 | local.x) & 1 != 0
     }
 
+    /// Whether the brick at a place need not be computed.
+    #[inline]
+    pub(crate) fn knows(&self, place: IVec3) -> bool {
+        let slot = self.slots.get(slot_of(place));
+        slot.is_none_or(|slot| self.is_current(slot, place))
+    }
+
     /// The brick at a place; `fill` computes it.
     #[inline]
     pub(crate) fn brick(&self, place: IVec3, fill: impl FnOnce(IVec3) -> BitBrick) -> BitBrick {
@@ -99,8 +106,13 @@ impl BallCache {
     }
 
     #[inline]
+    fn is_current(&self, slot: &Slot, place: IVec3) -> bool {
+        slot.epoch.get() == self.epoch && slot.place.get() == place
+    }
+
+    #[inline]
     fn make_current(&self, slot: &Slot, place: IVec3, fill: impl FnOnce(IVec3) -> BitBrick) {
-        if slot.epoch.get() != self.epoch || slot.place.get() != place {
+        if !self.is_current(slot, place) {
             let brick = fill(place);
             for (cell, word) in slot.words.iter().zip(brick.0) {
                 cell.set(word);

@@ -9,6 +9,7 @@
 
 use crate::ball_cache::BallCache;
 use crate::ball_shape::BallShape;
+use crate::wide::widest;
 use glam::{DVec3, IVec3};
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::block::block_of_bricks;
@@ -66,6 +67,15 @@ impl Closing {
         self.filled(inner, min)
     }
 
+    /// Works out the brick that begins at a voxel, if it is not known; whether there was any work.
+    pub(crate) fn prepare(&self, inner: &impl Occupancy, min: IVec3) -> bool {
+        if self.edges == IVec3::ONE || self.cache.knows(min >> 3_i32) {
+            return false;
+        }
+        self.filled(inner, min);
+        true
+    }
+
     #[inline(never)]
     fn filled(&self, inner: &impl Occupancy, min: IVec3) -> BitBrick {
         block_of_bricks(min, |corner| {
@@ -97,16 +107,26 @@ fn closed_brick(inner: &impl Occupancy, edges: IVec3, corner: IVec3) -> BitBrick
     let Some(mut rows) = read(inner, corner) else {
         return BitBrick::EMPTY;
     };
-    // solid wherever a box with its first corner there, going down, holds a solid voxel ...
-    dilate(&mut rows, edges);
-    // ... and all of those boxes that hold the voxel do
-    erode(&mut rows, edges);
+    close(&mut rows, edges);
 
     let first = MARGIN as usize;
     BitBrick(std::array::from_fn(|z| {
         let layer = &rows[first + z];
         u64::from_le_bytes(std::array::from_fn(|y| (layer[first + y] >> first) as u8))
     }))
+}
+
+widest! {
+    /// Makes those voxels solid that no free box holds.
+    fn close(rows: &mut Rows, edges: IVec3) = close_plainly
+}
+
+#[inline(always)]
+fn close_plainly(rows: &mut Rows, edges: IVec3) {
+    // solid wherever a box with its first corner there, going down, holds a solid voxel ...
+    dilate(rows, edges);
+    // ... and all of those boxes that hold the voxel do
+    erode(rows, edges);
 }
 
 /// Reads a brick and what is around it; none where nothing is solid. Whole bricks are read, since
@@ -152,6 +172,7 @@ fn place_of(brick: i32, layer: usize) -> usize {
 }
 
 /// Joins each voxel with those before it, in steps that double.
+#[inline(always)]
 fn dilate(rows: &mut Rows, edges: IVec3) {
     for step in steps(edges.x) {
         for row in rows.as_flattened_mut() {
@@ -176,6 +197,7 @@ fn dilate(rows: &mut Rows, edges: IVec3) {
 }
 
 /// Leaves each voxel after which all are solid too; the last ones are too far away to matter.
+#[inline(always)]
 fn erode(rows: &mut Rows, edges: IVec3) {
     for step in steps(edges.x) {
         for row in rows.as_flattened_mut() {
@@ -200,6 +222,7 @@ fn erode(rows: &mut Rows, edges: IVec3) {
 }
 
 /// Ways by which something joined with itself covers `count` places.
+#[inline(always)]
 fn steps(count: i32) -> impl Iterator<Item = i32> {
     let mut covered = 1;
     std::iter::from_fn(move || {

@@ -198,6 +198,11 @@ impl<O: Occupancy> Occupancy for ProbeSolid<O> {
     }
 
     #[inline]
+    fn prepare_smooth_brick(&self, min: IVec3) -> bool {
+        self.closing.prepare(&self.inner, min)
+    }
+
+    #[inline]
     fn probe_radius_mm(&self) -> f64 {
         self.shape().radius_mm()
     }

@@ -16,6 +16,7 @@
 //! Frames: points in the world's grid; vectors in mm along its axes. Closed, like a tick.
 //! Source: `docs/decisions/smooth-force.md` has the measurements.
 
+mod ahead;
 mod aim;
 pub mod blur;
 pub mod cache;

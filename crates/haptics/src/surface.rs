@@ -20,7 +20,7 @@ use crate::coupling::MAX_STIFFNESS;
 use crate::friction::{Friction, FrictionError};
 use crate::scene::{Solid, TouchScene};
 use crate::voxel_distance::voxel_of;
-use glam::DVec3;
+use glam::{DVec3, IVec3};
 use palpate_volume::occupancy::Occupancy;
 use serde::{Deserialize, Serialize};
 
@@ -159,27 +159,23 @@ impl Holders {
         pull: DVec3,
     ) {
         let voxel = voxel_of(point_in_grid);
-        let within = point_in_grid - voxel.as_dvec3();
-        let up = pull.cmpgt(DVec3::ZERO);
-        let to_face = DVec3::select(up, 1.0 - within, within);
-        // also false where something is not finite, or beyond all voxels
-        let at_face = to_face.cmpge(DVec3::ZERO)
-            & to_face.cmple(DVec3::splat(AT_FACE))
-            & pull.cmpne(DVec3::ZERO);
-        if !at_face.any() {
-            return;
-        }
+        let within = (point_in_grid - voxel.as_dvec3()).to_array();
         let square = pull.length_squared();
-        for axis in (0..3).filter(|&axis| at_face.test(axis)) {
-            let mut beyond = voxel;
-            let step = if up.test(axis) { 1 } else { -1 };
-            beyond[axis] = beyond[axis].saturating_add(step);
-            if occupancy.is_solid(beyond) {
+        let axes = [IVec3::X, IVec3::Y, IVec3::Z];
+        for ((axis, within), pull) in axes.into_iter().zip(within).zip(pull.to_array()) {
+            let (to_face, step) = match pull > 0.0 {
+                true => (1.0 - within, axis),
+                false => (within, -axis),
+            };
+            // also false where something is not finite, or beyond all voxels
+            let at_face = (0.0..=AT_FACE).contains(&to_face) && pull != 0.0;
+            let beyond = voxel.saturating_add(step);
+            if at_face && occupancy.is_solid(beyond) {
                 let solid = Solid {
                     body,
                     voxel: beyond,
                 };
-                self.add(solid, pull[axis] * pull[axis] / square);
+                self.add(solid, pull * pull / square);
             }
         }
     }

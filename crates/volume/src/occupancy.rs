@@ -40,6 +40,13 @@ pub trait Occupancy {
         self.block(min)
     }
 
+    /// Works out ahead what [`Self::smooth_block`] tells of the brick that begins at `min`, where
+    /// that is not at hand; whether there was any work. It changes no answer.
+    #[inline]
+    fn prepare_smooth_brick(&self, _min: IVec3) -> bool {
+        false
+    }
+
     /// How far the probe's middle keeps from the surface of [`Self::smooth_block`] [mm]: the
     /// radius of a ball, where solid is what its middle cannot be in.
     #[inline]
@@ -171,6 +178,11 @@ impl<O: Occupancy + ?Sized> Occupancy for &O {
     #[inline]
     fn smooth_block(&self, min: IVec3) -> BitBrick {
         (**self).smooth_block(min)
+    }
+
+    #[inline]
+    fn prepare_smooth_brick(&self, min: IVec3) -> bool {
+        (**self).prepare_smooth_brick(min)
     }
 
     #[inline]

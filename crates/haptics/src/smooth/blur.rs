@@ -24,6 +24,7 @@ use crate::voxel_distance::voxel_of;
 use crate::wide::widest;
 use glam::{DVec3, IVec3, Vec3A};
 use palpate_volume::occupancy::Occupancy;
+use palpate_volume::voxel_box::VoxelBox;
 
 /// A blurred window.
 #[derive(Clone, Debug)]
@@ -91,6 +92,12 @@ impl BlurField {
         }
         let scale = 1.0 / (64.0 * f32::from(full));
         blur(&cells, scale, &mut self.nodes);
+    }
+
+    /// The voxels of its window.
+    pub(super) fn voxels(&self) -> VoxelBox {
+        let min = self.window.first() * self.shape.voxels();
+        VoxelBox::new(min, min + CELLS * self.shape.voxels())
     }
 
     /// Whether there is any surface in it.

@@ -4,6 +4,7 @@
 //! with every voxel of any body, and with the bodies themselves. What comes out is the same,
 //! to the bit, with an empty cache.
 
+use super::ahead::Ahead;
 use super::aim::{Aim, Aims};
 use super::blur::BlurField;
 use super::cell_shares::CellShares;
@@ -35,6 +36,8 @@ pub struct SmoothCache {
     world: usize,
     /// The one that was made last.
     filled: usize,
+    /// What a ball will need of the world next.
+    ahead: Ahead,
 }
 
 /// What fields are made from.
@@ -56,6 +59,7 @@ impl Default for SmoothCache {
             aims: Aims::NONE,
             world: 0,
             filled: 0,
+            ahead: Ahead::NONE,
         }
     }
 }
@@ -264,11 +268,17 @@ impl SmoothCache {
         // mostly the last one still
         let kept = (0..OF_WORLD).map(|next| (self.world + next) % OF_WORLD);
         match kept.into_iter().find(is_world) {
-            Some(place) => self.world = place,
+            Some(place) => {
+                self.world = place;
+                if aim.contact != DVec3::ZERO {
+                    self.ahead.work(scene.occupancy);
+                }
+            }
             None => {
                 self.filled = (self.filled + 1) % OF_WORLD;
                 self.world = self.filled;
                 self.fill(self.world, source, scene.occupancy, aim, spacing);
+                self.ahead.follow(self.fields[self.world].voxels());
             }
         }
     }
