@@ -102,7 +102,7 @@ export class RayMarcher {
     const ranges = look.ranges.slice(0, mostRanges);
     u.rangeCount.value = ranges.length;
     ranges.forEach((range, i) => {
-      u.rangeBounds.value[i]?.set(range.low, range.high, range.visible ? 2 : 0, range.label);
+      u.rangeBounds.value[i]?.set(range.low, range.high, range.visible ? (range.tinted === true ? 1 : 2) : 0, range.label);
       u.rangeColours.value[i]?.set(...range.colour);
     });
     this.empty.setDrawn(drawnBy(look, rescale));

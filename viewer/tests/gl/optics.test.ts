@@ -213,6 +213,20 @@ test("an iso-surface is the analytic picture of a lit sphere", async () => {
   expectAlike(drawn, expected, 0.995);
 });
 
+test("a tinted segment is tissue in its colour, as opaque as it is without", async () => {
+  const test = { field: "ball", softTissue: 0.3, optics: { blend: "composite" } } as const;
+  const plain = await march(test);
+  const tinted = await march({ ...test, segment: "tinted" });
+  const solid = await march({ ...test, segment: "visible" });
+  const opacity = (result: MarchResult): number => mean(channel(result, 3));
+  expect(opacity(tinted)).toBeCloseTo(opacity(plain), 3);
+  expect(opacity(solid)).toBeGreaterThanOrEqual(opacity(plain));
+  // its colour is green
+  const green = (result: MarchResult): number => mean(channel(result, 1)) - mean(channel(result, 0));
+  expect(green(plain)).toBeLessThan(0);
+  expect(green(tinted)).toBeGreaterThan(0.05);
+});
+
 test("a slab shows what is inside of it and nothing else", async () => {
   const optics = { blend: "mip", window: { window: 400, level: 300 } } as const;
   const whole = await march({ field: "ball", optics });
