@@ -6,7 +6,7 @@ import { curveOfFunction, placedCurve, transferFunctionOfCurve, type Curve } fro
 import { curveOfPreset, presets } from "../core/curve_presets";
 import { advance, back, begin, forth, type History } from "../core/history";
 import { valueAbove } from "../core/histogram";
-import type { Look } from "../core/look";
+import { firstLighting, type Lighting, type Look } from "../core/look";
 import { firstChoice, isGrey, opticsOf, usesTransferFunction, type OpticsChoice } from "../core/optics";
 import type { Scan } from "../core/protocol";
 import type { InsideMode, InsideModes } from "../core/shown_segments";
@@ -48,6 +48,7 @@ export class LookControl {
   private brightest = 1;
   private scanName = "";
 
+  lighting = $state.raw<Lighting>(firstLighting);
   /** How each segment's voxels look inside the volume. */
   inside = $state.raw<InsideModes>({});
   /** The function as it was before a drag began: a drag is one step. */
@@ -61,6 +62,7 @@ export class LookControl {
     this.appearance = recall(`appearance.${scan.name}`, defaultAppearance(this.anchors));
     this.lowest = scan.range[0];
     this.curves = begin(recall(`curve.${scan.name}`, firstCurve));
+    this.lighting = recall(`lighting.${scan.name}`, firstLighting);
     this.inside = recall(`inside.${scan.name}`, {});
     this.brightest = valueAbove(scan.histogram, fewVoxels);
     this.choice = recall(`optics.${scan.name}`, firstChoice(this.anchors, this.brightest));
@@ -86,6 +88,7 @@ export class LookControl {
       : {
           transferFunction: this.curve === null ? transferFunctionOf(appearance) : transferFunctionOfCurve(this.curve),
           edgeGradient: edgeShare * Math.abs(this.curve === null ? appearance.window : anchors.bone - anchors.softTissue),
+          lighting: this.lighting,
           optics: opticsOf(choice, anchors),
         };
   });
@@ -168,6 +171,11 @@ export class LookControl {
     }
   }
 
+  light(part: Partial<Lighting>): void {
+    this.lighting = { ...this.lighting, ...part };
+    remember(`lighting.${this.scanName}`, this.lighting);
+  }
+
   /** How a segment's voxels look inside the volume. */
   setInside(id: number, mode: InsideMode): void {
     this.inside = { ...this.inside, [id]: mode };
@@ -184,6 +192,7 @@ export class LookControl {
   /** Back to what fits the scan; the mode stays. */
   reset(): void {
     this.usePreset(anatomy);
+    this.light(firstLighting);
     this.change(defaultAppearance(this.anchors));
     this.choose({ ...firstChoice(this.anchors, this.brightest), blend: this.choice?.blend ?? "shaded" });
   }

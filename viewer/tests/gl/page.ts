@@ -7,7 +7,7 @@ import { brickRanges, labelledBricks, type BrickRanges } from "../../src/core/br
 import { extentOf, lookFrom, type Camera, type Extent } from "../../src/core/camera";
 import type { Letter } from "../../src/core/anatomy";
 import { decodeDisplaced, type Displaced } from "../../src/core/displaced";
-import type { Look } from "../../src/core/look";
+import { firstLighting, type Lighting, type Look } from "../../src/core/look";
 import type { ScanVolume } from "../../src/core/scan_volume";
 import { shadedOptics, type Optics } from "../../src/core/optics";
 import { PathTrail } from "../../src/core/path_trail";
@@ -33,6 +33,7 @@ import { marble } from "./marble";
 export interface MarchTest {
   readonly field: "flat" | "ball" | "label" | "marble";
   readonly optics?: Partial<Optics>;
+  readonly lighting?: Partial<Lighting>;
   readonly spacing: Vec3;
   readonly from: Letter;
   readonly stepsPerVoxel: number;
@@ -86,6 +87,7 @@ function lookOf(test: MarchTest): Look {
     transferFunction: test.extinction === undefined ? transferFunctionOf(usual) : flat,
     ranges,
     edgeGradient: 40,
+    lighting: { ...firstLighting, ...test.lighting },
     optics: { ...shadedOptics, ...test.optics },
   };
 }
