@@ -159,6 +159,7 @@ test-browser: setup ## a real scan in a real browser: picture, contact, force
 .PHONY: bench
 bench: setup bench-page bench-edit ## measure everything: the page, Rust benchmarks, all of `palpate bench`
 	cargo bench --locked --package palpate-benches
+	CHROMIUM="$$(scripts/chromium.sh)" $(BIN)/palpate bench open
 	$(BIN)/palpate bench haptics
 	$(BIN)/palpate bench passivity
 	$(BIN)/palpate bench touch-quality

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     )
     from palpate.gap import Gap
     from palpate.io import read
+    from palpate.labels import Label, Labels, read_labels
     from palpate.painted_cut import PaintedCut
     from palpate.phantom_scan import Phantom, phantom
     from palpate.recording import Recording, Replay
@@ -40,6 +41,8 @@ if TYPE_CHECKING:
 __all__ = [
     "EmptySegmentError",
     "Gap",
+    "Label",
+    "Labels",
     "MeshFormatError",
     "OptionError",
     "PaintedCut",
@@ -60,6 +63,7 @@ __all__ = [
     "VolumeFormatError",
     "phantom",
     "read",
+    "read_labels",
 ]
 
 _HOMES = {
@@ -72,6 +76,9 @@ _HOMES = {
     "VolumeFormatError": "errors",
     "Gap": "gap",
     "read": "io",
+    "Label": "labels",
+    "Labels": "labels",
+    "read_labels": "labels",
     "PaintedCut": "painted_cut",
     "Phantom": "phantom_scan",
     "phantom": "phantom_scan",

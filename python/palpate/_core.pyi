@@ -276,12 +276,13 @@ class Session:
     def whole_surfaces(self) -> dict[str, Any]:
         """All surfaces as they are now, in the same form."""
 
-    def set_deformation(self, model: str | None, edge: int | None) -> None:
+    def set_deformation(self, model: str | None, edge: int | None, undoable: bool) -> None:
         """Chooses the model by which matter gives way, and its box; None makes all matter hard."""
 
     def set_material(
         self,
         segment_id: int,
+        undoable: bool,
         *,
         name: str | None = None,
         constant: tuple[float, ...] | None = None,
@@ -339,6 +340,9 @@ class Session:
 
     def begin_journal(self, path: Path, scan_hash: bytes) -> None:
         """Begins a journal in a new file, with what is there now."""
+
+    def keep_state(self, path: Path, scan_hash: bytes) -> None:
+        """Writes what is there now into a new file; a journal that runs goes on."""
 
     def recover_journal(self, path: Path, scan_hash: bytes) -> tuple[int, int, list[bytes]]:
         """Does again what a journal says and goes on with it; steps, lost bytes, notes."""

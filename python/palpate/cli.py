@@ -1,4 +1,4 @@
-"""The command line: `open`, `demo`, `info`, `record`, `replay`, `surface`, `scenario`, `bench`.
+"""The command line: `open`, `demo`, `info`, `series`, `record`, `replay`, `surface`, and others.
 
 Whatever is wrong with what was given becomes one line on stderr and exit code 2. Heavy
 modules are imported inside the commands, so that ``palpate --help`` is quick.
@@ -13,8 +13,15 @@ from typing import Annotated
 import typer
 from typer.exceptions import TyperException
 
-from palpate.cli_bench import bench_deform, bench_session, bench_truth_cube, stress_in_matter
+from palpate.cli_bench import (
+    bench_deform,
+    bench_open,
+    bench_session,
+    bench_truth_cube,
+    stress_in_matter,
+)
 from palpate.cli_scenario import scenario
+from palpate.cli_series import series
 from palpate.console import WRONG_INPUT, Display, fail, quiet_libraries, warn
 from palpate.errors import PalpateError
 
@@ -146,7 +153,10 @@ MaxVoxels = Annotated[int, typer.Option(help="Largest scan that is read.")]
 Threshold = Annotated[
     str | None, typer.Option(help="Values of the segment to touch.", metavar="LOW[,HIGH]")
 ]
-Segments = Annotated[Path | None, typer.Option(help="Label map: each label becomes a segment.")]
+Segments = Annotated[
+    Path | None,
+    typer.Option(help="Label map, .seg.nrrd, DICOM SEG or RTSTRUCT, or a folder of masks."),
+]
 Mesh = Annotated[
     Path | None,
     typer.Option(help="Closed .stl, .ply, .obj or .glb: becomes a segment that can be moved."),
@@ -199,20 +209,32 @@ def open_scan(  # noqa: PLR0913  # one per option of the command line
         bool, typer.Option("--journal/--no-journal", help="Keep changes on disk as they are made.")
     ] = True,
 ) -> None:
-    """Show a scan and feel it."""
+    """Show a scan, or a scene that was saved, and feel it."""
     from palpate.cli_open import (
         check_start,
+        is_scene,
         parse_threshold,
         parse_voxel_size,
         scene_of,
         show,
+        show_saved,
     )
     from palpate.cli_surface import add_mesh
+    from palpate.errors import OptionError
     from palpate.io import read
     from palpate.server import bind
 
     check_start(rate)
     bounds, size = parse_threshold(threshold), parse_voxel_size(voxel_size)
+    if is_scene(path):
+        of_scans = (series, orientation, unit, fill, raw, size, bounds, segments, mesh)
+        if any(option is not None for option in of_scans):
+            raise OptionError(f"{path} is a scene: options of scans are allowed with scans only")
+        with bind(port) as listener, quiet_libraries():
+            show_saved(
+                path, listener, rate=rate, browser=browser, journalled=journal, recover=recover
+            )
+        return
     with bind(port) as listener, quiet_libraries():
         with Display() as display:
             volume = read(
@@ -363,6 +385,9 @@ def replay(
     return replay_file(file, csv=csv, npz=npz, as_json=as_json)
 
 
+app.command("series")(series)
+
+
 surface = typer.Typer(help="Meshes of segments, and voxels of meshes.", no_args_is_help=True)
 app.add_typer(surface, name="surface")
 
@@ -444,6 +469,7 @@ app.add_typer(scenario, name="scenario")
 bench = typer.Typer(help="Measure.", no_args_is_help=True)
 app.add_typer(bench, name="bench")
 bench.command("deform")(bench_deform)
+bench.command("open")(bench_open)
 bench.command("session")(bench_session)
 bench.command("truth-cube")(bench_truth_cube)
 

@@ -1,4 +1,4 @@
-"""``palpate bench deform``, ``session`` and ``truth-cube``: matter that gives way, measured."""
+"""``palpate bench deform``, ``session`` and ``truth-cube``, of matter that gives way; ``open``."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import typer
 
 from palpate.console import Display, quiet_libraries, warn
 
-__all__ = ["bench_deform", "bench_session", "bench_truth_cube", "stress_in_matter"]
+__all__ = ["bench_deform", "bench_open", "bench_session", "bench_truth_cube", "stress_in_matter"]
 
 Json = Annotated[Path | None, typer.Option("--json", help="Write the figures to this file.")]
 Plot = Annotated[Path | None, typer.Option(help="Draw the figures: .png, .svg or .pdf.")]
@@ -56,6 +56,23 @@ def bench_session(
         warn(f"not measured: {sentence} is not there; allowed: PALPATE_DATA with it")
     if json_file is not None:
         write_rows("session", rows, json_file)
+
+
+def bench_open(*, json_file: Json = None) -> None:
+    """Measure how long a DICOM series takes to its first picture; needs an installed Chromium."""
+    from palpate.bench.haptics_data import MissingDataError
+    from palpate.bench.opening import measure
+    from palpate.bench.report import print_rows, write_rows
+    from palpate.errors import OptionError
+
+    try:
+        with quiet_libraries(), Display() as display:
+            rows = measure(progress=display)
+    except MissingDataError as error:
+        raise OptionError(f"no {error}; allowed: PALPATE_DATA with it") from None
+    print_rows("open", rows)
+    if json_file is not None:
+        write_rows("open", rows, json_file)
 
 
 def bench_truth_cube(*, json_file: Json = None, plot: Plot = None) -> None:

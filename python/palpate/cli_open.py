@@ -12,12 +12,13 @@ from pathlib import Path
 import numpy as np
 import typer
 
-from palpate.console import warn
-from palpate.errors import EmptySegmentError, OptionError
-from palpate.io import read
+from palpate.console import Display, warn
+from palpate.errors import EmptySegmentError, OptionError, SceneFormatError
 from palpate.journal import Journal
+from palpate.labels import read_labels
 from palpate.progress import Progress
 from palpate.scene import Scene
+from palpate.scene_file import ENDING, SavedScene, kept_changes, open_scene
 from palpate.server import PAGE, serve
 from palpate.server_recording import Recorder
 from palpate.server_security import Access
@@ -28,11 +29,13 @@ __all__ = [
     "check_page",
     "check_rate",
     "check_start",
+    "is_scene",
     "parse_threshold",
     "parse_voxel_size",
     "scene_of",
     "serve_page",
     "show",
+    "show_saved",
 ]
 
 RATES = (1000, 4000)
@@ -101,31 +104,12 @@ def scene_of(
 
 
 def add_labels(scene: Scene, path: Path, progress: Progress) -> None:
-    """Adds each label of a label map as a segment."""
-    volume = scene.volume
-    labels = read(path, progress=progress)
-    if labels.dimensions != volume.dimensions or not np.allclose(
-        # a tenth of a voxel: headers of label maps are rounded
-        labels.patient_from_grid,
-        volume.patient_from_grid,
-        atol=0.1 * min(volume.spacing),
-    ):
-        raise OptionError(
-            f"label map {path} lies on another grid ({labels!r}); allowed: the grid of {volume!r}"
-        )
-    values = [value for value in map(labels.value_of, _stored_values(labels)) if value != 0.0]
-    for done, value in enumerate(values):
-        progress(f"making {len(values)} segments", done / len(values))
-        scene.add(labels.threshold(value, value).part_of(volume, name=f"label {value:g}"))
-
-
-def _stored_values(volume: Volume) -> list[int]:
-    """Lists the different stored values of a scan."""
-    lowest, highest = int(volume.array.min()), int(volume.array.max())
-    counts = np.zeros(highest - lowest + 1, np.int64)
-    for slab in volume.array:
-        counts += np.bincount(slab.ravel().astype(np.int64) - lowest, minlength=len(counts))
-    return [int(lowest + step) for step in np.flatnonzero(counts)]
+    """Adds the segments of a file or folder, and says what was changed or left out."""
+    found = read_labels(path, scene.volume, progress=progress)
+    for label in found.labels:
+        scene.add(label.segment, colour=label.colour)
+    for warning in found.warnings:
+        warn(f"{path.name}: {warning}")
 
 
 def check_start(rate: int) -> None:
@@ -168,18 +152,28 @@ def show(
     journalled: bool = False,
     recover: bool | None = None,
     run: Path | None = None,
+    saved: SavedScene | None = None,
 ) -> None:
     """Serves a scene until Ctrl-C; a recording that still runs then is kept.
 
     Changes are ``journalled``; what an earlier session left is brought back (``recover``), kept
-    aside, or asked about on the page (None). A scenario's ``run`` is played on the page.
+    aside, or asked about on the page (None). A scenario's ``run`` is played on the page;
+    a scene that was ``saved`` is brought back first.
     """
     with Session(scene, options=SessionOptions(rate_hz=rate)) as session:
+        if saved is not None:
+            saved.restore(session)
         recorder = Recorder(session)
         journal = begin_journal(session, recover=recover) if journalled else None
         try:
             serve_page(
-                session, listener, recorder=recorder, journal=journal, browser=browser, run=run
+                session,
+                listener,
+                recorder=recorder,
+                journal=journal,
+                browser=browser,
+                run=run,
+                saved=saved,
             )
             if recorder.is_running:
                 keep_unfinished(recorder)
@@ -188,6 +182,50 @@ def show(
             session.stop()
             if journal is not None:
                 journal.close()
+
+
+def is_scene(path: Path) -> bool:
+    """Says whether a path is that of a scene's file, by its name."""
+    return path.suffix == ENDING and path.is_file()
+
+
+def show_saved(
+    path: Path,
+    listener: socket.socket,
+    *,
+    rate: int,
+    browser: bool,
+    journalled: bool,
+    recover: bool | None,
+) -> None:
+    """Serves a scene that was saved, until Ctrl-C; options as in ``show``.
+
+    Raises:
+        SceneFormatError: It cannot be opened; what is kept of its scan's changes is named then.
+    """
+    try:
+        with Display() as display:
+            saved = open_scene(path, progress=display)
+        for warning in saved.volume.warnings:
+            warn(warning)
+        show(
+            Scene(saved.volume),
+            listener,
+            rate=rate,
+            browser=browser,
+            journalled=journalled,
+            recover=recover,
+            saved=saved,
+        )
+    except SceneFormatError as error:
+        kept = kept_changes(path)
+        if kept is None:
+            raise
+        scan, when = kept
+        raise SceneFormatError(
+            f"{error}; the last changes of its scan are kept from {when:%d %B %Y, %H:%M}: "
+            f"palpate open {scan} offers them"
+        ) from None
 
 
 def begin_journal(session: Session, *, recover: bool | None) -> Journal:
@@ -210,6 +248,7 @@ def serve_page(
     browser: bool,
     journal: Journal | None = None,
     run: Path | None = None,
+    saved: SavedScene | None = None,
     seconds: float | None = None,
 ) -> None:
     """Serves a session until Ctrl-C, or for so long."""
@@ -231,6 +270,7 @@ def serve_page(
             recorder=recorder,
             journal=journal,
             run=run,
+            saved=saved,
             seconds=seconds,
         )
     except KeyboardInterrupt:

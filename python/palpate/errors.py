@@ -12,6 +12,7 @@ __all__ = [
     "OptionError",
     "PalpateError",
     "RecordingFormatError",
+    "SceneFormatError",
     "SeriesChoiceError",
     "VolumeFormatError",
 ]
@@ -43,3 +44,7 @@ class MeshFormatError(PalpateError, ValueError):
 
 class RecordingFormatError(PalpateError, ValueError):
     """A file that is no recording, or a damaged one."""
+
+
+class SceneFormatError(PalpateError, ValueError):
+    """A file that is no scene, a damaged one, or one whose scan is gone."""

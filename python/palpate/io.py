@@ -7,18 +7,19 @@ from pathlib import Path
 
 import numpy as np
 
-from palpate.errors import OptionError, PalpateError
+from palpate.errors import OptionError, PalpateError, VolumeFormatError
 from palpate.io_archive import is_archive, unpacked
-from palpate.io_dicom import is_dicom, read_dicom_file, read_dicom_folder
+from palpate.io_dicom import is_dicom, read_dicom_file, read_dicom_folder, series_in
+from palpate.io_dicom_header import Series
 from palpate.io_file import read_file
 from palpate.io_raw import RawLayout, holds_pictures, is_picture, read_pictures, read_raw
 from palpate.orientation import direction_of, letters_of
 from palpate.progress import Progress, silent
 from palpate.raw_scan import RawScan
 from palpate.stored import to_stored
-from palpate.volume import Volume, VolumeTraits
+from palpate.volume import Source, Volume, VolumeTraits
 
-__all__ = ["read"]
+__all__ = ["list_series", "read"]
 
 UNITS = ("HU",)
 """Units that a person can say a scan has."""
@@ -90,7 +91,7 @@ def read(
         scan.warnings.append(f"{stored.filled} NaN or infinite values were set to {fill:g}")
     if not scan.unit:
         scan.warnings.append("the unit of the values is unknown; give --unit HU if it is HU")
-    return Volume(
+    volume = Volume(
         stored.values,
         spacing=scan.spacing,
         origin=scan.origin,
@@ -106,6 +107,36 @@ def read(
             warnings=tuple(scan.warnings),
         ),
     )
+    # what other places of the file and of the program could not know
+    options = {
+        "series": series,
+        "orientation": orientation,
+        "unit": unit,
+        "fill": fill,
+        "raw": raw,
+        "voxel_size": voxel_size,
+    }
+    given = {name: option for name, option in options.items() if option is not None}
+    volume.source = Source(source.resolve(), given)
+    return volume
+
+
+def list_series(path: str | PathLike[str], *, progress: Progress = silent) -> list[Series]:
+    """Lists the scans in a DICOM folder or zip archive, the longest first.
+
+    Raises:
+        FileNotFoundError: ``path`` does not exist.
+        VolumeFormatError: It is neither, or holds no scan.
+    """
+    source = Path(path)
+    if not source.exists():
+        raise FileNotFoundError(f"{source} does not exist; allowed: an existing file or folder")
+    if is_archive(source):
+        with unpacked(source, progress) as folder:
+            return series_in(folder, called=source, progress=progress)
+    if not source.is_dir():
+        raise VolumeFormatError(f"{source} is one file; allowed: a DICOM folder or zip archive")
+    return series_in(source, progress=progress)
 
 
 def _check_options(source: Path, *, series: str | None, unit: str | None, max_voxels: int) -> None:

@@ -30,7 +30,7 @@ MOST_LISTED = 12
 MOST_FILES = 50_000
 """Files looked at in one folder: ten of the largest studies, and not a whole disc."""
 
-__all__ = ["is_dicom", "read_dicom_file", "read_dicom_folder"]
+__all__ = ["is_dicom", "read_dicom_file", "read_dicom_folder", "series_in"]
 
 
 def is_dicom(path: Path) -> bool:
@@ -55,6 +55,22 @@ def read_dicom_folder(
         SeriesChoiceError: There are several series, or not the one asked for.
         VolumeFormatError: There is none, or it is no stack of slices.
     """
+    found = series_in(folder, called=called, progress=progress)
+    folder = called or folder
+    chosen, warnings = _choose(folder, found, series)
+    what = f"{folder} (series {chosen.uid})" if chosen.uid else str(folder)
+    scan = _read_series(what, chosen, max_voxels=max_voxels, progress=progress)
+    scan.name = chosen.description or folder.name.removesuffix(".zip")
+    scan.warnings[:0] = warnings
+    return scan
+
+
+def series_in(folder: Path, *, called: Path | None = None, progress: Progress) -> list[Series]:
+    """Lists the series of scans in a folder and those below, the longest first.
+
+    Raises:
+        VolumeFormatError: There is none.
+    """
     files, folder = _files_below(folder), called or folder
     if not files:
         raise VolumeFormatError(
@@ -66,12 +82,7 @@ def read_dicom_folder(
             f"{folder} holds no DICOM images ({len(files)} files looked at); "
             "allowed: a folder with the files of a DICOM series"
         )
-    chosen, warnings = _choose(folder, found, series)
-    what = f"{folder} (series {chosen.uid})" if chosen.uid else str(folder)
-    scan = _read_series(what, chosen, max_voxels=max_voxels, progress=progress)
-    scan.name = chosen.description or folder.name.removesuffix(".zip")
-    scan.warnings[:0] = warnings
-    return scan
+    return found
 
 
 def _files_below(folder: Path) -> list[Path]:

@@ -13,19 +13,25 @@ import warnings
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 from palpate.progress import Progress
 
 if TYPE_CHECKING:
     from pydicom.dataset import Dataset
 
-__all__ = ["PARALLEL", "Frame", "Header", "Series", "find_series", "read_header"]
+__all__ = ["PARALLEL", "Frame", "Header", "Series", "find_series", "frame_of", "read_header"]
 
 DERIVED_OBJECTS = ("SEG", "RTSTRUCT", "RTDOSE", "RTPLAN", "RTIMAGE", "SR", "PR", "REG", "KO")
 """Modalities of objects that refer to a scan and are none."""
 PARALLEL = 2e-3
 """By how much the cosines of parallel slices differ at most: writers leave three digits."""
+PLAIN = {
+    "1.2.840.10008.1.2": ("<", b"\xe0\x7f\x10\x00", 8),
+    "1.2.840.10008.1.2.1": ("<", b"\xe0\x7f\x10\x00", 12),
+}
+"""Transfer syntaxes without compression, little endian: order of bytes, the tag of pixels, and the
+bytes before them (PS3.5, 7.1)."""
 STUDY = ("StudyInstanceUID", "FrameOfReferenceUID")
 PADDING = ("PixelPaddingValue", "PixelPaddingRangeLimit")
 
@@ -57,8 +63,14 @@ class Header:
     frames: tuple[Frame, ...]
     truncated: bool
     """Whether uncompressed pixels are fewer than announced; compressed ones are not counted."""
+    plain: tuple[int, str] | None
+    """Byte at which uncompressed pixels begin, and their type; None where a decoder is needed."""
     instance: str
     """SOPInstanceUID: two files with the same one are copies."""
+    patient: str
+    """Name and number, as the file has them."""
+    study_told: str
+    """Date and description."""
     study: tuple[str, ...]
     """UIDs of study and frame of reference: what is left to tell scans apart without a series."""
     inverted: bool
@@ -118,7 +130,7 @@ def _group(header: Header) -> tuple[Any, ...]:
     own_volume = header.path if len(header.frames) > 1 else None
     # without a UID, what lies on one grid in one frame of reference belongs together
     told = header.series or (header.study, header.modality, header.frames[0].pixel_spacing)
-    return (told, header.rows, header.columns, own_volume)
+    return (told, header.patient, header.rows, header.columns, own_volume)
 
 
 def _parallel(one: Header, other: Header) -> bool:
@@ -139,13 +151,29 @@ def read_header(path: Path) -> Header | None:
         try:
             with path.open("rb") as file:
                 dataset = pydicom.dcmread(file, stop_before_pixels=True, force=False)
+                plain = _plain(file, dataset)
                 left = path.stat().st_size - file.tell()
-            return _header(path, dataset, left)
+            return _header(path, dataset, left=left, plain=plain)
         except (InvalidDicomError, OSError, EOFError):
             return None
 
 
-def _header(path: Path, dataset: Dataset, left: int) -> Header | None:
+def _plain(file: BinaryIO, dataset: Dataset) -> tuple[int, str] | None:
+    """Finds uncompressed pixels in a file that was read up to them."""
+    syntax = getattr(dataset.file_meta, "TransferSyntaxUID", None)
+    bits = dataset.get("BitsAllocated")
+    if syntax is None or syntax not in PLAIN or bits not in (8, 16):
+        return None
+    order, tag, length = PLAIN[syntax]
+    sign = "i" if dataset.get("PixelRepresentation") else "u"
+    begins = file.tell()
+    found = file.read(length).startswith(tag)
+    return (begins + length, f"{order}{sign}{bits // 8}") if found else None
+
+
+def _header(
+    path: Path, dataset: Dataset, *, left: int, plain: tuple[int, str] | None
+) -> Header | None:
     modality = str(dataset.get("Modality") or "")
     rows, columns = dataset.get("Rows"), dataset.get("Columns")
     if not rows or not columns or modality in DERIVED_OBJECTS:
@@ -164,9 +192,12 @@ def _header(path: Path, dataset: Dataset, left: int) -> Header | None:
         rows=int(rows),
         columns=int(columns),
         samples=samples,
-        frames=tuple(_frame(dataset, index) for index in range(count)),
+        frames=tuple(frame_of(dataset, index) for index in range(count)),
         truncated=not packed and left < stored,
+        plain=plain,
         instance=str(dataset.get("SOPInstanceUID") or ""),
+        patient=_joined(dataset, "PatientName", "PatientID"),
+        study_told=_joined(dataset, "StudyDate", "StudyDescription"),
         study=tuple(str(dataset.get(name) or "") for name in STUDY),
         inverted=dataset.get("PhotometricInterpretation") == "MONOCHROME1",
         bits=int(dataset.get("BitsStored") or dataset.get("BitsAllocated") or 16),
@@ -174,7 +205,8 @@ def _header(path: Path, dataset: Dataset, left: int) -> Header | None:
     )
 
 
-def _frame(dataset: Dataset, index: int) -> Frame:
+def frame_of(dataset: Dataset, index: int) -> Frame:
+    """Returns where a frame lies, by its own functional groups, the shared ones or the file."""
     plane = _holder(dataset, index, "PlanePositionSequence")
     orientation = _holder(dataset, index, "PlaneOrientationSequence")
     measures = _holder(dataset, index, "PixelMeasuresSequence")
@@ -211,6 +243,11 @@ def _scale(dataset: Dataset, index: int) -> tuple[float, float] | None:
     if slope is None or intercept is None:
         return None
     return float(slope), float(intercept)
+
+
+def _joined(dataset: Dataset, *names: str) -> str:
+    """Returns what of several elements is there, as one text."""
+    return " ".join(filter(None, (str(dataset.get(name) or "").strip() for name in names)))
 
 
 def _padding(dataset: Dataset) -> tuple[int, int] | None:

@@ -9,6 +9,7 @@ Arrays are [slice, row, column]. Source: DICOM PS3.3, C.7.5.1.1.2 (padding), C.7
 
 from __future__ import annotations
 
+import math
 import os
 import warnings
 import zlib
@@ -95,7 +96,9 @@ class _Part:
 
 
 def _part(what: str, header: Header) -> _Part:
-    stored = stored_pixels(what, header.path, shape=(-1, header.rows, header.columns))
+    stored = _plain(header)
+    if stored is None:
+        stored = stored_pixels(what, header.path, shape=(-1, header.rows, header.columns))
     padded = _padded(stored, header.padding)
     if header.inverted and header.unit != "HU":
         # what is meant to be bright is high
@@ -104,6 +107,16 @@ def _part(what: str, header: Header) -> _Part:
     values = np.stack([_rescaled(pixels, frame) for pixels, frame in frames])
     measured = values if padded is None else values[~padded]
     return _Part(values, padded, float(measured.min()) if measured.size else np.inf)
+
+
+def _plain(header: Header) -> NDArray[Any] | None:
+    """Returns pixels that stand in a file as they are; None where they do not."""
+    if header.plain is None:
+        return None
+    start, kind = header.plain
+    shape = (len(header.frames), header.rows, header.columns)
+    pixels = np.fromfile(header.path, np.dtype(kind), math.prod(shape), offset=start)
+    return _used_bits(pixels, header.bits).reshape(shape)
 
 
 def _padded(stored: NDArray[Any], padding: tuple[int, int] | None) -> NDArray[np.bool_] | None:
@@ -158,7 +171,7 @@ def stored_pixels(what: str, path: Path, *, shape: tuple[int, ...]) -> NDArray[A
             dataset = pydicom.dcmread(path)
             pixels = _decoded(dataset)
         native = pixels.astype(pixels.dtype.newbyteorder("="), copy=False)
-        return _used_bits(dataset, native).reshape(shape)
+        return _used_bits(native, int(dataset.get("BitsStored") or 0)).reshape(shape)
     except MemoryError:
         raise
     except (
@@ -209,12 +222,11 @@ def _bits(packed: NDArray[np.uint8], size: int) -> NDArray[np.uint8]:
     return np.unpackbits(packed, count=size, bitorder="little")
 
 
-def _used_bits(dataset: Dataset, pixels: NDArray[Any]) -> NDArray[Any]:
+def _used_bits(pixels: NDArray[Any], used: int) -> NDArray[Any]:
     """Drops bits above those in use, where old files keep overlays; carries the sign."""
-    unused = pixels.dtype.itemsize * 8 - int(dataset.get("BitsStored") or 0)
-    if pixels.dtype.kind not in "iu" or not 0 < unused < pixels.dtype.itemsize * 8:
-        return pixels
-    if dataset.get("BitsAllocated") == 1:
+    unused = pixels.dtype.itemsize * 8 - used
+    # single bits are bytes by now
+    if pixels.dtype.kind not in "iu" or unused <= 0 or used <= 1:
         return pixels
     shifted: NDArray[Any] = pixels << unused
     shifted >>= unused

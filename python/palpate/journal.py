@@ -21,7 +21,7 @@ from palpate.errors import OptionError
 from palpate.session import Session
 from palpate.volume import Volume
 
-__all__ = ["Journal", "Offer", "scan_hash", "state_folder"]
+__all__ = ["Journal", "Offer", "journal_place", "scan_hash", "state_folder"]
 
 
 def state_folder() -> Path:
@@ -44,6 +44,11 @@ def scan_hash(volume: Volume) -> bytes:
     for plane in volume.array:
         hasher.update(np.ascontiguousarray(plane, "<i2").data)
     return hasher.digest()
+
+
+def journal_place(of_scan: bytes, folder: Path | None = None) -> Path:
+    """Returns where the journal of a scan with such a hash is kept."""
+    return (folder or state_folder()) / "journals" / f"{of_scan.hex()[:32]}.journal"
 
 
 @dataclass(frozen=True)
@@ -76,7 +81,7 @@ class Journal:
         self._lock = Lock()
         self._hash = scan_hash(session.scene.volume)
         self._running = False
-        self.path = (folder or state_folder()) / "journals" / f"{self._hash.hex()[:32]}.journal"
+        self.path = journal_place(self._hash, folder)
         self.offer: Offer | None = None
         """What an earlier session left, as long as nobody has decided about it."""
         self.problem: str | None = None

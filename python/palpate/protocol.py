@@ -665,21 +665,27 @@ class SegmentFeel(Message, frozen=True, tag="segment_feel"):
 
 
 class SetMaterial(Message, frozen=True, tag="set_material"):
-    """Tells what a segment is made of, by name or by constants; with neither it is hard."""
+    """Tells what a segment is made of, by name or by constants; with neither it is hard.
+
+    Undo takes it back where it is ``undoable``: what a page asks for by itself is not.
+    """
 
     id: SegmentId
     preset: Name | None
     constants: Constants | None
+    undoable: bool
 
 
 class SetDeformation(Message, frozen=True, tag="set_deformation"):
     """Chooses the model by which matter gives way, null makes all hard, and the edge of its box.
 
-    The edge counts nodes or cells; null is as many as usual.
+    The edge counts nodes or cells; null is as many as usual. Undo takes the choice back where it is
+    ``undoable``.
     """
 
     model: ModelName | None
     edge: Annotated[int, msgspec.Meta(ge=1, le=1001)] | None
+    undoable: bool
 
 
 class ShowParts(Message, frozen=True, tag="show_parts"):

@@ -27,10 +27,12 @@ from starlette.websockets import WebSocket
 
 from palpate.errors import OptionError
 from palpate.journal import Journal
+from palpate.scene_file import SavedScene
 from palpate.server_data import parse_step, voxels_response
 from palpate.server_hello import hello_of
 from palpate.server_live import Live
 from palpate.server_recording import Recorder
+from palpate.server_scene import scene_response, view_response
 from palpate.server_security import Access, AccessMiddleware
 from palpate.session import Session
 
@@ -74,14 +76,16 @@ def make_app(
     recorder: Recorder | None = None,
     journal: Journal | None = None,
     run: Path | None = None,
+    saved: SavedScene | None = None,
 ) -> Starlette:
     """Makes the application that shows a session.
 
     Recordings are those of ``recorder``; what ``journal`` offers, pages are asked about; the file
-    of a scenario's ``run`` is what they play.
+    of a scenario's ``run`` is what they play; ``saved`` is the scene that was opened.
     """
     kept = Recorder(session) if recorder is None else recorder
-    live = Live(session, hello_of(session), kept, journal=journal)
+    looks = None if saved is None else saved.looks
+    live = Live(session, hello_of(session), kept, journal=journal, looks=looks)
 
     @asynccontextmanager
     async def lifespan(_: Starlette) -> AsyncIterator[None]:
@@ -100,6 +104,27 @@ def make_app(
     async def index(_: Request) -> Response:
         return FileResponse(page / "index.html")
 
+    async def messages(websocket: WebSocket) -> None:
+        await live.serve(websocket)
+
+    return Starlette(
+        routes=[
+            Route("/", index),
+            *_data_routes(live, kept, run=run, saved=saved),
+            WebSocketRoute("/api/live", messages),
+            # scripts, styles and icons of the page
+            Mount("/", StaticFiles(directory=page, check_dir=False)),
+        ],
+        middleware=[Middleware(AccessMiddleware, access=access)],
+        lifespan=lifespan,
+    )
+
+
+def _data_routes(
+    live: Live, kept: Recorder, *, run: Path | None, saved: SavedScene | None
+) -> list[Route]:
+    """What pages fetch beside the messages."""
+
     async def volume(request: Request) -> Response:
         # as edits have left it
         return await _voxels(request, lambda: live.picture.values)
@@ -114,23 +139,21 @@ def make_app(
     async def scenario(_: Request) -> Response:
         return Response(status_code=204) if run is None else FileResponse(run)
 
-    async def messages(websocket: WebSocket) -> None:
-        await live.serve(websocket)
+    async def scene(request: Request) -> Response:
+        body = await request.body()
+        return await run_in_threadpool(scene_response, live.session, live.segments, body)
 
-    return Starlette(
-        routes=[
-            Route("/", index),
-            Route("/api/volume", volume),
-            Route("/api/labels", labels),
-            Route("/api/recording", recording),
-            Route("/api/scenario", scenario),
-            WebSocketRoute("/api/live", messages),
-            # scripts, styles and icons of the page
-            Mount("/", StaticFiles(directory=page, check_dir=False)),
-        ],
-        middleware=[Middleware(AccessMiddleware, access=access)],
-        lifespan=lifespan,
-    )
+    async def view(_: Request) -> Response:
+        return view_response(None if saved is None else saved.view)
+
+    return [
+        Route("/api/volume", volume),
+        Route("/api/labels", labels),
+        Route("/api/recording", recording),
+        Route("/api/scenario", scenario),
+        Route("/api/scene", scene, methods=["POST"]),
+        Route("/api/view", view),
+    ]
 
 
 async def _voxels(request: Request, array: Callable[[], NDArray[Any]]) -> Response:
@@ -189,6 +212,7 @@ def serve(
     recorder: Recorder | None = None,
     journal: Journal | None = None,
     run: Path | None = None,
+    saved: SavedScene | None = None,
     seconds: float | None = None,
 ) -> None:
     """Serves a session until the process is asked to end; then stops the session.
@@ -201,6 +225,7 @@ def serve(
         recorder: Keeps the recordings that pages ask for.
         journal: Keeps the session's changes on disk.
         run: File of a scenario's run, which pages play.
+        saved: Scene that was opened, whose view pages take.
         seconds: Ends by itself after so long.
 
     Raises:
@@ -212,7 +237,7 @@ def serve(
         raise OptionError(
             f"port {access.port} cannot be used ({error.strerror}); allowed: a free port"
         ) from None
-    app = make_app(session, access=access, recorder=recorder, journal=journal, run=run)
+    app = make_app(session, access=access, recorder=recorder, journal=journal, run=run, saved=saved)
     server = make_server(app, ready=ready)
     timer = Timer(seconds or 0.0, server.end)
     if seconds is not None:

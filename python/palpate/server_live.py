@@ -52,13 +52,19 @@ class Live:
         recorder: Recorder,
         *,
         journal: Journal | None = None,
+        looks: bytes | None = None,
     ) -> None:
-        """Shows a session; ``hello`` is what each page is told first."""
+        """Shows a session; ``hello`` is what each page is told first.
+
+        ``looks`` are those of a scene that was opened.
+        """
         self._from_threads: SimpleQueue[protocol.ToPage] = SimpleQueue()
         self.session = session
         self.recorder = recorder
         self.journal = journal
         self.segments = ShownSegments(session, None if journal is None else journal.note)
+        if looks is not None:
+            self.segments.restore(looks)
         self._restore_looks()
         self._hello = hello
         self.picture = ToldPicture(session.scene.volume.array)
@@ -297,8 +303,8 @@ class Live:
                 self._recover(bring_back=bring_back)
             case protocol.WatchGap(pair):
                 self._gaps.choose(pair)
-            case protocol.SetDeformation(model, edge):
-                self.session.set_deformation(model, edge=edge)
+            case protocol.SetDeformation(model, edge, undoable):
+                self.session.set_deformation(model, edge=edge, undoable=undoable)
             case _:
                 self._do_to_segment(message)
 
@@ -319,7 +325,9 @@ class Live:
             case protocol.SegmentFeel(segment_id, feel):
                 self.session.set_feel(segment_id, **msgspec.structs.asdict(feel))
             case protocol.SetMaterial(segment_id):
-                self.session.set_material(segment_id, asked_material(message))
+                self.session.set_material(
+                    segment_id, asked_material(message), undoable=message.undoable
+                )
             case protocol.RemoveSegment(segment_id):
                 self.session.remove_segment(segment_id)
 

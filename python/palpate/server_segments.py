@@ -125,13 +125,16 @@ class ShownSegments:
 
     def keep(self) -> None:
         """Hands the looks over to be kept, with which segments can be touched."""
-        if self._keep is None:
-            return
+        if self._keep is not None:
+            self._keep(self.kept())
+
+    def kept(self) -> bytes:
+        """Returns the looks, with which segments can be touched, for ``restore``."""
         kept = [
             KeptLook(id=state["id"], touchable=state["touchable"], look=self._look_of(state["id"]))
             for state in self._session.segments()
         ]
-        self._keep(msgspec.json.encode(kept))
+        return msgspec.json.encode(kept)
 
     def restore(self, kept: bytes) -> None:
         """Takes looks that were kept.

@@ -394,7 +394,9 @@ class Session:
 
     # --- matter that gives way ------------------------------------------------------------
 
-    def set_deformation(self, model: str | None, *, edge: int | None = None) -> None:
+    def set_deformation(
+        self, model: str | None, *, edge: int | None = None, undoable: bool = True
+    ) -> None:
         """Chooses the model by which matter gives way under the probe; None makes all hard.
 
         Segments without a material stay hard (``set_material``). What the probe moves from
@@ -404,15 +406,20 @@ class Session:
             model: One of ``palpate.material.deformation_models()``.
             edge: Nodes or cells along each edge of its box (``palpate.material.model_boxes``);
                 by default as many as usual.
+            undoable: Whether undo takes the choice back.
 
         Raises:
             OptionError: There is no such model, or it has no such box.
         """
         with _given():
-            self._internal.set_deformation(model, edge)
+            self._internal.set_deformation(model, edge, undoable)
 
     def set_material(
-        self, segment_id: int, material: Material | LinearMaterial | str | None
+        self,
+        segment_id: int,
+        material: Material | LinearMaterial | str | None,
+        *,
+        undoable: bool = True,
     ) -> None:
         """Tells what a segment is made of.
 
@@ -420,6 +427,7 @@ class Session:
             segment_id: Which one.
             material: Constants, or a name of ``palpate.material.material_presets()``; None is
                 hard matter.
+            undoable: Whether undo takes it back.
 
         Raises:
             OptionError: There is no such segment or name, or no matter has such constants.
@@ -427,15 +435,15 @@ class Session:
         with _given():
             match material:
                 case str():
-                    self._internal.set_material(segment_id, name=material)
+                    self._internal.set_material(segment_id, undoable, name=material)
                 case LinearMaterial(interval, low, high):
                     self._internal.set_material(
-                        segment_id, linear=(interval, tuple(low), tuple(high))
+                        segment_id, undoable, linear=(interval, tuple(low), tuple(high))
                     )
                 case None:
-                    self._internal.set_material(segment_id)
+                    self._internal.set_material(segment_id, undoable)
                 case Material():
-                    self._internal.set_material(segment_id, constant=tuple(material))
+                    self._internal.set_material(segment_id, undoable, constant=tuple(material))
 
     def set_parts(self, segment_id: int, parts: Sequence[Part]) -> None:
         """Tells how parts of a segment with a material take part.
@@ -510,6 +518,15 @@ class Session:
         with _given():
             self._internal.begin_journal(path, scan_hash)
 
+    def keep_state(self, path: Path, scan_hash: bytes) -> None:
+        """Writes what is there now into a new file, as a journal without steps.
+
+        Raises:
+            OptionError: The file exists already, or the disk says no.
+        """
+        with _given():
+            self._internal.keep_state(path, scan_hash)
+
     def recover_journal(self, path: Path, scan_hash: bytes) -> tuple[int, int, list[bytes]]:
         """Does again what a journal says, step by step, and goes on with that file.
 
@@ -522,6 +539,11 @@ class Session:
         """
         with _given():
             return self._internal.recover_journal(path, scan_hash)
+
+    def end_journal(self) -> None:
+        """Writes what waits and closes the journal."""
+        with _given():
+            self._internal.end_journal()
 
     def note_in_journal(self, note: bytes) -> None:
         """Keeps bytes beside the voxels, where there is a journal."""

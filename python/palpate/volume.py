@@ -6,9 +6,11 @@ axis. Points are (x, y, z); arrays are [z, y, x], x fastest in memory.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,7 +21,7 @@ from palpate.histogram import Anchors, Histogram, anchors
 from palpate.orientation import letters_of
 from palpate.segment import Segment
 
-__all__ = ["Volume", "VolumeTraits"]
+__all__ = ["Source", "Volume", "VolumeTraits"]
 
 HISTOGRAM_BINS = 512
 
@@ -38,6 +40,14 @@ class VolumeTraits:
     orientation_known: bool = True
     warnings: tuple[str, ...] = ()
     """Sentences on what was assumed or lost in reading."""
+
+
+@dataclass(frozen=True)
+class Source:
+    """Where a scan was read from, and with which options of ``palpate.read``."""
+
+    path: Path
+    options: Mapping[str, Any]
 
 
 class Volume:
@@ -69,6 +79,8 @@ class Volume:
             VolumeFormatError: The numbers describe no grid.
         """
         self.traits = traits or VolumeTraits()
+        self.source: Source | None = None
+        """Where it was read from; None where it was made."""
         self.spacing = _triple(spacing)
         self.origin = _triple(origin)
         self.direction = np.array(direction, dtype=np.float64)

@@ -414,16 +414,18 @@ impl PySession {
         py: Python<'_>,
         model: Option<String>,
         edge: Option<u32>,
+        undoable: bool,
     ) -> Result<(), CoreError> {
-        Ok(py.detach(|| self.session.set_deformation(model, edge))?)
+        Ok(py.detach(|| self.session.set_deformation(model, edge, undoable))?)
     }
 
     /// Tells what a segment is made of: by name, by constants, or linear in HU; else it is hard.
-    #[pyo3(signature = (segment_id, *, name = None, constant = None, linear = None))]
+    #[pyo3(signature = (segment_id, undoable, *, name = None, constant = None, linear = None))]
     fn set_material(
         &self,
         py: Python<'_>,
         segment_id: u8,
+        undoable: bool,
         name: Option<&str>,
         constant: Option<SolidTuple>,
         linear: Option<LinearTuple>,
@@ -434,7 +436,8 @@ impl PySession {
             (None, None, Some(linear)) => Some(linear_material(linear)?),
             (None, None, None) => None,
         };
-        Ok(py.detach(|| self.session.set_material(SegmentId(segment_id), law))?)
+        let id = SegmentId(segment_id);
+        Ok(py.detach(|| self.session.set_material(id, law, undoable))?)
     }
 
     /// Tells how parts of a segment take part: treatment, box of voxels, other segment.
@@ -496,6 +499,15 @@ impl PySession {
         scan_hash: [u8; 32],
     ) -> Result<(), CoreError> {
         Ok(py.detach(|| self.session.begin_journal(path, ScanHash(scan_hash)))?)
+    }
+
+    fn keep_state(
+        &self,
+        py: Python<'_>,
+        path: PathBuf,
+        scan_hash: [u8; 32],
+    ) -> Result<(), CoreError> {
+        Ok(py.detach(|| self.session.keep_state(path, ScanHash(scan_hash)))?)
     }
 
     /// Steps, bytes that are lost, and notes of a journal that is followed.

@@ -146,13 +146,13 @@ def test_another_rate_is_refused(scan: Path) -> None:
 
 
 def test_an_unknown_command_is_refused_with_the_known_ones() -> None:
-    assert "allowed: open, demo, info, record, replay, surface, scenario, bench" in fails(
+    assert "allowed: open, demo, info, record, replay, series, surface, scenario, bench" in fails(
         "frobnicate"
     )
 
 
 def test_a_label_map_of_another_grid_is_refused(scan: Path, write_image: Any) -> None:
-    labels = write_image(np.ones((3, 4, 5), np.uint8), "labels.nrrd")
+    labels = write_image(np.ones((3, 4, 5), np.uint8), "labels.nrrd", spacing=(1.0, 1.0, 2.0))
     assert "lies on another grid" in fails("open", scan, "--segments", labels)
 
 
@@ -317,3 +317,19 @@ def test_output_that_nobody_reads_is_no_traceback(scan: Path) -> None:
     )
     os.close(write_end)
     assert "Traceback" not in done.stderr
+
+
+# --- series -----------------------------------------------------------------------------
+
+
+def test_the_series_of_a_folder_are_listed(write_series: Any) -> None:
+    write_series(uid="1.2.3", prefix="a", PatientID="7", description="soft")
+    folder = write_series(uid="1.2.4", prefix="b", description="lung")
+    done = run("series", folder, "--json")
+    listed = json.loads(done.stdout)
+    assert [(one["number"], one["series"], one["slices"]) for one in listed] == [
+        (1, "soft", 4),
+        (2, "lung", 4),
+    ]
+    assert "4 x 3 x 4" in run("series", folder).stdout
+    assert "allowed: a DICOM folder or zip archive" in fails("series", folder / "a000")

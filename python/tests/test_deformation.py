@@ -225,7 +225,7 @@ def test_segments_say_what_they_are_made_of() -> None:
         assert liver.preset == "liver"
         assert liver.low.young == pytest.approx(5500.0)
         wanted = protocol.SetMaterial(
-            1, None, protocol.Constants(7000.0, 0.3, 1000.0, None, friction=0.1)
+            1, None, protocol.Constants(7000.0, 0.3, 1000.0, None, friction=0.1), undoable=True
         )
         session.set_material(1, asked_material(wanted))
         own = material_of(session.segments()[0])
@@ -233,8 +233,17 @@ def test_segments_say_what_they_are_made_of() -> None:
         assert own.preset is None
         assert own.low == own.high
         assert (own.low.poisson, own.low.breaking_strain) == (0.3, None)
-        session.set_material(1, asked_material(protocol.SetMaterial(1, None, None)))
+        session.set_material(1, asked_material(protocol.SetMaterial(1, None, None, undoable=True)))
         assert material_of(session.segments()[0]) is None
+        # each of them is a step of undo; what a page asks for by itself is none
+        session.set_material(1, "fat", undoable=False)
+        session.set_deformation("lattice")
+        assert session.undo()
+        assert session.deformation()["model"] is None
+        assert session.undo()
+        own = material_of(session.segments()[0])
+        assert own is not None
+        assert own.low.young == 7000.0
 
 
 @pytest.mark.parametrize(

@@ -9,6 +9,7 @@ import numpy as np
 import palpate
 import pytest
 from palpate.errors import PalpateError, SeriesChoiceError, VolumeFormatError
+from palpate.io import list_series
 
 UPRIGHT = [(-10.0, -20.0, 30.0 + 2.5 * k) for k in range(4)]
 
@@ -192,3 +193,23 @@ def test_a_series_in_folders_below_is_found(write_series: Any, tmp_path: Path) -
     disc.parent.mkdir(parents=True)
     series.rename(disc)
     assert palpate.read(tmp_path / "disc").dimensions == (4, 3, 4)
+
+
+def test_series_are_listed_with_patient_and_study(write_series: Any) -> None:
+    told = {"PatientName": "Doe^Jo", "PatientID": "7", "StudyDate": "20260102"}
+    write_series(uid="1.2.3", prefix="a", StudyDescription="trauma", **told)
+    folder = write_series(uid="1.2.4", prefix="b", positions=UPRIGHT[:3])
+    write_series(uid="1.2.5", prefix="s", positions=UPRIGHT[:1], Modality="SEG")
+    first, second = list_series(folder)
+    assert (first.headers[0].patient, first.headers[0].study_told) == (
+        "Doe^Jo 7",
+        "20260102 trauma",
+    )
+    assert (second.headers[0].patient, second.slices) == ("", 3)
+
+
+def test_files_of_two_patients_are_two_series(write_series: Any) -> None:
+    write_series(uid="1.2.3", prefix="a", PatientID="7")
+    folder = write_series(uid="1.2.3", prefix="b", PatientID="8")
+    assert "holds 2 series" in refused(folder)
+    assert palpate.read(folder, series="2").dimensions == (4, 3, 4)

@@ -10,7 +10,10 @@ import numpy as np
 import pytest
 from palpate.cli import run
 from palpate.errors import OptionError
-from palpate.scenario_lines import line_into, line_over
+from palpate.io import read
+from palpate.palpation import palpate_line
+from palpate.scenario import body_of_scan
+from palpate.scenario_lines import PressLine, line_into, line_over
 from palpate.scenario_run import UNITS, Press, ScenarioEvent, ScenarioRun, read_run, write_run
 from palpate.volume import Volume
 
@@ -163,3 +166,45 @@ def test_a_scenario_that_cannot_be_drawn_is_refused(
 ) -> None:
     assert run(["scenario", "needle-skull", "--plot", str(tmp_path / "run.txt")]) == 2
     assert "allowed" in capsys.readouterr().err
+
+
+@pytest.mark.data
+def test_the_skull_under_two_millimetres_of_skin_pushes_back_all_the_way(
+    data_folder: Path,
+) -> None:
+    volume = read(data_folder / "cthead_stanford/CThead.mha")
+    body = body_of_scan(volume)
+    met, hard = (mask.argmax(axis=1) for mask in (body.all_soft | body.bone, body.bone))
+    sides = [(axis, way) for axis in (0, 1) for way in (-2, -1, 1, 2)]
+    flat = np.max([np.abs(met - np.roll(met, way, axis=axis)) for axis, way in sides], axis=0)
+    thin = ((hard - met) * volume.spacing[1] == 2.0) & (flat <= 1)
+    thin[:6] = thin[-6:] = False
+    places = np.argwhere(thin)
+    z, x = places[len(places) // 3]
+    grid = np.array([[x + 0.5, y, z + 0.5, 1.0] for y in (met[z, x], met[z, x] + 1.0)])
+    skin, inward = (grid @ volume.patient_from_grid.T)[:, :3]
+    line = PressLine(
+        surface=(skin,),
+        direction=(inward - skin) / np.linalg.norm(inward - skin),
+        along=(0.0,),
+        thickness=(2.0,),
+    )
+    layers = [
+        (volume.segment(body.all_soft, name="skin"), "muscle"),
+        (volume.segment(body.bone, name="bone"), None),
+    ]
+    radius = 2.0 * min(volume.spacing)
+    pressed = [
+        palpate_line(volume, given, line, radius=radius, depth=5.0)
+        for given in (layers, layers[1:])
+    ]
+    assert [run.violations for run in pressed] == [0, 0]
+    # never less than the skull alone, whose smooth face a ball sinks into by less than a voxel
+    travel = np.arange(0.0, min(run.travel.max() for run in pressed), 0.1)
+    going_in = [np.array(run.phase) == "in" for run in pressed]
+    with_skin, alone = (
+        np.interp(travel, run.travel[inward], run.force[inward])
+        for run, inward in zip(pressed, going_in, strict=True)
+    )
+    assert alone.max() > 2.0
+    assert (with_skin > alone - 0.1).all()

@@ -16,8 +16,11 @@ use crate::rest_matter::Ledger;
 const BESIDE: [f64; 4] = [1.0, 0.75, 0.5, 0.25];
 /// Steps of Newton toward the place at rest.
 const STEPS: u32 = 12;
-/// Layers of voxels that are looked for beyond a face, at most.
-const MOST_HIDDEN: u32 = 8;
+/// How far voxels are behind the matter that they show, at most: half of one and the margin by
+/// which they change late [voxels].
+const BEHIND: f64 = 0.65;
+/// Halvings of that way by which the last of matter before a face is found: to a fortieth of a voxel.
+const HALVINGS: u32 = 5;
 /// How near the place at rest is found [spacings].
 const NEAR: f64 = 1e-3;
 
@@ -169,14 +172,14 @@ impl<'a> Shown<'a> {
     fn left_beside(&self, node: usize, left: &[Option<DVec3>]) -> Option<DVec3> {
         let (mut sum, mut count) = (DVec3::ZERO, 0.0);
         for near in neighbours(self.field.size, node) {
-            let Some((shown, left)) = self.shown[near].zip(left[near]) else {
+            let Some(left) = left[near] else {
                 continue;
             };
             let step = node_at(self.field.size, node) - node_at(self.field.size, near);
             let (place, toward) = (self.field.place_of(near), step.as_dvec3());
             let face = self.face_of(self.voxel_of(near), place, toward);
-            let left_at_face = self.face_at_rest(place - shown, face - shown, toward);
-            let left_at_face = left_at_face + self.field.at(left_at_face) - face;
+            let along = left.dot(toward);
+            let left_at_face = left + toward * (self.ahead_of(face, toward) - along);
             // a face just beside the node would throw the value far away
             let way = (face - place).dot(toward) / self.field.spacing;
             sum += left + (left_at_face - left) / way.clamp(0.5, 1.0);
@@ -191,14 +194,31 @@ impl<'a> Shown<'a> {
         DVec3::select(toward.cmpeq(DVec3::ZERO), place, end)
     }
 
-    /// Where matter ends at rest, beyond the face of a voxel of it: layers that are pressed flat
-    /// are shown by no voxel.
-    fn face_at_rest(&self, place: DVec3, face: DVec3, toward: DVec3) -> DVec3 {
-        let layer = toward * self.spacing;
-        let hidden = (1..=MOST_HIDDEN)
-            .take_while(|&n| self.field.has_matter_at(place + layer * f64::from(n)))
-            .count();
-        face + layer * hidden as f64
+    /// How far before a face that voxels show the face of matter stands, or less than zero behind
+    /// it [mm]: layers that are pressed flat between the two, and shown by no voxel, are taken in.
+    fn ahead_of(&self, face: DVec3, toward: DVec3) -> f64 {
+        let most = BEHIND * self.spacing.dot(toward.abs());
+        let matter_at = |ahead: f64| {
+            let rest = self.field.rest_of(face + toward * ahead);
+            rest.filter(|rest| self.field.has_matter_at(*rest))
+        };
+        let [mut low, mut high] = [-most, most];
+        let mut last = None;
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            let matter = matter_at(middle);
+            match matter {
+                Some(_) => (low, last) = (middle, matter),
+                None => high = middle,
+            }
+        }
+        // the face of the last voxel of matter, where it stands
+        last.map_or(-most, |rest| {
+            let end = self.face_of((rest / self.spacing).floor().as_ivec3(), rest, toward);
+            (end + self.field.at(end) - face)
+                .dot(toward)
+                .clamp(-most, most)
+        })
     }
 }
 

@@ -193,3 +193,50 @@ fn a_scan_without_matter_gives_nothing() {
     );
     assert!(answer.edit.is_none() && answer.contacts[0].contact.is_none());
 }
+
+#[test]
+fn a_reset_gives_back_all_that_was_moved_before_anything_else() {
+    let (mut voxels, materials) = scan();
+    let untouched = picture(&voxels);
+    let mut model = GlobalModel::global_lj(GlobalSettings {
+        max_particles: 1000,
+        ..Default::default()
+    });
+    let mut moved = 0;
+    for step in 0..=8 {
+        let tool = ball(0.25 * f64::from(step));
+        let answer = advance(&mut model, &mut voxels, &materials, tool, 200);
+        moved = answer.report.moved_voxels;
+    }
+    assert!(moved > 20 && picture(&voxels) != untouched, "{moved}");
+    model.reset();
+    while moved > 0 {
+        let answer = advance(&mut model, &mut voxels, &materials, ball(2.0), 200);
+        assert!(answer.report.moved_voxels < moved || answer.edit.is_some());
+        moved = answer.report.moved_voxels;
+    }
+    assert!(picture(&voxels) == untouched);
+}
+
+#[test]
+fn a_tip_finer_than_the_particles_are_apart_is_felt_anywhere() {
+    for aside in [0.0, 0.7, 1.4, 2.1] {
+        let (mut voxels, materials) = scan();
+        let mut model = GlobalModel::global_lj(GlobalSettings {
+            max_particles: 400,
+            ..Default::default()
+        });
+        let mut most = 0.0_f64;
+        for step in 0..=12 {
+            let depth = 0.5 * f64::from(step);
+            let tip = ToolState {
+                shape: ToolShape::Ball(0.2),
+                position: DVec3::new(20.0 + aside, 20.0 - 0.5 * aside, f64::from(TOP) - depth),
+                ..ball(0.0)
+            };
+            let answer = advance(&mut model, &mut voxels, &materials, tip, 100);
+            most = most.max(force(&answer).z);
+        }
+        assert!(most > 0.0, "{aside} mm aside");
+    }
+}

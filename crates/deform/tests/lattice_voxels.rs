@@ -126,7 +126,7 @@ fn voxels_and_field_together_show_a_dent_that_deepens_smoothly() {
         last = height;
     }
     // voxels alone would fall by one at once
-    assert!(worst_step < 0.35, "{worst_step} mm at once");
+    assert!(worst_step < 0.4, "{worst_step} mm at once");
     assert!(last < TOP - 0.7, "{last}");
 }
 
@@ -230,4 +230,26 @@ fn the_model_works_with_flat_voxels_too() {
     assert!(bench.changed(&untouched) > 60);
     press(&mut bench, 3.0, -1.0);
     assert_eq!(bench.changed(&untouched), 0);
+}
+
+#[test]
+fn what_voxels_do_not_show_is_near_them_also_at_the_walls_of_a_dent() {
+    for spacing in [DVec3::ONE, DVec3::new(0.75, 0.75, 2.0)] {
+        let model = LatticeModel::new(LatticeSettings::default());
+        let mut bench = Bench::with(LIVER, spacing, Box::new(model));
+        let mut farthest = 0.0_f32;
+        for step in 0..=24 {
+            let answer = bench.advance(at_depth(0.25 * f64::from(step)));
+            let field = answer.displacement.into_iter();
+            let moved = field
+                .flat_map(|field| field.moved)
+                .map(|moved| moved.length());
+            let here = moved.fold(0.0, f32::max);
+            farthest = farthest.max(here);
+        }
+        // a face is up to 0.65 voxels beside where they show it, and a node beyond it goes on from
+        // the matter before it through that
+        let most = 2.2 * spacing.max_element() as f32;
+        assert!(farthest <= most, "{farthest} mm beside voxels of {spacing}");
+    }
 }

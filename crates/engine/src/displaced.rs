@@ -32,7 +32,8 @@ impl Displaced {
         let axes_from_patient = grid.direction().transpose().as_mat3();
         let along_axes = |moved: &Vec3| {
             let moved = axes_from_patient * *moved;
-            // farther than a voxel, voxels show it themselves
+            // nodes in the empty space beside a face may go farther than matter ever is beside its
+            // voxels; the picture follows no more than that
             let farthest = grid.spacing().max_element() as f32;
             if moved.is_finite() {
                 moved.clamp_length_max(farthest)

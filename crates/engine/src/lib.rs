@@ -24,6 +24,7 @@ pub mod gap_bodies;
 pub mod giving_matter;
 pub mod grip;
 pub mod handover;
+pub mod hard_matter;
 pub mod kept_surface;
 pub mod known_shares;
 pub mod live;

@@ -23,7 +23,7 @@ use palpate_volume::voxels::{Voxels, VoxelsError};
 mod performing;
 mod step;
 
-pub use step::{Step, TouchChange};
+pub use step::{ModelChoice, Step, TouchChange};
 
 /// Threshold that a segment is, in physical units: low and high, both included.
 pub type ThresholdRange = (f64, f64);
@@ -74,6 +74,8 @@ pub struct Scene {
     punctured: SegmentSet,
     /// What was worked out of the shares of masks.
     shares: BTreeMap<SegmentId, Arc<Shares>>,
+    /// By which model matter gives way.
+    model: Option<ModelChoice>,
 }
 
 impl Scene {
@@ -93,7 +95,19 @@ impl Scene {
             held: None,
             punctured: SegmentSet::EMPTY,
             shares: BTreeMap::new(),
+            model: None,
         }
+    }
+
+    /// By which model matter gives way; none where it does not.
+    #[must_use]
+    pub fn model(&self) -> Option<ModelChoice> {
+        self.model
+    }
+
+    /// Takes the choice of a model from elsewhere.
+    pub fn know_model(&mut self, model: Option<ModelChoice>) {
+        self.model = model;
     }
 
     /// The scan's values as touch reads them.
@@ -177,19 +191,6 @@ impl Scene {
             .get_mut(&id)
             .ok_or(VoxelsError::UnknownSegment(id.0))?;
         properties.feel = feel;
-        Ok(())
-    }
-
-    /// Changes what a segment is made of.
-    ///
-    /// # Errors
-    /// Where there is no such segment.
-    pub fn set_law(&mut self, id: SegmentId, law: Option<MaterialLaw>) -> Result<(), VoxelsError> {
-        let properties = self
-            .properties
-            .get_mut(&id)
-            .ok_or(VoxelsError::UnknownSegment(id.0))?;
-        properties.law = law;
         Ok(())
     }
 

@@ -62,7 +62,7 @@ impl SceneNews {
             Step::Replace { id, .. } | Step::Insert { id, .. } | Step::Remove { id } => {
                 vec![Self::Segment(*id, scene.voxels_of(*id))]
             }
-            Step::Move { .. } => Vec::new(),
+            Step::Move { .. } | Step::Material { .. } | Step::Model(_) => Vec::new(),
             Step::Several(inverses) => {
                 let news = |inverse| Self::of(inverse, scene, labelled);
                 inverses.iter().rev().flat_map(news).collect()

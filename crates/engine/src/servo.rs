@@ -8,9 +8,10 @@ use std::sync::atomic::Ordering::Relaxed;
 
 use glam::{DAffine3, DVec3, IVec3};
 use palpate_haptics::coupling::Coupling;
+use palpate_haptics::friction::Friction;
 use palpate_haptics::needle::{Needle, NeedleInput};
 use palpate_haptics::proxy::Proxy;
-use palpate_haptics::soft_contact::{SoftContact, SoftInput};
+use palpate_haptics::soft_contact::{SoftContact, SoftInput, Stop};
 use palpate_haptics::tick::{TickCache, TickInput, TickOutput, TickState, tick};
 use palpate_volume::bits::Bits;
 use palpate_volume::edit::SegmentId;
@@ -22,6 +23,7 @@ use crate::handover::{
     DeviceSample, ForceCommand, GivingWay, HandTarget, ServoChannels, ServoCommand, ServoStatus,
     Snapshot, TickRecord,
 };
+use crate::hard_matter::HardMatter;
 use crate::mapping::Mapping;
 use crate::model::LimitedModel;
 use crate::moved_poses::{CurrentPoses, MovedPoses};
@@ -66,6 +68,8 @@ pub struct ServoLoop {
     cache: TickCache,
     /// Kept beside the state like the cache: it changes no result.
     owners: Owners,
+    /// The same of what matter that gives way leads no tool into.
+    hard: HardMatter,
     /// Whether the state is asked for at the end of this tick.
     marked: bool,
     /// Whether a moved segment stands elsewhere than was told.
@@ -146,6 +150,7 @@ impl ServoLoop {
         state.poses.follow_root(&mut touchable, &grid);
         // who starts a session or reads a tape has checked that it fits
         let _ = touchable.set_radius(state.radius);
+        let hard = HardMatter::new(&touchable);
         let mut occupancy = TouchOccupancy::new(touchable, garbage);
         occupancy.want_radius(state.settings.probe_radius);
         Self {
@@ -154,6 +159,7 @@ impl ServoLoop {
             occupancy,
             cache: TickCache::default(),
             owners: Owners::default(),
+            hard,
             marked: false,
             moved: true,
             had_needle: true,
@@ -334,7 +340,8 @@ impl ServoLoop {
         output
     }
 
-    /// Feels matter that gives way as it answers, instead of its voxels.
+    /// Feels matter that gives way as it answers, instead of its voxels, and what is hard beside or
+    /// under it as ever.
     fn give_way(&mut self, time: f64, input: &TickInput, output: &mut TickOutput) {
         if !self.state.soft.is_awaited() {
             return;
@@ -352,10 +359,30 @@ impl ServoLoop {
                 stiffness: settings.stiffness,
                 damping: settings.damping,
             },
+            friction: Friction {
+                stick: settings.friction_static,
+                slip: settings.friction_kinetic,
+            },
             spacing: self.grid.smallest_spacing(),
             time,
         };
-        self.state.soft.follow(&input, output);
+        let matter = self.occupancy.touchable();
+        let world = (matter, self.occupancy.version(), &self.grid);
+        let soft = self.state.giving_way.segments;
+        let (proxy, feels) = (&self.state.touch.proxy, &self.state.feels);
+        let mut visits = 0;
+        let stop = |tool| {
+            let stop = self.hard.stop(world, soft, (proxy, tool), &mut visits)?;
+            let felt = stop.by.map_or(self.state.settings, |id| {
+                feels.of(id).over(&self.state.settings)
+            });
+            Some(Stop {
+                tool: stop.tool,
+                stiffness: felt.stiffness,
+            })
+        };
+        self.state.soft.follow(&input, output, stop);
+        output.visits += visits;
     }
 
     fn needle_input(&mut self, time: f64, input: &TickInput) -> NeedleInput {

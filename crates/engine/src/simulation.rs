@@ -134,7 +134,6 @@ pub struct Simulation {
     clutched: bool,
     deformation: Deformation,
     /// Edge of its box, where it is not the usual one.
-    box_edge: Option<u32>,
     /// As the picture was told it last.
     displaced: Option<Arc<Displaced>>,
     /// Works out the shares of masks.
@@ -175,7 +174,6 @@ impl Simulation {
             dragged: None,
             clutched: false,
             deformation,
-            box_edge: None,
             displaced: None,
             shares,
             file: None,

@@ -83,7 +83,7 @@ fn rig() -> Rig {
         rig.simulation.add_segment(segment, OBSTACLE, true).unwrap();
     }
     let fat = preset("fat").unwrap().law().unwrap();
-    rig.simulation.set_material(SOFT, Some(fat)).unwrap();
+    rig.simulation.set_material(SOFT, Some(fat), false).unwrap();
     rig.simulation
         .set_deformation_model(Some(("floor", Box::new(Floor::default()))));
     rig
@@ -220,7 +220,11 @@ fn another_model_or_none_takes_the_place_at_once() {
     assert_eq!(rig.simulation.deformation().model, None);
     // hard again: the coupling over the whole depth
     assert!((rest.force.length() - rest.depth).abs() < 1e-9);
-    assert!(rig.simulation.set_deformation(Some("jelly"), None).is_err());
+    assert!(
+        rig.simulation
+            .set_deformation(Some("jelly"), None, false)
+            .is_err()
+    );
 }
 
 #[test]
@@ -230,7 +234,7 @@ fn a_material_goes_and_comes_back_with_its_segment() {
     assert!(fat.is_some());
     rig.simulation.remove_segment(SOFT).unwrap();
     assert_eq!(rig.simulation.material(SOFT), None);
-    assert!(rig.simulation.set_material(SOFT, fat).is_err());
+    assert!(rig.simulation.set_material(SOFT, fat, false).is_err());
     rig.simulation.undo().unwrap();
     assert_eq!(rig.simulation.material(SOFT), fat);
 }
@@ -249,7 +253,9 @@ fn a_model_is_told_of_other_obstacles_and_other_materials() {
     rig.simulation.set_touchable(SegmentId(2), false).unwrap();
     assert_eq!(seen(&mut rig), (1, resets));
     let liver = preset("liver").unwrap().law().unwrap();
-    rig.simulation.set_material(SOFT, Some(liver)).unwrap();
+    rig.simulation
+        .set_material(SOFT, Some(liver), false)
+        .unwrap();
     assert_eq!(seen(&mut rig), (1, resets + 1));
 }
 
@@ -266,9 +272,9 @@ fn lattice_rig() -> Rig {
         friction: 0.0,
     };
     let law = MaterialLaw::constant(gel).unwrap();
-    rig.simulation.set_material(SOFT, Some(law)).unwrap();
+    rig.simulation.set_material(SOFT, Some(law), false).unwrap();
     rig.simulation
-        .set_deformation(Some("lattice"), None)
+        .set_deformation(Some("lattice"), None, false)
         .unwrap();
     let ball = Settings {
         probe_radius: 2.0,
@@ -311,7 +317,7 @@ fn a_model_that_is_changed_or_left_behind_gives_back_what_it_moved() {
         let all = soft_voxels(&rig);
         go(&mut rig, 30.0, 19.0, 1200);
         assert!(soft_voxels(&rig) < all);
-        rig.simulation.set_deformation(name, None).unwrap();
+        rig.simulation.set_deformation(name, None, false).unwrap();
         assert_eq!(rig.simulation.deformation().model, name);
         go(&mut rig, 19.0, 30.0, 500);
         go(&mut rig, 30.0, 30.0, 300);
@@ -382,4 +388,51 @@ fn a_point_in_a_dent_feels_the_matter_and_not_the_walls_of_its_voxels() {
         rest.force,
         now.force
     );
+}
+
+#[test]
+fn materials_and_models_that_a_person_chose_are_taken_back_by_undo_one_by_one() {
+    let mut rig = lattice_rig();
+    let gel = rig.simulation.material(SOFT);
+    let fat = preset("fat").unwrap().law().ok();
+    rig.simulation.set_material(SOFT, fat, true).unwrap();
+    let name = Some("fcc-lj");
+    rig.simulation.set_deformation(name, Some(9), true).unwrap();
+    // what is so already is no step
+    rig.simulation.set_deformation(name, Some(9), true).unwrap();
+    let chosen = |rig: &Rig| {
+        let now = rig.simulation.deformation();
+        (rig.simulation.material(SOFT), now.model, now.edge)
+    };
+    let last = chosen(&rig);
+    assert_eq!(last, (fat, name, Some(9)));
+
+    assert!(rig.simulation.undo().unwrap());
+    assert_eq!(chosen(&rig), (fat, Some("lattice"), None));
+    assert!(rig.simulation.undo().unwrap());
+    assert_eq!(chosen(&rig), (gel, Some("lattice"), None));
+    assert!(rig.simulation.redo().unwrap() && rig.simulation.redo().unwrap());
+    assert_eq!(chosen(&rig), last);
+    // what was set by itself is none of them: next is the segment
+    for _ in 0..3 {
+        assert!(rig.simulation.undo().unwrap());
+    }
+    assert!(rig.simulation.voxels().segment(SOFT).is_none());
+}
+
+#[test]
+fn a_model_that_undo_brings_back_presses_as_before() {
+    let mut rig = lattice_rig();
+    let all = soft_voxels(&rig);
+    rig.simulation.set_deformation(None, None, true).unwrap();
+    go(&mut rig, 30.0, 19.0, 900);
+    let hard = go(&mut rig, 19.0, 19.0, 300).force.z;
+    assert_eq!(soft_voxels(&rig), all);
+    assert!(rig.simulation.undo().unwrap());
+    let soft = go(&mut rig, 19.0, 19.0, 500).force.z;
+    assert!(soft > 0.0 && soft < 0.8 * hard, "{soft} {hard}");
+    assert!(rig.simulation.deformation().report.moved_voxels > 0);
+    go(&mut rig, 19.0, 30.0, 500);
+    go(&mut rig, 30.0, 30.0, 300);
+    assert_eq!(soft_voxels(&rig), all);
 }

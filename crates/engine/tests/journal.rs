@@ -145,6 +145,36 @@ fn a_stroke_that_was_not_finished_comes_back_as_a_step() {
 }
 
 #[test]
+fn what_is_there_is_kept_in_a_file_while_the_journal_goes_on() {
+    let [journal, kept] = [Place::new("goes_on"), Place::new("kept")];
+    let mut rig = rig_with_journal(&journal);
+    let ends = [DVec3::new(5.0, 10.0, 20.5), DVec3::new(25.0, 10.0, 20.5)];
+    stroke(&mut rig, ends[0], ends[1]);
+    let then = masks(&rig);
+    rig.simulation.keep_state(&kept.0, HASH).unwrap();
+    let error = rig.simulation.keep_state(&kept.0, HASH);
+    assert!(error.unwrap_err().to_string().contains("exists already"));
+    stroke(
+        &mut rig,
+        ends[0] + 6.0 * DVec3::Y,
+        ends[1] + 6.0 * DVec3::Y,
+    );
+    let later = masks(&rig);
+    assert!(later != then);
+    drop(rig);
+
+    let mut rig = rig_of_scan();
+    let recovered = rig.simulation.recover_journal(&kept.0, HASH).unwrap();
+    assert_eq!((recovered.steps, recovered.ignored_bytes), (0, 0));
+    assert!(masks(&rig) == then);
+    assert!(!rig.simulation.undo().unwrap());
+    let mut rig = rig_of_scan();
+    let recovered = rig.simulation.recover_journal(&journal.0, HASH).unwrap();
+    assert_eq!((recovered.steps, recovered.ignored_bytes), (2, 0));
+    assert!(masks(&rig) == later);
+}
+
+#[test]
 fn the_journal_of_another_scan_changes_nothing() {
     let place = Place::new("other");
     drop(rig_with_journal(&place));

@@ -179,3 +179,72 @@ fn what_is_no_drive_is_refused() {
     );
     assert!(refused.unwrap_err().to_string().contains("lattice"));
 }
+
+/// Soft matter of a thickness [mm] over bone, pressed until the drive is 4 mm in the bone.
+fn pressed_into(model: &str, material: &str, thick: i32, radius: f64, overlap: bool) -> Press {
+    let law = preset(material).unwrap().law().unwrap();
+    let bone_top = TOP as i32 - thick;
+    let soft_from = if overlap { 0 } else { bone_top };
+    let block = |from, to| {
+        box_segment(
+            SIZE,
+            IVec3::new(0, 0, from),
+            IVec3::new(SIZE.x as i32, SIZE.y as i32, to),
+        )
+    };
+    let layers = [
+        PressedLayer {
+            segment: block(soft_from, TOP as i32),
+            law: Some(law),
+        },
+        PressedLayer {
+            segment: block(0, bone_top),
+            law: None,
+        },
+    ];
+    let drive = Drive {
+        stiffness: 1.0,
+        ..from_above(f64::from(thick) + 4.0 - radius, 20.0)
+    };
+    press(
+        &grid(SIZE),
+        intensities(SIZE),
+        &layers,
+        (model, radius),
+        (&drive, 100.0),
+    )
+    .unwrap()
+}
+
+/// How much less than the spring over its way in bone a press was ever felt with [N].
+fn shortfall(run: &Press, bone_top: f64, radius: f64) -> f64 {
+    let missing = run.samples.iter().map(|sample| {
+        let depth = bone_top + radius - (TOP + 4.0 - sample.travel);
+        if depth > 0.0 {
+            depth - sample.force
+        } else {
+            0.0
+        }
+    });
+    missing.fold(0.0, f64::max)
+}
+
+#[test]
+fn bone_under_thin_soft_matter_pushes_back_whatever_a_model_says() {
+    // each as a layer over the bone, and as a segment that holds the bone's voxels too
+    let thin = [(2, 2.0), (2, 0.0), (1, 2.0), (3, 1.0)];
+    let by_lattice = thin.map(|(thick, radius)| ("lattice", thick, radius));
+    let by_others = ["fcc-lj", "cuboid-lj", "global-lj"].map(|model| (model, 2, 2.0));
+    for (model, thick, radius) in by_lattice.into_iter().chain(by_others) {
+        for overlap in [false, true] {
+            let run = pressed_into(model, "muscle", thick, radius, overlap);
+            let missing = shortfall(&run, TOP - f64::from(thick), radius);
+            // what smoothing rounds, of some 4 N
+            assert!(
+                missing < 0.15,
+                "{missing} N missing: {model}, {thick} mm, radius {radius}, {overlap}"
+            );
+            assert_eq!(run.violations, 0);
+        }
+    }
+}

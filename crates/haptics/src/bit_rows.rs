@@ -22,14 +22,14 @@ impl<const LOG: u32> Rows<LOG> {
     const NOT_LAST: u64 = !(first_column(LOG) << (Self::BITS - 1));
 
     /// The neighbours of voxels in a word, along the rows and from row to row.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn spread(word: u64) -> u64 {
         let along = (word & Self::NOT_LAST) << 1 | (word & Self::NOT_FIRST) >> 1;
         along | word << Self::BITS | word >> Self::BITS
     }
 
     /// All of `free` that `seed` reaches first along the rows of a word, then across them.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn grown(seed: u64, free: u64) -> u64 {
         if seed == 0 || seed == free {
             return seed;

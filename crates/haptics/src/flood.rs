@@ -26,6 +26,7 @@ pub(crate) fn reached(free: &[u64; 8], z: usize, start: u64) -> [u64; 8] {
 /// Grows what is reached, some voxels of the layer `first`, to all free voxels that are
 /// connected to it through faces; false where there was no end to it. A layer has `WORDS` of
 /// rows of 2^`LOG` bits; there are 32 at most.
+#[inline(always)]
 pub(crate) fn flood<const LOG: u32, const WORDS: usize>(
     first: usize,
     free: &[[u64; WORDS]],
@@ -55,14 +56,16 @@ pub(crate) fn flood<const LOG: u32, const WORDS: usize>(
 }
 
 /// Grows what is reached in a layer, down and up; whether there may be more of it.
-#[inline]
+#[inline(always)]
 fn grow<const LOG: u32, const WORDS: usize>(
     reached: &mut [u64; WORDS],
     free: &[u64; WORDS],
 ) -> bool {
     // from one layer to the next there is little to grow
-    if !(0..WIDENINGS).all(|_| widen::<LOG, WORDS>(reached, free)) {
-        return false;
+    for _ in 0..WIDENINGS {
+        if !widen::<LOG, WORDS>(reached, free) {
+            return false;
+        }
     }
     let to_next = 64 - Rows::<LOG>::BITS;
     let mut from_last = 0;
@@ -79,7 +82,7 @@ fn grow<const LOG: u32, const WORDS: usize>(
 }
 
 /// Grows what is reached in a layer by one voxel; whether there was any to grow.
-#[inline]
+#[inline(always)]
 fn widen<const LOG: u32, const WORDS: usize>(
     reached: &mut [u64; WORDS],
     free: &[u64; WORDS],
@@ -87,7 +90,10 @@ fn widen<const LOG: u32, const WORDS: usize>(
     let to_next = 64 - Rows::<LOG>::BITS;
     let here = *reached;
     // each on its own, so that several words go at once
-    let mut beside = here.map(Rows::<LOG>::spread);
+    let mut beside = [0; WORDS];
+    for word in 0..WORDS {
+        beside[word] = Rows::<LOG>::spread(here[word]);
+    }
     for word in 1..WORDS {
         beside[word] |= here[word - 1] >> to_next;
     }
@@ -104,7 +110,7 @@ fn widen<const LOG: u32, const WORDS: usize>(
 }
 
 /// From a layer to the one after it; whether that reaches anything new.
-#[inline]
+#[inline(always)]
 fn pour<const WORDS: usize>(
     from: &[u64; WORDS],
     free: &[u64; WORDS],

@@ -51,3 +51,4 @@ pub mod thesis_original;
 pub mod thesis_path;
 pub mod tick;
 mod voxel_distance;
+mod wide;

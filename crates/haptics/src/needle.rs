@@ -27,6 +27,7 @@ use palpate_volume::tissue::Tissue;
 use serde::{Deserialize, Serialize};
 
 use crate::coupling::Coupling;
+use crate::friction::Friction;
 use crate::soft_contact::{STEP, SoftInput, gone_over, put};
 use crate::tick::TickOutput;
 
@@ -76,6 +77,7 @@ impl NeedleInput {
             velocity: self.velocity,
             gives_way: true,
             coupling: self.coupling,
+            friction: Friction::NONE,
             spacing: self.spacing,
             time: self.time,
         }

@@ -11,6 +11,12 @@
 //! The hard proxy knows nothing of it and keeps all that it promises. An answer that is too old
 //! counts no more: then the matter is as hard as its voxels.
 //!
+//! No answer leads the tool into what does not give way: where that stops it on its way from the
+//! proxy, the spring ends there, as stiff as what stops it. So bone under soft matter is felt
+//! whatever a model says of it.
+//!
+//! Friction is that of touch: the law is asked where friction holds the device, not where it is.
+//!
 //! Frame: scene [mm]; N, N/mm, s. Source: Colgate, Stanley, Brown, "Issues in the haptic display
 //! of tool use", IROS 1995 (virtual coupling); Mahvash, Hayward, "High-fidelity haptic synthesis
 //! of contact with deformable bodies", IEEE CG&A 24 (2004) (local laws between slow answers).
@@ -20,6 +26,8 @@ use palpate_volume::material::LocalContact;
 use serde::{Deserialize, Serialize};
 
 use crate::coupling::Coupling;
+use crate::friction::{Friction, FrictionState};
+use crate::surface::{Feel, SurfaceBlend};
 use crate::tick::TickOutput;
 
 /// From when on an answer counts no more [s].
@@ -38,10 +46,21 @@ pub struct SoftInput {
     pub gives_way: bool,
     /// The spring and damper where no hard contact has its own.
     pub coupling: Coupling,
+    /// Of the matter that gives way.
+    pub friction: Friction,
     /// Smallest spacing of the scan [mm].
     pub spacing: f64,
     /// Time of the tick [s].
     pub time: f64,
+}
+
+/// Where matter that does not give way holds the tool.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stop {
+    /// The tool that it holds [mm].
+    pub tool: DVec3,
+    /// Of its spring [N/mm].
+    pub stiffness: f64,
 }
 
 /// The newest answer and how far the force has followed it.
@@ -50,6 +69,12 @@ pub struct SoftContact {
     answer: Option<Answer>,
     /// Device and spring of the tick before, where the spring was not that of a hard contact.
     last: Option<(DVec3, DVec3)>,
+    /// How stiff the spring is, on its way to that of what stops the tool.
+    #[serde(default)]
+    stiffness: SurfaceBlend,
+    /// Where the tool sticks to the matter.
+    #[serde(default)]
+    friction: FrictionState,
 }
 
 /// An answer as it is kept; its law holds within `validity`, and fades to nothing at four times that.
@@ -82,37 +107,85 @@ impl SoftContact {
         self.answer.is_some() || self.last.is_some()
     }
 
-    /// Puts the matter's force in the place of the hard contact's, where matter gives way.
-    pub fn follow(&mut self, input: &SoftInput, output: &mut TickOutput) {
+    /// Puts the matter's force in the place of the hard contact's, where matter gives way. `stop`
+    /// is asked for what stops the tool on its way to where the matter would have it [mm].
+    pub fn follow(
+        &mut self,
+        input: &SoftInput,
+        output: &mut TickOutput,
+        stop: impl FnOnce(DVec3) -> Option<Stop>,
+    ) {
         let fresh = self
             .answer
             .filter(|answer| input.time - answer.time <= STALE_SECS && input.gives_way);
         if fresh.is_none() && self.last.is_none() {
             return;
         }
-        let coupling = if output.coupling.stiffness > 0.0 {
+        let mut coupling = if output.coupling.stiffness > 0.0 {
             output.coupling
         } else {
             input.coupling
         };
         if !(input.device.is_finite() && coupling.stiffness > 0.0) {
-            self.last = None;
+            self.forget_force();
             return;
         }
         let hard = output.spring;
-        let wanted = fresh.map_or(hard, |answer| {
-            answer.spring(input.device, coupling.stiffness)
-        });
+        let soft = fresh.map(|answer| self.tool(&answer, input, coupling.stiffness));
+        let stop = soft.and_then(stop);
+        let tool = stop.map(|stop| stop.tool).or(soft);
+        let wanted = tool.map_or(hard, |tool| tool - input.device);
         // where it was hard contact until now, from there
         let (device, last) = self.last.unwrap_or((input.device, hard));
-        let most = (input.device - device).length() + STEP * input.spacing;
-        let spring = gone_over(last, wanted, most);
+        let way = (input.device - device).length();
+        let spring = gone_over(last, wanted, way + STEP * input.spacing);
         let spring = without_pull(spring, output.proxy_in_scene - input.device);
         let is_hard = fresh.is_none() && spring == hard;
-        self.last = (!is_hard).then_some((input.device, spring));
-        if !is_hard {
-            put(input, coupling, spring, output);
+        if is_hard {
+            self.forget_force();
+            return;
         }
+        self.last = Some((input.device, spring));
+        coupling.stiffness = self.stiffness(
+            stop.map_or(coupling.stiffness, |stop| stop.stiffness),
+            (way, spring.length(), input.spacing),
+        );
+        put(input, coupling, spring, output);
+    }
+
+    /// Where an answer has the tool [mm], with friction.
+    fn tool(&mut self, answer: &Answer, input: &SoftInput, k: f64) -> DVec3 {
+        let state = &mut self.friction;
+        let target = input.friction.target(input.device, input.spacing, state);
+        let spring = answer.spring(target, k);
+        let tool = target + spring;
+        state.remember(
+            &input.friction,
+            target,
+            (spring != DVec3::ZERO).then_some(tool),
+        );
+        // where nothing pushes friction holds nothing
+        if spring == DVec3::ZERO {
+            input.device
+        } else {
+            tool
+        }
+    }
+
+    fn forget_force(&mut self) {
+        self.last = None;
+        self.friction.forget();
+        self.stiffness = SurfaceBlend::default();
+    }
+
+    /// Goes on to a stiffness [N/mm] by the way of the hand, as from surface to surface.
+    fn stiffness(&mut self, wanted: f64, (way, depth, h): (f64, f64, f64)) -> f64 {
+        let wanted = Feel {
+            stiffness: wanted,
+            friction: Friction::NONE,
+        };
+        let feel = self.stiffness.follow(Some(wanted), way, depth, h);
+        feel.unwrap_or(wanted).stiffness
     }
 }
 

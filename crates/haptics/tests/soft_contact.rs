@@ -3,7 +3,8 @@
 use glam::{DMat3, DVec3};
 use oorandom::Rand64;
 use palpate_haptics::coupling::Coupling;
-use palpate_haptics::soft_contact::{STALE_SECS, SoftContact, SoftInput};
+use palpate_haptics::friction::Friction;
+use palpate_haptics::soft_contact::{STALE_SECS, SoftContact, SoftInput, Stop};
 use palpate_haptics::tick::TickOutput;
 use palpate_volume::material::LocalContact;
 
@@ -44,6 +45,7 @@ fn input(device: DVec3, time: f64, gives_way: bool) -> SoftInput {
             stiffness: K,
             damping: 0.0,
         },
+        friction: Friction::NONE,
         spacing: H,
         time,
     }
@@ -66,7 +68,7 @@ fn settled(soft: &mut SoftContact, contact: &LocalContact, device: DVec3) -> DVe
         let time = f64::from(tick) * 0.001;
         soft.take(Some(contact), time);
         output = hard(device, device, false);
-        soft.follow(&input(device, time, true), &mut output);
+        soft.follow(&input(device, time, true), &mut output, |_| None);
     }
     output.force
 }
@@ -113,7 +115,7 @@ fn the_force_goes_on_from_where_it_is_when_answers_come_and_contacts_change() {
         let proxy = DVec3::new(device.x, device.y, device.z.max(0.0));
         let mut output = hard(proxy, device, touches);
         let gives_way = !touches || (tick / 5000) % 2 == 0;
-        soft.follow(&input(device, time, gives_way), &mut output);
+        soft.follow(&input(device, time, gives_way), &mut output, |_| None);
 
         assert!(output.force.is_finite());
         // guarantee 6: never into the obstacle
@@ -137,7 +139,7 @@ fn an_answer_that_is_too_old_leaves_the_hard_contact() {
     let start = 1.999;
     let force = |soft: &mut SoftContact, time: f64| {
         let mut output = hard(DVec3::ZERO, device, true);
-        soft.follow(&input(device, time, true), &mut output);
+        soft.follow(&input(device, time, true), &mut output, |_| None);
         output.force.z
     };
     let still_soft = force(&mut soft, start + STALE_SECS - 0.001);
@@ -158,12 +160,12 @@ fn hard_matter_below_soft_matter_is_hard_at_once() {
     // above the floor nothing pushes
     soft.take(Some(&floor(0.1, 1.0)), 0.0);
     let mut free = hard(DVec3::Z, DVec3::Z, false);
-    soft.follow(&input(DVec3::Z, 0.0, true), &mut free);
+    soft.follow(&input(DVec3::Z, 0.0, true), &mut free, |_| None);
     assert_eq!(free.force, DVec3::ZERO);
     // a knock of 1.5 mm in a tick on something else
     let device = DVec3::Z * -0.5;
     let mut output = hard(DVec3::ZERO, device, true);
-    soft.follow(&input(device, 0.001, false), &mut output);
+    soft.follow(&input(device, 0.001, false), &mut output, |_| None);
     assert_eq!(output.force, DVec3::Z * 0.5);
 }
 
@@ -198,7 +200,7 @@ fn answers_that_are_no_numbers_are_no_answers() {
         let device = DVec3::Z * -1.0;
         let before = hard(DVec3::ZERO, device, true);
         let mut output = before;
-        soft.follow(&input(device, 0.0, true), &mut output);
+        soft.follow(&input(device, 0.0, true), &mut output, |_| None);
         assert_eq!(output, before);
     }
 }
@@ -233,4 +235,91 @@ fn a_law_that_drives_is_followed_along_its_force_only() {
         (force.z - 2.0 * K * 0.5 / (K + 0.5)).abs() < 1e-9,
         "{force}"
     );
+}
+
+/// Bone of this stiffness [N/mm] below a height, as what stops a tool.
+fn bone(top: f64, stiffness: f64) -> impl Fn(DVec3) -> Option<Stop> {
+    move |tool: DVec3| {
+        (tool.z < top).then_some(Stop {
+            tool: tool.with_z(top),
+            stiffness,
+        })
+    }
+}
+
+#[test]
+fn what_does_not_give_way_is_felt_with_its_own_stiffness_whatever_the_answers_say() {
+    let nothing = LocalContact {
+        position: DVec3::ZERO,
+        force: DVec3::ZERO,
+        stiffness: DMat3::ZERO,
+        validity: 30.0,
+    };
+    for (answer, stiffness) in [(nothing, K), (nothing, 3.0), (floor(0.1, -0.1), 3.0)] {
+        let mut soft = SoftContact::default();
+        let bone = bone(-1.0, stiffness);
+        let mut last = 0.0;
+        for tick in 0..3000 {
+            let (time, z) = (f64::from(tick) * 0.001, f64::from(tick) * -0.001);
+            let device = DVec3::Z * z;
+            soft.take(Some(&answer), time);
+            // the proxy stays on the skin, held by what gives way
+            let mut output = hard(DVec3::ZERO, device, true);
+            soft.follow(&input(device, time, true), &mut output, &bone);
+            let force = output.force.z;
+            assert!(force - last < stiffness * 0.012, "{last} {force} at {z}");
+            last = force;
+            if z < -1.2 {
+                let end = output.contact_point_in_scene;
+                assert!(end.z >= -1.0 - 1e-9, "the tool is in the bone: {end}");
+            }
+        }
+        // 2 mm deep in the bone, by way of its own spring
+        assert!((last - 2.0 * stiffness).abs() < 0.02, "{last} {stiffness}");
+    }
+}
+
+#[test]
+fn a_tool_that_is_drawn_over_soft_matter_sticks_and_then_slips_with_friction() {
+    let dry = Friction {
+        stick: 0.6,
+        slip: 0.4,
+    };
+    let law = floor(0.5, -0.1);
+    let drawn = |friction: Friction| {
+        let mut soft = SoftContact::default();
+        let mut forces = Vec::new();
+        for tick in 0..4000 {
+            let time = f64::from(tick) * 0.001;
+            // down by 2 mm, then along by 6 mm
+            let down = (f64::from(tick) * 0.002).min(2.0);
+            let along = (f64::from(tick - 1000) * 0.002).max(0.0);
+            let device = DVec3::new(along, 0.0, -down);
+            soft.take(Some(&law), time);
+            let mut output = hard(device, device, false);
+            let input = SoftInput {
+                friction,
+                ..input(device, time, true)
+            };
+            soft.follow(&input, &mut output, |_| None);
+            forces.push(output.force);
+        }
+        forces
+    };
+    let smooth = drawn(Friction::NONE);
+    assert!(smooth.iter().all(|force| force.x == 0.0));
+    let forces = drawn(dry);
+    // within the cone always, against the way, and none before it is drawn
+    for force in &forces {
+        assert!(
+            force.x <= 1e-12 && -force.x <= 0.6 * force.z + 1e-9,
+            "{force}"
+        );
+    }
+    assert!(forces[900].x.abs() < 1e-12);
+    let last = forces[3999];
+    assert!((last.x + 0.4 * last.z).abs() < 1e-6, "{last}");
+    assert!((last.z - smooth[3999].z).abs() < 1e-6, "{last}");
+    let most = forces.iter().map(|force| -force.x / force.z.max(1e-9));
+    assert!(most.fold(0.0, f64::max) > 0.5, "it never stuck");
 }

@@ -110,6 +110,21 @@ fn flat_slopes_have_no_stairs_on_cubes_nor_on_slices() {
     }
 }
 
+/// Its risers run along an axis, with a jog of a voxel now and then, that look like faces of a box.
+#[test]
+fn a_slope_whose_steps_have_jogs_has_no_stairs() {
+    let grid = CUBES;
+    let slope = |point: DVec3| point.z - (40.0 + 0.09 * point.x + 0.02 * point.y);
+    let bits = voxelised(grid, slope);
+    let shares = worked_out(&bits, grid.1);
+    let errors = errors(&bits, &shares, (grid.1, 2), slope);
+    let most = errors
+        .iter()
+        .fold(0.0, |most: f64, error| most.max(error.abs()));
+    assert!(errors.len() > 500, "{} columns", errors.len());
+    assert!(most < 0.15, "{most} h");
+}
+
 #[test]
 fn a_ball_keeps_its_size_and_its_shape() {
     for (grid, most) in [(CUBES, 0.1), (SLICES, 0.25)] {

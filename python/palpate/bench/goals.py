@@ -16,6 +16,7 @@ from palpate.bench.goals_matter import (
     SESSION_ROWS,
     TRUTH_CUBE_ROWS,
 )
+from palpate.bench.goals_open import OPEN_ROWS
 
 __all__ = [
     "DEFAULT_STIFFNESS",
@@ -448,6 +449,7 @@ GOALS: dict[str, tuple[Goal, ...]] = {
         *_edit_rows(EDIT_SUSPENDED, goal=50.0),
         *_edit_rows(EDIT_DRAWN, goal=None),
     ),
+    "open": OPEN_ROWS,
     "surface": SURFACE_ROWS,
     "haptics": (
         *(row for ground in GROUNDS for row in haptics_rows(ground)),

@@ -116,8 +116,8 @@ class Page:
 
 
 @contextmanager
-def opened(url: str, *, width: int, height: int) -> Iterator[Page]:
-    """Opens an address in a browser of its own, and ends it.
+def opened(url: str | None, *, width: int, height: int) -> Iterator[Page]:
+    """Opens an address in a browser of its own, and ends it; None leaves the page empty.
 
     Raises:
         OptionError: There is no browser.
@@ -133,7 +133,8 @@ def opened(url: str, *, width: int, height: int) -> Iterator[Page]:
                 pages = json.load(answer)
             page = Page(next(one for one in pages if one["type"] == "page")["webSocketDebuggerUrl"])
             try:
-                page.go(url)
+                if url is not None:
+                    page.go(url)
                 yield page
             finally:
                 page.close()

@@ -5,7 +5,7 @@
  * so the head stays up. All functions are pure and return a new camera.
  */
 import { directions, type Letter } from "./anatomy";
-import { add, addScaled, cross, distance, dot, normalize, rotateAbout, scale, subtract, type Vec3 } from "./vector";
+import { add, addScaled, cross, distance, dot, isPoint, length, normalize, rotateAbout, scale, subtract, type Vec3 } from "./vector";
 
 export interface Camera {
   /** Point in the middle of the picture. */
@@ -18,6 +18,22 @@ export interface Camera {
   readonly back: Vec3;
   /** Vertical angle of view [rad]. */
   readonly field: number;
+}
+
+/** A camera that was kept; null where something else is given. */
+export function saneCamera(given: unknown): Camera | null {
+  if (typeof given !== "object" || given === null) {
+    return null;
+  }
+  const { target, distance: far, right, up, back, field } = given as Partial<Record<keyof Camera, unknown>>;
+  const axes = [right, up, back];
+  if (!isPoint(target) || !isPoint(right) || !isPoint(up) || !isPoint(back)) {
+    return null;
+  }
+  const straight = axes.filter(isPoint).every((axis) => Math.abs(length(axis) - 1) < 1e-3);
+  const square = [dot(right, up), dot(up, back), dot(back, right)].every((cosine) => Math.abs(cosine) < 1e-3);
+  const sized = typeof far === "number" && far > 0 && far < 1e6 && typeof field === "number" && field > 0 && field < Math.PI;
+  return straight && square && sized ? { target, distance: far, right, up, back, field } : null;
 }
 
 /** The space that is shown: points around it, its middle and the ball around it [mm]. */

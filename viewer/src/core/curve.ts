@@ -23,6 +23,18 @@ export interface Curve {
   readonly colours: readonly ColourStop[];
 }
 
+/** Whether something that was kept is a curve. */
+export function isCurve(kept: unknown): kept is Curve {
+  const rows = (name: "opacities" | "colours", fits: (point: Record<string, unknown>) => boolean): boolean => {
+    const row = typeof kept === "object" && kept !== null ? (kept as Record<string, unknown>)[name] : null;
+    return Array.isArray(row) && row.length >= 2 && row.every((point: unknown) => typeof point === "object" && point !== null && Number.isFinite((point as ColourStop).value) && fits(point as Record<string, unknown>));
+  };
+  return (
+    rows("opacities", ({ opacity }) => typeof opacity === "number" && opacity >= 0 && opacity <= 1) &&
+    rows("colours", ({ colour }) => typeof colour === "string" && /^#[0-9a-f]{6}$/i.test(colour))
+  );
+}
+
 /** More opaque is not told from opaque. */
 export const mostOpacity = 0.995;
 

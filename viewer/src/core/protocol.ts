@@ -627,23 +627,30 @@ export interface SegmentFeel {
   readonly feel: Feel;
 }
 
-/** Tells what a segment is made of, by name or by constants; with neither it is hard. */
+/**
+ * Tells what a segment is made of, by name or by constants; with neither it is hard.
+ *
+ * Undo takes it back where it is `undoable`: what a page asks for by itself is not.
+ */
 export interface SetMaterial {
   readonly type: "set_material";
   readonly id: SegmentId;
   readonly preset: Name | null;
   readonly constants: Constants | null;
+  readonly undoable: boolean;
 }
 
 /**
  * Chooses the model by which matter gives way, null makes all hard, and the edge of its box.
  *
- * The edge counts nodes or cells; null is as many as usual.
+ * The edge counts nodes or cells; null is as many as usual. Undo takes the choice back where it is
+ * `undoable`.
  */
 export interface SetDeformation {
   readonly type: "set_deformation";
   readonly model: ModelName | null;
   readonly edge: number | null;
+  readonly undoable: boolean;
 }
 
 /** Has this page told the nodes or particles of the model, or no more. */

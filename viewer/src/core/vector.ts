@@ -5,6 +5,11 @@
 
 export type Vec3 = readonly [number, number, number];
 
+/** Whether something is three finite numbers. */
+export function isPoint(given: unknown): given is Vec3 {
+  return Array.isArray(given) && given.length === 3 && given.every((number) => Number.isFinite(number));
+}
+
 export function add(a: Vec3, b: Vec3): Vec3 {
   return [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
 }

@@ -37,6 +37,7 @@ const shortest = 1 / 30;
 
 /** What keys do that concerns the page as a whole. */
 export interface KeyActions {
+  readonly save: () => void;
   readonly help: () => void;
   readonly sound: () => void;
   readonly guarantees: () => void;
@@ -231,6 +232,10 @@ export class KeyboardInput {
     }
     if (key === "y") {
       this.session.send({ type: "redo" });
+      return true;
+    }
+    if (key === "s") {
+      this.actions.save();
       return true;
     }
     return false;

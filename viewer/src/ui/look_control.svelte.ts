@@ -2,12 +2,12 @@
  * How the scan is shown in the 3-D view: what a person has chosen of it, remembered for each scan.
  */
 import { defaultAppearance, transferFunctionOf, type Anchors, type Appearance } from "../core/appearance";
-import { curveOfFunction, placedCurve, transferFunctionOfCurve, type Curve } from "../core/curve";
+import { curveOfFunction, isCurve, placedCurve, transferFunctionOfCurve, type Curve } from "../core/curve";
 import { curveOfPreset, presets } from "../core/curve_presets";
 import { advance, back, begin, forth, type History } from "../core/history";
 import { valueAbove } from "../core/histogram";
 import { firstLighting, type Lighting, type Look } from "../core/look";
-import { firstChoice, isGrey, opticsOf, usesTransferFunction, type OpticsChoice } from "../core/optics";
+import { blends, firstChoice, isGrey, opticsOf, usesTransferFunction, type OpticsChoice } from "../core/optics";
 import type { Scan } from "../core/protocol";
 import type { InsideMode, InsideModes } from "../core/shown_segments";
 import { draggedWindow, type WindowLevel } from "../core/window_level";
@@ -61,11 +61,15 @@ export class LookControl {
     this.anchors = { softTissue: scan.soft_tissue, bone: scan.bone };
     this.appearance = recall(`appearance.${scan.name}`, defaultAppearance(this.anchors));
     this.lowest = scan.range[0];
-    this.curves = begin(recall(`curve.${scan.name}`, firstCurve));
+    const kept = recall(`curve.${scan.name}`, firstCurve);
+    const sane = kept.curve === null || (isCurve(kept.curve) && Number.isFinite(kept.shift) && kept.stretch > 0);
+    this.curves = begin(sane ? kept : firstCurve);
     this.lighting = recall(`lighting.${scan.name}`, firstLighting);
     this.inside = recall(`inside.${scan.name}`, {});
     this.brightest = valueAbove(scan.histogram, fewVoxels);
-    this.choice = recall(`optics.${scan.name}`, firstChoice(this.anchors, this.brightest));
+    const first = firstChoice(this.anchors, this.brightest);
+    const choice = recall(`optics.${scan.name}`, first);
+    this.choice = blends.includes(choice.blend) ? choice : first;
   }
 
   /** The points as they stand among the scan's values; null where sliders make the function. */

@@ -25,17 +25,18 @@ export class MatterControl {
 
   /** What a segment is made of, by name or by its constants; hard with neither. */
   make(segment: Segment, preset: string | null, constants: Constants | null): void {
-    this.session.send({ type: "set_material", id: segment.id, preset, constants });
     const isSoft = preset !== null || constants !== null;
     if (isSoft && this.session.latest?.matter.model === null) {
-      this.choose(usualModel, null);
+      // one step of undo is enough: a model without soft matter changes nothing
+      this.session.send({ type: "set_deformation", model: usualModel, edge: null, undoable: false });
     }
+    this.session.send({ type: "set_material", id: segment.id, preset, constants, undoable: true });
     this.keepOnceTold();
   }
 
   /** The model by which matter gives way, and the edge of its box; null for none, and for the usual one. */
   choose(model: string | null, edge: number | null): void {
-    this.session.send({ type: "set_deformation", model, edge });
+    this.session.send({ type: "set_deformation", model, edge, undoable: true });
     this.keepOnceTold();
   }
 
@@ -43,7 +44,7 @@ export class MatterControl {
   reset(): void {
     for (const segment of this.session.segments) {
       if (segment.material !== null) {
-        this.session.send({ type: "set_material", id: segment.id, preset: null, constants: null });
+        this.session.send({ type: "set_material", id: segment.id, preset: null, constants: null, undoable: true });
       }
     }
     this.choose(null, null);
@@ -93,10 +94,10 @@ export class MatterControl {
     const kept = session.segments.map((segment) => ({ id: segment.id, material: materials.find((each) => each.segment === segment.name) }));
     const known = kept.filter((each): each is { id: number; material: RememberedMaterial } => each.material !== undefined);
     for (const { id, material } of known) {
-      session.send({ type: "set_material", id, preset: material.preset, constants: material.constants });
+      session.send({ type: "set_material", id, preset: material.preset, constants: material.constants, undoable: false });
     }
     if (model !== null) {
-      session.send({ type: "set_deformation", model, edge });
+      session.send({ type: "set_deformation", model, edge, undoable: false });
     }
   }
 

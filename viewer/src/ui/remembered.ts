@@ -21,3 +21,34 @@ export function remember(name: string, value: object): void {
     // nothing is remembered then
   }
 }
+
+/** Beside what is remembered of a scan: how the picture is divided. */
+const layout = "slices";
+
+/** All that is remembered of a scan's look, by name without the scan's. */
+export function keptOf(scanName: string): Record<string, unknown> {
+  const kept: Record<string, unknown> = { [layout]: recall(layout, {}) };
+  try {
+    const ending = `.${scanName}`;
+    for (const key of Object.keys(localStorage)) {
+      if (key.startsWith(prefix) && key.endsWith(ending)) {
+        kept[key.slice(prefix.length, -ending.length)] = JSON.parse(localStorage.getItem(key) ?? "null");
+      }
+    }
+  } catch {
+    // what cannot be read is not kept
+  }
+  return kept;
+}
+
+/** Remembers what `keptOf` has returned for a scan, also elsewhere and under another name. */
+export function bring(scanName: string, kept: unknown): void {
+  if (typeof kept !== "object" || kept === null) {
+    return;
+  }
+  for (const [name, value] of Object.entries(kept)) {
+    if (typeof value === "object" && value !== null && /^[a-z]{1,32}$/i.test(name)) {
+      remember(name === layout ? layout : `${name}.${scanName}`, value as object);
+    }
+  }
+}

@@ -95,6 +95,7 @@ export class SliceControl {
   open(scan: Scan): void {
     this.frame = frameOf(scan);
     this.scanName = scan.name;
+    this.habits = recall("slices", this.habits);
     this.views = {};
     this.followed = null;
     const middle = scan.dimensions.map((n) => n / 2) as unknown as Vec3;

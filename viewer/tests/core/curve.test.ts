@@ -3,6 +3,7 @@ import {
   added,
   curveOfFunction,
   extinctionOf,
+  isCurve,
   moved,
   opacityOf,
   placedCurve,
@@ -47,6 +48,12 @@ test("shift and scale move all of a curve about its middle", () => {
   const placed = placedCurve(curve, 10, 2);
   expect(placed.opacities.map(({ value }) => value)).toEqual([-140, 60, 460]);
   expect(placed.colours.map(({ value }) => value)).toEqual([-40, 360]);
+});
+
+test("what was kept is taken for a curve only where it is one", () => {
+  expect(isCurve(JSON.parse(JSON.stringify(curve)))).toBe(true);
+  const broken = [null, 3, {}, { ...curve, colours: [] }, { ...curve, opacities: [{ value: 1, opacity: 2 }, { value: 2, opacity: 0 }] }];
+  expect([...broken, { ...curve, colours: [{ value: 0, colour: "red" }, curve.colours[1]] }].filter(isCurve)).toEqual([]);
 });
 
 test("points stay between their neighbours, and two are always left", () => {

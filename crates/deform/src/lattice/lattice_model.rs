@@ -1,6 +1,6 @@
 //! The bonded lattice as a model: a box of nodes that follows the first tool.
 
-use glam::{DMat3, IVec3};
+use glam::{DMat3, DVec3, IVec3};
 use palpate_volume::material::LocalContact;
 use palpate_volume::matter::Matter;
 
@@ -28,6 +28,12 @@ const VALIDITY: f64 = 0.5;
 const SEEN: f64 = 0.01;
 /// One of so many iterations is for the stiffness of the contact.
 const STIFFNESS_SHARE: u32 = 4;
+/// A tool that has moved by so much has measured its stiffness [spacings]; where that is less than this
+/// share of what was told, it counts.
+const MEASURED_WAY: f64 = 0.01;
+const MEASURED_SHARE: f64 = 0.7;
+/// Of what was told, at least.
+const LEAST_SHARE: f64 = 0.02;
 /// Strain of one bond whose force counts where no tool feels more.
 const SMALL_STRAIN: f64 = 0.01;
 
@@ -82,6 +88,8 @@ pub struct LatticeModel {
     bonds_broken: u64,
     work_broken: f64,
     told_poisson: bool,
+    /// Contacts of the last answer.
+    told: Vec<ToolContact>,
 }
 
 /// The voxels as they were after the last answer.
@@ -276,11 +284,20 @@ impl LatticeModel {
             let stiffness = self
                 .relaxer
                 .stiffness(&mut matter.lattice, &tools, which, most);
+            let force = matter.grid.direction() * felt.force;
+            let measured = measured(&self.told, tool, force, matter.lattice.spacing());
+            let stiffness = match measured {
+                Some(measured) if measured < MEASURED_SHARE * stiffness => {
+                    measured.max(LEAST_SHARE * stiffness)
+                }
+                _ => stiffness,
+            };
             let told = answer.contacts.iter_mut().find(|told| told.tool == tool.id);
             if let Some(told) = told {
                 told.contact = matter.contact(tool, &felt, stiffness);
             }
         }
+        self.told.clone_from(&answer.contacts);
     }
 
     /// Says once where Poisson's ratio is not the one that was asked for.
@@ -345,7 +362,19 @@ impl DeformationModel for LatticeModel {
         self.matter = None;
         self.memory = BondMemory::default();
         self.seen = None;
+        self.told.clear();
     }
+}
+
+/// How much the force on a tool [N, patient] has grown along itself since the last answer, for the way
+/// that it has gone against it [N/mm]; none where it was not felt then or has hardly moved. Where
+/// matter of very different stiffness comes to rest slowly, the linear problem finds it too stiff.
+fn measured(told: &[ToolContact], tool: &ToolState, force: DVec3, spacing: f64) -> Option<f64> {
+    let last = told.iter().find(|told| told.tool == tool.id)?.contact?;
+    let normal = force.try_normalize()?;
+    let way = (last.position - tool.position).dot(normal);
+    let grown = (force - last.force).dot(normal);
+    (way > MEASURED_WAY * spacing).then(|| grown / way)
 }
 
 impl Seen {

@@ -13,6 +13,9 @@ use crate::displacement::Displacement;
 use crate::material::Materials;
 use crate::model::{ModelParts, ToolState};
 
+/// Half axis of a tool, at least: a thinner one would slip between nodes [spacings].
+const THINNEST: f64 = 0.5;
+
 /// Share of the box's half width over which voxels and picture fade to the unmoved body.
 const FADING: f64 = 0.4;
 
@@ -103,7 +106,10 @@ impl MovingBox {
         let first = node_place(self.origin, self.lattice.spacing());
         LatticeTool {
             centre: grid_mm(&self.grid, tool.position) - first,
-            half_axes: tool.shape.half_axes(),
+            half_axes: tool
+                .shape
+                .half_axes()
+                .max(DVec3::splat(THINNEST * self.lattice.spacing())),
             orientation: self.grid.direction().transpose() * DMat3::from_quat(tool.orientation),
         }
     }

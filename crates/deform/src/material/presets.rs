@@ -3,6 +3,9 @@
 //! Living tissue varies by more than a factor of two between people, rates and ways to measure;
 //! these are middle values for slow loading. Soft tissue is nearly incompressible (ν ≈ 0.49);
 //! the presets say 0.45, the highest that the lattice holds, but for the thesis' own.
+//!
+//! A number with its spread, or said to be of an abstract, was read in the paper named; one "as
+//! cited" was found in works that cite that paper, and not in itself. Friction is assumed for all.
 //! Densities of soft tissues: Mast, "Empirical relationships between acoustic parameters in
 //! human soft tissues", ARLO 1 (2000), and the table of PMC3233242.
 
@@ -57,7 +60,7 @@ const fn solid(
 pub const PRESETS: &[Preset] = &[
     Preset {
         name: "thesis-bone",
-        source: "thesis 5.28.3; breaking strain: Reilly & Burstein, J. Biomech. 8 (1975)",
+        source: "thesis 5.28.3; breaking strain: Reilly & Burstein, J. Biomech. 8 (1975), as cited",
         law: || {
             MaterialLaw::linear(
                 [700.0, 3000.0],
@@ -79,50 +82,55 @@ pub const PRESETS: &[Preset] = &[
     },
     Preset {
         name: "liver",
-        source: "E: Roulot et al., J. Hepatol. 48 (2008), 5.5 kPa in healthy people; breaking strain: \
-                 Kemper et al., Ann. Adv. Automot. Med. 54 (2010), slow tension",
+        source: "E: Roulot et al., J. Hepatol. 48 (2008), 5.49 ± 1.59 kPa in healthy people; breaking \
+                 strain: Kemper et al., Ann. Adv. Automot. Med. 54 (2010), slow tension, as cited",
         law: || MaterialLaw::constant(solid(5.5e3, 0.45, 1060.0, 0.34, 0.2)),
     },
     Preset {
         name: "skin",
-        source: "E: Agache et al., Arch. Dermatol. Res. 269 (1980), 0.42 MPa in the young; \
-                 breaking strain: Ní Annaidh et al., J. Mech. Behav. Biomed. Mater. 5 (2012)",
+        source: "E: Agache et al., Arch. Dermatol. Res. 269 (1980), 0.42 MPa in the young as cited, \
+                 doubled with age by its abstract; breaking strain: Ní Annaidh et al., J. Mech. \
+                 Behav. Biomed. Mater. 5 (2012), 0.54 ± 0.17",
         law: || MaterialLaw::constant(solid(4.2e5, 0.45, 1090.0, 0.54, 0.4)),
     },
     Preset {
         name: "fat",
-        source: "E: Comley & Fleck, Int. J. Solids Struct. 47 (2010), 1 to 3 kPa; breaking strain: assumed",
+        source: "E: Comley & Fleck, Int. J. Solids Struct. 47 (2010), 1 to 3 kPa as cited; a shear \
+                 modulus of 0.75 kPa by elastography (abstract of J. Mech. Behav. Biomed. Mater., \
+                 2023, strain-dependent shear properties of adipose tissue) agrees; breaking \
+                 strain: assumed",
         law: || MaterialLaw::constant(solid(2.0e3, 0.45, 950.0, 0.5, 0.2)),
     },
     Preset {
         name: "muscle",
         source: "E: Gennisson et al., Ultrasound Med. Biol. 36 (2010), at rest across the fibres \
-                 (shear modulus about 4 kPa); breaking strain: assumed",
+                 (shear modulus about 4 kPa), as cited; breaking strain: assumed",
         law: || MaterialLaw::constant(solid(1.2e4, 0.45, 1050.0, 0.5, 0.2)),
     },
     Preset {
         name: "cartilage",
-        source: "E and ν: Athanasiou et al., J. Orthop. Res. 9 (1991), in equilibrium (human knee); \
-                 breaking strain: Kempson, Adult Articular Cartilage (1979)",
+        source: "E and ν: Athanasiou et al., J. Orthop. Res. 9 (1991), in equilibrium (human knee), \
+                 as cited; breaking strain: Kempson, Adult Articular Cartilage (1979), as cited",
         law: || MaterialLaw::constant(solid(6.0e5, 0.25, 1100.0, 0.3, 0.02)),
     },
     Preset {
         name: "brain",
         source: "E: Budday et al., J. Mech. Behav. Biomed. Mater. 46 (2015), indentation of white \
-                 and grey matter, 1.4 to 1.9 kPa; breaking strain: assumed",
+                 and grey matter, 1.4 to 1.9 kPa, as cited; breaking strain: assumed",
         law: || MaterialLaw::constant(solid(1.7e3, 0.45, 1040.0, 0.5, 0.1)),
     },
     Preset {
         name: "cortical-bone",
-        source: "E: Rho et al., J. Biomech. 26 (1993), 18.6 GPa in tension; breaking strain: \
-                 Reilly & Burstein, J. Biomech. 8 (1975)",
+        source: "E: Rho et al., J. Biomech. 26 (1993), 18.6 GPa in tension, as cited; breaking \
+                 strain: Reilly & Burstein, J. Biomech. 8 (1975), as cited",
         law: || MaterialLaw::constant(solid(18.6e9, 0.30, 1900.0, 0.02, 0.3)),
     },
     Preset {
         name: "trabecular-bone",
-        source: "E = 6.85 GPa · ρ^1.49, femoral neck: Morgan et al., J. Biomech. 36 (2003); density \
-                 0.1 to 1.2 g/cm³ over 0 to 1000 HU: Rho et al., Med. Eng. Phys. 17 (1995), rounded; \
-                 breaking strain: yield of Bayraktar et al., J. Biomech. 37 (2004), doubled",
+        source: "E = 6.85 GPa · ρ^1.49, femoral neck: Morgan et al., J. Biomech. 36 (2003), as cited; \
+                 powers of 1.49 to 2.18 by its abstract; density 0.1 to 1.2 g/cm³ over 0 to 1000 \
+                 HU: Rho et al., Med. Eng. Phys. 17 (1995), rounded, as cited; breaking strain: \
+                 yield of Bayraktar et al., J. Biomech. 37 (2004), doubled, as cited",
         law: || {
             MaterialLaw::power(
                 [0.0, 1000.0],

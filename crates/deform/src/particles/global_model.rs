@@ -25,7 +25,10 @@ use super::pair_laws::FadedLaw;
 use super::tool_push::ParticleTool;
 use crate::displacement::Displacement;
 use crate::material::{Materials, Treatment};
-use crate::model::{Budget, DeformationModel, ModelAnswer, ModelEvent, ModelInput, ModelParts};
+use crate::model::{
+    Budget, DeformationModel, ModelAnswer, ModelEvent, ModelInput, ModelParts, ModelReport,
+    ToolContact, ToolState,
+};
 use crate::rest_matter::{Ledger, Wanted, solid_of};
 
 /// Steps in which particles come to rest before the first call is answered.
@@ -34,6 +37,8 @@ const SETTLING: u32 = 200;
 const FARTHEST: f64 = 3.0;
 /// Displacement that is seen [smallest voxel side].
 const SEEN: f64 = 0.03;
+/// Half axis of a tool, at least: a thinner one would slip between particles [a].
+const THINNEST: f64 = 0.5;
 
 /// What can be chosen.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -84,12 +89,13 @@ impl GlobalSettings {
 pub struct GlobalModel {
     settings: GlobalSettings,
     state: Option<GlobalState>,
+    /// What voxels were before it moved them; outlives a reset, so that it can give them back.
+    ledger: Ledger,
 }
 
 #[derive(Debug)]
 struct GlobalState {
     body: ParticleBody<FadedLaw>,
-    ledger: Ledger,
     seen_edit: u64,
 }
 
@@ -99,6 +105,7 @@ impl GlobalModel {
         Self {
             settings: settings.sane(),
             state: None,
+            ledger: Ledger::default(),
         }
     }
 
@@ -111,18 +118,20 @@ impl GlobalModel {
 impl DeformationModel for GlobalModel {
     fn advance(&mut self, input: &ModelInput<'_>) -> ModelAnswer {
         let grid = input.voxels.grid();
-        if self
-            .state
-            .as_ref()
-            .is_none_or(|state| state.body.grid != *grid)
-        {
-            self.state = Some(GlobalState::new(&self.settings, input));
+        self.state.take_if(|state| state.body.grid != *grid);
+        // particles are made of matter at rest
+        if self.state.is_none() && self.ledger.len() > 0 {
+            return self.give_back(input);
         }
-        let Some(state) = &mut self.state else {
-            return ModelAnswer::default();
-        };
-        let tools = ParticleTool::usable(input.tools, grid);
-        state.follow_edits(input.voxels, input.materials);
+        let state = self
+            .state
+            .get_or_insert_with(|| GlobalState::new(&self.settings, input));
+        let ledger = &mut self.ledger;
+        let mut tools = ParticleTool::usable(input.tools, grid);
+        for (_, tool) in &mut tools {
+            tool.widen(THINNEST * state.body.scale.equilibrium);
+        }
+        state.follow_edits(input.voxels, input.materials, ledger);
         let relaxed = state.body.relax(&tools, &input.budget, None);
         let mut answer = ModelAnswer {
             contacts: state.body.contacts(input.tools, &tools, &relaxed.felt),
@@ -135,10 +144,11 @@ impl DeformationModel for GlobalModel {
             answer.events.push(ModelEvent::Reset);
         }
         let field = state.displacement(&self.settings);
-        answer.edit = state.write_back(input.voxels, &self.settings, field.as_ref());
+        answer.edit = state.write_back(input, &self.settings, field.as_ref(), ledger);
+        answer.report.moved_voxels = ledger.len() as u32;
         let field = field.map(|field| field.on_nodes(grid));
         answer.displacement =
-            field.and_then(|field| field.told(grid, &state.ledger, SEEN * field.spacing));
+            field.and_then(|field| field.told(grid, ledger, SEEN * field.spacing));
         answer
     }
 
@@ -149,6 +159,31 @@ impl DeformationModel for GlobalModel {
 
     fn reset(&mut self) {
         self.state = None;
+    }
+}
+
+impl GlobalModel {
+    /// Voxels back to what they are at rest, before anything else.
+    fn give_back(&mut self, input: &ModelInput<'_>) -> ModelAnswer {
+        let voxels = input.voxels;
+        let mut wanted = Wanted::new();
+        self.ledger.take_overruled(voxels);
+        self.ledger
+            .give_back_outside(voxels, &VoxelBox::EMPTY, &mut wanted);
+        let edit = self.ledger.write(voxels, &wanted);
+        let none = |tool: &ToolState| ToolContact {
+            tool: tool.id,
+            contact: None,
+        };
+        ModelAnswer {
+            edit,
+            contacts: input.tools.iter().map(none).collect(),
+            report: ModelReport {
+                moved_voxels: self.ledger.len() as u32,
+                ..ModelReport::default()
+            },
+            ..ModelAnswer::default()
+        }
     }
 }
 
@@ -169,7 +204,6 @@ impl GlobalState {
         let length = length.max(scale.cell).min(20.0 * scale.cell);
         let mut state = Self {
             body: body.bound(0.0, length),
-            ledger: Ledger::default(),
             seen_edit: input.voxels.edit_number(),
         };
         state.fill(settings, input, &region);
@@ -224,12 +258,11 @@ impl GlobalState {
     }
 
     /// Gives back particles whose own voxel somebody else has emptied.
-    fn follow_edits(&mut self, voxels: &Voxels, materials: &Materials) {
+    fn follow_edits(&mut self, voxels: &Voxels, materials: &Materials, ledger: &mut Ledger) {
         if self.seen_edit == voxels.edit_number() {
             return;
         }
         self.seen_edit = voxels.edit_number();
-        let ledger = &mut self.ledger;
         ledger.take_overruled(voxels);
         let origins = &self.body.system.particles.origins;
         let mut gone = Vec::with_capacity(origins.len());
@@ -291,13 +324,20 @@ impl GlobalState {
         })
     }
 
-    /// The edit by which voxels read what stood where they came from.
+    /// The edit by which voxels read what stood where they came from. What does not give way stays
+    /// where it is.
     fn write_back(
-        &mut self,
-        voxels: &Voxels,
+        &self,
+        input: &ModelInput<'_>,
         settings: &GlobalSettings,
         field: Option<&Field>,
+        ledger: &mut Ledger,
     ) -> Option<Edit> {
+        let voxels = input.voxels;
+        let gives = |voxel: IVec3, matter: &Matter| {
+            let solid = solid_of(voxels, input.materials, voxel, matter);
+            solid.is_some_and(|(_, treatment)| treatment == Treatment::Deformable)
+        };
         let spacing = self.body.grid.spacing();
         let least = (settings.threshold * self.body.grid.smallest_spacing()).powi(2);
         let air = (settings.air - voxels.intensities().intercept()) / voxels.intensities().slope();
@@ -308,8 +348,7 @@ impl GlobalState {
         let mut wanted = Wanted::new();
 
         // what was changed and is no longer moved goes back to rest
-        self.ledger
-            .give_back_outside(voxels, &VoxelBox::EMPTY, &mut wanted);
+        ledger.give_back_outside(voxels, &VoxelBox::EMPTY, &mut wanted);
         if let Some(field) = field {
             for (voxel, moved) in field.region.voxels().zip(&field.moved) {
                 if moved.length_squared() <= least {
@@ -317,12 +356,16 @@ impl GlobalState {
                 }
                 let come = (*moved / spacing).round();
                 let from = voxel - come.as_ivec3();
-                let (Some(rest), Some(source)) = (
-                    self.ledger.rest(voxels, voxel),
-                    self.ledger.rest(voxels, from),
-                ) else {
+                let (Some(rest), Some(source)) =
+                    (ledger.rest(voxels, voxel), ledger.rest(voxels, from))
+                else {
                     continue;
                 };
+                let is_held =
+                    |at, matter: &Matter| !matter.segments.is_empty() && !gives(at, matter);
+                if is_held(voxel, &rest) || is_held(from, &source) {
+                    continue;
+                }
                 let matter = match (rest.segments.is_empty(), source.segments.is_empty()) {
                     (_, false) => (source, Some(come)),
                     (false, true) => (nothing, None),
@@ -331,7 +374,7 @@ impl GlobalState {
                 wanted.insert(voxel.to_array(), matter);
             }
         }
-        self.ledger.write(voxels, &wanted)
+        ledger.write(voxels, &wanted)
     }
 }
 

@@ -15,6 +15,9 @@ use super::pair_laws::{CuboidLaw, FadedLaw, LaneLaw};
 use super::tool_push::ParticleTool;
 use crate::model::{DeformationModel, ModelAnswer, ModelEvent, ModelInput, ModelParts};
 
+/// Half axis of a tool, at least: a thinner one would slip between particles [a].
+const THINNEST: f64 = 0.5;
+
 /// How particles come to rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Motion {
@@ -216,7 +219,10 @@ impl<L: LocalLaw> DeformationModel for LocalModel<L> {
             return ModelAnswer::default();
         };
 
-        let tools = ParticleTool::usable(input.tools, grid);
+        let mut tools = ParticleTool::usable(input.tools, grid);
+        for (_, tool) in &mut tools {
+            tool.widen(THINNEST * state.body.scale.equilibrium);
+        }
         state.follow_edits(input);
         if let Some((_, tool)) = tools.first() {
             state.move_box(input, tool);

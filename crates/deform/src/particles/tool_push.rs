@@ -38,6 +38,11 @@ impl ParticleTool {
 }
 
 impl ParticleTool {
+    /// Makes it at least as thick as that in every direction [half axis, mm].
+    pub fn widen(&mut self, least: f64) {
+        self.half_axes = self.half_axes.max(DVec3::splat(least));
+    }
+
     /// All tools that are bodies at a place, with the numbers by which their contacts are told.
     pub fn usable(tools: &[ToolState], grid: &Grid) -> Vec<(u32, Self)> {
         let usable = tools.iter().filter(|tool| tool.is_usable());

@@ -56,7 +56,7 @@ pub fn press(
         let segment = layer.segment.clone();
         let _: SegmentId = rig.simulation.add_segment(segment, properties, false)?;
     }
-    rig.simulation.set_deformation(Some(model), None)?;
+    rig.simulation.set_deformation(Some(model), None, false)?;
     let mut samples = Vec::new();
     drive.run(|phase, travel| {
         let record = rig.tick(drive.start + drive.direction() * travel);

@@ -1,6 +1,7 @@
 //! Performs steps on the scene; each gives its inverse and what touch must follow.
 
 use glam::DAffine3;
+use palpate_deform::material::MaterialLaw;
 use palpate_haptics::scene::MAX_OBJECTS;
 use palpate_volume::edit::{Edit, SegmentId};
 use palpate_volume::segment::Segment;
@@ -29,6 +30,11 @@ impl Scene {
             } => self.insert(id, segment, *properties),
             Step::Remove { id } => self.remove(id),
             Step::Move { id, pose } => self.move_to(id, pose),
+            Step::Material { id, law } => self.make_of(id, law),
+            Step::Model(choice) => {
+                let before = std::mem::replace(&mut self.model, choice);
+                Ok((Step::Model(before), TouchChange::Nothing))
+            }
             Step::Several(steps) => self.several(steps),
         }
     }
@@ -169,6 +175,19 @@ impl Scene {
             properties: Box::new(properties),
         };
         Ok((inverse, change))
+    }
+
+    fn make_of(
+        &mut self,
+        id: SegmentId,
+        law: Option<MaterialLaw>,
+    ) -> Result<(Step, TouchChange), VoxelsError> {
+        let properties = self
+            .properties
+            .get_mut(&id)
+            .ok_or(VoxelsError::UnknownSegment(id.0))?;
+        let law = std::mem::replace(&mut properties.law, law);
+        Ok((Step::Material { id, law }, TouchChange::Nothing))
     }
 
     fn exchange_range(

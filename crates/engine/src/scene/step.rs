@@ -1,12 +1,22 @@
 //! Changes of the scene, and what each of them changes for touch.
 
 use glam::DAffine3;
+use palpate_deform::material::MaterialLaw;
 use palpate_tools::stroke::bytes_of;
 use palpate_volume::edit::{Edit, SegmentId};
 use palpate_volume::segment::Segment;
 use palpate_volume::voxels::Voxels;
 
 use super::{Properties, ThresholdRange};
+
+/// A model by which matter gives way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ModelChoice {
+    /// Its name, one of the registered.
+    pub name: &'static str,
+    /// Nodes or cells along each edge of its box; none for as many as usual.
+    pub edge: Option<u32>,
+}
 
 /// A change of the scene.
 #[derive(Debug)]
@@ -50,6 +60,15 @@ pub enum Step {
         /// Where to [mm, from the scan to the scene]; a rigid motion.
         pose: DAffine3,
     },
+    /// Tells what a segment is made of.
+    Material {
+        /// Which segment.
+        id: SegmentId,
+        /// Of what; none where it is hard.
+        law: Option<MaterialLaw>,
+    },
+    /// Chooses the model by which matter gives way, or none.
+    Model(Option<ModelChoice>),
     /// These, one after the other, as one.
     Several(Vec<Step>),
 }
@@ -142,7 +161,7 @@ impl Step {
         match self {
             Self::Edit { edit, .. } => bytes_of(edit),
             Self::Replace { segment, .. } | Self::Insert { segment, .. } => segment.memory_bytes(),
-            Self::Remove { .. } | Self::Move { .. } => 0,
+            Self::Remove { .. } | Self::Move { .. } | Self::Material { .. } | Self::Model(_) => 0,
             Self::Several(steps) => steps.iter().map(Self::bytes).sum(),
         }
     }

@@ -51,7 +51,7 @@ impl Session {
     }
 
     /// Chooses the model by which matter gives way under the probe and the nodes or cells along
-    /// each edge of its box, or none.
+    /// each edge of its box, or none; an undoable choice is taken back by undo.
     ///
     /// # Errors
     /// Where there is none of that name, it has no such box, or the session has ended.
@@ -59,11 +59,13 @@ impl Session {
         &self,
         model: Option<String>,
         edge: Option<u32>,
+        undoable: bool,
     ) -> Result<(), SessionError> {
-        self.ask(move |simulation| simulation.set_deformation(model.as_deref(), edge))?
+        self.ask(move |simulation| simulation.set_deformation(model.as_deref(), edge, undoable))?
     }
 
-    /// Tells what a segment is made of; without a material it is hard.
+    /// Tells what a segment is made of; without a material it is hard. An undoable
+    /// change is taken back by undo.
     ///
     /// # Errors
     /// Where there is no such segment, or the session has ended.
@@ -71,8 +73,9 @@ impl Session {
         &self,
         id: SegmentId,
         law: Option<MaterialLaw>,
+        undoable: bool,
     ) -> Result<(), SessionError> {
-        self.ask(move |simulation| simulation.set_material(id, law))?
+        self.ask(move |simulation| simulation.set_material(id, law, undoable))?
     }
 
     /// Tells how parts of a segment with a material take part.
@@ -127,6 +130,15 @@ impl Session {
     /// Where the file exists already, the disk says no, or the session has ended.
     pub fn begin_journal(&self, path: PathBuf, hash: ScanHash) -> Result<(), SessionError> {
         self.ask(move |simulation| simulation.begin_journal(&path, hash))?
+    }
+
+    /// Writes what is there now into a new file, as the head of a journal without steps; a journal
+    /// that runs goes on.
+    ///
+    /// # Errors
+    /// Where the file exists already, the disk says no, or the session has ended.
+    pub fn keep_state(&self, path: PathBuf, hash: ScanHash) -> Result<(), SessionError> {
+        self.ask(move |simulation| simulation.keep_state(&path, hash))?
     }
 
     /// Does again what a journal of this scan says, and goes on with it.

@@ -1,7 +1,7 @@
 //! Matter that gives way under the probe.
 
 use palpate_deform::material::{MaterialLaw, Part, Treatment};
-use palpate_deform::model::{DeformationModel, ModelEvent, WrongBox, model_from_name};
+use palpate_deform::model::{DeformationModel, ModelEvent, model_from_name};
 use palpate_tools::journal_entry::Action;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::voxels::VoxelsError;
@@ -11,12 +11,12 @@ use crate::deformation::DeformationNow;
 use crate::error::SessionError;
 use crate::frame::Notice;
 use crate::handover::ServoCommand;
-use crate::scene::Step;
+use crate::scene::{ModelChoice, Step};
 use crate::scene_news::SceneNews;
 
 impl Simulation {
     /// Chooses the model by which matter gives way and the nodes or cells along each edge of its
-    /// box, or none.
+    /// box, or none; an undoable choice is taken back by undo.
     ///
     /// # Errors
     /// Where there is none of that name, or it has no such box.
@@ -24,27 +24,33 @@ impl Simulation {
         &mut self,
         name: Option<&str>,
         edge: Option<u32>,
+        undoable: bool,
     ) -> Result<(), SessionError> {
         let known = name.map(model_from_name).transpose()?;
-        let model = known.map(|known| Ok::<_, WrongBox>((known.name, known.with_box(edge)?)));
-        self.set_deformation_model(model.transpose()?);
-        self.box_edge = edge;
-        self.publish();
-        Ok(())
+        // asked for only to refuse what it cannot be
+        known.map(|known| known.with_box(edge)).transpose()?;
+        let choice = known.map(|known| ModelChoice {
+            name: known.name,
+            edge,
+        });
+        let is_other = choice != self.scene.model();
+        self.change_matter(Step::Model(choice), undoable && is_other)
     }
 
-    /// Has matter give way by this model, under this name, or not at all.
+    /// Has matter give way by this model, under this name, or not at all. This is not undone.
     pub fn set_deformation_model(
         &mut self,
         model: Option<(&'static str, Box<dyn DeformationModel>)>,
     ) {
-        self.box_edge = None;
+        let name = model.as_ref().map(|(name, _)| *name);
+        let choice = name.map(|name| ModelChoice { name, edge: None });
+        self.scene.know_model(choice);
         self.deformation.set_model(model);
         self.publish();
     }
 
-    /// Tells what a segment is made of; without a material it is hard. This changes no voxel and
-    /// is not undone.
+    /// Tells what a segment is made of; without a material it is hard. This changes no voxel; an
+    /// undoable change is taken back by undo.
     ///
     /// # Errors
     /// Where there is no such segment.
@@ -52,12 +58,40 @@ impl Simulation {
         &mut self,
         id: SegmentId,
         law: Option<MaterialLaw>,
+        undoable: bool,
     ) -> Result<(), SessionError> {
-        self.scene.set_law(id, law)?;
-        self.deformation.forget_displacements();
-        self.segments_version += 1;
+        if self.voxels().segment(id).is_none() {
+            return Err(VoxelsError::UnknownSegment(id.0).into());
+        }
+        let is_other = law != self.material(id);
+        self.change_matter(Step::Material { id, law }, undoable && is_other)
+    }
+
+    /// Performs a step of matter. What is dented meanwhile is no part of it, and goes on.
+    fn change_matter(&mut self, step: Step, undoable: bool) -> Result<(), SessionError> {
+        let inverse = self.perform(step, Action::Do)?;
+        if undoable {
+            let bytes = inverse.bytes();
+            self.journal.done(inverse, bytes);
+        }
         self.publish();
         Ok(())
+    }
+
+    /// Has the model follow a step of matter, told by its inverse.
+    pub(super) fn follow_matter(&mut self, inverse: &Step) {
+        match inverse {
+            Step::Material { .. } => self.deformation.forget_displacements(),
+            Step::Model(_) => {
+                let model = self.scene.model().and_then(|choice| {
+                    // what the scene knows was made before
+                    let known = model_from_name(choice.name).ok()?;
+                    Some((known.name, known.with_box(choice.edge).ok()?))
+                });
+                self.deformation.set_model(model);
+            }
+            _ => {}
+        }
     }
 
     /// What a segment is made of; none where it is hard.
@@ -101,7 +135,7 @@ impl Simulation {
     #[must_use]
     pub fn deformation(&self) -> DeformationNow {
         DeformationNow {
-            edge: self.box_edge,
+            edge: self.scene.model().and_then(|choice| choice.edge),
             ..self.deformation.now()
         }
     }

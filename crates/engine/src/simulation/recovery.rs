@@ -76,6 +76,19 @@ impl Simulation {
         Ok(())
     }
 
+    /// Writes what is there now into a new file, as the head of a journal without steps; a journal
+    /// that runs goes on. Waits until all of it is written.
+    ///
+    /// # Errors
+    /// Where the file exists already, or the disk says no.
+    pub fn keep_state(&mut self, path: &Path, hash: ScanHash) -> Result<(), SessionError> {
+        let running = self.file.take();
+        let written = self.begin_journal(path, hash);
+        // what is closed is written
+        self.file = running;
+        written
+    }
+
     /// Does again what a journal of this scan says, step by step, so that undo goes back beyond
     /// the crash, and goes on with that journal. Segments that it does not know stay. To be
     /// called before anything else is changed; takes as long as the journal is.
@@ -154,7 +167,8 @@ impl Simulation {
                 file.moved(action, *id, pose, goes_on);
                 Vec::new()
             }
-            Step::Several(_) => Vec::new(),
+            // no journal tells of matter
+            Step::Material { .. } | Step::Model(_) | Step::Several(_) => Vec::new(),
         };
         for id in known_anew {
             self.write_facts(id);

@@ -82,6 +82,7 @@ impl Simulation {
     ) -> Result<(Step, Vec<SceneNews>), SessionError> {
         let (inverse, change) = self.scene.perform(step)?;
         self.send_change(&change);
+        self.follow_matter(&inverse);
         self.segments_version += 1;
         let news = SceneNews::of(&inverse, &self.scene, &self.labelled);
         let anew = news.iter().filter(|news| news.needs_labels()).count();

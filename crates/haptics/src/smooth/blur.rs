@@ -21,6 +21,7 @@ use super::spline::{Nodes, Place, Width};
 use super::tents::{Cells, unit_of};
 use super::window::Window;
 use crate::voxel_distance::voxel_of;
+use crate::wide::widest;
 use glam::{DVec3, IVec3, Vec3A};
 use palpate_volume::occupancy::Occupancy;
 
@@ -89,13 +90,23 @@ impl BlurField {
             });
         }
         let scale = 1.0 / (64.0 * f32::from(full));
-        cells.blur(|width, cells| self.nodes.put(cells, scale, width));
+        blur(&cells, scale, &mut self.nodes);
     }
 
     /// Whether there is any surface in it.
     pub(crate) fn any_solid(&self) -> bool {
         self.any_solid
     }
+}
+
+widest! {
+    /// Sets nodes to the cells, blurred and times a scale.
+    fn blur(cells: &Cells, scale: f32, nodes: &mut Nodes) = blur_plainly
+}
+
+#[inline(always)]
+fn blur_plainly(cells: &Cells, scale: f32, nodes: &mut Nodes) {
+    cells.blur(|width, cells| nodes.put(cells, scale, width));
 }
 
 /// The first cell of the window whose node 3 or 4 is the next to a point, by its number.

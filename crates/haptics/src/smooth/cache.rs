@@ -16,9 +16,10 @@ use palpate_volume::occupancy::Occupancy;
 
 /// Bodies that one contact point respects: a corner of three faces.
 pub(crate) const MAX_FIELDS: usize = 3;
-/// Fields that are kept: two of the world, between whose windows the proxy may go to and fro,
-/// and one of each object.
-const ENTRIES: usize = 2 + MAX_OBJECTS;
+/// Fields of the world that are kept, between whose windows the proxy may go to and fro.
+const OF_WORLD: usize = 4;
+/// Fields that are kept: those of the world, and one of each object.
+const ENTRIES: usize = OF_WORLD + MAX_OBJECTS;
 
 /// Fields around the proxy.
 #[derive(Clone, Debug)]
@@ -32,6 +33,8 @@ pub struct SmoothCache {
     aims: Aims,
     /// The field of the world that was used last.
     world: usize,
+    /// The one that was made last.
+    filled: usize,
 }
 
 /// What fields are made from.
@@ -52,6 +55,7 @@ impl Default for SmoothCache {
             shares: Box::new([CellShares::EMPTY; MAX_BODIES]),
             aims: Aims::NONE,
             world: 0,
+            filled: 0,
         }
     }
 }
@@ -226,7 +230,7 @@ impl SmoothCache {
             let body = (number + 1, source);
             let (occupancy, spacing) = (object.occupancy(), object.spacing());
             let new = Near {
-                place: 2 + number,
+                place: OF_WORLD + number,
                 body: number as u8 + 1,
                 spacing,
                 axes: Mat3A::from(object_from_mm.as_mat3()),
@@ -245,8 +249,8 @@ impl SmoothCache {
         )
     }
 
-    /// Makes one of the two fields of the world the one around an aim: the older of them where
-    /// neither is it.
+    /// Makes one of the fields of the world the one around an aim: the oldest of them where
+    /// none is it.
     fn refresh_world<O: Occupancy>(
         &mut self,
         scene: &TouchScene<'_, O>,
@@ -257,10 +261,13 @@ impl SmoothCache {
         let is_world = |&place: &usize| {
             self.sources[place] == Some(source) && self.fields[place].is_around(aim, spacing)
         };
-        match [self.world, 1 - self.world].into_iter().find(is_world) {
+        // mostly the last one still
+        let kept = (0..OF_WORLD).map(|next| (self.world + next) % OF_WORLD);
+        match kept.into_iter().find(is_world) {
             Some(place) => self.world = place,
             None => {
-                self.world = 1 - self.world;
+                self.filled = (self.filled + 1) % OF_WORLD;
+                self.world = self.filled;
                 self.fill(self.world, source, scene.occupancy, aim, spacing);
             }
         }
@@ -312,7 +319,7 @@ impl SmoothCache {
         spacing: DVec3,
     ) {
         self.sources[place] = Some(source);
-        let body = place.saturating_sub(1);
+        let body = (place + 1).saturating_sub(OF_WORLD);
         let known =
             (source.shares && occupancy.knows_shares()).then(|| (source, &mut self.shares[body]));
         self.fields[place].around(occupancy, aim, spacing, known);

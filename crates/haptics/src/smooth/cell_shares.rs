@@ -9,7 +9,7 @@
 
 use super::cache::Source;
 use super::cell_shape::{CELLS, CellShape};
-use super::surface_rows::{CellsOfRow, SurfaceRow};
+use super::surface_rows::{CellsOfRow, SurfaceRow, find_surface};
 use super::tents::{Changes, unit_of};
 use super::window::Window;
 use glam::IVec3;
@@ -92,26 +92,27 @@ impl CellShares {
     ) {
         let shape = self.shape;
         let mut asked = Asked::nothing(occupancy);
-        let mut rows = 0_u64;
-        window.visit_surface(&mut |y, z, surface| {
-            let first = window.first() + IVec3::new(0, y as i32, z as i32);
+        let mut surfaces = [SurfaceRow::NONE; 64];
+        let rows = find_surface(window, &mut surfaces);
+        let first_of = |row: usize| window.first() + IVec3::new(0, row as i32 & 7, row as i32 >> 3);
+        for row in ones(rows) {
+            let (first, surface) = (first_of(row), surfaces[row]);
             let kept = &mut self.rows[place_of(first)];
-            rows |= 1 << ((8 * z + y) & 63);
             if kept.first != first {
                 kept.move_to(first, shape);
             }
             if kept.surface == surface {
-                return;
+                continue;
             }
             let cells = surface.differing(kept.surface, shape);
             kept.surface = surface;
-            asked.add(8 * z + y, shape, first, (surface, cells));
-        });
+            asked.add(row, shape, first, (surface, cells));
+        }
         asked.ask();
 
         let unit = f32::from(unit_of(shape.volume()));
         for row in ones(rows) {
-            let first = window.first() + IVec3::new(0, row as i32 & 7, row as i32 >> 3);
+            let first = first_of(row);
             let changes = &mut self.rows[place_of(first)].changes;
             // also of cells without voxels, which may have had some
             for cell in asked.cells[row].places(shape) {

@@ -27,6 +27,9 @@ const fn groups() -> [[u64; 256]; 3] {
 pub(super) struct CellRows<const LOG: u32>;
 
 impl<const LOG: u32> CellRows<LOG> {
+    /// Clear bits of a row that has no other: as many in each of eight groups.
+    pub(super) const ALL_CLEAR: u64 = 0x0101_0101_0101_0101 << (LOG - 3);
+
     /// Clear bits of the first row of a word, in eight groups, each sum in a byte of its own.
     #[inline]
     pub(super) fn clear_in_row(word: u64) -> u64 {

@@ -6,6 +6,7 @@
 //! Frame: grid. Values and limits as stored.
 
 use super::shares::{Limits, Stored};
+use crate::wide::widest;
 use glam::IVec3;
 
 /// Voxels side by side.
@@ -43,20 +44,20 @@ impl Limits {
                     values[lane] = value;
                 }
             }
-            let told = self.changes_of(&lanes);
+            let told = changes_of(self, &lanes);
             for (change, told) in changes.iter_mut().zip(told) {
                 *change = told;
             }
         }
     }
 
-    #[inline(never)]
-    fn changes_of(&self, lanes: &Lanes) -> Lane {
-        let values = lanes.values.map(|values| values.map(f32::from));
+    #[inline(always)]
+    fn changes_plainly(&self, lanes: &Lanes) -> Lane {
         let mut within = [[f32::NEG_INFINITY; LANES]; 7];
         for [low, high] in self.ranges.iter().take(self.count) {
-            for (within, values) in within.iter_mut().zip(&values) {
+            for (within, values) in within.iter_mut().zip(&lanes.values) {
                 for (within, value) in within.iter_mut().zip(values) {
+                    let value = f32::from(*value);
                     *within = larger(*within, smaller(value - low, high - value));
                 }
             }
@@ -70,15 +71,22 @@ impl Limits {
             before_z,
             after_z,
         ] = within;
-        std::array::from_fn(|i| {
+        let mut changes = [0.0; LANES];
+        for i in 0..LANES {
             let columns = [
                 [before_x[i], after_x[i]],
                 [before_y[i], after_y[i]],
                 [before_z[i], after_z[i]],
             ];
-            change(here[i], columns, lanes.solid[i])
-        })
+            changes[i] = change(here[i], columns, lanes.solid[i]);
+        }
+        changes
     }
+}
+
+widest! {
+    /// By how much voxels count for more or less than their bits.
+    fn changes_of(limits: &Limits, lanes: &Lanes) -> Lane = Limits::changes_plainly
 }
 
 /// By how much a voxel counts for more or less than its bit; see `share` in `shares.rs`.

@@ -35,6 +35,7 @@ impl Nodes {
     pub(super) const NONE: Self = Self([0.0; 64 * ROW]);
 
     /// Sets those of one kernel to blurred cells times a scale.
+    #[inline(always)]
     pub(super) fn put(&mut self, cells: &Blurred, scale: f32, width: Width) {
         let (rows, _) = self.0.as_chunks_mut::<ROW>();
         for (row, cells) in rows.iter_mut().zip(cells) {

@@ -7,6 +7,7 @@
 
 use super::cell_shape::{CELLS, CellShape, MAX_WORDS};
 use super::window::Window;
+use crate::wide::widest;
 use glam::IVec3;
 
 /// Words of the largest layer of cells.
@@ -144,24 +145,31 @@ struct Surface {
     solid: u64,
 }
 
+widest! {
+    /// Finds the rows of cells of a window, y before z, eight of each, with voxels that are reached
+    /// next to others, or solid ones next to those that are reached. One bit each in the answer.
+    pub(super) fn find_surface(window: &Window, rows: &mut [SurfaceRow; 64]) -> u64
+        = Window::find_surface_plainly
+}
+
 impl Window {
-    /// Tells rows of cells, y and z in the window, with voxels that are reached next to others,
-    /// or solid ones next to those that are reached.
-    pub(super) fn visit_surface(&self, tell: &mut impl FnMut(usize, usize, SurfaceRow)) {
+    #[inline(always)]
+    fn find_surface_plainly(&self, rows: &mut [SurfaceRow; 64]) -> u64 {
         match self.shape.log_width() {
-            3 => self.visit_surface_of::<3>(tell),
-            4 => self.visit_surface_of::<4>(tell),
-            _ => self.visit_surface_of::<5>(tell),
+            3 => self.find_surface_of::<3>(rows),
+            4 => self.find_surface_of::<4>(rows),
+            _ => self.find_surface_of::<5>(rows),
         }
     }
 
-    #[inline]
-    fn visit_surface_of<const LOG: u32>(&self, tell: &mut impl FnMut(usize, usize, SurfaceRow)) {
+    #[inline(always)]
+    fn find_surface_of<const LOG: u32>(&self, rows: &mut [SurfaceRow; 64]) -> u64 {
         let [log_x, log_y, log_z] = self.shape.log;
         let (layer, log_bits) = (self.shape.layer(), LOG + log_y);
         let inner = !(of_cell(self.shape, 0) | of_cell(self.shape, 7));
         let inner = in_each_row(self.shape, inner & ((1 << (CELLS << log_x)) - 1));
         let mut words = [Surface::default(); MAX_CELL_LAYER];
+        let mut found = 0_u64;
         for z in 1..7 {
             let first = (z << log_z) * layer;
             let mut any = 0;
@@ -190,15 +198,16 @@ impl Window {
                         row.solid[(to / 64) & 1] |= place(solid);
                     }
                 }
-                if row != SurfaceRow::NONE {
-                    tell(y, z, row);
-                }
+                let place = 8 * z + y;
+                rows[place] = row;
+                found |= u64::from(row != SurfaceRow::NONE) << place;
             }
         }
+        found
     }
 
     /// Those of the `inner` voxels of a word that are at the surface.
-    #[inline]
+    #[inline(always)]
     fn surface_of<const LOG: u32>(&self, word: usize, inner: u64) -> Surface {
         let at = |word: usize| self.reached[word & (MAX_WORDS - 1)];
         let (here, layer, row) = (at(word), self.shape.layer(), 1 << LOG);

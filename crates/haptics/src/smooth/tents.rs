@@ -138,6 +138,7 @@ impl Cells {
     }
 
     /// The sums ¼, ½, ¼ along x, four times too large.
+    #[inline(always)]
     fn widen(&mut self) {
         for (even, odd) in self.even.iter_mut().zip(&mut self.odd) {
             let before = *odd << 16 | *even & FIRST;
@@ -147,6 +148,7 @@ impl Cells {
         }
     }
 
+    #[inline(always)]
     fn lanes(&self, log_scale: u32, rows: &mut Blurred) {
         for (row, (even, odd)) in rows.iter_mut().zip(self.even.iter().zip(&self.odd)) {
             // nothing goes from one number to the next, for they are small enough
@@ -158,15 +160,17 @@ impl Cells {
     }
 
     /// The narrow kernel, then the wide one; 64 is what a cell of 1 becomes.
-    pub(super) fn blur(mut self, mut take: impl FnMut(Width, &Blurred)) {
+    #[inline(always)]
+    pub(super) fn blur(&self, mut take: impl FnMut(Width, &Blurred)) {
+        let mut wide = self.clone();
         let mut rows = [[0; 8]; 64];
-        self.widen();
-        self.lanes(4, &mut rows);
+        wide.widen();
+        wide.lanes(4, &mut rows);
         across::<1>(&mut rows);
         take(Width::Fine, &rows);
-        self.widen();
-        self.widen();
-        self.lanes(0, &mut rows);
+        wide.widen();
+        wide.widen();
+        wide.lanes(0, &mut rows);
         across::<3>(&mut rows);
         take(Width::Wide, &rows);
     }
@@ -179,6 +183,7 @@ fn numbers(word: u64) -> [u16; 4] {
 }
 
 /// So many tents along y and z.
+#[inline(always)]
 fn across<const TENTS: usize>(rows: &mut Blurred) {
     for layer in 0..8 {
         column::<TENTS>(rows, 8 * layer, 1);

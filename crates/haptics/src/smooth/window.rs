@@ -10,6 +10,7 @@
 use super::cell_shape::{CELLS, CellShape, MAX_WORDS};
 use super::rows::CellRows;
 use crate::flood::flood;
+use crate::wide::widest;
 use glam::IVec3;
 use palpate_volume::occupancy::Occupancy;
 
@@ -84,11 +85,12 @@ impl Window {
             return false;
         }
         self.reached[word] = bit;
-        self.complete = self.flood(word / shape.layer());
+        self.complete = flood_from(self, word / shape.layer());
         true
     }
 
-    fn flood(&mut self, layer: usize) -> bool {
+    #[inline(always)]
+    fn flood_plainly(&mut self, layer: usize) -> bool {
         let [log_x, log_y, _] = self.shape.log;
         match (log_x, log_y) {
             (0, 0) => self.flood_of::<3, 1>(layer),
@@ -103,6 +105,7 @@ impl Window {
         }
     }
 
+    #[inline(always)]
     fn flood_of<const LOG: u32, const WORDS: usize>(&mut self, layer: usize) -> bool {
         let words = self.shape.words();
         let (free, _) = self.free[..words].as_chunks::<WORDS>();
@@ -133,7 +136,11 @@ impl Window {
             let cells = 8 * (z >> log_z);
             for row in 0..1 << log_rows {
                 let cells = cells + ((y + row) >> log_y);
-                counts[cells & 63] += CellRows::<LOG>::clear_in_row(reached >> (row << LOG));
+                counts[cells & 63] += match reached {
+                    // nothing free
+                    0 => CellRows::<LOG>::ALL_CLEAR,
+                    _ => CellRows::<LOG>::clear_in_row(reached >> (row << LOG)),
+                };
             }
         }
         counts
@@ -154,6 +161,11 @@ impl Window {
         let word = offset.z as usize * self.shape.layer() + bit / 64;
         (inside && word < MAX_WORDS).then_some((word, 1 << (bit % 64)))
     }
+}
+
+widest! {
+    /// Grows what is reached of a layer, as far as it goes; whether that came to its end.
+    fn flood_from(window: &mut Window, layer: usize) -> bool = Window::flood_plainly
 }
 
 /// Reads the free voxels; false where all are.
@@ -186,11 +198,14 @@ fn read_free_of<const BLOCKS: usize>(
                 occupancy.smooth_block(min + 8 * IVec3::new(x as i32, block_y, block_z))
             });
             for z in 0..8 {
-                let rows = blocks.map(|block| block.0[z]);
-                any_solid |= rows.iter().fold(0, |any, rows| any | rows);
+                let mut rows = [0; BLOCKS];
+                for (rows, block) in rows.iter_mut().zip(&blocks) {
+                    any_solid |= block.0[z];
+                    *rows = !block.0[z];
+                }
                 let place = (8 * block_z as usize + z) * my as usize + block_y as usize;
                 if let Some(words) = words.get_mut(place) {
-                    *words = side_by_side(rows.map(|rows| !rows));
+                    *words = side_by_side(rows);
                 }
             }
         }
@@ -199,12 +214,68 @@ fn read_free_of<const BLOCKS: usize>(
 }
 
 /// The eight rows of each of some words, put side by side: the first of each, then the next.
+#[inline(always)]
 fn side_by_side<const WORDS: usize>(words: [u64; WORDS]) -> [u64; WORDS] {
-    let rows = words.map(u64::to_le_bytes);
-    let mut bytes = [[0; WORDS]; 8];
-    for (row, bytes) in bytes.iter_mut().enumerate() {
-        *bytes = rows.map(|rows| rows[row]);
+    let mut rows = words;
+    match WORDS {
+        2 => [rows[0], rows[1]] = mixed_bytes(words[0], words[1]),
+        4 => {
+            let [first, second] = [[0, 1], [2, 3]].map(|[a, b]| mixed_bytes(words[a], words[b]));
+            [rows[0], rows[1]] = mixed_pairs(first[0], second[0]);
+            [rows[2], rows[3]] = mixed_pairs(first[1], second[1]);
+        }
+        _ => {}
     }
-    let (chunks, _) = bytes.as_flattened().as_chunks::<8>();
-    std::array::from_fn(|word| chunks.get(word).map_or(0, |rows| u64::from_le_bytes(*rows)))
+    rows
+}
+
+/// The bytes of two words, one of each by turns.
+#[inline(always)]
+fn mixed_bytes(a: u64, b: u64) -> [u64; 2] {
+    let apart = |word: u64| (word | word << 8) & 0x00ff_00ff_00ff_00ff;
+    mixed(a, b, 8, |four| {
+        apart((four | four << 16) & 0x0000_ffff_0000_ffff)
+    })
+}
+
+/// The pairs of bytes of two words.
+#[inline(always)]
+fn mixed_pairs(a: u64, b: u64) -> [u64; 2] {
+    mixed(a, b, 16, |four| (four | four << 16) & 0x0000_ffff_0000_ffff)
+}
+
+/// The lower halves of two words, then the upper ones; each taken apart by so many bits.
+#[inline(always)]
+fn mixed(a: u64, b: u64, bits: u32, apart: impl Fn(u64) -> u64) -> [u64; 2] {
+    [0, 32].map(|half| {
+        let [a, b] = [a, b].map(|word| apart(word >> half & 0xffff_ffff));
+        a | b << bits
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_of_several_blocks_stand_side_by_side() {
+        fn check<const WORDS: usize>(words: [u64; WORDS]) {
+            let rows: Vec<u8> = (0..8)
+                .flat_map(|row| words.map(|word| word.to_le_bytes()[row]))
+                .collect();
+            let plain = rows.chunks(8).map(|bytes| {
+                let bytes = bytes.try_into().expect("eight rows each");
+                u64::from_le_bytes(bytes)
+            });
+            assert!(side_by_side(words).into_iter().eq(plain), "{words:x?}");
+        }
+        let mut random = oorandom::Rand64::new(2);
+        for _ in 0..100 {
+            let words = [(); 4].map(|()| random.rand_u64());
+            let [a, b, ..] = words;
+            check([a]);
+            check([a, b]);
+            check(words);
+        }
+    }
 }

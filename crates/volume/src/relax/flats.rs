@@ -2,7 +2,8 @@
 //!
 //! A terrace of a slope ends at a step of a voxel or two on some side, and its surface passes
 //! anywhere through it. One that ends at walls and drops all around is as flat as it looks: the
-//! smoothest surface would bulge there and round its edges, by up to half a voxel.
+//! smoothest surface would bulge there and round its edges, by up to half a voxel. A face that is
+//! narrow is none of these: the risers of a slope's steps end at what looks like tall edges too.
 
 use glam::IVec3;
 
@@ -21,9 +22,11 @@ pub(super) fn flat_faces(bits: &Bits, region: &VoxelBox, faces: &[Face], band: &
     let mut terraces = Terraces::of_single(faces.len());
     let numbers = numbers(faces, band);
     for (face, number) in faces.iter().zip(0..) {
+        let mut goes_on = 0;
         for step in tangents(face.axis) {
             match beyond(bits, region, face, step) {
                 Beyond::GoesOn => {
+                    goes_on += 1;
                     let solid = band.number(face.solid + step);
                     let other = match numbers.get(solid as usize) {
                         Some(numbers) => numbers[slot(face)],
@@ -38,6 +41,9 @@ pub(super) fn flat_faces(bits: &Bits, region: &VoxelBox, faces: &[Face], band: &
                 Beyond::Edge => {}
                 Beyond::Slope => terraces.slope(number),
             }
+        }
+        if goes_on == tangents(face.axis).count() {
+            terraces.wide(number);
         }
     }
     (0..faces.len() as u32)
@@ -92,10 +98,12 @@ fn slot(face: &Face) -> usize {
     2 * face.axis + usize::from(face.free[face.axis] > face.solid[face.axis])
 }
 
-/// Sets of faces, and whether any of each is at a slope (union-find; Tarjan 1975).
+/// Sets of faces, and whether any of each is at a slope, or goes on on all sides (union-find;
+/// Tarjan 1975).
 struct Terraces {
     above: Vec<u32>,
     is_slope: Vec<bool>,
+    is_wide: Vec<bool>,
 }
 
 impl Terraces {
@@ -103,6 +111,7 @@ impl Terraces {
         Self {
             above: (0..count as u32).collect(),
             is_slope: vec![false; count],
+            is_wide: vec![false; count],
         }
     }
 
@@ -119,6 +128,7 @@ impl Terraces {
         let [first, second] = [self.top(first), self.top(second)];
         self.above[second as usize] = first;
         self.is_slope[first as usize] |= self.is_slope[second as usize];
+        self.is_wide[first as usize] |= self.is_wide[second as usize];
     }
 
     fn slope(&mut self, face: u32) {
@@ -126,8 +136,13 @@ impl Terraces {
         self.is_slope[top as usize] = true;
     }
 
-    fn is_flat(&mut self, face: u32) -> bool {
+    fn wide(&mut self, face: u32) {
         let top = self.top(face);
-        !self.is_slope[top as usize]
+        self.is_wide[top as usize] = true;
+    }
+
+    fn is_flat(&mut self, face: u32) -> bool {
+        let top = self.top(face) as usize;
+        self.is_wide[top] && !self.is_slope[top]
     }
 }

@@ -107,8 +107,8 @@ pub fn measure(plan: &Plan<'_>) -> Result<Found, SessionBenchError> {
         plan.ticks_in_step.is_some(),
     )?;
     if let Some(model) = plan.model {
-        rig.simulation.set_material(SEGMENT, Some(law()))?;
-        rig.simulation.set_deformation(Some(model), None)?;
+        rig.simulation.set_material(SEGMENT, Some(law()), false)?;
+        rig.simulation.set_deformation(Some(model), None, false)?;
     }
     let led = Led {
         way: way.device,

@@ -62,8 +62,9 @@ impl Watch {
         Self {
             spacing: world.spacing,
             radius: world.radius,
-            // a tick touches twice at most, before and after it slides
-            visit_bound: 2 * Exact { limits }.visit_bound(),
+            // a tick touches three times at most: before and after it slides, and where what is
+            // hard stops what soft matter leads
+            visit_bound: 3 * Exact { limits }.visit_bound(),
             stiffness: Settings::default().stiffness,
             dense: Dense::from_fn(size, |voxel| solid.is_solid(voxel)),
             finder: Finder::default(),

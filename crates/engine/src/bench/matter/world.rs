@@ -127,9 +127,9 @@ impl World {
         for (id, name) in [(SKIN_ID, "skin"), (SOFT_ID, "liver")] {
             let law = preset(name).and_then(|preset| preset.law());
             let law = law.expect("a preset of the list");
-            rig.simulation.set_material(id, Some(law))?;
+            rig.simulation.set_material(id, Some(law), false)?;
         }
-        rig.simulation.set_deformation(Some(model), None)?;
+        rig.simulation.set_deformation(Some(model), None, false)?;
         Ok(rig)
     }
 }

@@ -1,0 +1,65 @@
+"""``palpate series``: which scans a DICOM folder or archive holds."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from palpate.console import Display, quiet_libraries
+
+if TYPE_CHECKING:
+    from palpate.io_dicom_header import Series
+
+__all__ = ["describe", "series"]
+
+
+def series(
+    path: Annotated[Path, typer.Argument(help="DICOM folder or zip archive.", metavar="PATH")],
+    *,
+    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON list.")] = False,
+) -> None:
+    """List the scans of a DICOM folder, with what --series takes."""
+    from palpate.io import list_series
+
+    with quiet_libraries(), Display() as display:
+        listed = list_series(path, progress=display)
+    found = [describe(number, one) for number, one in enumerate(listed, 1)]
+    if as_json:
+        import json
+
+        typer.echo(json.dumps(found, indent=2))
+    else:
+        _print(found)
+
+
+def describe(number: int, one: Series) -> dict[str, Any]:
+    """Returns what is known of a series, ready for JSON."""
+    first = one.headers[0]
+    return {
+        "number": number,
+        "patient": first.patient,
+        "study": first.study_told,
+        "series": one.description,
+        "modality": one.modality,
+        "slices": one.slices,
+        "columns": first.columns,
+        "rows": first.rows,
+        "uid": one.uid,
+    }
+
+
+def _print(found: list[dict[str, Any]]) -> None:
+    from rich.console import Console
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(box=None, padding=(0, 2, 0, 0))
+    for name in ("number", "patient", "study", "series", "modality", "size"):
+        table.add_column(name, justify="right" if name == "number" else "left")
+    for one in found:
+        size = f"{one['columns']} x {one['rows']} x {one['slices']}"
+        cells = (one["number"], one["patient"], one["study"], one["series"], one["modality"], size)
+        table.add_row(*(Text(str(cell)) for cell in cells))
+    Console().print(table)

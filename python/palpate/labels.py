@@ -1,0 +1,74 @@
+"""Segments from files: label maps, segmentations of Slicer and DICOM, contours, mask folders."""
+
+from __future__ import annotations
+
+import warnings
+from os import PathLike
+from pathlib import Path
+
+from palpate.errors import OptionError
+from palpate.io_dicom import is_dicom
+from palpate.labels_contours import read_rtstruct
+from palpate.labels_dicom import read_seg
+from palpate.labels_grid import Label, Labels
+from palpate.labels_map import read_label_map, read_mask_folder
+from palpate.labels_nrrd import is_segmentation, read_seg_nrrd
+from palpate.progress import Progress, silent
+from palpate.volume import Volume
+
+__all__ = ["Label", "Labels", "read_labels"]
+
+MEANINGS = {"SEG": read_seg, "RTSTRUCT": read_rtstruct}
+"""Reader of each modality."""
+
+
+def read_labels(
+    path: str | PathLike[str], volume: Volume, *, progress: Progress = silent
+) -> Labels:
+    """Reads segments that belong to a scan, with names and colours where the file tells them.
+
+    Args:
+        path: A label map, a ``.seg.nrrd``, a DICOM SEG or RTSTRUCT file, or a folder with one
+            mask for each structure.
+        volume: The scan. Its grid is that of the segments, but for its extent and for axes that
+            run the other way.
+        progress: Told how far the reading is.
+
+    Raises:
+        FileNotFoundError: ``path`` does not exist.
+        VolumeFormatError: It cannot be read.
+        OptionError: It lies on another grid than the scan, or holds nothing of use.
+    """
+    source = Path(path)
+    if not source.exists():
+        raise FileNotFoundError(f"{source} does not exist; allowed: an existing file or folder")
+    found = _read(source, volume, progress)
+    if not found.labels:
+        why = "; ".join(found.warnings) or "no labels"
+        raise OptionError(f"{source} holds no segments ({why}); allowed: files with segments")
+    return found
+
+
+def _read(source: Path, volume: Volume, progress: Progress) -> Labels:
+    if source.is_dir():
+        return read_mask_folder(source, volume, progress=progress)
+    if is_dicom(source):
+        modality = _modality(source)
+        reader = MEANINGS.get(modality)
+        if reader is None:
+            raise OptionError(
+                f"{source} is DICOM of modality {modality or 'unknown'}; allowed: SEG or RTSTRUCT"
+            )
+        return reader(source, volume, progress=progress)
+    if is_segmentation(source):
+        return read_seg_nrrd(source, volume, progress=progress)
+    return read_label_map(source, volume, progress=progress)
+
+
+def _modality(path: Path) -> str:
+    import pydicom
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        dataset = pydicom.dcmread(path, stop_before_pixels=True, specific_tags=["Modality"])
+    return str(dataset.get("Modality") or "")

@@ -1,0 +1,143 @@
+"""Structures of radiotherapy (RTSTRUCT): closed contours, filled slice by slice.
+
+A voxel belongs to a structure if its middle lies within an odd number of its contours, so that a
+contour inside another is a hole. Slices between contours take those of the nearest plane, as long
+as planes are as far apart as they usually are.
+
+Frame: contours in LPS [mm]; work is done in indices of the scan, whole at the middles of voxels.
+Source: DICOM PS3.3, C.8.8.6 (ROI contour).
+"""
+
+from __future__ import annotations
+
+import warnings
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.errors import OptionError
+from palpate.labels_grid import Colour, Label, Labels
+from palpate.progress import Progress
+from palpate.volume import Volume
+
+if TYPE_CHECKING:
+    from pydicom.dataset import Dataset
+
+__all__ = ["filled", "read_rtstruct"]
+
+CLOSED = ("CLOSED_PLANAR", "CLOSEDPLANAR_XOR")
+FLAT = 0.1
+"""By how much a contour may leave its plane [voxel]."""
+
+Polygon = NDArray[np.float64]
+"""Corners, shape [corners, 3]."""
+
+
+def read_rtstruct(path: Path, volume: Volume, *, progress: Progress) -> Labels:
+    """Reads the structures of a file, each as a part of the scan.
+
+    Raises:
+        OptionError: Contours lie in no plane of the scan's voxels.
+    """
+    import pydicom
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        dataset = pydicom.dcmread(path)
+        names = {
+            int(roi.ROINumber): str(roi.get("ROIName") or f"structure {roi.ROINumber}")
+            for roi in dataset.get("StructureSetROISequence") or []
+        }
+        rois = list(dataset.get("ROIContourSequence") or [])
+    made: list[Label] = []
+    left_out: list[str] = []
+    for done, roi in enumerate(rois):
+        progress(f"filling {len(rois)} structures", done / len(rois))
+        name = names.get(int(roi.ReferencedROINumber), f"structure {roi.ReferencedROINumber}")
+        polygons = _polygons(roi)
+        mask = filled(f"structure {name!r} of {path}", polygons, volume) if polygons else None
+        if mask is None or not mask.any():
+            left_out.append(name)
+        else:
+            made.append(Label(volume.segment(mask, name=name), _colour(roi)))
+    said = (f"no closed contours on the scan: {', '.join(left_out)}",) if left_out else ()
+    return Labels(tuple(made), said)
+
+
+def _polygons(roi: Dataset) -> list[Polygon]:
+    return [
+        np.array(contour.ContourData, float).reshape(-1, 3)
+        for contour in roi.get("ContourSequence") or []
+        if contour.get("ContourGeometricType") in CLOSED and len(contour.ContourData) >= 9
+    ]
+
+
+def _colour(roi: Dataset) -> Colour | None:
+    told = roi.get("ROIDisplayColor")
+    if told is None or len(told) != 3:
+        return None
+    red, green, blue = (min(255.0, max(0.0, float(part))) / 255.0 for part in told)
+    return red, green, blue
+
+
+def filled(what: str, polygons: list[Polygon], volume: Volume) -> NDArray[np.uint8]:
+    """Returns 1 for the voxels whose middles contours enclose, shape as the scan's.
+
+    Raises:
+        OptionError: A contour lies in no plane of the scan's voxels.
+    """
+    index_from_patient = np.linalg.inv(volume.patient_from_grid)
+    placed = [
+        corners @ index_from_patient[:3, :3].T + index_from_patient[:3, 3] - 0.5
+        for corners in polygons
+    ]
+    # the axis along which each contour is flat
+    extents = np.array([np.ptp(corners, axis=0) for corners in placed])
+    axis = int(np.argmin(extents.max(axis=0)))
+    if extents[:, axis].max() > FLAT:
+        raise OptionError(
+            f"{what} has contours that lie across the scan's slices; allowed: contours drawn on "
+            "slices of the scan"
+        )
+    heights = np.array([corners[:, axis].mean() for corners in placed])
+    planes, of_plane = np.unique(np.round(heights, 2), return_inverse=True)
+
+    # the array's axes come the other way around
+    mask = np.zeros(volume.shape, np.uint8)
+    slices = np.moveaxis(mask, 2 - axis, 0)
+    rest = [other for other in (0, 1, 2) if other != axis]
+    reach = 0.5 * max(1.0, float(np.median(np.diff(planes))) if len(planes) > 1 else 1.0)
+    done: dict[int, NDArray[np.uint8]] = {}
+    for number in range(len(slices)):
+        nearest = int(np.argmin(np.abs(planes - number)))
+        # half-way between two planes belongs to both: the first counts
+        if abs(planes[nearest] - number) > reach + 1e-6:
+            continue
+        if nearest not in done:
+            here = [placed[one][:, rest] for one in np.flatnonzero(of_plane == nearest)]
+            done = {nearest: _filled_slice(here, slices.shape[1:])}
+        slices[number] = done[nearest]
+    return mask
+
+
+def _filled_slice(polygons: list[Polygon], shape: tuple[int, ...]) -> NDArray[np.uint8]:
+    """Fills polygons of (x, y) by the even-odd rule, shape [rows, columns]."""
+    rows, columns = shape
+    toggles = np.zeros((rows, columns + 1), np.uint8)
+    for corners in polygons:
+        x0, y0 = corners.T
+        x1, y1 = np.roll(corners, -1, axis=0).T
+        # rows whose middles each edge passes: its lower end counts, its upper does not
+        first = np.clip(np.ceil(np.minimum(y0, y1)), 0, rows).astype(int)
+        count = np.clip(np.ceil(np.maximum(y0, y1)), 0, rows).astype(int) - first
+        edge = np.repeat(np.arange(len(corners)), count)
+        crossed = first[edge] + np.arange(len(edge)) - (np.cumsum(count) - count)[edge]
+        share = (crossed - y0[edge]) / (y1 - y0)[edge]
+        crossings = x0[edge] + share * (x1 - x0)[edge]
+        # the first column whose middle lies beyond
+        beyond = np.clip(np.ceil(crossings), 0, columns).astype(int)
+        np.bitwise_xor.at(toggles, (crossed, beyond), 1)
+    inside: NDArray[np.uint8] = np.bitwise_xor.accumulate(toggles, axis=1)[:, :columns]
+    return inside

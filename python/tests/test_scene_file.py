@@ -1,0 +1,203 @@
+"""Scene files: what comes back from one, and what is refused."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import SimpleITK
+from palpate.errors import SceneFormatError
+from palpate.io import read
+from palpate.journal import Journal
+from palpate.material import Material
+from palpate.scene import Scene
+from palpate.scene_file import kept_changes, open_scene, save_scene
+from palpate.session import Session, SessionOptions
+from palpate.volume import Volume
+
+STANDING = SessionOptions(real_time=False)
+VIEW = {"camera": {"distance": 300.5}, "layout": "four"}
+
+
+@pytest.fixture
+def scan(tmp_path: Path) -> Path:
+    """A scan of noise, where nothing is like anything else."""
+    values = np.random.default_rng(7).integers(-1000, 2000, (20, 24, 28), np.int16)
+    image = SimpleITK.GetImageFromArray(values)
+    image.SetSpacing((0.7, 0.8, 2.5))
+    path = tmp_path / "scans" / "noise.mha"
+    path.parent.mkdir()
+    SimpleITK.WriteImage(image, str(path))
+    return path
+
+
+def edited(volume: Volume) -> Session:
+    """A session with a threshold, a mask, a moved object, edits and materials."""
+    scene = Scene(volume, [volume.threshold(500.0, name="hard")])
+    session = Session(scene, options=STANDING)
+    mask = np.zeros(volume.shape, np.uint8)
+    mask[4:9, 5:12, 6:14] = 1
+    box = session.add_segment(volume.segment(mask, name="box"))
+    session.fill_box(box, low=(7, 6, 5), high=(9, 8, 7), solid=False)
+    pose = np.eye(4)
+    pose[:3, 3] = (1.0, 2.0, 3.0)
+    session.move_segment(box, pose)
+    session.set_feel(box, stiffness=0.5)
+    session.set_touchable(box, touchable=False)
+    session.set_material(box, Material(young=5000.0, poisson=0.4, density=1000.0))
+    session.set_material(1, "liver")
+    session.set_deformation("lattice", edge=11)
+    return session
+
+
+def state(session: Session) -> list[dict[str, Any]]:
+    """What is known of segments, and their voxels."""
+    known = ("id", "voxels", "touchable", "range", "made_by", "feel", "pose", "material")
+    return [
+        {name: each[name] for name in known} | {"mask": session.segment(each["id"]).mask().tolist()}
+        for each in session.segments()
+    ]
+
+
+def same(one: Any, other: Any) -> bool:
+    """Whether two things are equal; arrays by their elements."""
+    return repr(one) == repr(other)
+
+
+@pytest.mark.parametrize("copy", [False, True], ids=["linked", "copied"])
+def test_a_scene_comes_back_as_it_was(scan: Path, tmp_path: Path, *, copy: bool) -> None:
+    path = tmp_path / "scene.palpate"
+    looks = b'[{"id": 1}]'
+    with edited(read(scan, unit="HU")) as session:
+        session.run(0.01)
+        save_scene(path, session, looks=looks, view=VIEW, copy=copy)
+        before, model = state(session), session.deformation()
+        assert session.undo()
+    if copy:
+        shutil.rmtree(scan.parent)
+    saved = open_scene(path)
+    assert (saved.volume.name, saved.volume.unit) == ("noise", "HU")
+    assert saved.view == VIEW
+    assert json.loads(saved.looks) == json.loads(looks)
+    with Session(Scene(saved.volume), options=STANDING) as session:
+        saved.restore(session)
+        session.run(0.01)
+        assert same(state(session), before)
+        assert session.deformation()["model"] == model["model"] == "lattice"
+        assert session.deformation()["edge"] == 11
+        # what was done before it was saved is what there is
+        assert not session.frame()["can_undo"]
+
+
+def test_a_scene_is_found_when_it_moves_with_its_scan(scan: Path, tmp_path: Path) -> None:
+    with Session(Scene(read(scan)), options=STANDING) as session:
+        save_scene(scan.parent / "scene.palpate", session)
+    moved = tmp_path / "elsewhere"
+    scan.parent.rename(moved)
+    assert open_scene(moved / "scene.palpate").volume.name == "noise"
+    (moved / "noise.mha").unlink()
+    with pytest.raises(SceneFormatError, match=r"'noise' is not there any more.*allowed: put it"):
+        open_scene(moved / "scene.palpate")
+
+
+def test_a_scan_that_is_another_one_by_now_is_refused(scan: Path, tmp_path: Path) -> None:
+    path = tmp_path / "scene.palpate"
+    with Session(Scene(read(scan)), options=STANDING) as session:
+        save_scene(path, session)
+    image = SimpleITK.ReadImage(str(scan))
+    image[3, 4, 5] = image[3, 4, 5] + 1
+    SimpleITK.WriteImage(image, str(scan))
+    with pytest.raises(SceneFormatError, match="is not as it was when the scene was saved"):
+        open_scene(path)
+
+
+def test_a_scene_that_cannot_be_written_leaves_the_one_before(
+    scan: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "scene.palpate"
+    with Session(Scene(read(scan)), options=STANDING) as session:
+        save_scene(path, session)
+        before = path.read_bytes()
+
+        def full(*_: object, **__: object) -> None:
+            raise OSError(28, "No space left on device")
+
+        monkeypatch.setattr(zipfile.ZipFile, "write", full)
+        with pytest.raises(OSError, match="No space left"):
+            save_scene(path, session)
+    assert path.read_bytes() == before
+    assert sorted(each.name for each in tmp_path.iterdir()) == ["scans", "scene.palpate"]
+
+
+def test_no_damage_goes_unseen(scan: Path, tmp_path: Path) -> None:
+    path, damaged = tmp_path / "scene.palpate", tmp_path / "damaged.palpate"
+    with edited(read(scan)) as session:
+        save_scene(path, session, copy=True)
+    whole = path.read_bytes()
+    # every so many-th byte flipped, and the file cut there
+    for place in range(0, len(whole), 997):
+        flipped = bytearray(whole)
+        flipped[place] ^= 0x55
+        for given in (bytes(flipped), whole[:place]):
+            damaged.write_bytes(given)
+            try:
+                saved = open_scene(damaged)
+                with Session(Scene(saved.volume), options=STANDING) as session:
+                    saved.restore(session)
+                    # a byte that nobody reads, such as a date
+                    assert len(session.segments()) == 2
+            except SceneFormatError as error:
+                assert "damaged.palpate" in str(error)  # noqa: PT017
+
+
+def rewritten(path: Path, change: Callable[[dict[str, Any]], None]) -> None:
+    """Changes what a scene's file says of itself."""
+    with zipfile.ZipFile(path) as archive:
+        members = {name: archive.read(name) for name in archive.namelist()}
+    about = json.loads(members["scene.json"])
+    change(about)
+    members["scene.json"] = json.dumps(about).encode()
+    with zipfile.ZipFile(path, "w") as archive:
+        for name, content in members.items():
+            archive.writestr(name, content)
+
+
+@pytest.mark.parametrize(
+    ("change", "reason"),
+    [
+        (lambda about: about.update(format="palpate-scene-9"), "allowed: 'palpate-scene-1'"),
+        (lambda about: about.update(scan=3), "cannot be read"),
+        (lambda about: about["scan"]["grid"].update(dimensions=[9, 9, 9]), "scan.i16 is damaged"),
+        (lambda about: about["scan"]["grid"].update(spacing=[0, 1, 1]), "spacing"),
+        (lambda about: about["scan"].update(hash="00"), "is not as it was"),
+    ],
+)
+def test_what_a_scene_says_of_itself_is_checked(
+    scan: Path, tmp_path: Path, change: Callable[[dict[str, Any]], None], reason: str
+) -> None:
+    path = tmp_path / "scene.palpate"
+    with Session(Scene(read(scan)), options=STANDING) as session:
+        save_scene(path, session, copy=True)
+    rewritten(path, change)
+    with pytest.raises(SceneFormatError, match=reason):
+        open_scene(path)
+
+
+def test_a_damaged_scene_names_what_is_kept_of_its_scan(scan: Path, tmp_path: Path) -> None:
+    path = tmp_path / "scene.palpate"
+    with Session(Scene(read(scan)), options=STANDING) as session:
+        save_scene(path, session)
+        assert kept_changes(path) is None
+        journal = Journal(session, tell=lambda _: None)
+        journal.start()
+        found = kept_changes(path)
+        session.stop()
+        journal.close()
+    assert found is not None
+    assert found[0] == str(scan)

@@ -1,0 +1,69 @@
+"""Scenes that are saved on the page and opened again, in a real browser on a real scan."""
+
+from __future__ import annotations
+
+import subprocess
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+import pytest
+from browser import ROOT, TOOL, Browser, browser, palpate
+
+pytestmark = [pytest.mark.browser, pytest.mark.data]
+
+OUTPUT = ROOT / "tests" / "output"
+SIZE = {"width": 1000, "height": 700}
+
+
+@contextmanager
+def opened(path: Path, *options: str) -> Iterator[Browser]:
+    """A file on a page of a browser that has never been here."""
+    with palpate("open", path, *options) as command, browser() as page:
+        assert page.do("open", url=command.url, **SIZE)["firstPicture"] is not None
+        yield page
+        assert page.complaints == []
+
+
+@pytest.mark.parametrize("with_scan", [False, True], ids=["linked", "with its scan"])
+def test_a_saved_scene_looks_the_same_when_it_is_opened(
+    data_folder: Path, tmp_path: Path, *, with_scan: bool
+) -> None:
+    scan = data_folder / "cthead_stanford" / "CThead.mha"
+    saved = tmp_path / "head.palpate"
+    with opened(scan, "--threshold", "1350") as page:
+        page.read("window.palpate.setView('R')")
+        page.do("wheel", y=-300)
+        page.do("drag", x=60, y=20)
+        page.do("press", key="l")
+        page.read("window.palpate.cross([100, 90, 120])")
+        if with_scan:
+            page.do("click", testid="scene-with-scan")
+        # an edit, so that the segment is no threshold any more
+        page.read("window.palpate.place([127, 1, 150])")
+        page.all_done()
+        before = page.picture(OUTPUT / "scene_saved.png")
+        camera, crosshair = (
+            page.read("window.palpate.camera"),
+            page.read("window.palpate.crosshair"),
+        )
+        slices = page.read("window.palpate.slices")
+        page.do("download", testid="save-scene", path=str(saved))
+    assert (saved.stat().st_size > 5_000_000) == with_scan
+    with opened(saved) as page:
+        assert page.read("window.palpate.camera") == camera
+        page.wait(f"Math.hypot(...window.palpate.crosshair.map((c, i) => c - {crosshair}[i])) < 1")
+        assert len(page.read("window.palpate.slices")) == len(slices) > 0
+        after = page.picture(OUTPUT / "scene_opened.png")
+        # the probe stands elsewhere: nothing else has changed
+        assert np.mean(np.abs(after - before).max(axis=-1) > 0.05) < 0.02
+
+
+def test_a_damaged_scene_is_refused(tmp_path: Path) -> None:
+    wrong = tmp_path / "wrong.palpate"
+    wrong.write_bytes(b"PK no zip")
+    ended = subprocess.run([*TOOL, "open", wrong], capture_output=True, text=True, check=False)
+    assert ended.returncode == 2
+    assert "is no scene file, or a damaged one" in ended.stderr
+    assert ended.stderr.count("\n") == 1

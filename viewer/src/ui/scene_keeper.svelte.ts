@@ -1,0 +1,93 @@
+/**
+ * Saves the scene with the view that this page has of it, and takes the view of one that was opened.
+ */
+import { saneCamera } from "../core/camera";
+import type { Scan } from "../core/protocol";
+import { isPoint } from "../core/vector";
+import { apiAddress } from "../live/connection";
+import { bring, keptOf, recall, remember } from "./remembered";
+import type { Session } from "./session.svelte";
+import type { Stage } from "./stage.svelte";
+
+export class SceneKeeper {
+  saving = $state.raw(false);
+  /** The scan goes into the file, which then stands alone. */
+  withScan = $state.raw(recall("scene", { withScan: false }).withScan);
+
+  /** The view of the opened scene was asked for: a page takes it once. */
+  private asked = false;
+
+  constructor(
+    private readonly session: Session,
+    private readonly stage: Stage,
+    private readonly token: string,
+  ) {}
+
+  chooseWithScan(on: boolean): void {
+    this.withScan = on;
+    remember("scene", { withScan: on });
+  }
+
+  /** Has the engine make the scene's file, and the browser keep it. */
+  async save(): Promise<void> {
+    const { scan } = this.session;
+    if (scan === null || this.saving) {
+      return;
+    }
+    this.saving = true;
+    try {
+      const { camera, slices } = this.stage;
+      const view = { camera, crosshair: slices.crosshair, remembered: keptOf(scan.name) };
+      const answer = await fetch(apiAddress("/api/scene", this.token), {
+        method: "POST",
+        body: JSON.stringify({ view, copy: this.withScan }),
+      });
+      if (!answer.ok) {
+        throw new Error(await answer.text());
+      }
+      const name = /filename="([^"]+)"/.exec(answer.headers.get("content-disposition") ?? "")?.[1];
+      download(await answer.blob(), name ?? "scene.palpate");
+    } catch (error) {
+      const reason = error instanceof Error ? error.message : String(error);
+      this.session.notify("error", `The scene was not saved: ${reason}`);
+    } finally {
+      this.saving = false;
+    }
+  }
+
+  /** Opens a scan, the first time as the scene that was opened has it. */
+  async open(scan: Scan): Promise<void> {
+    const view = await this.view();
+    bring(scan.name, view["remembered"]);
+    await this.stage.open(scan);
+    const camera = saneCamera(view["camera"]);
+    if (camera !== null) {
+      this.stage.camera = camera;
+    }
+    const crosshair = view["crosshair"];
+    if (isPoint(crosshair)) {
+      this.stage.slices.goTo(crosshair);
+    }
+  }
+
+  private async view(): Promise<Record<string, unknown>> {
+    if (this.asked) {
+      return {};
+    }
+    this.asked = true;
+    const answer = await fetch(apiAddress("/api/view", this.token));
+    const told: unknown = answer.status === 200 ? await answer.json() : {};
+    return typeof told === "object" && told !== null ? { ...told } : {};
+  }
+}
+
+function download(content: Blob, name: string): void {
+  const link = document.createElement("a");
+  link.href = URL.createObjectURL(content);
+  link.download = name;
+  link.click();
+  // the browser has taken it up by then
+  setTimeout(() => {
+    URL.revokeObjectURL(link.href);
+  }, 60_000);
+}
