@@ -141,3 +141,66 @@ def test_alt_drag_changes_window_and_level_in_the_picture(opened: Opened) -> Non
     page.do("altDrag", x=60, y=0)
     page.shows("picture-window-value", f"text !== '{before}'")
     assert page.read("window.palpate.camera") == camera
+
+
+@pytest.mark.data
+def test_a_preset_its_points_and_an_imported_one_change_the_picture(opened: Opened) -> None:
+    page = opened.page
+    page.do("choose", testid="blend", value="composite")
+    pictures = {}
+    for name in ("CT-Lung", "CT-Muscle"):
+        page.do("click", testid="preset")
+        page.do("click", testid=f"preset-{name}")
+        page.shows("preset", f"text === '{name}'")
+        pictures[name] = page.picture(OUTPUT / f"{name}.png")
+    assert np.abs(pictures["CT-Lung"] - pictures["CT-Muscle"]).mean() > 0.03
+
+    # a point is dragged, then moved with a key; both are taken back
+    page.do("clickText", text="Curve")
+    point = "document.querySelector('[data-testid=opacity-point-2]')"
+    before = page.read(f"{point}.ariaValueText")
+    page.read(f"void {point}.scrollIntoView({{ block: 'center' }})")
+    page.do("dragElement", testid="opacity-point-2", y=-25)
+    page.shows("preset", "text === 'CT-Muscle *'")
+    dragged = page.read(f"{point}.ariaValueText")
+    assert dragged != before
+    page.do("press", key="ArrowRight")
+    page.wait(f"{point}.ariaValueText !== '{dragged}'")
+    page.do("press", key="Control+z")
+    page.wait(f"{point}.ariaValueText === '{dragged}'")
+    page.do("clickText", text="Undo the curve")
+    page.shows("preset", "text === 'CT-Muscle'")
+    assert page.read(f"{point}.ariaValueText") == before
+
+    def paste(text: str) -> None:
+        page.read(
+            "(() => { const field = document.querySelector('[data-testid=preset-text]');"
+            f" field.value = {text!r};"
+            " field.dispatchEvent(new Event('input', { bubbles: true })); })()"
+        )
+        page.do("click", testid="preset-import")
+
+    page.do("clickText", text="Import a preset")
+    paste('<VolumeProperty name="Knee" scalarOpacity="4 0 0 9" colorTransfer="" />')
+    assert "scalar opacity function says 4 numbers and has 3" in page.text("preset-complaint")
+    paste(
+        '<VolumeProperty name="Knee" scalarOpacity="6 -900 0 -200 0.2 400 1"'
+        ' colorTransfer="8 -900 0 0 1 400 0 1 0" />'
+    )
+    page.shows("preset", "text === 'Knee'")
+    knee = page.picture(OUTPUT / "imported.png")
+    assert np.abs(knee - pictures["CT-Muscle"]).mean() > 0.03
+    assert not page.complaints
+
+
+@pytest.mark.data
+def test_a_segment_is_a_body_or_tissue_inside_the_volume(opened: Opened) -> None:
+    page = opened.page
+    page.do("choose", testid="blend", value="shaded")
+    pictures = []
+    for mode in ("solid", "tinted", "plain"):
+        page.read(f"document.querySelector('[data-testid=inside-{mode}]').click()")
+        pictures.append(page.picture(OUTPUT / f"inside_{mode}.png"))
+    solid, tinted, plain = pictures
+    assert np.abs(solid - plain).mean() > 0.005
+    assert np.abs(tinted - plain).mean() > 0.002

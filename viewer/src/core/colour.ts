@@ -9,6 +9,11 @@ export function linearFromSrgb(colour: Vec3): Vec3 {
   return [convert(colour[0]), convert(colour[1]), convert(colour[2])];
 }
 
+export function srgbFromLinear(colour: Vec3): Vec3 {
+  const convert = (c: number): number => (c <= 0.0031308 ? 12.92 * c : 1.055 * c ** (1 / 2.4) - 0.055);
+  return [convert(colour[0]), convert(colour[1]), convert(colour[2])];
+}
+
 /** sRGB 0..1 from "#rrggbb". */
 export function srgbFromHex(hex: string): Vec3 {
   if (!/^#[0-9a-f]{6}$/i.test(hex)) {

@@ -17,7 +17,7 @@ export interface Drawn {
 /** What a look draws. */
 export function drawnBy(look: Look, rescale: Rescale): Drawn {
   const { optics, ranges, transferFunction } = look;
-  const solids = drawsSolids(optics.blend) ? ranges.filter(({ visible }) => visible) : [];
+  const solids = drawsSolids(optics.blend) ? ranges.filter(({ tinted, visible }) => visible && tinted !== true) : [];
   if (usesTransferFunction(optics.blend)) {
     return new DrawnValues(transferFunction, rescale, solids.map(({ low, high }) => [low, high]));
   }

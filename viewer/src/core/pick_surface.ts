@@ -123,7 +123,7 @@ function segmentAt(look: Look, also: AlsoDrawn, grid: Vec3, biased: number): Ret
 function extinctionAt(volume: ScanVolume, look: Look, grid: Vec3, biased: number): number {
   const value = physical(biased, volume.frame.rescale);
   const { extinction } = sample(look.transferFunction.points, value);
-  return extinction > 0 ? extinction * edgeFactor(gradientMagnitude(volume, grid), look.edgeGradient) : 0;
+  return extinction > 0 ? extinction * edgeFactor(gradientMagnitude(volume, grid), look.edgeGradient, look.lighting.edges) : 0;
 }
 
 /** Where a ray is inside the box from 0 to `size`; null where it passes by. */

@@ -20,7 +20,16 @@ export interface ShownRange {
   readonly visible: boolean;
   /** Its id where it was edited: then the labels decide too; else 0. */
   readonly label: number;
+  /** Where visible: tissue in its colour, and no solid body. */
+  readonly tinted?: boolean;
 }
+
+/** How a visible segment's voxels look inside the volume: a body, tissue in its colour, or as the scan. */
+export const insideModes = ["solid", "tinted", "plain"] as const;
+export type InsideMode = (typeof insideModes)[number];
+
+/** The mode of each segment by its id; solid where nothing is told. */
+export type InsideModes = Readonly<Partial<Record<number, InsideMode>>>;
 
 /** Segments whose values can tell of them at once. In sync with `gl/shaders/segments.glsl`. */
 export const mostRanges = 16;
@@ -108,6 +117,13 @@ export function shownRanges(
     const label = segment.range === null ? id : 0;
     return [{ id, low, high, colour: linearFromSrgb(colour), visible: drawn(segment), label }];
   });
+}
+
+/** Ranges as the volume shows them: without those that look as the scan does. */
+export function rangesInside(ranges: readonly ShownRange[], modes: InsideModes): ShownRange[] {
+  return ranges
+    .filter(({ id, visible }) => !visible || modes[id] !== "plain")
+    .map((range) => (range.visible && modes[range.id] === "tinted" ? { ...range, tinted: true } : range));
 }
 
 /** The segment that is just a threshold that a value belongs to: a visible one if any, else a hidden one, else none. */

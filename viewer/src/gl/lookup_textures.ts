@@ -5,7 +5,7 @@
 import * as THREE from "three";
 import { linearFromSrgb } from "../core/colour";
 import type { Segment } from "../core/protocol";
-import { drawnFromVoxels, shownByValue } from "../core/shown_segments";
+import { drawnFromVoxels, shownByValue, type InsideMode, type InsideModes } from "../core/shown_segments";
 import { bakeTransferFunction, integrateRow, type TransferFunction } from "../core/transfer_function";
 import type { Vec3 } from "../core/vector";
 
@@ -41,18 +41,22 @@ export function byteTexture(bytes: Uint8Array, dimensions: Vec3): THREE.Data3DTe
   return texture;
 }
 
+const alphaOf: Readonly<Record<InsideMode, number>> = { solid: 1, tinted: 0.75, plain: 0 };
+
 /**
- * Linear colour by segment id; alpha 1 where its voxels are `drawn`, 0.5 where its surface stands for
+ * Linear colour by segment id; alpha 1 where its voxels are `drawn` as a body, 0.75 as tissue in its colour, 0.5 where its surface stands for
  * them, 0 where its values tell where it is.
  */
 export function labelColours(
   segments: readonly Segment[],
   drawn: (segment: Segment) => boolean = drawnFromVoxels,
+  modes: InsideModes = {},
 ): THREE.DataTexture {
   const row = new Float32Array(4 * 256);
   const byValue = new Set(shownByValue(segments).map(({ id }) => id));
   for (const segment of segments) {
-    const alpha = byValue.has(segment.id) ? 0 : drawn(segment) ? 1 : segment.visible ? 0.5 : 0;
+    const told = drawn(segment) ? alphaOf[modes[segment.id] ?? "solid"] : segment.visible ? 0.5 : 0;
+    const alpha = byValue.has(segment.id) ? 0 : told;
     row.set([...linearFromSrgb(segment.colour), alpha], 4 * segment.id);
   }
   const texture = new THREE.DataTexture(row, 256, 1, THREE.RGBAFormat, THREE.FloatType);

@@ -6,9 +6,6 @@ import { mostRanges } from "../core/shown_segments";
 import type { Vec3 } from "../core/vector";
 import type { DisplacedTexture } from "./displaced_texture";
 
-/** Planes that can cut the scan at once. In sync with `shaders/ray.glsl`. */
-export const mostCuts = 12;
-
 const vector = (v: Vec3 = [0, 0, 0]): THREE.Vector3 => new THREE.Vector3(...v);
 
 // its type is what it returns: written out it would be the same list again
@@ -30,6 +27,7 @@ export function marchUniforms() {
     labelColours: { value: null as THREE.Texture | null },
     keyDirection: { value: vector() },
     upDirection: { value: vector() },
+    material: { value: new THREE.Vector4(1, 1, 1, 1) },
     pictureSize: { value: new THREE.Vector2() },
     shift: { value: vector() },
     eye: { value: vector() },
@@ -40,8 +38,6 @@ export function marchUniforms() {
     stepLength: { value: 1 },
     jitter: { value: 1 },
     slab: { value: new THREE.Vector2() },
-    cutPlanes: { value: Array.from({ length: mostCuts }, () => new THREE.Vector4()) },
-    cutCount: { value: 0 },
     transferTexture: { value: null as THREE.Texture | null },
     integralTexture: { value: null as THREE.Texture | null },
     transferScale: { value: new THREE.Vector2() },
@@ -71,4 +67,5 @@ export type FieldUniform =
   | "spacing"
   | "slope"
   | "labelTexture"
+  | "material"
   | keyof DisplacedTexture["uniforms"];

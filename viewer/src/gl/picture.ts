@@ -11,6 +11,7 @@ import { isGrey } from "../core/optics";
 import type { Rect } from "../core/picture_layout";
 import type { MovedPose, Segment } from "../core/protocol";
 import type { ScanVolume } from "../core/scan_volume";
+import { drawnFromVoxels, type InsideModes } from "../core/shown_segments";
 import type { SurfaceChange } from "../core/surface_patches";
 import type { Box, LabelVolume } from "../core/voxel_change";
 import { Compositor } from "./compositor";
@@ -130,9 +131,9 @@ export class Picture {
   }
 
   /** How segments are shown, from their voxels and as surfaces. */
-  setSegments(segments: readonly Segment[]): void {
+  setSegments(segments: readonly Segment[], modes: InsideModes = {}): void {
     this.colours?.dispose();
-    this.colours = labelColours(segments);
+    this.colours = labelColours(segments, drawnFromVoxels, modes);
     this.marcher.setLabelColours(this.colours);
     this.surfaces.setSegments(segments);
     this.slices.setSegments(segments);

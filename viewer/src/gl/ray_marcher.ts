@@ -8,7 +8,7 @@ import { brickEdge, type BrickRanges } from "../core/bricks";
 import { clipPlanes, eyeOf, type Camera, type Extent } from "../core/camera";
 import type { Displaced } from "../core/displaced";
 import { drawnBy } from "../core/drawn_values";
-import { flatShare, type Look } from "../core/look";
+import type { Look } from "../core/look";
 import { blends, greyOf, type Blend, type Optics } from "../core/optics";
 import { smallestSpacing, type ScanFrame } from "../core/scan_volume";
 import { mostRanges } from "../core/shown_segments";
@@ -93,7 +93,9 @@ export class RayMarcher {
     const { rescale } = this.frame;
     const { optics } = look;
     this.setTransferFunction(look.transferFunction, rescale);
-    u.edge.value.set(look.edgeGradient, flatShare);
+    const { ambient, diffuse, specular, shininess, edges } = look.lighting;
+    u.edge.value.set(look.edgeGradient, 1 - edges);
+    u.material.value.set(ambient, diffuse, specular, shininess);
     u.density.value = optics.density;
     u.grey.value.set(...greyScale(optics, rescale));
     u.tissueFrom.value = greyOf(optics.tissueFrom, optics.window);
@@ -102,7 +104,7 @@ export class RayMarcher {
     const ranges = look.ranges.slice(0, mostRanges);
     u.rangeCount.value = ranges.length;
     ranges.forEach((range, i) => {
-      u.rangeBounds.value[i]?.set(range.low, range.high, range.visible ? 2 : 0, range.label);
+      u.rangeBounds.value[i]?.set(range.low, range.high, range.visible ? (range.tinted === true ? 1 : 2) : 0, range.label);
       u.rangeColours.value[i]?.set(...range.colour);
     });
     this.empty.setDrawn(drawnBy(look, rescale));

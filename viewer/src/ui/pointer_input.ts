@@ -105,7 +105,9 @@ export class PointerInput {
 
   private release(event: PointerEvent): void {
     const { camera, cutting, viewport } = this.stage;
-    if (this.drag === "tool") {
+    if (this.drag === "look") {
+      this.stage.looks.drawn();
+    } else if (this.drag === "tool") {
       this.tool.release();
     } else if (this.drag === "cut" && camera !== null) {
       cutting.finish(camera, viewport);

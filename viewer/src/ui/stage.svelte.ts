@@ -29,7 +29,7 @@ import { surfaceCrossings } from "../core/pick_patches";
 import { pickSurface, type Picked } from "../core/pick_surface";
 import type { Scan, Segment, State } from "../core/protocol";
 import { frameOf, type ScanVolume } from "../core/scan_volume";
-import { drawnAsSurface, drawnFromVoxels, drawnKey, LastRanges, showable, shownRanges } from "../core/shown_segments";
+import { drawnAsSurface, drawnFromVoxels, drawnKey, LastRanges, rangesInside, showable, shownRanges } from "../core/shown_segments";
 import { toolColours } from "../core/tools";
 import { biasedRange } from "../core/stored_values";
 import { subsamplingStep } from "../core/subsampling";
@@ -248,7 +248,7 @@ export class Stage {
 
   /** Hands colours, poses and surfaces' looks to the picture. */
   applySegments(segments: readonly Segment[]): void {
-    this.picture?.setSegments(segments);
+    this.picture?.setSegments(segments, this.looks.inside);
   }
 
   /** Shows the segments that are no threshold; `version` tells when their voxels have changed. */
@@ -266,7 +266,8 @@ export class Stage {
     if (scan === null || parts === null) {
       return null;
     }
-    const look = { ...parts, ranges: shownRanges(this.segments, scan) };
+    const ranges = rangesInside(shownRanges(this.segments, scan), this.looks.inside);
+    const look = { ...parts, ranges };
     return this.sameLook.of(look, JSON.stringify(look));
   });
 
@@ -324,10 +325,11 @@ export class Stage {
     const labelAt = (grid: Vec3): { readonly id: number; readonly visible: boolean } | null => {
       const label = edits.labelAt(grid, volume.step);
       const segment = segments.find(({ id, range }) => id === label && range === null);
-      return segment === undefined ? null : { id: label, visible: drawnFromVoxels(segment) };
+      const solid = segment !== undefined && (this.looks.inside[label] ?? "solid") === "solid";
+      return segment === undefined || (!solid && drawnFromVoxels(segment)) ? null : { id: label, visible: drawnFromVoxels(segment) };
     };
     // an edited threshold is where its labels are
-    const ranges = look.ranges.filter((range) => range.label === 0);
+    const ranges = look.ranges.filter((range) => range.label === 0 && range.tinted !== true);
     return pickSurface(volume, { ...look, ranges }, ray, { crossings: surfaceCrossings(surfaces, ray), labelAt });
   }
 
@@ -405,7 +407,7 @@ export class Stage {
       picture.setScan(volume, bricks);
       this.applyLook(this.look);
       this.edits.showAll(picture);
-      picture.setSegments(this.segments);
+      picture.setSegments(this.segments, this.looks.inside);
     }
   }
 

@@ -1,7 +1,7 @@
 import { expect, test } from "vitest";
 import { DrawnValues, drawnBy } from "../../src/core/drawn_values";
 import { valueAbove } from "../../src/core/histogram";
-import type { Look } from "../../src/core/look";
+import { firstLighting, type Look } from "../../src/core/look";
 import { firstChoice, greyOf, opticsOf, shadedOptics, type Optics } from "../../src/core/optics";
 import { pickSurface } from "../../src/core/pick_surface";
 import { scanOf, volumeOf } from "./volumes";
@@ -12,7 +12,7 @@ const clear = { value: 0, colour: [1, 1, 1], extinction: 0 } as const;
 
 function lookOf(optics: Partial<Optics>): Look {
   const transferFunction = { points: [clear, { ...clear, value: 100 }] };
-  return { transferFunction, ranges: [], edgeGradient: 40, optics: { ...shadedOptics, ...optics } };
+  return { transferFunction, ranges: [], edgeGradient: 40, lighting: firstLighting, optics: { ...shadedOptics, ...optics } };
 }
 
 test("each mode keeps its own window, slab and density", () => {

@@ -1,5 +1,6 @@
 import { expect, test } from "vitest";
 import { shifted, turned, unmoved } from "../../src/core/object_pose";
+import { firstLighting } from "../../src/core/look";
 import { shadedOptics } from "../../src/core/optics";
 import { surfaceCrossings, throughTriangle, type DrawnSurface } from "../../src/core/pick_patches";
 import { pickSurface } from "../../src/core/pick_surface";
@@ -57,6 +58,7 @@ const look = {
   transferFunction: transferFunctionOf(defaultAppearance({ softTissue: 40, bone: 250 })),
   ranges: shownRanges([segment], scan),
   edgeGradient: 40,
+  lighting: firstLighting,
   optics: shadedOptics,
 };
 

@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 import { defaultAppearance, transferFunctionOf } from "../../src/core/appearance";
-import type { Look } from "../../src/core/look";
+import { firstLighting, type Look } from "../../src/core/look";
 import { shadedOptics } from "../../src/core/optics";
 import { pickSurface } from "../../src/core/pick_surface";
 import { shownRanges } from "../../src/core/shown_segments";
@@ -22,6 +22,7 @@ function look(visible: boolean): Look {
     transferFunction: transferFunctionOf({ ...defaultAppearance({ softTissue: 40, bone: 250 }), softTissue: 0 }),
     ranges: shownRanges([{ ...segment, visible }], scan),
     edgeGradient: 40,
+    lighting: firstLighting,
     optics: shadedOptics,
   };
 }

@@ -7,7 +7,7 @@ import { transformPoint, transformVector } from "../../src/core/affine";
 import { rayThrough } from "../../src/core/camera";
 import { linearFromSrgb } from "../../src/core/colour";
 import { biasedAt } from "../../src/core/field";
-import { flatShare } from "../../src/core/look";
+import { flatShare, type Lighting } from "../../src/core/look";
 import { blends, greyOf, shadedOptics, type GreyBlend } from "../../src/core/optics";
 import { throughBox } from "../../src/core/pick_surface";
 import { frameOf, type ScanVolume } from "../../src/core/scan_volume";
@@ -211,6 +211,37 @@ test("an iso-surface is the analytic picture of a lit sphere", async () => {
   });
   expect(expected.filter((value) => value > 0.999).length).toBeGreaterThan(1000);
   expectAlike(drawn, expected, 0.995);
+});
+
+test("a tinted segment is tissue in its colour, as opaque as it is without", async () => {
+  const test = { field: "ball", softTissue: 0.3, optics: { blend: "composite" } } as const;
+  const plain = await march(test);
+  const tinted = await march({ ...test, segment: "tinted" });
+  const solid = await march({ ...test, segment: "visible" });
+  const opacity = (result: MarchResult): number => mean(channel(result, 3));
+  expect(opacity(tinted)).toBeCloseTo(opacity(plain), 3);
+  expect(opacity(solid)).toBeGreaterThanOrEqual(opacity(plain));
+  // its colour is green
+  const green = (result: MarchResult): number => mean(channel(result, 1)) - mean(channel(result, 0));
+  expect(green(plain)).toBeLessThan(0);
+  expect(green(tinted)).toBeGreaterThan(0.05);
+});
+
+test("light is the sum of its parts, and boundaries are as strong as they are asked for", async () => {
+  const test = { field: "ball", softTissue: 0.5 } as const;
+  const none = { ambient: 0, diffuse: 0, specular: 0 };
+  const lit = async (lighting: Partial<Lighting>): Promise<number[]> => channel(await march({ ...test, lighting }), 1);
+  const all = await lit({});
+  const parts = [await lit({ ...none, ambient: 1 }), await lit({ ...none, diffuse: 1 }), await lit({ ...none, specular: 1 })];
+  expect(Math.max(...(await lit(none)))).toBeLessThan(1e-3);
+  // half floats of up to 2
+  all.forEach((value, i) => {
+    expect(Math.abs(value - parts.reduce((sum, part) => sum + (part[i] ?? 0), 0))).toBeLessThan(0.005);
+  });
+  const sharp = await lit({ ...none, specular: 1, shininess: 4 });
+  expect(mean(sharp)).toBeLessThan(0.7 * mean(parts[2] ?? []));
+  const opacity = async (edges: number): Promise<number> => mean(channel(await march({ ...test, field: "flat", extinction: 0.02, lighting: { edges } }), 3));
+  expect(await opacity(0)).toBeGreaterThan(5 * (await opacity(0.94)));
 });
 
 test("a slab shows what is inside of it and nothing else", async () => {

@@ -7,7 +7,7 @@ import { brickRanges, labelledBricks, type BrickRanges } from "../../src/core/br
 import { extentOf, lookFrom, type Camera, type Extent } from "../../src/core/camera";
 import type { Letter } from "../../src/core/anatomy";
 import { decodeDisplaced, type Displaced } from "../../src/core/displaced";
-import type { Look } from "../../src/core/look";
+import { firstLighting, type Lighting, type Look } from "../../src/core/look";
 import type { ScanVolume } from "../../src/core/scan_volume";
 import { shadedOptics, type Optics } from "../../src/core/optics";
 import { PathTrail } from "../../src/core/path_trail";
@@ -33,6 +33,7 @@ import { marble } from "./marble";
 export interface MarchTest {
   readonly field: "flat" | "ball" | "label" | "marble";
   readonly optics?: Partial<Optics>;
+  readonly lighting?: Partial<Lighting>;
   readonly spacing: Vec3;
   readonly from: Letter;
   readonly stepsPerVoxel: number;
@@ -45,7 +46,7 @@ export interface MarchTest {
   readonly extinction?: number;
   readonly softTissue?: number;
   /** The ball as a visible or hidden segment; or as a red one around a green one 0.5 mm below. */
-  readonly segment?: "visible" | "hidden" | "nested";
+  readonly segment?: "visible" | "hidden" | "nested" | "tinted";
   /** The segment has labels too, as an edited one: those of its values, without a box in front or not. */
   readonly labels?: "as values" | "with hole" | "without values";
 }
@@ -79,13 +80,14 @@ function lookOf(test: MarchTest): Look {
     ],
   };
   const usual = { ...defaultAppearance({ softTissue: 40, bone: 250 }), softTissue: test.softTissue ?? 0 };
-  const segment = { id: 1, low: 32768, high: 65535, colour: [0, 1, 0] as const, visible: test.segment !== "hidden", label: test.labels === undefined ? 0 : 1 };
+  const segment = { id: 1, low: 32768, high: 65535, colour: [0, 1, 0] as const, visible: test.segment !== "hidden", label: test.labels === undefined ? 0 : 1, tinted: test.segment === "tinted" };
   const nested = [{ ...segment, low: 32968 }, { ...segment, id: 2, colour: [1, 0, 0] as const }];
   const ranges = test.segment === undefined || test.labels === "without values" ? [] : test.segment === "nested" ? nested : [segment];
   return {
     transferFunction: test.extinction === undefined ? transferFunctionOf(usual) : flat,
     ranges,
     edgeGradient: 40,
+    lighting: { ...firstLighting, ...test.lighting },
     optics: { ...shadedOptics, ...test.optics },
   };
 }

@@ -7,8 +7,8 @@ uniform vec3 isoColour;
 bool enclosed(vec3 grid, out int segment) {
   float value = biasedAt(grid);
   segment = segmentAt(grid, value);
-  if (segment == 0 && value * grey.x + grey.y >= 0.0) {
-    segment = isoSegment;
+  if (segment >= 0 && !isSolid(segment)) {
+    segment = value * grey.x + grey.y >= 0.0 ? isoSegment : 0;
   }
   return segment == isoSegment || segment > 0;
 }

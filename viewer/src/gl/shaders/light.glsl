@@ -5,6 +5,8 @@
 
 uniform vec3 keyDirection;
 uniform vec3 upDirection;
+// factors on ambient, diffuse and specular light, and on the sharpness of highlights
+uniform vec4 material;
 
 const vec3 keyColour = vec3(1.06, 1.0, 0.92);
 const vec3 skyColour = vec3(0.36, 0.38, 0.42);
@@ -19,13 +21,13 @@ vec3 litSurface(vec3 colour, vec3 normal, vec3 toEye, float open) {
   float key = max(dot(normal, keyDirection), 0.0);
   float facing = max(dot(normal, toEye), 0.0);
   vec3 halfway = normalize(keyDirection + toEye);
-  float shine = 0.16 * pow(max(dot(normal, halfway), 0.0), 28.0);
+  float shine = 0.16 * material.z * pow(max(dot(normal, halfway), 0.0), 28.0 * material.w);
 
-  vec3 sky = skyAt(normal) * open;
-  vec3 direct = keyColour * (0.82 * key) * mix(0.45, 1.0, open);
+  vec3 sky = material.x * skyAt(normal) * open;
+  vec3 direct = keyColour * (0.82 * material.y * key) * mix(0.45, 1.0, open);
   // light scattered below the surface warms what is turned away and what is covered
   vec3 scattered = vec3(0.10, 0.055, 0.04) * (1.0 - open) + 0.04 * (1.0 - facing);
-  return colour * (sky + direct + scattered) + shine * open;
+  return colour * (sky + direct + material.x * scattered) + shine * open;
 }
 
 // Translucent tissue; `edge` tells how much of a surface it is here, 0..1.
@@ -33,8 +35,9 @@ vec3 litTissue(vec3 colour, vec3 normal, vec3 toEye, float edge) {
   float wrapped = max((dot(normal, keyDirection) + 0.35) / 1.35, 0.0);
   float rim = pow(1.0 - max(dot(normal, toEye), 0.0), 3.0);
   vec3 halfway = normalize(keyDirection + toEye);
-  float shine = 0.22 * pow(max(dot(normal, halfway), 0.0), 36.0);
+  float shine = 0.22 * material.z * pow(max(dot(normal, halfway), 0.0), 36.0 * material.w);
 
-  vec3 surface = colour * (skyAt(normal) + keyColour * (0.85 * wrapped) + 0.18 * rim) + shine;
-  return mix(colour * 0.55, surface, edge);
+  vec3 surface = colour * (material.x * (skyAt(normal) + 0.18 * rim) + keyColour * (0.85 * material.y * wrapped)) + shine;
+  // flat tissue has no direction: it glows with all of the light
+  return mix(colour * (0.2 * material.x + 0.35 * material.y), surface, edge);
 }

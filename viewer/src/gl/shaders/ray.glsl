@@ -24,10 +24,6 @@ uniform float stepLength;
 uniform float jitter;
 // nearest and farthest depth that is looked at [mm]
 uniform vec2 slab;
-// planes that cut the scan: what is kept has dot(plane.xyz, grid) + plane.w >= 0
-#define MOST_CUTS 12
-uniform vec4 cutPlanes[MOST_CUTS];
-uniform int cutCount;
 
 uniform sampler3D brickTexture;
 uniform vec3 brickScale;
@@ -117,27 +113,6 @@ float emptyAhead(vec3 grid, float t, vec2 displaced, vec3 direction) {
   return leap;
 }
 
-// Keeps what lies on the kept side of every plane.
-void cutByPlanes(vec3 inGrid, inout vec2 span, inout vec3 face) {
-  for (int i = 0; i < MOST_CUTS; ++i) {
-    if (i >= cutCount) {
-      break;
-    }
-    vec4 plane = cutPlanes[i];
-    float here = dot(plane.xyz, eye) + plane.w;
-    float speed = dot(plane.xyz, inGrid);
-    float crossing = abs(speed) > 1e-12 ? -here / speed : here >= 0.0 ? -1e9 : 1e9;
-    if (speed > 0.0 || abs(speed) <= 1e-12) {
-      if (crossing > span.x) {
-        span.x = crossing;
-        face = -normalize(plane.xyz / spacing);
-      }
-    } else {
-      span.y = min(span.y, crossing);
-    }
-  }
-}
-
 float noise(vec2 pixel) {
   // interleaved gradient noise: neighbours differ much, so the eye averages it away
   // (Jimenez, "Next generation post processing in Call of Duty", SIGGRAPH 2014)
@@ -152,7 +127,6 @@ Ray rayOfPixel() {
   ray.direction = toPixel / ray.stretch;
   ray.inGrid = ray.direction / spacing;
   ray.span = throughBox(vec3(0.0), dimensions, ray.inGrid, ray.face);
-  cutByPlanes(ray.inGrid, ray.span, ray.face);
   if (slab.x * ray.stretch > ray.span.x) {
     ray.span.x = slab.x * ray.stretch;
     ray.face = -ray.direction;

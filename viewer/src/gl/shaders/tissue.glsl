@@ -134,7 +134,7 @@ Seen seenAlong(Ray ray, inout Layers layers) {
 #endif
     vec4 tissue = tissueBetween(first, value);
     if (tissue.a > 0.0 && end > last) {
-      if (segment > 0 && !solid) {
+      if (segment > 0 && !isSolid(segment)) {
         tissue.rgb = segmentColour(segment);
       }
       bool dividable = fine == 0 && end - last > 0.3 * stepLength;
