@@ -28,7 +28,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::coupling::Coupling;
 use crate::friction::Friction;
-use crate::soft_contact::{STEP, SoftInput, gone_over, put};
+use crate::soft_contact::{STEP, SoftInput, gone_over, put, without_pull};
 use crate::tick::TickOutput;
 
 pub mod events;
@@ -243,6 +243,11 @@ impl Needle {
         // a hand that was nowhere has made no way
         let way = device.map_or(0.0, |device| (input.device - device).length());
         let spring = gone_over(last, wanted, way + STEP * input.spacing);
+        let spring = match self.tool {
+            Some(_) => spring,
+            // once it is out, what is left of its force pulls into nothing
+            None => without_pull(spring, output.proxy_in_scene - input.device),
+        };
         let is_hard = !self.is_felt() && spring == output.spring;
         self.last = (!is_hard).then_some((Some(input.device), spring));
         if !is_hard {

@@ -256,7 +256,7 @@ fn one_sided(force: DVec3, normal: DVec3, pressure: f64) -> DVec3 {
 }
 
 /// Without what would pull the device away from the proxy, into what holds that.
-fn without_pull(spring: DVec3, out: DVec3) -> DVec3 {
+pub(crate) fn without_pull(spring: DVec3, out: DVec3) -> DVec3 {
     let length = out.length_squared();
     let pull = spring.dot(out).min(0.0);
     if length > 0.0 {
