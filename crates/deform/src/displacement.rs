@@ -6,7 +6,7 @@
 //! Frame: mm along the axes of the grid, from its corner.
 
 use glam::{DMat3, DVec3, IVec3, UVec3};
-use palpate_volume::grid::Grid;
+use palpate_volume::voxels::Voxels;
 
 use crate::model::DisplacementField;
 use crate::rest_matter::Ledger;
@@ -82,8 +82,9 @@ impl Displacement {
 
     /// What the voxels do not show yet, the ledger's last edit taken in; none where that is
     /// below `least` everywhere.
-    pub fn told(&self, grid: &Grid, ledger: &Ledger, least: f64) -> Option<DisplacementField> {
-        let view = Shown::new(self, grid.spacing(), ledger);
+    pub fn told(&self, voxels: &Voxels, ledger: &Ledger, least: f64) -> Option<DisplacementField> {
+        let grid = voxels.grid();
+        let view = Shown::new(self, voxels, ledger);
         let nodes = 0..self.moved.len();
         let left: Vec<_> = nodes.clone().map(|node| view.left_at(node)).collect();
         let beside = |node: usize| left[node].or_else(|| view.left_beside(node, &left));
@@ -133,6 +134,8 @@ impl Displacement {
 /// A field of displacements and the voxels that show a part of it.
 struct Shown<'a> {
     field: &'a Displacement,
+    voxels: &'a Voxels,
+    ledger: &'a Ledger,
     /// Of the voxels.
     spacing: DVec3,
     /// How far the matter that the voxel of a node shows has come from rest; none where it
@@ -141,9 +144,12 @@ struct Shown<'a> {
 }
 
 impl<'a> Shown<'a> {
-    fn new(field: &'a Displacement, spacing: DVec3, ledger: &Ledger) -> Self {
+    fn new(field: &'a Displacement, voxels: &'a Voxels, ledger: &'a Ledger) -> Self {
+        let spacing = voxels.grid().spacing();
         let mut view = Self {
             field,
+            voxels,
+            ledger,
             spacing,
             shown: Vec::new(),
         };
@@ -194,13 +200,20 @@ impl<'a> Shown<'a> {
         DVec3::select(toward.cmpeq(DVec3::ZERO), place, end)
     }
 
+    /// Whether the voxel of a place at rest is solid: nodes may stand farther apart than voxels.
+    fn is_solid_at_rest(&self, rest: DVec3) -> bool {
+        let voxel = (rest / self.spacing).floor().as_ivec3();
+        let matter = self.ledger.rest(self.voxels, voxel);
+        matter.is_some_and(|matter| !matter.segments.is_empty())
+    }
+
     /// How far before a face that voxels show the face of matter stands, or less than zero behind
     /// it [mm]: layers that are pressed flat between the two, and shown by no voxel, are taken in.
     fn ahead_of(&self, face: DVec3, toward: DVec3) -> f64 {
         let most = BEHIND * self.spacing.dot(toward.abs());
         let matter_at = |ahead: f64| {
             let rest = self.field.rest_of(face + toward * ahead);
-            rest.filter(|rest| self.field.has_matter_at(*rest))
+            rest.filter(|rest| self.field.has_matter_at(*rest) && self.is_solid_at_rest(*rest))
         };
         let [mut low, mut high] = [-most, most];
         let mut last = None;

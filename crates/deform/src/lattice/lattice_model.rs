@@ -211,7 +211,7 @@ impl LatticeModel {
         }
         if let Some(field) = field {
             let least = SEEN * field.spacing;
-            answer.displacement = field.told(input.voxels.grid(), &self.ledger, least);
+            answer.displacement = field.told(input.voxels, &self.ledger, least);
         }
         answer.report.moved_voxels = self.ledger.len() as u32;
     }

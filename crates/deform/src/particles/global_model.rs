@@ -148,7 +148,7 @@ impl DeformationModel for GlobalModel {
         answer.report.moved_voxels = ledger.len() as u32;
         let field = field.map(|field| field.on_nodes(grid));
         answer.displacement =
-            field.and_then(|field| field.told(grid, ledger, SEEN * field.spacing));
+            field.and_then(|field| field.told(input.voxels, ledger, SEEN * field.spacing));
         answer
     }
 

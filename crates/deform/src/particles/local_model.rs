@@ -241,7 +241,7 @@ impl<L: LocalLaw> DeformationModel for LocalModel<L> {
         answer.events.extend(state.slipped());
         answer.edit = state.write_back(input.voxels);
         answer.report.moved_voxels = state.moved_voxels();
-        answer.displacement = state.displacement();
+        answer.displacement = state.displacement(input.voxels);
         answer
     }
 

@@ -356,7 +356,7 @@ impl<L: LocalLaw> LocalState<L> {
 
     /// The mean displacement of each cell's particles, less what the voxels show of it; none
     /// where that is nothing.
-    pub fn displacement(&self) -> Option<DisplacementField> {
+    pub fn displacement(&self, voxels: &Voxels) -> Option<DisplacementField> {
         let corner = self.corner()?;
         let mut sums = vec![(DVec3::ZERO, 0_u32); self.filled.len()];
         let Particles { sites, homes, .. } = &self.body.system.particles;
@@ -375,7 +375,7 @@ impl<L: LocalLaw> LocalState<L> {
             sums.into_iter().map(mean).collect(),
         );
         // free surfaces of a crystal draw in by themselves, by less than is seen
-        field.told(&self.body.grid, &self.ledger, SEEN * cell)
+        field.told(voxels, &self.ledger, SEEN * cell)
     }
 }
 
