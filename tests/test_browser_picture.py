@@ -197,6 +197,8 @@ def test_a_preset_its_points_and_an_imported_one_change_the_picture(opened: Open
 def test_a_segment_is_a_body_or_tissue_inside_the_volume(opened: Opened) -> None:
     page = opened.page
     page.do("choose", testid="blend", value="shaded")
+    # whatever curve was chosen before
+    page.read("document.querySelector('[aria-label=\"Reset the look\"]').click()")
     pictures = []
     for mode in ("solid", "tinted", "plain"):
         page.read(f"document.querySelector('[data-testid=inside-{mode}]').click()")
