@@ -66,10 +66,7 @@ def outline(picture: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def is_alike(one: NDArray[np.float64], other: NDArray[np.float64]) -> bool:
-    """Says whether two pictures show the same.
-
-    How finely rays step follows how quick the machine was: that turns single pixels at edges.
-    """
+    """Says whether two pictures show the same, but for single pixels at edges."""
     differs = np.abs(one - other).max(axis=-1) > 0.1
     return float(differs.mean()) < 0.005
 

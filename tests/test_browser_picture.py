@@ -199,10 +199,18 @@ def test_a_segment_is_a_body_or_tissue_inside_the_volume(opened: Opened) -> None
     page.do("choose", testid="blend", value="shaded")
     # whatever curve was chosen before
     page.read("document.querySelector('[aria-label=\"Reset the look\"]').click()")
+    # a colour that nothing in the scan has
+    page.read(
+        "(() => { const field = document.querySelector('[data-testid=segment-1] [type=color]');"
+        " field.value = '#2040ff'; field.dispatchEvent(new Event('change', { bubbles: true })); })()"
+    )
+    page.all_done()
     pictures = []
     for mode in ("solid", "tinted", "plain"):
         page.read(f"document.querySelector('[data-testid=inside-{mode}]').click()")
         pictures.append(page.picture(OUTPUT / f"inside_{mode}.png"))
-    solid, tinted, plain = pictures
-    assert np.abs(solid - plain).mean() > 0.005
-    assert np.abs(tinted - plain).mean() > 0.002
+    solid, tinted, plain = (float(np.mean(each[..., 2] > each[..., 0] + 0.2)) for each in pictures)
+    assert plain < 0.001
+    assert solid > 0.02
+    assert tinted > 0.02
+    assert np.abs(pictures[0] - pictures[1]).mean() > 0.005

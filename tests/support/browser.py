@@ -118,9 +118,15 @@ class Browser:
         self.wait("window.palpate.finished", seconds=120.0)
 
     def picture(self, path: Path) -> NDArray[np.float64]:
-        """Returns the 3-D picture, once it is as fine as it gets: RGB 0..1, shape [h, w, 3]."""
+        """Returns the 3-D picture, once it is as fine as it gets: RGB 0..1, shape [h, w, 3].
+
+        Nothing in it is random, it does not depend on how quick the machine is, and what is told
+        is gone from before it.
+        """
         import SimpleITK
 
+        self.read("window.palpate.setJitter(false)")
+        self.read("document.querySelectorAll('.notice button').forEach((each) => each.click())")
         self.finish()
         path.parent.mkdir(parents=True, exist_ok=True)
         self.do("screenshot", path=str(path), testid="canvas")

@@ -186,6 +186,8 @@ impl Deformation {
             self.gave_way = false;
             self.now.force = DVec3::ZERO;
             outcome.giving_way = Some(GivingWay::default());
+            // of a model that has just left
+            outcome.displacement = None;
         }
         outcome
     }

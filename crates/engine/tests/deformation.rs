@@ -8,13 +8,16 @@
 mod common;
 
 use common::{OBSTACLE, Rig, box_segment};
-use glam::{DMat3, DVec3, IVec3, UVec3};
+use glam::{DMat3, DVec3, IVec3, UVec3, Vec3};
 use palpate_deform::material::{MaterialLaw, Part, SolidSi, Treatment, preset};
 use palpate_deform::model::{
-    DeformationModel, ModelAnswer, ModelInput, ModelReport, ToolContact, ToolShape,
+    DeformationModel, DisplacementField, ModelAnswer, ModelInput, ModelReport, ToolContact,
+    ToolShape,
 };
 use palpate_engine::handover::TickRecord;
+use palpate_engine::scene_news::SceneNews;
 use palpate_engine::settings::Settings;
+use palpate_engine::surfaces::DisplacedNow;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::material::LocalContact;
 use palpate_volume::voxel_box::VoxelBox;
@@ -60,6 +63,8 @@ impl DeformationModel for Floor {
                 tool: tool.id,
                 contact: (depth > 0.0).then_some(law),
             }],
+            // always: the picture never has it from anything else
+            displacement: Some(dent()),
             report: ModelReport {
                 iterations: self.resets,
                 nodes: input.materials.segments.len() as u32,
@@ -71,6 +76,17 @@ impl DeformationModel for Floor {
 
     fn reset(&mut self) {
         self.resets += 1;
+    }
+}
+
+/// Half a voxel down, anywhere.
+fn dent() -> DisplacementField {
+    DisplacementField {
+        origin: DVec3::splat(18.0),
+        axes: DMat3::IDENTITY,
+        spacing: 2.0,
+        size: UVec3::splat(2),
+        moved: vec![Vec3::Z * -0.5; 8],
     }
 }
 
@@ -225,6 +241,29 @@ fn another_model_or_none_takes_the_place_at_once() {
             .set_deformation(Some("jelly"), None, false)
             .is_err()
     );
+}
+
+#[test]
+fn nothing_stands_beside_its_voxels_once_the_model_is_gone() {
+    let mut rig = rig();
+    go(&mut rig, 30.0, 18.0, 2000);
+    assert_eq!(last_told(&rig).map(|told| told.is_some()), Some(true));
+    // its answer is on the way
+    rig.simulation.set_deformation_model(None);
+    go(&mut rig, 18.0, 18.0, 100);
+    assert_eq!(last_told(&rig), Some(None));
+}
+
+/// What the picture was told last of where matter stands beside its voxels.
+fn last_told(rig: &Rig) -> Option<DisplacedNow> {
+    fn displaced(news: SceneNews) -> Vec<DisplacedNow> {
+        match news {
+            SceneNews::Displaced(now) => vec![now],
+            SceneNews::Together(several) => several.into_iter().flat_map(displaced).collect(),
+            _ => Vec::new(),
+        }
+    }
+    rig.news.try_iter().flat_map(displaced).last()
 }
 
 #[test]

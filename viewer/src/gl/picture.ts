@@ -101,8 +101,10 @@ export class Picture {
   }
 
   set jitter(on: boolean) {
-    this.refiner.jitter = on;
-    this.refiner.restart();
+    if (on !== this.refiner.jitter) {
+      this.refiner.jitter = on;
+      this.refiner.restart();
+    }
   }
 
   setScan(volume: ScanVolume, bricks: BrickRanges): void {

@@ -358,6 +358,13 @@ export class Stage {
     }
   }
 
+  /** Whether rays start at random shares of a step, and pictures are averaged where that is quick. */
+  setJitter(on: boolean): void {
+    if (this.picture !== null) {
+      this.picture.jitter = on;
+    }
+  }
+
   private tellCoarseness(step: number): void {
     const resolution = `1/${String(step)} of its resolution`;
     this.coarseness = step === 1 ? null : `Too large for this GPU: shown at ${resolution}; touch uses all of it.`;

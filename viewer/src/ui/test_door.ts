@@ -51,6 +51,8 @@ export interface TestDoor {
    */
   readonly suspendDrawing: (on: boolean) => void;
   readonly drawingSuspended: boolean;
+  /** Off: the picture at rest is the same however quick the machine is. */
+  readonly setJitter: (on: boolean) => void;
   /** Triangles of each segment's surface. */
   readonly triangles: Readonly<Record<number, number>>;
   /** The scan's voxels and their size [mm]; null before there is one. */
@@ -137,6 +139,9 @@ export function openTestDoor(session: Session, stage: Stage, hand: HandControl, 
     },
     get drawingSuspended() {
       return stage.drawingSuspended;
+    },
+    setJitter: (on) => {
+      stage.setJitter(on);
     },
     get triangles() {
       return Object.fromEntries([...stage.edits.sizes].map(([id, { triangles }]) => [id, triangles]));

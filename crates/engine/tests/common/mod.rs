@@ -23,6 +23,7 @@ use palpate_engine::handover::{Channels, DeviceSample, HandTarget, TickRecord};
 use palpate_engine::mapping::Mapping;
 use palpate_engine::mask_shares::{MaskShares, ShareLoop};
 use palpate_engine::scene::{Properties, Scene};
+use palpate_engine::scene_news::SceneNews;
 use palpate_engine::servo::{ServoLoop, ServoStart};
 use palpate_engine::session::Session;
 use palpate_engine::session_config::{Reference, SessionConfig};
@@ -244,6 +245,7 @@ pub struct Rig {
     pub records: rtrb::Consumer<TickRecord>,
     pub status: triple_buffer::Output<SimulationStatus>,
     pub notices: Receiver<Notice>,
+    pub news: Receiver<SceneNews>,
     pub shared: Arc<Shared>,
     pub readings: u64,
     pub now: f64,
@@ -262,6 +264,7 @@ impl Rig {
         let channels = Channels::new(probe);
         let shared = Arc::new(Shared::default());
         let (notices, notice_inbox) = mpsc::channel();
+        let (news_in, news) = mpsc::channel();
         let (status_in, status) = triple_buffer::triple_buffer(&SimulationStatus::default());
         let start = ServoStart {
             grid: grid(dimensions),
@@ -283,8 +286,7 @@ impl Rig {
                 Settings::default(),
                 limits(),
                 channels.simulation,
-                // nobody draws: the news end here
-                (status_in, notices, mpsc::channel().0),
+                (status_in, notices, news_in),
             ),
             device: channels.device.samples,
             forces: channels.device.forces,
@@ -292,6 +294,7 @@ impl Rig {
             records: channels.records,
             status,
             notices: notice_inbox,
+            news,
             shared,
             readings: 0,
             now: 0.0,
