@@ -1,4 +1,4 @@
-"""The command line: `open`, `demo`, `info`, `series`, `record`, `replay`, `surface`, and others.
+"""The command line: `open`, `demo`, `info`, `series`, `segment`, `record`, `surface`, and others.
 
 Whatever is wrong with what was given becomes one line on stderr and exit code 2. Heavy
 modules are imported inside the commands, so that ``palpate --help`` is quick.
@@ -21,6 +21,7 @@ from palpate.cli_bench import (
     stress_in_matter,
 )
 from palpate.cli_scenario import scenario
+from palpate.cli_segment import EXAMPLES, segment
 from palpate.cli_series import series
 from palpate.console import WRONG_INPUT, Display, fail, quiet_libraries, warn
 from palpate.errors import PalpateError
@@ -386,6 +387,7 @@ def replay(
 
 
 app.command("series")(series)
+app.command("segment", epilog=EXAMPLES)(segment)
 
 
 surface = typer.Typer(help="Meshes of segments, and voxels of meshes.", no_args_is_help=True)

@@ -58,6 +58,24 @@ SurfaceSource = Literal["intensities", "bits"]
 SmoothingDegree = Annotated[int, msgspec.Meta(ge=0, le=12)]
 """How often the vertices of a surface are moved to the mean of their neighbours."""
 
+ShapeKind = Literal[
+    "keep-largest",
+    "drop-small",
+    "fill-holes",
+    "grow",
+    "shrink",
+    "smooth",
+    "median",
+    "open",
+    "close",
+    "hollow-inside",
+    "hollow-outside",
+    "unite",
+    "subtract",
+    "intersect",
+]
+"""How the shape of a segment is changed; see ``segmentation.changed_shape``."""
+
 ToolKind = Literal["none", "eraser", "adder", "drill", "needle"]
 """What the probe does to voxels while it is pressed; none leaves them as they are."""
 
@@ -580,10 +598,17 @@ class CutPreview(Message, frozen=True, tag="cut_preview"):
     smaller_ml: float | None
 
 
+class SegmentWork(Message, frozen=True, tag="segment_work"):
+    """What is being done to segments beside all else; null where nothing is."""
+
+    what: str | None
+
+
 class Passed(Message, frozen=True, tag="passed"):
     """The answer to a ``Fence``: all that this page asked for before it is done.
 
-    Touch follows it from ``tick`` on. Thresholds are made beside all others: they may come later.
+    Touch follows it from ``tick`` on. Thresholds, growing and changes of shape are made beside all
+    others: they may come later.
     """
 
     number: int
@@ -602,6 +627,7 @@ ToPage = (
     | Gap
     | CutPreview
     | NeedleEvents
+    | SegmentWork
     | Passed
 )
 
@@ -640,6 +666,42 @@ class Threshold(Message, frozen=True, tag="threshold"):
     name: Name
     low: Value
     high: Value
+
+
+class Otsu(Message, frozen=True, tag="otsu"):
+    """Makes a segment of each class of values but the lowest, by Otsu's thresholds."""
+
+    classes: Annotated[int, msgspec.Meta(ge=2, le=4)]
+
+
+class GrowSegment(Message, frozen=True, tag="grow_segment"):
+    """Makes a segment of what has values like those at ``seed`` and hangs together with them.
+
+    ``spread`` is half of the range of values, in standard deviations around the seed. Passages
+    narrower than ``passage`` [mm] are not entered, and it becomes no larger than ``most_ml``.
+    """
+
+    seed: Vector
+    spread: Annotated[float, msgspec.Meta(ge=0.1, le=20.0)]
+    passage: Annotated[float, msgspec.Meta(ge=0.0, le=40.0)]
+    most_ml: Annotated[float, msgspec.Meta(ge=0.001, le=1e5)]
+
+
+class ChangeShape(Message, frozen=True, tag="change_shape"):
+    """Changes the shape of a segment; undo takes it back.
+
+    ``amount`` counts islands to keep, is the volume from which on they stay [ml], or a length [mm];
+    ``other`` is the segment that is united, subtracted or intersected.
+    """
+
+    id: SegmentId
+    kind: ShapeKind
+    amount: Annotated[float, msgspec.Meta(ge=0.0, le=1e5)]
+    other: SegmentId | None
+
+
+class StopSegmentWork(Message, frozen=True, tag="stop_segment_work"):
+    """Stops what ``SegmentWork`` tells of and forgets what waits; what is not done is not begun."""
 
 
 class SegmentProperties(Message, frozen=True, tag="segment_properties"):
@@ -823,6 +885,10 @@ FromPage = (
     | View
     | Clutch
     | Threshold
+    | Otsu
+    | GrowSegment
+    | ChangeShape
+    | StopSegmentWork
     | SegmentProperties
     | SegmentFeel
     | SetMaterial

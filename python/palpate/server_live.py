@@ -27,6 +27,7 @@ from palpate.server_needle import ToldNeedle
 from palpate.server_outbox import Missed, Outbox
 from palpate.server_picture import ToldPicture, labels_anew
 from palpate.server_recording import Recorder
+from palpate.server_segment_work import SegmentWork
 from palpate.server_segments import ShownSegments
 from palpate.server_thresholds import ThresholdJobs
 from palpate.session import Session
@@ -70,6 +71,7 @@ class Live:
         self.picture = ToldPicture(session.scene.volume.array)
         self._outboxes: set[Outbox] = set()
         self._thresholds = ThresholdJobs(self._make_threshold)
+        self._segment_work = SegmentWork(session, self.segments, self._from_threads.put)
         self._presses: Outbox | None = None
         self._paces: dict[Outbox, int] = {}
         self._needle = ToldNeedle(session)
@@ -80,6 +82,7 @@ class Live:
     async def run(self) -> None:
         """Tells all pages what is, until it is cancelled or the session ends by itself."""
         worker = asyncio.create_task(self._thresholds.run())
+        segment_worker = asyncio.create_task(self._segment_work.run())
         gaps = asyncio.create_task(self._gaps.run(lambda: self._scene_of_now))
         changes = asyncio.create_task(self._follow_changes())
         try:
@@ -87,6 +90,8 @@ class Live:
                 await asyncio.sleep(1.0 / (STATES_HZ if self._outboxes else IDLE_HZ))
         finally:
             worker.cancel()
+            self._segment_work.stop()
+            segment_worker.cancel()
             gaps.cancel()
             changes.cancel()
 
@@ -220,12 +225,12 @@ class Live:
         """Does what a page asks; tells that page where it cannot be done."""
         try:
             message = protocol.decode_from_page(packed)
+            if self._begin(message):
+                return
             match message:
                 case protocol.Hand(target):
                     # the most frequent message, and wait-free
                     self.session.hand(target)
-                case protocol.Threshold():
-                    self._thresholds.ask(message)
                 case protocol.FollowEdits(every):
                     self._paces[outbox] = every
                     self._follow_edits()
@@ -246,6 +251,13 @@ class Live:
             outbox.tell(protocol.Notice(level="error", text=str(error)))
         except RuntimeError as error:
             outbox.tell(protocol.Notice(level="error", text=str(error)))
+
+    def _begin(self, message: protocol.FromPage) -> bool:
+        """Hands on what is done beside all else; says whether the message was that."""
+        if isinstance(message, protocol.Threshold):
+            self._thresholds.ask(message)
+            return True
+        return self._segment_work.take(message)
 
     def _following_tick(self) -> int:
         """Returns the first tick that follows all that the session was told until now."""

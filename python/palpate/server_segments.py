@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from palpate import protocol
 from palpate.errors import OptionError
 from palpate.scene import PALETTE
+from palpate.segment import Segment
 from palpate.server_data import labels_of
 from palpate.server_matter import material_of
 from palpate.session import Session
@@ -116,12 +117,21 @@ class ShownSegments:
         """
         segment = self._session.scene.volume.threshold(wanted.low, wanted.high, name=wanted.name)
         if wanted.id is None:
-            segment_id = self._session.add_segment(segment)
-            self._set_look(segment_id, Look(wanted.name, _colour_of(segment_id)))
-        else:
-            self._session.replace_segment(wanted.id, segment)
-            self._set_look(wanted.id, replace(self._look_of(wanted.id), name=wanted.name))
+            self.add(segment)
+            return
+        self._session.replace_segment(wanted.id, segment)
+        self._set_look(wanted.id, replace(self._look_of(wanted.id), name=wanted.name))
         self.keep()
+
+    def add(self, segment: Segment) -> None:
+        """Adds a segment under its name, in a colour of its own."""
+        segment_id = self._session.add_segment(segment)
+        self._set_look(segment_id, Look(segment.name, _colour_of(segment_id)))
+        self.keep()
+
+    def name_of(self, segment_id: int) -> str:
+        """Returns what pages call a segment."""
+        return self._look_of(segment_id).name
 
     def keep(self) -> None:
         """Hands the looks over to be kept, with which segments can be touched."""

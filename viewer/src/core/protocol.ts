@@ -45,6 +45,9 @@ export type SurfaceSource = "intensities" | "bits";
 /** How often the vertices of a surface are moved to the mean of their neighbours. */
 export type SmoothingDegree = number;
 
+/** How the shape of a segment is changed; see `segmentation.changed_shape`. */
+export type ShapeKind = "keep-largest" | "drop-small" | "fill-holes" | "grow" | "shrink" | "smooth" | "median" | "open" | "close" | "hollow-inside" | "hollow-outside" | "unite" | "subtract" | "intersect";
+
 /** What the probe does to voxels while it is pressed; none leaves them as they are. */
 export type ToolKind = "none" | "eraser" | "adder" | "drill" | "needle";
 
@@ -560,10 +563,17 @@ export interface NeedleEvents {
   readonly events: readonly NeedleEvent[];
 }
 
+/** What is being done to segments beside all else; null where nothing is. */
+export interface SegmentWork {
+  readonly type: "segment_work";
+  readonly what: string | null;
+}
+
 /**
  * The answer to a `Fence`: all that this page asked for before it is done.
  *
- * Touch follows it from `tick` on. Thresholds are made beside all others: they may come later.
+ * Touch follows it from `tick` on. Thresholds, growing and changes of shape are made beside all
+ * others: they may come later.
  */
 export interface Passed {
   readonly type: "passed";
@@ -603,6 +613,45 @@ export interface Threshold {
   readonly name: Name;
   readonly low: Value;
   readonly high: Value;
+}
+
+/** Makes a segment of each class of values but the lowest, by Otsu's thresholds. */
+export interface Otsu {
+  readonly type: "otsu";
+  readonly classes: number;
+}
+
+/**
+ * Makes a segment of what has values like those at `seed` and hangs together with them.
+ *
+ * `spread` is half of the range of values, in standard deviations around the seed. Passages
+ * narrower than `passage` [mm] are not entered, and it becomes no larger than `most_ml`.
+ */
+export interface GrowSegment {
+  readonly type: "grow_segment";
+  readonly seed: Vector;
+  readonly spread: number;
+  readonly passage: number;
+  readonly most_ml: number;
+}
+
+/**
+ * Changes the shape of a segment; undo takes it back.
+ *
+ * `amount` counts islands to keep, is the volume from which on they stay [ml], or a length [mm];
+ * `other` is the segment that is united, subtracted or intersected.
+ */
+export interface ChangeShape {
+  readonly type: "change_shape";
+  readonly id: SegmentId;
+  readonly kind: ShapeKind;
+  readonly amount: number;
+  readonly other: SegmentId | null;
+}
+
+/** Stops what `SegmentWork` tells of and forgets what waits; what is not done is not begun. */
+export interface StopSegmentWork {
+  readonly type: "stop_segment_work";
 }
 
 /** Changes how a segment looks and whether it can be touched. */
@@ -802,6 +851,7 @@ export type ToPage =
   | Gap
   | CutPreview
   | NeedleEvents
+  | SegmentWork
   | Passed;
 
 /** A message of the page. */
@@ -811,6 +861,10 @@ export type FromPage =
   | View
   | Clutch
   | Threshold
+  | Otsu
+  | GrowSegment
+  | ChangeShape
+  | StopSegmentWork
   | SegmentProperties
   | SegmentFeel
   | SetMaterial
@@ -1326,6 +1380,11 @@ const isNeedleEvents = record({
   events: list(isNeedleEvent),
 });
 
+const isSegmentWork = record({
+  type: oneOf("segment_work"),
+  what: nullable(text()),
+});
+
 const isPassed = record({
   type: oneOf("passed"),
   number: whole(),
@@ -1344,5 +1403,6 @@ const TO_PAGE: ReadonlyMap<string, Check> = new Map([
   ["gap", isGap],
   ["cut_preview", isCutPreview],
   ["needle_events", isNeedleEvents],
+  ["segment_work", isSegmentWork],
   ["passed", isPassed],
 ]);

@@ -207,6 +207,7 @@ export class KeyboardInput {
         return this.stage.cutting.ready;
       case "escape":
         this.stage.cutting.cancel();
+        this.stage.growing.armed = false;
         this.hand.touchMode = false;
         this.actions.escape();
         return true;

@@ -3,7 +3,8 @@
  *
  * Left drag turns, middle or Ctrl + left drag moves the picture, the wheel zooms. Right drag,
  * Shift + move, or any move in touch mode moves the hand in the view plane; meanwhile the
- * wheel moves it in depth. Alt + left drag changes window and level of what is seen. Where a segment is to be cut, the left button paints the line. With a tool chosen, the left button presses it wherever the mouse
+ * wheel moves it in depth. Alt + left drag changes window and level of what is seen. Where a region is to be grown,
+ * a left click says from where. Where a segment is to be cut, the left button paints the line. With a tool chosen, the left button presses it wherever the mouse
  * moves the hand without a button. A double click brings the probe to what is seen there.
  */
 import { orbit, pan, zoom } from "../core/camera";
@@ -23,10 +24,15 @@ const zoomSpeed = 0.0014;
 const depthSpeed = 0.05;
 /** Where a double click puts the probe: this far before what was seen [mm]. */
 const standOff = 3;
+/** A click that is to grow a region means what lies this far behind what is seen [mm]. */
+const growDepth = 3;
+/** A press that moves less is a click [pixels]. */
+const clickWay = 4;
 
 export class PointerInput {
   private drag: Drag | null = null;
   private last: readonly [number, number] | null = null;
+  private pressed: readonly [number, number] = [0, 0];
 
   constructor(
     private readonly canvas: HTMLElement,
@@ -74,6 +80,7 @@ export class PointerInput {
       this.drag = (event.shiftKey || this.hand.touchMode) && this.tool.press() ? "tool" : "orbit";
     }
     this.last = [event.clientX, event.clientY];
+    this.pressed = this.last;
   }
 
   private move(event: PointerEvent): void {
@@ -111,11 +118,23 @@ export class PointerInput {
       this.tool.release();
     } else if (this.drag === "cut" && camera !== null) {
       cutting.finish(camera, viewport);
+    } else if (this.drag === "orbit" && this.stage.growing.armed && isClick(this.pressed, event)) {
+      this.grow(event);
     }
     this.drag = null;
     if (this.canvas.hasPointerCapture(event.pointerId)) {
       this.canvas.releasePointerCapture(event.pointerId);
     }
+  }
+
+  private grow(event: PointerEvent): void {
+    const picked = this.stage.pick(event.offsetX, event.offsetY);
+    const { camera } = this.stage;
+    if (picked === null || camera === null) {
+      this.session.notify("info", "Nothing is drawn there: click on the scan, or in a slice.");
+      return;
+    }
+    this.stage.growing.from(addScaled(picked.point, camera.back, -growDepth));
   }
 
   private wheel(event: WheelEvent): void {
@@ -148,6 +167,11 @@ export class PointerInput {
     }
     this.hand.place(addScaled(picked.point, camera.back, standOff));
   }
+}
+
+/** Whether the mouse is let go where it was pressed. */
+export function isClick(pressed: readonly [number, number], event: MouseEvent): boolean {
+  return Math.hypot(event.clientX - pressed[0], event.clientY - pressed[1]) < clickWay;
 }
 
 /** Pixels of a wheel event, which may count lines or pages. */

@@ -66,6 +66,8 @@ export class Session {
   cutPreview = $state.raw<CutPreview | null>(null);
   /** What happened to the needle since it was taken in the hand. */
   needleEvents = $state.raw<readonly NeedleEvent[]>([]);
+  /** What is being done to segments beside all else; null where nothing is. */
+  segmentWork = $state.raw<string | null>(null);
   notices = $state.raw<readonly ShownNotice[]>([]);
   /** Changes that an earlier session left, as long as nobody has decided about them. */
   offer = $state.raw<Offer | null>(null);
@@ -246,6 +248,9 @@ export class Session {
       case "cut_preview":
         this.cutPreview = message;
         break;
+      case "segment_work":
+        this.segmentWork = message.what;
+        break;
       case "needle_events":
         this.needleEvents = message.events;
         break;
@@ -278,6 +283,7 @@ export class Session {
     this.version = hello.version;
     this.history.clear();
     this.greetings += 1;
+    this.segmentWork = null;
     // what was asked before is forgotten with the connection that it was asked on
     this.pass(this.fences, 0);
     this.recallSettings(hello);

@@ -1,5 +1,5 @@
 /**
- * The mouse over a slice: left drag moves the crosshair, right drag sets window and level, middle or
+ * The mouse over a slice: left drag moves the crosshair (a click grows a region where one is asked for), right drag sets window and level, middle or
  * Ctrl + left drag moves the picture, the wheel goes through the slices and zooms with Ctrl. Shift + move,
  * or any move in touch mode, leads the hand in the plane; a double click brings the probe there.
  * With the focus, arrows up and down go through the slices, + and − zoom.
@@ -8,7 +8,8 @@ import type { Rect } from "../core/picture_layout";
 import { pointOnSlice, type SliceName, type SlicePlane } from "../core/slice_plane";
 import { addScaled, type Vec3 } from "../core/vector";
 import type { HandControl } from "./hand_control.svelte";
-import { wheelPixels } from "./pointer_input";
+import type { GrowControl } from "./grow_control.svelte";
+import { isClick, wheelPixels } from "./pointer_input";
 import type { SliceControl } from "./slice_control.svelte";
 
 type Drag = "crosshair" | "window" | "pan";
@@ -23,12 +24,14 @@ export class SliceInput {
   private drag: Drag | null = null;
   private last: readonly [number, number] | null = null;
   private turned = 0;
+  private pressed: readonly [number, number] = [0, 0];
 
   constructor(
     private readonly pane: HTMLElement,
     private readonly name: SliceName,
     private readonly slices: SliceControl,
     private readonly hand: HandControl,
+    private readonly growing: GrowControl,
     private readonly pointed: (point: Vec3 | null) => void,
   ) {}
 
@@ -91,6 +94,7 @@ export class SliceInput {
       this.moveCrosshair(event);
     }
     this.last = [event.clientX, event.clientY];
+    this.pressed = this.last;
   }
 
   private move(event: PointerEvent): void {
@@ -113,6 +117,10 @@ export class SliceInput {
   }
 
   private release(event: PointerEvent): void {
+    const point = this.pointAt(event);
+    if (this.drag === "crosshair" && this.growing.armed && point !== null && isClick(this.pressed, event)) {
+      this.growing.from(point);
+    }
     this.drag = null;
     if (this.pane.hasPointerCapture(event.pointerId)) {
       this.pane.releasePointerCapture(event.pointerId);

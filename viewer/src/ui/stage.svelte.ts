@@ -41,6 +41,7 @@ import { Picture } from "../gl/picture";
 import type { ShownSlice, SliceLook } from "../gl/slices";
 import { downloadLabels, downloadVolume } from "../live/volume_download";
 import { EditPaceControl } from "./edit_pace_control.svelte";
+import { GrowControl } from "./grow_control.svelte";
 import { LookControl } from "./look_control.svelte";
 import { Player, type ShownTouch } from "./player.svelte";
 import { recall, remember } from "./remembered";
@@ -92,6 +93,8 @@ export class Stage {
   readonly player: Player;
   /** A segment that is cut along a painted line. */
   readonly cutting: CutControl;
+  /** Segments that are found in the scan. */
+  readonly growing: GrowControl;
   /** The object that was picked last, and where [mm]. */
   named = $state.raw<{ readonly point: Vec3; readonly name: string } | null>(null);
   framesPerSecond = $state.raw(0);
@@ -131,6 +134,7 @@ export class Stage {
     this.objects = new ObjectControl(session);
     this.editPace = new EditPaceControl(session);
     this.cutting = new CutControl(session);
+    this.growing = new GrowControl(session);
     this.player = new Player(session);
     this.edits = new ShownEdits({
       complain: (text) => {
