@@ -50,7 +50,7 @@ def segment(  # noqa: PLR0913  # one per option of the command line
     grow: Annotated[
         list[str] | None,
         typer.Option(
-            help="Grows from a point in the patient (LPS) [mm]; again for more points.",
+            help="Grows from a point in the patient (LPS), in mm; again for more points.",
             metavar="X,Y,Z",
         ),
     ] = None,
@@ -59,26 +59,26 @@ def segment(  # noqa: PLR0913  # one per option of the command line
         typer.Option(help="Of grown values, in standard deviations of those around the point."),
     ] = None,
     passage: Annotated[
-        float | None, typer.Option(help="Passages narrower than this are not entered [mm].")
+        float | None, typer.Option(help="Passages narrower than this are not entered, in mm.")
     ] = None,
     most: Annotated[
-        float | None, typer.Option(help="A grown segment becomes no larger than this [ml].")
+        float | None, typer.Option(help="A grown segment becomes no larger than this, in ml.")
     ] = None,
     keep_largest: Annotated[
         bool, typer.Option("--keep-largest", help="Keep the largest island.")
     ] = False,
     drop_below: Annotated[
-        float | None, typer.Option(help="Remove islands smaller than this [ml].")
+        float | None, typer.Option(help="Remove islands smaller than this, in ml.")
     ] = None,
     fill: Annotated[bool, typer.Option("--fill", help="Fill holes.")] = False,
     smooth: Annotated[
-        float | None, typer.Option(help="Standard deviation of a Gaussian on the mask [mm].")
+        float | None, typer.Option(help="Standard deviation of a Gaussian on the mask, in mm.")
     ] = None,
     margin: Annotated[
-        float | None, typer.Option(help="Grow by this, or shrink where it is below 0 [mm].")
+        float | None, typer.Option(help="Grow by this, or shrink where it is below 0, in mm.")
     ] = None,
     hollow: Annotated[
-        float | None, typer.Option(help="Keep a shell so thick inside the border [mm].")
+        float | None, typer.Option(help="Keep a shell so thick inside the border, in mm.")
     ] = None,
     name: Annotated[str | None, typer.Option(help="What to call the segment.")] = None,
 ) -> None:
