@@ -113,6 +113,8 @@ class SavedScene:
             journal = Path(folder) / SEGMENTS
             with _opened(self.path) as archive:
                 journal.write_bytes(_member(self.path, archive, SEGMENTS))
+            # else nobody would be told of the scan's own edits
+            session.picture_changes()
             try:
                 _, lost, _ = session.recover_journal(journal, scan_hash(self.volume))
             except (PalpateError, OSError) as error:
