@@ -86,11 +86,13 @@ def segment(  # noqa: PLR0913  # one per option of the command line
     from palpate.cli_open import parse_threshold
     from palpate.cli_surface import check_target
     from palpate.errors import OptionError
+    from palpate.export import export_scene
+    from palpate.export_image import IMAGE_SUFFIXES
     from palpate.io import read
-    from palpate.segment_write import SEGMENT_SUFFIXES, write_segments
+    from palpate.scene import Scene
     from palpate.segmentation import Growing, changed_shape
 
-    check_target(out, SEGMENT_SUFFIXES)
+    check_target(out, (".seg.nrrd", *IMAGE_SUFFIXES))
     ways = [way for way in (threshold, otsu, grow or None) if way is not None]
     if len(ways) != 1:
         raise OptionError(
@@ -125,9 +127,11 @@ def segment(  # noqa: PLR0913  # one per option of the command line
         made = [one for one in made if one.voxel_count > 0]
         if not made:
             raise OptionError("nothing is left of the segment; allowed: smaller changes")
-        display(f"writing {out.name}", None)
-        write_segments(made, out)
-    for warning in volume.warnings:
+        scene = Scene(volume)
+        for one in made:
+            scene.add(one)
+        told = export_scene(scene, out, progress=display)
+    for warning in (*volume.warnings, *told):
         warn(warning)
     for one in made:
         typer.echo(f"{out}: {one.name}, {one.voxel_count} voxels, {one.volume_ml:.1f} ml")

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from palpate import protocol
 from palpate.errors import OptionError
-from palpate.scene import PALETTE
+from palpate.scene import PALETTE, Scene
 from palpate.segment import Segment
 from palpate.server_data import labels_of
 from palpate.server_matter import material_of
@@ -132,6 +132,22 @@ class ShownSegments:
     def name_of(self, segment_id: int) -> str:
         """Returns what pages call a segment."""
         return self._look_of(segment_id).name
+
+    def scene(self, values: NDArray[np.int16]) -> tuple[Scene, list[str]]:
+        """Returns the scan with such stored values and its segments as they are now, for files.
+
+        Also says what files cannot tell of them.
+        """
+        scene, told = self._session.scene_now(values), []
+        for one, state in zip(scene, self._session.segments(), strict=True):
+            look = self._look_of(state["id"])
+            if look.name != one.name:
+                # a segment that was renamed is something else, or was never told what it is
+                one.segment.terminology = None
+            one.name, one.colour = look.name, look.colour
+            if state["pose"] not in (None, _UNMOVED):
+                told.append(f"{look.name} was moved: it is written where the scan has it")
+        return scene, told
 
     def keep(self) -> None:
         """Hands the looks over to be kept, with which segments can be touched."""

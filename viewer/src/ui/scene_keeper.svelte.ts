@@ -5,6 +5,7 @@ import { saneCamera } from "../core/camera";
 import type { Scan } from "../core/protocol";
 import { isPoint } from "../core/vector";
 import { apiAddress } from "../live/connection";
+import { fetchFile } from "./download";
 import { bring, keptOf, recall, remember } from "./remembered";
 import type { Session } from "./session.svelte";
 import type { Stage } from "./stage.svelte";
@@ -38,15 +39,7 @@ export class SceneKeeper {
     try {
       const { camera, slices } = this.stage;
       const view = { camera, crosshair: slices.crosshair, remembered: keptOf(scan.name) };
-      const answer = await fetch(apiAddress("/api/scene", this.token), {
-        method: "POST",
-        body: JSON.stringify({ view, copy: this.withScan }),
-      });
-      if (!answer.ok) {
-        throw new Error(await answer.text());
-      }
-      const name = /filename="([^"]+)"/.exec(answer.headers.get("content-disposition") ?? "")?.[1];
-      download(await answer.blob(), name ?? "scene.palpate");
+      await fetchFile("/api/scene", this.token, { view, copy: this.withScan }, "scene.palpate");
     } catch (error) {
       const reason = error instanceof Error ? error.message : String(error);
       this.session.notify("error", `The scene was not saved: ${reason}`);
@@ -79,15 +72,4 @@ export class SceneKeeper {
     const told: unknown = answer.status === 200 ? await answer.json() : {};
     return typeof told === "object" && told !== null ? { ...told } : {};
   }
-}
-
-function download(content: Blob, name: string): void {
-  const link = document.createElement("a");
-  link.href = URL.createObjectURL(content);
-  link.download = name;
-  link.click();
-  // the browser has taken it up by then
-  setTimeout(() => {
-    URL.revokeObjectURL(link.href);
-  }, 60_000);
 }
