@@ -180,6 +180,9 @@ export class KeyboardInput {
       case "n":
         this.stage.mark({ normal: !this.stage.shown.normal });
         return true;
+      case "o":
+        this.stage.orthographic = !this.stage.orthographic;
+        return true;
       case "p":
         this.stage.mark({ path: !this.stage.shown.path });
         return true;

@@ -5,6 +5,7 @@ import { saneCamera } from "../core/camera";
 import type { Scan } from "../core/protocol";
 import { isPoint } from "../core/vector";
 import { apiAddress } from "../live/connection";
+import { download } from "./download";
 import { bring, keptOf, recall, remember } from "./remembered";
 import type { Session } from "./session.svelte";
 import type { Stage } from "./stage.svelte";
@@ -79,15 +80,4 @@ export class SceneKeeper {
     const told: unknown = answer.status === 200 ? await answer.json() : {};
     return typeof told === "object" && told !== null ? { ...told } : {};
   }
-}
-
-function download(content: Blob, name: string): void {
-  const link = document.createElement("a");
-  link.href = URL.createObjectURL(content);
-  link.download = name;
-  link.click();
-  // the browser has taken it up by then
-  setTimeout(() => {
-    URL.revokeObjectURL(link.href);
-  }, 60_000);
 }

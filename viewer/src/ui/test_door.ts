@@ -134,15 +134,11 @@ export function openTestDoor(session: Session, stage: Stage, hand: HandControl, 
     get lastEdit() {
       return stage.edits.lastEdit;
     },
-    suspendDrawing: (on) => {
-      stage.suspendDrawing(on);
-    },
+    suspendDrawing: stage.suspendDrawing.bind(stage),
     get drawingSuspended() {
       return stage.drawingSuspended;
     },
-    setJitter: (on) => {
-      stage.setJitter(on);
-    },
+    setJitter: stage.setJitter.bind(stage),
     get triangles() {
       return Object.fromEntries([...stage.edits.sizes].map(([id, { triangles }]) => [id, triangles]));
     },
