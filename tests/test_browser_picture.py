@@ -157,9 +157,9 @@ def test_a_segment_is_a_body_or_tissue_inside_the_volume(opened: Opened) -> None
     page.read("document.querySelector('[aria-label=\"Reset the look\"]').click()")
     # a colour that nothing in the scan has
     page.read(
-        "(() => {"
-        " const field = document.querySelector('[data-testid=segment-1] [type=color]');"
-        " field.value = '#2040ff'; field.dispatchEvent(new Event('change', { bubbles: true })); })()"
+        "(() => { const field = document.querySelector('[data-testid=segment-1] [type=color]');"
+        " field.value = '#2040ff';"
+        " field.dispatchEvent(new Event('change', { bubbles: true })); })()"
     )
     page.all_done()
     pictures = []

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
         SeriesChoiceError,
         VolumeFormatError,
     )
+    from palpate.export import export_scene
     from palpate.gap import Gap
     from palpate.io import read
     from palpate.labels import Label, Labels, read_labels
@@ -61,6 +62,7 @@ __all__ = [
     "TouchSettings",
     "Volume",
     "VolumeFormatError",
+    "export_scene",
     "phantom",
     "read",
     "read_labels",
@@ -74,6 +76,7 @@ _HOMES = {
     "RecordingFormatError": "errors",
     "SeriesChoiceError": "errors",
     "VolumeFormatError": "errors",
+    "export_scene": "export",
     "Gap": "gap",
     "read": "io",
     "Label": "labels",

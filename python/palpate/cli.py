@@ -1,4 +1,4 @@
-"""The command line: `open`, `demo`, `info`, `series`, `record`, `replay`, `surface`, and others.
+"""The command line: `open`, `demo`, `info`, `export`, `record`, `replay`, `surface`, and others.
 
 Whatever is wrong with what was given becomes one line on stderr and exit code 2. Heavy
 modules are imported inside the commands, so that ``palpate --help`` is quick.
@@ -20,6 +20,7 @@ from palpate.cli_bench import (
     bench_truth_cube,
     stress_in_matter,
 )
+from palpate.cli_export import export
 from palpate.cli_scenario import scenario
 from palpate.cli_series import series
 from palpate.console import WRONG_INPUT, Display, fail, quiet_libraries, warn
@@ -385,6 +386,7 @@ def replay(
     return replay_file(file, csv=csv, npz=npz, as_json=as_json)
 
 
+app.command("export")(export)
 app.command("series")(series)
 
 

@@ -9,6 +9,7 @@ import typer
 
 from palpate.console import warn
 from palpate.errors import MeshFormatError, OptionError
+from palpate.export_image import write_image
 from palpate.mesh_io import (
     Frame,
     MeshFile,
@@ -23,7 +24,6 @@ from palpate.mesh_io import (
 from palpate.mesh_write import SUFFIXES, write_mesh
 from palpate.scene import Scene
 from palpate.segment import Segment
-from palpate.simpleitk import simpleitk
 from palpate.surface import Source, Surface
 from palpate.volume import Volume
 
@@ -136,16 +136,5 @@ def write_voxels(file: MeshFile, path: Path, *, grid: Volume | float, shell: boo
     """Writes the voxels of a mesh as a label map, on the grid of a scan or of cubes [mm]."""
     volume = grid_around([file.mesh], grid) if isinstance(grid, float) else grid
     segment = segment_of_mesh(file, volume, as_shell=shell)
-    sitk = simpleitk()
-    image = sitk.GetImageFromArray(segment.mask())
-    image.SetSpacing(volume.spacing)
-    image.SetOrigin(volume.origin)
-    image.SetDirection(volume.direction.ravel().tolist())
-    suffix = next(one for one in MASK_SUFFIXES if path.name.lower().endswith(one))
-    unfinished = path.with_name(f".{path.name}.part{suffix}")
-    try:
-        sitk.WriteImage(image, str(unfinished), useCompression=True)
-        unfinished.replace(path)
-    finally:
-        unfinished.unlink(missing_ok=True)
+    write_image(segment.mask(), volume, path)
     typer.echo(f"{path}: {segment.voxel_count} voxels, {segment.volume_ml:.1f} ml")

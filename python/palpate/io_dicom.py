@@ -30,7 +30,7 @@ MOST_LISTED = 12
 MOST_FILES = 50_000
 """Files looked at in one folder: ten of the largest studies, and not a whole disc."""
 
-__all__ = ["is_dicom", "read_dicom_file", "read_dicom_folder", "series_in"]
+__all__ = ["choose_series", "is_dicom", "read_dicom_file", "read_dicom_folder", "series_in"]
 
 
 def is_dicom(path: Path) -> bool:
@@ -57,7 +57,7 @@ def read_dicom_folder(
     """
     found, damaged = series_in(folder, called=called, progress=progress)
     folder = called or folder
-    chosen, warnings = _choose(folder, found, series)
+    chosen, warnings = choose_series(folder, found, series)
     what = f"{folder} (series {chosen.uid})" if chosen.uid else str(folder)
     scan = _read_series(what, chosen, max_voxels=max_voxels, progress=progress)
     scan.name = chosen.description or folder.name.removesuffix(".zip")
@@ -119,8 +119,14 @@ def read_dicom_file(path: Path, *, max_voxels: int, progress: Progress) -> RawSc
     return scan
 
 
-def _choose(folder: Path, found: list[Series], wanted: str | None) -> tuple[Series, list[str]]:
-    """Returns the series to read, and what to say about those left out."""
+def choose_series(
+    folder: Path, found: list[Series], wanted: str | None
+) -> tuple[Series, list[str]]:
+    """Returns the series to read, and what to say about those left out.
+
+    Raises:
+        SeriesChoiceError: There are several, or not the one asked for.
+    """
     listed = _listed(found)
     if wanted is not None:
         chosen = [series for series in found if wanted in (series.uid, series.description)]

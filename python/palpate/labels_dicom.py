@@ -20,12 +20,13 @@ from palpate.io_dicom_header import Frame, damage_told, frame_of
 from palpate.io_dicom_pixels import stored_pixels
 from palpate.labels_grid import Colour, Label, Labels, Placement, patient_from_grid, placement
 from palpate.progress import Progress
+from palpate.terminology import Code, Terminology
 from palpate.volume import Volume
 
 if TYPE_CHECKING:
     from pydicom.dataset import Dataset
 
-__all__ = ["colour_of_lab", "read_seg"]
+__all__ = ["colour_of_lab", "lab_of_colour", "read_seg"]
 
 BACKGROUND = "125040"
 """Code of a label map's background (DCM)."""
@@ -38,6 +39,7 @@ class _Told:
     number: int
     name: str
     colour: Colour | None
+    terminology: Terminology | None
 
 
 def read_seg(path: Path, volume: Volume, *, progress: Progress) -> Labels:
@@ -73,7 +75,9 @@ def read_seg(path: Path, volume: Volume, *, progress: Progress) -> Labels:
             solid = _solid(pixels, kind=kind, number=segment.number, most=most)
             outside += place.lay(solid[None], mask)
         if mask.any():
-            made.append(Label(volume.segment(mask, name=segment.name), segment.colour))
+            part = volume.segment(mask, name=segment.name)
+            part.terminology = segment.terminology
+            made.append(Label(part, segment.colour))
         else:
             empty += 1
     said = ["fractions of voxels are cut at 50 %"] if kind == "FRACTIONAL" else []
@@ -125,7 +129,35 @@ def _told(item: Dataset) -> _Told:
     number = int(item.SegmentNumber)
     name = str(item.get("SegmentLabel") or f"segment {number}")
     lab = item.get("RecommendedDisplayCIELabValue")
-    return _Told(number, name, colour_of_lab(lab) if lab is not None and len(lab) == 3 else None)
+    colour = colour_of_lab(lab) if lab is not None and len(lab) == 3 else None
+    return _Told(number, name, colour, _terminology(item))
+
+
+def _terminology(item: Dataset) -> Terminology | None:
+    category = _code(item, "SegmentedPropertyCategoryCodeSequence")
+    kind = _code(item, "SegmentedPropertyTypeCodeSequence")
+    if category is None or kind is None:
+        return None
+    of_kind = item.SegmentedPropertyTypeCodeSequence[0]
+    return Terminology(
+        category,
+        kind,
+        side=_code(of_kind, "SegmentedPropertyTypeModifierCodeSequence"),
+        region=_code(item, "AnatomicRegionSequence"),
+    )
+
+
+def _code(item: Dataset, name: str) -> Code | None:
+    """Returns the first code of a sequence."""
+    held = item.get(name)
+    if not held or not held[0].get("CodeValue"):
+        return None
+    told = held[0]
+    return Code(
+        str(told.CodeValue),
+        str(told.get("CodingSchemeDesignator") or ""),
+        str(told.get("CodeMeaning") or ""),
+    )
 
 
 def colour_of_lab(stored: list[int]) -> Colour:
@@ -143,6 +175,18 @@ def colour_of_lab(stored: list[int]) -> Colour:
     shown = np.where(rgb <= 0.0031308, 12.92 * rgb, 1.055 * np.maximum(rgb, 0) ** (1 / 2.4) - 0.055)
     red, green, blue = (float(part) for part in shown.clip(0.0, 1.0))
     return red, green, blue
+
+
+def lab_of_colour(colour: Colour) -> list[int]:
+    """Returns the CIELab that DICOM stores for an sRGB colour: the inverse of ``colour_of_lab``."""
+    shown = np.asarray(colour)
+    linear = np.where(shown <= 0.04045, shown / 12.92, ((shown + 0.055) / 1.055) ** 2.4)
+    xyz = np.linalg.solve(XYZ_D50_TO_SRGB, linear) / (0.9642, 1.0, 0.8249)
+    low = xyz <= (6 / 29) ** 3
+    curve = np.where(low, xyz / (3 * (6 / 29) ** 2) + 4 / 29, np.cbrt(xyz))
+    lightness, a, b = 116 * curve[1] - 16, 500 * (curve[0] - curve[1]), 200 * (curve[1] - curve[2])
+    stored = np.array([lightness / 100 * 65535, (a + 128) * 257, (b + 128) * 257])
+    return [int(number) for number in np.rint(stored).clip(0, 65535)]
 
 
 XYZ_D50_TO_SRGB = np.array(

@@ -2,7 +2,7 @@
 
 Names and colours come from the table that TotalSegmentator and others write into NIfTI files
 (``LabelTable`` of the CIFTI extension), or from a ``.csv`` beside the file with the columns
-``id`` and ``structure``.
+``id`` and ``structure``, and ``red``, ``green`` and ``blue`` where it has them.
 """
 
 from __future__ import annotations
@@ -30,6 +30,8 @@ LARGEST_TABLE = 1 << 20
 """Of a NIfTI file [bytes]."""
 NAMES = ("structure", "name", "label", "segment")
 NUMBERS = ("id", "value", "index", "number")
+COLOURS = ("red", "green", "blue")
+"""Each 0..1."""
 ENDINGS = (".nii.gz", ".nii", ".nrrd", ".mha", ".mhd", ".mnc")
 
 BY_NAME: tuple[tuple[str, Colour], ...] = (
@@ -196,5 +198,13 @@ def _csv_table(path: Path) -> Names:
     for row in rows:
         told = {str(key).strip().lower(): str(value).strip() for key, value in row.items()}
         if told[number].isdecimal() and told[named]:
-            names[int(told[number])] = (told[named], None)
+            names[int(told[number])] = (told[named], _csv_colour(told))
     return names
+
+
+def _csv_colour(told: dict[str, str]) -> Colour | None:
+    try:
+        red, green, blue = (min(1.0, max(0.0, float(told[part]))) for part in COLOURS)
+    except (KeyError, ValueError):
+        return None
+    return red, green, blue

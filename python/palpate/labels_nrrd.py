@@ -1,7 +1,7 @@
 """Segmentations of 3D Slicer, ``.seg.nrrd``: names, colours, and segments that overlap in layers.
 
 Source: "Segmentation file format", 3D Slicer developer guide: ``SegmentN_Name``, ``_Color``,
-``_LabelValue`` and ``_Layer`` beside the voxels.
+``_LabelValue``, ``_Layer`` and ``_Tags`` beside the voxels.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from palpate.io_payload import check_payload, nrrd_header
 from palpate.labels_grid import Colour, Label, Labels, patient_from_grid, placement
 from palpate.progress import Progress
 from palpate.simpleitk import reason_of, simpleitk
+from palpate.terminology import Terminology
 from palpate.volume import Volume
 
 __all__ = ["is_segmentation", "read_seg_nrrd"]
@@ -73,7 +74,9 @@ def read_seg_nrrd(path: Path, volume: Volume, *, progress: Progress) -> Labels:
         mask = np.zeros(volume.shape, np.uint8)
         outside += place.lay((layers[..., layer] == value).astype(np.uint8), mask)
         if mask.any():
-            made.append(Label(volume.segment(mask, name=name), _colour(fields, number)))
+            segment = volume.segment(mask, name=name)
+            segment.terminology = _terminology(fields, number)
+            made.append(Label(segment, _colour(fields, number)))
         else:
             empty += 1
     told = [f"{empty} segments are empty"] if empty else []
@@ -87,3 +90,8 @@ def _colour(fields: dict[str, str], number: int) -> Colour | None:
     except (KeyError, ValueError):
         return None
     return red, green, blue
+
+
+def _terminology(fields: dict[str, str], number: int) -> Terminology | None:
+    told = re.search(r"TerminologyEntry:([^|]*)", fields.get(f"Segment{number}_Tags", ""))
+    return None if told is None else Terminology.of_slicer(told[1])

@@ -41,6 +41,8 @@ ENDING = ".palpate"
 FORMAT = "palpate-scene-1"
 MOST_JSON_BYTES = 1 << 24
 """Of ``scene.json``: 255 segments take some 100 kB."""
+MOST_SEGMENTS_BYTES = 1 << 31
+"""Of ``segments.journal``: all bones of a CT of the trunk take some 10 MB."""
 
 ABOUT, SEGMENTS, SCAN = "scene.json", "segments.journal", "scan.i16"
 
@@ -111,6 +113,8 @@ class SavedScene:
             journal = Path(folder) / SEGMENTS
             with _opened(self.path) as archive:
                 journal.write_bytes(_member(self.path, archive, SEGMENTS))
+            # else nobody would be told of the scan's own edits
+            session.picture_changes()
             try:
                 _, lost, _ = session.recover_journal(journal, scan_hash(self.volume))
             except (PalpateError, OSError) as error:
@@ -277,10 +281,10 @@ def _member(path: Path, archive: zipfile.ZipFile, name: str) -> bytes:
 
 
 def _about(path: Path, archive: zipfile.ZipFile) -> _About:
-    if any(
-        each.filename == ABOUT and each.file_size > MOST_JSON_BYTES for each in archive.filelist
-    ):
-        raise SceneFormatError(f"{path}: {ABOUT} is too large for a scene")
+    # before anything of it is unpacked
+    for name, most in ((ABOUT, MOST_JSON_BYTES), (SEGMENTS, MOST_SEGMENTS_BYTES)):
+        if any(each.filename == name and each.file_size > most for each in archive.filelist):
+            raise SceneFormatError(f"{path}: {name} is too large for a scene")
     text = _member(path, archive, ABOUT)
     try:
         found = msgspec.json.decode(text, type=dict[str, msgspec.Raw]).get("format")

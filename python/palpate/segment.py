@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 if TYPE_CHECKING:
     from palpate import _core
+    from palpate.terminology import Terminology
     from palpate.volume import Volume
 
 __all__ = ["Segment"]
@@ -43,6 +44,8 @@ class Segment:
         self.volume = volume
         self.range = range
         self.made_by = made_by or range
+        self.terminology: Terminology | None = None
+        """What it is in codes, where a file told."""
 
     def __repr__(self) -> str:
         return f"<Segment {self.name!r}: {self.voxel_count} voxels, {self.volume_ml:.1f} ml>"

@@ -29,6 +29,7 @@ from palpate.errors import OptionError
 from palpate.journal import Journal
 from palpate.scene_file import SavedScene
 from palpate.server_data import parse_step, voxels_response
+from palpate.server_export import export_response
 from palpate.server_hello import hello_of
 from palpate.server_live import Live
 from palpate.server_recording import Recorder
@@ -143,6 +144,10 @@ def _data_routes(
         body = await request.body()
         return await run_in_threadpool(scene_response, live.session, live.segments, body)
 
+    async def export(request: Request) -> Response:
+        body = await request.body()
+        return await run_in_threadpool(export_response, live.segments, live.picture.values, body)
+
     async def view(_: Request) -> Response:
         return view_response(None if saved is None else saved.view)
 
@@ -152,6 +157,7 @@ def _data_routes(
         Route("/api/recording", recording),
         Route("/api/scenario", scenario),
         Route("/api/scene", scene, methods=["POST"]),
+        Route("/api/export", export, methods=["POST"]),
         Route("/api/view", view),
     ]
 

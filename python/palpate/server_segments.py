@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from palpate import protocol
 from palpate.errors import OptionError
-from palpate.scene import PALETTE
+from palpate.scene import PALETTE, Scene
 from palpate.server_data import labels_of
 from palpate.server_matter import material_of
 from palpate.session import Session
@@ -122,6 +122,22 @@ class ShownSegments:
             self._session.replace_segment(wanted.id, segment)
             self._set_look(wanted.id, replace(self._look_of(wanted.id), name=wanted.name))
         self.keep()
+
+    def scene(self, values: NDArray[np.int16]) -> tuple[Scene, list[str]]:
+        """Returns the scan with such stored values and its segments as they are now, for files.
+
+        Also says what files cannot tell of them.
+        """
+        scene, told = self._session.scene_now(values), []
+        for one, state in zip(scene, self._session.segments(), strict=True):
+            look = self._look_of(state["id"])
+            if look.name != one.name:
+                # a segment that was renamed is something else, or was never told what it is
+                one.segment.terminology = None
+            one.name, one.colour = look.name, look.colour
+            if state["pose"] not in (None, _UNMOVED):
+                told.append(f"{look.name} was moved: it is written where the scan has it")
+        return scene, told
 
     def keep(self) -> None:
         """Hands the looks over to be kept, with which segments can be touched."""

@@ -315,6 +315,28 @@ class Session:
         made_by = {state["id"]: state["made_by"] for state in self.segments()}.get(segment_id)
         return Segment(internal, name=name, volume=volume, range=None, made_by=made_by)
 
+    def scene_now(self, values: NDArray[np.int16] | None = None) -> Scene:
+        """Returns the scan and its segments as they are now, such as for ``export_scene``.
+
+        Args:
+            values: The scan's stored values where edits have changed them, shape
+                [depth, height, width], as ``picture_changes`` tell them.
+        """
+        volume = self.scene.volume if values is None else self.scene.volume.with_values(values)
+        known = dict(zip(self.ids, self.scene, strict=True))
+        now = Scene(volume)
+        for state in self.segments():
+            shown = known.get(state["id"])
+            name = f"segment {state['id']}" if shown is None else shown.name
+            segment = self.segment(state["id"], name=name)
+            segment.terminology = None if shown is None else shown.segment.terminology
+            now.add(
+                segment,
+                colour=None if shown is None else shown.colour,
+                touchable=state["touchable"],
+            )
+        return now
+
     def segments(self) -> list[dict[str, Any]]:
         """Lists the segments as they are now.
 

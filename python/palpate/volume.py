@@ -81,6 +81,8 @@ class Volume:
         self.traits = traits or VolumeTraits()
         self.source: Source | None = None
         """Where it was read from; None where it was made."""
+        self.edited = False
+        """Whether its values are others than those that were read."""
         self.spacing = _triple(spacing)
         self.origin = _triple(origin)
         self.direction = np.array(direction, dtype=np.float64)
@@ -187,6 +189,21 @@ class Volume:
         return anchors(self.histogram, unit=self.unit)
 
     # --- what can be made of it -----------------------------------------------------------
+
+    def with_values(self, values: NDArray[np.int16]) -> Volume:
+        """Returns the same scan with other stored values, shape as ``shape``."""
+        other = Volume(
+            values,
+            spacing=self.spacing,
+            origin=self.origin,
+            direction=self.direction,
+            slope=self.slope,
+            intercept=self.intercept,
+            traits=self.traits,
+        )
+        other.source = self.source
+        other.edited = self.edited or not np.array_equal(values, self.array)
+        return other
 
     def threshold(self, low: float, high: float | None = None, *, name: str = "bone") -> Segment:
         """Returns the segment of all voxels with low <= value <= high.

@@ -146,8 +146,9 @@ def test_another_rate_is_refused(scan: Path) -> None:
 
 
 def test_an_unknown_command_is_refused_with_the_known_ones() -> None:
-    assert "allowed: open, demo, info, record, replay, series, surface, scenario, bench" in fails(
-        "frobnicate"
+    assert (
+        "allowed: open, demo, info, record, replay, export, series, surface, scenario, bench"
+        in fails("frobnicate")
     )
 
 

@@ -4,7 +4,7 @@
 import type { Camera, Viewport } from "../core/camera";
 import { fitsIntoCanvas, imageSize } from "../core/image_size";
 import { turntable } from "../core/turntable";
-import { download } from "./download";
+import { keep } from "./download";
 import { Film, filmType } from "./film";
 import { recall, remember } from "./remembered";
 import type { Session } from "./session.svelte";
@@ -61,7 +61,7 @@ export class ImageControl {
       if (blob === null) {
         throw new Error(`${String(size.width)} × ${String(size.height)} pixels are too many for this browser; choose fewer`);
       }
-      download(blob, `${this.fileName}.png`);
+      keep(blob, `${this.fileName}.png`);
     });
   }
 
@@ -81,7 +81,7 @@ export class ImageControl {
           await film.add(context.canvas);
           this.tell((i + 1) / cameras.length);
         }
-        download(await film.end(), `${this.fileName}.webm`);
+        keep(await film.end(), `${this.fileName}.webm`);
       } finally {
         film.dispose();
       }

@@ -5,7 +5,7 @@ import { saneCamera } from "../core/camera";
 import type { Scan } from "../core/protocol";
 import { isPoint } from "../core/vector";
 import { apiAddress } from "../live/connection";
-import { download } from "./download";
+import { fetchFile } from "./download";
 import { bring, keptOf, recall, remember } from "./remembered";
 import type { Session } from "./session.svelte";
 import type { Stage } from "./stage.svelte";
@@ -39,15 +39,7 @@ export class SceneKeeper {
     try {
       const { camera, slices } = this.stage;
       const view = { camera, crosshair: slices.crosshair, remembered: keptOf(scan.name) };
-      const answer = await fetch(apiAddress("/api/scene", this.token), {
-        method: "POST",
-        body: JSON.stringify({ view, copy: this.withScan }),
-      });
-      if (!answer.ok) {
-        throw new Error(await answer.text());
-      }
-      const name = /filename="([^"]+)"/.exec(answer.headers.get("content-disposition") ?? "")?.[1];
-      download(await answer.blob(), name ?? "scene.palpate");
+      await fetchFile("/api/scene", this.token, { view, copy: this.withScan }, "scene.palpate");
     } catch (error) {
       const reason = error instanceof Error ? error.message : String(error);
       this.session.notify("error", `The scene was not saved: ${reason}`);

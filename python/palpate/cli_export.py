@@ -1,0 +1,121 @@
+"""The command ``palpate export``: a scan's segments, or the scan, as files for other programs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from palpate.console import Display, quiet_libraries, warn
+
+__all__ = ["export"]
+
+EXAMPLES = """Write segments, or a scan with its edits, for other programs.
+
+The name says what is written; --as says so where it does not:
+
+\b
+  palpate export scan.nii.gz --segments organs.seg.nrrd -o labels.nii.gz
+  palpate export work.palpate -o work.seg.nrrd        a scene that was saved
+  palpate export work.palpate --as scan -o drilled.nii.gz
+  palpate export DICOM/ --threshold 250 -o shared     a new folder
+  palpate export DICOM/ --threshold 250 --keep-identity -o seg.dcm
+  palpate export DICOM/ --threshold 250 --keep-identity --as rtstruct -o rt.dcm
+
+DICOM is de-identified, scan and segments together, so that the references between them hold, and
+so goes into a folder. --keep-identity is for the archive that has the scan.
+"""
+
+
+def export(  # noqa: PLR0913  # one per option of the command line
+    path: Annotated[
+        Path,
+        typer.Argument(
+            help="A scan, as for `palpate open`, or a .palpate scene that was saved.",
+            metavar="PATH",
+        ),
+    ],
+    *,
+    out: Annotated[
+        Path,
+        typer.Option(
+            "--out",
+            "-o",
+            help=".seg.nrrd, .nii.gz, .nrrd, .mha, .dcm, or a new folder for DICOM.",
+            metavar="OUT",
+        ),
+    ],
+    kind: Annotated[
+        str | None,
+        typer.Option(
+            "--as",
+            help="seg-nrrd, labels, scan, dicom-seg, dicom-labelmap, rtstruct or dicom (all of "
+            "it); by default what the name asks for.",
+        ),
+    ] = None,
+    segments: Annotated[
+        Path | None,
+        typer.Option(help="Label map, .seg.nrrd, DICOM SEG or RTSTRUCT, or a folder of masks."),
+    ] = None,
+    threshold: Annotated[
+        str | None, typer.Option(help="Values of a segment.", metavar="LOW[,HIGH]")
+    ] = None,
+    only: Annotated[
+        list[str] | None, typer.Option(help="Name of a segment, again for more; by default all.")
+    ] = None,
+    keep_identity: Annotated[
+        bool,
+        typer.Option(
+            "--keep-identity",
+            help="DICOM names the patient and refers to the scan as it is in the archive.",
+        ),
+    ] = False,
+    series: Annotated[
+        str | None, typer.Option(help="DICOM series: its UID, description or number in the list.")
+    ] = None,
+    orientation: Annotated[
+        str | None, typer.Option(help="Sides toward which x, y, z run, such as LPS or RAS.")
+    ] = None,
+    unit: Annotated[str | None, typer.Option(help="HU, where the values are known to be.")] = None,
+    fill: Annotated[
+        float | None, typer.Option(help="Value in the place of NaN and infinity.")
+    ] = None,
+    max_voxels: Annotated[int, typer.Option(help="Largest scan that is read.")] = 1024**3,
+) -> None:
+    """Writes what was asked for and says what it is."""
+    from palpate.cli_export_run import check_target, saved_scene, tell_export, wanted_scene
+    from palpate.cli_open import is_scene, parse_threshold
+    from palpate.errors import OptionError
+    from palpate.export import export_scene
+    from palpate.io import read
+
+    bounds = parse_threshold(threshold)
+    saved = is_scene(path)
+    if saved and any(each is not None for each in (segments, bounds, series, orientation, unit)):
+        raise OptionError(f"{path} is a scene: options of scans are allowed with scans only")
+    has_segments = saved or segments is not None or bounds is not None
+    known = check_target(out, kind, has_segments=has_segments, keep_identity=keep_identity)
+    with quiet_libraries(), Display() as display:
+        if saved:
+            scene = saved_scene(path, display)
+        else:
+            volume = read(
+                path,
+                series=series,
+                orientation=orientation,
+                unit=unit,
+                fill=fill,
+                max_voxels=max_voxels,
+                progress=display,
+            )
+            for warning in volume.warnings:
+                warn(warning)
+            scene = wanted_scene(volume, bounds=bounds, label_map=segments, progress=display)
+        told = export_scene(
+            scene, out, kind=known, only=only, keep_identity=keep_identity, progress=display
+        )
+    tell_export(scene, out, told)
+
+
+export.__doc__ = EXAMPLES

@@ -1,0 +1,88 @@
+"""What ``palpate export`` does once its options are understood."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import typer
+
+from palpate.cli_open import Bounds, add_labels
+from palpate.console import warn
+from palpate.errors import OptionError
+from palpate.export import KINDS, Kind, check_export, kind_of
+from palpate.progress import Progress
+from palpate.scene import Scene
+from palpate.scene_file import open_scene
+from palpate.server_changes import messages_of
+from palpate.server_picture import ToldPicture
+from palpate.server_segments import ShownSegments
+from palpate.session import Session, SessionOptions
+from palpate.volume import Volume
+
+__all__ = ["check_target", "saved_scene", "tell_export", "wanted_scene"]
+
+SETTLED = 0.05
+"""Seconds of a session's own time in which its picture follows what was brought back."""
+
+
+def check_target(out: Path, kind: str | None, *, has_segments: bool, keep_identity: bool) -> Kind:
+    """Returns what is to be written; refuses what could not be, before a scan is read.
+
+    Raises:
+        OptionError: The kind is not known, or does not fit the name.
+    """
+    if kind is not None and kind not in KINDS:
+        raise OptionError(f"--as {kind} given; allowed: {', '.join(KINDS)}")
+    known = kind_of(out, has_segments=has_segments) if kind is None else kind
+    check_export(out, known, keep_identity=keep_identity)
+    return known
+
+
+def wanted_scene(
+    volume: Volume, *, bounds: Bounds | None, label_map: Path | None, progress: Progress
+) -> Scene:
+    """Returns a scan with the segments asked for, and no others.
+
+    Raises:
+        EmptySegmentError: The threshold asked for selects nothing.
+        VolumeFormatError: The label map cannot be read.
+        OptionError: The label map does not fit the scan.
+    """
+    scene = Scene(volume)
+    if bounds is not None:
+        scene.add(volume.threshold(*bounds, name="threshold"))
+    if label_map is not None:
+        add_labels(scene, label_map, progress)
+    return scene
+
+
+def saved_scene(path: Path, progress: Progress) -> Scene:
+    """Returns the scan of a scene that was saved, with its edits and segments.
+
+    Raises:
+        SceneFormatError: It cannot be opened.
+    """
+    saved = open_scene(path, progress=progress)
+    options = SessionOptions(real_time=False)
+    with Session(Scene(saved.volume), options=options) as session:
+        saved.restore(session)
+        shown = ShownSegments(session)
+        shown.restore(saved.looks)
+        session.run(SETTLED)
+        picture = ToldPicture(saved.volume.array)
+        for change in session.picture_changes():
+            for message in messages_of(change):
+                picture.take(message)
+        scene, told = shown.scene(picture.values)
+    for note in (*saved.volume.warnings, *told):
+        warn(note)
+    return scene
+
+
+def tell_export(scene: Scene, out: Path, told: list[str]) -> None:
+    """Says what was written."""
+    for note in told:
+        warn(note)
+    files = sum(1 for file in out.rglob("*") if file.is_file()) if out.is_dir() else 1
+    what = f"{files} files" if files > 1 else f"{out.stat().st_size / 2**20:.1f} MiB"
+    typer.echo(f"{out}: {what}, of {len(scene)} segments in {scene.volume.name}")
