@@ -202,7 +202,8 @@ def test_a_segment_is_a_body_or_tissue_inside_the_volume(opened: Opened) -> None
     # a colour that nothing in the scan has
     page.read(
         "(() => { const field = document.querySelector('[data-testid=segment-1] [type=color]');"
-        " field.value = '#2040ff'; field.dispatchEvent(new Event('change', { bubbles: true })); })()"
+        " field.value = '#2040ff';"
+        " field.dispatchEvent(new Event('change', { bubbles: true })); })()"
     )
     page.all_done()
     pictures = []

@@ -45,6 +45,10 @@ def test_a_saved_scene_looks_the_same_when_it_is_opened(
         # an edit, so that the segment is no threshold any more
         page.read("window.palpate.place([127, 1, 150])")
         page.all_done()
+        page.do("press", key="b")
+        page.do("clickAt", testid="canvas", x=0.5, y=0.5)
+        marks = page.read("window.palpate.marks")
+        assert len(marks) == 1
         before = page.picture(OUTPUT / "scene_saved.png")
         camera, crosshair = (
             page.read("window.palpate.camera"),
@@ -57,6 +61,7 @@ def test_a_saved_scene_looks_the_same_when_it_is_opened(
     assert (saved.stat().st_size > 5_000_000) == with_scan
     with opened(saved) as page:
         assert page.read("window.palpate.camera") == camera
+        assert page.read("window.palpate.marks") == marks
         page.wait(f"Math.hypot(...window.palpate.crosshair.map((c, i) => c - {crosshair}[i])) < 1")
         assert len(page.read("window.palpate.slices")) == len(slices) > 0
         after = page.picture(OUTPUT / "scene_opened.png")

@@ -41,6 +41,8 @@ ENDING = ".palpate"
 FORMAT = "palpate-scene-1"
 MOST_JSON_BYTES = 1 << 24
 """Of ``scene.json``: 255 segments take some 100 kB."""
+MOST_SEGMENTS_BYTES = 1 << 31
+"""Of ``segments.journal``: all bones of a CT of the trunk take some 10 MB."""
 
 ABOUT, SEGMENTS, SCAN = "scene.json", "segments.journal", "scan.i16"
 
@@ -279,10 +281,10 @@ def _member(path: Path, archive: zipfile.ZipFile, name: str) -> bytes:
 
 
 def _about(path: Path, archive: zipfile.ZipFile) -> _About:
-    if any(
-        each.filename == ABOUT and each.file_size > MOST_JSON_BYTES for each in archive.filelist
-    ):
-        raise SceneFormatError(f"{path}: {ABOUT} is too large for a scene")
+    # before anything of it is unpacked
+    for name, most in ((ABOUT, MOST_JSON_BYTES), (SEGMENTS, MOST_SEGMENTS_BYTES)):
+        if any(each.filename == name and each.file_size > most for each in archive.filelist):
+            raise SceneFormatError(f"{path}: {name} is too large for a scene")
     text = _member(path, archive, ABOUT)
     try:
         found = msgspec.json.decode(text, type=dict[str, msgspec.Raw]).get("format")

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 import SimpleITK
+from palpate import scene_file
 from palpate.errors import SceneFormatError
 from palpate.io import read
 from palpate.journal import Journal
@@ -163,7 +164,12 @@ def rewritten(path: Path, change: Callable[[dict[str, Any]], None]) -> None:
     about = json.loads(members["scene.json"])
     change(about)
     members["scene.json"] = json.dumps(about).encode()
-    with zipfile.ZipFile(path, "w") as archive:
+    write_members(path, members)
+
+
+def write_members(path: Path, members: dict[str, bytes]) -> None:
+    """Writes a scene's file of these."""
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, content in members.items():
             archive.writestr(name, content)
 
@@ -186,6 +192,24 @@ def test_what_a_scene_says_of_itself_is_checked(
         save_scene(path, session, copy=True)
     rewritten(path, change)
     with pytest.raises(SceneFormatError, match=reason):
+        open_scene(path)
+
+
+@pytest.mark.parametrize("member", ["scene.json", "segments.journal"])
+def test_a_member_that_is_too_large_is_not_unpacked(
+    scan: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, member: str
+) -> None:
+    path = tmp_path / "scene.palpate"
+    with Session(Scene(read(scan)), options=STANDING) as session:
+        save_scene(path, session)
+    monkeypatch.setattr(scene_file, "MOST_JSON_BYTES", 10_000)
+    monkeypatch.setattr(scene_file, "MOST_SEGMENTS_BYTES", 10_000)
+    open_scene(path)
+    with zipfile.ZipFile(path) as archive:
+        members = {name: archive.read(name) for name in archive.namelist()}
+    members[member] = bytes(10_001)
+    write_members(path, members)
+    with pytest.raises(SceneFormatError, match=f"{member} is too large"):
         open_scene(path)
 
 

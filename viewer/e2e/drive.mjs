@@ -23,16 +23,21 @@
  *   {"do": "slide", "testid": …, "value": …}                  a slider, with the mouse
  *   {"do": "download", "testid": …, "path": …}                → {"name": of the file}
  *   {"do": "give", "testid": …, "path": …}                    a file to a chooser of files
+ *   {"do": "fill", "testid": …, "text": …}                    a field; {"do": "type", "text": …} where the focus is
+ *   {"do": "axe"}                                             → {"value": violations of accessibility, as lines}
  *   {"do": "press", "key": "Escape"}, {"do": "resize", "width": …, "height": …}
  *
  * The browser is the one in CHROMIUM, with CHROMIUM_FLAGS beside the usual ones.
  */
+import { readFile } from "node:fs/promises";
+import { createRequire } from "node:module";
 import { createInterface } from "node:readline";
 import { launchChromium } from "./chromium.mjs";
 
 const moreFlags = (process.env.CHROMIUM_FLAGS ?? "").split(" ").filter((flag) => flag !== "");
 const browser = await launchChromium(moreFlags);
 const page = await browser.newPage();
+await page.context().grantPermissions(["clipboard-read", "clipboard-write"]);
 // limits are for what never comes: software GL on a busy machine takes its time
 page.setDefaultTimeout(120_000);
 const complaints = [];
@@ -77,7 +82,7 @@ const actions = {
   async screenshot({ path, testid }) {
     // of an element only what it draws itself: nothing that lies over the picture, or passes by
     const own = `[data-testid="${testid}"]`;
-    const others = `main > :not(canvas, ${own}, :has(${own})), ${own} ~ *, ${own} > *`;
+    const others = `main > :not(:has(${own})), main > * > :not(canvas, ${own}, :has(${own})), ${own} ~ *, ${own} > *`;
     const style = testid === undefined ? "" : `${others} { visibility: hidden !important }`;
     await (testid === undefined ? page : byTestId(testid)).screenshot({ path, style });
     return {};
@@ -196,6 +201,24 @@ const actions = {
   },
   async give({ testid, path }) {
     await byTestId(testid).setInputFiles(path);
+  },
+  async fill({ testid, text }) {
+    await byTestId(testid).fill(text);
+    // as a person does who goes on to something else
+    await byTestId(testid).blur();
+    return {};
+  },
+  async type({ text }) {
+    await page.keyboard.type(text);
+    return {};
+  },
+  async axe() {
+    await page.evaluate(await readFile(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8"));
+    const violations = await page.evaluate(async () => {
+      const found = await globalThis.axe.run({ resultTypes: ["violations"] });
+      return found.violations.map(({ id, impact, nodes }) => ({ id, impact, places: nodes.map(({ html, failureSummary }) => `${html} ${failureSummary}`) }));
+    });
+    return { value: violations };
   },
   async press({ key }) {
     await page.keyboard.press(key);

@@ -17,17 +17,22 @@ const TOP: i32 = 24;
 
 /// A block of liver with air around, its middle at (20, 20) voxels.
 fn scan() -> (Voxels, Materials) {
-    let dimensions = UVec3::splat(40);
+    block(UVec3::splat(40))
+}
+
+fn block(dimensions: UVec3) -> (Voxels, Materials) {
     let grid = Grid::new(
         dimensions,
         DVec3::splat(H),
         DVec3::splat(0.5),
         DMat3::IDENTITY,
     );
-    let values: Vec<i16> = (0..40_i32.pow(3)).map(|i| (i % 37) as i16).collect();
-    let intensities = Intensities::new(dimensions, values, 1.0, 0.0).expect("one value per voxel");
+    let values = (0..dimensions.element_product()).map(|i| (i % 37) as i16);
+    let intensities = Intensities::new(dimensions, values.collect::<Vec<i16>>(), 1.0, 0.0)
+        .expect("one value per voxel");
     let mut voxels = Voxels::new(grid.expect("a grid"), intensities).expect("the same grid");
-    let solid = |v: glam::IVec3| v.min_element() >= 6 && v.x < 34 && v.y < 34 && v.z < TOP;
+    let end = dimensions.as_ivec3() - 6;
+    let solid = |v: glam::IVec3| v.min_element() >= 6 && v.x < end.x && v.y < end.y && v.z < TOP;
     let segment = voxels
         .add_segment(Segment::from_fn(dimensions, solid))
         .expect("its grid");
@@ -216,6 +221,36 @@ fn a_reset_gives_back_all_that_was_moved_before_anything_else() {
         moved = answer.report.moved_voxels;
     }
     assert!(picture(&voxels) == untouched);
+}
+
+#[test]
+fn of_a_large_body_voxels_follow_near_the_first_tool_alone() {
+    let (mut voxels, materials) = block(UVec3::new(300, 40, 40));
+    let untouched = picture(&voxels);
+    let mut model = GlobalModel::global_lj(GlobalSettings::default());
+    let pressing = |id, x: f64| ToolState {
+        id,
+        position: DVec3::new(x, 20.0, f64::from(TOP) + 3.0),
+        ..ball(0.0)
+    };
+    let answer = model.advance(&ModelInput {
+        voxels: &voxels,
+        materials: &materials,
+        tools: &[pressing(1, 40.0), pressing(2, 260.0)],
+        dt: 0.03,
+        budget: Budget::iterations(400),
+    });
+    let felt = |which: usize| answer.contacts[which].contact.expect("pressed").force.z;
+    assert!(felt(0) > 0.0 && felt(1) > 0.0);
+    let field = answer.displacement.expect("a dent");
+    let end = field.origin.x + field.spacing * f64::from(field.size.x - 1);
+    assert!(field.origin.x < 40.0 && end < 90.0, "to {end} mm");
+    let edit = answer.edit.expect("a dent");
+    voxels.apply(edit).expect("an edit of these voxels");
+    let now = picture(&voxels);
+    let differs = |place: &usize| now[*place] != untouched[*place];
+    let changed: Vec<_> = (0..now.len()).filter(differs).collect();
+    assert!(changed.len() > 20 && changed.iter().all(|place| place % 300 < 90));
 }
 
 #[test]

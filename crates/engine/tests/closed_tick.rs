@@ -8,10 +8,9 @@
 mod common;
 
 use assert_no_alloc::{AllocDisabler, assert_no_alloc};
+use common::changes::change_something;
 use common::*;
-use glam::{DAffine3, DMat3, DVec3, IVec3, UVec3};
-use palpate_engine::handover::HandTarget;
-use palpate_engine::settings::Settings;
+use glam::{DVec3, IVec3, UVec3};
 use palpate_tools::tool::{ToolKind, ToolSettings};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::tissue::Tissue;
@@ -37,6 +36,10 @@ fn no_tick_allocates_or_frees() {
     let (mut pending, mut contacts) = (0_u32, 0_u32);
     for tick in 0..20_000_u64 {
         change_something(&mut rig, &ids, &mut random);
+        // a recording that begins asks the servo for its state
+        if tick % 60 == 0 {
+            rig.simulation.begin_tape();
+        }
         // the simulation frees what comes back now and then only, so that rings fill up
         if tick % 50 == 0 {
             rig.simulation.step();
@@ -53,52 +56,6 @@ fn no_tick_allocates_or_frees() {
     // the test means something
     assert!(pending > 20, "{pending}");
     assert!(contacts > 2_000, "{contacts}");
-}
-
-fn change_something(
-    rig: &mut Rig,
-    ids: &[palpate_volume::edit::SegmentId; 2],
-    random: &mut Random,
-) {
-    let id = ids[random.below(2) as usize];
-    let simulation = &mut rig.simulation;
-    match random.below(60) {
-        0 if random.below(2) == 0 => rig.set_threshold(id, (random.between(50.0, 700.0), 2000.0)),
-        0 => {
-            let other = sponge(DIMENSIONS, random.below(99), 2 + random.below(9));
-            simulation.replace_segment(id, other, None).unwrap();
-        }
-        1..=9 => {
-            let solid = random.below(2) == 0;
-            let region = random.voxel_box(DIMENSIONS, 40);
-            simulation.fill_box(id, &region, solid).unwrap();
-        }
-        10..=14 => _ = simulation.undo().unwrap(),
-        15 => _ = simulation.redo().unwrap(),
-        16 => simulation.set_touchable(id, random.below(2) == 0).unwrap(),
-        17 => _ = simulation.place(random.point(0.0, 48.0), 0, false),
-        18 => simulation.turn(DMat3::IDENTITY),
-        19 => {
-            let settings = Settings {
-                stiffness: random.between(0.1, 2.0),
-                probe_radius: random.between(-3.0, 3.0).max(0.0),
-                ..Settings::default()
-            };
-            simulation.set_settings(settings).unwrap();
-        }
-        20 => rig.hand.write(HandTarget {
-            point: random.point(0.0, 48.0),
-            number: 1,
-        }),
-        // a recording that begins asks the servo for its state
-        21 => simulation.begin_tape(),
-        22..=24 => {
-            let turn = DMat3::from_rotation_z(random.between(-0.4, 0.4));
-            let pose = DAffine3::from_mat3_translation(turn, random.point(-4.0, 4.0));
-            simulation.move_segment(id, pose).unwrap();
-        }
-        _ => {}
-    }
 }
 
 /// 10⁵ moves of up to 50 voxels with a needle, through skin and liver around bone and a sponge of

@@ -25,6 +25,10 @@ export function circleOnSlice(plane: SlicePlane, middle: Vec3, radius: number, v
   const { x, y, before } = placeOnSlice(plane, middle, viewport);
   const away = Math.abs(before);
   const cut = Math.sqrt(Math.max(0, radius ** 2 - before ** 2));
-  const strength = Math.max(0, 1 - Math.max(0, away - Math.max(radius, 0.5)) / shownWithin);
-  return { x, y, radius: Math.max(leastRadius, cut / plane.pixel), strength: strength ** 2 };
+  return { x, y, radius: Math.max(leastRadius, cut / plane.pixel), strength: strengthAway(away, radius) };
+}
+
+/** How strongly something shows that is away from the plane [mm] and reaches so far: 1 where they meet. */
+export function strengthAway(away: number, reach = 0): number {
+  return Math.max(0, 1 - Math.max(0, away - Math.max(reach, 0.5)) / shownWithin) ** 2;
 }

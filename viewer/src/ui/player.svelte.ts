@@ -18,7 +18,7 @@ export type ShownTouch = Pick<
 export const speeds: readonly number[] = [0.25, 1, 4, 16];
 
 /** In which a run's curve is drawn. */
-export const phaseColours = { in: "#5cc8ff", rest: "#93a1b1", out: "#ffb454" } as const;
+export const phaseColours = { in: "--accent", rest: "--muted", out: "--warning" } as const;
 
 /** How far behind the tip a needle is held [mm]. */
 const needleLength = 60;

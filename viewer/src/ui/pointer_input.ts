@@ -4,11 +4,14 @@
  * Left drag turns, middle or Ctrl + left drag moves the picture, the wheel zooms. Right drag,
  * Shift + move, or any move in touch mode moves the hand in the view plane; meanwhile the
  * wheel moves it in depth. Alt + left drag changes window and level of what is seen. Where a segment is to be cut, the left button paints the line. With a tool chosen, the left button presses it wherever the mouse
- * moves the hand without a button. A double click brings the probe to what is seen there.
+ * moves the hand without a button. A click says what is seen there, or sets a point of a mark; a double
+ * click brings the probe to it.
  */
 import { orbit, pan, zoom } from "../core/camera";
+import type { Picked } from "../core/pick_surface";
 import { addScaled } from "../core/vector";
 import type { HandControl } from "./hand_control.svelte";
+import type { Reading } from "./read_out.svelte";
 import type { Session } from "./session.svelte";
 import type { Stage } from "./stage.svelte";
 import type { ToolHand } from "./tool_hand.svelte";
@@ -24,8 +27,15 @@ const depthSpeed = 0.05;
 /** Where a double click puts the probe: this far before what was seen [mm]. */
 const standOff = 3;
 
+/** A press that moved by less is a click [CSS pixels]. */
+export const clickReach = 4;
+
 export class PointerInput {
   private drag: Drag | null = null;
+  /** Where the left button went down, as long as that may be a click. */
+  private pressed: readonly [number, number] | null = null;
+  /** The last click has set a point of a mark: a second one makes no double click of it. */
+  private marked = false;
   private last: readonly [number, number] | null = null;
 
   constructor(
@@ -47,6 +57,7 @@ export class PointerInput {
     on("pointerup", this.release.bind(this));
     on("pointercancel", this.release.bind(this));
     on("pointerleave", () => (this.last = null));
+    on("click", this.click.bind(this));
     on("dblclick", this.bringProbe.bind(this));
     on("wheel", this.wheel.bind(this));
     on("contextmenu", (event) => {
@@ -74,6 +85,8 @@ export class PointerInput {
       this.drag = (event.shiftKey || this.hand.touchMode) && this.tool.press() ? "tool" : "orbit";
     }
     this.last = [event.clientX, event.clientY];
+    const leads = event.shiftKey || this.hand.touchMode;
+    this.pressed = this.drag === "orbit" && (!leads || this.stage.marks.placing !== null) ? this.last : null;
   }
 
   private move(event: PointerEvent): void {
@@ -81,6 +94,9 @@ export class PointerInput {
     const x = event.clientX - lastX;
     const y = event.clientY - lastY;
     this.last = [event.clientX, event.clientY];
+    if (this.pressed !== null && Math.hypot(event.clientX - this.pressed[0], event.clientY - this.pressed[1]) >= clickReach) {
+      this.pressed = null;
+    }
     const { camera, viewport } = this.stage;
     if (camera === null || (x === 0 && y === 0)) {
       return;
@@ -131,9 +147,32 @@ export class PointerInput {
     }
   }
 
+  /** Says what is seen there, or sets a point of a mark on it. */
+  private click(event: MouseEvent): void {
+    if (this.pressed === null || event.detail > 1) {
+      return;
+    }
+    this.pressed = null;
+    const { marks, readOut } = this.stage;
+    const picked = this.stage.pick(event.offsetX, event.offsetY);
+    this.marked = marks.placing !== null;
+    if (picked === null) {
+      readOut.close();
+    } else if (this.marked) {
+      marks.put(picked.point);
+    } else {
+      readOut.show(this.readingOf(picked));
+    }
+  }
+
+  private readingOf({ point, segment, value }: Picked): Reading {
+    const found = this.session.segments.find(({ id }) => id === segment);
+    return { pane: "view", point, value, name: found?.name ?? null };
+  }
+
   private bringProbe(event: MouseEvent): void {
-    // two short strokes are no double click, nor are two short lines
-    if (this.stage.cutting.id !== null) {
+    // two short strokes are no double click, nor are two short lines, nor two points of a mark
+    if (this.stage.cutting.id !== null || this.marked) {
       return;
     }
     if (this.tool.kind !== "none" && (event.shiftKey || this.hand.touchMode)) {
@@ -141,11 +180,12 @@ export class PointerInput {
     }
     const picked = this.stage.pick(event.offsetX, event.offsetY);
     const { camera } = this.stage;
-    this.stage.name(picked);
     if (picked === null || camera === null) {
+      this.stage.readOut.close();
       this.session.notify("info", "Nothing is drawn there: double-click on the scan to bring the probe to it.");
       return;
     }
+    this.stage.readOut.name(this.readingOf(picked));
     this.hand.place(addScaled(picked.point, camera.back, standOff));
   }
 }

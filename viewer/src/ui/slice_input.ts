@@ -1,5 +1,5 @@
 /**
- * The mouse over a slice: left drag moves the crosshair, right drag sets window and level, middle or
+ * The mouse over a slice: left drag moves the crosshair, a click says what is there or sets a point of a mark, right drag sets window and level, middle or
  * Ctrl + left drag moves the picture, the wheel goes through the slices and zooms with Ctrl. Shift + move,
  * or any move in touch mode, leads the hand in the plane; a double click brings the probe there.
  * With the focus, arrows up and down go through the slices, + and − zoom.
@@ -8,8 +8,9 @@ import type { Rect } from "../core/picture_layout";
 import { pointOnSlice, type SliceName, type SlicePlane } from "../core/slice_plane";
 import { addScaled, type Vec3 } from "../core/vector";
 import type { HandControl } from "./hand_control.svelte";
-import { wheelPixels } from "./pointer_input";
+import { clickReach, wheelPixels } from "./pointer_input";
 import type { SliceControl } from "./slice_control.svelte";
+import type { Stage } from "./stage.svelte";
 
 type Drag = "crosshair" | "window" | "pan";
 
@@ -23,14 +24,21 @@ export class SliceInput {
   private drag: Drag | null = null;
   private last: readonly [number, number] | null = null;
   private turned = 0;
+  /** Where the left button went down, as long as that may be a click. */
+  private pressed: readonly [number, number] | null = null;
+  /** The last click has set a point of a mark: a second one makes no double click of it. */
+  private marked = false;
+  private readonly slices: SliceControl;
 
   constructor(
     private readonly pane: HTMLElement,
     private readonly name: SliceName,
-    private readonly slices: SliceControl,
+    private readonly stage: Stage,
     private readonly hand: HandControl,
     private readonly pointed: (point: Vec3 | null) => void,
-  ) {}
+  ) {
+    this.slices = stage.slices;
+  }
 
   /** Listens until the returned function is called. */
   listen(): () => void {
@@ -46,9 +54,11 @@ export class SliceInput {
       this.last = null;
       this.pointed(null);
     });
+    on("click", this.click.bind(this));
     on("dblclick", (event) => {
       const point = this.pointAt(event);
-      if (point !== null) {
+      if (point !== null && !this.marked) {
+        this.stage.readOut.close();
         this.hand.place(point);
       }
     });
@@ -86,11 +96,12 @@ export class SliceInput {
     } else if (event.button === 1 || event.ctrlKey) {
       this.drag = "pan";
       event.preventDefault();
-    } else if (event.button === 0 && !this.leads(event)) {
+    } else if (event.button === 0 && !this.leads(event) && !this.marking) {
       this.drag = "crosshair";
       this.moveCrosshair(event);
     }
     this.last = [event.clientX, event.clientY];
+    this.pressed = event.button === 0 && (this.drag === "crosshair" || this.marking) ? this.last : null;
   }
 
   private move(event: PointerEvent): void {
@@ -98,6 +109,9 @@ export class SliceInput {
     const [x, y] = [event.clientX - lastX, event.clientY - lastY];
     this.last = [event.clientX, event.clientY];
     this.pointed(this.pointAt(event));
+    if (this.pressed !== null && Math.hypot(event.clientX - this.pressed[0], event.clientY - this.pressed[1]) >= clickReach) {
+      this.pressed = null;
+    }
     if (x === 0 && y === 0) {
       return;
     }
@@ -117,6 +131,27 @@ export class SliceInput {
     if (this.pane.hasPointerCapture(event.pointerId)) {
       this.pane.releasePointerCapture(event.pointerId);
     }
+  }
+
+  /** Says what is there, or sets a point of a mark. */
+  private click(event: MouseEvent): void {
+    const point = this.pointAt(event);
+    if (this.pressed === null || point === null || event.detail > 1) {
+      return;
+    }
+    this.pressed = null;
+    const { marks, readOut } = this.stage;
+    this.marked = marks.placing !== null;
+    if (this.marked) {
+      marks.put(point);
+    } else {
+      const name = this.stage.segmentAt(point)?.name ?? null;
+      readOut.show({ pane: this.name, point, value: this.stage.valueAt(point), name });
+    }
+  }
+
+  private get marking(): boolean {
+    return this.stage.marks.placing !== null;
   }
 
   /** Whether moves of the mouse lead the hand. */

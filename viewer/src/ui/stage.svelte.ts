@@ -43,10 +43,12 @@ import { downloadLabels, downloadVolume } from "../live/volume_download";
 import { EditPaceControl } from "./edit_pace_control.svelte";
 import { LookControl } from "./look_control.svelte";
 import { Player, type ShownTouch } from "./player.svelte";
+import { ReadOut } from "./read_out.svelte";
 import { recall, remember } from "./remembered";
 import type { Session } from "./session.svelte";
 import { SliceControl } from "./slice_control.svelte";
 import { CutControl } from "./cut_control.svelte";
+import { MarkControl } from "./mark_control.svelte";
 import { ObjectControl } from "./object_control.svelte";
 import { needsLabels, ShownEdits } from "./shown_edits.svelte";
 
@@ -57,9 +59,6 @@ const mostValues = 2 ** 29;
 const trailSeconds = 4;
 const trailPoints = 400;
 const trailSpacing = 0.1;
-
-/** How long the name of an object stands where it was picked [ms]. */
-const namedTime = 4000;
 
 /** Between two drawings of slices where the CPU draws [ms]. */
 const slicePause = 60;
@@ -92,8 +91,10 @@ export class Stage {
   readonly player: Player;
   /** A segment that is cut along a painted line. */
   readonly cutting: CutControl;
-  /** The object that was picked last, and where [mm]. */
-  named = $state.raw<{ readonly point: Vec3; readonly name: string } | null>(null);
+  /** What was clicked last: what it is, where, and how much. */
+  readonly readOut = new ReadOut();
+  /** Points, distances and angles that a person has set. */
+  readonly marks: MarkControl;
   framesPerSecond = $state.raw(0);
   /** When the first picture stood on the screen [ms since the page was opened]. */
   firstPicture = $state.raw<number | null>(null);
@@ -119,7 +120,6 @@ export class Stage {
   private frames = 0;
   private countedAt = 0;
   private request = 0;
-  private naming: ReturnType<typeof setTimeout> | undefined;
 
   constructor(
     private readonly session: Session,
@@ -131,6 +131,7 @@ export class Stage {
     this.objects = new ObjectControl(session);
     this.editPace = new EditPaceControl(session);
     this.cutting = new CutControl(session);
+    this.marks = new MarkControl(() => session.latest?.edit ?? 0);
     this.player = new Player(session);
     this.edits = new ShownEdits({
       complain: (text) => {
@@ -217,6 +218,8 @@ export class Stage {
     this.tellCoarseness(step);
     this.looks.open(scan);
     this.slices.open(scan);
+    this.marks.open(scan);
+    this.readOut.close();
     try {
       const { volume, bricks } = await downloadVolume(scanFrame, step, this.token, (share) => {
         this.progress = request === this.request ? 0.9 * share : this.progress;
@@ -333,14 +336,19 @@ export class Stage {
     return pickSurface(volume, { ...look, ranges }, ray, { crossings: surfaceCrossings(surfaces, ray), labelAt });
   }
 
-  /** Says which object stands at a point of the picture, for a while; null ends that. */
-  name(picked: Picked | null): void {
-    clearTimeout(this.naming);
-    const segment = this.session.segments.find(({ id }) => id === picked?.segment);
-    this.named = picked === null || segment === undefined ? null : { point: picked.point, name: segment.name };
-    this.naming = setTimeout(() => {
-      this.named = null;
-    }, namedTime);
+  /** The segment that a voxel of the scan belongs to; one that is visible before others. */
+  segmentAt(point: Vec3): Segment | null {
+    const { volume, segments } = this;
+    if (volume === null) {
+      return null;
+    }
+    const label = this.edits.labelAt(transformPoint(volume.frame.gridFromScene, point), volume.step);
+    const value = this.valueAt(point) ?? NaN;
+    const held = segments.filter(
+      ({ id, range, pose, grid }) =>
+        pose === null && grid === null && (range === null ? id === label : range[0] <= value && value <= range[1]),
+    );
+    return held.find(({ visible }) => visible) ?? held[0] ?? null;
   }
 
   /** How fine the picture on display is. */

@@ -3,6 +3,7 @@
  */
 import type { Letter } from "../core/anatomy";
 import { pixelSizeAt, type Camera } from "../core/camera";
+import type { Mark } from "../core/measure";
 import type { Picked } from "../core/pick_surface";
 import { decodeToPage, type Scan, type Settings, type State } from "../core/protocol";
 import type { Vec3 } from "../core/vector";
@@ -72,6 +73,8 @@ export interface TestDoor {
   readonly setView: (direction: Letter) => void;
   /** What stands at a place of the picture [CSS pixels]. */
   readonly pick: (x: number, y: number) => Picked | null;
+  /** Points, distances and angles that were set. */
+  readonly marks: readonly Mark[];
 }
 
 declare global {
@@ -122,9 +125,7 @@ export function openTestDoor(session: Session, stage: Stage, hand: HandControl, 
     get crosshair() {
       return stage.slices.crosshair;
     },
-    cross: (point) => {
-      stage.slices.goTo(point);
-    },
+    cross: (point) => { stage.slices.goTo(point); },
     get lastEditMilliseconds() {
       return stage.edits.lastMilliseconds;
     },
@@ -134,15 +135,11 @@ export function openTestDoor(session: Session, stage: Stage, hand: HandControl, 
     get lastEdit() {
       return stage.edits.lastEdit;
     },
-    suspendDrawing: (on) => {
-      stage.suspendDrawing(on);
-    },
+    suspendDrawing: stage.suspendDrawing.bind(stage),
     get drawingSuspended() {
       return stage.drawingSuspended;
     },
-    setJitter: (on) => {
-      stage.setJitter(on);
-    },
+    setJitter: stage.setJitter.bind(stage),
     get triangles() {
       return Object.fromEntries([...stage.edits.sizes].map(([id, { triangles }]) => [id, triangles]));
     },
@@ -162,15 +159,12 @@ export function openTestDoor(session: Session, stage: Stage, hand: HandControl, 
     receive: (packed) => {
       session.receive(decodeToPage(packed), performance.now());
     },
-    place: (point) => {
-      hand.place(point);
-    },
-    hand: (point) => {
-      hand.goTo(point);
-    },
-    setView: (direction) => {
-      stage.lookFrom(direction);
-    },
+    place: (point) => { hand.place(point); },
+    hand: (point) => { hand.goTo(point); },
+    setView: (direction) => { stage.lookFrom(direction); },
     pick: (x, y) => stage.pick(x, y),
+    get marks() {
+      return stage.marks.all;
+    },
   };
 }

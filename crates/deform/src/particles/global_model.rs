@@ -37,6 +37,9 @@ const SETTLING: u32 = 200;
 const FARTHEST: f64 = 3.0;
 /// Displacement that is seen [smallest voxel side].
 const SEEN: f64 = 0.03;
+/// Voxels that follow along each axis, at most, around the first tool, or around the particle that
+/// has moved farthest: all of a large segment would not fit into memory.
+const FOLLOWING: i32 = 96;
 /// Half axis of a tool, at least: a thinner one would slip between particles [a].
 const THINNEST: f64 = 0.5;
 
@@ -143,7 +146,8 @@ impl DeformationModel for GlobalModel {
             answer.contacts = state.body.contacts(input.tools, &[], &[]);
             answer.events.push(ModelEvent::Reset);
         }
-        let field = state.displacement(&self.settings);
+        let first = tools.first().map(|(_, tool)| tool.centre);
+        let field = state.displacement(&self.settings, first);
         answer.edit = state.write_back(input, &self.settings, field.as_ref(), ledger);
         answer.report.moved_voxels = ledger.len() as u32;
         let field = field.map(|field| field.on_nodes(grid));
@@ -274,8 +278,8 @@ impl GlobalState {
         self.body.system.particles.give_back(|_, index| gone[index]);
     }
 
-    /// How far the voxels around moved particles have moved; none where none has.
-    fn displacement(&self, settings: &GlobalSettings) -> Option<Field> {
+    /// How far the voxels around moved particles have moved, near a tool; none where none has.
+    fn displacement(&self, settings: &GlobalSettings, tool: Option<DVec3>) -> Option<Field> {
         let (grid, scale) = (&self.body.grid, &self.body.scale);
         let spacing = grid.spacing();
         let reach = settings.owned_radius * scale.equilibrium;
@@ -286,11 +290,17 @@ impl GlobalState {
         };
         let moved: Vec<_> = self.body.places().collect();
         let homes = || moved.iter().map(|(place, moved)| (*place - *moved, *moved));
+        let by_way = |a: &(DVec3, DVec3), b: &(DVec3, DVec3)| {
+            a.1.length_squared().total_cmp(&b.1.length_squared())
+        };
+        let farthest = || homes().max_by(by_way).map(|(home, _)| home);
+        let middle = tool.or_else(farthest)? / spacing;
+        let near = VoxelBox::of_voxel(middle.floor().as_ivec3()).dilate(FOLLOWING / 2);
         let boxes = homes().filter(|(_, moved)| moved.length_squared() > least);
         let region = boxes
             .map(|(home, _)| around(home))
             .reduce(|a, b| a.union(&b))?;
-        let region = region.intersect(&grid.bounds());
+        let region = region.intersect(&near).intersect(&grid.bounds());
         if region.is_empty() {
             return None;
         }

@@ -1,0 +1,254 @@
+"""What a click says, measurements, the palette of actions and both themes, in a real browser.
+
+The oracle of values and lengths is SimpleITK, which reads the file itself.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import SimpleITK
+from browser import Browser, browser, palpate
+from numpy.typing import NDArray
+
+pytestmark = [pytest.mark.browser, pytest.mark.data]
+
+BONE = 1350
+Vector = NDArray[np.float64]
+
+
+@pytest.fixture(scope="module")
+def scan(data_folder: Path) -> Path:
+    """A head without a unit."""
+    return data_folder / "cthead_stanford" / "CThead.mha"
+
+
+@pytest.fixture(scope="module")
+def image(scan: Path) -> Any:
+    """The same as another program reads it."""
+    return SimpleITK.ReadImage(str(scan))
+
+
+@pytest.fixture(scope="module")
+def opened(scan: Path) -> Iterator[Browser]:
+    """The head on the page."""
+    with palpate("open", scan, "--threshold", str(BONE)) as command, browser() as page:
+        opening = page.do("open", url=command.url, width=1366, height=768)
+        assert opening["firstPicture"] is not None
+        page.read("window.palpate.setJitter(false)")
+        yield page
+
+
+@pytest.fixture
+def page(opened: Browser) -> Iterator[Browser]:
+    """The page in four panes, dark, without marks, nothing open."""
+    opened.do("press", key="Escape")
+    opened.do("click", testid="layout-four")
+    opened.wait("window.palpate.slices.length === 3")
+    opened.read("window.palpate.setView('A')")
+    if opened.read("window.palpate.marks.length") > 0:
+        act(opened, "Delete all marks")
+    opened.wait("window.palpate.marks.length === 0")
+    yield opened
+    assert opened.complaints == []
+
+
+def act(page: Browser, name: str) -> None:
+    """Does an action by its name, as the palette finds it."""
+    page.do("press", key="Control+k")
+    page.do("type", text=name)
+    page.do("press", key="Enter")
+    page.wait("document.querySelector('[data-testid=palette]') === null")
+
+
+def plane_of(page: Browser, name: str) -> dict[str, Any]:
+    """Returns where a slice lies, and its pane."""
+    found = page.read(f"window.palpate.slices.find(({{name}}) => name === {name!r})")
+    return {**found["plane"], **found["rect"]}
+
+
+def point_on(plane: dict[str, Any], x: float, y: float) -> Vector:
+    """Returns the point of a slice at shares of its pane."""
+    right, up = np.array(plane["right"]), np.array(plane["up"])
+    across, upward = (x - 0.5) * plane["width"], (0.5 - y) * plane["height"]
+    return np.asarray(np.array(plane["centre"]) + plane["pixel"] * (across * right + upward * up))
+
+
+def place_in(text: str) -> Vector:
+    """Returns the point that a place such as ``L 12.0  P 3.0  S 4.0 mm`` names."""
+    found = re.findall(r"([LRPASI]) (\d+\.\d)", text)
+    return np.array([float(number) * (1 if letter in "LPS" else -1) for letter, number in found])
+
+
+def clipboard(page: Browser) -> str:
+    """Returns what was copied, once the page says that it was."""
+    page.wait("document.querySelector('.notice')?.textContent.includes('copied') === true")
+    text = str(page.read("navigator.clipboard.readText()"))
+    page.read("document.querySelectorAll('.notice button').forEach((each) => each.click())")
+    return text
+
+
+def test_a_click_says_what_is_there_and_where_and_how_much(page: Browser, image: Any) -> None:
+    # a voxel of a slice, in the middle of one so that rounding means nothing
+    page.do("clickAt", testid="slice-axial", x=0.5, y=0.4)
+    point = place_in(page.text("picked-place"))
+    expected = point_on(plane_of(page, "axial"), 0.5, 0.4)
+    np.testing.assert_allclose(point, expected, atol=plane_of(page, "axial")["pixel"] + 0.1)
+    value = float(page.text("picked-value").split()[0])
+    index = np.array(image.TransformPhysicalPointToContinuousIndex(expected.tolist()))
+    corners = {tuple(np.floor(index + shift).astype(int)) for shift in np.ndindex(2, 2, 2)}
+    assert value in {image[tuple(map(int, corner))] for corner in corners}
+    assert page.text("picked-name") == ("threshold" if value >= BONE else "No segment")
+
+    # bone in the 3-D view: its surface is where the values between voxels reach the threshold
+    page.do("clickAt", testid="canvas", x=0.5, y=0.5)
+    page.wait("document.querySelector('[data-testid=picked-name]')?.textContent === 'threshold'")
+    value = float(page.text("picked-value").split()[0])
+    assert BONE <= value < BONE + 400
+    picked = place_in(page.text("picked-place"))
+    # places are written in tenths of a millimetre
+    around = [
+        image.EvaluateAtPhysicalPoint((picked + shift).tolist(), SimpleITK.sitkLinear)
+        for shift in np.array(list(np.ndindex(3, 3, 3))) * 0.06 - 0.06
+    ]
+    assert min(around) - 2 <= value <= max(around) + 2
+    page.do("click", testid="picked-copy")
+    assert clipboard(page).startswith(f"threshold, {value:g}")
+    page.do("click", testid="picked-cross")
+    np.testing.assert_allclose(page.read("window.palpate.crosshair"), picked, atol=0.1)
+
+    # a drag turns the picture and says nothing; Escape closes
+    page.do("press", key="Escape")
+    page.wait("document.querySelector('[data-testid=pick-card]') === null")
+    page.do("drag", x=60, y=0)
+    page.frames()
+    assert page.read("document.querySelector('[data-testid=pick-card]')") is None
+
+
+def test_distances_and_angles_are_set_dragged_and_taken_back(page: Browser) -> None:
+    plane = plane_of(page, "coronal")
+    page.do("press", key="m")
+    page.do("clickAt", testid="slice-coronal", x=0.3, y=0.5)
+    page.do("clickAt", testid="slice-coronal", x=0.7, y=0.4)
+    page.wait("window.palpate.marks.length === 1")
+    ends = [point_on(plane, 0.3, 0.5), point_on(plane, 0.7, 0.4)]
+    # clicks are at whole pixels
+    limit = 2 * plane["pixel"]
+    long = float(np.linalg.norm(ends[1] - ends[0]))
+    assert float(page.text("mark-value-1").removesuffix(" mm")) == pytest.approx(long, abs=limit)
+    label = "mark-label-coronal-1"
+    assert page.text(label) == page.text("mark-label-view-1") == page.text("mark-value-1")
+
+    # the second end is dragged to the left: one step, which Ctrl+Z takes back
+    before = page.read("window.palpate.marks")
+    page.do("dragElement", testid="mark-coronal-1-1", x=-60, y=0)
+    ends[1] -= 60 * plane["pixel"] * np.array(plane["right"])
+    moved = float(np.linalg.norm(ends[1] - ends[0]))
+    page.shows(label, f"Math.abs(parseFloat(text) - {moved}) < {limit}")
+    dragged = page.read("window.palpate.marks")
+    page.do("press", key="Control+z")
+    assert page.read("window.palpate.marks") == before
+    page.do("press", key="Control+Shift+z")
+    assert page.read("window.palpate.marks") == dragged
+
+
+def test_an_angle_is_set_on_what_is_seen_and_marks_are_a_table(page: Browser) -> None:
+    page.do("press", key="Shift+M")
+    width, height = (2 * middle for middle in page.read("window.palpate.middle"))
+    seen = []
+    # the vertex is the second point
+    for x, y in ((0.4, 0.5), (0.5, 0.35), (0.6, 0.5)):
+        picked = page.read(f"window.palpate.pick({x} * {width}, {y} * {height})")
+        seen.append(np.array(picked["point"]))
+        page.do("clickAt", testid="canvas", x=x, y=y)
+    page.wait("window.palpate.marks.length === 1")
+    points = np.array(page.read("window.palpate.marks[0].points"))
+    # clicks are at whole pixels
+    np.testing.assert_allclose(points, seen, atol=4)
+    sides = points[[0, 2]] - points[1]
+    cosine = sides[0] @ sides[1] / np.prod(np.linalg.norm(sides, axis=1))
+    angle = float(np.degrees(np.arccos(cosine)))
+    assert float(page.text("mark-label-view-1").removesuffix("°")) == pytest.approx(angle, abs=0.06)
+
+    # named, hidden, copied, deleted
+    page.do("press", key="b")
+    page.do("clickAt", testid="slice-axial", x=0.5, y=0.5)
+    page.do("fill", testid="mark-name-1", text='jaw, "upper"')
+    page.do("click", testid="mark-visible-1")
+    page.wait("document.querySelector('[data-testid=mark-label-view-1]') === null")
+    page.do("click", testid="marks-copy")
+    head, *rows = csv.reader(io.StringIO(clipboard(page)))
+    assert head[:4] == ["name", "kind", "value", "unit"]
+    assert [row[:2] for row in rows] == [['jaw, "upper"', "angle"], ["Point 1", "point"]]
+    assert float(rows[0][2]) == pytest.approx(angle, abs=0.01)
+    np.testing.assert_allclose(np.array(rows[0][4:], float), points.ravel(), atol=0.01)
+    page.do("click", testid="mark-delete-1")
+    page.wait("window.palpate.marks.length === 1")
+
+
+def test_the_palette_does_what_is_typed_and_says_what_it_is(page: Browser) -> None:
+    page.do("click", testid="open-palette")
+    field = "document.querySelector('[data-testid=palette-field]')"
+    active = f"document.getElementById({field}.getAttribute('aria-activedescendant'))"
+    assert page.read(f"document.activeElement === {field}")
+    everything = page.read("document.querySelectorAll('[role=option]').length")
+    assert everything > 40
+    page.do("type", text="3-d view")
+    page.wait(f"{active}?.textContent.includes('3-D view alone, with')")
+    # the wheel of a list: from the first one up to the last, and down again to the second
+    page.do("press", key="ArrowUp")
+    assert "three slices" in page.read(f"{active}.textContent")
+    page.do("press", key="ArrowDown")
+    page.do("press", key="ArrowDown")
+    assert page.read(f"{active}.getAttribute('aria-selected')") == "true"
+    page.do("press", key="Enter")
+    page.wait("window.palpate.slices.length === 0")
+    assert page.read(field) is None
+
+    # a key that the help tells does what it tells
+    page.do("press", key="?")
+    page.wait("document.querySelector('#help-title') !== null")
+    assert "Ctrl + K" in page.read(
+        "document.querySelector('[role=dialog][aria-modal]').textContent"
+    )
+    page.do("press", key="Escape")
+    page.do("press", key="l")
+    page.wait("window.palpate.slices.length === 1")
+
+
+def test_no_serious_fault_of_accessibility_in_either_theme(page: Browser) -> None:
+    page.do("press", key="m")
+    page.do("clickAt", testid="slice-axial", x=0.4, y=0.4)
+    page.do("clickAt", testid="slice-axial", x=0.6, y=0.4)
+    page.do("clickAt", testid="slice-axial", x=0.5, y=0.5)
+    page.do("click", testid="tool-drill")
+    # all that is folded is opened
+    page.read(
+        "document.querySelectorAll('aside [aria-expanded=false]').forEach((each) => each.click())"
+    )
+    grounds = []
+    for theme in ("Light theme", "Dark theme"):
+        act(page, theme)
+        ground = "getComputedStyle(document.querySelector('aside')).backgroundColor"
+        grounds.append(page.read(ground))
+        assert faults(page) == []
+        for key in ("Control+k", "?"):
+            page.do("press", key=key)
+            page.wait("document.querySelector('[role=dialog][aria-modal]') !== null")
+            assert faults(page) == []
+            page.do("press", key="Escape")
+    page.do("click", testid="tool-none")
+    assert grounds == ["rgb(246, 248, 250)", "rgb(19, 24, 31)"]
+
+
+def faults(page: Browser) -> list[Any]:
+    """Returns what axe finds that is serious or critical."""
+    found = page.do("axe")["value"]
+    return [fault for fault in found if fault["impact"] in {"serious", "critical"}]

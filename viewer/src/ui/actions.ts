@@ -1,0 +1,194 @@
+/**
+ * All that a person can have the page do by a key or by its name: one table, which the keyboard, the
+ * help and the palette of commands share.
+ */
+import type { Letter } from "../core/anatomy";
+import { presets } from "../core/curve_presets";
+import { blends } from "../core/optics";
+import { toolChoices } from "../core/tools";
+import { larger, stiffer } from "../core/touch_settings";
+import { blendNames } from "./blend_names";
+import type { HandControl } from "./hand_control.svelte";
+import { anatomy } from "./look_control.svelte";
+import type { Session } from "./session.svelte";
+import type { Stage } from "./stage.svelte";
+import { themes, type ThemeControl } from "./theme.svelte";
+import type { ToolHand } from "./tool_hand.svelte";
+import type { UndoControl } from "./undo_control";
+
+export type Group = "Look" | "Slices" | "Touch" | "Tools" | "Marks" | "Work";
+
+export interface Action {
+  readonly group: Group;
+  /** What it does, as a person would say it. */
+  readonly name: string;
+  /** The first one is shown; the others do the same. */
+  readonly keys: readonly string[];
+  readonly run: () => void;
+  /** For an action that lasts as long as its key is held: ends it. Such a one is in no palette. */
+  readonly end?: () => void;
+  /** Whether it means something now; always where nothing is told. */
+  readonly ready?: () => boolean;
+}
+
+/** What actions work on. */
+export interface Doors {
+  readonly session: Session;
+  readonly stage: Stage;
+  readonly hand: HandControl;
+  readonly tool: ToolHand;
+  readonly undo: UndoControl;
+  readonly theme: ThemeControl;
+  /** What concerns the page as a whole. */
+  readonly page: {
+    readonly save: () => void;
+    readonly help: () => void;
+    readonly palette: () => void;
+    readonly sound: () => void;
+    readonly guarantees: () => void;
+    readonly panel: (side: "left" | "right") => void;
+    readonly escape: () => void;
+  };
+}
+
+/** Turn of what the probe holds by one press [rad]. */
+const turnStep = (2 * Math.PI) / 180;
+
+const views: readonly (readonly [Letter, string])[] = [
+  ["A", "anterior"], ["P", "posterior"], ["L", "left"], ["R", "right"], ["S", "superior"], ["I", "inferior"],
+];
+
+export function actionsOf(doors: Doors): readonly Action[] {
+  return [look, slices, touch, tools, marks, work].flatMap((group) => group(doors));
+}
+
+function look({ stage }: Doors): readonly Action[] {
+  const group = "Look";
+  return [
+    { group, name: "Show all", keys: ["F"], run: () => { stage.frameAll(); } },
+    { group, name: "Bring the probe to the middle", keys: ["C"], run: () => { stage.centreOnProbe(); } },
+    { group, name: "Back to the first view", keys: ["R"], run: () => { stage.resetView(); } },
+    ...views.map(([letter, name], i) => ({
+      group,
+      name: `Look from ${name}`,
+      keys: [String(i + 1)],
+      run: () => { stage.lookFrom(letter); },
+    }) as const),
+    ...blends.map((blend) => ({
+      group,
+      name: `Draw as ${blendNames[blend].name}`,
+      keys: [],
+      run: () => { stage.looks.choose({ blend }); },
+    }) as const),
+    ...[anatomy, ...presets.map(({ name }) => name)].map((name) => ({
+      group,
+      name: `Transfer function ${name}`,
+      keys: [],
+      run: () => { stage.looks.usePreset(name); },
+    }) as const),
+  ];
+}
+
+function slices({ stage }: Doors): readonly Action[] {
+  const group = "Slices";
+  return [
+    { group, name: "3-D view alone, with a slice, with three", keys: ["L"], run: () => { stage.slices.nextLayout(); } },
+    { group, name: "3-D view alone", keys: [], run: () => { stage.slices.change({ layout: "view" }); } },
+    { group, name: "3-D view with a slice", keys: [], run: () => { stage.slices.change({ layout: "slice" }); } },
+    { group, name: "3-D view with three slices", keys: [], run: () => { stage.slices.change({ layout: "four" }); } },
+    { group, name: "Show all of each slice", keys: [], run: () => { stage.slices.fit(); } },
+  ];
+}
+
+function touch({ session, stage, hand, page }: Doors): readonly Action[] {
+  const group = "Touch";
+  const ready = (): boolean => session.settings !== null;
+  const change = (part: (settings: NonNullable<Session["settings"]>) => Parameters<Session["changeSettings"]>[0]) => (): void => {
+    if (session.settings !== null) {
+      session.changeSettings(part(session.settings));
+    }
+  };
+  const turn = (direction: number) => (): void => {
+    if (stage.camera !== null) {
+      stage.objects.turn(stage.camera.back, direction * turnStep);
+    }
+  };
+  const holds = (): boolean => stage.objects.holds;
+  return [
+    { group, name: "Touch mode: every move of the mouse moves the hand", keys: ["T"], run: () => { hand.touchMode = !hand.touchMode; } },
+    { group, name: "Softer", keys: ["["], ready, run: change(({ stiffness }) => ({ stiffness: stiffer(stiffness, -1, session.deviceLimits) })) },
+    { group, name: "Stiffer", keys: ["]"], ready, run: change(({ stiffness }) => ({ stiffness: stiffer(stiffness, 1, session.deviceLimits) })) },
+    { group, name: "A smaller probe", keys: ["-"], ready, run: change(({ probe_radius }) => ({ probe_radius: larger(probe_radius, -1) })) },
+    { group, name: "A larger probe", keys: ["+", "="], ready, run: change(({ probe_radius }) => ({ probe_radius: larger(probe_radius, 1) })) },
+    { group, name: "Smooth surface, or the voxels' stairs", keys: ["V"], ready, run: change(({ smoothing }) => ({ smoothing: smoothing === "off" ? "intensities" : "off" })) },
+    { group, name: "Show or hide the contact normal", keys: ["N"], run: () => { stage.mark({ normal: !stage.shown.normal }); } },
+    { group, name: "Show or hide the path of the probe", keys: ["P"], run: () => { stage.mark({ path: !stage.shown.path }); } },
+    { group, name: "Held: the hand moves without the probe (clutch)", keys: ["K"], run: () => { hand.clutch(true); }, end: () => { hand.clutch(false); } },
+    {
+      group,
+      name: "Held: grab the touched segment, it follows the probe",
+      keys: ["G"],
+      run: () => {
+        if (!stage.objects.holds) stage.objects.grab();
+      },
+      end: () => { stage.objects.release(); },
+    },
+    { group, name: "Turn what is grabbed to the left", keys: [","], ready: holds, run: turn(1) },
+    { group, name: "Turn what is grabbed to the right", keys: ["."], ready: holds, run: turn(-1) },
+    { group, name: "Sound of contact on, off", keys: ["S"], run: page.sound },
+    { group, name: "The guarantees: what is counted, what waits", keys: ["Shift+G"], run: page.guarantees },
+    { group, name: "Record touch, stop recording", keys: ["Shift+R"], run: () => { session.toggleRecording(); } },
+  ];
+}
+
+function tools({ stage, tool }: Doors): readonly Action[] {
+  const group = "Tools";
+  return [
+    ...toolChoices.map(({ kind, name, key, does }) => ({
+      group,
+      name: `${name}: ${does}`,
+      keys: [key.toUpperCase()],
+      run: () => { tool.choose(kind); },
+    }) as const),
+    {
+      group,
+      name: "Held: the tool works",
+      keys: ["X"],
+      ready: () => tool.kind !== "none",
+      run: () => { tool.press(); },
+      end: () => { tool.release(); },
+    },
+    {
+      group,
+      name: "Cut along the line that was painted",
+      keys: ["Enter"],
+      ready: () => stage.cutting.ready,
+      run: () => { stage.cutting.cut(); },
+    },
+  ];
+}
+
+function marks({ stage }: Doors): readonly Action[] {
+  const group = "Marks";
+  return [
+    { group, name: "Mark a point", keys: ["B"], run: () => { stage.marks.start("point"); } },
+    { group, name: "Measure a distance", keys: ["M"], run: () => { stage.marks.start("distance"); } },
+    { group, name: "Measure an angle", keys: ["Shift+M"], run: () => { stage.marks.start("angle"); } },
+    { group, name: "Delete all marks", keys: [], ready: () => stage.marks.all.length > 0, run: () => { stage.marks.removeAll(); } },
+  ];
+}
+
+function work({ undo, theme, page }: Doors): readonly Action[] {
+  const group = "Work";
+  return [
+    { group, name: "Undo", keys: ["Ctrl+Z"], run: () => { undo.undo(); } },
+    { group, name: "Redo", keys: ["Ctrl+Shift+Z", "Ctrl+Y"], run: () => { undo.redo(); } },
+    { group, name: "Save the scene", keys: ["Ctrl+S"], run: page.save },
+    { group, name: "All actions and their keys", keys: ["Ctrl+K"], run: page.palette },
+    { group, name: "Help: mouse and keys", keys: ["?"], run: page.help },
+    { group, name: "Show or hide the left panel", keys: [], run: () => { page.panel("left"); } },
+    { group, name: "Show or hide the right panel", keys: [], run: () => { page.panel("right"); } },
+    ...themes.map(({ choice, name }) => ({ group, name, keys: [], run: () => { theme.choose(choice); } }) as const),
+    { group, name: "No cut, no mark, leave touch mode, close", keys: ["Esc"], run: page.escape },
+  ];
+}

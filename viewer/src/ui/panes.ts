@@ -1,0 +1,46 @@
+/**
+ * The parts of the picture as what lies over them needs them: where points of the scene stand in
+ * each, and where one goes that is dragged. Places are CSS pixels from a pane's upper left corner.
+ */
+import { alongView, project } from "../core/camera";
+import { placesInView, placesOnSlice, type MarkPlace } from "../core/mark_lines";
+import type { Rect } from "../core/picture_layout";
+import { placeOnSlice, pointOnSlice } from "../core/slice_plane";
+import { add, addScaled, type Vec3 } from "../core/vector";
+import type { ShownSlice } from "../gl/slices";
+import type { PaneName } from "./read_out.svelte";
+import type { Stage } from "./stage.svelte";
+
+export interface Pane {
+  readonly name: PaneName;
+  readonly rect: Rect;
+  readonly placesOf: (points: readonly Vec3[]) => readonly (MarkPlace | null)[];
+  readonly dragTo: (point: Vec3, x: number, y: number) => Vec3;
+}
+
+/** The 3-D view: a dragged point goes to what is seen there, else stays as far away as it was. */
+export function viewPane(stage: Stage): Pane {
+  const { camera, viewport } = stage;
+  return {
+    name: "view",
+    rect: stage.slices.panes.view,
+    placesOf: (points) => (camera === null ? points.map(() => null) : placesInView(points, camera, viewport)),
+    dragTo: (point, x, y) => {
+      const from = camera === null ? null : project(camera, point, viewport);
+      if (camera === null || from === null) {
+        return point;
+      }
+      return stage.pick(x, y)?.point ?? add(point, alongView(camera, x - from[0], y - from[1], point, viewport));
+    },
+  };
+}
+
+/** A slice: a dragged point stays as far before or behind it as it was. */
+export function slicePane({ name, rect, plane }: ShownSlice): Pane {
+  return {
+    name,
+    rect,
+    placesOf: (points) => placesOnSlice(points, plane, rect),
+    dragTo: (point, x, y) => addScaled(pointOnSlice(plane, x, y, rect), plane.toward, placeOnSlice(plane, point, rect).before),
+  };
+}

@@ -1,0 +1,126 @@
+/** Marks in a person's hand: set point by point, dragged as one step, taken back, remembered. */
+import { afterEach, beforeEach, expect, test, vi } from "vitest";
+import type { FromPage, Scan } from "../../src/core/protocol";
+import { MarkControl } from "../../src/ui/mark_control.svelte";
+import type { Session } from "../../src/ui/session.svelte";
+import { UndoControl } from "../../src/ui/undo_control";
+
+const scan = { name: "head" } as Scan;
+let edit = 7;
+let kept = new Map<string, string>();
+
+beforeEach(() => {
+  edit = 7;
+  kept = new Map();
+  vi.stubGlobal("localStorage", {
+    getItem: (key: string) => kept.get(key) ?? null,
+    setItem: (key: string, value: string) => kept.set(key, value),
+  });
+});
+
+afterEach(() => {
+  vi.unstubAllGlobals();
+});
+
+function opened(): MarkControl {
+  const marks = new MarkControl(() => edit);
+  marks.open(scan);
+  return marks;
+}
+
+test("an angle is set by three points, and only then is there a mark", () => {
+  const marks = opened();
+  marks.put([9, 9, 9]);
+  expect(marks.all).toEqual([]);
+  marks.start("angle");
+  marks.put([1, 0, 0]);
+  marks.put([0, 0, 0]);
+  expect(marks.all).toEqual([]);
+  marks.put([0, 1, 0]);
+  expect(marks.all).toMatchObject([{ kind: "angle", points: [[1, 0, 0], [0, 0, 0], [0, 1, 0]] }]);
+  expect(marks.placing).toBeNull();
+
+  marks.start("distance");
+  marks.put([1, 0, 0]);
+  marks.cancel();
+  marks.put([2, 0, 0]);
+  expect(marks.all).toHaveLength(1);
+});
+
+test("a drag is one step, and every step can be taken back and made again", () => {
+  const marks = opened();
+  marks.add("distance", [[0, 0, 0], [1, 0, 0]]);
+  marks.drag(1, 1, [2, 0, 0]);
+  marks.drag(1, 1, [3, 0, 0]);
+  marks.drop();
+  marks.drop();
+  marks.rename(1, "gap");
+  // nothing has changed: no step
+  marks.rename(1, " ");
+  marks.remove(1);
+  const states = [marks.all];
+  while (marks.canUndo) {
+    marks.undo();
+    states.push(marks.all);
+  }
+  expect(states.map((all) => all.map(({ name, points }) => [name, points[1]?.[0]]))).toEqual([
+    [],
+    [["gap", 3]],
+    [["Distance 1", 3]],
+    [["Distance 1", 1]],
+    [],
+  ]);
+  while (marks.canRedo) {
+    marks.redo();
+  }
+  expect(marks.all).toEqual([]);
+});
+
+test("marks are remembered with their scan, and what was kept may be anything", () => {
+  const marks = opened();
+  marks.add("point", [[1, 2, 3]]);
+  expect(opened().all).toEqual(marks.all);
+  const other = new MarkControl(() => edit);
+  other.open({ name: "foot" } as Scan);
+  expect(other.all).toEqual([]);
+  for (const text of ['{"list": 3}', '{"list": [null, {"kind": "angle"}]}', "[]", "no JSON"]) {
+    kept.set("palpate.marks.head", text);
+    expect(opened().all).toEqual([]);
+  }
+});
+
+test("what was changed last is taken back first: a mark or an edit", () => {
+  const sent: string[] = [];
+  const session = {
+    get latest() {
+      return { edit, can_undo: true, can_redo: true };
+    },
+    send: ({ type }: FromPage) => {
+      sent.push(type);
+    },
+  } as unknown as Session;
+  const marks = opened();
+  const undo = new UndoControl(session, marks);
+  marks.add("point", [[0, 0, 0]]);
+  undo.undo();
+  expect([marks.all.length, sent]).toEqual([0, []]);
+  undo.redo();
+  expect([marks.all.length, sent]).toEqual([1, []]);
+  // the engine edits voxels meanwhile
+  edit += 1;
+  undo.undo();
+  undo.redo();
+  expect([marks.all.length, sent]).toEqual([1, ["undo", "redo"]]);
+});
+
+test("where the engine has nothing to take back, marks are taken back", () => {
+  const session = { latest: { edit: 99, can_undo: false, can_redo: false }, send: expect.unreachable } as unknown as Session;
+  const marks = opened();
+  const undo = new UndoControl(session, marks);
+  marks.add("point", [[0, 0, 0]]);
+  edit = 99;
+  undo.undo();
+  expect(marks.all).toEqual([]);
+  undo.redo();
+  expect(marks.all).toHaveLength(1);
+});
