@@ -18,6 +18,11 @@ export interface Camera {
   readonly back: Vec3;
   /** Vertical angle of view [rad]. */
   readonly field: number;
+  /**
+   * Orthographic: how far before the target rays begin, side by side [mm]; the picture is as high as a
+   * perspective one is at the target. Null: in perspective.
+   */
+  readonly parallel: number | null;
 }
 
 /** A camera that was kept; null where something else is given. */
@@ -25,7 +30,7 @@ export function saneCamera(given: unknown): Camera | null {
   if (typeof given !== "object" || given === null) {
     return null;
   }
-  const { target, distance: far, right, up, back, field } = given as Partial<Record<keyof Camera, unknown>>;
+  const { target, distance: far, right, up, back, field, parallel = null } = given as Partial<Record<keyof Camera, unknown>>;
   const axes = [right, up, back];
   if (!isPoint(target) || !isPoint(right) || !isPoint(up) || !isPoint(back)) {
     return null;
@@ -33,7 +38,10 @@ export function saneCamera(given: unknown): Camera | null {
   const straight = axes.filter(isPoint).every((axis) => Math.abs(length(axis) - 1) < 1e-3);
   const square = [dot(right, up), dot(up, back), dot(back, right)].every((cosine) => Math.abs(cosine) < 1e-3);
   const sized = typeof far === "number" && far > 0 && far < 1e6 && typeof field === "number" && field > 0 && field < Math.PI;
-  return straight && square && sized ? { target, distance: far, right, up, back, field } : null;
+  if (parallel !== null && !(typeof parallel === "number" && parallel > 0 && parallel < 1e6)) {
+    return null;
+  }
+  return straight && square && sized ? { target, distance: far, right, up, back, field, parallel } : null;
 }
 
 /** The space that is shown: points around it, its middle and the ball around it [mm]. */
@@ -84,7 +92,7 @@ export function firstView(extent: Extent, viewport: Viewport): Camera {
 export function lookAlong(direction: Vec3, up: Vec3, extent: Extent, viewport: Viewport): Camera {
   const back = normalize(scale(direction, -1));
   const right = normalize(cross(up, back));
-  return frame({ target: extent.centre, distance: 1, right, up: cross(back, right), back, field: fieldOfView }, extent, viewport);
+  return frame({ target: extent.centre, distance: 1, right, up: cross(back, right), back, field: fieldOfView, parallel: null }, extent, viewport);
 }
 
 /** Moves the camera, without turning it, so that it just shows the whole content in its middle. */
@@ -107,7 +115,7 @@ export function frame(camera: Camera, extent: Extent, viewport: Viewport): Camer
       Math.abs(dot(offset, camera.right)) / horizontal,
       Math.abs(dot(offset, camera.up)) / vertical,
     );
-    return sideways + dot(offset, camera.back);
+    return camera.parallel === null ? sideways + dot(offset, camera.back) : sideways;
   });
   return { ...camera, target, distance: Math.max(...needed) };
 }
@@ -116,6 +124,12 @@ export function frame(camera: Camera, extent: Extent, viewport: Viewport): Camer
 export function reshaped(camera: Camera, before: Viewport, now: Viewport): Camera {
   const share = ({ width, height }: Viewport): number => Math.min(1, width / Math.max(1, height));
   return { ...camera, distance: (camera.distance * share(before)) / Math.max(share(now), 1e-3) };
+}
+
+/** The same view in an orthographic projection, or in perspective. */
+export function inProjection(camera: Camera, orthographic: boolean, extent: Extent): Camera {
+  // far enough before all content, also after some panning
+  return { ...camera, parallel: orthographic ? 4 * extent.radius + distance(camera.target, extent.centre) : null };
 }
 
 /** Turns the picture as if its content were dragged by these angles [rad]. */
@@ -144,8 +158,14 @@ export function pan(camera: Camera, x: number, y: number, viewport: Viewport): C
   return { ...camera, target: subtract(camera.target, alongView(camera, x, y, camera.target, viewport)) };
 }
 
+/** Where all rays begin; in an orthographic view the one in the picture's middle. */
 export function eyeOf(camera: Camera): Vec3 {
-  return addScaled(camera.target, camera.back, camera.distance);
+  return addScaled(camera.target, camera.back, camera.parallel ?? camera.distance);
+}
+
+/** An eye from which everything is seen as in the picture: of an orthographic one nearly, from far away. */
+export function vantage(camera: Camera): Vec3 {
+  return camera.parallel === null ? eyeOf(camera) : addScaled(camera.target, camera.back, 1e4 * camera.parallel);
 }
 
 /** Distance of a point from the eye along the direction of view [mm]. */
@@ -155,7 +175,7 @@ export function depthOf(camera: Camera, point: Vec3): number {
 
 /** Size of a CSS pixel at a point [mm]. */
 export function pixelSizeAt(camera: Camera, point: Vec3, viewport: Viewport): number {
-  const depth = Math.max(1e-3, depthOf(camera, point));
+  const depth = camera.parallel === null ? Math.max(1e-3, depthOf(camera, point)) : camera.distance;
   return (2 * depth * Math.tan(camera.field / 2)) / Math.max(1, viewport.height);
 }
 
@@ -171,13 +191,14 @@ export function rayThrough(camera: Camera, x: number, y: number, viewport: Viewp
   const across = ((2 * x) / viewport.width - 1) * half * (viewport.width / viewport.height);
   const upward = (1 - (2 * y) / viewport.height) * half;
   const sideways = add(scale(camera.right, across), scale(camera.up, upward));
-  return { origin: eyeOf(camera), direction: normalize(subtract(sideways, camera.back)) };
+  return camera.parallel === null
+    ? { origin: eyeOf(camera), direction: normalize(subtract(sideways, camera.back)) }
+    : { origin: addScaled(eyeOf(camera), sideways, camera.distance), direction: scale(camera.back, -1) };
 }
 
 /** Where a point appears [CSS pixels]; null behind the eye. */
 export function project(camera: Camera, point: Vec3, viewport: Viewport): readonly [number, number] | null {
-  const depth = depthOf(camera, point);
-  if (depth <= 0) {
+  if (camera.parallel === null && depthOf(camera, point) <= 0) {
     return null;
   }
   const offset = subtract(point, camera.target);
@@ -186,7 +207,7 @@ export function project(camera: Camera, point: Vec3, viewport: Viewport): readon
 }
 
 /** Near and far planes that hold the content and what moves a little outside it [mm]. */
-export function clipPlanes(camera: Camera, extent: Extent): { near: number; far: number } {
+export function nearAndFar(camera: Camera, extent: Extent): { near: number; far: number } {
   const depth = depthOf(camera, extent.centre);
   const reach = 2 * extent.radius;
   const far = Math.max(depth + reach, 2);
@@ -195,5 +216,5 @@ export function clipPlanes(camera: Camera, extent: Extent): { near: number; far:
 
 export function sameView(a: Camera, b: Camera): boolean {
   const same = (u: Vec3, v: Vec3): boolean => u[0] === v[0] && u[1] === v[1] && u[2] === v[2];
-  return a.distance === b.distance && same(a.target, b.target) && same(a.right, b.right) && same(a.up, b.up);
+  return a.distance === b.distance && a.parallel === b.parallel && same(a.target, b.target) && same(a.right, b.right) && same(a.up, b.up);
 }

@@ -24,6 +24,9 @@ export const gizmoAxes: readonly { readonly letter: "L" | "P" | "S"; readonly ax
 export const arrowPixels = 92;
 export const ringPixels = 62;
 
+/** Share of an axis toward the viewer from which on it is no direction on the screen. */
+const steepest = 0.94;
+
 /** Where things are seen. */
 export interface Eye {
   readonly camera: Camera;
@@ -66,6 +69,18 @@ export function dragged(pose: Pose, handle: Handle, centre: Vec3, [x, y]: readon
       return turned(pose, centre, handle.axis, step * alongScreen(held, next, [x, y], eye));
     }
   }
+}
+
+/** How far along an axis a point goes that is dragged by x, y pixels [mm]. */
+export function draggedAlong(at: Vec3, axis: Vec3, [x, y]: readonly [number, number], eye: Eye): number {
+  const { camera, viewport } = eye;
+  const pixel = pixelSizeAt(camera, at, viewport);
+  // where the axis points at the viewer it cannot be followed on the screen: upward is away from him
+  const toViewer = dot(axis, camera.back);
+  if (Math.abs(toViewer) > steepest) {
+    return y * pixel * Math.sign(toViewer);
+  }
+  return pixel * alongScreen(at, addScaled(at, axis, pixel), [x, y], eye);
 }
 
 /** How often a way on the screen holds the one from `from` to `to`; nothing where that is a point. */

@@ -1,7 +1,7 @@
 /**
  * A line painted over the picture, to cut a segment along. Places in CSS pixels of the picture.
  */
-import { eyeOf, rayThrough, type Camera, type Viewport } from "./camera";
+import { rayThrough, type Camera, type Viewport } from "./camera";
 import { addScaled, type Vec3 } from "./vector";
 
 export type Place = readonly [number, number];
@@ -39,8 +39,10 @@ export function paintedLine(painted: readonly Place[]): PaintedLine | null {
 
 /** Points of the scene under a line, in the plane of the camera's target [mm]. */
 export function underLine(places: readonly Place[], camera: Camera, viewport: Viewport): readonly Vec3[] {
-  const eye = eyeOf(camera);
-  return places.map(([x, y]) => addScaled(eye, rayThrough(camera, x, y, viewport).direction, camera.distance));
+  return places.map(([x, y]) => {
+    const { origin, direction } = rayThrough(camera, x, y, viewport);
+    return addScaled(origin, direction, camera.parallel ?? camera.distance);
+  });
 }
 
 /** Where an open line goes on: straight, `far` pixels beyond both ends. */

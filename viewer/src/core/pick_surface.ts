@@ -6,6 +6,7 @@
  */
 import { transformPoint, transformVector } from "./affine";
 import type { Ray } from "./camera";
+import { keptSpan, type Plane } from "./clip";
 import { biasedAt, gradientMagnitude } from "./field";
 import { edgeFactor, type Look } from "./look";
 import { greyOf } from "./optics";
@@ -31,9 +32,11 @@ export interface AlsoDrawn {
   readonly crossings: readonly Crossing[];
   /** Segment of a point of the grid that is no threshold, and whether its voxels are drawn; null for none. */
   readonly labelAt: (grid: Vec3) => { readonly id: number; readonly visible: boolean } | null;
+  /** Planes that cut something away. */
+  readonly clip: readonly Plane[];
 }
 
-const nothingElse: AlsoDrawn = { crossings: [], labelAt: () => null };
+const nothingElse: AlsoDrawn = { crossings: [], labelAt: () => null, clip: [] };
 
 /** The surface's own opacity: more opaque than clear. */
 const surfaceOpacity = 0.5;
@@ -50,7 +53,10 @@ export function pickSurface(volume: ScanVolume, look: Look, ray: Ray, also: Also
   });
 
   const step = 0.5 * smallestSpacing(frame) * volume.step;
-  const [enter, leave] = throughBox(origin, direction, frame.dimensions) ?? [0, 0];
+  const kept = keptSpan(also.clip, ray);
+  const inScan = throughBox(origin, direction, frame.dimensions) ?? [0, 0];
+  const [enter, leave] = [Math.max(inScan[0], kept[0]), Math.min(inScan[1], kept[1])];
+  const crossings = also.crossings.filter(({ t }) => kept[0] <= t && t <= kept[1]);
   const { optics } = look;
   if (optics.blend === "mip") {
     const t = largestOnRay(volume, look, also, { origin, direction, enter, leave, step });
@@ -61,7 +67,7 @@ export function pickSurface(volume: ScanVolume, look: Look, ray: Ray, also: Also
   let passed = 0;
   /** The surface before `end` behind which nothing can be seen any more. */
   const surfaceBefore = (end: number): Picked | null => {
-    for (let next = also.crossings[passed]; next !== undefined && next.t <= end; next = also.crossings[passed]) {
+    for (let next = crossings[passed]; next !== undefined && next.t <= end; next = crossings[passed]) {
       passed += 1;
       clarity *= 1 - next.opacity;
       if (clarity <= 1 - surfaceOpacity) {

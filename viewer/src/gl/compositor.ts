@@ -10,6 +10,15 @@ import { shaders } from "./shaders";
 const centre = linearFromHex("#1b222b");
 const rim = linearFromHex("#0b0e12");
 
+export interface Composition {
+  /** Lower left corner of the renderer's viewport [device pixels]. */
+  readonly corner: readonly [number, number];
+  /** The screen where none is given. */
+  readonly into?: THREE.WebGLRenderTarget;
+  /** Without the background: colours that are not multiplied by opacity. */
+  readonly transparent?: boolean;
+}
+
 export class Compositor {
   private readonly uniforms = {
     picture: { value: null as THREE.Texture | null },
@@ -18,6 +27,9 @@ export class Compositor {
     used: { value: new THREE.Vector2(1, 1) },
     paneCorner: { value: new THREE.Vector2() },
     paneSize: { value: new THREE.Vector2(1, 1) },
+    groundCorner: { value: new THREE.Vector2() },
+    groundSize: { value: new THREE.Vector2(1, 1) },
+    transparent: { value: 0 },
     bend: { value: 1 },
     backgroundCentre: { value: new THREE.Vector3(...centre) },
     backgroundEdge: { value: new THREE.Vector3(...rim) },
@@ -29,8 +41,7 @@ export class Compositor {
     this.uniforms.bend.value = on ? 1 : 0;
   }
 
-  /** Draws into the renderer's viewport, whose lower left corner is given [device pixels]. */
-  draw(renderer: THREE.WebGLRenderer, source: PictureTarget, corner: readonly [number, number]): void {
+  draw(renderer: THREE.WebGLRenderer, source: PictureTarget, { corner, into, transparent = false }: Composition): void {
     const u = this.uniforms;
     const { target, width, height } = source;
     u.picture.value = target.texture;
@@ -39,7 +50,11 @@ export class Compositor {
     u.used.value.set(width, height);
     u.paneCorner.value.set(...corner);
     u.paneSize.value.set(target.width, target.height);
-    this.pass.draw(renderer, null);
+    const whole = source.tile ?? { width: target.width, height: target.height, x: 0, y: 0 };
+    u.groundCorner.value.set(corner[0] - whole.x, corner[1] - whole.y);
+    u.groundSize.value.set(whole.width, whole.height);
+    u.transparent.value = transparent ? 1 : 0;
+    this.pass.draw(renderer, into ?? null);
   }
 
   dispose(): void {

@@ -2,6 +2,7 @@
  * What the shaders of the ray caster are told: in sync with `shaders/march.frag` and what it is joined from.
  */
 import * as THREE from "three";
+import { mostPlanes } from "../core/clip";
 import { mostRanges } from "../core/shown_segments";
 import type { Vec3 } from "../core/vector";
 import type { DisplacedTexture } from "./displaced_texture";
@@ -34,7 +35,10 @@ export function marchUniforms() {
     forward: { value: vector() },
     across: { value: vector() },
     upward: { value: vector() },
-    clip: { value: new THREE.Vector2() },
+    parallel: { value: 0 },
+    nearFar: { value: new THREE.Vector2() },
+    clipPlanes: { value: Array.from({ length: mostPlanes }, () => new THREE.Vector4()) },
+    clipCount: { value: 0 },
     stepLength: { value: 1 },
     jitter: { value: 1 },
     slab: { value: new THREE.Vector2() },

@@ -5,6 +5,7 @@
 import * as THREE from "three";
 import type { BrickRanges } from "../core/bricks";
 import { project, type Camera, type Extent, type Viewport } from "../core/camera";
+import type { Plane } from "../core/clip";
 import type { Displaced } from "../core/displaced";
 import type { Look } from "../core/look";
 import { isGrey } from "../core/optics";
@@ -23,6 +24,7 @@ import { labelColours } from "./lookup_textures";
 import { markerMargin, Markers, type MarkerState } from "./markers";
 import { RayMarcher } from "./ray_marcher";
 import { Refiner } from "./refiner";
+import { Snapshot, type SnapshotWish } from "./snapshot";
 import { Slices, type ShownSlice, type SliceLook } from "./slices";
 import { Surfaces } from "./surfaces";
 import { ThreeCamera } from "./three_camera";
@@ -60,6 +62,9 @@ export class Picture {
   private screenStale = true;
   /** Where markers were drawn last [CSS pixels]. */
   private marked: THREE.Box2 | null = null;
+  /** A snapshot is drawn: the screen waits. */
+  private snapping = false;
+  private readonly closing = new AbortController();
   private labels: LabelTexture | null = null;
   private colours: THREE.DataTexture | null = null;
 
@@ -190,6 +195,13 @@ export class Picture {
     this.refiner.restart();
   }
 
+  /** Cuts away what lies before planes of the scene. */
+  setClip(planes: readonly Plane[]): void {
+    this.marcher.setClip(planes);
+    this.surfaces.setClip(planes);
+    this.refiner.restart();
+  }
+
   setMarkers(state: MarkerState): void {
     this.markersStale = this.markers.update(state) || this.markersStale;
     this.markersShown = true;
@@ -223,16 +235,13 @@ export class Picture {
       this.ready = this.field.uploadSlab(this.renderer);
       return;
     }
-    if (!this.ready || this.view === null || this.suspended) {
+    if (!this.ready || this.view === null || this.suspended || this.snapping) {
       return;
     }
     if (this.refiner.wantsView) {
       // picture and markers change their view in the same frame
-      const aspect = this.pane.width / this.pane.height;
       this.shownCamera = this.view.camera;
-      this.marcher.setCamera(this.view.camera, this.view.extent, aspect);
-      this.camera.update(this.view.camera, this.view.extent, aspect);
-      this.surfaces.setCamera(this.view.camera, this.camera.camera);
+      this.aim(this.view.camera, this.view.extent, this.pane.width / this.pane.height);
     }
     const pictureChanged = this.refiner.advance(now) || this.screenStale;
     if (pictureChanged || (this.slices.isStale && !this.keepsScreen)) {
@@ -249,7 +258,31 @@ export class Picture {
     this.screenStale = false;
   }
 
+  /**
+   * Draws a view of the scan and its surfaces into a canvas; the screen stays as it is meanwhile.
+   *
+   * @throws where there is no picture yet, a snapshot is drawn already or the wish is aborted.
+   */
+  async snapshot(context: CanvasRenderingContext2D, wish: SnapshotWish): Promise<void> {
+    if (!this.ready || this.view === null || this.snapping) {
+      throw new Error("the picture is not ready");
+    }
+    const { software, halfFloatTarget: halfFloat } = this.options.support;
+    const snapshot = new Snapshot(this.renderer, this.marcher, this.surfaces, this.compositor, { software, halfFloat });
+    this.snapping = true;
+    try {
+      this.aim(wish.camera, this.view.extent, wish.size.width / wish.size.height);
+      await snapshot.draw(context, { ...wish, signal: AbortSignal.any([wish.signal, this.closing.signal]) });
+    } finally {
+      snapshot.dispose();
+      this.snapping = false;
+      this.screenStale = true;
+      this.refiner.restart();
+    }
+  }
+
   dispose(): void {
+    this.closing.abort(new Error("the graphics were reset"));
     this.refiner.dispose();
     this.marcher.dispose();
     this.surfaces.dispose();
@@ -260,6 +293,13 @@ export class Picture {
     this.labels?.dispose();
     this.colours?.dispose();
     this.renderer.dispose();
+  }
+
+  /** Takes ray caster, surfaces and markers to a view. */
+  private aim(camera: Camera, extent: Extent, aspect: number): void {
+    this.marcher.setCamera(camera, extent, aspect);
+    this.camera.update(camera, extent, aspect);
+    this.surfaces.setCamera(camera, this.camera.camera);
   }
 
   private get gl(): WebGL2RenderingContext {
@@ -303,7 +343,7 @@ export class Picture {
     renderer.setScissor(x + box.min.x, y + height - box.max.y, size.x, size.y);
     renderer.setViewport(x, y, width, height);
     const ratio = renderer.getPixelRatio();
-    this.compositor.draw(renderer, this.refiner.picture, [x * ratio, y * ratio]);
+    this.compositor.draw(renderer, this.refiner.picture, { corner: [x * ratio, y * ratio] });
     if (this.markersShown) {
       renderer.render(this.markers.scene, this.camera.camera);
     }

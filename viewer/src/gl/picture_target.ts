@@ -9,6 +9,8 @@ export class PictureTarget {
   /** Part in use [texels]. */
   width = 1;
   height = 1;
+  /** Where it is a tile: the size of the whole picture, and where its lower left corner lies in it [texels]. */
+  tile: { readonly width: number; readonly height: number; readonly x: number; readonly y: number } | null = null;
 
   /** @param depthType of the depth's texels. */
   constructor(halfFloat: boolean, depthType: THREE.TextureDataType = THREE.UnsignedIntType) {

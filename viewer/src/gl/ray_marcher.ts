@@ -3,9 +3,10 @@
  * its look and the camera. Frame: the grid's axes, lengths in mm.
  */
 import * as THREE from "three";
-import { transformPoint } from "../core/affine";
+import { column, transformPoint } from "../core/affine";
 import { brickEdge, type BrickRanges } from "../core/bricks";
-import { clipPlanes, eyeOf, type Camera, type Extent } from "../core/camera";
+import { depthOf, eyeOf, nearAndFar, type Camera, type Extent } from "../core/camera";
+import type { Plane } from "../core/clip";
 import type { Displaced } from "../core/displaced";
 import { drawnBy } from "../core/drawn_values";
 import type { Look } from "../core/look";
@@ -14,7 +15,7 @@ import { smallestSpacing, type ScanFrame } from "../core/scan_volume";
 import { mostRanges } from "../core/shown_segments";
 import { biasedOf, largest, physical, type Rescale } from "../core/stored_values";
 import { domainOf, sample, type TransferFunction } from "../core/transfer_function";
-import { dot, scale, type Vec3 } from "../core/vector";
+import { dot, multiply, scale, type Vec3 } from "../core/vector";
 import type { Box } from "../core/voxel_change";
 import { DisplacedTexture } from "./displaced_texture";
 import { EmptySpace } from "./empty_space";
@@ -55,6 +56,7 @@ export class RayMarcher {
   /** From the eye to the middle of the view [mm]. */
   private distance = 1;
   private step = 1;
+  private clip: readonly Plane[] = [];
   private format = "FIELD_RG8";
   /** Translucent layers of surfaces; -1 where there are no surfaces at all. */
   private layers = -1;
@@ -81,6 +83,7 @@ export class RayMarcher {
     u.brickScale.value.setScalar(1 / (step * brickEdge));
     u.brickOffset.value.setScalar(first / brickEdge);
     this.format = { rg8: "FIELD_RG8", r16: "FIELD_R16", r32f: "FIELD_R32F" }[field.format];
+    this.setClip(this.clip);
     this.compile();
   }
 
@@ -150,13 +153,28 @@ export class RayMarcher {
     this.displacements.set(displaced);
   }
 
+  /** Cuts away what lies before planes of the scene. */
+  setClip(planes: readonly Plane[]): void {
+    this.clip = planes;
+    if (this.frame === null) {
+      return;
+    }
+    const { axes, sceneFromGrid, spacing } = this.frame;
+    const u = this.uniforms;
+    u.clipCount.value = planes.length;
+    planes.forEach(({ normal, offset }, i) => {
+      const inGrid = multiply([dot(normal, axes[0]), dot(normal, axes[1]), dot(normal, axes[2])], spacing);
+      u.clipPlanes.value[i]?.set(...inGrid, dot(normal, column(sceneFromGrid, 3)) - offset);
+    });
+  }
+
   setCamera(camera: Camera, extent: Extent, aspect: number): void {
     if (this.frame === null) {
       return;
     }
     const { axes, gridFromScene } = this.frame;
     const along = (v: Vec3): Vec3 => [dot(axes[0], v), dot(axes[1], v), dot(axes[2], v)];
-    const half = Math.tan(camera.field / 2);
+    const half = Math.tan(camera.field / 2) * (camera.parallel === null ? 1 : camera.distance);
     const u = this.uniforms;
     u.eye.value.set(...transformPoint(gridFromScene, eyeOf(camera)));
     u.forward.value.set(...along(scale(camera.back, -1)));
@@ -164,9 +182,10 @@ export class RayMarcher {
     u.upward.value.set(...along(scale(camera.up, half)));
     u.upDirection.value.set(...along(camera.up));
     u.keyDirection.value.set(...along(keyLight(camera)));
-    const { near, far } = clipPlanes(camera, extent);
-    u.clip.value.set(near, far);
-    this.distance = camera.distance;
+    const { near, far } = nearAndFar(camera, extent);
+    u.nearFar.value.set(near, far);
+    u.parallel.value = camera.parallel === null ? 0 : 1;
+    this.distance = depthOf(camera, camera.target);
     this.setSlab();
   }
 
@@ -203,10 +222,11 @@ export class RayMarcher {
       return;
     }
     const u = this.uniforms;
-    u.pictureSize.value.set(target.width, target.height);
+    const { x, y, width, height } = target.tile ?? { width: target.width, height: target.height, x: 0, y: 0 };
+    u.pictureSize.value.set(width, height);
     u.stepLength.value = (smallestSpacing(this.frame) * this.step) / quality.stepsPerVoxel;
     u.jitter.value = quality.jitter ? 1 : 0;
-    u.shift.value.set(...shift);
+    u.shift.value.set(x + shift[0], y + shift[1], shift[2]);
     this.pass.draw(renderer, target.target);
   }
 

@@ -5,6 +5,7 @@
  * each level before its first strip.
  */
 import type * as THREE from "three";
+import { halton } from "../core/halton";
 import { levelsAfter, Pace } from "../core/pace";
 import type { GpuClock } from "./gpu_clock";
 import { PictureTarget } from "./picture_target";
@@ -167,7 +168,7 @@ export class Refiner {
   /** Blends one more picture, shifted within the pixel, into the one on display. */
   private drawAverage(): boolean {
     const count = this.pass + 1;
-    // a Halton sequence covers the pixel evenly (Halton 1960)
+    // covers the pixel evenly
     const shift: Shift = [halton(count, 2) - 0.5, halton(count, 3) - 0.5, count];
     const { shown, working } = this;
     this.working = shown;
@@ -194,14 +195,4 @@ export class Refiner {
     [this.shown, this.working] = [this.working, this.shown];
     this.shownDivisor = divisor;
   }
-}
-
-function halton(index: number, base: number): number {
-  let result = 0;
-  let share = 1;
-  for (let i = index; i > 0; i = Math.floor(i / base)) {
-    share /= base;
-    result += share * (i % base);
-  }
-  return result;
 }

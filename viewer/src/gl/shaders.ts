@@ -1,6 +1,7 @@
 /**
  * The shaders, joined from their files. WebGL2 (GLSL ES 3.00).
  */
+import clip from "./shaders/clip.glsl?raw";
 import compositeFrag from "./shaders/composite.frag?raw";
 import displaced from "./shaders/displaced.glsl?raw";
 import field from "./shaders/field.glsl?raw";
@@ -48,12 +49,12 @@ ${iso}
 
 export const shaders = {
   fullscreen: joined(fullscreenVert),
-  march: joined(displaced, field, segments, surfaces, light, ray, openness, alongRays, marchFrag),
+  march: joined(displaced, field, segments, surfaces, light, clip, ray, openness, alongRays, marchFrag),
   composite: joined(compositeFrag),
   slice: joined(displaced, field, segments, sliceFrag),
   gauge: { vertex: joined(gaugeVert), fragment: joined(gaugeFrag) },
   marker: { vertex: joined(markerVert), fragment: joined(markerFrag) },
-  surface: { vertex: joined(displaced, surfaceVert), fragment: joined(displaced, field, ownSegment, light, openness, surfaceFrag) },
+  surface: { vertex: joined(displaced, surfaceVert), fragment: joined(displaced, field, clip, ownSegment, light, openness, surfaceFrag) },
   parts: { vertex: joined(partsVert), fragment: joined(partsFrag) },
   path: { vertex: joined(pathVert), fragment: joined(pathFrag) },
 };

@@ -30,6 +30,7 @@ export class SurfaceMesh {
     ownLabel: { value: 0 },
     gives: { value: 0 },
     gridFromPosed: { value: new THREE.Matrix4() },
+    posedFromGrid: { value: new THREE.Matrix4() },
     posedFromSurface: { value: new THREE.Matrix3() },
     gridAxesFromSurface: { value: new THREE.Matrix3() },
   };
@@ -108,6 +109,7 @@ export class SurfaceMesh {
     group.matrix.fromArray(columnMajor(pose));
     const gridFromSurface = new THREE.Matrix4().fromArray(columnMajor(gridFromScene));
     own.gridFromPosed.value.copy(group.matrix).invert().premultiply(gridFromSurface);
+    own.posedFromGrid.value.copy(own.gridFromPosed.value).invert();
     own.posedFromSurface.value.fromArray(linearColumnMajor(pose));
     const [x, y, z] = axes;
     own.gridAxesFromSurface.value.set(...x, ...y, ...z);

@@ -5,6 +5,7 @@
  */
 import * as THREE from "three";
 import { eyeOf, type Camera } from "../core/camera";
+import { mostPlanes, type Plane } from "../core/clip";
 import type { MovedPose, Segment } from "../core/protocol";
 import type { ScanFrame } from "../core/scan_volume";
 import { drawnAsSurface } from "../core/shown_segments";
@@ -40,9 +41,11 @@ export class Surfaces {
     this.layers = new SurfaceLayers(halfFloat);
     this.shared = {
       ...marcher.fieldUniforms,
-      eye: { value: new THREE.Vector3() },
+      eye: { value: new THREE.Vector4() },
       keyDirection: { value: new THREE.Vector3() },
       upDirection: { value: new THREE.Vector3() },
+      clipPlanes: { value: Array.from({ length: mostPlanes }, () => new THREE.Vector4()) },
+      clipCount: { value: 0 },
       peeled: { value: 0 },
       depthBefore: { value: null as THREE.Texture | null },
       depthOpaque: { value: null as THREE.Texture | null },
@@ -95,12 +98,19 @@ export class Surfaces {
     return true;
   }
 
+  /** Cuts away what lies before planes. */
+  setClip(planes: readonly Plane[]): void {
+    const { clipPlanes, clipCount } = this.shared;
+    clipCount.value = planes.length;
+    planes.forEach(({ normal, offset }, i) => clipPlanes.value[i]?.set(...normal, -offset));
+  }
+
   setCamera(view: Camera, camera: THREE.Camera): void {
     this.camera.matrixWorld.copy(camera.matrixWorld);
     this.camera.matrixWorldInverse.copy(camera.matrixWorldInverse);
     this.camera.projectionMatrix.copy(camera.projectionMatrix);
     const { eye, keyDirection, upDirection } = this.shared;
-    eye.value.set(...eyeOf(view));
+    eye.value.set(...(view.parallel === null ? eyeOf(view) : view.back), view.parallel === null ? 1 : 0);
     keyDirection.value.set(...keyLight(view));
     upDirection.value.set(...view.up);
   }
@@ -178,12 +188,15 @@ function samePoses(a: readonly MovedPose[], b: readonly MovedPose[]): boolean {
   return a.length === b.length && a.every((moved, place) => same(moved, b[place]));
 }
 
-/** The camera for a picture that is shifted within its pixels, as the ray caster shifts its rays. */
-function shifted(camera: THREE.Camera, { width, height }: PictureTarget, [x, y]: Shift): THREE.Camera {
+/** The camera for a picture that is shifted within its pixels, or a tile, as the ray caster shifts its rays. */
+function shifted(camera: THREE.Camera, { width, height, tile }: PictureTarget, [x, y]: Shift): THREE.Camera {
   const moved = camera.clone();
   moved.matrixWorld.copy(camera.matrixWorld);
   moved.matrixWorldInverse.copy(camera.matrixWorldInverse);
-  const shift = new THREE.Matrix4().makeTranslation((-2 * x) / width, (-2 * y) / height, 0);
-  moved.projectionMatrix.premultiply(shift);
+  const whole = tile ?? { width, height, x: 0, y: 0 };
+  const [sx, sy] = [whole.width / width, whole.height / height];
+  const part = new THREE.Matrix4().makeScale(sx, sy, 1);
+  part.setPosition(sx - 1 - (2 * (whole.x + x)) / width, sy - 1 - (2 * (whole.y + y)) / height, 0);
+  moved.projectionMatrix.premultiply(part);
   return moved;
 }

@@ -2,7 +2,7 @@
  * Our camera as one of three.js, for the meshes of the scene.
  */
 import * as THREE from "three";
-import { clipPlanes, eyeOf, type Camera, type Extent } from "../core/camera";
+import { eyeOf, nearAndFar, type Camera, type Extent } from "../core/camera";
 
 export class ThreeCamera {
   readonly camera = new THREE.Camera();
@@ -13,15 +13,20 @@ export class ThreeCamera {
   }
 
   update(view: Camera, extent: Extent, aspect: number): void {
-    const { near, far } = clipPlanes(view, extent);
-    const top = near * Math.tan(view.field / 2);
+    const { near, far } = nearAndFar(view, extent);
+    const { parallel } = view;
+    const top = (parallel === null ? near : view.distance) * Math.tan(view.field / 2);
     const right = top * aspect;
     const { camera } = this;
     camera.matrixWorld
       .makeBasis(new THREE.Vector3(...view.right), new THREE.Vector3(...view.up), new THREE.Vector3(...view.back))
       .setPosition(...eyeOf(view));
     camera.matrixWorldInverse.copy(camera.matrixWorld).invert();
-    camera.projectionMatrix.makePerspective(-right, right, top, -top, near, far);
+    if (parallel === null) {
+      camera.projectionMatrix.makePerspective(-right, right, top, -top, near, far);
+    } else {
+      camera.projectionMatrix.makeOrthographic(-right, right, top, -top, near, far);
+    }
     camera.projectionMatrixInverse.copy(camera.projectionMatrix).invert();
   }
 }

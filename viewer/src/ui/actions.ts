@@ -74,6 +74,13 @@ function look({ stage }: Doors): readonly Action[] {
       keys: [String(i + 1)],
       run: () => { stage.lookFrom(letter); },
     }) as const),
+    {
+      group,
+      name: "Orthographic, or in perspective",
+      keys: ["O"],
+      run: () => { stage.orthographic = !stage.orthographic; },
+    },
+    { group, name: "Clip nothing", keys: [], ready: () => stage.clips.cutting.length > 0, run: () => { stage.clips.reset(); } },
     ...blends.map((blend) => ({
       group,
       name: `Draw as ${blendNames[blend].name}`,

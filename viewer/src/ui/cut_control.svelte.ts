@@ -2,7 +2,7 @@
  * A cut along a painted line: from the wish to cut a segment, through the line that is painted and
  * what the engine says of its parts, to the cut.
  */
-import { eyeOf, type Camera, type Viewport } from "../core/camera";
+import { vantage, type Camera, type Viewport } from "../core/camera";
 import { paintedLine, underLine, type Place } from "../core/painted_line";
 import type { CutPreview, Segment } from "../core/protocol";
 import { scale, type Vec3 } from "../core/vector";
@@ -12,6 +12,8 @@ import type { Session } from "./session.svelte";
 export interface SeenLine {
   readonly points: readonly Vec3[];
   readonly eye: Vec3;
+  /** How far away it seemed [mm]. */
+  readonly reach: number;
   readonly view: Vec3;
   readonly closed: boolean;
 }
@@ -74,7 +76,8 @@ export class CutControl {
     }
     this.line = {
       points: underLine(painted.places, camera, viewport),
-      eye: eyeOf(camera),
+      eye: vantage(camera),
+      reach: camera.distance,
       view: scale(camera.back, -1),
       closed: painted.closed,
     };

@@ -1,4 +1,4 @@
-/** Files that the engine makes on request, kept by the browser. */
+/** Files that are kept by the browser: of the engine on request, or made by the page. */
 import { apiAddress } from "../live/connection";
 
 /** Asks for a file and has the browser keep it; returns the answer's headers. Throws the reason. */
@@ -12,7 +12,8 @@ export async function fetchFile(path: string, token: string, wanted: object, nam
   return answer.headers;
 }
 
-function keep(content: Blob, name: string): void {
+/** Has the browser keep a file. */
+export function keep(content: Blob, name: string): void {
   const link = document.createElement("a");
   link.href = URL.createObjectURL(content);
   link.download = name;

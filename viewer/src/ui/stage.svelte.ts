@@ -9,6 +9,7 @@ import {
   extentOf,
   firstView,
   frame,
+  inProjection,
   lookFrom,
   pixelSizeAt,
   rayThrough,
@@ -20,6 +21,7 @@ import {
 } from "../core/camera";
 import { srgbFromHex } from "../core/colour";
 import { contentHull } from "../core/content_hull";
+import type { Plane } from "../core/clip";
 import type { Look } from "../core/look";
 import { PathTrail } from "../core/path_trail";
 import { valueInVoxel } from "../core/field";
@@ -38,8 +40,10 @@ import type { Vec3 } from "../core/vector";
 import type { GpuSupport } from "../gl/gpu_support";
 import type { Shown, ToolBall } from "../gl/markers";
 import { Picture } from "../gl/picture";
+import type { SnapshotWish } from "../gl/snapshot";
 import type { ShownSlice, SliceLook } from "../gl/slices";
 import { downloadLabels, downloadVolume } from "../live/volume_download";
+import { ClipControl } from "./clip_control.svelte";
 import { EditPaceControl } from "./edit_pace_control.svelte";
 import { LookControl } from "./look_control.svelte";
 import { Player, type ShownTouch } from "./player.svelte";
@@ -71,6 +75,8 @@ export class Stage {
   readonly slices = new SliceControl(() => this.camera);
   /** How the scan is shown. */
   readonly looks = new LookControl();
+  /** What of the 3-D view is cut away. */
+  readonly clips = new ClipControl();
   /** Range of a segment while its slider is dragged, before the engine is asked. */
   preview = $state.raw<{ readonly id: number; readonly range: readonly [number, number] } | null>(null);
   /** Share of the scan on its way to the picture, 0..1; null once it is shown. */
@@ -107,6 +113,7 @@ export class Stage {
   private bricks: BrickRanges | null = null;
   private extent: Extent | null = null;
   private drawnCamera: Camera | null = null;
+  private drawnClip: readonly Plane[] | null = null;
   private drawnSlices: readonly ShownSlice[] | null = null;
   private drawnSliceLook: SliceLook | null = null;
   private slicesDrawn = 0;
@@ -217,6 +224,7 @@ export class Stage {
     const step = subsamplingStep(scanFrame.dimensions, { edge: this.support.largestEdge, values: mostValues });
     this.tellCoarseness(step);
     this.looks.open(scan);
+    this.clips.open(scan.name, scanFrame);
     this.slices.open(scan);
     this.marks.open(scan);
     this.readOut.close();
@@ -293,11 +301,26 @@ export class Stage {
   }
 
   lookFrom(letter: Letter): void {
-    this.camera = this.extent && lookFrom(letter, this.extent, this.viewport);
+    this.camera = this.extent && this.projected(lookFrom(letter, this.extent, this.viewport), this.extent);
   }
 
   resetView(): void {
-    this.camera = this.extent && firstView(this.extent, this.viewport);
+    this.camera = this.extent && this.projected(firstView(this.extent, this.viewport), this.extent);
+  }
+
+  /** Whether things look as large however far away they are. */
+  get orthographic(): boolean {
+    return this.camera === null ? recall("projection", { orthographic: false }).orthographic : this.camera.parallel !== null;
+  }
+
+  set orthographic(on: boolean) {
+    remember("projection", { orthographic: on });
+    this.camera = this.extent && this.camera && inProjection(this.camera, on, this.extent);
+  }
+
+  /** A view of all in the projection that was chosen. */
+  private projected(camera: Camera, extent: Extent): Camera {
+    return this.orthographic ? frame(inProjection(camera, true, extent), extent, this.viewport) : camera;
   }
 
   /** Moves the picture so that the probe is in its middle. */
@@ -333,7 +356,7 @@ export class Stage {
     };
     // an edited threshold is where its labels are
     const ranges = look.ranges.filter((range) => range.label === 0 && range.tinted !== true);
-    return pickSurface(volume, { ...look, ranges }, ray, { crossings: surfaceCrossings(surfaces, ray), labelAt });
+    return pickSurface(volume, { ...look, ranges }, ray, { crossings: surfaceCrossings(surfaces, ray), labelAt, clip: this.clips.cutting });
   }
 
   /** The segment that a voxel of the scan belongs to; one that is visible before others. */
@@ -351,10 +374,18 @@ export class Stage {
     return held.find(({ visible }) => visible) ?? held[0] ?? null;
   }
 
+  /** Draws a view into a canvas. */
+  async snapshot(context: CanvasRenderingContext2D, wish: SnapshotWish): Promise<void> {
+    if (this.picture === null) {
+      throw new Error("there is no picture");
+    }
+    await this.picture.snapshot(context, wish);
+  }
+
   /** How fine the picture on display is. */
   get quality(): Picture["quality"] | null {
     const { picture, slices } = this;
-    const handed = slices.shown === this.drawnSlices && slices.look === this.drawnSliceLook;
+    const handed = this.clips.cutting === this.drawnClip && slices.shown === this.drawnSlices && slices.look === this.drawnSliceLook;
     return picture && { ...picture.quality, finished: picture.quality.finished && handed };
   }
 
@@ -408,6 +439,7 @@ export class Stage {
       return;
     }
     this.drawnCamera = null;
+    this.drawnClip = null;
     this.drawnSlices = null;
     this.drawnSliceLook = null;
     this.drawnState = null;
@@ -456,6 +488,7 @@ export class Stage {
       return;
     }
     this.handSlices(picture, now);
+    this.handClip(picture);
     if (camera !== null && extent !== null) {
       if (camera !== this.drawnCamera) {
         picture.setCamera(camera, extent);
@@ -485,6 +518,14 @@ export class Stage {
     if (shown !== this.drawnSlices) {
       picture.setSlices(shown);
       this.drawnSlices = shown;
+    }
+  }
+
+  private handClip(picture: Picture): void {
+    const { cutting } = this.clips;
+    if (cutting !== this.drawnClip) {
+      picture.setClip(cutting);
+      this.drawnClip = cutting;
     }
   }
 

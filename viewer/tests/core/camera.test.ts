@@ -1,17 +1,21 @@
 import { expect, test } from "vitest";
 import {
   alongView,
-  clipPlanes,
+  nearAndFar,
   depthOf,
   extentOf,
   eyeOf,
   firstView,
   frame,
+  inProjection,
   lookFrom,
   orbit,
   pan,
+  pixelSizeAt,
   project,
   rayThrough,
+  saneCamera,
+  vantage,
   zoom,
   type Camera,
 } from "../../src/core/camera";
@@ -121,7 +125,7 @@ test("near and far planes hold all content, and near stays before the eye", () =
   const random = new Random(7);
   for (let i = 0; i < 200; ++i) {
     const camera = randomView(random);
-    const { near, far } = clipPlanes(camera, extent);
+    const { near, far } = nearAndFar(camera, extent);
     expect(near).toBeGreaterThan(0);
     for (const corner of box) {
       const depth = depthOf(camera, corner);
@@ -137,4 +141,88 @@ test("zooming stops at sensible distances", () => {
   const camera = firstView(extent, viewport);
   expect(zoom(camera, 1e-9, extent).distance).toBeGreaterThan(1);
   expect(zoom(camera, 1e9, extent).distance).toBeLessThan(100 * extent.radius);
+});
+
+function randomOrthographic(random: Random): Camera {
+  return pan(inProjection(randomView(random), true, extent), random.between(-80, 80), random.between(-80, 80), viewport);
+}
+
+test("orthographic: all rays are parallel, and those through the picture of a point pass through it", () => {
+  const random = new Random(41);
+  for (let i = 0; i < 300; ++i) {
+    const camera = randomOrthographic(random);
+    const point = add(extent.centre, random.vector(120));
+    const [x, y] = project(camera, point, viewport) ?? [NaN, NaN];
+    const { origin, direction } = rayThrough(camera, x, y, viewport);
+    expect(distance(direction, addScaled([0, 0, 0], camera.back, -1))).toBeLessThan(1e-12);
+    const along = dot(subtract(point, origin), direction);
+    // nothing that is shown lies behind where rays begin
+    expect(along).toBeGreaterThan(0);
+    expect(distance(addScaled(origin, direction, along), point)).toBeLessThan(1e-8);
+  }
+});
+
+test("orthographic: a pixel is as large at any depth, and as in perspective at the target", () => {
+  const random = new Random(42);
+  for (let i = 0; i < 100; ++i) {
+    const camera = randomView(random);
+    const flat = inProjection(camera, true, extent);
+    const size = pixelSizeAt(camera, camera.target, viewport);
+    for (const away of [-300, 0, 200]) {
+      expect(pixelSizeAt(flat, addScaled(camera.target, camera.back, away), viewport)).toBeCloseTo(size, 10);
+    }
+    expect(inProjection(flat, false, extent)).toEqual(camera);
+  }
+});
+
+test("orthographic: a move along the view is one of as many pixels", () => {
+  const random = new Random(43);
+  for (let i = 0; i < 100; ++i) {
+    const camera = randomOrthographic(random);
+    const point = add(extent.centre, random.vector(100));
+    const [x, y] = project(camera, point, viewport) ?? [NaN, NaN];
+    const [toX, toY] = project(camera, add(point, alongView(camera, 17, -9, point, viewport)), viewport) ?? [NaN, NaN];
+    expect(toX - x).toBeCloseTo(17, 8);
+    expect(toY - y).toBeCloseTo(-9, 8);
+  }
+});
+
+test("orthographic: framing shows all of the content, and near and far hold it", () => {
+  const random = new Random(44);
+  for (let i = 0; i < 50; ++i) {
+    const camera = frame(randomOrthographic(random), extent, viewport);
+    const places = extent.outline.map((point) => project(camera, point, viewport) ?? [NaN, NaN]);
+    const shares = places.map(([x, y]) => Math.max(Math.abs(2 * x / viewport.width - 1), Math.abs(2 * y / viewport.height - 1)));
+    expect(Math.max(...shares)).toBeCloseTo(0.9, 8);
+    const { near, far } = nearAndFar(camera, extent);
+    for (const point of extent.outline) {
+      expect(depthOf(camera, point)).toBeGreaterThan(near);
+      expect(depthOf(camera, point)).toBeLessThan(far);
+    }
+  }
+});
+
+test("from the vantage point things stand behind one another as in the picture", () => {
+  const random = new Random(45);
+  const camera = randomOrthographic(random);
+  for (let i = 0; i < 50; ++i) {
+    const { origin, direction } = rayThrough(camera, random.between(0, 900), random.between(0, 700), viewport);
+    const seen = (point: Vec3): Vec3 => {
+      const way = subtract(point, vantage(camera));
+      return addScaled([0, 0, 0], way, 1 / length(way));
+    };
+    const from = addScaled(origin, direction, 600);
+    const to = addScaled(origin, direction, 1100);
+    // a radian of 1e-7 is a micrometre on 10 m
+    expect(distance(seen(from), seen(to))).toBeLessThan(1e-7);
+  }
+});
+
+test("a camera that was kept keeps its projection; older ones are in perspective", () => {
+  const flat = inProjection(firstView(extent, viewport), true, extent);
+  expect(saneCamera(JSON.parse(JSON.stringify(flat)))).toEqual(flat);
+  const older: Partial<Camera> = { ...flat };
+  delete (older as { parallel?: unknown }).parallel;
+  expect(saneCamera(older)?.parallel).toBeNull();
+  expect(saneCamera({ ...flat, parallel: -3 })).toBeNull();
 });

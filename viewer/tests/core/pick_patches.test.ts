@@ -64,7 +64,7 @@ const look = {
 
 function pick(surfaces: readonly DrawnSurface[], from: Vec3, direction: Vec3 = [0, 1, 0]): ReturnType<typeof pickSurface> {
   const ray = { origin: from, direction };
-  return pickSurface(volume, look, ray, { crossings: surfaceCrossings(surfaces, ray), labelAt: () => null });
+  return pickSurface(volume, look, ray, { crossings: surfaceCrossings(surfaces, ray), labelAt: () => null, clip: [] });
 }
 
 test("whatever is seen first is picked: a surface before the scan, the scan before a surface", () => {
@@ -91,8 +91,8 @@ test("a surface beside the scan is picked too, and one that is more clear than o
 test("a labelled segment is picked by its labels, a hidden one is seen through", () => {
   const ray = { origin: [34, -100, 524] as Vec3, direction: [0, 1, 0] as Vec3 };
   const labelAt = (visible: boolean) => ([, y]: Vec3) => (y > 10 && y < 20 ? { id: 7, visible } : null);
-  const picked = pickSurface(volume, look, ray, { crossings: [], labelAt: labelAt(true) });
+  const picked = pickSurface(volume, look, ray, { crossings: [], labelAt: labelAt(true), clip: [] });
   expect(picked?.segment).toBe(7);
   expect(Math.abs((picked?.point[1] ?? 0) - -20)).toBeLessThan(1);
-  expect(pickSurface(volume, look, ray, { crossings: [], labelAt: labelAt(false) })?.segment).toBe(1);
+  expect(pickSurface(volume, look, ray, { crossings: [], labelAt: labelAt(false), clip: [] })?.segment).toBe(1);
 });

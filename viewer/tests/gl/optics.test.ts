@@ -3,24 +3,21 @@
  * same rays on the CPU. Scans of 48³, pictures of 96², no jitter.
  */
 import { afterAll, beforeAll, expect, test } from "vitest";
-import { transformPoint, transformVector } from "../../src/core/affine";
-import { rayThrough } from "../../src/core/camera";
 import { linearFromSrgb } from "../../src/core/colour";
 import { biasedAt } from "../../src/core/field";
 import { flatShare, type Lighting } from "../../src/core/look";
 import { blends, greyOf, shadedOptics, type GreyBlend } from "../../src/core/optics";
-import { throughBox } from "../../src/core/pick_surface";
 import { frameOf, type ScanVolume } from "../../src/core/scan_volume";
 import { physical } from "../../src/core/stored_values";
 import type { WindowLevel } from "../../src/core/window_level";
-import { add, addScaled, dot, normalize, scale, subtract, type Vec3 } from "../../src/core/vector";
+import { addScaled, dot, normalize, scale, subtract, type Vec3 } from "../../src/core/vector";
 import { keyLight } from "../../src/gl/key_light";
 import { scanOf, volumeOf } from "../core/volumes";
 import { openGlBrowser, type GlBrowser } from "./browser";
 import { marble } from "./marble";
 import type { MarchResult, MarchTest } from "./page";
+import { channel, edge, litSurface, raysOf } from "./rays";
 
-const edge = 96;
 const voxels = 48;
 const spacing: Vec3 = [1, 1, 1];
 const frame = frameOf(scanOf([voxels, voxels, voxels], spacing));
@@ -37,21 +34,6 @@ afterAll(async () => {
 function march(part: Partial<MarchTest> & Pick<MarchTest, "field">): Promise<MarchResult> {
   const whole: MarchTest = { spacing, from: "A", stepsPerVoxel: 2, ...part };
   return browser.page.evaluate((t) => window.glTests?.march(t) ?? Promise.reject(new Error("no page")), whole);
-}
-
-/** The rays of all pixels, rows from the bottom: where they are inside the scan [mm], in its grid. */
-function raysOf({ camera }: MarchResult): { origin: Vec3; direction: Vec3; span: readonly [number, number] | null }[] {
-  return Array.from({ length: edge * edge }, (_, i) => {
-    const [x, y] = [i % edge, edge - 1 - Math.floor(i / edge)];
-    const ray = rayThrough(camera, x + 0.5, y + 0.5, { width: edge, height: edge });
-    const origin = transformPoint(frame.gridFromScene, ray.origin);
-    const direction = transformVector(frame.gridFromScene, ray.direction);
-    return { origin, direction, span: throughBox(origin, direction, frame.dimensions) };
-  });
-}
-
-function channel({ pixels }: MarchResult, c: number): number[] {
-  return pixels.filter((_, i) => i % 4 === c);
 }
 
 const mean = (values: readonly number[]): number => values.reduce((sum, value) => sum + value, 0) / values.length;
@@ -76,7 +58,7 @@ const tint: Vec3 = [0.2, 0.4, 0.6];
 
 test.each([1, 2, 4])("absorption of a homogeneous block is that of its length, with %d steps a voxel", async (stepsPerVoxel) => {
   const result = await march({ field: "flat", extinction: 0.4, stepsPerVoxel, optics: { blend: "absorption", density: 0.05 } });
-  const expected = raysOf(result).map(({ span }) => 1 - Math.exp(-0.05 * 0.4 * (span === null ? 0 : span[1] - span[0])));
+  const expected = raysOf(result, frame).map(({ span }) => 1 - Math.exp(-0.05 * 0.4 * (span === null ? 0 : span[1] - span[0])));
   for (const c of [0, 1, 2, 3]) {
     // bright where much is absorbed
     expect(Math.max(...channel(result, c).map((value, i) => Math.abs(value - (expected[i] ?? 0))))).toBeLessThan(fine);
@@ -85,7 +67,7 @@ test.each([1, 2, 4])("absorption of a homogeneous block is that of its length, w
 
 test("emission grows with the length of the way, in the tissue's colour, and nothing hides it", async () => {
   const result = await march({ field: "flat", extinction: 0.4, optics: { blend: "emission", density: 0.05 } });
-  const lengths = raysOf(result).map(({ span }) => (span === null ? 0 : span[1] - span[0]));
+  const lengths = raysOf(result, frame).map(({ span }) => (span === null ? 0 : span[1] - span[0]));
   for (const c of [0, 1, 2] as const) {
     const errors = channel(result, c).map((value, i) => Math.abs(value - 0.05 * 0.4 * tint[c] * (lengths[i] ?? 0)));
     expect(Math.max(...errors)).toBeLessThan(fine);
@@ -94,7 +76,7 @@ test("emission grows with the length of the way, in the tissue's colour, and not
 
 test("a composite without light is the tissue's own colour, as much as it absorbs", async () => {
   const result = await march({ field: "flat", extinction: 0.4, optics: { blend: "composite" } });
-  const opacities = raysOf(result).map(({ span }) => 1 - Math.exp(-flatShare * 0.4 * (span === null ? 0 : span[1] - span[0])));
+  const opacities = raysOf(result, frame).map(({ span }) => 1 - Math.exp(-flatShare * 0.4 * (span === null ? 0 : span[1] - span[0])));
   for (const c of [0, 1, 2] as const) {
     const errors = channel(result, c).map((value, i) => Math.abs(value - tint[c] * (opacities[i] ?? 0)));
     expect(Math.max(...errors)).toBeLessThan(fine);
@@ -105,7 +87,7 @@ test("a composite without light is the tissue's own colour, as much as it absorb
 function reference(volume: ScanVolume, result: MarchResult, optics: GreyTest): number[] {
   const { blend, slab, tissueFrom, window } = optics;
   const { camera } = result;
-  return raysOf(result).map(({ origin, direction, span }) => {
+  return raysOf(result, frame).map(({ origin, direction, span }) => {
     const [enter, leave] = span ?? [0, 0];
     const depth = -dot(direction, camera.back);
     const values: number[] = [];
@@ -177,17 +159,6 @@ test.each(blends.filter((blend) => blend !== "minip" && blend !== "average"))(
   },
 );
 
-/** Light of an uncovered surface: the same as in `light.glsl`, written again. */
-function litSphere(colour: Vec3, normal: Vec3, toEye: Vec3, up: Vec3, key: Vec3): Vec3 {
-  const sky = 0.5 + 0.5 * dot(normal, up);
-  const lambert = Math.max(0, dot(normal, key));
-  const shine = 0.16 * Math.max(0, dot(normal, normalize(add(key, toEye)))) ** 28;
-  const facing = Math.max(0, dot(normal, toEye));
-  const of = (c: 0 | 1 | 2, ground: number, above: number, direct: number): number =>
-    colour[c] * (ground + (above - ground) * sky + direct * 0.82 * lambert + 0.04 * (1 - facing)) + shine;
-  return [of(0, 0.14, 0.36, 1.06), of(1, 0.11, 0.38, 1.0), of(2, 0.1, 0.42, 0.92)];
-}
-
 test("an iso-surface is the analytic picture of a lit sphere", async () => {
   // the field falls by 400 per mm from the middle: 0 at 14 mm
   const result = await march({ field: "ball", extinction: 1, optics: { blend: "iso", isoValue: 0 } });
@@ -195,7 +166,7 @@ test("an iso-surface is the analytic picture of a lit sphere", async () => {
   const light = keyLight(result.camera);
   const expected: number[] = [];
   const drawn: number[] = [];
-  raysOf(result).forEach(({ origin, direction }, i) => {
+  raysOf(result, frame).forEach(({ origin, direction }, i) => {
     const to = subtract(centre, origin);
     const along = dot(to, direction);
     const off = Math.sqrt(Math.max(0, dot(to, to) - along * along));
@@ -203,7 +174,7 @@ test("an iso-surface is the analytic picture of a lit sphere", async () => {
     if (off > 14 || off < 13.5) {
       const hit = addScaled(origin, direction, along - Math.sqrt(Math.max(0, 14 ** 2 - off ** 2)));
       const normal = normalize(subtract(hit, centre));
-      const lit = litSphere(tint, normal, scale(direction, -1), result.camera.up, light);
+      const lit = litSurface(tint, normal, scale(direction, -1), result.camera.up, light);
       const pixel = off < 14 ? [...lit, 1] : off > 14.5 ? [0, 0, 0, 0] : [];
       expected.push(...pixel.map(seen));
       drawn.push(...(pixel.length === 0 ? [] : result.pixels.slice(4 * i, 4 * i + 4).map(seen)));

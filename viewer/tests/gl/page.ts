@@ -4,7 +4,8 @@
 import * as THREE from "three";
 import { defaultAppearance, transferFunctionOf } from "../../src/core/appearance";
 import { brickRanges, labelledBricks, type BrickRanges } from "../../src/core/bricks";
-import { extentOf, lookFrom, type Camera, type Extent } from "../../src/core/camera";
+import { extentOf, inProjection, lookFrom, type Camera, type Extent } from "../../src/core/camera";
+import type { Plane } from "../../src/core/clip";
 import type { Letter } from "../../src/core/anatomy";
 import { decodeDisplaced, type Displaced } from "../../src/core/displaced";
 import { firstLighting, type Lighting, type Look } from "../../src/core/look";
@@ -31,11 +32,14 @@ import { scanOf, segment, volumeOf } from "../core/volumes";
 import { marble } from "./marble";
 
 export interface MarchTest {
+  /** What is cut away. */
+  readonly clip?: readonly Plane[];
   readonly field: "flat" | "ball" | "label" | "marble";
   readonly optics?: Partial<Optics>;
   readonly lighting?: Partial<Lighting>;
   readonly spacing: Vec3;
   readonly from: Letter;
+  readonly orthographic?: boolean;
   readonly stepsPerVoxel: number;
   readonly format?: FieldFormat;
   /** Subsampling of the scan. */
@@ -102,6 +106,10 @@ function outlineOf({ spacing }: MarchTest): Extent {
   return extentOf([0, 1, 2, 3, 4, 5, 6, 7].map((i) => [i & 1 ? x : 0, i & 2 ? y : 0, i & 4 ? z : 0]));
 }
 
+function viewOf({ from, orthographic = false }: MarchTest, extent: Extent): Camera {
+  return inProjection(lookFrom(from, extent, viewport), orthographic, extent);
+}
+
 /** A box of label 7 in the middle of the scan, half as wide as it. */
 function labelsInBox(): Uint8Array {
   const inside = (i: number): boolean => i >= 12 && i < 36;
@@ -128,6 +136,7 @@ function march(test: MarchTest): MarchResult {
   const marcher = new RayMarcher();
   marcher.setField(field, bricksOf(volume, test.skip ?? true));
   marcher.setLook(lookOf(test));
+  marcher.setClip(test.clip ?? []);
   if (test.field === "label") {
     const colours = labelColours([{ ...segment, id: 7, colour: [1, 0, 0], range: null }]);
     const ids = labelsInBox();
@@ -144,7 +153,7 @@ function march(test: MarchTest): MarchResult {
   }
 
   const extent = outlineOf(test);
-  const camera = lookFrom(test.from, extent, viewport);
+  const camera = viewOf(test, extent);
   marcher.setCamera(camera, extent, 1);
   const target = new PictureTarget(true);
   target.resize(edge, edge);
@@ -270,7 +279,8 @@ async function show({ scan: test, markers, jitter = false, surfaces = [], displa
   const extent = outlineOf(test);
   picture.setScan(volume, bricksOf(volume, true));
   picture.setLook(lookOf(test));
-  picture.setCamera(lookFrom(test.from, extent, viewport), extent);
+  picture.setCamera(viewOf(test, extent), extent);
+  picture.setClip(test.clip ?? []);
   showSurfaces(picture, surfaces);
   if (displaced !== undefined) {
     picture.setGives(true);
@@ -292,10 +302,10 @@ async function resizedMiddle({ scan: test, surfaces = [] }: ScreenTest): Promise
   const extent = outlineOf(test);
   picture.setScan(volume, bricksOf(volume, true));
   picture.setLook(lookOf(test));
-  picture.setCamera(lookFrom(test.from, extent, viewport), extent);
+  picture.setCamera(viewOf(test, extent), extent);
   showSurfaces(picture, surfaces);
   await finished(drawn);
-  picture.setCamera(lookFrom(test.from, extent, viewport), extent);
+  picture.setCamera(viewOf(test, extent), extent);
   picture.advance(performance.now());
   const size = edge / 2;
   picture.resize(size, size);
@@ -474,7 +484,68 @@ function coarseLevel(test: MarchTest, balls: readonly SurfaceTest[], divisor: nu
   return Array.from(halves, (half) => THREE.DataUtils.fromHalfFloat(half));
 }
 
-const glTests = { march, screen, show, resizedMiddle, edit, drawnTriangles, coarseLevel };
+/** A saved picture of a size, and the same pixels of the screen before and after; RGBA bytes, rows from the top. */
+async function snapshot(
+  { scan: test, surfaces = [] }: ScreenTest,
+  size: { readonly width: number; readonly height: number },
+  transparent: boolean,
+): Promise<{ readonly saved: number[]; readonly camera: Camera; readonly extent: Extent; readonly before: number[]; readonly after: number[]; readonly shares: number[] }> {
+  const drawn = pictureOf(false);
+  const { picture } = drawn;
+  const volume = fieldOf(test);
+  const extent = outlineOf(test);
+  const camera = viewOf(test, extent);
+  picture.setScan(volume, bricksOf(volume, true));
+  picture.setLook(lookOf(test));
+  picture.setCamera(camera, extent);
+  showSurfaces(picture, surfaces);
+  const before = await finished(drawn);
+  const context = Object.assign(document.createElement("canvas"), size).getContext("2d");
+  if (context === null) {
+    throw new Error("no canvas");
+  }
+  const shares: number[] = [];
+  const { signal } = new AbortController();
+  await picture.snapshot(context, { camera, size, transparent, signal, progress: (share) => shares.push(share) });
+  const saved = [...context.getImageData(0, 0, size.width, size.height).data];
+  const after = await finished(drawn);
+  picture.dispose();
+  return { saved, camera, extent, before, after, shares };
+}
+
+/** What a snapshot says that is cancelled after its first tile. */
+async function cancelled(test: MarchTest): Promise<string> {
+  const { picture } = pictureOf(false);
+  const volume = fieldOf(test);
+  const extent = outlineOf(test);
+  const camera = viewOf(test, extent);
+  picture.setScan(volume, bricksOf(volume, true));
+  picture.setLook(lookOf(test));
+  picture.setCamera(camera, extent);
+  while (!picture.hasPicture) {
+    picture.advance(performance.now());
+    await new Promise((resolve) => setTimeout(resolve, 5));
+  }
+  const context = Object.assign(document.createElement("canvas"), { width: 400, height: 400 }).getContext("2d");
+  const aborter = new AbortController();
+  const shares: number[] = [];
+  const progress = (share: number): void => {
+    shares.push(share);
+    aborter.abort(new Error("cancelled"));
+  };
+  try {
+    if (context !== null) {
+      await picture.snapshot(context, { camera, size: { width: 400, height: 400 }, transparent: false, signal: aborter.signal, progress });
+    }
+  } catch (error) {
+    return `${error instanceof Error ? error.message : String(error)} after ${String(shares.length)}`;
+  } finally {
+    picture.dispose();
+  }
+  return "not cancelled";
+}
+
+const glTests = { march, screen, show, snapshot, cancelled, resizedMiddle, edit, drawnTriangles, coarseLevel };
 
 declare global {
   interface Window {

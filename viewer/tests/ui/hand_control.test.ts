@@ -10,7 +10,7 @@ import type { Session } from "../../src/ui/session.svelte";
 import type { Stage } from "../../src/ui/stage.svelte";
 
 /** Looks along y from before; a pixel of the picture is 1 mm at the target. */
-const camera: Camera = { target: [0, 0, 0], distance: 100, right: [1, 0, 0], up: [0, 0, 1], back: [0, -1, 0], field: Math.PI / 2 };
+const camera: Camera = { target: [0, 0, 0], distance: 100, right: [1, 0, 0], up: [0, 0, 1], back: [0, -1, 0], field: Math.PI / 2, parallel: null };
 const viewport = { width: 200, height: 200 };
 
 let now = 0;

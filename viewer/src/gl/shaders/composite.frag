@@ -10,6 +10,11 @@ uniform vec2 used;
 // lower left corner and size of the pane on the screen [pixels]
 uniform vec2 paneCorner;
 uniform vec2 paneSize;
+// the same of the whole picture that the background belongs to
+uniform vec2 groundCorner;
+uniform vec2 groundSize;
+// 1 where there is no background: colours are not multiplied by opacity then
+uniform float transparent;
 // 1 where highlights are bent instead of clipped
 uniform float bend;
 uniform vec3 backgroundCentre;
@@ -32,13 +37,19 @@ void main() {
   vec2 texel = share / used;
   vec2 at = clamp(place * share, 0.5 * texel, share - 0.5 * texel);
   vec4 drawn = texture(picture, at);
+  gl_FragDepth = texture(pictureDepth, at).r;
 
-  float away = length((place - vec2(0.5, 0.52)) * vec2(1.1, 1.25));
+  vec2 onGround = (gl_FragCoord.xy - groundCorner) / groundSize;
+  float away = length((onGround - vec2(0.5, 0.52)) * vec2(1.1, 1.25));
   vec3 background = mix(backgroundCentre, backgroundEdge, smoothstep(0.0, 0.85, away));
-  vec3 colour = mix(drawn.rgb, softened(drawn.rgb), bend) + (1.0 - drawn.a) * background;
+  vec3 light = mix(drawn.rgb, softened(drawn.rgb), bend);
+  if (transparent > 0.5) {
+    screen = vec4(srgbFromLinear(light / max(drawn.a, 1e-4)), drawn.a);
+    return;
+  }
+  vec3 colour = light + (1.0 - drawn.a) * background;
 
   // less than one step of noise hides the steps of a dark gradient
   float grain = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715)))) - 0.5;
   screen = vec4(srgbFromLinear(colour) + grain / 255.0, 1.0);
-  gl_FragDepth = texture(pictureDepth, at).r;
 }

@@ -22,25 +22,25 @@ Seen seenAlong(Ray ray, inout Layers layers) {
       break;
     }
     t = min(t, ray.span.y);
-    float leap = stepsOverEmpty(ray, eye + ray.inGrid * t, t);
+    float leap = stepsOverEmpty(ray, ray.origin + ray.inGrid * t, t);
     if (leap > 0.0) {
       t += leap;
       last = t - stepLength;
       continue;
     }
     int segment;
-    if (!enclosed(eye + ray.inGrid * t, segment)) {
+    if (!enclosed(ray.origin + ray.inGrid * t, segment)) {
       last = t;
       t += stepLength;
       continue;
     }
     int here;
-    bool cut = last <= ray.span.x && enclosed(eye + ray.inGrid * last, here);
+    bool cut = last <= ray.span.x && enclosed(ray.origin + ray.inGrid * last, here);
     float end = cut ? last : t;
     segment = cut ? here : segment;
     for (int j = 0; j < refinements && !cut; ++j) {
       float middle = 0.5 * (last + end);
-      if (enclosed(eye + ray.inGrid * middle, here)) {
+      if (enclosed(ray.origin + ray.inGrid * middle, here)) {
         end = middle;
         segment = here;
       } else {
@@ -48,7 +48,7 @@ Seen seenAlong(Ray ray, inout Layers layers) {
       }
     }
     passLayers(layers, end, seen.light, seen.clarity, seen.depth);
-    vec3 grid = eye + ray.inGrid * end;
+    vec3 grid = ray.origin + ray.inGrid * end;
     vec3 toEye = -ray.direction;
     if (segment == isoSegment) {
       vec3 normal = cut ? ray.face : facing(gradientAt(grid), toEye, toEye);

@@ -14,7 +14,9 @@ out vec3 positionInView;
 
 void main() {
   vec4 inView = viewMatrix * modelMatrix * vec4(position, 1.0);
-  inView.xyz *= 1.0 - toward / max(length(inView.xyz), 1e-6);
+  // in an orthographic view the eye is straight ahead
+  vec3 toEye = projectionMatrix[3][3] > 0.5 ? vec3(0.0, 0.0, 1.0) : -inView.xyz / max(length(inView.xyz), 1e-6);
+  inView.xyz += toward * toEye;
   normalInView = normalMatrix * normal;
   positionInView = inView.xyz;
   gl_Position = projectionMatrix * inView;

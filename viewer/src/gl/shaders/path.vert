@@ -16,15 +16,20 @@ uniform float toward;
 out float freshness;
 out float across;
 
+// In an orthographic view the eye is straight ahead.
+vec3 toEye(vec3 inView) {
+  return projectionMatrix[3][3] > 0.5 ? vec3(0.0, 0.0, 1.0) : -inView / max(length(inView), 1e-6);
+}
+
 vec3 nearer(vec3 inView) {
-  return inView * (1.0 - toward * pixel / max(length(inView), 1e-6));
+  return inView + toward * pixel * toEye(inView);
 }
 
 void main() {
   vec3 from = nearer((viewMatrix * vec4(start, 1.0)).xyz);
   vec3 to = nearer((viewMatrix * vec4(end, 1.0)).xyz);
   vec3 along = to - from;
-  vec3 sideways = cross(along, to);
+  vec3 sideways = cross(toEye(to), along);
   float size = length(sideways);
   sideways = size > 1e-9 ? sideways / size : vec3(0.0, 1.0, 0.0);
 

@@ -18,7 +18,7 @@ float refinedMost(Ray ray, float place, float most) {
   for (int i = 0; i < 4 && most > 0.0 && most < 1.0; ++i) {
     for (int side = -1; side <= 1; side += 2) {
       float t = place + float(side) * reach;
-      vec3 grid = eye + ray.inGrid * t;
+      vec3 grid = ray.origin + ray.inGrid * t;
       float value = biasedAt(grid);
       float share = value * grey.x + grey.y;
       if (share > most && ray.span.x <= t && t <= ray.span.y && segmentAt(grid, value) >= 0) {
@@ -46,7 +46,7 @@ Seen seenAlong(Ray ray, inout Layers layers) {
     if (t >= ray.span.y) {
       break;
     }
-    vec3 grid = eye + ray.inGrid * t;
+    vec3 grid = ray.origin + ray.inGrid * t;
     float leap = stepsOverEmpty(ray, grid, t);
     float before = t;
     t += leap > 0.0 ? leap : stepLength;

@@ -15,7 +15,8 @@ uniform vec2 pictureSize;
 // shift within the pixel and of the noise, for averaging several pictures
 uniform vec3 shift;
 uniform vec3 eye;
-// axes of the view along the grid's axes, per mm; `across` and `upward` reach half the picture
+// axes of the view along the grid's axes, per mm; `across` and `upward` reach half the picture: at 1 mm
+// of depth in perspective, anywhere in an orthographic view
 uniform vec3 forward;
 uniform vec3 across;
 uniform vec3 upward;
@@ -32,6 +33,8 @@ uniform vec3 brickOffset;
 const float clearEnough = 0.012;
 
 struct Ray {
+  // where it begins [grid]
+  vec3 origin;
   // direction along the grid's axes, per mm: in mm, and in voxels
   vec3 direction;
   vec3 inGrid;
@@ -60,15 +63,18 @@ const int isoSegment = -2;
 uniform vec2 grey;
 
 bool insideSegment(vec3 grid, int segment) {
+  if (isCutAway(grid)) {
+    return false;
+  }
   float value = biasedAt(grid);
   return segment == isoSegment ? value * grey.x + grey.y >= 0.0 : segmentAt(grid, value) == segment;
 }
 
 // Where the ray is inside a box [grid]; `face` gets the one through which it enters.
-vec2 throughBox(vec3 low, vec3 high, vec3 direction, out vec3 face) {
+vec2 throughBox(vec3 low, vec3 high, vec3 origin, vec3 direction, out vec3 face) {
   vec3 inverse = 1.0 / (mix(vec3(1.0), sign(direction), step(1e-12, abs(direction))) * max(abs(direction), 1e-12));
-  vec3 a = (low - eye) * inverse;
-  vec3 b = (high - eye) * inverse;
+  vec3 a = (low - origin) * inverse;
+  vec3 b = (high - origin) * inverse;
   vec3 near = min(a, b);
   vec3 far = max(a, b);
   float enter = max(max(near.x, near.y), near.z);
@@ -77,13 +83,13 @@ vec2 throughBox(vec3 low, vec3 high, vec3 direction, out vec3 face) {
 }
 
 // Where the ray is among matter that stands beside its voxels.
-vec2 throughDisplaced(vec3 direction) {
+vec2 throughDisplaced(vec3 origin, vec3 direction) {
   vec3 face;
   vec2 span = vec2(farAway);
 #ifdef DISPLACED
   if (displacedScale.x > 0.0) {
     vec3 low = -displacedOffset / displacedScale;
-    span = throughBox(low, low + 1.0 / displacedScale, direction, face);
+    span = throughBox(low, low + 1.0 / displacedScale, origin, direction, face);
   }
 #endif
   return span;
@@ -119,20 +125,45 @@ float noise(vec2 pixel) {
   return fract(52.9829189 * fract(dot(pixel, vec2(0.06711056, 0.00583715))));
 }
 
+// Leaves of a ray what no plane cuts away: what is kept is convex.
+void clipRay(inout Ray ray) {
+  for (int i = 0; i < CLIP_PLANES; ++i) {
+    if (i >= clipCount) {
+      break;
+    }
+    float before = dot(clipPlanes[i], vec4(ray.origin, 1.0));
+    float rise = dot(clipPlanes[i].xyz, ray.inGrid);
+    if (abs(rise) < 1e-7) {
+      ray.span.y = before > 0.0 ? 0.0 : ray.span.y;
+      continue;
+    }
+    float t = -before / rise;
+    if (rise > 0.0) {
+      ray.span.y = min(ray.span.y, t);
+    } else if (t > ray.span.x) {
+      ray.span.x = t;
+      ray.face = clipPlanes[i].xyz / spacing;
+    }
+  }
+}
+
 Ray rayOfPixel() {
   Ray ray;
   vec2 place = (gl_FragCoord.xy + shift.xy) / pictureSize * 2.0 - 1.0;
-  vec3 toPixel = forward + across * place.x + upward * place.y;
+  vec3 sideways = across * place.x + upward * place.y;
+  vec3 toPixel = parallel > 0.5 ? forward : forward + sideways;
+  ray.origin = parallel > 0.5 ? eye + sideways / spacing : eye;
   ray.stretch = length(toPixel);
   ray.direction = toPixel / ray.stretch;
   ray.inGrid = ray.direction / spacing;
-  ray.span = throughBox(vec3(0.0), dimensions, ray.inGrid, ray.face);
+  ray.span = throughBox(vec3(0.0), dimensions, ray.origin, ray.inGrid, ray.face);
   if (slab.x * ray.stretch > ray.span.x) {
     ray.span.x = slab.x * ray.stretch;
     ray.face = -ray.direction;
   }
   ray.span.y = min(ray.span.y, slab.y * ray.stretch);
-  ray.displaced = throughDisplaced(ray.inGrid);
+  clipRay(ray);
+  ray.displaced = throughDisplaced(ray.origin, ray.inGrid);
   ray.start = jitter > 0.5 ? noise(gl_FragCoord.xy + 5.588238 * shift.z) : 0.5;
   return ray;
 }

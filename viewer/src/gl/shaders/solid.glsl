@@ -4,10 +4,10 @@ const int refinements = 5;
 
 // Where between two samples the ray enters a solid segment, and which: where segments lie in one
 // another it is the outer one, however steep the step between.
-float refinedEntry(vec3 inGrid, float before, float inside, inout int segment) {
+float refinedEntry(Ray ray, float before, float inside, inout int segment) {
   for (int i = 0; i < refinements; ++i) {
     float middle = 0.5 * (before + inside);
-    vec3 grid = eye + inGrid * middle;
+    vec3 grid = ray.origin + ray.inGrid * middle;
     int here = segmentAt(grid, biasedAt(grid));
     if (isSolid(here)) {
       inside = middle;

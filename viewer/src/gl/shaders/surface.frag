@@ -11,7 +11,8 @@ in vec3 gridNormal;
 
 layout(location = 0) out vec4 picture;
 
-uniform vec3 eye;
+// of an orthographic view the direction toward it, and 0
+uniform vec4 eye;
 uniform vec3 colour;
 uniform float opacity;
 // 1 where lines are drawn: what lies between them does not cover them
@@ -32,6 +33,9 @@ vec3 unit(vec3 vector, vec3 instead) {
 }
 
 void main() {
+  if (isCutAway(posed)) {
+    discard;
+  }
 #ifdef TRANSLUCENT
   ivec2 pixel = ivec2(gl_FragCoord.xy);
   bool before = peeled > 0.5 && gl_FragCoord.z <= texelFetch(depthBefore, pixel, 0).r + sameDepth;
@@ -39,7 +43,7 @@ void main() {
     discard;
   }
 #endif
-  vec3 toEye = normalize(eye - posed);
+  vec3 toEye = normalize(eye.xyz - eye.w * posed);
   vec3 normal = unit(posedNormal, toEye);
   float open = bare > 0.5 ? 1.0 : openness(grid, unit(gridNormal, vec3(0.0, 0.0, 1.0)), 0);
   picture = vec4(litSurface(colour, dot(normal, toEye) < 0.0 ? -normal : normal, toEye, open) * opacity, opacity);

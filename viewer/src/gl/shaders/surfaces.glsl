@@ -2,7 +2,9 @@
 // pictures of translucent ones, near to far. Keep in sync with `gl/surface_layers.ts`.
 
 // near and far plane [mm]
-uniform vec2 clip;
+uniform vec2 nearFar;
+// 1 in an orthographic view
+uniform float parallel;
 
 const float farAway = 1e9;
 
@@ -29,17 +31,18 @@ struct Layers {
 };
 
 float windowDepth(float viewDepth) {
-  float near = clip.x;
-  float far = clip.y;
-  return clamp(far * (viewDepth - near) / (viewDepth * (far - near)), 0.0, 1.0);
+  float near = nearFar.x;
+  float far = nearFar.y;
+  float share = (viewDepth - near) / (far - near);
+  return clamp(parallel > 0.5 ? share : share * far / viewDepth, 0.0, 1.0);
 }
 
 #ifdef SURFACES
 // Length along a ray at which a depth lies; `stretch` is the ray's length per mm of view depth.
 float placeOf(float depth, float stretch) {
-  float near = clip.x;
-  float far = clip.y;
-  float viewDepth = near * far / (far - depth * (far - near));
+  float near = nearFar.x;
+  float far = nearFar.y;
+  float viewDepth = parallel > 0.5 ? mix(near, far, depth) : near * far / (far - depth * (far - near));
   return depth < 1.0 ? viewDepth * stretch - surfaceLead : farAway;
 }
 #endif

@@ -56,7 +56,7 @@ bool addTissue(Ray ray, vec2 interval, vec4 tissue, bool dividable, inout Layers
   float middle = 0.5 * (interval.x + interval.y);
   float extinction = tissue.a * density;
 #if BLEND == SHADED || BLEND == COMPOSITE
-  vec3 gradient = coarseGradientAt(eye + ray.inGrid * middle);
+  vec3 gradient = coarseGradientAt(ray.origin + ray.inGrid * middle);
   float boundary = smoothstep(0.0, edge.x, length(gradient));
   extinction *= mix(edge.y, 1.0, boundary);
   if (dividable && extinction * stepLength > opaqueStep) {
@@ -98,7 +98,7 @@ Seen seenAlong(Ray ray, inout Layers layers) {
       break;
     }
     t = min(t, ray.span.y);
-    vec3 grid = eye + ray.inGrid * t;
+    vec3 grid = ray.origin + ray.inGrid * t;
     float leap = stepsOverEmpty(ray, grid, t);
     if (leap > 0.0 && front == unknown) {
       t += leap;
@@ -117,16 +117,16 @@ Seen seenAlong(Ray ray, inout Layers layers) {
       fine = 0;
       continue;
     }
-    float first = front == unknown ? biasedAt(eye + ray.inGrid * last) : front;
+    float first = front == unknown ? biasedAt(ray.origin + ray.inGrid * last) : front;
     float end = t;
 #if BLEND == SHADED || BLEND == COMPOSITE
     bool solid = isSolid(segment);
     bool cut = false;
     if (solid) {
-      vec3 before = eye + ray.inGrid * last;
+      vec3 before = ray.origin + ray.inGrid * last;
       cut = last <= ray.span.x && isSolid(segmentAt(before, first));
-      end = cut ? last : refinedEntry(ray.inGrid, last, t, segment);
-      grid = eye + ray.inGrid * end;
+      end = cut ? last : refinedEntry(ray, last, t, segment);
+      grid = ray.origin + ray.inGrid * end;
       value = biasedAt(grid);
     }
 #else

@@ -1,0 +1,128 @@
+/**
+ * Pictures and films of the 3-D view as files: drawn anew at the size that is asked for, one at a time.
+ */
+import type { Camera, Viewport } from "../core/camera";
+import { fitsIntoCanvas, imageSize } from "../core/image_size";
+import { turntable } from "../core/turntable";
+import { keep } from "./download";
+import { Film, filmType } from "./film";
+import { recall, remember } from "./remembered";
+import type { Session } from "./session.svelte";
+import type { Stage } from "./stage.svelte";
+
+const firstChoice = { magnification: 2, transparent: false, seconds: 6, turns: 1 };
+
+/** Of a film: each frame is drawn to the end, so a slow machine only takes longer. */
+const framesPerSecond = 20;
+
+export class ImageControl {
+  choice = $state.raw(recall("image", firstChoice));
+  /** What is being made, and the share that is done; null where nothing is. */
+  job = $state.raw<{ readonly name: string; readonly share: number } | null>(null);
+  private aborter = new AbortController();
+
+  constructor(
+    private readonly stage: Stage,
+    private readonly session: Session,
+  ) {}
+
+  readonly size = $derived.by((): Viewport => this.sizeOf(this.choice.magnification));
+
+  /** Whether this browser makes films. */
+  readonly filming = filmType() !== null;
+
+  sizeOf(magnification: number): Viewport {
+    return imageSize(this.stage.viewport, window.devicePixelRatio, magnification);
+  }
+
+  fits(magnification: number): boolean {
+    return fitsIntoCanvas(this.sizeOf(magnification));
+  }
+
+  choose(part: Partial<typeof firstChoice>): void {
+    this.choice = { ...this.choice, ...part };
+    remember("image", this.choice);
+  }
+
+  cancel(): void {
+    this.aborter.abort();
+  }
+
+  /** Saves the view as a PNG of the chosen size. */
+  async saveImage(): Promise<void> {
+    const { size } = this;
+    const { transparent } = this.choice;
+    await this.work("Drawing the picture", async (camera, signal) => {
+      const context = contextOf(size);
+      await this.stage.snapshot(context, { camera, size, transparent, signal, progress: this.tell.bind(this) });
+      const blob = await new Promise<Blob | null>((resolve) => {
+        context.canvas.toBlob(resolve, "image/png");
+      });
+      if (blob === null) {
+        throw new Error(`${String(size.width)} × ${String(size.height)} pixels are too many for this browser; choose fewer`);
+      }
+      keep(blob, `${this.fileName}.png`);
+    });
+  }
+
+  /** Saves a film of the view turning about the body's long axis, as large as on the page. */
+  async saveFilm(): Promise<void> {
+    const { seconds, turns } = this.choice;
+    const { width, height } = this.sizeOf(1);
+    // films have even sizes
+    const size = { width: width - (width % 2), height: height - (height % 2) };
+    await this.work("Filming", async (start, signal) => {
+      const film = new Film(size, framesPerSecond);
+      try {
+        const context = contextOf(size);
+        const cameras = turntable(start, { seconds, turns, framesPerSecond });
+        for (const [i, camera] of cameras.entries()) {
+          await this.stage.snapshot(context, { camera, size, transparent: false, signal });
+          await film.add(context.canvas);
+          this.tell((i + 1) / cameras.length);
+        }
+        keep(await film.end(), `${this.fileName}.webm`);
+      } finally {
+        film.dispose();
+      }
+    });
+  }
+
+  private get fileName(): string {
+    return (this.session.scan?.name ?? "").replace(/[^\w.-]+/g, "_") || "palpate";
+  }
+
+  private tell(share: number): void {
+    this.job = this.job && { ...this.job, share };
+  }
+
+  /** Does a job from the present view; one that was cancelled leaves nothing. */
+  private async work(name: string, act: (camera: Camera, signal: AbortSignal) => Promise<void>): Promise<void> {
+    const { camera } = this.stage;
+    if (this.job !== null || camera === null) {
+      return;
+    }
+    this.aborter = new AbortController();
+    const { signal } = this.aborter;
+    this.job = { name, share: 0 };
+    try {
+      await act(camera, signal);
+    } catch (error) {
+      if (!signal.aborted) {
+        this.session.notify("error", `Nothing was saved: ${error instanceof Error ? error.message : String(error)}`);
+      }
+    } finally {
+      this.job = null;
+    }
+  }
+}
+
+function contextOf({ width, height }: Viewport): CanvasRenderingContext2D {
+  const canvas = document.createElement("canvas");
+  Object.assign(canvas, { width, height });
+  const context = canvas.getContext("2d");
+  if (context === null) {
+    throw new Error("the browser gives no canvas of this size");
+  }
+  return context;
+}
