@@ -10,6 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from browser import ROOT, TOOL, Browser, browser, palpate
+from palpate.io import read
+from palpate.labels import read_labels
 
 pytestmark = [pytest.mark.browser, pytest.mark.data]
 
@@ -54,6 +56,8 @@ def test_a_saved_scene_looks_the_same_when_it_is_opened(
         )
         slices = page.read("window.palpate.slices")
         page.do("download", testid="save-scene", path=str(saved))
+        if not with_scan:
+            check_export(page, tmp_path / "head.seg.nrrd", scan)
     assert (saved.stat().st_size > 5_000_000) == with_scan
     with opened(saved) as page:
         assert page.read("window.palpate.camera") == camera
@@ -63,6 +67,17 @@ def test_a_saved_scene_looks_the_same_when_it_is_opened(
         after = page.picture(OUTPUT / "scene_opened.png")
         # the probe stands elsewhere: nothing else has changed
         assert np.mean(np.abs(after - before).max(axis=-1) > 0.05) < 0.02
+
+
+def check_export(page: Browser, path: Path, scan: Path) -> None:
+    """Exports the segment for 3D Slicer, as a person does."""
+    buttons = "[...document.querySelectorAll('button')]"
+    page.read(f"{buttons}.find((each) => each.textContent.trim() === 'Export').click()")
+    page.do("screenshot", path=str(OUTPUT / "export.png"))
+    page.do("download", testid="export", path=str(path))
+    volume = read(scan)
+    segment = read_labels(path, volume).labels[0].segment
+    assert segment.voxel_count == volume.threshold(1350.0).voxel_count
 
 
 def test_a_damaged_scene_is_refused(tmp_path: Path) -> None:

@@ -35,6 +35,13 @@ NEEDED = (
     "StudyDate", "StudyTime", "ReferringPhysicianName",
 )  # fmt: skip
 """What every object has, if empty (type 2)."""
+IMAGE_CLASSES = {
+    "CT": "1.2.840.10008.5.1.4.1.1.2",
+    "MR": "1.2.840.10008.5.1.4.1.1.4",
+}
+"""Kinds of objects with single slices."""
+SECONDARY = "1.2.840.10008.5.1.4.1.1.7"
+"""What other images may be: secondary capture."""
 IDENTIFIERS = ("StudyInstanceUID", "SeriesInstanceUID", "FrameOfReferenceUID")
 
 
@@ -122,7 +129,8 @@ def _complete(images: tuple[Dataset, ...], volume: Volume, *, complete: bool) ->
     from pydicom.uid import generate_uid
 
     made = {name: generate_uid() for name in IDENTIFIERS}
-    lacking = [name for name in IDENTIFIERS if not images[0].get(name)]
+    names = (*IDENTIFIERS, "SOPInstanceUID", "SOPClassUID")
+    lacking = [name for name in names if not all(image.get(name) for image in images)]
     if lacking and not complete:
         raise OptionError(
             f"the scan's files have no {' and no '.join(lacking)}, so nothing can refer to them; "
@@ -132,8 +140,13 @@ def _complete(images: tuple[Dataset, ...], volume: Volume, *, complete: bool) ->
         # sloppy values are kept as they are
         warnings.simplefilter("ignore")
         for image in images:
-            for name in lacking:
-                setattr(image, name, made[name])
+            for name in IDENTIFIERS:
+                if name in lacking:
+                    setattr(image, name, made[name])
+            if "SOPInstanceUID" in lacking:
+                image.SOPInstanceUID = generate_uid()
+            if "SOPClassUID" in lacking:
+                image.SOPClassUID = IMAGE_CLASSES.get(str(image.get("Modality")), SECONDARY)
             for name in NEEDED:
                 if name not in image:
                     setattr(image, name, "")

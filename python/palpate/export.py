@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Literal, get_args
 
 from palpate.deidentify import Deidentifier
 from palpate.dicom_object import save_dicom
-from palpate.dicom_source import DicomSource, dicom_source
+from palpate.dicom_source import IDENTIFIERS, DicomSource, dicom_source
 from palpate.errors import OptionError
 from palpate.export_dicom_contours import make_rtstruct
 from palpate.export_dicom_scan import make_series
@@ -196,7 +196,7 @@ def _copy_scan(
         progress(f"writing {len(source.files)} files of the scan", number / len(source.files))
         with damage_told(path):
             image = pydicom.dcmread(path)
-        for name in ("StudyInstanceUID", "SeriesInstanceUID", "FrameOfReferenceUID"):
+        for name in (*IDENTIFIERS, "SOPInstanceUID", "SOPClassUID"):
             # where files lack them they were made up
             setattr(image, name, headers.get(name))
         _save(image, folder / f"{number + 1:05}.dcm", share)

@@ -23,7 +23,7 @@ from palpate.dicom_object import (
     reference_to,
     series_number,
 )
-from palpate.dicom_source import DicomSource
+from palpate.dicom_source import IMAGE_CLASSES, SECONDARY, DicomSource
 from palpate.package_version import package_version
 from palpate.terminology import Code
 from palpate.volume import Volume
@@ -33,12 +33,6 @@ if TYPE_CHECKING:
 
 __all__ = ["make_series"]
 
-CLASSES = {
-    "CT": "1.2.840.10008.5.1.4.1.1.2",
-    "MR": "1.2.840.10008.5.1.4.1.1.4",
-}
-"""Single slices of what may come in files with several."""
-SECONDARY = "1.2.840.10008.5.1.4.1.1.7"
 SOURCE_PURPOSE = Code("121322", "DCM", "Source image for image processing operation")
 MODIFIER_PURPOSE = Code("109103", "DCM", "Modifying Equipment")
 
@@ -102,7 +96,7 @@ def _headers_of(image: Dataset, source: DicomSource) -> Dataset:
                 del made[name]
         return made
     modality = str(image.get("Modality") or "OT")
-    made = new_object(source, CLASSES.get(modality, SECONDARY), modality=modality, series=4)
+    made = new_object(source, IMAGE_CLASSES.get(modality, SECONDARY), modality=modality, series=4)
     for name in OF_IMAGES:
         if name in image:
             made.add(copy.deepcopy(image[name]))

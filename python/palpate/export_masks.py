@@ -57,12 +57,12 @@ def label_map(segments: Sequence[SceneSegment]) -> tuple[NDArray[np.uint8], int]
 
     Returns the map, and how many voxels belong to more than one segment.
     """
-    labels = np.zeros(segments[0].segment.mask().shape, np.uint8)
+    labels = np.zeros(segments[0].segment.volume.shape, np.uint8)
     shared = 0
     for number, one in enumerate(segments, 1):
-        inside = one.segment.mask() != 0
-        shared += int(np.count_nonzero(labels[inside]))
-        labels[inside] = number
+        box, inside = _part(one)
+        shared += int(np.count_nonzero(labels[box][inside]))
+        labels[box][inside] = number
     return labels, shared
 
 
@@ -81,24 +81,32 @@ def layered(segments: Sequence[SceneSegment]) -> Layered:
     places: list[tuple[int, int]] = []
     counts: list[int] = []
     for one in segments:
-        inside = one.segment.mask() != 0
-        free = (index for index, layer in enumerate(layers) if not layer[inside].any())
+        box, inside = _part(one)
+        free = (index for index, layer in enumerate(layers) if not layer[box][inside].any())
         index = next(free, len(layers))
         if index == len(layers):
-            layers.append(np.zeros(inside.shape, np.uint8))
+            layers.append(np.zeros(one.segment.volume.shape, np.uint8))
             counts.append(0)
         counts[index] += 1
-        layers[index][inside] = counts[index]
+        layers[index][box][inside] = counts[index]
         places.append((index, counts[index]))
     return Layered(tuple(layers), tuple(places))
 
 
 def overlap_of(segments: Sequence[SceneSegment]) -> tuple[str, str] | None:
     """Returns the names of the first two segments that share voxels; None where none do."""
-    taken = np.zeros(segments[0].segment.mask().shape, np.uint8)
+    taken = np.zeros(segments[0].segment.volume.shape, np.uint8)
     for number, one in enumerate(segments, 1):
-        inside = one.segment.mask() != 0
-        if below := int(taken[inside].max(initial=0)):
+        box, inside = _part(one)
+        if below := int(taken[box][inside].max(initial=0)):
             return segments[below - 1].name, one.name
-        taken[inside] = number
+        taken[box][inside] = number
     return None
+
+
+def _part(one: SceneSegment) -> tuple[tuple[slice, ...], NDArray[np.bool_]]:
+    """Returns the box of a segment that is not empty, and which of its voxels belong to it."""
+    bounds = one.segment.bounding_box
+    assert bounds is not None  # noqa: S101  # empty ones are left out
+    box = tuple(slice(low, past) for low, past in zip(*bounds, strict=True))[::-1]
+    return box, one.segment.mask()[box] != 0

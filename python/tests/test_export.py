@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import subprocess
 import sys
+import zipfile
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
+import httpx
 import numpy as np
 import palpate
 import pytest
@@ -284,3 +287,47 @@ def test_files_and_folders_appear_when_they_are_whole(tmp_path: Path) -> None:
     assert (tmp_path / "made" / "one").read_text() == "1"
     with pytest.raises(OptionError, match="is there already"), whole_folder(tmp_path / "made"):
         pass
+
+
+# --- the page's door ----------------------------------------------------------------------
+
+
+def asked(server: Any, **wanted: Any) -> httpx.Response:
+    access = server.access
+    return httpx.post(
+        f"{server.base}/api/export",
+        headers={"Cookie": f"{access.cookie}={access.token}"},
+        json=wanted,
+        trust_env=False,
+        timeout=60.0,
+    )
+
+
+def test_a_page_gets_what_the_command_writes(shared_server: Any, tmp_path: Path) -> None:
+    volume = shared_server.session.scene.volume
+    answer = asked(shared_server, kind="seg-nrrd")
+    assert answer.status_code == 200
+    assert 'filename="ball.seg.nrrd"' in answer.headers["content-disposition"]
+    path = tmp_path / "ball.seg.nrrd"
+    path.write_bytes(answer.content)
+    label = palpate.read_labels(path, volume).labels[0]
+    assert label.segment.name == "ball"
+    np.testing.assert_array_equal(label.segment.mask(), shared_server.session.segment(1).mask())
+    packed = asked(shared_server, kind="labels")
+    assert 'filename="ball.zip"' in packed.headers["content-disposition"]
+    with zipfile.ZipFile(BytesIO(packed.content)) as archive:
+        assert sorted(archive.namelist()) == ["labels.csv", "labels.nii.gz"]
+
+
+@pytest.mark.parametrize(
+    ("wanted", "said"),
+    [
+        ({"kind": "dicom"}, "comes from no file; allowed: .seg.nrrd"),
+        ({"kind": "stl"}, "this is no export"),
+        ({"kind": "x" * 5000}, "allowed: 4096"),
+    ],
+)
+def test_a_page_is_told_why_not(shared_server: Any, wanted: dict[str, str], said: str) -> None:
+    answer = asked(shared_server, **wanted)
+    assert answer.status_code == 400
+    assert said in answer.text

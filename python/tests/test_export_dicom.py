@@ -324,7 +324,10 @@ def test_two_shares_have_nothing_in_common(folder: Path, tmp_path: Path) -> None
 def test_a_series_without_uids_is_shared_with_new_ones(
     write_series: WriteSeries, tmp_path: Path
 ) -> None:
-    scene = two_parts(write_series("bare", uid=""))
+    def bare(_: int, dataset: FileDataset) -> None:
+        del dataset.SOPInstanceUID, dataset.SOPClassUID
+
+    scene = two_parts(write_series("bare", uid="", each=bare))
     with pytest.raises(OptionError, match="have no StudyInstanceUID and no SeriesInstanceUID"):
         export_scene(scene, tmp_path / "seg.dcm", keep_identity=True)
     export_scene(scene, tmp_path / "shared")
@@ -332,6 +335,8 @@ def test_a_series_without_uids_is_shared_with_new_ones(
     assert {each.SeriesInstanceUID for each in scan.values()} == {
         seg.ReferencedSeriesSequence[0].SeriesInstanceUID
     }
+    assert set(shown_in(seg)) == set(scan)
+    assert len(scan) == 4
 
 
 def test_text_in_the_pixels_is_not_shared(write_series: WriteSeries, tmp_path: Path) -> None:
@@ -373,9 +378,15 @@ def test_other_programs_accept_and_read_what_was_written(data_folder: Path, tmp_
     labels = palpate.read_labels(data_folder / "dcmqi_seg" / "liver.dcm", scene.volume).labels
     scene.add(labels[0].segment)
     scene.add(scene.volume.threshold(200.0, name="bone"))
+    values = scene.volume.array.copy()
+    values[1, 200:210, 200:210] = 0
+    scene = Scene(scene.volume.with_values(values), [one.segment for one in scene])
     export_scene(scene, tmp_path / "shared")
     for name in ("segments.dcm", "structures.dcm"):
         assert complaints(tmp_path / "shared" / name) == []
+    known = complaints(data_folder / "dcmqi_seg" / "ct-3slice" / "02.dcm")
+    for name in ("scan/00002.dcm", "edited/00002.dcm"):
+        assert set(complaints(tmp_path / "shared" / name)) <= set(known), name
     program = Path(sys.executable).parent / "segimage2itkimage"
     subprocess.run(
         [program, "--inputDICOM", tmp_path / "shared" / "segments.dcm", "--outputDirectory",
