@@ -40,7 +40,7 @@ fn scan() -> (Voxels, Materials) {
             segments: vec![SegmentMatter {
                 segment,
                 law,
-                treatments: Vec::new(),
+                regions: Vec::new(),
             }],
         },
     )
