@@ -257,6 +257,7 @@ pub fn bench_matter_stress<'py>(
         "bits": report.bits,
         "edits": report.edits,
         "answers": report.answers,
+        "in_bone": report.in_bone,
         "drilled": report.drilled,
         "punctures": report.punctures,
         "rests": report.rests,

@@ -234,6 +234,7 @@ def _stress_rows(case: str) -> tuple[Goal, ...]:
         count("bits changed around the probe", "bits", 1.0),
         count("edits", "edits", 1.0),
         count("answers of the model", "answers", 1.0),
+        count("ticks a voxel deep in bone", "in_bone", 1.0),
         count("voxels drilled", "drilled", 1.0),
         count("layers punctured", "punctures", 1.0),
         count("rests to the bit", "rests", 1.0),

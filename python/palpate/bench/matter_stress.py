@@ -22,7 +22,17 @@ __all__ = ["Worked", "checked_models", "rows_of", "work"]
 TICKS = 10_000
 """Of a run."""
 
-COUNTS = ("ticks", "contacts", "bits", "edits", "answers", "drilled", "punctures", "rests")
+COUNTS = (
+    "ticks",
+    "contacts",
+    "bits",
+    "edits",
+    "answers",
+    "in_bone",
+    "drilled",
+    "punctures",
+    "rests",
+)
 
 
 @dataclass

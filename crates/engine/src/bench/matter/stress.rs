@@ -4,7 +4,10 @@
 //! Device, servo, simulation and model take turns on one thread: a thousand ticks, a hundred
 //! passes and 33 answers in a second of the session. A run has a block of its own and ends after
 //! so many ticks; seed and number make it again. The hand goes where the surface is: it feels its
-//! way down until it presses as deep as it wants to.
+//! way down until it presses as deep as it wants to, now and then into the bone under it all.
+
+#[cfg(test)]
+mod lies;
 
 use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -16,7 +19,7 @@ use rayon::prelude::*;
 
 use super::rig::{LIMITS, Rig};
 use super::watch::{DT, Told, Watch};
-use super::world::{BARE, BONE_ID, SKIN_ID, SOFT_ID, TOP, WIDTH, World, drill, needle};
+use super::world::{BARE, BONE, BONE_ID, SKIN_ID, SOFT_ID, TOP, WIDTH, World, drill, needle};
 use crate::bench::random::Random;
 use crate::bench::stress::{Guarantee, Violation, hold};
 use crate::device_loop::DeviceLoop;
@@ -50,6 +53,8 @@ pub struct Report {
     pub edits: u64,
     /// Answers of the model.
     pub answers: u64,
+    /// Ticks with the device deeper than a voxel in bone.
+    pub in_bone: u64,
     /// Voxels that were drilled.
     pub drilled: u64,
     /// Layers that a needle punctured.
@@ -105,6 +110,7 @@ pub fn run(model: &str, seed: u64, number: u64, ticks: u64) -> Result<Report, Se
     Ok(Report {
         ticks: run.tick,
         bits: run.watch.bits,
+        in_bone: run.watch.in_bone,
         answers: run.rig.simulation.deformation().answers,
         violation,
         ..run.report
@@ -157,6 +163,8 @@ struct Run {
     tick: u64,
     /// Whether simulation and model stand still.
     frozen: bool,
+    /// Whether a drill is in the hand.
+    drill: bool,
     edit_number: u64,
     /// Changes that touch did not follow at the last look.
     pending: usize,
@@ -184,6 +192,7 @@ impl Run {
             last: TickRecord::default(),
             tick: 0,
             frozen: false,
+            drill: false,
             pending: 0,
             report: Report::default(),
         }
@@ -195,7 +204,7 @@ impl Run {
         while self.tick < ticks {
             self.press()?;
             self.rest()?;
-            self.press()?;
+            self.press_through()?;
             self.drill()?;
             self.needle()?;
         }
@@ -211,10 +220,21 @@ impl Run {
         self.come_out()
     }
 
+    /// Presses through all that is soft into the bone under it.
+    fn press_through(&mut self) -> Result<(), Violation> {
+        let place = self.place();
+        self.come_down(place.with_x(place.x.max(BARE + MARGIN)), 0.0)?;
+        let deep = 2.0 + 3.0 * self.random.share();
+        self.go(self.hand.with_z(BONE - deep), SPEED)?;
+        self.wait(2 * PASS as u32)?;
+        self.come_out()
+    }
+
     /// Presses on the bare bone, drills and sinks in.
     fn drill(&mut self) -> Result<(), Violation> {
         let place = self.place();
         self.come_down(place.with_x(BARE - MARGIN), 6.0)?;
+        self.drill = true;
         self.ask(|simulation| {
             simulation.set_tool(Some(drill()))?;
             simulation.stroke(true)
@@ -234,6 +254,7 @@ impl Run {
             simulation.set_tool(Some(needle()))?;
             simulation.stroke(true)
         });
+        self.drill = false;
         let above = self.hand;
         self.go(above - DVec3::Z * 16.0, SPEED)?;
         self.wait(100)?;
@@ -373,6 +394,7 @@ impl Run {
             solid: self.rig.servo.servo.solid(),
             sent: lock(&self.led).sent,
             needle,
+            drill: self.drill,
         })
     }
 }
@@ -388,6 +410,7 @@ impl Report {
             bits: self.bits + other.bits,
             edits: self.edits + other.edits,
             answers: self.answers + other.answers,
+            in_bone: self.in_bone + other.in_bone,
             drilled: self.drilled + other.drilled,
             punctures: self.punctures + other.punctures,
             rests: self.rests + other.rests,

@@ -2,8 +2,11 @@
 //!
 //! What is solid is asked of the servo, voxel by voxel, and kept as bytes around the probe, so
 //! that a way can be looked for through what was free before the tick or is free after it.
-//! Guarantees by number as in [`crate::bench::stress`]. Frame: scene [mm], whose origin is the
-//! grid's corner.
+//! Guarantees by number as in [`crate::bench::stress`], and
+//! 9. bone stays where it is but for what is drilled, and who is deeper in it than a voxel is
+//!    pushed, whatever the model says.
+//!
+//! Frame: scene [mm], whose origin is the grid's corner.
 
 use glam::{DVec3, IVec3};
 use palpate_haptics::contact::ContactModel;
@@ -25,6 +28,8 @@ pub const DT: f64 = 1e-3;
 const REACH: i32 = 8;
 /// What the force may grow by beside the hand's own way [smallest spacings].
 const STEP: f64 = 0.1;
+/// The least that bone pushes with from a voxel deep on [springs as long as the smallest spacing].
+const PUSH: f64 = 0.25;
 
 /// What a tick did.
 #[derive(Clone, Copy, Debug)]
@@ -37,6 +42,8 @@ pub struct Told<'a> {
     pub sent: DVec3,
     /// Whether a needle is in: then the force is the needle's.
     pub needle: bool,
+    /// Whether a drill is in the hand: then bone goes.
+    pub drill: bool,
 }
 
 /// The checker.
@@ -47,10 +54,14 @@ pub struct Watch {
     visit_bound: u32,
     stiffness: f64,
     dense: Dense,
+    /// What was bone, but for what was drilled.
+    bone: Dense,
     finder: Finder,
     last: Option<(TickRecord, DVec3)>,
     /// Bits that changed around the probe.
     pub bits: u64,
+    /// Ticks with the device deeper than a voxel in bone.
+    pub in_bone: u64,
 }
 
 impl Watch {
@@ -67,9 +78,11 @@ impl Watch {
             visit_bound: 3 * Exact { limits }.visit_bound(),
             stiffness: Settings::default().stiffness,
             dense: Dense::from_fn(size, |voxel| solid.is_solid(voxel)),
+            bone: Dense::from_fn(size, |voxel| world.is_bone(voxel)),
             finder: Finder::default(),
             last: None,
             bits: 0,
+            in_bone: 0,
         }
     }
 
@@ -77,13 +90,14 @@ impl Watch {
     pub fn after_tick(&mut self, told: &Told<'_>) -> Result<(), Violation> {
         let record = told.record;
         self.way(record, told.solid)?;
-        self.look(record, told.solid);
+        self.look(told)?;
         self.stays_out(record)?;
         let bound = self.visit_bound;
         hold(record.visits <= bound, Guarantee::BoundedWork, || {
             format!("{} voxels visited, {bound} allowed", record.visits)
         })?;
         self.force(told)?;
+        self.bone_pushes(told)?;
         self.sent(told.sent)?;
         self.last = Some((*record, told.sent));
         Ok(())
@@ -107,16 +121,44 @@ impl Watch {
         })
     }
 
-    /// Keeps what is solid around the probe.
-    fn look(&mut self, record: &TickRecord, solid: &Bits) {
-        let middle = self.voxel(record.proxy);
+    /// Keeps what is solid around the probe; bone that was there stays (guarantee 9).
+    fn look(&mut self, told: &Told<'_>) -> Result<(), Violation> {
+        let middle = self.voxel(told.record.proxy);
         for voxel in VoxelBox::new(middle - REACH, middle + REACH + 1).voxels() {
-            let now = solid.is_solid(voxel);
-            if self.dense.is_solid(voxel) != now && self.dense.index(voxel).is_some() {
-                self.dense.set(voxel, now);
-                self.bits += 1;
+            let now = told.solid.is_solid(voxel);
+            if self.dense.is_solid(voxel) == now || self.dense.index(voxel).is_none() {
+                continue;
+            }
+            self.dense.set(voxel, now);
+            self.bits += 1;
+            if !now && self.bone.is_solid(voxel) {
+                hold(told.drill, Guarantee::HardHolds, || {
+                    format!("bone at {voxel} is gone")
+                })?;
+                self.bone.set(voxel, false);
             }
         }
+        Ok(())
+    }
+
+    /// Guarantee 9, of the force before the safety stage.
+    fn bone_pushes(&mut self, told: &Told<'_>) -> Result<(), Violation> {
+        let inside = self.voxel(told.record.device);
+        let mut near = VoxelBox::new(inside - 1, inside + 2).voxels();
+        let is_deep = near.all(|voxel| self.bone.is_solid(voxel));
+        // a needle has a law of its own
+        if !is_deep || told.needle {
+            return Ok(());
+        }
+        self.in_bone += 1;
+        let force = told.record.force.length();
+        let least = PUSH * self.stiffness * self.spacing.min_element();
+        hold(force >= least, Guarantee::HardHolds, || {
+            format!(
+                "{force} N in bone at {} mm, at least {least} N expected",
+                told.record.device
+            )
+        })
     }
 
     /// Guarantee 1.

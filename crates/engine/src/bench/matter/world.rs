@@ -22,10 +22,11 @@ use crate::settings::Settings;
 
 /// Width of the block [mm].
 pub const WIDTH: f64 = 40.0;
-/// Where skin ends and begins, and the bone lies on average [mm].
+/// Where skin ends and begins [mm].
 pub const TOP: f64 = 26.0;
 const SKIN: f64 = 24.0;
-const BONE: f64 = 12.0;
+/// Where bone lies on average [mm].
+pub const BONE: f64 = 12.0;
 /// Up to here along x the bone reaches the top [mm].
 pub const BARE: f64 = 14.0;
 /// Height of the bumps [mm].
@@ -90,6 +91,11 @@ impl World {
             z if z < TOP => Some(SKIN_ID),
             _ => None,
         }
+    }
+
+    /// Whether a voxel is of the bone, which never gives way.
+    pub fn is_bone(&self, voxel: IVec3) -> bool {
+        self.segment_at(voxel) == Some(BONE_ID)
     }
 
     /// The scan's values, as CT has them.

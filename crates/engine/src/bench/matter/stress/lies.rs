@@ -1,0 +1,63 @@
+//! Models that lie: what is hard pushes back all the same, and where it does not, the watch tells.
+
+use palpate_deform::material::preset;
+use palpate_deform::model::{DeformationModel, ModelAnswer, ModelInput, ToolContact};
+use palpate_volume::material::LocalContact;
+
+use super::*;
+
+/// So many ticks: a press into the bone under soft matter is among them.
+const TICKS: u64 = 12_000;
+
+/// To this model all matter is air: nothing pushes any tool, nowhere.
+#[derive(Debug)]
+struct Air;
+
+impl DeformationModel for Air {
+    fn advance(&mut self, input: &ModelInput<'_>) -> ModelAnswer {
+        let nothing = |tool: &palpate_deform::model::ToolState| ToolContact {
+            tool: tool.id,
+            contact: Some(LocalContact {
+                position: tool.position,
+                force: DVec3::ZERO,
+                stiffness: glam::DMat3::ZERO,
+                validity: 100.0,
+            }),
+        };
+        ModelAnswer {
+            contacts: input.tools.iter().map(nothing).collect(),
+            ..ModelAnswer::default()
+        }
+    }
+
+    fn reset(&mut self) {}
+}
+
+/// Work in a world with that model, whose bone has a material, or none and is hard.
+fn worked(bone: Option<&str>) -> (u64, Result<(), Violation>) {
+    let mut random = Random::of_stream(7, 0);
+    let world = World::new(0, &mut random);
+    let mut rig = world.rig("lattice").unwrap();
+    let model: Box<dyn DeformationModel> = Box::new(Air);
+    rig.simulation.set_deformation_model(Some(("air", model)));
+    let law = bone.map(|name| preset(name).and_then(|preset| preset.law()).unwrap());
+    rig.simulation.set_material(BONE_ID, law, false).unwrap();
+    let mut run = Run::new(&world, rig, random);
+    let ends = run.work(TICKS);
+    (run.watch.in_bone, ends)
+}
+
+#[test]
+fn bone_pushes_back_whatever_a_model_says() {
+    let (in_bone, ends) = worked(None);
+    assert_eq!(ends, Ok(()));
+    assert!(in_bone > 100, "{in_bone} ticks in bone");
+}
+
+/// The fault that is planted: the session takes the bone for soft matter, the watch does not.
+#[test]
+fn bone_that_does_not_push_back_is_found() {
+    let violation = worked(Some("liver")).1.unwrap_err();
+    assert_eq!(violation.guarantee, Guarantee::HardHolds);
+    assert!(violation.what.contains("in bone"), "{violation:?}");
+}
