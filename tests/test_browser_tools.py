@@ -15,6 +15,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 import palpate as palpate_package
 import pytest
+import SimpleITK
 from browser import ROOT, Browser, browser, palpate
 from palpate import Scene, Session, SessionOptions
 from palpate.journal import scan_hash
@@ -40,8 +41,6 @@ STILL = SessionOptions(real_time=False)
 @pytest.fixture(scope="module")
 def block(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A scan of a flat block in air."""
-    import SimpleITK
-
     values = np.full((EDGE, EDGE, EDGE), -1000, np.int16)
     values[:, EDGE // 2 :, :] = 1000
     path = tmp_path_factory.mktemp("block") / "block.mha"
@@ -155,6 +154,41 @@ def test_the_drill_takes_time_and_tells_what_it_removed(page: Browser) -> None:
     choose(page, "none")
     # the probe is a point again, as it was
     page.wait("window.palpate.settings.probe_radius === 0")
+
+    # the hole is as empty in a slice as in the volume, and undo fills it
+    page.read(f"window.palpate.place({[MIDDLE, SURFACE - 6, MIDDLE]})")
+    page.do("click", testid="layout-four")
+    page.wait("window.palpate.slices.length === 3")
+    page.do("screenshot", path=str(OUTPUT / "tools-hole.png"))
+    drilled = hole_seen(page)
+    page.do("press", key="Control+z")
+    page.wait("!window.palpate.state.can_undo")
+    whole = hole_seen(page)
+    assert whole[0] > 0.5
+    assert drilled[0] < whole[0] - 0.4
+    assert drilled[1] > whole[1] + 0.9
+
+
+def hole_seen(page: Browser) -> tuple[float, float]:
+    """Returns what is seen where the drill was, just under the face of the block.
+
+    That is how light the axial slice is there, 0..1, and how far the 3-D view looks [mm along y].
+    """
+    page.all_done()
+    page.wait("window.palpate.lastEdit === window.palpate.state.edit")
+    # beside it, so that no line of the crosshair is over it
+    page.read(f"window.palpate.cross({[MIDDLE - 10, SURFACE - 10, MIDDLE]})")
+    page.finish()
+    path = OUTPUT / "tools-slice.png"
+    page.do("screenshot", path=str(path), testid="slice-axial")
+    pixels = SimpleITK.GetArrayFromImage(SimpleITK.ReadImage(str(path)))
+    plane = page.read("window.palpate.slices.find(({name}) => name === 'axial').plane")
+    from_middle = np.array([MIDDLE, SURFACE + 0.5, MIDDLE]) - plane["centre"]
+    right, up = (float(from_middle @ plane[axis]) / plane["pixel"] for axis in ("right", "up"))
+    height, width = pixels.shape[:2]
+    pixel = pixels[round((height - 1) / 2 - up), round((width - 1) / 2 + right), :3]
+    seen = page.read("window.palpate.pick(...window.palpate.middle).point[1]")
+    return float(pixel.mean()) / 255.0, float(seen)
 
 
 def test_a_tool_without_a_segment_says_so(page: Browser) -> None:

@@ -290,22 +290,22 @@ class Session:
     ) -> None:
         """Tells what a segment is made of, in SI; without anything it is hard."""
 
-    def set_parts(
+    def set_regions(
         self,
         segment_id: int,
-        parts: list[
+        regions: list[
             tuple[str, tuple[tuple[int, int, int], tuple[int, int, int]] | None, int | None]
         ],
     ) -> None:
-        """Tells how parts of a segment take part: treatment, box of voxels, other segment."""
+        """Tells how regions of a segment take part: treatment, box of voxels, other segment."""
 
     def deformation(self) -> dict[str, Any]:
         """How the deformation goes."""
 
-    def show_parts(self, on: bool) -> None:
-        """Has ``parts`` give the nodes or particles of the model, or no more."""
+    def show_model_parts(self, on: bool) -> None:
+        """Has ``model_parts`` give the nodes or particles of the model, or no more."""
 
-    def parts(self) -> dict[str, Any] | None:
+    def model_parts(self) -> dict[str, Any] | None:
         """The newest of them, once: the fields of ``protocol.MatterParts``."""
 
     def set_tool(
@@ -778,7 +778,7 @@ def bench_matter_stress(
 
     Returns:
         ``ticks``, ``contacts``, ``bits`` (voxels around the probe that changed), ``edits``,
-        ``answers``, ``drilled``, ``punctures``, ``rests``, and ``violation``: None, or ``run``,
+        ``answers``, ``in_bone``, ``drilled``, ``punctures``, ``rests``, and ``violation``: None, or ``run``,
         ``tick``, ``guarantee`` (its number), ``what``.
 
     Raises:

@@ -17,14 +17,14 @@ The name says what is written; --as says so where it does not:
 
 \b
   palpate export scan.nii.gz --segments organs.seg.nrrd -o labels.nii.gz
-  palpate export work.palpate -o work.seg.nrrd        a scene that was saved
+  palpate export work.palpate -o work.seg.nrrd     (a scene that was saved)
   palpate export work.palpate --as scan -o drilled.nii.gz
-  palpate export DICOM/ --threshold 250 -o shared     a new folder
-  palpate export DICOM/ --threshold 250 --keep-identity -o seg.dcm
-  palpate export DICOM/ --threshold 250 --keep-identity --as rtstruct -o rt.dcm
+  palpate export ct/ --threshold 250 -o shared     (a new folder)
+  palpate export ct/ --threshold 250 --keep-identity -o seg.dcm
+  palpate export ct/ --threshold 250 --keep-identity --as rtstruct -o rt.dcm
 
-DICOM is de-identified, scan and segments together, so that the references between them hold, and
-so goes into a folder. --keep-identity is for the archive that has the scan.
+DICOM goes into a folder, scan and segments together, de-identified so that
+their references hold. --keep-identity is for the archive that has the scan.
 """
 
 

@@ -38,6 +38,8 @@ STANDARD_UIDS = "1.2.840.10008."
 """UIDs that begin so mean the same everywhere."""
 KEPT = ("ROIName", "StructureSetLabel", "ContentLabel")
 """Texts of ours that the table would take away: they are cleaned instead."""
+COUNTED = ("SeriesNumber", "AcquisitionNumber")
+"""Numbers that the table keeps, and that may be those of the study."""
 NAMING = (
     "PatientName", "PatientID", "OtherPatientIDs", "OtherPatientNames", "PatientBirthDate",
     "PatientBirthName", "PatientMotherBirthName", "PatientAddress", "PatientTelephoneNumbers",
@@ -139,6 +141,9 @@ class Deidentifier:
             return _with(element, mapped)
         if element.VR in TEXTS:
             return _with(element, self._cleaned(held))
+        # some scanners count series by the study's number
+        if element.keyword in COUNTED and any(word.search(str(held)) for word in self._words):
+            return _with(element, 0)
         return element
 
     def _cleaned(self, value: object) -> object:

@@ -14,8 +14,8 @@ __all__ = [
     "Boxes",
     "LinearMaterial",
     "Material",
-    "Part",
     "Preset",
+    "Region",
     "Treatment",
     "deformation_models",
     "material_presets",
@@ -52,8 +52,8 @@ class LinearMaterial:
 
 
 @dataclass(frozen=True)
-class Part:
-    """A part of a segment that takes part in its own way; all of it where nothing else is told."""
+class Region:
+    """Some of a segment that takes part in its own way; all of it where nothing else is told."""
 
     treatment: Treatment
     box: tuple[tuple[int, int, int], tuple[int, int, int]] | None = None

@@ -64,7 +64,7 @@ def export_response(segments: ShownSegments, values: NDArray[np.int16], body: by
         path,
         media_type="application/octet-stream",
         filename=path.name,
-        headers={"X-Palpate-Notes": quote("\n".join(notes)[:4000])},
+        headers={"X-Palpate-Notes": quote("\n".join(notes)[:1000])},
         background=BackgroundTask(folder.cleanup),
     )
 

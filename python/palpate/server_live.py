@@ -168,7 +168,7 @@ class Live:
         return True
 
     def _tell_parts(self) -> None:
-        parts = self.session.parts() if self._parts_for else None
+        parts = self.session.model_parts() if self._parts_for else None
         if parts is not None:
             message = parts_of(parts)
             for outbox in self._parts_for:
@@ -275,7 +275,7 @@ class Live:
             self._parts_for.add(outbox)
         else:
             self._parts_for.discard(outbox)
-        self.session.show_parts(on=bool(self._parts_for))
+        self.session.show_model_parts(on=bool(self._parts_for))
 
     def _release(self) -> None:
         self._presses = None

@@ -60,7 +60,7 @@ def asked_material(wanted: protocol.SetMaterial) -> Material | str | None:
 
 
 def parts_of(parts: dict[str, Any]) -> protocol.MatterParts:
-    """Returns the parts of ``Session.parts`` as pages are told them."""
+    """Returns the parts of ``Session.model_parts`` as pages are told them."""
     return msgspec.convert(parts, protocol.MatterParts)
 
 

@@ -137,9 +137,15 @@ class ShownSegments:
         """Returns the scan with such stored values and its segments as they are now, for files.
 
         Also says what files cannot tell of them.
+
+        Raises:
+            OptionError: Segments came or went meanwhile.
         """
         scene, told = self._session.scene_now(values), []
-        for one, state in zip(scene, self._session.segments(), strict=True):
+        states = self._session.segments()
+        if len(states) != len(scene):
+            raise OptionError("segments came or went meanwhile; allowed: once more")
+        for one, state in zip(scene, states, strict=True):
             look = self._look_of(state["id"])
             if look.name != one.name:
                 # a segment that was renamed is something else, or was never told what it is

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from palpate import _core
 from palpate.errors import OptionError
 from palpate.gap import Gap
-from palpate.material import LinearMaterial, Material, Part
+from palpate.material import LinearMaterial, Material, Region
 from palpate.needle import NeedleEvent, Tissue
 from palpate.package_version import package_version
 from palpate.painted_cut import PaintedCut
@@ -467,19 +467,19 @@ class Session:
                 case Material():
                     self._internal.set_material(segment_id, undoable, constant=tuple(material))
 
-    def set_parts(self, segment_id: int, parts: Sequence[Part]) -> None:
-        """Tells how parts of a segment with a material take part.
+    def set_regions(self, segment_id: int, regions: Sequence[Region]) -> None:
+        """Tells how regions of a segment with a material take part.
 
         Args:
             segment_id: Which one.
-            parts: Of several that hold a voxel the last counts; what is in none gives way.
+            regions: Of several that hold a voxel the last counts; what is in none gives way.
 
         Raises:
-            OptionError: There is no such segment, or a part or its treatment is none.
+            OptionError: There is no such segment, or a region or its treatment is none.
         """
         with _given():
-            self._internal.set_parts(
-                segment_id, [(part.treatment, part.box, part.shared_with) for part in parts]
+            self._internal.set_regions(
+                segment_id, [(each.treatment, each.box, each.shared_with) for each in regions]
             )
 
     def deformation(self) -> dict[str, Any]:
@@ -495,17 +495,17 @@ class Session:
         """
         return self._internal.deformation()
 
-    def show_parts(self, *, on: bool) -> None:
-        """Has ``parts`` return the nodes or particles of the model, or no more."""
-        self._internal.show_parts(on)
+    def show_model_parts(self, *, on: bool) -> None:
+        """Has ``model_parts`` return the nodes or particles of the model, or no more."""
+        self._internal.show_model_parts(on)
 
-    def parts(self) -> dict[str, Any] | None:
+    def model_parts(self) -> dict[str, Any] | None:
         """Returns the newest nodes or particles of the model with their strains.
 
         The keys are the fields of ``protocol.MatterParts``. None where they are not shown, or
         were returned before.
         """
-        return self._internal.parts()
+        return self._internal.model_parts()
 
     def stroke(self, *, on: bool) -> None:
         """Begins a stroke of the chosen tool, or ends it: it is one step of undo.

@@ -1,7 +1,7 @@
 //! Materials and deformation as the package names and reads them.
 
 use palpate_deform::material::{
-    MaterialError, MaterialLaw, PRESETS, Part, Preset, Solid, SolidSi, Treatment, preset,
+    MaterialError, MaterialLaw, PRESETS, Preset, Region, Solid, SolidSi, Treatment, preset,
 };
 use palpate_deform::model::{MODELS, Registered};
 use palpate_engine::deformation::DeformationNow;
@@ -66,10 +66,10 @@ pub fn linear_material(
 }
 
 /// A treatment, a box of voxels, and another segment; without both, the whole segment.
-pub type PartTuple = (String, Option<([i32; 3], [i32; 3])>, Option<u8>);
+pub type RegionTuple = (String, Option<([i32; 3], [i32; 3])>, Option<u8>);
 
-/// A part of a segment and how it takes part.
-pub fn part((treatment, region, shared): PartTuple) -> Result<(Part, Treatment), CoreError> {
+/// A region of a segment and how it takes part.
+pub fn region((treatment, within, shared): RegionTuple) -> Result<(Region, Treatment), CoreError> {
     let treatment = match treatment.as_str() {
         "deformable" => Treatment::Deformable,
         "rigid" => Treatment::Rigid,
@@ -80,10 +80,10 @@ pub fn part((treatment, region, shared): PartTuple) -> Result<(Part, Treatment),
             )));
         }
     };
-    let part = match (region, shared) {
-        (None, None) => Part::Whole,
-        (Some((low, high)), None) => Part::Within(VoxelBox::new(low.into(), high.into())),
-        (None, Some(id)) => Part::Shared(SegmentId(id)),
+    let region = match (within, shared) {
+        (None, None) => Region::Whole,
+        (Some((low, high)), None) => Region::Within(VoxelBox::new(low.into(), high.into())),
+        (None, Some(id)) => Region::Shared(SegmentId(id)),
         (Some(_), Some(_)) => {
             return Err(CoreError::value(
                 "a box and another segment given; allowed: one of them, or none for all of it"
@@ -91,7 +91,7 @@ pub fn part((treatment, region, shared): PartTuple) -> Result<(Part, Treatment),
             ));
         }
     };
-    Ok((part, treatment))
+    Ok((region, treatment))
 }
 
 /// Name, source, whether it follows HU, and the constants at the ends of its HU.

@@ -23,8 +23,8 @@ use crate::device::{device_named, path_samples};
 use crate::errors::CoreError;
 use crate::frame::{frame_dict, lateness_dict, segment_dict};
 use crate::material::{
-    LinearTuple, PartTuple, SolidTuple, constant_material, deformation_dict, linear_material,
-    material_named, part, parts_dict,
+    LinearTuple, RegionTuple, SolidTuple, constant_material, deformation_dict, linear_material,
+    material_named, parts_dict, region,
 };
 use crate::painted::{GivenLine, painted};
 use crate::picture::change_dict;
@@ -440,15 +440,15 @@ impl PySession {
         Ok(py.detach(|| self.session.set_material(id, law, undoable))?)
     }
 
-    /// Tells how parts of a segment take part: treatment, box of voxels, other segment.
-    fn set_parts(
+    /// Tells how regions of a segment take part: treatment, box of voxels, other segment.
+    fn set_regions(
         &self,
         py: Python<'_>,
         segment_id: u8,
-        parts: Vec<PartTuple>,
+        regions: Vec<RegionTuple>,
     ) -> Result<(), CoreError> {
-        let parts = parts.into_iter().map(part).collect::<Result<_, _>>()?;
-        Ok(py.detach(|| self.session.set_parts(SegmentId(segment_id), parts))?)
+        let regions = regions.into_iter().map(region).collect::<Result<_, _>>()?;
+        Ok(py.detach(|| self.session.set_regions(SegmentId(segment_id), regions))?)
     }
 
     fn deformation<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
@@ -467,13 +467,13 @@ impl PySession {
         Ok(py.detach(|| self.session.withdraw_needle())?)
     }
 
-    fn show_parts(&self, on: bool) {
-        self.session.show_parts(on);
+    fn show_model_parts(&self, on: bool) {
+        self.session.show_model_parts(on);
     }
 
     /// The parts of the model that were not given before, or None.
-    fn parts<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
-        let parts = py.detach(|| self.session.parts());
+    fn model_parts<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
+        let parts = py.detach(|| self.session.model_parts());
         parts.map(|parts| parts_dict(py, &parts)).transpose()
     }
 

@@ -11,7 +11,7 @@ from palpate.errors import OptionError
 from palpate.material import (
     LinearMaterial,
     Material,
-    Part,
+    Region,
     deformation_models,
     material_presets,
     model_boxes,
@@ -83,16 +83,16 @@ def test_without_a_model_or_a_material_matter_is_hard() -> None:
 
 
 def test_a_dent_comes_back_and_parts_can_be_rigid() -> None:
-    rigid = Part("rigid", box=((0, 0, 0), (48, 48, int(TOP) - 2)))
+    rigid = Region("rigid", box=((0, 0, 0), (48, 48, int(TOP) - 2)))
     path = ScriptedPath((24.3, 24.4, 30.0))
     path = path.move((24.3, 24.4, TOP - DEEP), seconds=1.0)
     path = path.move((24.3, 24.4, TOP - DEEP), seconds=0.5)
     path = path.move((24.3, 24.4, 34.0), seconds=0.7)
     forces, moved = [], []
-    for parts in ([], [rigid]):
+    for regions in ([], [rigid]):
         with Session(scene(), device=path, options=OFFLINE) as session:
             session.set_material(1, GEL)
-            session.set_parts(1, parts)
+            session.set_regions(1, regions)
             session.set_deformation("lattice")
             forces.append(session.run(1.4).forces[-1][2])
             moved.append(session.deformation()["moved_voxels"])
@@ -104,19 +104,19 @@ def test_a_dent_comes_back_and_parts_can_be_rigid() -> None:
 
 
 @pytest.mark.parametrize(
-    ("part", "message"),
+    ("region", "message"),
     [
-        (Part("soft"), '"soft" given; allowed: deformable, rigid, empty'),  # type: ignore[arg-type]
-        (Part("rigid", box=((0, 0, 0), (1, 1, 1)), shared_with=1), "one of them"),
-        (Part("rigid", shared_with=9), "segment 9"),
+        (Region("soft"), '"soft" given; allowed: deformable, rigid, empty'),  # type: ignore[arg-type]
+        (Region("rigid", box=((0, 0, 0), (1, 1, 1)), shared_with=1), "one of them"),
+        (Region("rigid", shared_with=9), "segment 9"),
     ],
 )
-def test_what_is_no_part_is_refused(part: Part, message: str) -> None:
+def test_what_is_no_region_is_refused(region: Region, message: str) -> None:
     with (
         Session(scene(), device=ScriptedPath((24.0, 24.0, 30.0))) as session,
         pytest.raises(OptionError, match=message),
     ):
-        session.set_parts(1, [part])
+        session.set_regions(1, [region])
 
 
 def test_materials_are_named_with_their_sources() -> None:
@@ -187,20 +187,20 @@ def test_without_its_model_matter_stands_in_its_voxels_again() -> None:
 def test_the_parts_of_a_model_are_shown_on_request_alone() -> None:
     with pressing() as session:
         session.run(0.9)
-        assert session.parts() is None
-        session.show_parts(on=True)
+        assert session.model_parts() is None
+        session.show_model_parts(on=True)
         session.run(0.3)
-        parts = session.parts()
+        parts = session.model_parts()
         assert parts is not None
         strains = np.frombuffer(parts["strains"], np.int8)
         assert len(strains) == session.deformation()["nodes"] > 1000
         assert len(parts["places"]) == 6 * len(strains)
         # pressed under the tool
         assert strains.min() < -5
-        assert session.parts() is None
-        session.show_parts(on=False)
+        assert session.model_parts() is None
+        session.show_model_parts(on=False)
         session.run(0.1)
-        assert session.parts() is None
+        assert session.model_parts() is None
 
 
 def test_a_model_takes_the_boxes_that_it_offers() -> None:

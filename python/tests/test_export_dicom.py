@@ -44,7 +44,7 @@ STUDY: dict[str, Any] = {
     "DeviceSerialNumber": "SN7788",
     "StationName": "ROCINANTE",
     "Manufacturer": "Windmill",
-    "SeriesNumber": 4,
+    "SeriesNumber": 40455667,
     "ImageType": ["ORIGINAL", "PRIMARY", "AXIAL"],
     "SpecificCharacterSet": "ISO_IR 100",
 }

@@ -60,7 +60,7 @@ fn press(name: &str, model: &mut dyn DeformationModel, iterations: u32) {
     let matter = SegmentMatter {
         segment,
         law,
-        treatments: Vec::new(),
+        regions: Vec::new(),
     };
     let materials = Materials {
         segments: vec![matter],

@@ -318,7 +318,7 @@ pub fn pair_stiffness(first: f64, second: f64) -> f64 {
     }
 }
 
-/// How a part of a scan takes part in the deformation.
+/// How matter takes part in the deformation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Treatment {
     /// It gives.
@@ -330,9 +330,9 @@ pub enum Treatment {
     Empty,
 }
 
-/// A part of a segment.
+/// Some of a segment's voxels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Part {
+pub enum Region {
     /// All of it.
     Whole,
     /// What lies in a box of voxels.
@@ -348,8 +348,9 @@ pub struct SegmentMatter {
     pub segment: SegmentId,
     /// Its constants.
     pub law: MaterialLaw,
-    /// How its parts take part; a later one that holds wins, without one it is deformable.
-    pub treatments: Vec<(Part, Treatment)>,
+    /// How its regions take part; of several that hold a voxel the last counts, and what is in none
+    /// is deformable.
+    pub regions: Vec<(Region, Treatment)>,
 }
 
 /// What the segments of a scan are made of. Where a voxel belongs to several, the last counts.

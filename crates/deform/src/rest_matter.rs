@@ -12,7 +12,7 @@ use palpate_volume::matter::{Matter, SegmentSet};
 use palpate_volume::voxel_box::VoxelBox;
 use palpate_volume::voxels::Voxels;
 
-use crate::material::{Materials, Part, SegmentMatter, Solid, Treatment};
+use crate::material::{Materials, Region, SegmentMatter, Solid, Treatment};
 
 /// Voxels along a side of what one edit covers, at most: it looks at each in between.
 const WIDEST: u32 = 128;
@@ -39,12 +39,12 @@ pub fn solid_of(
 ) -> Option<(Solid, Treatment)> {
     let holds = |of: &&SegmentMatter| matter.segments.contains(of.segment);
     let of = materials.segments.iter().rev().find(holds)?;
-    let inside = |part: &Part| match part {
-        Part::Whole => true,
-        Part::Within(region) => region.contains(voxel),
-        Part::Shared(other) => matter.segments.contains(*other),
+    let inside = |region: &Region| match region {
+        Region::Whole => true,
+        Region::Within(box_of_voxels) => box_of_voxels.contains(voxel),
+        Region::Shared(other) => matter.segments.contains(*other),
     };
-    let treatment = of.treatments.iter().rev().find(|(part, _)| inside(part));
+    let treatment = of.regions.iter().rev().find(|(region, _)| inside(region));
     let treatment = treatment.map_or(Treatment::Deformable, |(_, treatment)| *treatment);
     let value = voxels.intensities().physical(matter.stored);
     (treatment != Treatment::Empty).then(|| (of.law.at(value), treatment))

@@ -45,7 +45,7 @@ fn block(dimensions: UVec3) -> (Voxels, Materials) {
             segments: vec![SegmentMatter {
                 segment,
                 law,
-                treatments: Vec::new(),
+                regions: Vec::new(),
             }],
         },
     )

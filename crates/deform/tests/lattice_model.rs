@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use glam::{DMat3, DQuat, DVec3};
-use palpate_deform::material::{MaterialLaw, Materials, Part, SegmentMatter, SolidSi, Treatment};
+use palpate_deform::material::{MaterialLaw, Materials, Region, SegmentMatter, SolidSi, Treatment};
 use palpate_deform::model::{
     Budget, DeformationModel, ModelAnswer, ModelEvent, ModelInput, ToolShape, ToolState,
     model_from_name,
@@ -35,13 +35,13 @@ fn body(spacing: DVec3) -> (Voxels, SegmentId, f64) {
     (voxels, id, f64::from(top) * spacing.z)
 }
 
-fn made_of(id: SegmentId, solid: SolidSi, treatments: Vec<(Part, Treatment)>) -> Materials {
+fn made_of(id: SegmentId, solid: SolidSi, regions: Vec<(Region, Treatment)>) -> Materials {
     let law = MaterialLaw::constant(solid).expect("matter");
     Materials {
         segments: vec![SegmentMatter {
             segment: id,
             law,
-            treatments,
+            regions,
         }],
     }
 }
@@ -154,7 +154,7 @@ fn a_box_that_follows_a_sliding_tool_makes_no_step_in_the_force() {
 fn parts_can_be_rigid_or_as_if_they_were_not_there() {
     let (voxels, id, top) = body(DVec3::ONE);
     let press = |treatment| {
-        let materials = made_of(id, LIVER, vec![(Part::Whole, treatment)]);
+        let materials = made_of(id, LIVER, vec![(Region::Whole, treatment)]);
         let mut model = (model_from_name("lattice").expect("a known name").make)(None);
         let place = DVec3::new(18.0, 18.0, top + 2.7);
         force(&advance(&mut *model, &voxels, &materials, ball(place, 3.0))).z

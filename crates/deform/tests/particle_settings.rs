@@ -4,7 +4,7 @@ mod liver;
 
 use glam::{DMat3, DQuat, DVec3, UVec3};
 use liver::{H, SIDE, TOP, advance, ball, force, models, scan};
-use palpate_deform::material::{MaterialLaw, Materials, Part, SegmentMatter, Treatment, preset};
+use palpate_deform::material::{MaterialLaw, Materials, Region, SegmentMatter, Treatment, preset};
 use palpate_deform::model::{ToolShape, ToolState};
 use palpate_deform::particles::{LocalModel, LocalSettings, Motion};
 use palpate_volume::grid::Grid;
@@ -17,7 +17,7 @@ use palpate_volume::voxels::Voxels;
 fn rigid_parts_stay_where_they_are_and_empty_ones_are_not_there() {
     let press = |treatment: Treatment| {
         let (mut voxels, mut materials) = scan(DVec3::splat(H));
-        materials.segments[0].treatments = vec![(Part::Whole, treatment)];
+        materials.segments[0].regions = vec![(Region::Whole, treatment)];
         let mut model = LocalModel::fcc_lj(LocalSettings {
             box_cells: 11,
             ..Default::default()
@@ -161,7 +161,7 @@ fn laws_by_intensity_make_denser_bone_stiffer() {
             segments: vec![SegmentMatter {
                 segment,
                 law,
-                treatments: Vec::new(),
+                regions: Vec::new(),
             }],
         };
         let mut model = LocalModel::fcc_lj(LocalSettings {

@@ -136,13 +136,13 @@ impl Deformation {
         }
     }
 
-    /// How parts of segments take part.
+    /// How regions of segments take part.
     #[must_use]
     pub fn matter(&self) -> &GivingMatter {
         &self.matter
     }
 
-    /// How parts of segments take part, to be changed: displacements are forgotten.
+    /// How regions of segments take part, to be changed: displacements are forgotten.
     pub fn change_matter(&mut self) -> &mut GivingMatter {
         self.forget_displacements();
         &mut self.matter

@@ -1,41 +1,41 @@
-//! What gives way: which segments, of what, which of their parts, and where that is.
+//! What gives way: which segments, of what, which of their regions, and where that is.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use glam::DVec3;
-use palpate_deform::material::{MaterialLaw, Materials, Part, SegmentMatter, Treatment};
+use palpate_deform::material::{MaterialLaw, Materials, Region, SegmentMatter, Treatment};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::matter::SegmentSet;
 use palpate_volume::segment::Segment;
 
 use crate::scene::Scene;
 
-/// How parts of segments take part, and the materials of the last job, for the next ones until
+/// How regions of segments take part, and the materials of the last job, for the next ones until
 /// something is another.
 #[derive(Debug, Default)]
 pub struct GivingMatter {
-    parts: BTreeMap<SegmentId, Vec<(Part, Treatment)>>,
+    regions: BTreeMap<SegmentId, Vec<(Region, Treatment)>>,
     laws: Vec<(SegmentId, Option<MaterialLaw>)>,
     materials: Arc<Materials>,
 }
 
 impl GivingMatter {
-    /// How parts of a segment take part; of several that hold a voxel the last counts.
-    pub fn set_parts(&mut self, id: SegmentId, parts: Vec<(Part, Treatment)>) {
-        self.parts.insert(id, parts);
+    /// How regions of a segment take part; of several that hold a voxel the last counts.
+    pub fn set_regions(&mut self, id: SegmentId, regions: Vec<(Region, Treatment)>) {
+        self.regions.insert(id, regions);
         self.laws.clear();
     }
 
-    /// How parts of a segment take part.
+    /// How regions of a segment take part.
     #[must_use]
-    pub fn parts(&self, id: SegmentId) -> &[(Part, Treatment)] {
-        self.parts.get(&id).map_or(&[], Vec::as_slice)
+    pub fn regions(&self, id: SegmentId) -> &[(Region, Treatment)] {
+        self.regions.get(&id).map_or(&[], Vec::as_slice)
     }
 
-    /// Forgets the parts of segments that are no more.
+    /// Forgets the regions of segments that are no more.
     pub fn follow(&mut self, scene: &Scene) {
-        self.parts
+        self.regions
             .retain(|id, _| scene.voxels().segment(*id).is_some());
     }
 
@@ -53,9 +53,9 @@ impl GivingMatter {
         let matter = |&(segment, law): &(SegmentId, Option<MaterialLaw>)| SegmentMatter {
             segment,
             law: law.unwrap_or_else(hard),
-            treatments: match law {
-                Some(_) => self.parts(segment).to_vec(),
-                None => vec![(Part::Whole, Treatment::Rigid)],
+            regions: match law {
+                Some(_) => self.regions(segment).to_vec(),
+                None => vec![(Region::Whole, Treatment::Rigid)],
             },
         };
         // where a voxel belongs to several the last counts: what is hard stays hard

@@ -9,7 +9,7 @@ mod common;
 
 use common::{OBSTACLE, Rig, box_segment};
 use glam::{DMat3, DVec3, IVec3, UVec3, Vec3};
-use palpate_deform::material::{MaterialLaw, Part, SolidSi, Treatment, preset};
+use palpate_deform::material::{MaterialLaw, Region, SolidSi, Treatment, preset};
 use palpate_deform::model::{
     DeformationModel, DisplacementField, ModelAnswer, ModelInput, ModelReport, ToolContact,
     ToolShape,
@@ -381,14 +381,14 @@ fn a_model_that_is_changed_or_left_behind_gives_back_what_it_moved() {
 }
 
 #[test]
-fn parts_of_a_segment_can_be_rigid_or_as_if_they_were_not_there() {
+fn regions_of_a_segment_can_be_rigid_or_as_if_they_were_not_there() {
     let force = |treatment| {
         let mut rig = lattice_rig();
-        let part = Part::Within(VoxelBox::new(IVec3::ZERO, IVec3::new(40, 40, 18)));
+        let region = Region::Within(VoxelBox::new(IVec3::ZERO, IVec3::new(40, 40, 18)));
         rig.simulation
-            .set_parts(SOFT, vec![(part, treatment)])
+            .set_regions(SOFT, vec![(region, treatment)])
             .unwrap();
-        assert_eq!(rig.simulation.parts(SOFT), [(part, treatment)]);
+        assert_eq!(rig.simulation.regions(SOFT), [(region, treatment)]);
         go(&mut rig, 30.0, 21.0, 1000);
         go(&mut rig, 21.0, 21.0, 300);
         rig.simulation.deformation().force.z
@@ -402,9 +402,9 @@ fn parts_of_a_segment_can_be_rigid_or_as_if_they_were_not_there() {
     );
     let mut rig = lattice_rig();
     let nobody = SegmentId(9);
-    assert!(rig.simulation.set_parts(nobody, Vec::new()).is_err());
-    let shared = vec![(Part::Shared(nobody), Treatment::Rigid)];
-    assert!(rig.simulation.set_parts(SOFT, shared).is_err());
+    assert!(rig.simulation.set_regions(nobody, Vec::new()).is_err());
+    let shared = vec![(Region::Shared(nobody), Treatment::Rigid)];
+    assert!(rig.simulation.set_regions(SOFT, shared).is_err());
 }
 
 #[test]

@@ -13,7 +13,7 @@ import type { Stage } from "./stage.svelte";
 const firstChoice = { magnification: 2, transparent: false, seconds: 6, turns: 1 };
 
 /** Of a film: each frame is drawn to the end, so a slow machine only takes longer. */
-const framesPerSecond = 20;
+const framesPerSecond = { gpu: 20, software: 10 } as const;
 
 export class ImageControl {
   choice = $state.raw(recall("image", firstChoice));
@@ -68,14 +68,15 @@ export class ImageControl {
   /** Saves a film of the view turning about the body's long axis, as large as on the page. */
   async saveFilm(): Promise<void> {
     const { seconds, turns } = this.choice;
+    const pace = framesPerSecond[this.stage.software ? "software" : "gpu"];
     const { width, height } = this.sizeOf(1);
     // films have even sizes
     const size = { width: width - (width % 2), height: height - (height % 2) };
     await this.work("Filming", async (start, signal) => {
-      const film = new Film(size, framesPerSecond);
+      const film = new Film(size, pace);
       try {
         const context = contextOf(size);
-        const cameras = turntable(start, { seconds, turns, framesPerSecond });
+        const cameras = turntable(start, { seconds, turns, framesPerSecond: pace });
         for (const [i, camera] of cameras.entries()) {
           await this.stage.snapshot(context, { camera, size, transparent: false, signal });
           await film.add(context.canvas);

@@ -1,7 +1,7 @@
 /**
  * Matter that gives way: what a person asks of materials and models, and what outlives a visit.
  */
-import { AnswerRate, recalledMatter, rememberedMatter, usualModel, type RememberedMaterial } from "../core/matter";
+import { AnswerRate, recalledMatter, rememberedMatter, usualModel, type MatterMemory, type RememberedMaterial } from "../core/matter";
 import type { Constants, Segment, State } from "../core/protocol";
 import { recall, remember } from "./remembered";
 import type { Session } from "./session.svelte";
@@ -16,6 +16,8 @@ export class MatterControl {
   /** Greeting of the engine that was told what was chosen at the last visit. */
   private recalledAt = 0;
   private shownTo = 0;
+  /** What the engine held when that was kept last; null until it has done what was recalled. */
+  private held: string | null = null;
 
   constructor(private readonly session: Session) {
     session.onState((state) => {
@@ -31,13 +33,13 @@ export class MatterControl {
       this.session.send({ type: "set_deformation", model: usualModel, edge: null, undoable: false });
     }
     this.session.send({ type: "set_material", id: segment.id, preset, constants, undoable: true });
-    this.keepOnceTold();
+    this.keepFromNowOn();
   }
 
   /** The model by which matter gives way, and the edge of its box; null for none, and for the usual one. */
   choose(model: string | null, edge: number | null): void {
     this.session.send({ type: "set_deformation", model, edge, undoable: true });
-    this.keepOnceTold();
+    this.keepFromNowOn();
   }
 
   /** All matter is hard again. */
@@ -64,8 +66,15 @@ export class MatterControl {
     const { greetings } = this.session;
     if (this.recalledAt !== greetings) {
       this.recalledAt = greetings;
+      this.held = null;
       this.recall(state);
+      this.session.whenTold(() => {
+        if (this.recalledAt === greetings) {
+          this.held ??= this.holds(this.session.latest ?? state).text;
+        }
+      });
     }
+    this.keep(state);
     if (this.partsShown && this.shownTo !== greetings) {
       this.showParts(true);
     }
@@ -75,12 +84,26 @@ export class MatterControl {
     }
   }
 
-  private keepOnceTold(): void {
-    const { session } = this;
-    session.whenTold(() => {
-      const { segments, latest } = session;
-      remember(this.memory, rememberedMatter(segments, latest?.matter.model ?? null, latest?.matter.edge ?? null));
-    });
+  /** Keeps what the engine holds, whenever that is another: by a choice, undo or redo. */
+  private keep(state: State): void {
+    if (this.held === null) {
+      return;
+    }
+    const { memory, text } = this.holds(state);
+    if (text !== this.held) {
+      this.held = text;
+      remember(this.memory, memory);
+    }
+  }
+
+  /** What a person chooses is kept, also before all was done that was recalled. */
+  private keepFromNowOn(): void {
+    this.held ??= "";
+  }
+
+  private holds({ matter }: State): { memory: MatterMemory; text: string } {
+    const memory = rememberedMatter(this.session.segments, matter.model, matter.edge);
+    return { memory, text: JSON.stringify(memory) };
   }
 
   /** Asks for what was chosen at the last visit, unless the engine was already told otherwise. */

@@ -299,6 +299,11 @@ export class Stage {
     return volume === null ? null : valueInVoxel(volume, transformPoint(volume.frame.gridFromScene, point));
   }
 
+  /** Whether the CPU draws. */
+  get software(): boolean {
+    return this.support.software;
+  }
+
   /** Size of what is shown; null before there is a scan. */
   get content(): Extent | null {
     return this.extent;

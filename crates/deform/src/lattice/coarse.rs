@@ -30,6 +30,8 @@ pub(super) struct Coarse {
     /// Places of nodes that move, scaled to about -1..1; the weight is 0 where held.
     coordinates: Field,
     weight: Vec<f64>,
+    /// Where the chunks of nodes begin of which any takes part.
+    chunks: Vec<usize>,
     /// Displacement for each direction of the point force: xx, yy, zz, xy, xz, yz.
     point: [Vec<f64>; 6],
     stiffness: ModeMatrix,
@@ -44,6 +46,7 @@ impl Coarse {
             reach: 0.5 * lattice.spacing * lattice.layout.size().as_dvec3().max_element(),
             coordinates: zero_field(length),
             weight: vec![0.0; length],
+            chunks: Vec::new(),
             point: std::array::from_fn(|_| vec![0.0; length]),
             stiffness: [[0.0; MODES]; MODES],
         };
@@ -70,6 +73,9 @@ impl Coarse {
                 values[index] = moved.col(column)[row];
             }
         }
+        let starts = (0..self.weight.len()).step_by(CHUNK);
+        let takes_part = |start: &usize| lanes(&self.weight, *start).iter().any(|w| *w > 0.0);
+        self.chunks = starts.filter(takes_part).collect();
     }
 
     /// Stiffness of each mode at rest, by moving all nodes a little along it.
@@ -184,7 +190,7 @@ widest! {
 #[inline(always)]
 fn project_body(coarse: &Coarse, force: &Field, sums: &mut ModeVector) {
     let mut lanewise: [Lanes; MODES] = [[0.0; CHUNK]; MODES];
-    for start in (0..coarse.weight.len()).step_by(CHUNK) {
+    for &start in &coarse.chunks {
         let weight = lanes(&coarse.weight, start);
         let along = [0, 1, 2].map(|axis| lanes(&coarse.coordinates[axis], start));
         for axis in 0..3 {
@@ -214,7 +220,7 @@ widest! {
 #[inline(always)]
 fn move_along_body(coarse: &Coarse, shares: &ModeVector, moved: &mut Field) {
     let point_shares = [shares[12], shares[13], shares[14]];
-    for start in (0..coarse.weight.len()).step_by(CHUNK) {
+    for &start in &coarse.chunks {
         let weight = lanes(&coarse.weight, start);
         let along = [0, 1, 2].map(|axis| lanes(&coarse.coordinates[axis], start));
         for axis in 0..3 {

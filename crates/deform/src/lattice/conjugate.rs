@@ -2,8 +2,9 @@
 //! change is linear.
 //!
 //! Conjugate gradients with each node's own stiffness and the coarse level as preconditioner, so
-//! that soft and hard matter come to rest equally fast, and large boxes as fast as small ones. The change of the forces along a direction is told by their
-//! difference over a short way along it; no matrix is built.
+//! that soft and hard matter come to rest equally fast, and large boxes as fast as small ones. The
+//! change of the forces along a direction is told by their difference over a short way along it; no
+//! matrix is built. Chunks of nodes of which none moves, as air and bone, are passed over.
 //! Source: Nocedal & Wright, Numerical Optimization (2006), algorithms 5.3 and 7.1.
 
 use super::coarse::{Coarse, CoarseFactor};
@@ -37,6 +38,8 @@ impl<'a> Easing<'a> {
 /// A linear problem and how far it is solved. Each field has a value for each node.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Conjugate {
+    /// Where the chunks of nodes begin of which any moves.
+    chunks: Vec<usize>,
     /// Where the nodes stand, and the forces there.
     place: Field,
     force: Field,
@@ -63,6 +66,7 @@ impl Conjugate {
     /// The problem of the nodes as they stand, and the forces that they feel.
     pub fn begin(&mut self, lattice: &Lattice, easing: &Easing<'_>) {
         let length = lattice.layout.len();
+        self.chunks = chunks_of(easing.mobility);
         self.place.clone_from(&lattice.moved);
         self.force.clone_from(&lattice.force);
         self.left.clone_from(&lattice.force);
@@ -91,15 +95,21 @@ impl Conjugate {
         };
         coarse.add_response(factor, &self.left, &mut self.response);
         let mut along = 0.0;
-        dot(&self.left, &self.response, &mut along);
+        dot(&self.chunks, &self.left, &self.response, &mut along);
         along
     }
 
     /// Moves the nodes a little along the direction.
     pub fn probe(&mut self, spacing: f64, moved: &mut Field) {
-        let longest = longest(&self.direction);
+        let longest = longest(&self.chunks, &self.direction);
         self.scale = PROBE * spacing / longest.max(f64::MIN_POSITIVE);
-        place_along(&self.place, self.scale, &self.direction, moved);
+        place_along(
+            &self.chunks,
+            &self.place,
+            self.scale,
+            &self.direction,
+            moved,
+        );
     }
 
     /// Goes on with the forces that the probe felt, and gives what is left of them squared [N²];
@@ -133,7 +143,7 @@ impl Conjugate {
 
     /// Puts the nodes at a share of the step.
     pub fn go(&self, share: f64, moved: &mut Field) {
-        place_along(&self.place, share, &self.step, moved);
+        place_along(&self.chunks, &self.place, share, &self.step, moved);
     }
 
     /// The longest part of the step along an axis [mm].
@@ -165,10 +175,20 @@ pub(super) fn unbalanced(mobility: &Field, force: &Field) -> f64 {
     sum
 }
 
-fn longest(field: &Field) -> f64 {
+/// Where the chunks begin of which any value is above 0.
+fn chunks_of(mobility: &Field) -> Vec<usize> {
+    let starts = (0..mobility[0].len()).step_by(CHUNK);
+    let moves = |start: &usize| {
+        let mut axes = mobility.iter();
+        axes.any(|axis| lanes(axis, *start).iter().any(|value| *value > 0.0))
+    };
+    starts.filter(moves).collect()
+}
+
+fn longest(chunks: &[usize], field: &Field) -> f64 {
     let mut most: Lanes = [0.0; CHUNK];
     for axis in field {
-        for start in (0..axis.len()).step_by(CHUNK) {
+        for &start in chunks {
             let values = lanes(axis, start);
             for n in 0..CHUNK {
                 most[n] = most[n].max(values[n].abs());
@@ -180,13 +200,25 @@ fn longest(field: &Field) -> f64 {
 
 widest! {
     /// place + share · direction.
-    fn place_along(place: &Field, share: f64, direction: &Field, moved: &mut Field) = place_along_body
+    fn place_along(
+        chunks: &[usize],
+        place: &Field,
+        share: f64,
+        direction: &Field,
+        moved: &mut Field,
+    ) = place_along_body
 }
 
 #[inline(always)]
-fn place_along_body(place: &Field, share: f64, direction: &Field, moved: &mut Field) {
+fn place_along_body(
+    chunks: &[usize],
+    place: &Field,
+    share: f64,
+    direction: &Field,
+    moved: &mut Field,
+) {
     for axis in 0..3 {
-        for start in (0..place[axis].len()).step_by(CHUNK) {
+        for &start in chunks {
             let [from, along] = [lanes(&place[axis], start), lanes(&direction[axis], start)];
             let to = lanes_mut(&mut moved[axis], start);
             for n in 0..CHUNK {
@@ -206,7 +238,7 @@ fn look_body(mobility: &Field, force: &Field, problem: &mut Conjugate, along: &m
     let mut sums: Lanes = [0.0; CHUNK];
     let scale = 1.0 / problem.scale;
     for axis in 0..3 {
-        for start in (0..mobility[axis].len()).step_by(CHUNK) {
+        for &start in &problem.chunks {
             let [w, there] = [lanes(&mobility[axis], start), lanes(&force[axis], start)];
             let here = lanes(&problem.force[axis], start);
             let direction = lanes(&problem.direction[axis], start);
@@ -234,7 +266,7 @@ fn descend_body(mobility: &Field, way: f64, problem: &mut Conjugate, sums: &mut 
     let mut lanewise: [Lanes; 2] = [[0.0; CHUNK]; 2];
     let mut longest: Lanes = [0.0; CHUNK];
     for axis in 0..3 {
-        for start in (0..mobility[axis].len()).step_by(CHUNK) {
+        for &start in &problem.chunks {
             let w = lanes(&mobility[axis], start);
             let direction = lanes(&problem.direction[axis], start);
             let fall = lanes(&problem.fall[axis], start);
@@ -274,7 +306,7 @@ widest! {
 #[inline(always)]
 fn turn_body(share: f64, problem: &mut Conjugate) {
     for axis in 0..3 {
-        for start in (0..problem.left[axis].len()).step_by(CHUNK) {
+        for &start in &problem.chunks {
             let response = lanes(&problem.response[axis], start);
             let direction = lanes_mut(&mut problem.direction[axis], start);
             for n in 0..CHUNK {
@@ -286,14 +318,14 @@ fn turn_body(share: f64, problem: &mut Conjugate) {
 
 widest! {
     /// The sum of all products.
-    fn dot(first: &Field, second: &Field, sum: &mut f64) = dot_body
+    fn dot(chunks: &[usize], first: &Field, second: &Field, sum: &mut f64) = dot_body
 }
 
 #[inline(always)]
-fn dot_body(first: &Field, second: &Field, sum: &mut f64) {
+fn dot_body(chunks: &[usize], first: &Field, second: &Field, sum: &mut f64) {
     let mut sums: Lanes = [0.0; CHUNK];
     for axis in 0..3 {
-        for start in (0..first[axis].len()).step_by(CHUNK) {
+        for &start in chunks {
             let [a, b] = [lanes(&first[axis], start), lanes(&second[axis], start)];
             for n in 0..CHUNK {
                 sums[n] += a[n] * b[n];

@@ -9,7 +9,7 @@ use glam::{DVec3, IVec3};
 use palpate_volume::voxels::Voxels;
 
 use super::nodes::NodeMatter;
-use crate::material::{Materials, Part, SegmentMatter, Treatment};
+use crate::material::{Materials, Region, SegmentMatter, Treatment};
 use crate::rest_matter::Ledger;
 
 /// The matter of a scan at rest.
@@ -83,12 +83,12 @@ impl RestVoxels<'_> {
         }
     }
 
-    /// How the part of a segment that a voxel belongs to takes part.
+    /// How a voxel of a segment takes part.
     fn treatment(&self, matter: &SegmentMatter, voxel: IVec3) -> Treatment {
-        let holds = |part: &Part| match part {
-            Part::Whole => true,
-            Part::Within(region) => region.contains(voxel),
-            Part::Shared(id) => match self.ledger.changed(voxel) {
+        let holds = |region: &Region| match region {
+            Region::Whole => true,
+            Region::Within(box_of_voxels) => box_of_voxels.contains(voxel),
+            Region::Shared(id) => match self.ledger.changed(voxel) {
                 Some(changed) => changed.rest.segments.contains(*id),
                 None => {
                     let other = self.voxels.segment(*id);
@@ -96,8 +96,8 @@ impl RestVoxels<'_> {
                 }
             },
         };
-        let treatments = matter.treatments.iter().rev();
-        let found = treatments.into_iter().find(|(part, _)| holds(part));
+        let mut last_first = matter.regions.iter().rev();
+        let found = last_first.find(|(region, _)| holds(region));
         found.map_or(Treatment::default(), |(_, treatment)| *treatment)
     }
 }

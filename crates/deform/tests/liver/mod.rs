@@ -56,7 +56,7 @@ pub fn scan(spacing: DVec3) -> (Voxels, Materials) {
     let matter = SegmentMatter {
         segment,
         law,
-        treatments: Vec::new(),
+        regions: Vec::new(),
     };
     (
         voxels,

@@ -64,7 +64,7 @@ impl Bench {
             segments: vec![SegmentMatter {
                 segment: BLOCK,
                 law: MaterialLaw::constant(solid).expect("matter"),
-                treatments: Vec::new(),
+                regions: Vec::new(),
             }],
         };
         Self {

@@ -3,7 +3,7 @@
 
 use std::path::PathBuf;
 
-use palpate_deform::material::{MaterialLaw, Part, Treatment};
+use palpate_deform::material::{MaterialLaw, Region, Treatment};
 use palpate_tools::journal_entry::ScanHash;
 use palpate_tools::tool::ToolSettings;
 use palpate_volume::edit::SegmentId;
@@ -78,16 +78,16 @@ impl Session {
         self.ask(move |simulation| simulation.set_material(id, law, undoable))?
     }
 
-    /// Tells how parts of a segment with a material take part.
+    /// Tells how regions of a segment with a material take part.
     ///
     /// # Errors
     /// Where there is no such segment, or the session has ended.
-    pub fn set_parts(
+    pub fn set_regions(
         &self,
         id: SegmentId,
-        parts: Vec<(Part, Treatment)>,
+        regions: Vec<(Region, Treatment)>,
     ) -> Result<(), SessionError> {
-        self.ask(move |simulation| simulation.set_parts(id, parts))?
+        self.ask(move |simulation| simulation.set_regions(id, regions))?
     }
 
     /// How the deformation goes.
@@ -99,13 +99,13 @@ impl Session {
     }
 
     /// Has the nodes or particles of the model shown, or no more.
-    pub fn show_parts(&self, on: bool) {
+    pub fn show_model_parts(&self, on: bool) {
         self.matter_view.want(on);
     }
 
     /// The parts of the model, where they are shown and were not given before.
     #[must_use]
-    pub fn parts(&self) -> Option<ShownParts> {
+    pub fn model_parts(&self) -> Option<ShownParts> {
         self.matter_view.take()
     }
 

@@ -1,6 +1,6 @@
 //! Matter that gives way under the probe.
 
-use palpate_deform::material::{MaterialLaw, Part, Treatment};
+use palpate_deform::material::{MaterialLaw, Region, Treatment};
 use palpate_deform::model::{DeformationModel, ModelEvent, model_from_name};
 use palpate_tools::journal_entry::Action;
 use palpate_volume::edit::SegmentId;
@@ -100,35 +100,35 @@ impl Simulation {
         self.scene.properties_of(id).law
     }
 
-    /// Tells how parts of a segment with a material take part: of several that hold a voxel the
+    /// Tells how regions of a segment with a material take part: of several that hold a voxel the
     /// last counts, and what is in none gives way. This changes no voxel and is not undone.
     ///
     /// # Errors
-    /// Where there is no such segment, or none that a part is shared with.
-    pub fn set_parts(
+    /// Where there is no such segment, or none that a region is shared with.
+    pub fn set_regions(
         &mut self,
         id: SegmentId,
-        parts: Vec<(Part, Treatment)>,
+        regions: Vec<(Region, Treatment)>,
     ) -> Result<(), SessionError> {
-        let shared = parts.iter().filter_map(|(part, _)| match part {
-            Part::Shared(other) => Some(*other),
-            Part::Whole | Part::Within(_) => None,
+        let shared = regions.iter().filter_map(|(region, _)| match region {
+            Region::Shared(other) => Some(*other),
+            Region::Whole | Region::Within(_) => None,
         });
         for id in shared.chain([id]) {
             if self.voxels().segment(id).is_none() {
                 return Err(VoxelsError::UnknownSegment(id.0).into());
             }
         }
-        self.deformation.change_matter().set_parts(id, parts);
+        self.deformation.change_matter().set_regions(id, regions);
         self.segments_version += 1;
         self.publish();
         Ok(())
     }
 
-    /// How parts of a segment take part.
+    /// How regions of a segment take part.
     #[must_use]
-    pub fn parts(&self, id: SegmentId) -> &[(Part, Treatment)] {
-        self.deformation.matter().parts(id)
+    pub fn regions(&self, id: SegmentId) -> &[(Region, Treatment)] {
+        self.deformation.matter().regions(id)
     }
 
     /// How the deformation goes.

@@ -1,0 +1,116 @@
+import { afterEach, expect, test, vi } from "vitest";
+import type { MatterMemory } from "../../src/core/matter";
+import type { FromPage, State } from "../../src/core/protocol";
+import { MatterControl } from "../../src/ui/matter_control.svelte";
+import type { Session } from "../../src/ui/session.svelte";
+
+const soft = { young: 5500, poisson: 0.45, density: 1060, breaking_strain: null, friction: 0.2 };
+const liver = { preset: "liver", low: soft, high: soft };
+
+/** A page of a scan with one segment, an engine that does what it is told when asked to, and what the browser keeps. */
+class Visit {
+  readonly sent: FromPage[] = [];
+  greetings = 1;
+  readonly scan = { name: "scan" };
+  segments: { id: number; name: string; material: typeof liver | null }[] = [{ id: 1, name: "Liver", material: null }];
+  readonly presets = [{ name: "liver" }];
+  readonly models = [{ name: "lattice", boxes: null }];
+  latest: State | null = null;
+  parts = null;
+  readonly control: MatterControl;
+  private listener: (state: State) => void = () => undefined;
+  private told: (() => void)[] = [];
+
+  constructor(readonly storage: Map<string, string>) {
+    vi.stubGlobal("localStorage", {
+      getItem: (key: string) => storage.get(key) ?? null,
+      setItem: (key: string, value: string) => storage.set(key, value),
+    });
+    this.control = new MatterControl(this as unknown as Session);
+  }
+
+  onState(listener: (state: State) => void): void {
+    this.listener = listener;
+  }
+
+  send(message: FromPage): void {
+    this.sent.push(message);
+  }
+
+  whenTold(told: () => void): void {
+    this.told.push(told);
+  }
+
+  /** A state of an engine that holds this. */
+  holds(material: typeof liver | null, model: "lattice" | null): void {
+    this.segments = [{ id: 1, name: "Liver", material }];
+    this.latest = { time: 1, matter: { model, edge: null, answers: 0 } } as State;
+    this.listener(this.latest);
+  }
+
+  /** The engine has done all that was sent. */
+  passed(): void {
+    for (const told of this.told.splice(0)) {
+      told();
+    }
+  }
+
+  /** What the next visit will find. */
+  get kept(): Partial<MatterMemory> | null {
+    const [text] = this.storage.values();
+    return text === undefined ? null : (JSON.parse(text) as MatterMemory);
+  }
+}
+
+afterEach(() => {
+  vi.unstubAllGlobals();
+});
+
+test("what is kept of materials is what the engine holds, also after undo and redo", () => {
+  const visit = new Visit(new Map());
+  visit.holds(null, null);
+  visit.passed();
+  expect(visit.kept).toBeNull();
+  const chosen = { model: "lattice", materials: [{ segment: "Liver", preset: "liver", constants: null }] };
+  visit.control.make({ id: 1, name: "Liver" } as never, "liver", null);
+  visit.holds(liver, "lattice");
+  expect(visit.kept).toMatchObject(chosen);
+  // undo takes the material back, and the engine tells so
+  visit.holds(null, "lattice");
+  expect(visit.kept).toMatchObject({ model: "lattice", materials: [] });
+  visit.holds(liver, "lattice");
+  expect(visit.kept).toMatchObject(chosen);
+});
+
+test("another visit brings back what was kept, and keeps what undo does then", () => {
+  const storage = new Map<string, string>();
+  const first = new Visit(storage);
+  first.holds(null, null);
+  first.passed();
+  first.control.make({ id: 1, name: "Liver" } as never, "liver", null);
+  first.holds(liver, "lattice");
+  const again = new Visit(storage);
+  again.holds(null, null);
+  // the engine has not done it yet: nothing is lost meanwhile
+  again.holds(null, null);
+  expect(again.kept).toMatchObject({ materials: [{ preset: "liver" }] });
+  expect(again.sent.map(({ type }) => type)).toEqual(["set_material", "set_deformation"]);
+  again.holds(liver, "lattice");
+  again.passed();
+  again.holds(null, "lattice");
+  expect(again.kept).toMatchObject({ model: "lattice", materials: [] });
+});
+
+test("an engine that begins anew is told again, and takes nothing from what is kept", () => {
+  const visit = new Visit(new Map());
+  visit.holds(null, null);
+  visit.passed();
+  visit.control.make({ id: 1, name: "Liver" } as never, "liver", null);
+  visit.holds(liver, "lattice");
+  visit.sent.length = 0;
+  visit.greetings += 1;
+  visit.holds(null, null);
+  visit.holds(null, null);
+  expect(visit.kept).toMatchObject({ materials: [{ preset: "liver" }] });
+  expect(visit.sent).toHaveLength(2);
+});
