@@ -22,7 +22,7 @@ EXAMPLES = """\b
 Examples:
   palpate segment ct/ --threshold 250 --keep-largest -o bone.seg.nrrd
   palpate segment ct.nii.gz --otsu 3 -o classes.nii.gz
-  palpate segment ct.mha --grow=-60,150,1100 --smooth 2 -o liver.seg.nrrd
+  palpate segment ct.mha --grow=-83,278,1170 --smooth 2 -o liver.seg.nrrd
   palpate segment ct.mha --threshold -200 --fill --hollow 3 -o skin.nii.gz
 
 What is asked for is done in the order of the options above, whatever order they are given in.
