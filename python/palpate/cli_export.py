@@ -84,8 +84,8 @@ def export(  # noqa: PLR0913  # one per option of the command line
     max_voxels: Annotated[int, typer.Option(help="Largest scan that is read.")] = 1024**3,
 ) -> None:
     """Writes what was asked for and says what it is."""
-    from palpate.cli_export_run import check_target, saved_scene, tell_export, wanted_scene
-    from palpate.cli_open import is_scene, parse_threshold
+    from palpate.cli_export_run import check_target, saved_scene, tell_export
+    from palpate.cli_open import is_scene, parse_threshold, wanted_scene
     from palpate.errors import OptionError
     from palpate.export import export_scene
     from palpate.io import read

@@ -6,7 +6,6 @@ from pathlib import Path
 
 import typer
 
-from palpate.cli_open import Bounds, add_labels
 from palpate.console import warn
 from palpate.errors import OptionError
 from palpate.export import KINDS, Kind, check_export, kind_of
@@ -17,9 +16,8 @@ from palpate.server_changes import messages_of
 from palpate.server_picture import ToldPicture
 from palpate.server_segments import ShownSegments
 from palpate.session import Session, SessionOptions
-from palpate.volume import Volume
 
-__all__ = ["check_target", "saved_scene", "tell_export", "wanted_scene"]
+__all__ = ["check_target", "saved_scene", "tell_export"]
 
 SETTLED = 0.05
 """Seconds of a session's own time in which its picture follows what was brought back."""
@@ -36,24 +34,6 @@ def check_target(out: Path, kind: str | None, *, has_segments: bool, keep_identi
     known = kind_of(out, has_segments=has_segments) if kind is None else kind
     check_export(out, known, keep_identity=keep_identity)
     return known
-
-
-def wanted_scene(
-    volume: Volume, *, bounds: Bounds | None, label_map: Path | None, progress: Progress
-) -> Scene:
-    """Returns a scan with the segments asked for, and no others.
-
-    Raises:
-        EmptySegmentError: The threshold asked for selects nothing.
-        VolumeFormatError: The label map cannot be read.
-        OptionError: The label map does not fit the scan.
-    """
-    scene = Scene(volume)
-    if bounds is not None:
-        scene.add(volume.threshold(*bounds, name="threshold"))
-    if label_map is not None:
-        add_labels(scene, label_map, progress)
-    return scene
 
 
 def saved_scene(path: Path, progress: Progress) -> Scene:

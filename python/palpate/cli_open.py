@@ -36,6 +36,7 @@ __all__ = [
     "serve_page",
     "show",
     "show_saved",
+    "wanted_scene",
 ]
 
 RATES = (1000, 4000)
@@ -80,10 +81,10 @@ def parse_voxel_size(given: str | None) -> tuple[float, float, float] | None:
     return x, y, z
 
 
-def scene_of(
+def wanted_scene(
     volume: Volume, *, bounds: Bounds | None, label_map: Path | None, progress: Progress
 ) -> Scene:
-    """Returns a scene with the segments asked for, or with the one offered as bone.
+    """Returns a scan with the segments asked for, and no others.
 
     Raises:
         EmptySegmentError: The threshold asked for selects nothing.
@@ -95,6 +96,20 @@ def scene_of(
         scene.add(volume.threshold(*bounds, name="threshold"))
     if label_map is not None:
         add_labels(scene, label_map, progress)
+    return scene
+
+
+def scene_of(
+    volume: Volume, *, bounds: Bounds | None, label_map: Path | None, progress: Progress
+) -> Scene:
+    """Returns a scene with the segments asked for, or with the one offered as bone.
+
+    Raises:
+        EmptySegmentError: The threshold asked for selects nothing.
+        VolumeFormatError: The label map cannot be read.
+        OptionError: The label map does not fit the scan.
+    """
+    scene = wanted_scene(volume, bounds=bounds, label_map=label_map, progress=progress)
     if bounds is None and label_map is None:
         try:
             scene.add(volume.offered_bone())

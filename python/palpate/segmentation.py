@@ -6,7 +6,6 @@ Lengths [mm], volumes [ml].
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Literal
 
 import numpy as np
 
@@ -15,29 +14,12 @@ from palpate.errors import OptionError
 from palpate.mask_shape import Mask
 from palpate.otsu import otsu
 from palpate.progress import Progress, silent
+from palpate.protocol import ShapeKind
 from palpate.region_growing import Growing, grow
 from palpate.segment import Segment
 from palpate.volume import Volume
 
 __all__ = ["Growing", "ShapeKind", "changed_shape", "grown", "otsu"]
-
-ShapeKind = Literal[
-    "keep-largest",
-    "drop-small",
-    "fill-holes",
-    "grow",
-    "shrink",
-    "smooth",
-    "median",
-    "open",
-    "close",
-    "hollow-inside",
-    "hollow-outside",
-    "unite",
-    "subtract",
-    "intersect",
-]
-"""How the shape of a segment can be changed."""
 
 LOGIC: dict[str, Callable[[Mask, Mask], Mask]] = {
     "unite": np.logical_or,
