@@ -20,7 +20,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
-from tempfile import NamedTemporaryFile, TemporaryDirectory
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import msgspec
@@ -34,6 +34,7 @@ from palpate.package_version import package_version
 from palpate.progress import Progress, silent
 from palpate.session import Session
 from palpate.volume import Volume, VolumeTraits
+from palpate.whole_file import whole_file
 
 __all__ = ["ENDING", "SavedScene", "kept_changes", "open_scene", "save_scene"]
 
@@ -163,19 +164,14 @@ def save_scene(
     with TemporaryDirectory(prefix="palpate-") as folder:
         journal = Path(folder) / SEGMENTS
         session.keep_state(journal, scan_hash(volume))
-        with NamedTemporaryFile(dir=path.parent, prefix=f".{path.name}-", delete=False) as file:
-            try:
-                with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
-                    archive.writestr(ABOUT, msgspec.json.encode(about))
-                    archive.write(journal, SEGMENTS)
-                    if copied:
-                        archive.writestr(SCAN, volume.array.astype("<i2", copy=False).tobytes())
-                file.flush()
-                os.fsync(file.fileno())
-                Path(file.name).replace(path)
-            except BaseException:
-                Path(file.name).unlink(missing_ok=True)
-                raise
+        with (
+            whole_file(path) as unfinished,
+            zipfile.ZipFile(unfinished, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive,
+        ):
+            archive.writestr(ABOUT, msgspec.json.encode(about))
+            archive.write(journal, SEGMENTS)
+            if copied:
+                archive.writestr(SCAN, volume.array.astype("<i2", copy=False).tobytes())
 
 
 def open_scene(path: Path, *, progress: Progress = silent) -> SavedScene:
