@@ -29,6 +29,9 @@ import { Slices, type ShownSlice, type SliceLook } from "./slices";
 import { Surfaces } from "./surfaces";
 import { ThreeCamera } from "./three_camera";
 
+/** Cells along the scan's longest edge in which its light is worked out. */
+const lightCells = { gpu: 128, software: 64 } as const;
+
 export interface PictureOptions {
   readonly support: GpuSupport;
   /** Device pixels per CSS pixel, at most. */
@@ -39,13 +42,13 @@ export interface PictureOptions {
 
 export class Picture {
   private readonly renderer: THREE.WebGLRenderer;
-  private readonly marcher = new RayMarcher();
+  private readonly marcher: RayMarcher;
   private readonly compositor = new Compositor();
   private readonly markers = new Markers();
   private readonly camera = new ThreeCamera();
   private readonly surfaces: Surfaces;
   private readonly refiner: Refiner;
-  private readonly slices = new Slices(this.marcher);
+  private readonly slices: Slices;
   private readonly options: PictureOptions;
   /** Nothing is drawn, and all is uploaded as always: for the benchmark of edits. */
   suspended = false;
@@ -71,6 +74,8 @@ export class Picture {
   constructor(canvas: HTMLCanvasElement, options: PictureOptions) {
     const { support } = options;
     this.options = options;
+    this.marcher = new RayMarcher(support.software ? lightCells.software : lightCells.gpu);
+    this.slices = new Slices(this.marcher);
     this.renderer = new THREE.WebGLRenderer({
       canvas,
       // smooth edges of the markers; the scan's own are smoothed by averaging

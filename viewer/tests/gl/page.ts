@@ -29,6 +29,7 @@ import { ThreeCamera } from "../../src/gl/three_camera";
 import { ShownEdits } from "../../src/ui/shown_edits.svelte";
 import { ballSurface } from "../core/ball_surface";
 import { scanOf, segment, volumeOf } from "../core/volumes";
+import { light } from "./light_page";
 import { marble } from "./marble";
 
 export interface MarchTest {
@@ -545,7 +546,7 @@ async function cancelled(test: MarchTest): Promise<string> {
   return "not cancelled";
 }
 
-const glTests = { march, screen, show, snapshot, cancelled, resizedMiddle, edit, drawnTriangles, coarseLevel };
+const glTests = { march, light, screen, show, snapshot, cancelled, resizedMiddle, edit, drawnTriangles, coarseLevel };
 
 declare global {
   interface Window {

@@ -5,11 +5,6 @@
 // "Real-Time Volume Graphics" (2006), ch. 4 (pre-integration by integral functions); Levoy, "Display
 // of surfaces from volume data", IEEE CG&A 8 (1988) for the weight of boundaries.
 
-uniform sampler2D transferTexture;
-// running integrals of the same row over its coordinate: colour times extinction, extinction
-uniform sampler2D integralTexture;
-// biased value -> place in the row, 0..1
-uniform vec2 transferScale;
 // gradient of a full boundary [value per mm], share that flat tissue keeps
 uniform vec2 edge;
 // factor on all extinction
@@ -19,36 +14,6 @@ uniform float density;
 const float opaqueStep = 0.12;
 const int quarters = 4;
 const float unknown = -1e9;
-
-// The transfer function at a place of its row.
-vec4 tissueAt(float place) {
-  float texels = float(textureSize(transferTexture, 0).x);
-  return texture(transferTexture, vec2((clamp(place, 0.0, 1.0) * (texels - 1.0) + 0.5) / texels, 0.5));
-}
-
-vec4 integralTo(float place) {
-  int last = textureSize(integralTexture, 0).x - 1;
-  float inside = clamp(place, 0.0, 1.0);
-  float texel = inside * float(last);
-  int first = min(int(texel), last - 1);
-  vec4 low = texelFetch(integralTexture, ivec2(first, 0), 0);
-  vec4 high = texelFetch(integralTexture, ivec2(first + 1, 0), 0);
-  vec4 integral = low + (high - low) * (texel - float(first));
-  vec4 outer = tissueAt(inside);
-  return integral + (place - inside) * vec4(outer.rgb * outer.a, outer.a);
-}
-
-// Mean of the transfer function over all values between two: colour, and extinction [1/mm].
-vec4 tissueBetween(float front, float back) {
-  float a = front * transferScale.x + transferScale.y;
-  float b = back * transferScale.x + transferScale.y;
-  float texels = float(textureSize(transferTexture, 0).x);
-  if (abs(b - a) * texels < 2.0) {
-    return tissueAt(0.5 * (a + b));
-  }
-  vec4 mean = (integralTo(b) - integralTo(a)) / (b - a);
-  return vec4(mean.rgb / max(mean.a, 1e-9), mean.a);
-}
 
 // Adds the light of an interval of tissue; false where it is too opaque for its length.
 bool addTissue(Ray ray, vec2 interval, vec4 tissue, bool dividable, inout Layers layers, inout Seen seen) {
@@ -70,7 +35,9 @@ bool addTissue(Ray ray, vec2 interval, vec4 tissue, bool dividable, inout Layers
   float opacity = 1.0 - exp(-extinction * size);
 #if BLEND == SHADED
   vec3 toEye = -ray.direction;
-  vec3 colour = litTissue(tissue.rgb, facing(gradient, toEye, toEye), toEye, boundary);
+  vec3 normal = facing(gradient, toEye, toEye);
+  vec2 light = lightAt(ray.origin + ray.inGrid * middle, normal * boundary);
+  vec3 colour = litTissue(tissue.rgb, normal, toEye, boundary, light);
 #elif BLEND == COMPOSITE
   vec3 colour = tissue.rgb;
 #else
