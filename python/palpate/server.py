@@ -108,7 +108,7 @@ def make_app(
     async def messages(websocket: WebSocket) -> None:
         await live.serve(websocket)
 
-    return Starlette(
+    app = Starlette(
         routes=[
             Route("/", index),
             *_data_routes(live, kept, run=run, saved=saved),
@@ -119,6 +119,8 @@ def make_app(
         middleware=[Middleware(AccessMiddleware, access=access)],
         lifespan=lifespan,
     )
+    app.state.live = live
+    return app
 
 
 def _data_routes(
@@ -132,6 +134,13 @@ def _data_routes(
 
     async def labels(request: Request) -> Response:
         return await _voxels(request, live.segments.labels)
+
+    async def second(request: Request) -> Response:
+        shown = live.session.scene.second
+        if shown is None:
+            reason = "there is no second scan; allowed: after palpate open SCAN --with SECOND"
+            return PlainTextResponse(reason, status_code=404)
+        return await _voxels(request, lambda: shown.volume.array)
 
     async def recording(_: Request) -> Response:
         # a page asks as soon as the recording has ended, which is before its file is written
@@ -154,6 +163,7 @@ def _data_routes(
     return [
         Route("/api/volume", volume),
         Route("/api/labels", labels),
+        Route("/api/second", second),
         Route("/api/recording", recording),
         Route("/api/scenario", scenario),
         Route("/api/scene", scene, methods=["POST"]),

@@ -8,7 +8,7 @@ from importlib import import_module
 from types import ModuleType
 from typing import Protocol
 
-__all__ = ["Image", "Reader", "reason_of", "simpleitk"]
+__all__ = ["Image", "Reader", "Transform", "reason_of", "simpleitk"]
 
 
 class Image(Protocol):
@@ -17,6 +17,14 @@ class Image(Protocol):
     def GetSpacing(self) -> tuple[float, float, float]: ...  # noqa: N802, D102
     def GetOrigin(self) -> tuple[float, float, float]: ...  # noqa: N802, D102
     def GetDirection(self) -> tuple[float, ...]: ...  # noqa: N802, D102
+
+
+class Transform(Protocol):
+    """What is used of ``SimpleITK.Transform``; points are patient, LPS [mm]."""
+
+    def GetDimension(self) -> int: ...  # noqa: N802, D102
+    def IsLinear(self) -> bool: ...  # noqa: N802, D102
+    def TransformPoint(self, point: Sequence[float]) -> tuple[float, ...]: ...  # noqa: N802, D102
 
 
 class Reader(Protocol):

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from palpate.journal import Journal
 from palpate.scene import Scene
 from palpate.server import bind, make_app, make_server
+from palpate.server_live import Live
 from palpate.server_security import Access
 from palpate.session import Session
 from palpate.volume import Volume, VolumeTraits
@@ -143,6 +144,7 @@ class RunningServer:
     access: Access
     session: Session
     journal: Journal | None = None
+    live: Live | None = None
 
     @property
     def base(self) -> str:
@@ -224,7 +226,7 @@ def running(scene: Scene, page: Path, *, state: Path | None = None) -> Iterator[
         thread = Thread(target=server.run, kwargs={"sockets": [listener]})
         thread.start()
         assert ready.wait(PATIENCE)
-        yield RunningServer(access, session, journal)
+        yield RunningServer(access, session, journal, app.state.live)
         server.should_exit = True
         thread.join(PATIENCE)
         assert not thread.is_alive()

@@ -24,6 +24,7 @@ import { labelColours } from "./lookup_textures";
 import { markerMargin, Markers, type MarkerState } from "./markers";
 import { RayMarcher } from "./ray_marcher";
 import { Refiner } from "./refiner";
+import type { ShownSecond } from "./second_texture";
 import { Snapshot, type SnapshotWish } from "./snapshot";
 import { Slices, type ShownSlice, type SliceLook } from "./slices";
 import { Surfaces } from "./surfaces";
@@ -107,7 +108,8 @@ export class Picture {
 
   /** Divisor of the resolution on display, and whether it is final. */
   get quality(): { readonly divisor: number; readonly finished: boolean } {
-    return { divisor: this.refiner.shownDivisor, finished: this.refiner.finished && !this.slices.isStale };
+    const whole = !this.slices.isStale && !this.marcher.second.isAwaited;
+    return { divisor: this.refiner.shownDivisor, finished: this.refiner.finished && whole };
   }
 
   set jitter(on: boolean) {
@@ -138,6 +140,13 @@ export class Picture {
     this.labels?.dispose();
     this.labels = volume === null ? null : new LabelTexture(volume);
     this.marcher.setLabels(volume === null || this.labels === null ? null : { texture: this.labels.texture, bricks: volume.bricks });
+    this.slices.follow(this.field?.volume.frame ?? null);
+    this.refiner.restart();
+  }
+
+  /** Shows a second scan with the first, or shows it in another way or elsewhere; null shows none. */
+  setSecond(shown: ShownSecond | null): void {
+    this.marcher.setSecond(shown);
     this.slices.follow(this.field?.volume.frame ?? null);
     this.refiner.restart();
   }
@@ -241,6 +250,13 @@ export class Picture {
       return;
     }
     if (!this.ready || this.view === null || this.suspended || this.snapping) {
+      return;
+    }
+    if (this.marcher.second.isAwaited) {
+      if (this.marcher.uploadSecond(this.renderer)) {
+        this.slices.follow(this.field?.volume.frame ?? null);
+        this.refiner.restart();
+      }
       return;
     }
     if (this.refiner.wantsView) {

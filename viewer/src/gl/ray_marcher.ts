@@ -26,6 +26,7 @@ import { transferTextures } from "./lookup_textures";
 import { LightVolume } from "./light_volume";
 import { marchUniforms, type FieldUniform, type MarchUniforms } from "./march_uniforms";
 import type { PictureTarget } from "./picture_target";
+import { SecondTexture, type ShownSecond } from "./second_texture";
 import { shaders } from "./shaders";
 import type { SurfaceLayers } from "./surface_layers";
 
@@ -50,6 +51,8 @@ export class RayMarcher {
   private readonly uniforms = { ...marchUniforms(), ...this.displacements.uniforms };
   /** The light that comes through what is drawn. */
   readonly light: LightVolume;
+  /** A second scan that is shown with the first. */
+  readonly second = new SecondTexture();
   private readonly pass: FullscreenPass;
   private frame: ScanFrame | null = null;
   private readonly empty = new EmptySpace(this.uniforms.brickTexture);
@@ -65,13 +68,14 @@ export class RayMarcher {
   private layers = -1;
   /** Whether matter may stand beside its voxels. */
   private gives = false;
+  private withSecond = false;
   /** Of the look on which the light was worked out. */
   private opacity = "";
 
   /** @param lightCells cells along the scan's longest edge in which light is worked out. */
   constructor(lightCells = 64) {
     this.light = new LightVolume(this.uniforms, lightCells);
-    this.pass = new FullscreenPass(shaders.march, { ...this.uniforms, ...this.light.uniforms });
+    this.pass = new FullscreenPass(shaders.march, { ...this.uniforms, ...this.light.uniforms, ...this.second.uniforms });
   }
 
   /** Shows another scan. */
@@ -95,6 +99,8 @@ export class RayMarcher {
     u.brickScale.value.setScalar(1 / (step * brickEdge));
     u.brickOffset.value.setScalar(first / brickEdge);
     this.format = { rg8: "FIELD_RG8", r16: "FIELD_R16", r32f: "FIELD_R32F" }[field.format];
+    this.second.format = field.format;
+    this.second.stand(frame);
     this.setClip(this.clip);
     this.compile();
   }
@@ -136,6 +142,31 @@ export class RayMarcher {
     if (opacity !== this.opacity) {
       this.opacity = opacity;
       this.light.changed();
+    }
+  }
+
+  /** Shows a second scan with the first, or shows it in another way or elsewhere; null shows none. */
+  setSecond(shown: ShownSecond | null): void {
+    this.second.set(shown);
+    this.follow();
+  }
+
+  /** Sends some of the second scan; true where it is drawn from now on. */
+  uploadSecond(renderer: THREE.WebGLRenderer): boolean {
+    const arrived = this.second.upload(renderer);
+    if (arrived) {
+      this.follow();
+    }
+    return arrived;
+  }
+
+  private follow(): void {
+    if (this.frame !== null) {
+      this.second.stand(this.frame);
+    }
+    if (this.second.inView !== this.withSecond) {
+      this.withSecond = this.second.inView;
+      this.compile();
     }
   }
 
@@ -243,13 +274,14 @@ export class RayMarcher {
     };
   }
 
-  /** The same for surfaces of triangles, which are lit as what this one draws. */
-  get surfaceDefines(): Readonly<Record<string, string>> {
-    return { ...this.fieldDefines, ...this.lightDefines };
+  /** Which textures are read beside those of surfaces. */
+  get textureDefines(): Readonly<Record<string, string>> {
+    return { ...this.surfaceDefines, ...(this.withSecond ? { SECOND: "" } : {}) };
   }
 
-  private get lightDefines(): Readonly<Record<string, string>> {
-    return this.light.isUsed ? { LIGHT_VOLUME: "" } : {};
+  /** The same for surfaces of triangles, which are lit as what this one draws. */
+  get surfaceDefines(): Readonly<Record<string, string>> {
+    return { ...this.fieldDefines, ...(this.light.isUsed ? { LIGHT_VOLUME: "" } : {}) };
   }
 
   /** Draws rows of a level of the picture. */
@@ -282,6 +314,7 @@ export class RayMarcher {
     this.uniforms.integralTexture.value?.dispose();
     this.empty.dispose();
     this.light.dispose();
+    this.second.dispose();
     this.displacements.dispose();
     this.pass.dispose();
   }
@@ -291,7 +324,7 @@ export class RayMarcher {
     const { material } = this.pass;
     const surfaces = this.layers < 0 ? { LAYERS: "0" } : { SURFACES: "", LAYERS: String(this.layers) };
     const blend = { BLEND: String(blends.indexOf(this.mode)) };
-    material.defines = { ...this.fieldDefines, ...this.lightDefines, ...surfaces, ...blend };
+    material.defines = { ...this.textureDefines, ...surfaces, ...blend };
     material.needsUpdate = true;
     this.light.compile({ ...this.fieldDefines, ...blend });
   }

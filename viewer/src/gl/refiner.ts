@@ -27,6 +27,8 @@ const averaged = 8;
 
 /** Layers of the light volume that are worked out at once, at first; then as many as fit into a strip's time. */
 const firstLayers = 4;
+/** Into so many pieces at most opacity and light are divided each. */
+const mostPieces = 6;
 /** And while the view moves, where the GPU draws. */
 const movingLayers = 8;
 
@@ -148,11 +150,13 @@ export class Refiner {
 
   /** What is drawn at rest waits for its light: pictures that move show the light before. */
   private workOutLight(): void {
-    const { layers } = this;
-    this.marcher.light.advance(this.renderer, layers);
+    const { light } = this.marcher;
+    // however busy the machine is, pieces are not so small that frames between them are all of the time
+    const layers = Math.max(this.layers, Math.ceil(light.counts[2] / mostPieces));
+    light.advance(this.renderer, layers);
     this.clock.start((milliseconds) => {
       const fitting = (layers * this.stripBudget) / Math.max(milliseconds, 1);
-      this.layers = Math.max(1, Math.min(64, 2 * layers, Math.round(fitting)));
+      this.layers = Math.max(1, Math.min(2 * layers, Math.round(fitting)));
     });
   }
 

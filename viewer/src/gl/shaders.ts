@@ -27,6 +27,9 @@ import pathFrag from "./shaders/path.frag?raw";
 import pathVert from "./shaders/path.vert?raw";
 import projection from "./shaders/projection.glsl?raw";
 import ray from "./shaders/ray.glsl?raw";
+import second from "./shaders/second.glsl?raw";
+import secondSlice from "./shaders/second_slice.glsl?raw";
+import secondTissue from "./shaders/second_tissue.glsl?raw";
 import segments from "./shaders/segments.glsl?raw";
 import sliceFrag from "./shaders/slice.frag?raw";
 import solid from "./shaders/solid.glsl?raw";
@@ -47,6 +50,8 @@ const alongRays = `
 #if BLEND <= EMISSION
 ${transfer}
 ${solid}
+${second}
+${secondTissue}
 ${tissue}
 #elif BLEND <= AVERAGE
 ${projection}
@@ -61,7 +66,7 @@ export const shaders = {
   cellOpacity: joined(blends, displaced, field, segments, clip, bricks, transfer, cells, cellOpacity),
   cellLight: joined(displaced, field, segments, bricks, cells, cellLight),
   composite: joined(compositeFrag),
-  slice: joined(displaced, field, segments, sliceFrag),
+  slice: joined(displaced, field, segments, second, secondSlice, sliceFrag),
   gauge: { vertex: joined(gaugeVert), fragment: joined(gaugeFrag) },
   marker: { vertex: joined(markerVert), fragment: joined(markerFrag) },
   surface: { vertex: joined(displaced, surfaceVert), fragment: joined(displaced, field, clip, ownSegment, light, lightVolume, openness, surfaceFrag) },

@@ -11,7 +11,7 @@ export const mostLayers = 4;
 
 /** Textures that the ray caster reads in any variant, and those of each definition of its shaders. */
 const readAlways = 6;
-const readWith: Readonly<Record<string, number>> = { LABELS: 2, DISPLACED: 1, LIGHT_VOLUME: 1 };
+const readWith: Readonly<Record<string, number>> = { LABELS: 2, DISPLACED: 1, LIGHT_VOLUME: 1, SECOND: 3 };
 
 /**
  * Layers for which there is room beside all else that the ray caster reads: a colour and a depth each.

@@ -127,7 +127,7 @@ export class Surfaces {
     }
     const { layers, shared } = this;
     const translucent = shown.filter((mesh) => mesh.translucent);
-    const room = layersWithin(renderer.capabilities.maxTextures, this.marcher.surfaceDefines);
+    const room = layersWithin(renderer.capabilities.maxTextures, this.marcher.textureDefines);
     layers.use(picture.target, divisor, translucent.length > 0 ? Math.min(depth, room) : 0);
     for (const mesh of shown) {
       mesh.compile(this.marcher.surfaceDefines);

@@ -31,6 +31,7 @@ import { ballSurface } from "../core/ball_surface";
 import { scanOf, segment, volumeOf } from "../core/volumes";
 import { light } from "./light_page";
 import { marble } from "./marble";
+import { second } from "./second_page";
 
 export interface MarchTest {
   /** What is cut away. */
@@ -546,7 +547,7 @@ async function cancelled(test: MarchTest): Promise<string> {
   return "not cancelled";
 }
 
-const glTests = { march, light, screen, show, snapshot, cancelled, resizedMiddle, edit, drawnTriangles, coarseLevel };
+const glTests = { march, light, second, screen, show, snapshot, cancelled, resizedMiddle, edit, drawnTriangles, coarseLevel };
 
 declare global {
   interface Window {

@@ -4,10 +4,6 @@
 layout(location = 0) out vec4 opacity;
 
 uniform vec2 grey;
-// gradient of a full boundary [value per mm], share that flat tissue keeps
-uniform vec2 edge;
-// factor on all extinction
-uniform float density;
 
 const int samples = 3;
 // extinction times edge from which on a part of a cell lets nothing through

@@ -5,6 +5,10 @@ uniform sampler2D transferTexture;
 uniform sampler2D integralTexture;
 // biased value -> place in the row, 0..1
 uniform vec2 transferScale;
+// gradient of a full boundary [value per mm], share that flat tissue keeps
+uniform vec2 edge;
+// factor on all extinction
+uniform float density;
 
 // The transfer function at a place of its row.
 vec4 tissueAt(float place) {
