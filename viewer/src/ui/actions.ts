@@ -168,6 +168,12 @@ function tools({ stage, tool }: Doors): readonly Action[] {
     }) as const),
     {
       group,
+      name: "Brush in slices: paint or erase a segment",
+      keys: ["Q"],
+      run: () => { stage.toggleBrush(); },
+    },
+    {
+      group,
       name: "Held: the tool works",
       keys: ["X"],
       ready: () => tool.kind !== "none",
@@ -205,6 +211,6 @@ function work({ undo, theme, page }: Doors): readonly Action[] {
     { group, name: "Show or hide the left panel", keys: [], run: () => { page.panel("left"); } },
     { group, name: "Show or hide the right panel", keys: [], run: () => { page.panel("right"); } },
     ...themes.map(({ choice, name }) => ({ group, name, keys: [], run: () => { theme.choose(choice); } }) as const),
-    { group, name: "No cut, no mark, no growing, leave touch mode, close", keys: ["Esc"], run: page.escape },
+    { group, name: "No cut, no mark, no growing, no brush, leave touch mode, close", keys: ["Esc"], run: page.escape },
   ];
 }

@@ -44,6 +44,7 @@ import { Picture } from "../gl/picture";
 import type { SnapshotWish } from "../gl/snapshot";
 import type { ShownSlice, SliceLook } from "../gl/slices";
 import { downloadLabels, downloadVolume } from "../live/volume_download";
+import { BrushControl } from "./brush_control.svelte";
 import { ClipControl } from "./clip_control.svelte";
 import { EditPaceControl } from "./edit_pace_control.svelte";
 import { GrowControl } from "./grow_control.svelte";
@@ -104,6 +105,8 @@ export class Stage {
   readonly cutting: CutControl;
   /** Segments that are found in the scan. */
   readonly growing: GrowControl;
+  /** The brush in slices. */
+  readonly brush: BrushControl;
   /** What was clicked last: what it is, where, and how much. */
   readonly readOut = new ReadOut();
   /** Points, distances and angles that a person has set. */
@@ -146,6 +149,7 @@ export class Stage {
     this.editPace = new EditPaceControl(session);
     this.cutting = new CutControl(session);
     this.growing = new GrowControl(session);
+    this.brush = new BrushControl(session);
     this.marks = new MarkControl(() => session.latest?.edit ?? 0);
     this.player = new Player(session);
     this.edits = new ShownEdits({
@@ -171,6 +175,14 @@ export class Stage {
     this.trail.add(time, proxy);
     if (this.slices.habits.follows) {
       this.slices.goTo(proxy);
+    }
+  }
+
+  /** Takes the brush and shows slices to paint in, or puts it away. */
+  toggleBrush(): void {
+    this.brush.arm(!this.brush.armed);
+    if (this.brush.armed && this.slices.habits.layout === "view") {
+      this.slices.change({ layout: "four" });
     }
   }
 
@@ -234,6 +246,7 @@ export class Stage {
     this.looks.open(scan);
     this.clips.open(scan.name, scanFrame);
     this.slices.open(scan);
+    this.brush.open(scan);
     this.marks.open(scan);
     this.readOut.close();
     try {
