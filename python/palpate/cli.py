@@ -21,6 +21,8 @@ from palpate.cli_bench import (
     stress_in_matter,
 )
 from palpate.cli_export import export
+from palpate.cli_register import EXAMPLES as REGISTER_EXAMPLES
+from palpate.cli_register import register
 from palpate.cli_scenario import scenario
 from palpate.cli_segment import EXAMPLES, segment
 from palpate.cli_series import series
@@ -388,6 +390,7 @@ def replay(
 
 
 app.command("export")(export)
+app.command("register", epilog=REGISTER_EXAMPLES)(register)
 app.command("series")(series)
 app.command("segment", epilog=EXAMPLES)(segment)
 
