@@ -700,6 +700,33 @@ class ChangeShape(Message, frozen=True, tag="change_shape"):
     other: SegmentId | None
 
 
+class NewSegment(Message, frozen=True, tag="new_segment"):
+    """Makes a segment without voxels, to be painted; undo takes it away."""
+
+    name: Name
+
+
+class Paint(Message, frozen=True, tag="paint"):
+    """Paints voxels of a segment along points, or takes them away: a stroke until ``EndPaint``.
+
+    The brush has a radius [mm]. It is a disc in the slice with this ``normal``, or a ball without
+    one, and changes only voxels with such ``values``, where these are given.
+    """
+
+    id: SegmentId
+    erases: bool
+    points: Annotated[list[Vector], msgspec.Meta(min_length=1, max_length=64)]
+    radius: Annotated[float, msgspec.Meta(gt=0.0, le=50.0)]
+    normal: Vector | None
+    values: tuple[Value, Value] | None
+
+
+class EndPaint(Message, frozen=True, tag="end_paint"):
+    """Ends a stroke of the brush as one step of undo, or takes it back where it is not kept."""
+
+    keep: bool
+
+
 class StopSegmentWork(Message, frozen=True, tag="stop_segment_work"):
     """Stops what ``SegmentWork`` tells of and forgets what waits; what is not done is not begun."""
 
@@ -889,6 +916,9 @@ FromPage = (
     | GrowSegment
     | ChangeShape
     | StopSegmentWork
+    | NewSegment
+    | Paint
+    | EndPaint
     | SegmentProperties
     | SegmentFeel
     | SetMaterial

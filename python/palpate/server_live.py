@@ -25,6 +25,7 @@ from palpate.server_gap import GapWatch
 from palpate.server_matter import asked_material, parts_of
 from palpate.server_needle import ToldNeedle
 from palpate.server_outbox import Missed, Outbox
+from palpate.server_paint import Painter
 from palpate.server_picture import ToldPicture, labels_anew
 from palpate.server_recording import Recorder
 from palpate.server_segment_work import SegmentWork
@@ -76,6 +77,7 @@ class Live:
         self._thresholds = ThresholdJobs(self._make_threshold)
         self._segment_work = SegmentWork(session, self.segments, self._from_threads.put)
         self._presses: Outbox | None = None
+        self._painter = Painter(session)
         self._paces: dict[Outbox, int] = {}
         self._needle = ToldNeedle(session)
         self._parts_for: set[Outbox] = set()
@@ -130,6 +132,8 @@ class Live:
                     await asyncio.to_thread(self.session.grab, None)
                     await asyncio.to_thread(self.session.clutch, on=False)
             sender.cancel()
+            with suppress(PalpateError, RuntimeError):
+                await asyncio.to_thread(self._painter.leave, outbox)
             if self._presses is outbox:
                 # nobody is left to release the tool
                 await asyncio.to_thread(self._release)
@@ -255,7 +259,7 @@ class Live:
                     self._tell_from_threads()
                     outbox.tell(protocol.Passed(number, tick=self._following_tick()))
                 case _:
-                    await asyncio.to_thread(self._do, message)
+                    await asyncio.to_thread(self._do_for, message, outbox)
         except msgspec.DecodeError as error:
             outbox.tell(protocol.Notice(level="error", text=f"message not understood: {error}"))
         except (PalpateError, OSError) as error:
@@ -293,6 +297,17 @@ class Live:
         with suppress(RuntimeError):
             self.session.stroke(on=False)
 
+    def _do_for(self, message: protocol.FromPage, outbox: Outbox) -> None:
+        match message:
+            case protocol.Paint():
+                self._painter.paint(message, outbox)
+            case protocol.EndPaint(keep):
+                self._painter.end(keep=keep)
+            case protocol.NewSegment(name):
+                self.segments.add_empty(name)
+            case _:
+                self._do(message)
+
     def _do(self, message: protocol.FromPage) -> None:
         match message:
             case protocol.Place(point):
@@ -310,8 +325,10 @@ class Live:
             case protocol.WithdrawNeedle():
                 self.session.withdraw_needle()
             case protocol.Undo():
+                self._painter.end()
                 self.session.undo()
             case protocol.Redo():
+                self._painter.end()
                 self.session.redo()
             case _:
                 self._do_to_session(message)

@@ -150,13 +150,15 @@ const actions = {
     await page.mouse.wheel(0, y);
     return {};
   },
-  async dragElement({ testid, x = 0, y = 0, steps = 10, from = [0, 0], button = "left" }) {
+  async dragElement({ testid, x = 0, y = 0, steps = 10, from = [0, 0], button = "left", hold = false }) {
     const box = await byTestId(testid).boundingBox();
     const [startX, startY] = [box.x + box.width / 2 + from[0], box.y + box.height / 2 + from[1]];
     await page.mouse.move(startX, startY);
     await page.mouse.down({ button });
     await page.mouse.move(startX + x, startY + y, { steps });
-    await page.mouse.up({ button });
+    if (!hold) {
+      await page.mouse.up({ button });
+    }
     return {};
   },
   async touch({ x = 0, y = 0, depth = 0, steps = 10 }) {

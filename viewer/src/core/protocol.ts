@@ -654,6 +654,34 @@ export interface StopSegmentWork {
   readonly type: "stop_segment_work";
 }
 
+/** Makes a segment without voxels, to be painted; undo takes it away. */
+export interface NewSegment {
+  readonly type: "new_segment";
+  readonly name: Name;
+}
+
+/**
+ * Paints voxels of a segment along points, or takes them away: a stroke until `EndPaint`.
+ *
+ * The brush has a radius [mm]. It is a disc in the slice with this `normal`, or a ball without
+ * one, and changes only voxels with such `values`, where these are given.
+ */
+export interface Paint {
+  readonly type: "paint";
+  readonly id: SegmentId;
+  readonly erases: boolean;
+  readonly points: readonly Vector[];
+  readonly radius: number;
+  readonly normal: Vector | null;
+  readonly values: readonly [Value, Value] | null;
+}
+
+/** Ends a stroke of the brush as one step of undo, or takes it back where it is not kept. */
+export interface EndPaint {
+  readonly type: "end_paint";
+  readonly keep: boolean;
+}
+
 /** Changes how a segment looks and whether it can be touched. */
 export interface SegmentProperties {
   readonly type: "segment_properties";
@@ -865,6 +893,9 @@ export type FromPage =
   | GrowSegment
   | ChangeShape
   | StopSegmentWork
+  | NewSegment
+  | Paint
+  | EndPaint
   | SegmentProperties
   | SegmentFeel
   | SetMaterial
