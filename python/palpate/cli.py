@@ -24,6 +24,8 @@ from palpate.cli_bench import (
 from palpate.cli_export import export
 from palpate.cli_recipe import EXAMPLES as RECIPE_EXAMPLES
 from palpate.cli_recipe import run_file
+from palpate.cli_register import EXAMPLES as REGISTER_EXAMPLES
+from palpate.cli_register import register
 from palpate.cli_scenario import scenario
 from palpate.cli_segment import EXAMPLES, segment
 from palpate.cli_series import series
@@ -391,6 +393,7 @@ def replay(
 
 
 app.command("export")(export)
+app.command("register", epilog=REGISTER_EXAMPLES)(register)
 app.command("series")(series)
 app.command("segment", epilog=EXAMPLES)(segment)
 app.command("run", epilog=RECIPE_EXAMPLES)(run_file)

@@ -34,7 +34,7 @@ from palpate.server_thresholds import ThresholdJobs
 from palpate.session import Session
 from palpate.touch_settings import TouchSettings
 
-__all__ = ["Live"]
+__all__ = ["EXCHANGED", "Live"]
 
 STATES_HZ = 60.0
 """States a second while pages look."""
@@ -42,6 +42,8 @@ PATIENCE = 0.1
 """Seconds that a thread waits for changes: so long may it outlive the server."""
 IDLE_HZ = 5.0
 """States a second while none does: enough for notices and counters."""
+EXCHANGED = 4001
+"""Code with which pages of a scan are sent away that makes room for another."""
 
 
 class Live:
@@ -71,6 +73,7 @@ class Live:
         self._hello = hello
         self.picture = ToldPicture(session.scene.volume.array)
         self._outboxes: set[Outbox] = set()
+        self._sockets: set[WebSocket] = set()
         self._thresholds = ThresholdJobs(self._make_threshold)
         self._segment_work = SegmentWork(session, self.segments, self._from_threads.put)
         self._presses: Outbox | None = None
@@ -109,6 +112,7 @@ class Live:
             if self.journal.problem is not None:
                 outbox.tell(protocol.Notice(level="warning", text=self.journal.problem))
         self._outboxes.add(outbox)
+        self._sockets.add(websocket)
         sender = asyncio.create_task(self._send(websocket, outbox))
         try:
             while True:
@@ -117,6 +121,7 @@ class Live:
             pass
         finally:
             self._outboxes.discard(outbox)
+            self._sockets.discard(websocket)
             self._paces.pop(outbox, None)
             self._follow_edits()
             self._show_parts(outbox, on=False)
@@ -132,6 +137,12 @@ class Live:
             if self._presses is outbox:
                 # nobody is left to release the tool
                 await asyncio.to_thread(self._release)
+
+    async def send_away(self) -> None:
+        """Has all pages load themselves anew: another scan takes the place of this one."""
+        for websocket in list(self._sockets):
+            with suppress(RuntimeError):
+                await websocket.close(EXCHANGED, "another scan")
 
     # --- to pages -------------------------------------------------------------------------
 

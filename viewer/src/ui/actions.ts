@@ -5,6 +5,7 @@
 import type { Letter } from "../core/anatomy";
 import { presets } from "../core/curve_presets";
 import { blends } from "../core/optics";
+import { stereoModes } from "../core/stereo";
 import { toolChoices } from "../core/tools";
 import { larger, stiffer } from "../core/touch_settings";
 import { blendNames } from "./blend_names";
@@ -12,6 +13,7 @@ import type { HandControl } from "./hand_control.svelte";
 import { anatomy } from "./look_control.svelte";
 import type { Session } from "./session.svelte";
 import type { Stage } from "./stage.svelte";
+import { stereoNames } from "./stereo_names";
 import { themes, type ThemeControl } from "./theme.svelte";
 import type { ToolHand } from "./tool_hand.svelte";
 import type { UndoControl } from "./undo_control";
@@ -80,6 +82,13 @@ function look({ stage }: Doors): readonly Action[] {
       keys: ["O"],
       run: () => { stage.orthographic = !stage.orthographic; },
     },
+    { group, name: "Stereo: red–cyan, side by side, top–bottom, off", keys: ["Shift+S"], run: () => { stage.stereo.next(); } },
+    ...stereoModes.map((mode) => ({
+      group,
+      name: `Stereo: ${stereoNames[mode].name}`,
+      keys: [],
+      run: () => { stage.stereo.choose({ mode }); },
+    }) as const),
     { group, name: "Clip nothing", keys: [], ready: () => stage.clips.cutting.length > 0, run: () => { stage.clips.reset(); } },
     ...blends.map((blend) => ({
       group,

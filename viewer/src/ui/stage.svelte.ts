@@ -17,6 +17,7 @@ import {
   sameView,
   type Camera,
   type Extent,
+  type Ray,
   type Viewport,
 } from "../core/camera";
 import { srgbFromHex } from "../core/colour";
@@ -57,6 +58,7 @@ import { CutControl } from "./cut_control.svelte";
 import { MarkControl } from "./mark_control.svelte";
 import { ObjectControl } from "./object_control.svelte";
 import { needsLabels, ShownEdits } from "./shown_edits.svelte";
+import { StereoControl } from "./stereo_control.svelte";
 
 /** Most values of a scan that are taken to the GPU: 1 GiB in 16 bit. */
 const mostValues = 2 ** 29;
@@ -71,10 +73,12 @@ const slicePause = 60;
 
 export class Stage {
   camera = $state.raw<Camera | null>(null);
-  /** Size of the 3-D view's pane [CSS pixels]. */
+  /** Size of what is seen in the 3-D view's pane, by each eye where there are two [CSS pixels]. */
   viewport = $state.raw<Viewport>({ width: 1, height: 1 });
   /** The slices beside it. */
   readonly slices = new SliceControl(() => this.camera);
+  /** What each eye sees of the 3-D view. */
+  readonly stereo = new StereoControl(() => this.camera, () => this.slices.panes.view);
   /** How the scan is shown. */
   readonly looks = new LookControl();
   /** What of the 3-D view is cut away. */
@@ -355,13 +359,18 @@ export class Stage {
     this.camera = this.extent && this.camera && frame(this.camera, this.extent, this.viewport);
   }
 
-  /** What stands at a place of the picture [CSS pixels]. */
+  /** What stands at a place of the 3-D view's pane [CSS pixels]: seen by the eye that is pointed with. */
   pick(x: number, y: number): Picked | null {
-    const { volume, look, camera, segments, edits } = this;
-    if (volume === null || look === null || camera === null) {
+    const eye = this.stereo.at(x, y);
+    return eye && this.pickAlong(rayThrough(eye.camera, ...eye.place, eye.viewport));
+  }
+
+  /** What a ray of the scene meets first. */
+  pickAlong(ray: Ray): Picked | null {
+    const { volume, look, segments, edits } = this;
+    if (volume === null || look === null) {
       return null;
     }
-    const ray = rayThrough(camera, x, y, this.viewport);
     const poses = this.session.latest?.poses ?? [];
     const surfaces = segments.filter(drawnAsSurface).map(({ id, pose, opacity }) => ({
       id,
@@ -491,12 +500,13 @@ export class Stage {
   /** Gives the 3-D view its pane. */
   arrange({ view }: Panes): void {
     const { size } = this.slices;
-    const { width, height } = view;
+    const { width, height } = this.stereo.viewport(view);
     const before = this.viewport;
     if (width !== before.width || height !== before.height) {
       this.viewport = { width, height };
       this.camera = this.camera && reshaped(this.camera, before, this.viewport);
     }
+    this.picture?.setStereo(this.stereo.choice);
     this.picture?.resize(size.width, size.height, view);
     this.drawnState = null;
   }
