@@ -22,6 +22,8 @@ from palpate.cli_bench import (
     stress_in_matter,
 )
 from palpate.cli_export import export
+from palpate.cli_recipe import EXAMPLES as RECIPE_EXAMPLES
+from palpate.cli_recipe import run_file
 from palpate.cli_register import EXAMPLES as REGISTER_EXAMPLES
 from palpate.cli_register import register
 from palpate.cli_scenario import scenario
@@ -409,6 +411,7 @@ app.command("export")(export)
 app.command("register", epilog=REGISTER_EXAMPLES)(register)
 app.command("series")(series)
 app.command("segment", epilog=EXAMPLES)(segment)
+app.command("run", epilog=RECIPE_EXAMPLES)(run_file)
 
 
 surface = typer.Typer(help="Meshes of segments, and voxels of meshes.", no_args_is_help=True)
