@@ -9,13 +9,12 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from os import PathLike
 from pathlib import Path
-from types import ModuleType
 
 import numpy as np
 from numpy.typing import NDArray
 
 from palpate.errors import OptionError, VolumeFormatError
-from palpate.simpleitk import Image, Transform, reason_of, simpleitk
+from palpate.simpleitk import Transform, image_on, reason_of, simpleitk
 from palpate.volume import Volume
 
 __all__ = ["SecondScan", "placed", "read_transform"]
@@ -91,8 +90,8 @@ def _matrix_of(transform: Transform) -> NDArray[np.float64]:
 def _resampled(first: Volume, second: Volume, transform: Transform) -> Volume:
     """Returns the second scan on the grid of the first; its lowest value outside of it."""
     module = simpleitk()
-    reference = _image(module, first)
-    moving = _image(module, second)
+    reference = image_on(first, first.array)
+    moving = image_on(second, second.array)
     lowest = float(second.array.min())
     image = module.Resample(moving, reference, transform, module.sitkLinear, lowest)
     return Volume(
@@ -104,12 +103,3 @@ def _resampled(first: Volume, second: Volume, transform: Transform) -> Volume:
         intercept=second.intercept,
         traits=second.traits,
     )
-
-
-def _image(module: ModuleType, volume: Volume) -> Image:
-    image = module.GetImageFromArray(volume.array)
-    image.SetSpacing(volume.spacing)
-    image.SetOrigin(volume.origin)
-    image.SetDirection([float(cosine) for cosine in volume.direction.ravel()])
-    placed_image: Image = image
-    return placed_image

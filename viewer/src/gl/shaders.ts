@@ -1,6 +1,7 @@
 /**
  * The shaders, joined from their files. WebGL2 (GLSL ES 3.00).
  */
+import anaglyphFrag from "./shaders/anaglyph.frag?raw";
 import blends from "./shaders/blends.glsl?raw";
 import bricks from "./shaders/bricks.glsl?raw";
 import cellLight from "./shaders/cell_light.frag?raw";
@@ -66,6 +67,7 @@ export const shaders = {
   cellOpacity: joined(blends, displaced, field, segments, clip, bricks, transfer, cells, cellOpacity),
   cellLight: joined(displaced, field, segments, bricks, cells, cellLight),
   composite: joined(compositeFrag),
+  anaglyph: joined(anaglyphFrag),
   slice: joined(displaced, field, segments, second, secondSlice, sliceFrag),
   gauge: { vertex: joined(gaugeVert), fragment: joined(gaugeFrag) },
   marker: { vertex: joined(markerVert), fragment: joined(markerFrag) },

@@ -5,7 +5,7 @@
  */
 import * as THREE from "three";
 import { columnMajor } from "../core/affine";
-import { eyeOf, type Camera } from "../core/camera";
+import { eyeOf, sightOf, type Camera } from "../core/camera";
 import { mostPlanes, type Plane } from "../core/clip";
 import type { MovedPose, Segment } from "../core/protocol";
 import type { ScanFrame } from "../core/scan_volume";
@@ -113,7 +113,7 @@ export class Surfaces {
     this.camera.matrixWorldInverse.copy(camera.matrixWorldInverse);
     this.camera.projectionMatrix.copy(camera.projectionMatrix);
     const { eye, keyDirection, upDirection } = this.shared;
-    eye.value.set(...(view.parallel === null ? eyeOf(view) : view.back), view.parallel === null ? 1 : 0);
+    eye.value.set(...(view.parallel === null ? eyeOf(view) : sightOf(view)), view.parallel === null ? 1 : 0);
     keyDirection.value.set(...keyLight(view));
     upDirection.value.set(...view.up);
   }
