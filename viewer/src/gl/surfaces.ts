@@ -69,7 +69,7 @@ export class Surfaces {
       const mesh = this.meshes.get(change.id) ?? new SurfaceMesh(this.shared);
       this.meshes.set(change.id, mesh);
       this.scene.add(mesh.group);
-      mesh.compile(this.marcher.surfaceDefines);
+      mesh.compile(this.defines);
       mesh.apply(renderer, change);
       if (mesh.empty) {
         this.forget(change.id);
@@ -130,7 +130,7 @@ export class Surfaces {
     const room = layersWithin(renderer.capabilities.maxTextures, this.marcher.textureDefines);
     layers.use(picture.target, divisor, translucent.length > 0 ? Math.min(depth, room) : 0);
     for (const mesh of shown) {
-      mesh.compile(this.marcher.surfaceDefines);
+      mesh.compile(this.defines);
     }
     const camera = shifted(this.camera, picture, shift);
     this.drawLayer(renderer, layers.opaque, camera, shown.filter((mesh) => !mesh.translucent));
@@ -149,6 +149,10 @@ export class Surfaces {
       this.forget(id);
     }
     this.layers.dispose();
+  }
+
+  private get defines(): Readonly<Record<string, string>> {
+    return { ...this.marcher.surfaceDefines, ...(this.shared.clipCount.value > 0 ? { CLIPPED: "" } : {}) };
   }
 
   private get shown(): SurfaceMesh[] {

@@ -6,6 +6,7 @@ import { afterAll, beforeAll, expect, test } from "vitest";
 import { keptSpan, planesOf, type Clip, type Plane } from "../../src/core/clip";
 import { frameOf } from "../../src/core/scan_volume";
 import { addScaled, dot, normalize, scale, subtract, type Vec3 } from "../../src/core/vector";
+import { linearFromSrgb } from "../../src/core/colour";
 import { keyLight } from "../../src/gl/key_light";
 import { scanOf } from "../core/volumes";
 import { openGlBrowser, type GlBrowser } from "./browser";
@@ -112,6 +113,26 @@ test.each(["shaded", "mip", "iso"] as const)("in mode %s leaping over empty bric
   const differing = skipped.pixels.filter((value, i) => Math.abs(value - (visited.pixels[i] ?? 0)) > 2e-3);
   expect(differing.length).toBeLessThan(skipped.pixels.length / 1000);
   expect(Math.max(...channel(skipped, 3))).toBeGreaterThan(0.2);
+});
+
+test("a cut surface is closed by a flat face in its colour where the scan has its segment", async () => {
+  const lighting = { occlusion: 0, shadow: 0 };
+  const ball = { field: "ball", spacing: [1, 1, 1], from: "A", stepsPerVoxel: 1, extinction: 0, lighting } as const;
+  const surfaces = [{ centre: middle, radius: 14, sectors: 4, look: { colour: [0.7, 0, 0] as const, range: [0, 3000] as const } }];
+  const pixels = await show({ scan: { ...ball, clip: [front] }, surfaces });
+  const result = await march({ ...ball });
+  const light = keyLight(result.camera);
+  let inside = 0;
+  raysOf(result, frame).forEach(({ origin, direction }, i) => {
+    const hit = addScaled(origin, direction, keptSpan([front], { origin, direction })[0]);
+    if (Math.hypot(...subtract(hit, middle)) < 13) {
+      inside += 1;
+      const [red] = litSurface(linearFromSrgb([0.7, 0, 0]), [0, -1, 0], scale(direction, -1), result.camera.up, light);
+      const seen = 255 * (1.055 * red ** (1 / 2.4) - 0.055);
+      expect(Math.abs(seen - (pixels[4 * i] ?? 0))).toBeLessThan(3);
+    }
+  });
+  expect(inside).toBeGreaterThan(500);
 });
 
 /** Seen nearly from its edge, so that it takes whole rays. */

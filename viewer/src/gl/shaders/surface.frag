@@ -28,6 +28,53 @@ uniform sampler2D depthOpaque;
 const float sameDepth = 2e-7;
 #endif
 
+// what clip planes open is closed: where the scan has the segment, its cut face covers what is behind
+#if defined(CLIPPED) && !defined(TRANSLUCENT)
+#define CAPPED
+uniform mat4 viewMatrix;
+uniform mat4 projectionMatrix;
+uniform mat4 gridFromPosed;
+
+// Where the way from a kept point to the eye comes to the first plane, and that plane's normal; false where
+// it meets none.
+bool meetsPlane(vec3 point, vec3 toEye, out vec3 place, out vec3 face) {
+  float first = 1.0;
+  for (int i = 0; i < CLIP_PLANES; ++i) {
+    if (i >= clipCount) {
+      break;
+    }
+    float rise = dot(clipPlanes[i].xyz, toEye);
+    float away = -dot(clipPlanes[i], vec4(point, 1.0)) / max(rise, 1e-9);
+    if (rise > 0.0 && away < first) {
+      first = away;
+      face = clipPlanes[i].xyz;
+    }
+  }
+  place = point + first * toEye;
+  return first < 1.0;
+}
+
+// The cut face in the way to a point; false where there is none.
+bool drawCap(vec3 point) {
+  vec3 place;
+  vec3 face;
+  // in an orthographic view the eye is far away
+  if (bare > 0.5 || !meetsPlane(point, eye.w > 0.5 ? eye.xyz - point : 1e5 * eye.xyz, place, face)) {
+    return false;
+  }
+  vec3 within = (gridFromPosed * vec4(place - 0.01 * face, 1.0)).xyz;
+  if (!insideSegment(within, 0)) {
+    return false;
+  }
+  vec3 toEye = normalize(eye.xyz - eye.w * place);
+  vec2 light = lightAt((gridFromScene * vec4(place, 1.0)).xyz, mat3(gridFromScene) * face * spacing);
+  picture = vec4(litSurface(colour, face, toEye, 1.0, light) * opacity, opacity);
+  vec4 projected = projectionMatrix * viewMatrix * vec4(place, 1.0);
+  gl_FragDepth = 0.5 * projected.z / projected.w + 0.5;
+  return true;
+}
+#endif
+
 vec3 unit(vec3 vector, vec3 instead) {
   float size = length(vector);
   return size > 1e-6 ? vector / size : instead;
@@ -37,6 +84,12 @@ void main() {
   if (isCutAway(posed)) {
     discard;
   }
+#ifdef CAPPED
+  if (drawCap(posed)) {
+    return;
+  }
+  gl_FragDepth = gl_FragCoord.z;
+#endif
 #ifdef TRANSLUCENT
   ivec2 pixel = ivec2(gl_FragCoord.xy);
   bool before = peeled > 0.5 && gl_FragCoord.z <= texelFetch(depthBefore, pixel, 0).r + sameDepth;
