@@ -21,6 +21,7 @@ from palpate.cli_bench import (
     stress_in_matter,
 )
 from palpate.cli_export import export
+from palpate.cli_fuzz import bench_fuzz_import
 from palpate.cli_scenario import scenario
 from palpate.cli_segment import EXAMPLES, segment
 from palpate.cli_series import series
@@ -487,6 +488,7 @@ app.add_typer(scenario, name="scenario")
 
 bench = typer.Typer(help="Measure.", no_args_is_help=True)
 app.add_typer(bench, name="bench")
+bench.command("fuzz-import")(bench_fuzz_import)
 bench.command("deform")(bench_deform)
 bench.command("open")(bench_open)
 bench.command("session")(bench_session)
