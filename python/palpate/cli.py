@@ -16,12 +16,17 @@ from typer.exceptions import TyperException
 from palpate.cli_bench import (
     bench_deform,
     bench_open,
+    bench_segment,
     bench_session,
     bench_truth_cube,
     stress_in_matter,
 )
 from palpate.cli_export import export
 from palpate.cli_fuzz import bench_fuzz_import
+from palpate.cli_recipe import EXAMPLES as RECIPE_EXAMPLES
+from palpate.cli_recipe import run_file
+from palpate.cli_register import EXAMPLES as REGISTER_EXAMPLES
+from palpate.cli_register import register
 from palpate.cli_scenario import scenario
 from palpate.cli_segment import EXAMPLES, segment
 from palpate.cli_series import series
@@ -404,8 +409,10 @@ def replay(
 
 
 app.command("export")(export)
+app.command("register", epilog=REGISTER_EXAMPLES)(register)
 app.command("series")(series)
 app.command("segment", epilog=EXAMPLES)(segment)
+app.command("run", epilog=RECIPE_EXAMPLES)(run_file)
 
 
 surface = typer.Typer(help="Meshes of segments, and voxels of meshes.", no_args_is_help=True)
@@ -491,6 +498,7 @@ app.add_typer(bench, name="bench")
 bench.command("fuzz-import")(bench_fuzz_import)
 bench.command("deform")(bench_deform)
 bench.command("open")(bench_open)
+bench.command("segment")(bench_segment)
 bench.command("session")(bench_session)
 bench.command("truth-cube")(bench_truth_cube)
 

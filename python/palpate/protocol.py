@@ -62,6 +62,7 @@ ShapeKind = Literal[
     "keep-largest",
     "drop-small",
     "fill-holes",
+    "between-slices",
     "grow",
     "shrink",
     "smooth",
@@ -687,6 +688,16 @@ class GrowSegment(Message, frozen=True, tag="grow_segment"):
     most_ml: Annotated[float, msgspec.Meta(ge=0.001, le=1e5)]
 
 
+class GrowSeeds(Message, frozen=True, tag="grow_seeds"):
+    """Makes a segment of each of these: they grow until they meet where values change most.
+
+    Values are smoothed by a Gaussian of this deviation [mm].
+    """
+
+    ids: Annotated[list[SegmentId], msgspec.Meta(min_length=2, max_length=50)]
+    smoothing: Annotated[float, msgspec.Meta(ge=0.1, le=20.0)]
+
+
 class ChangeShape(Message, frozen=True, tag="change_shape"):
     """Changes the shape of a segment; undo takes it back.
 
@@ -914,6 +925,7 @@ FromPage = (
     | Threshold
     | Otsu
     | GrowSegment
+    | GrowSeeds
     | ChangeShape
     | StopSegmentWork
     | NewSegment

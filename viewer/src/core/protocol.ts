@@ -46,7 +46,7 @@ export type SurfaceSource = "intensities" | "bits";
 export type SmoothingDegree = number;
 
 /** How the shape of a segment is changed; see `segmentation.changed_shape`. */
-export type ShapeKind = "keep-largest" | "drop-small" | "fill-holes" | "grow" | "shrink" | "smooth" | "median" | "open" | "close" | "hollow-inside" | "hollow-outside" | "unite" | "subtract" | "intersect";
+export type ShapeKind = "keep-largest" | "drop-small" | "fill-holes" | "between-slices" | "grow" | "shrink" | "smooth" | "median" | "open" | "close" | "hollow-inside" | "hollow-outside" | "unite" | "subtract" | "intersect";
 
 /** What the probe does to voxels while it is pressed; none leaves them as they are. */
 export type ToolKind = "none" | "eraser" | "adder" | "drill" | "needle";
@@ -636,6 +636,17 @@ export interface GrowSegment {
 }
 
 /**
+ * Makes a segment of each of these: they grow until they meet where values change most.
+ *
+ * Values are smoothed by a Gaussian of this deviation [mm].
+ */
+export interface GrowSeeds {
+  readonly type: "grow_seeds";
+  readonly ids: readonly SegmentId[];
+  readonly smoothing: number;
+}
+
+/**
  * Changes the shape of a segment; undo takes it back.
  *
  * `amount` counts islands to keep, is the volume from which on they stay [ml], or a length [mm];
@@ -891,6 +902,7 @@ export type FromPage =
   | Threshold
   | Otsu
   | GrowSegment
+  | GrowSeeds
   | ChangeShape
   | StopSegmentWork
   | NewSegment
