@@ -22,6 +22,7 @@ from palpate.cli_bench import (
     stress_in_matter,
 )
 from palpate.cli_export import export
+from palpate.cli_fuzz import bench_fuzz_import
 from palpate.cli_recipe import EXAMPLES as RECIPE_EXAMPLES
 from palpate.cli_recipe import run_file
 from palpate.cli_register import EXAMPLES as REGISTER_EXAMPLES
@@ -494,6 +495,7 @@ app.add_typer(scenario, name="scenario")
 
 bench = typer.Typer(help="Measure.", no_args_is_help=True)
 app.add_typer(bench, name="bench")
+bench.command("fuzz-import")(bench_fuzz_import)
 bench.command("deform")(bench_deform)
 bench.command("open")(bench_open)
 bench.command("segment")(bench_segment)
