@@ -138,6 +138,14 @@ Scan = Annotated[
         metavar="PATH",
     ),
 ]
+ScanOrNone = Annotated[
+    Path | None,
+    typer.Argument(
+        help="DICOM folder, file or zip archive; NIfTI, NRRD, MetaImage or MINC file; pictures; a "
+        "scene. Without it the page asks for a scan.",
+        metavar="[PATH]",
+    ),
+]
 Series = Annotated[
     str | None, typer.Option(help="DICOM series: its UID, description or number in the list.")
 ]
@@ -186,7 +194,7 @@ Rate = Annotated[int, typer.Option(help="Servo ticks a second: 1000 or 4000.")]
 
 @app.command("open")
 def open_scan(  # noqa: PLR0913  # one per option of the command line
-    path: Scan,
+    path: ScanOrNone = None,
     *,
     series: Series = None,
     orientation: Orientation = None,
@@ -219,6 +227,7 @@ def open_scan(  # noqa: PLR0913  # one per option of the command line
     """Show a scan, or a scene that was saved, and feel it."""
     from palpate.cli_open import (
         check_start,
+        choose_on_page,
         is_scene,
         parse_threshold,
         parse_voxel_size,
@@ -233,10 +242,16 @@ def open_scan(  # noqa: PLR0913  # one per option of the command line
 
     check_start(rate)
     bounds, size = parse_threshold(threshold), parse_voxel_size(voxel_size)
-    if is_scene(path):
+    if path is None or is_scene(path):
         of_scans = (series, orientation, unit, fill, raw, size, bounds, segments, mesh)
         if any(option is not None for option in of_scans):
-            raise OptionError(f"{path} is a scene: options of scans are allowed with scans only")
+            what = "no scan is given" if path is None else f"{path} is a scene"
+            raise OptionError(f"{what}: options of scans are allowed with scans only")
+    if path is None:
+        with bind(port) as listener, quiet_libraries():
+            choose_on_page(listener, rate=rate, browser=browser, journalled=journal)
+        return
+    if is_scene(path):
         with bind(port) as listener, quiet_libraries():
             show_saved(
                 path, listener, rate=rate, browser=browser, journalled=journal, recover=recover

@@ -12,11 +12,13 @@ import numpy as np
 import typer
 
 from palpate.console import Display, warn
-from palpate.errors import EmptySegmentError, OptionError, SceneFormatError
+from palpate.errors import OptionError, SceneFormatError
 from palpate.labels import read_labels
+from palpate.opening import is_scene, offer_bone
 from palpate.progress import Progress
+from palpate.recent import note_recent
 from palpate.scene import Scene
-from palpate.scene_file import ENDING, SavedScene, kept_changes, open_scene
+from palpate.scene_file import SavedScene, kept_changes, open_scene
 from palpate.server import PAGE, serve
 from palpate.server_open_scan import OpenScan
 from palpate.server_security import Access
@@ -27,6 +29,7 @@ __all__ = [
     "check_page",
     "check_rate",
     "check_start",
+    "choose_on_page",
     "is_scene",
     "parse_threshold",
     "parse_voxel_size",
@@ -34,6 +37,7 @@ __all__ = [
     "serve_page",
     "show",
     "show_saved",
+    "show_workbench",
     "wanted_scene",
 ]
 
@@ -108,11 +112,8 @@ def scene_of(
         OptionError: The label map does not fit the scan.
     """
     scene = wanted_scene(volume, bounds=bounds, label_map=label_map, progress=progress)
-    if bounds is None and label_map is None:
-        try:
-            scene.add(volume.offered_bone())
-        except EmptySegmentError:
-            warn(f"no bone found in {volume.name}: choose a threshold on the page")
+    if bounds is None and label_map is None and (told := offer_bone(scene)) is not None:
+        warn(told)
     return scene
 
 
@@ -162,25 +163,45 @@ def show(
     *,
     rate: int,
     browser: bool,
-    journalled: bool = False,
+    journalled: bool | None = None,
     recover: bool | None = None,
     run: Path | None = None,
     saved: SavedScene | None = None,
 ) -> None:
     """Serves a scene until Ctrl-C; a recording that still runs then is kept.
 
-    Options as in ``OpenScan.begin``.
+    Options as in ``OpenScan.begin``; by default only scans that the page opens are journalled.
     """
-    opened = OpenScan.begin(
+    workbench = Workbench(rate=rate, journalled=journalled is not False)
+
+    def tell(sentence: str) -> None:
+        warn(sentence)
+        workbench.tell(sentence)
+
+    workbench.opened = OpenScan.begin(
         scene,
         rate=rate,
-        journalled=journalled,
+        journalled=bool(journalled),
         recover=recover,
         run=run,
         saved=saved,
-        tell=warn,
+        tell=tell,
     )
-    show_workbench(Workbench(opened), listener, browser=browser)
+    # pages ask by themselves
+    journal = workbench.opened.journal
+    if journal is not None and (offer := journal.offer) is not None:
+        warn(
+            f"{offer.steps} changes of this scan are kept from {offer.when:%d %B %Y, %H:%M}: the "
+            "page asks whether to bring them back; --recover and --no-recover answer before"
+        )
+    note_recent(scene.volume, None if saved is None else saved.path)
+    show_workbench(workbench, listener, browser=browser)
+
+
+def choose_on_page(listener: socket.socket, *, rate: int, browser: bool, journalled: bool) -> None:
+    """Serves a page that asks for a scan, until Ctrl-C."""
+    workbench = Workbench(rate=rate, journalled=journalled)
+    show_workbench(workbench, listener, browser=browser)
 
 
 def show_workbench(workbench: Workbench, listener: socket.socket, *, browser: bool) -> None:
@@ -189,11 +210,6 @@ def show_workbench(workbench: Workbench, listener: socket.socket, *, browser: bo
         serve_page(workbench, listener, browser=browser)
     finally:
         workbench.end()
-
-
-def is_scene(path: Path) -> bool:
-    """Says whether a path is that of a scene's file, by its name."""
-    return path.suffix == ENDING and path.is_file()
 
 
 def show_saved(

@@ -22,6 +22,7 @@ from starlette.routing import Mount, Route
 from starlette.staticfiles import StaticFiles
 
 from palpate.errors import OptionError
+from palpate.server_library import Library
 from palpate.server_security import Access, AccessMiddleware
 from palpate.server_workbench import Workbench
 
@@ -59,6 +60,7 @@ def bind(port: int) -> socket.socket:
 
 def make_app(workbench: Workbench, *, access: Access, page: Path = PAGE) -> Starlette:
     """Makes the application that shows what is on the workbench."""
+    library = Library(workbench)
 
     @asynccontextmanager
     async def lifespan(_: Starlette) -> AsyncIterator[None]:
@@ -68,6 +70,7 @@ def make_app(workbench: Workbench, *, access: Access, page: Path = PAGE) -> Star
         finally:
             # the force goes first
             await workbench.stop()
+            library.close()
 
     async def index(_: Request) -> Response:
         return FileResponse(page / "index.html")
@@ -75,6 +78,7 @@ def make_app(workbench: Workbench, *, access: Access, page: Path = PAGE) -> Star
     return Starlette(
         routes=[
             Route("/", index),
+            Mount("/api/library", library),
             Mount("/api", workbench),
             # scripts, styles and icons of the page
             Mount("/", StaticFiles(directory=page, check_dir=False)),

@@ -99,7 +99,9 @@ class OpenScan:
             session.picture_changes()
             if saved is not None:
                 saved.restore(session)
-            journal = _begin_journal(session, recover=recover, tell=tell) if journalled else None
+            journal = Journal(session, tell=tell) if journalled else None
+            if journal is not None:
+                journal.start(recover=recover)
             return cls(session, journal=journal, run=run, saved=saved, tell=tell)
         except BaseException:
             session.stop()
@@ -115,6 +117,11 @@ class OpenScan:
         """Whether something was changed that undo could take back."""
         frame = self.session.frame()
         return bool(frame["can_undo"] or frame["can_redo"])
+
+    @property
+    def keeps_changes(self) -> bool:
+        """Whether changes are kept on disk."""
+        return self.journal is not None and self.journal.problem is None
 
     async def start(self) -> None:
         """Begins to tell pages what is."""
@@ -149,18 +156,6 @@ class OpenScan:
 
     async def _messages(self, websocket: WebSocket) -> None:
         await self.live.serve(websocket)
-
-
-def _begin_journal(session: Session, *, recover: bool | None, tell: Tell) -> Journal:
-    """Begins to keep a session's changes on disk, and says what an earlier session left."""
-    journal = Journal(session, tell=tell)
-    journal.start(recover=recover)
-    if offer := journal.offer:
-        tell(
-            f"{offer.steps} changes of this scan are kept from {offer.when:%d %B %Y, %H:%M}: the "
-            "page asks whether to bring them back; --recover and --no-recover answer before"
-        )
-    return journal
 
 
 def _keep_unfinished(recorder: Recorder, tell: Tell) -> None:

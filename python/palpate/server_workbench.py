@@ -22,15 +22,26 @@ __all__ = ["Workbench"]
 class Workbench:
     """At most one open scan; all but ``end`` belongs to the event loop that serves it."""
 
-    def __init__(self, opened: OpenScan | None = None, *, fixed: bool = False) -> None:
+    def __init__(
+        self,
+        opened: OpenScan | None = None,
+        *,
+        fixed: bool = False,
+        rate: int = 1000,
+        journalled: bool = True,
+    ) -> None:
         """Begins with a scan, or without one.
 
         Args:
             opened: What is shown first.
             fixed: Whether that stays, as while it is recorded.
+            rate: Servo ticks a second, for scans that are opened later.
+            journalled: Whether their changes are kept on disk.
         """
         self.opened = opened
         self.fixed = fixed
+        self.rate = rate
+        self.journalled = journalled
         self._told: list[str] = []
         self._exchange = asyncio.Lock()
 

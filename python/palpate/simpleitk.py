@@ -36,10 +36,12 @@ class Reader(Protocol):
     """What is used of ``SimpleITK.ImageFileReader``."""
 
     def GetSize(self) -> tuple[int, ...]: ...  # noqa: N802, D102
+    def GetSpacing(self) -> tuple[float, ...]: ...  # noqa: N802, D102
     def GetNumberOfComponents(self) -> int: ...  # noqa: N802, D102
     def GetPixelIDValue(self) -> int: ...  # noqa: N802, D102
     def GetMetaDataKeys(self) -> Sequence[str]: ...  # noqa: N802, D102
     def GetMetaData(self, key: str) -> str: ...  # noqa: N802, D102
+    def SetExtractIndex(self, index: Sequence[int]) -> None: ...  # noqa: N802, D102
     def SetExtractSize(self, size: Sequence[int]) -> None: ...  # noqa: N802, D102
     def Execute(self) -> Image: ...  # noqa: N802, D102
 

@@ -43,6 +43,7 @@ export interface Doors {
   readonly theme: ThemeControl;
   /** What concerns the page as a whole. */
   readonly page: {
+    readonly open: () => void;
     readonly save: () => void;
     readonly help: () => void;
     readonly palette: () => void;
@@ -205,6 +206,7 @@ function work({ undo, theme, page }: Doors): readonly Action[] {
   return [
     { group, name: "Undo", keys: ["Ctrl+Z"], run: () => { undo.undo(); } },
     { group, name: "Redo", keys: ["Ctrl+Shift+Z", "Ctrl+Y"], run: () => { undo.redo(); } },
+    { group, name: "Open another scan", keys: ["Ctrl+O"], run: page.open },
     { group, name: "Save the scene", keys: ["Ctrl+S"], run: page.save },
     { group, name: "All actions and their keys", keys: ["Ctrl+K"], run: page.palette },
     { group, name: "Help: mouse and keys", keys: ["?"], run: page.help },
