@@ -49,6 +49,7 @@ import { ClipControl } from "./clip_control.svelte";
 import { EditPaceControl } from "./edit_pace_control.svelte";
 import { GrowControl } from "./grow_control.svelte";
 import { LookControl } from "./look_control.svelte";
+import { PageSteps } from "./page_steps.svelte";
 import { Player, type ShownTouch } from "./player.svelte";
 import { ReadOut } from "./read_out.svelte";
 import { recall, remember } from "./remembered";
@@ -82,7 +83,7 @@ export class Stage {
   /** How the scan is shown. */
   readonly looks = new LookControl();
   /** What of the 3-D view is cut away. */
-  readonly clips = new ClipControl();
+  readonly clips: ClipControl;
   /** Range of a segment while its slider is dragged, before the engine is asked. */
   preview = $state.raw<{ readonly id: number; readonly range: readonly [number, number] } | null>(null);
   /** Share of the scan on its way to the picture, 0..1; null once it is shown. */
@@ -109,6 +110,8 @@ export class Stage {
   readonly brush: BrushControl;
   /** What was clicked last: what it is, where, and how much. */
   readonly readOut = new ReadOut();
+  /** Steps of marks and clipping, in their order. */
+  readonly steps: PageSteps;
   /** Points, distances and angles that a person has set. */
   readonly marks: MarkControl;
   framesPerSecond = $state.raw(0);
@@ -150,7 +153,9 @@ export class Stage {
     this.cutting = new CutControl(session);
     this.growing = new GrowControl(session);
     this.brush = new BrushControl(session);
-    this.marks = new MarkControl(() => session.latest?.edit ?? 0);
+    this.steps = new PageSteps(() => session.latest?.edit ?? 0);
+    this.clips = new ClipControl(this.steps);
+    this.marks = new MarkControl(this.steps);
     this.player = new Player(session);
     this.edits = new ShownEdits({
       complain: (text) => {
@@ -243,6 +248,7 @@ export class Stage {
     this.edits.clear();
     const step = subsamplingStep(scanFrame.dimensions, { edge: this.support.largestEdge, values: mostValues });
     this.tellCoarseness(step);
+    this.steps.clear();
     this.looks.open(scan);
     this.clips.open(scan.name, scanFrame);
     this.slices.open(scan);
@@ -411,6 +417,15 @@ export class Stage {
       throw new Error("there is no picture");
     }
     await this.picture.snapshot(context, wish);
+  }
+
+  /** What is drawn, and the scan as the page holds it; for benchmarks. */
+  get drawn(): Picture | null {
+    return this.picture;
+  }
+
+  get held(): ScanVolume | null {
+    return this.volume;
   }
 
   /** How fine the picture on display is. */
