@@ -161,3 +161,41 @@ fn free(contact: Contact) -> Contact {
         ..contact
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::wide::Noise;
+    use glam::{DMat3, UVec3};
+    use palpate_volume::grid::Grid;
+
+    #[test]
+    fn moves_for_wide_machines_are_those_for_plain_ones_to_the_bit() {
+        let mut random = oorandom::Rand64::new(11);
+        let spacing = DVec3::new(0.7, 0.7, 2.5);
+        let grid =
+            Grid::new(UVec3::splat(64), spacing, DVec3::ZERO, DMat3::IDENTITY).expect("a grid");
+        let limits = ExactLimits::default();
+        let mut slides = 0;
+        for run in 0..300 {
+            let world = Noise {
+                density: 5 + run % 50,
+            };
+            let scene = TouchScene::of_world(&world, &grid);
+            let mut point = || DVec3::from_array([(); 3].map(|()| 40.0 * random.rand_float()));
+            let start = point();
+            if world.is_solid(start.floor().as_ivec3()) {
+                continue;
+            }
+            let [mut wide, mut plain] = [Proxy::at(start).expect("a place"); 2];
+            for _ in 0..20 {
+                let device = point();
+                let contact = advance_in_world(&limits, &scene, device, &mut wide);
+                let plainly = limits.advance_plainly(&scene, device, &mut plain);
+                assert_eq!((contact, wide), (plainly, plain));
+                slides += contact.slides;
+            }
+        }
+        assert!(slides > 1000, "{slides} slides");
+    }
+}

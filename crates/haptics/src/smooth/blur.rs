@@ -183,3 +183,54 @@ impl Field for BlurField {
         (point - first).as_vec3a() / voxels.as_vec3a() - 0.5
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::wide::Noise;
+
+    #[test]
+    fn fields_for_wide_machines_are_those_for_plain_ones_to_the_bit() {
+        let mut random = oorandom::Rand64::new(13);
+        let spacings = [
+            DVec3::ONE,
+            DVec3::new(0.7, 0.7, 2.5),
+            DVec3::new(1.0, 1.0, 2.0),
+            DVec3::new(3.0, 0.8, 0.8),
+        ];
+        let mut solid = 0;
+        for run in 0..200_u32 {
+            let world = Noise {
+                density: 2 + run % 40,
+            };
+            let spacing = spacings[run as usize % spacings.len()];
+            let point = DVec3::from_array([(); 3].map(|()| 30.0 * random.rand_float()));
+            let aim = Aim {
+                point,
+                seed: voxel_of(point),
+                contact: DVec3::ZERO,
+            };
+            let source = Source {
+                epoch: 1,
+                shares: true,
+            };
+            let [mut wide, mut plain] = [BlurField::empty(), BlurField::empty()];
+            let mut shares = CellShares::EMPTY;
+            make_around(
+                &mut wide,
+                &world,
+                &aim,
+                spacing,
+                Some((source, &mut shares)),
+            );
+            let mut shares = CellShares::EMPTY;
+            plain.around_plainly(&world, &aim, spacing, Some((source, &mut shares)));
+            for _ in 0..50 {
+                let at = Vec3A::from_array([(); 3].map(|()| 7.0 * random.rand_float() as f32));
+                assert_eq!(wide.sample(at), plain.sample(at), "run {run} at {at}");
+            }
+            solid += u32::from(plain.any_solid());
+        }
+        assert!(solid > 100, "{solid} fields");
+    }
+}

@@ -14,6 +14,25 @@ use crate::wide::widest;
 use glam::IVec3;
 use palpate_volume::occupancy::Occupancy;
 
+/// Calls a method with the logarithm of a row's bits and the words of a layer, as they are for a
+/// shape, so that both are known when it is compiled.
+macro_rules! of_layers {
+    ($shape:expr, $window:ident.$method:ident($argument:expr)) => {
+        match ($shape.log[0], $shape.log[1]) {
+            (0, 0) => $window.$method::<3, 1>($argument),
+            (0, 1) => $window.$method::<3, 2>($argument),
+            (0, _) => $window.$method::<3, 4>($argument),
+            (1, 0) => $window.$method::<4, 2>($argument),
+            (1, 1) => $window.$method::<4, 4>($argument),
+            (1, _) => $window.$method::<4, 8>($argument),
+            (_, 0) => $window.$method::<5, 4>($argument),
+            (_, 1) => $window.$method::<5, 8>($argument),
+            _ => $window.$method::<5, 16>($argument),
+        }
+    };
+}
+pub(super) use of_layers;
+
 /// Which voxels of a window are reached from the proxy's.
 #[derive(Clone, Debug)]
 pub(crate) struct Window {
@@ -92,18 +111,7 @@ impl Window {
 
     #[inline(always)]
     fn flood_plainly(&mut self, layer: usize) -> bool {
-        let [log_x, log_y, _] = self.shape.log;
-        match (log_x, log_y) {
-            (0, 0) => self.flood_of::<3, 1>(layer),
-            (0, 1) => self.flood_of::<3, 2>(layer),
-            (0, _) => self.flood_of::<3, 4>(layer),
-            (1, 0) => self.flood_of::<4, 2>(layer),
-            (1, 1) => self.flood_of::<4, 4>(layer),
-            (1, _) => self.flood_of::<4, 8>(layer),
-            (_, 0) => self.flood_of::<5, 4>(layer),
-            (_, 1) => self.flood_of::<5, 8>(layer),
-            _ => self.flood_of::<5, 16>(layer),
-        }
+        of_layers!(self.shape, self.flood_of(layer))
     }
 
     #[inline(always)]
