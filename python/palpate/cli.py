@@ -174,6 +174,13 @@ Segments = Annotated[
     Path | None,
     typer.Option(help="Label map, .seg.nrrd, DICOM SEG or RTSTRUCT, or a folder of masks."),
 ]
+With = Annotated[
+    Path | None, typer.Option("--with", help="Second scan, shown with the first: CT and MR.")
+]
+Transform = Annotated[
+    Path | None,
+    typer.Option(help="Of --with: .tfm that maps points of the first scan to the second's."),
+]
 Mesh = Annotated[
     Path | None,
     typer.Option(help="Closed .stl, .ply, .obj or .glb: becomes a segment that can be moved."),
@@ -207,6 +214,8 @@ def open_scan(  # noqa: PLR0913  # one per option of the command line
     max_voxels: MaxVoxels = 1024**3,
     threshold: Threshold = None,
     segments: Segments = None,
+    second: With = None,
+    transform: Transform = None,
     mesh: Mesh = None,
     mesh_frame: MeshFrame = None,
     mesh_unit: MeshUnit = None,
@@ -228,6 +237,7 @@ def open_scan(  # noqa: PLR0913  # one per option of the command line
 ) -> None:
     """Show a scan, or a scene that was saved, and feel it."""
     from palpate.cli_open import (
+        add_second,
         check_start,
         choose_on_page,
         is_scene,
@@ -245,7 +255,7 @@ def open_scan(  # noqa: PLR0913  # one per option of the command line
     check_start(rate)
     bounds, size = parse_threshold(threshold), parse_voxel_size(voxel_size)
     if path is None or is_scene(path):
-        of_scans = (series, orientation, unit, fill, raw, size, bounds, segments, mesh)
+        of_scans = (series, orientation, unit, fill, raw, size, bounds, segments, mesh, second)
         if any(option is not None for option in of_scans):
             what = "no scan is given" if path is None else f"{path} is a scene"
             raise OptionError(f"{what}: options of scans are allowed with scans only")
@@ -273,6 +283,7 @@ def open_scan(  # noqa: PLR0913  # one per option of the command line
                 progress=display,
             )
             scene = scene_of(volume, bounds=bounds, label_map=segments, progress=display)
+            add_second(scene, second, transform, progress=display)
             if mesh is not None:
                 add_mesh(scene, mesh, frame=mesh_frame, unit=mesh_unit, spacing=mesh_spacing)
         for warning in volume.warnings:

@@ -13,12 +13,14 @@ import typer
 
 from palpate.console import Display, warn
 from palpate.errors import OptionError, SceneFormatError
+from palpate.io import read
 from palpate.labels import read_labels
 from palpate.opening import is_scene, offer_bone
 from palpate.progress import Progress
 from palpate.recent import note_recent
 from palpate.scene import Scene
 from palpate.scene_file import SavedScene, kept_changes, open_scene
+from palpate.second_scan import placed, read_transform
 from palpate.server import PAGE, serve
 from palpate.server_open_scan import OpenScan
 from palpate.server_security import Access
@@ -26,6 +28,7 @@ from palpate.server_workbench import Workbench
 from palpate.volume import Volume
 
 __all__ = [
+    "add_second",
     "check_page",
     "check_rate",
     "check_start",
@@ -124,6 +127,26 @@ def add_labels(scene: Scene, path: Path, progress: Progress) -> None:
         scene.add(label.segment, colour=label.colour)
     for warning in found.warnings:
         warn(f"{path.name}: {warning}")
+
+
+def add_second(
+    scene: Scene, path: Path | None, transform: Path | None, *, progress: Progress
+) -> None:
+    """Shows a second scan with the first, where a transform says that it lies.
+
+    Raises:
+        OptionError: There is a transform and no scan, or it cannot be used.
+        VolumeFormatError: The scan or the transform cannot be read.
+    """
+    if path is None:
+        if transform is not None:
+            raise OptionError(f"--transform {transform} given; allowed: together with --with")
+        return
+    volume = read(path, progress=progress)
+    for warning in volume.warnings:
+        warn(f"{path.name}: {warning}")
+    known = None if transform is None else read_transform(transform)
+    scene.second = placed(scene.volume, volume, known)
 
 
 def check_start(rate: int) -> None:

@@ -605,6 +605,18 @@ class SegmentWork(Message, frozen=True, tag="segment_work"):
     what: str | None
 
 
+class SecondScan(Message, frozen=True, tag="second_scan"):
+    """A scan that is shown with the first; null where there is none any more.
+
+    ``second_from_first`` maps points of the first scan to the second's, row-major, shape [4, 4],
+    patient of each [mm]; its values come from ``/api/second`` and are others with each ``version``.
+    """
+
+    scan: Scan | None
+    second_from_first: list[float]
+    version: int
+
+
 class Passed(Message, frozen=True, tag="passed"):
     """The answer to a ``Fence``: all that this page asked for before it is done.
 
@@ -629,6 +641,7 @@ ToPage = (
     | CutPreview
     | NeedleEvents
     | SegmentWork
+    | SecondScan
     | Passed
 )
 

@@ -20,6 +20,7 @@ from palpate.errors import OptionError, PalpateError
 from palpate.journal import Journal
 from palpate.needle import TISSUES
 from palpate.painted_cut import PaintedCut
+from palpate.second_scan import SecondScan
 from palpate.server_changes import messages_of
 from palpate.server_gap import GapWatch
 from palpate.server_matter import asked_material, parts_of
@@ -28,6 +29,7 @@ from palpate.server_outbox import Missed, Outbox
 from palpate.server_paint import Painter
 from palpate.server_picture import ToldPicture, labels_anew
 from palpate.server_recording import Recorder
+from palpate.server_second import second_message
 from palpate.server_segment_work import SegmentWork
 from palpate.server_segments import ShownSegments
 from palpate.server_thresholds import ThresholdJobs
@@ -83,6 +85,7 @@ class Live:
         self._parts_for: set[Outbox] = set()
         self._gaps = GapWatch(session, self._from_threads.put)
         self._scene_of_now: object = None
+        self._second = second_message(session.scene.second, version=0)
 
     async def run(self) -> None:
         """Tells all pages what is, until it is cancelled or the session ends by itself."""
@@ -107,6 +110,8 @@ class Live:
         outbox = Outbox(missed=Missed())
         outbox.tell(msgspec.structs.replace(self._hello, segments=self.segments.message.segments))
         outbox.tell(self.segments.message)
+        if self._second.scan is not None:
+            outbox.tell(self._second)
         if self.journal is not None:
             outbox.tell(protocol.Recovery(_offer_of(self.journal)))
             if self.journal.problem is not None:
@@ -137,6 +142,17 @@ class Live:
             if self._presses is outbox:
                 # nobody is left to release the tool
                 await asyncio.to_thread(self._release)
+
+    def show_second(self, second: SecondScan | None) -> None:
+        """Shows another scan with the first, or the same one elsewhere; from any thread."""
+        scene = self.session.scene
+        same = (
+            second is not None and scene.second is not None and second.volume is scene.second.volume
+        )
+        version = self._second.version + (0 if same else 1)
+        scene.second = second
+        self._second = second_message(second, version=version)
+        self._from_threads.put(self._second)
 
     async def send_away(self) -> None:
         """Has all pages load themselves anew: another scan takes the place of this one."""

@@ -180,6 +180,13 @@ def _data_routes(opened: OpenScan, *, run: Path | None, saved: SavedScene | None
     async def labels(request: Request) -> Response:
         return await _voxels(request, live.segments.labels)
 
+    async def second(request: Request) -> Response:
+        shown = live.session.scene.second
+        if shown is None:
+            reason = "there is no second scan; allowed: after palpate open SCAN --with SECOND"
+            return PlainTextResponse(reason, status_code=404)
+        return await _voxels(request, lambda: shown.volume.array)
+
     async def recording(_: Request) -> Response:
         # a page asks as soon as the recording has ended, which is before its file is written
         return _recording_of(kept.file_name, await run_in_threadpool(kept.newest))
@@ -204,6 +211,7 @@ def _data_routes(opened: OpenScan, *, run: Path | None, saved: SavedScene | None
     return [
         Route("/volume", volume),
         Route("/labels", labels),
+        Route("/second", second),
         Route("/recording", recording),
         Route("/scenario", scenario),
         Route("/scene", scene, methods=["POST"]),

@@ -10,7 +10,7 @@ from typing import Any, Protocol
 
 from numpy.typing import NDArray
 
-__all__ = ["Grid", "Image", "Reader", "image_on", "reason_of", "simpleitk"]
+__all__ = ["Grid", "Image", "Reader", "Transform", "image_on", "reason_of", "simpleitk"]
 
 
 class Grid(Protocol):
@@ -30,6 +30,14 @@ class Image(Protocol):
     def GetSpacing(self) -> tuple[float, float, float]: ...  # noqa: N802, D102
     def GetOrigin(self) -> tuple[float, float, float]: ...  # noqa: N802, D102
     def GetDirection(self) -> tuple[float, ...]: ...  # noqa: N802, D102
+
+
+class Transform(Protocol):
+    """What is used of ``SimpleITK.Transform``; points are patient, LPS [mm]."""
+
+    def GetDimension(self) -> int: ...  # noqa: N802, D102
+    def IsLinear(self) -> bool: ...  # noqa: N802, D102
+    def TransformPoint(self, point: Sequence[float]) -> tuple[float, ...]: ...  # noqa: N802, D102
 
 
 class Reader(Protocol):

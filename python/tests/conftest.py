@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from palpate.journal import Journal
 from palpate.scene import Scene
 from palpate.server import bind, make_app, make_server
+from palpate.server_live import Live
 from palpate.server_open_scan import OpenScan
 from palpate.server_security import Access
 from palpate.server_workbench import Workbench
@@ -145,6 +146,7 @@ class RunningServer:
     access: Access
     session: Session
     journal: Journal | None = None
+    live: Live | None = None
 
     @property
     def base(self) -> str:
@@ -220,7 +222,7 @@ def running(scene: Scene, page: Path, *, state: Path | None = None) -> Iterator[
             journal.start()
         opened = OpenScan(session, journal=journal)
         with serving(Workbench(opened), page) as access:
-            yield RunningServer(access, session, journal)
+            yield RunningServer(access, session, journal, opened.live)
         opened.recorder.close()
 
 

@@ -570,6 +570,19 @@ export interface SegmentWork {
 }
 
 /**
+ * A scan that is shown with the first; null where there is none any more.
+ *
+ * `second_from_first` maps points of the first scan to the second's, row-major, shape [4, 4],
+ * patient of each [mm]; its values come from `/api/second` and are others with each `version`.
+ */
+export interface SecondScan {
+  readonly type: "second_scan";
+  readonly scan: Scan | null;
+  readonly second_from_first: readonly number[];
+  readonly version: number;
+}
+
+/**
  * The answer to a `Fence`: all that this page asked for before it is done.
  *
  * Touch follows it from `tick` on. Thresholds, growing and changes of shape are made beside all
@@ -891,6 +904,7 @@ export type ToPage =
   | CutPreview
   | NeedleEvents
   | SegmentWork
+  | SecondScan
   | Passed;
 
 /** A message of the page. */
@@ -1428,6 +1442,13 @@ const isSegmentWork = record({
   what: nullable(text()),
 });
 
+const isSecondScan = record({
+  type: oneOf("second_scan"),
+  scan: nullable(isScan),
+  second_from_first: list(real()),
+  version: whole(),
+});
+
 const isPassed = record({
   type: oneOf("passed"),
   number: whole(),
@@ -1447,5 +1468,6 @@ const TO_PAGE: ReadonlyMap<string, Check> = new Map([
   ["cut_preview", isCutPreview],
   ["needle_events", isNeedleEvents],
   ["segment_work", isSegmentWork],
+  ["second_scan", isSecondScan],
   ["passed", isPassed],
 ]);
