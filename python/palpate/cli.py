@@ -16,11 +16,18 @@ from typer.exceptions import TyperException
 from palpate.cli_bench import (
     bench_deform,
     bench_open,
+    bench_register,
+    bench_segment,
     bench_session,
     bench_truth_cube,
     stress_in_matter,
 )
 from palpate.cli_export import export
+from palpate.cli_fuzz import bench_fuzz_import
+from palpate.cli_recipe import EXAMPLES as RECIPE_EXAMPLES
+from palpate.cli_recipe import run_file
+from palpate.cli_register import EXAMPLES as REGISTER_EXAMPLES
+from palpate.cli_register import register
 from palpate.cli_scenario import scenario
 from palpate.cli_segment import EXAMPLES, segment
 from palpate.cli_series import series
@@ -133,6 +140,14 @@ Scan = Annotated[
         metavar="PATH",
     ),
 ]
+ScanOrNone = Annotated[
+    Path | None,
+    typer.Argument(
+        help="DICOM folder, file or zip archive; NIfTI, NRRD, MetaImage or MINC file; pictures; a "
+        "scene. Without it the page asks for a scan.",
+        metavar="[PATH]",
+    ),
+]
 Series = Annotated[
     str | None, typer.Option(help="DICOM series: its UID, description or number in the list.")
 ]
@@ -181,7 +196,7 @@ Rate = Annotated[int, typer.Option(help="Servo ticks a second: 1000 or 4000.")]
 
 @app.command("open")
 def open_scan(  # noqa: PLR0913  # one per option of the command line
-    path: Scan,
+    path: ScanOrNone = None,
     *,
     series: Series = None,
     orientation: Orientation = None,
@@ -214,6 +229,7 @@ def open_scan(  # noqa: PLR0913  # one per option of the command line
     """Show a scan, or a scene that was saved, and feel it."""
     from palpate.cli_open import (
         check_start,
+        choose_on_page,
         is_scene,
         parse_threshold,
         parse_voxel_size,
@@ -228,10 +244,16 @@ def open_scan(  # noqa: PLR0913  # one per option of the command line
 
     check_start(rate)
     bounds, size = parse_threshold(threshold), parse_voxel_size(voxel_size)
-    if is_scene(path):
+    if path is None or is_scene(path):
         of_scans = (series, orientation, unit, fill, raw, size, bounds, segments, mesh)
         if any(option is not None for option in of_scans):
-            raise OptionError(f"{path} is a scene: options of scans are allowed with scans only")
+            what = "no scan is given" if path is None else f"{path} is a scene"
+            raise OptionError(f"{what}: options of scans are allowed with scans only")
+    if path is None:
+        with bind(port) as listener, quiet_libraries():
+            choose_on_page(listener, rate=rate, browser=browser, journalled=journal)
+        return
+    if is_scene(path):
         with bind(port) as listener, quiet_libraries():
             show_saved(
                 path, listener, rate=rate, browser=browser, journalled=journal, recover=recover
@@ -388,8 +410,10 @@ def replay(
 
 
 app.command("export")(export)
+app.command("register", epilog=REGISTER_EXAMPLES)(register)
 app.command("series")(series)
 app.command("segment", epilog=EXAMPLES)(segment)
+app.command("run", epilog=RECIPE_EXAMPLES)(run_file)
 
 
 surface = typer.Typer(help="Meshes of segments, and voxels of meshes.", no_args_is_help=True)
@@ -472,8 +496,11 @@ app.add_typer(scenario, name="scenario")
 
 bench = typer.Typer(help="Measure.", no_args_is_help=True)
 app.add_typer(bench, name="bench")
+bench.command("fuzz-import")(bench_fuzz_import)
 bench.command("deform")(bench_deform)
 bench.command("open")(bench_open)
+bench.command("register")(bench_register)
+bench.command("segment")(bench_segment)
 bench.command("session")(bench_session)
 bench.command("truth-cube")(bench_truth_cube)
 

@@ -46,7 +46,7 @@ export type SurfaceSource = "intensities" | "bits";
 export type SmoothingDegree = number;
 
 /** How the shape of a segment is changed; see `segmentation.changed_shape`. */
-export type ShapeKind = "keep-largest" | "drop-small" | "fill-holes" | "grow" | "shrink" | "smooth" | "median" | "open" | "close" | "hollow-inside" | "hollow-outside" | "unite" | "subtract" | "intersect";
+export type ShapeKind = "keep-largest" | "drop-small" | "fill-holes" | "between-slices" | "grow" | "shrink" | "smooth" | "median" | "open" | "close" | "hollow-inside" | "hollow-outside" | "unite" | "subtract" | "intersect";
 
 /** What the probe does to voxels while it is pressed; none leaves them as they are. */
 export type ToolKind = "none" | "eraser" | "adder" | "drill" | "needle";
@@ -636,6 +636,17 @@ export interface GrowSegment {
 }
 
 /**
+ * Makes a segment of each of these: they grow until they meet where values change most.
+ *
+ * Values are smoothed by a Gaussian of this deviation [mm].
+ */
+export interface GrowSeeds {
+  readonly type: "grow_seeds";
+  readonly ids: readonly SegmentId[];
+  readonly smoothing: number;
+}
+
+/**
  * Changes the shape of a segment; undo takes it back.
  *
  * `amount` counts islands to keep, is the volume from which on they stay [ml], or a length [mm];
@@ -652,6 +663,34 @@ export interface ChangeShape {
 /** Stops what `SegmentWork` tells of and forgets what waits; what is not done is not begun. */
 export interface StopSegmentWork {
   readonly type: "stop_segment_work";
+}
+
+/** Makes a segment without voxels, to be painted; undo takes it away. */
+export interface NewSegment {
+  readonly type: "new_segment";
+  readonly name: Name;
+}
+
+/**
+ * Paints voxels of a segment along points, or takes them away: a stroke until `EndPaint`.
+ *
+ * The brush has a radius [mm]. It is a disc in the slice with this `normal`, or a ball without
+ * one, and changes only voxels with such `values`, where these are given.
+ */
+export interface Paint {
+  readonly type: "paint";
+  readonly id: SegmentId;
+  readonly erases: boolean;
+  readonly points: readonly Vector[];
+  readonly radius: number;
+  readonly normal: Vector | null;
+  readonly values: readonly [Value, Value] | null;
+}
+
+/** Ends a stroke of the brush as one step of undo, or takes it back where it is not kept. */
+export interface EndPaint {
+  readonly type: "end_paint";
+  readonly keep: boolean;
 }
 
 /** Changes how a segment looks and whether it can be touched. */
@@ -863,8 +902,12 @@ export type FromPage =
   | Threshold
   | Otsu
   | GrowSegment
+  | GrowSeeds
   | ChangeShape
   | StopSegmentWork
+  | NewSegment
+  | Paint
+  | EndPaint
   | SegmentProperties
   | SegmentFeel
   | SetMaterial

@@ -5,7 +5,7 @@
 import * as THREE from "three";
 import { column, transformPoint } from "../core/affine";
 import { brickEdge, type BrickRanges } from "../core/bricks";
-import { depthOf, eyeOf, nearAndFar, type Camera, type Extent } from "../core/camera";
+import { depthOf, eyeOf, nearAndFar, sightOf, type Camera, type Extent } from "../core/camera";
 import type { Plane } from "../core/clip";
 import type { Displaced } from "../core/displaced";
 import { drawnBy } from "../core/drawn_values";
@@ -177,7 +177,7 @@ export class RayMarcher {
     const half = Math.tan(camera.field / 2) * (camera.parallel === null ? 1 : camera.distance);
     const u = this.uniforms;
     u.eye.value.set(...transformPoint(gridFromScene, eyeOf(camera)));
-    u.forward.value.set(...along(scale(camera.back, -1)));
+    u.forward.value.set(...along(scale(sightOf(camera), -1)));
     u.across.value.set(...along(scale(camera.right, half * aspect)));
     u.upward.value.set(...along(scale(camera.up, half)));
     u.upDirection.value.set(...along(camera.up));

@@ -2,7 +2,8 @@
  * Draws the cached picture in pieces that fit into the time there is: at once and coarse
  * while the view moves; then, at rest, level by level in strips of rows; last, where the
  * GPU is quick, several shifted pictures averaged for smooth edges. Surfaces are drawn with
- * each level before its first strip.
+ * each level before its first strip. Two eyes have a picture each: while the view moves both are drawn
+ * at once, so that they never see different views; at rest one after the other.
  */
 import type * as THREE from "three";
 import { halton } from "../core/halton";
@@ -29,7 +30,8 @@ const averaged = 8;
 const steps = { gpu: { moving: 1, resting: 1.5 }, software: { moving: 0.75, resting: 1 } } as const;
 
 export class Refiner {
-  private shown: PictureTarget;
+  /** A picture for each eye. */
+  private readonly shown: PictureTarget[];
   private working: PictureTarget;
   private readonly pace: Pace;
   private stale = true;
@@ -37,6 +39,8 @@ export class Refiner {
   private levels: number[] = [];
   private row = 0;
   private pass = 0;
+  /** Whose picture is drawn at rest. */
+  private eye = 0;
   /** Whether rays start at random shares of a step. */
   jitter = true;
   /** Divisor of the resolution on display; 0 before the first picture. */
@@ -50,8 +54,10 @@ export class Refiner {
     private readonly marcher: RayMarcher,
     private readonly surfaces: Surfaces,
     private readonly options: RefinerOptions,
+    /** Turns ray caster and surfaces to what an eye sees now. */
+    private readonly aim: (eye: number) => void,
   ) {
-    this.shown = new PictureTarget(options.halfFloat);
+    this.shown = [new PictureTarget(options.halfFloat)];
     this.working = new PictureTarget(options.halfFloat);
     this.pace = new Pace({
       frameBudget: options.software ? 70 : 24,
@@ -60,8 +66,19 @@ export class Refiner {
     });
   }
 
-  get picture(): PictureTarget {
-    return this.shown;
+  /** The picture of an eye; of the first one where there are no more. */
+  pictureOf(eye: number): PictureTarget {
+    return this.shown[eye] ?? this.first;
+  }
+
+  /** How many pictures there are; to be followed by `resize`. */
+  set eyes(count: number) {
+    for (const picture of this.shown.splice(count)) {
+      picture.dispose();
+    }
+    while (this.shown.length < count) {
+      this.shown.push(new PictureTarget(this.options.halfFloat));
+    }
   }
 
   /** The picture is as fine as it gets. */
@@ -70,8 +87,9 @@ export class Refiner {
   }
 
   resize(width: number, height: number): void {
-    this.shown.resize(width, height);
-    this.working.resize(width, height);
+    for (const picture of [...this.shown, this.working]) {
+      picture.resize(width, height);
+    }
     this.restart();
   }
 
@@ -79,11 +97,6 @@ export class Refiner {
   restart(): void {
     this.stale = true;
     this.levels = [];
-  }
-
-  /** Something would be drawn by the next `advance`, and the view it shows is not yet on display. */
-  get wantsView(): boolean {
-    return this.stale && !this.clock.busy;
   }
 
   /** Draws the next piece; true where what is on display has changed. */
@@ -106,8 +119,13 @@ export class Refiner {
 
   dispose(): void {
     this.clock.forget();
-    this.shown.dispose();
-    this.working.dispose();
+    for (const picture of [...this.shown, this.working]) {
+      picture.dispose();
+    }
+  }
+
+  private get first(): PictureTarget {
+    return this.shown[0] ?? this.working;
   }
 
   private get steps(): { readonly moving: number; readonly resting: number } {
@@ -129,39 +147,52 @@ export class Refiner {
   }
 
   private pixels(divisor: number): number {
-    const { width, height } = this.shown.target;
+    const { width, height } = this.first.target;
     return (width * height) / divisor ** 2;
   }
 
   private drawMoving(now: number): void {
-    const divisor = this.pace.movingDivisor(this.pixels(1));
-    this.working.useLevel(divisor);
-    this.surfaces.draw(this.renderer, this.working, { divisor, shift: [0, 0, 0], depth: this.movingLayers });
-    this.drawRows(0, this.working.height, this.steps.moving, [0, 0, 0]);
-    this.swap(divisor);
+    const eyes = this.shown.length;
+    const divisor = this.pace.movingDivisor(eyes * this.pixels(1));
+    for (let eye = 0; eye < eyes; ++eye) {
+      this.aim(eye);
+      this.working.useLevel(divisor);
+      this.surfaces.draw(this.renderer, this.working, { divisor, shift: [0, 0, 0], depth: this.movingLayers });
+      this.drawRows(0, this.working.height, this.steps.moving, [0, 0, 0]);
+      this.swap(eye);
+    }
+    this.learn(eyes * this.first.width * this.first.height);
+    this.shownDivisor = divisor;
     this.stale = false;
     this.drawnAt = now;
     this.levels = levelsAfter(divisor);
     this.row = 0;
     this.pass = 0;
+    this.eye = 0;
   }
 
   private drawStrip(): boolean {
     const level = this.levels[0] ?? 1;
+    this.turn();
     this.working.useLevel(level);
     if (this.row === 0) {
       this.surfaces.draw(this.renderer, this.working, { divisor: level, shift: [0, 0, 0], depth: mostLayers });
     }
-    const to = Math.min(this.working.height, this.row + this.pace.stripRows(this.working.width, this.working.height));
+    const { width, height } = this.working;
+    const to = Math.min(height, this.row + this.pace.stripRows(width, height));
     this.drawRows(this.row, to, this.steps.resting, [0, 0, 0]);
+    this.learn(width * (to - this.row));
     this.row = to;
-    if (to < this.working.height) {
+    if (to < height) {
       return false;
     }
-    this.swap(level);
-    this.levels.shift();
+    this.swap(this.eye);
     this.row = 0;
-    this.pass = 1;
+    if (this.nextEye()) {
+      this.shownDivisor = level;
+      this.levels.shift();
+      this.pass = 1;
+    }
     return true;
   }
 
@@ -170,29 +201,51 @@ export class Refiner {
     const count = this.pass + 1;
     // covers the pixel evenly
     const shift: Shift = [halton(count, 2) - 0.5, halton(count, 3) - 0.5, count];
-    const { shown, working } = this;
+    const shown = this.pictureOf(this.eye);
+    const { working } = this;
+    this.turn();
     this.working = shown;
     this.surfaces.draw(this.renderer, this.working, { divisor: 1, shift, depth: mostLayers });
     this.marcher.blend = 1 / count;
     this.drawRows(0, shown.height, this.steps.resting, shift);
     this.marcher.blend = null;
     this.working = working;
-    this.pass = count;
+    this.learn(shown.width * shown.height);
+    if (this.nextEye()) {
+      this.pass = count;
+    }
     return true;
   }
 
   private drawRows(from: number, to: number, stepsPerVoxel: number, shift: Shift): void {
-    const pixels = this.working.width * (to - from);
     this.working.useRows(from, to);
     this.marcher.draw(this.renderer, this.working, { stepsPerVoxel, jitter: this.jitter }, shift);
+  }
+
+  /** Learns what the pixels cost that were just drawn. */
+  private learn(pixels: number): void {
     this.clock.start((milliseconds) => {
       this.pace.learn(pixels, milliseconds);
       this.drawnPieces += 1;
     });
   }
 
-  private swap(divisor: number): void {
-    [this.shown, this.working] = [this.working, this.shown];
-    this.shownDivisor = divisor;
+  /** Turns to the eye whose picture is drawn; a single one stays where the view left it. */
+  private turn(): void {
+    if (this.shown.length > 1) {
+      this.aim(this.eye);
+    }
+  }
+
+  /** Goes on to the next eye; true where all had their turn. */
+  private nextEye(): boolean {
+    this.eye = (this.eye + 1) % this.shown.length;
+    return this.eye === 0;
+  }
+
+  private swap(eye: number): void {
+    const drawn = this.working;
+    this.working = this.pictureOf(eye);
+    this.shown[eye] = drawn;
   }
 }

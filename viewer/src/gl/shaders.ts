@@ -1,6 +1,7 @@
 /**
  * The shaders, joined from their files. WebGL2 (GLSL ES 3.00).
  */
+import anaglyphFrag from "./shaders/anaglyph.frag?raw";
 import clip from "./shaders/clip.glsl?raw";
 import compositeFrag from "./shaders/composite.frag?raw";
 import displaced from "./shaders/displaced.glsl?raw";
@@ -51,6 +52,7 @@ export const shaders = {
   fullscreen: joined(fullscreenVert),
   march: joined(displaced, field, segments, surfaces, light, clip, ray, openness, alongRays, marchFrag),
   composite: joined(compositeFrag),
+  anaglyph: joined(anaglyphFrag),
   slice: joined(displaced, field, segments, sliceFrag),
   gauge: { vertex: joined(gaugeVert), fragment: joined(gaugeFrag) },
   marker: { vertex: joined(markerVert), fragment: joined(markerFrag) },

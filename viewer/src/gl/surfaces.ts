@@ -4,7 +4,7 @@
  * depth; then the translucent ones, a layer at a time from near to far.
  */
 import * as THREE from "three";
-import { eyeOf, type Camera } from "../core/camera";
+import { eyeOf, sightOf, type Camera } from "../core/camera";
 import { mostPlanes, type Plane } from "../core/clip";
 import type { MovedPose, Segment } from "../core/protocol";
 import type { ScanFrame } from "../core/scan_volume";
@@ -110,7 +110,7 @@ export class Surfaces {
     this.camera.matrixWorldInverse.copy(camera.matrixWorldInverse);
     this.camera.projectionMatrix.copy(camera.projectionMatrix);
     const { eye, keyDirection, upDirection } = this.shared;
-    eye.value.set(...(view.parallel === null ? eyeOf(view) : view.back), view.parallel === null ? 1 : 0);
+    eye.value.set(...(view.parallel === null ? eyeOf(view) : sightOf(view)), view.parallel === null ? 1 : 0);
     keyDirection.value.set(...keyLight(view));
     upDirection.value.set(...view.up);
   }

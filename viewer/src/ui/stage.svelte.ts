@@ -17,6 +17,7 @@ import {
   sameView,
   type Camera,
   type Extent,
+  type Ray,
   type Viewport,
 } from "../core/camera";
 import { srgbFromHex } from "../core/colour";
@@ -43,10 +44,12 @@ import { Picture } from "../gl/picture";
 import type { SnapshotWish } from "../gl/snapshot";
 import type { ShownSlice, SliceLook } from "../gl/slices";
 import { downloadLabels, downloadVolume } from "../live/volume_download";
+import { BrushControl } from "./brush_control.svelte";
 import { ClipControl } from "./clip_control.svelte";
 import { EditPaceControl } from "./edit_pace_control.svelte";
 import { GrowControl } from "./grow_control.svelte";
 import { LookControl } from "./look_control.svelte";
+import { PageSteps } from "./page_steps.svelte";
 import { Player, type ShownTouch } from "./player.svelte";
 import { ReadOut } from "./read_out.svelte";
 import { recall, remember } from "./remembered";
@@ -56,6 +59,7 @@ import { CutControl } from "./cut_control.svelte";
 import { MarkControl } from "./mark_control.svelte";
 import { ObjectControl } from "./object_control.svelte";
 import { needsLabels, ShownEdits } from "./shown_edits.svelte";
+import { StereoControl } from "./stereo_control.svelte";
 
 /** Most values of a scan that are taken to the GPU: 1 GiB in 16 bit. */
 const mostValues = 2 ** 29;
@@ -70,14 +74,16 @@ const slicePause = 60;
 
 export class Stage {
   camera = $state.raw<Camera | null>(null);
-  /** Size of the 3-D view's pane [CSS pixels]. */
+  /** Size of what is seen in the 3-D view's pane, by each eye where there are two [CSS pixels]. */
   viewport = $state.raw<Viewport>({ width: 1, height: 1 });
   /** The slices beside it. */
   readonly slices = new SliceControl(() => this.camera);
+  /** What each eye sees of the 3-D view. */
+  readonly stereo = new StereoControl(() => this.camera, () => this.slices.panes.view);
   /** How the scan is shown. */
   readonly looks = new LookControl();
   /** What of the 3-D view is cut away. */
-  readonly clips = new ClipControl();
+  readonly clips: ClipControl;
   /** Range of a segment while its slider is dragged, before the engine is asked. */
   preview = $state.raw<{ readonly id: number; readonly range: readonly [number, number] } | null>(null);
   /** Share of the scan on its way to the picture, 0..1; null once it is shown. */
@@ -100,8 +106,12 @@ export class Stage {
   readonly cutting: CutControl;
   /** Segments that are found in the scan. */
   readonly growing: GrowControl;
+  /** The brush in slices. */
+  readonly brush: BrushControl;
   /** What was clicked last: what it is, where, and how much. */
   readonly readOut = new ReadOut();
+  /** Steps of marks and clipping, in their order. */
+  readonly steps: PageSteps;
   /** Points, distances and angles that a person has set. */
   readonly marks: MarkControl;
   framesPerSecond = $state.raw(0);
@@ -142,7 +152,10 @@ export class Stage {
     this.editPace = new EditPaceControl(session);
     this.cutting = new CutControl(session);
     this.growing = new GrowControl(session);
-    this.marks = new MarkControl(() => session.latest?.edit ?? 0);
+    this.brush = new BrushControl(session);
+    this.steps = new PageSteps(() => session.latest?.edit ?? 0);
+    this.clips = new ClipControl(this.steps);
+    this.marks = new MarkControl(this.steps);
     this.player = new Player(session);
     this.edits = new ShownEdits({
       complain: (text) => {
@@ -167,6 +180,14 @@ export class Stage {
     this.trail.add(time, proxy);
     if (this.slices.habits.follows) {
       this.slices.goTo(proxy);
+    }
+  }
+
+  /** Takes the brush and shows slices to paint in, or puts it away. */
+  toggleBrush(): void {
+    this.brush.arm(!this.brush.armed);
+    if (this.brush.armed && this.slices.habits.layout === "view") {
+      this.slices.change({ layout: "four" });
     }
   }
 
@@ -227,9 +248,11 @@ export class Stage {
     this.edits.clear();
     const step = subsamplingStep(scanFrame.dimensions, { edge: this.support.largestEdge, values: mostValues });
     this.tellCoarseness(step);
+    this.steps.clear();
     this.looks.open(scan);
     this.clips.open(scan.name, scanFrame);
     this.slices.open(scan);
+    this.brush.open(scan);
     this.marks.open(scan);
     this.readOut.close();
     try {
@@ -342,13 +365,18 @@ export class Stage {
     this.camera = this.extent && this.camera && frame(this.camera, this.extent, this.viewport);
   }
 
-  /** What stands at a place of the picture [CSS pixels]. */
+  /** What stands at a place of the 3-D view's pane [CSS pixels]: seen by the eye that is pointed with. */
   pick(x: number, y: number): Picked | null {
-    const { volume, look, camera, segments, edits } = this;
-    if (volume === null || look === null || camera === null) {
+    const eye = this.stereo.at(x, y);
+    return eye && this.pickAlong(rayThrough(eye.camera, ...eye.place, eye.viewport));
+  }
+
+  /** What a ray of the scene meets first. */
+  pickAlong(ray: Ray): Picked | null {
+    const { volume, look, segments, edits } = this;
+    if (volume === null || look === null) {
       return null;
     }
-    const ray = rayThrough(camera, x, y, this.viewport);
     const poses = this.session.latest?.poses ?? [];
     const surfaces = segments.filter(drawnAsSurface).map(({ id, pose, opacity }) => ({
       id,
@@ -389,6 +417,15 @@ export class Stage {
       throw new Error("there is no picture");
     }
     await this.picture.snapshot(context, wish);
+  }
+
+  /** What is drawn, and the scan as the page holds it; for benchmarks. */
+  get drawn(): Picture | null {
+    return this.picture;
+  }
+
+  get held(): ScanVolume | null {
+    return this.volume;
   }
 
   /** How fine the picture on display is. */
@@ -478,12 +515,13 @@ export class Stage {
   /** Gives the 3-D view its pane. */
   arrange({ view }: Panes): void {
     const { size } = this.slices;
-    const { width, height } = view;
+    const { width, height } = this.stereo.viewport(view);
     const before = this.viewport;
     if (width !== before.width || height !== before.height) {
       this.viewport = { width, height };
       this.camera = this.camera && reshaped(this.camera, before, this.viewport);
     }
+    this.picture?.setStereo(this.stereo.choice);
     this.picture?.resize(size.width, size.height, view);
     this.drawnState = null;
   }
