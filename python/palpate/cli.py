@@ -16,6 +16,7 @@ from typer.exceptions import TyperException
 from palpate.cli_bench import (
     bench_deform,
     bench_open,
+    bench_register,
     bench_segment,
     bench_session,
     bench_truth_cube,
@@ -498,6 +499,7 @@ app.add_typer(bench, name="bench")
 bench.command("fuzz-import")(bench_fuzz_import)
 bench.command("deform")(bench_deform)
 bench.command("open")(bench_open)
+bench.command("register")(bench_register)
 bench.command("segment")(bench_segment)
 bench.command("session")(bench_session)
 bench.command("truth-cube")(bench_truth_cube)

@@ -17,6 +17,7 @@ use crate::proxy::Proxy;
 use crate::scene::{Solid, TouchScene};
 use crate::slide::{SLIDE_VISITS, slide};
 use crate::voxel_distance::squared_distance;
+use crate::wide::widest;
 use glam::{DVec3, IVec3};
 use palpate_volume::first_solid::{Outcome, first_solid_bounded};
 use palpate_volume::occupancy::Occupancy;
@@ -62,7 +63,7 @@ impl ContactModel for Exact {
                 return many_bodies::advance(&self.limits, &bodies, device_in_grid, proxy);
             }
         }
-        self.advance_in_world(scene, device_in_grid, proxy)
+        advance_in_world(&self.limits, scene, device_in_grid, proxy)
     }
 
     fn visit_bound(&self) -> u32 {
@@ -78,9 +79,19 @@ impl ContactModel for Exact {
     }
 }
 
-impl Exact {
+widest! {
     /// With the world alone.
-    fn advance_in_world<O: Occupancy>(
+    fn advance_in_world[O: Occupancy](
+        limits: &ExactLimits,
+        scene: &TouchScene<'_, O>,
+        device_in_grid: DVec3,
+        proxy: &mut Proxy,
+    ) -> Contact = ExactLimits::advance_plainly
+}
+
+impl ExactLimits {
+    #[inline(always)]
+    fn advance_plainly<O: Occupancy>(
         &self,
         scene: &TouchScene<'_, O>,
         device_in_grid: DVec3,
@@ -90,7 +101,7 @@ impl Exact {
             occupancy, grid, ..
         } = *scene;
         let mut contact = Contact::default();
-        let mut visits_left = self.limits.max_visits;
+        let mut visits_left = self.max_visits;
         loop {
             // straight toward the device; the traversal always reads one voxel
             let start = proxy.point();
@@ -121,7 +132,7 @@ impl Exact {
             }
 
             // then along the surface, to where the device is strictly nearer
-            if contact.slides == self.limits.max_slides {
+            if contact.slides == self.max_slides {
                 return contact;
             }
             contact.visits += SLIDE_VISITS;

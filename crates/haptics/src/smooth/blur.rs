@@ -19,7 +19,7 @@ use super::cell_shares::CellShares;
 use super::field::{Field, FieldSample, Kernel};
 use super::spline::{Nodes, Place, Width};
 use super::tents::{Cells, unit_of};
-use super::window::Window;
+use super::window::{Window, counts};
 use crate::voxel_distance::voxel_of;
 use crate::wide::widest;
 use glam::{DVec3, IVec3, Vec3A};
@@ -52,7 +52,7 @@ impl BlurField {
         }
     }
 
-    /// Whether this is the field that [`Self::around`] makes for an aim at the same solid.
+    /// Whether this is the field that [`make_around`] makes for an aim at the same solid.
     pub(super) fn is_around(&self, aim: &Aim, spacing: DVec3) -> bool {
         self.spacing == spacing
             && self
@@ -61,12 +61,10 @@ impl BlurField {
             && self.window.is_from(aim.seed)
     }
 
-    /// Makes it the field around an aim, whose seed is a free voxel, with what is known of the
-    /// shares of voxels at the surface, where they are to count. Where that voxel is solid,
-    /// nothing can be told apart, and the field is that of nothing.
-    pub(super) fn around(
+    #[inline(always)]
+    fn around_plainly(
         &mut self,
-        occupancy: &(impl Occupancy + ?Sized),
+        occupancy: &impl Occupancy,
         aim: &Aim,
         spacing: DVec3,
         known: Option<(Source, &mut CellShares)>,
@@ -83,7 +81,7 @@ impl BlurField {
         }
         let unit = unit_of(self.shape.volume());
         let full = unit * self.shape.volume();
-        let mut cells = Cells::of_counts(&self.window.counts(), unit);
+        let mut cells = Cells::of_counts(&counts(&self.window), unit);
         if let Some((source, known)) = known {
             known.keep(source, self.shape);
             known.look_at(occupancy, &self.window, |row, changes| {
@@ -104,6 +102,19 @@ impl BlurField {
     pub(crate) fn any_solid(&self) -> bool {
         self.any_solid
     }
+}
+
+widest! {
+    /// Makes it the field around an aim, whose seed is a free voxel, with what is known of the
+    /// shares of voxels at the surface, where they are to count. Where that voxel is solid,
+    /// nothing can be told apart, and the field is that of nothing.
+    pub(super) fn make_around[O: Occupancy](
+        field: &mut BlurField,
+        occupancy: &O,
+        aim: &Aim,
+        spacing: DVec3,
+        known: Option<(Source, &mut CellShares)>,
+    ) = BlurField::around_plainly
 }
 
 widest! {
@@ -137,7 +148,7 @@ fn kernel_of(shape: CellShape) -> Kernel {
 }
 
 impl Field for BlurField {
-    #[inline]
+    #[inline(always)]
     fn sample(&self, point: Vec3A) -> FieldSample {
         if !self.any_solid {
             return FieldSample::default();
@@ -149,7 +160,7 @@ impl Field for BlurField {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn wide_value(&self, point: Vec3A) -> f32 {
         if !self.any_solid {
             return 0.0;
