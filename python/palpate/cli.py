@@ -16,12 +16,14 @@ from typer.exceptions import TyperException
 from palpate.cli_bench import (
     bench_deform,
     bench_open,
+    bench_register,
     bench_segment,
     bench_session,
     bench_truth_cube,
     stress_in_matter,
 )
 from palpate.cli_export import export
+from palpate.cli_fuzz import bench_fuzz_import
 from palpate.cli_recipe import EXAMPLES as RECIPE_EXAMPLES
 from palpate.cli_recipe import run_file
 from palpate.cli_register import EXAMPLES as REGISTER_EXAMPLES
@@ -505,8 +507,10 @@ app.add_typer(scenario, name="scenario")
 
 bench = typer.Typer(help="Measure.", no_args_is_help=True)
 app.add_typer(bench, name="bench")
+bench.command("fuzz-import")(bench_fuzz_import)
 bench.command("deform")(bench_deform)
 bench.command("open")(bench_open)
+bench.command("register")(bench_register)
 bench.command("segment")(bench_segment)
 bench.command("session")(bench_session)
 bench.command("truth-cube")(bench_truth_cube)

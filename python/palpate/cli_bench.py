@@ -12,6 +12,7 @@ from palpate.console import Display, quiet_libraries, warn
 __all__ = [
     "bench_deform",
     "bench_open",
+    "bench_register",
     "bench_segment",
     "bench_session",
     "bench_truth_cube",
@@ -80,6 +81,23 @@ def bench_open(*, json_file: Json = None) -> None:
     print_rows("open", rows)
     if json_file is not None:
         write_rows("open", rows, json_file)
+
+
+def bench_register(*, json_file: Json = None) -> None:
+    """Measure how far landmarks of a lung are apart after registration, beside elastix."""
+    from palpate.bench.haptics_data import MissingDataError
+    from palpate.bench.registration import measure
+    from palpate.bench.report import print_rows, write_rows
+    from palpate.errors import OptionError
+
+    try:
+        with quiet_libraries(), Display() as display:
+            rows = measure(display)
+    except MissingDataError as error:
+        raise OptionError(f"no {error}; allowed: PALPATE_DATA with it") from None
+    print_rows("register", rows)
+    if json_file is not None:
+        write_rows("register", rows, json_file)
 
 
 def bench_segment(

@@ -16,6 +16,9 @@ A recipe, with the options of the commands under their names:
 
   import:
     path: ct/
+  register:                    # where there is another scan
+    moving: mr/
+    resampled: mr-on-ct.nii.gz
   segment:
     - threshold: 250
       keep-largest: true
@@ -39,7 +42,7 @@ def run_file(
     *,
     check: Annotated[bool, typer.Option("--check", help="Check it, and do nothing.")] = False,
 ) -> None:
-    """Run a recipe: scan, segments, surfaces, files for other programs, report."""
+    """Run a recipe: scan, registration, segments, surfaces, files, report."""
     from palpate.recipe import read_recipe
     from palpate.recipe_run import run_recipe
 

@@ -216,6 +216,10 @@ def plan_of(what: str, series: Series, *, max_voxels: int) -> Plan:
     if stack is not None:
         grid = grid_of(what, stack, columns=first.columns, rows=first.rows)
         check_shape(what, grid.size, max_voxels)
+        if all(len(header.frames) == 1 for header in series.headers):
+            # files in the order of their slices need not be moved once they are decoded
+            series = replace(series, headers=tuple(series.headers[i] for i in stack.order))
+            stack = replace(stack, order=tuple(range(len(stack.order))))
     return Plan(series, stack, grid, tuple(said))
 
 

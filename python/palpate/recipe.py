@@ -1,9 +1,9 @@
 """Recipes: a scan, its segments and what is written of them, in one file.
 
 A recipe is YAML. Its keys are the stages of the pipeline (thesis 2.2.1), theirs the options of the
-commands: ``import``, ``segment``, ``surface``, ``export``; and where the ``report`` goes. Files
-stand beside the recipe. All of it is checked before anything is read, with the line of what is
-wrong.
+commands: ``import``, ``register``, ``segment``, ``surface``, ``export``; and where the ``report``
+goes. Files stand beside the recipe. All of it is checked before anything is read, with the line of
+what is wrong.
 """
 
 from __future__ import annotations
@@ -21,9 +21,12 @@ import yaml
 from palpate.cli_surface import check_target
 from palpate.errors import OptionError, PalpateError
 from palpate.export import Kind, check_export, kind_of
+from palpate.export_image import IMAGE_SUFFIXES
+from palpate.registration_options import Kind as RegistrationKind
+from palpate.registration_options import Metric
 from palpate.segment_request import SegmentRequest
 
-__all__ = ["ExportStep", "ImportStep", "Recipe", "SurfaceStep", "read_recipe"]
+__all__ = ["ExportStep", "ImportStep", "Recipe", "RegisterStep", "SurfaceStep", "read_recipe"]
 
 MOST_BYTES = 1 << 20
 """A larger file is no recipe."""
@@ -41,6 +44,21 @@ class ImportStep(Step, frozen=True, kw_only=True):
     orientation: str | None = None
     unit: str | None = None
     fill: float | None = None
+
+
+class RegisterStep(Step, frozen=True, kw_only=True):
+    """Another scan that is brought to the first one, as by ``palpate register``."""
+
+    moving: Path
+    moving_series: str | int | None = None
+    kind: RegistrationKind = "rigid"
+    metric: Metric = "mutual-information"
+    start: Literal["geometry", "centre", "moments"] = "centre"
+    output: Path | None = None
+    resampled: Path | None = None
+    picture: Path | None = None
+    go_on_with: Literal["fixed", "moving"] = "fixed"
+    """The scan that segments are made of: ``moving`` on the grid of the first one."""
 
 
 class SurfaceStep(Step, frozen=True, kw_only=True):
@@ -66,6 +84,7 @@ class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     """What is to be done, in this order."""
 
     scan: ImportStep = msgspec.field(name="import")
+    register: RegisterStep | None = None
     segment: list[SegmentRequest]
     surface: list[SurfaceStep] = []
     export: list[ExportStep] = []
@@ -151,6 +170,7 @@ def _told(error: Exception, source: Source) -> OptionError:
 def _kind_at(where: str) -> type[msgspec.Struct]:
     kinds: dict[str, type[msgspec.Struct]] = {
         "import": ImportStep,
+        "register": RegisterStep,
         "segment": SegmentRequest,
         "surface": SurfaceStep,
         "export": ExportStep,
@@ -163,6 +183,8 @@ def _check(recipe: Recipe, source: Source) -> None:
     """Refuses what could not be done, whatever the scan is like."""
     if not recipe.scan.path.exists():
         raise source.wrong("$.import.path", f"{recipe.scan.path} does not exist")
+    if recipe.register is not None:
+        _check_register(recipe.register, source)
     if not recipe.segment:
         raise source.wrong("$.segment", "no segment given; allowed: one or more")
     for number, request in enumerate(recipe.segment):
@@ -181,6 +203,19 @@ def _check(recipe: Recipe, source: Source) -> None:
         with source.at("$.report"):
             check_target(recipe.report, (".html",))
     _refuse_same_file(recipe, source)
+
+
+def _check_register(step: RegisterStep, source: Source) -> None:
+    if not step.moving.exists():
+        raise source.wrong("$.register.moving", f"{step.moving} does not exist")
+    for name, path, suffixes in (
+        ("output", step.output, (".tfm",)),
+        ("resampled", step.resampled, IMAGE_SUFFIXES),
+        ("picture", step.picture, (".png",)),
+    ):
+        if path is not None:
+            with source.at(f"$.register.{name}"):
+                check_target(path, suffixes)
 
 
 def _check_name(name: str | None, names: list[str] | None) -> None:
@@ -203,12 +238,20 @@ def _names(recipe: Recipe) -> list[str] | None:
 
 
 def _refuse_same_file(recipe: Recipe, source: Source) -> None:
+    register = recipe.register
     places = [
+        *(
+            (f"$.register.{name}", path)
+            for name in ("output", "resampled", "picture")
+            if register is not None and (path := getattr(register, name)) is not None
+        ),
         *((f"$.surface[{n}].out", step.out) for n, step in enumerate(recipe.surface)),
         *((f"$.export[{n}].out", step.out) for n, step in enumerate(recipe.export)),
         *([("$.report", recipe.report)] if recipe.report is not None else []),
     ]
     written: set[Path] = {recipe.scan.path.resolve()}
+    if register is not None:
+        written.add(register.moving.resolve())
     for where, path in places:
         if path.resolve() in written:
             raise source.wrong(

@@ -70,11 +70,11 @@ class SearchOptions:
 
     samples: int = 50_000
     """Voxels that are compared on each level for a turn, shift, scale and shear."""
-    bent_samples: int = 5_000
-    """The same for a bent transform, whose work grows with samples times knots."""
+    bent_samples: int = 8_000
+    """The same for a bent transform on the finest level; more on coarser ones, with fewer knots."""
     iterations: int = 150
     """On each level, at most."""
-    bent_iterations: int = 25
+    bent_iterations: int = 15
     """The same for a bent transform."""
     knots: float = 32.0
     """Between the knots of a bent transform on the finest level [mm]."""

@@ -37,6 +37,8 @@ BLUR = 0.5
 """Standard deviation of the smoothing of a coarser level, per step of its grid."""
 LAST_STEP = 0.005
 """Of the first step, which is as long as a voxel of the level: a search ends with it."""
+MORE_SAMPLES = 4
+"""Times as many for a bent transform on a level than on the next finer one."""
 MEASURED_VOXELS = 1_000_000
 """About how many tell the metric before and after."""
 WORSE = 1e-2
@@ -230,7 +232,9 @@ class Search:
             fixed, [max(1, round(length / coarsest)) for length in reach]
         )
         for number, shrink in enumerate(self._shrinks):
-            level = self._level(stage, shrink, options.bent_samples)
+            # fewer knots leave time for more samples, and a search that begins well strays less
+            finer = len(self._shrinks) - 1 - number
+            level = self._level(stage, shrink, options.bent_samples * MORE_SAMPLES**finer)
             method = self._sampled(level, options.seed)
             method.SetMovingInitialTransform(first)
             denser = 2 if number > 0 else 1

@@ -250,7 +250,7 @@ class Library:
             volume.traits = replace(volume.traits, warnings=warnings)
         try:
             from_thread.run(self._workbench.exchange, begin)
-        except PalpateError as error:
+        except (PalpateError, OSError, RuntimeError) as error:
             self._workbench.tell(f"The scan was not opened: {error}")
             raise
 

@@ -81,7 +81,11 @@ class Workbench:
             old, self.opened = self.opened, None
             if old is not None:
                 await old.stop(exchanged=True)
-                await run_in_threadpool(old.end)
+                try:
+                    await run_in_threadpool(old.end)
+                except OSError as error:
+                    # what cannot be kept of the old one does not hold the new one up
+                    self.tell(f"Not all of {old.name} could be kept: {error}")
             opened = await run_in_threadpool(begin)
             await opened.start()
             self.opened = opened

@@ -47,10 +47,11 @@ class StepGroups:
         return self._go(once, back=False)
 
     def _go(self, once: Callable[[], bool], *, back: bool) -> bool:
-        before = {each.segment_id: self._count(each.segment_id) for each in self._groups}
+        numbers = {each.segment_id for each in self._groups}
+        before = {number: self._count(number) for number in numbers}
         if not once():
             return False
-        after = {segment_id: self._count(segment_id) for segment_id in before}
+        after = {number: self._count(number) for number in numbers}
         for group in reversed(self._groups):
             counts = group.counts[::-1] if back else group.counts
             now = before[group.segment_id], after[group.segment_id]

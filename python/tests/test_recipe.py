@@ -100,6 +100,39 @@ def test_a_whole_pipeline_runs_and_its_files_are_read_again(folder: Path, capsys
     assert tinted.max() > tinted.min()
 
 
+def test_another_scan_is_brought_to_the_first_one_and_segments_are_made_of_it(
+    folder: Path, write_image: Any, capsys: Any
+) -> None:
+    scan = read(folder / "scan.mha")
+    moved = np.zeros_like(scan.array)
+    moved[3:, 2:, 4:] = scan.array[:-3, :-2, :-4]
+    write_image(moved, "moved.mha", spacing=SPACING)
+    recipe = written(
+        folder,
+        """
+import: {path: scan.mha}
+register: {moving: moved.mha, start: geometry, metric: correlation, output: T.tfm,
+           picture: squares.png, resampled: back.mha, go-on-with: moving}
+segment:
+  - {threshold: 450, name: small}
+export:
+  - {out: small.mha}
+report: report.html
+""",
+    )
+    assert run(["run", str(recipe)]) == 0
+    for name in ("T.tfm", "squares.png", "back.mha"):
+        assert (folder / name).exists()
+    assert "registration: " in capsys.readouterr().err
+    mask = SimpleITK.GetArrayFromImage(SimpleITK.ReadImage(str(folder / "small.mha"))) != 0
+    ball = scan.array == 600
+    both = 2.0 * np.count_nonzero(mask & ball)
+    # as it is, the moved one hardly overlaps
+    assert both / (np.count_nonzero(mask) + np.count_nonzero(ball)) > 0.85
+    shifted = moved == 600
+    assert 2.0 * np.count_nonzero(shifted & ball) / (2.0 * np.count_nonzero(ball)) < 0.6
+
+
 @pytest.mark.parametrize(
     ("wrong", "line", "said"),
     [
@@ -119,7 +152,13 @@ def test_a_whole_pipeline_runs_and_its_files_are_read_again(folder: Path, capsys
         (("fill: true", "threshold: 3"), 8, "'threshold' is given twice"),
         (("fill: true", "fill: : true"), 8, "mapping values are not allowed"),
         (("smoothing: 2", "smoothing: 2\n    out2: 3"), 17, "'out2' is no option here"),
-        (("surface:", "surfaces:"), 13, "'surfaces' is no option here; allowed: import, segment"),
+        (("surface:", "surfaces:"), 13, "'surfaces' is no option here; allowed: import, register"),
+        (("segment:\n  - t", "register: {moving: gone.nii}\nsegment:\n  - t"), 5, "gone.nii does"),
+        (
+            ("segment:\n  - t", "register: {moving: scan.mha, output: a.txt}\nsegment:\n  - t"),
+            5,
+            "'a.txt' given; allowed: a name with .tfm",
+        ),
         (("only: [ball]", "as: pdf"), 20, "Invalid enum value 'pdf'"),
     ],
 )

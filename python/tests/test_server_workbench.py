@@ -138,3 +138,20 @@ def test_where_the_new_scan_cannot_begin_nothing_is_open(tmp_path: Path) -> None
         assert get(access, "/api/volume").status_code == 409
         assert not first.session.is_running
     workbench.end()
+
+
+def test_what_cannot_be_kept_of_the_old_scan_is_told_and_the_new_one_opens(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(_: OpenScan) -> None:
+        raise OSError(28, "No space left on device")
+
+    first = OpenScan.begin(make_ball(), tell=lambda _: None)
+    workbench = Watched(first)
+    with serving(workbench, write_page(tmp_path / "page")) as access:
+        with monkeypatch.context() as patch:
+            patch.setattr(OpenScan, "end", full)
+            exchanged(workbench, workbench.loop, lambda: OpenScan.begin(other()))
+        assert get(access, "/api/volume").status_code == 200
+        assert "No space left" in workbench.take_told()[0]
+    workbench.end()

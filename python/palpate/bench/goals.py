@@ -17,6 +17,7 @@ from palpate.bench.goals_matter import (
     TRUTH_CUBE_ROWS,
 )
 from palpate.bench.goals_open import OPEN_ROWS
+from palpate.bench.goals_registration import REGISTER_ROWS
 from palpate.bench.goals_segment import SEGMENT_ROWS
 
 __all__ = [
@@ -451,6 +452,7 @@ GOALS: dict[str, tuple[Goal, ...]] = {
         *_edit_rows(EDIT_DRAWN, goal=None),
     ),
     "open": OPEN_ROWS,
+    "register": REGISTER_ROWS,
     "segment": SEGMENT_ROWS,
     "surface": SURFACE_ROWS,
     "haptics": (
