@@ -16,6 +16,7 @@ from typer.exceptions import TyperException
 from palpate.cli_bench import (
     bench_deform,
     bench_open,
+    bench_render,
     bench_session,
     bench_truth_cube,
     stress_in_matter,
@@ -474,6 +475,7 @@ bench = typer.Typer(help="Measure.", no_args_is_help=True)
 app.add_typer(bench, name="bench")
 bench.command("deform")(bench_deform)
 bench.command("open")(bench_open)
+bench.command("render")(bench_render)
 bench.command("session")(bench_session)
 bench.command("truth-cube")(bench_truth_cube)
 

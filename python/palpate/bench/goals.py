@@ -17,6 +17,7 @@ from palpate.bench.goals_matter import (
     TRUTH_CUBE_ROWS,
 )
 from palpate.bench.goals_open import OPEN_ROWS
+from palpate.bench.goals_render import RENDER_ROWS
 
 __all__ = [
     "DEFAULT_STIFFNESS",
@@ -450,6 +451,7 @@ GOALS: dict[str, tuple[Goal, ...]] = {
         *_edit_rows(EDIT_DRAWN, goal=None),
     ),
     "open": OPEN_ROWS,
+    "render": RENDER_ROWS,
     "surface": SURFACE_ROWS,
     "haptics": (
         *(row for ground in GROUNDS for row in haptics_rows(ground)),

@@ -7,6 +7,7 @@ import type { Mark } from "../core/measure";
 import type { Picked } from "../core/pick_surface";
 import { decodeToPage, type Scan, type Settings, type State } from "../core/protocol";
 import type { Vec3 } from "../core/vector";
+import { benchDoor, type BenchDoor } from "./bench_door";
 import type { ShownSlice } from "../gl/slices";
 import type { HandControl } from "./hand_control.svelte";
 import type { Hearing } from "./hearing.svelte";
@@ -73,6 +74,7 @@ export interface TestDoor {
   readonly setView: (direction: Letter) => void;
   /** What stands at a place of the picture [CSS pixels]. */
   readonly pick: (x: number, y: number) => Picked | null;
+  readonly bench: BenchDoor;
   /** Points, distances and angles that were set. */
   readonly marks: readonly Mark[];
 }
@@ -163,6 +165,7 @@ export function openTestDoor(session: Session, stage: Stage, hand: HandControl, 
     hand: (point) => { hand.goTo(point); },
     setView: (direction) => { stage.lookFrom(direction); },
     pick: (x, y) => stage.pick(x, y),
+    bench: benchDoor(stage),
     get marks() {
       return stage.marks.all;
     },
