@@ -31,6 +31,8 @@ if TYPE_CHECKING:
     from palpate.painted_cut import PaintedCut
     from palpate.phantom_scan import Phantom, phantom
     from palpate.recording import Recording, Replay
+    from palpate.registration import Registration, register
+    from palpate.registration_options import RegistrationError, SearchOptions
     from palpate.scene import Scene
     from palpate.scripted_path import ScriptedPath
     from palpate.segment import Segment
@@ -51,9 +53,12 @@ __all__ = [
     "Phantom",
     "Recording",
     "RecordingFormatError",
+    "Registration",
+    "RegistrationError",
     "Replay",
     "Scene",
     "ScriptedPath",
+    "SearchOptions",
     "Segment",
     "SeriesChoiceError",
     "Session",
@@ -66,6 +71,7 @@ __all__ = [
     "phantom",
     "read",
     "read_labels",
+    "register",
 ]
 
 _HOMES = {
@@ -87,6 +93,10 @@ _HOMES = {
     "phantom": "phantom_scan",
     "Scene": "scene",
     "ScriptedPath": "scripted_path",
+    "Registration": "registration",
+    "register": "registration",
+    "RegistrationError": "registration_options",
+    "SearchOptions": "registration_options",
     "Segment": "segment",
     "Recording": "recording",
     "Replay": "recording",

@@ -12,7 +12,9 @@ from palpate.console import Display, quiet_libraries, warn
 __all__ = [
     "bench_deform",
     "bench_open",
+    "bench_register",
     "bench_render",
+    "bench_segment",
     "bench_session",
     "bench_truth_cube",
     "stress_in_matter",
@@ -116,6 +118,44 @@ def bench_render(
         )
     if json_file is not None:
         write_rows("render", rows, json_file)
+
+
+def bench_register(*, json_file: Json = None) -> None:
+    """Measure how far landmarks of a lung are apart after registration, beside elastix."""
+    from palpate.bench.haptics_data import MissingDataError
+    from palpate.bench.registration import measure
+    from palpate.bench.report import print_rows, write_rows
+    from palpate.errors import OptionError
+
+    try:
+        with quiet_libraries(), Display() as display:
+            rows = measure(display)
+    except MissingDataError as error:
+        raise OptionError(f"no {error}; allowed: PALPATE_DATA with it") from None
+    print_rows("register", rows)
+    if json_file is not None:
+        write_rows("register", rows, json_file)
+
+
+def bench_segment(
+    *,
+    runs: Annotated[int, typer.Option(min=1, max=20, help="The median counts.")] = 3,
+    json_file: Json = None,
+) -> None:
+    """Measure how soon a threshold with its surface, a grown organ and many segments are there."""
+    from palpate.bench.haptics_data import MissingDataError
+    from palpate.bench.report import print_rows, write_rows
+    from palpate.bench.segmenting import measure
+    from palpate.errors import OptionError
+
+    try:
+        with quiet_libraries(), Display() as display:
+            rows = measure(runs=runs, progress=display)
+    except MissingDataError as error:
+        raise OptionError(f"no {error}; allowed: PALPATE_DATA with it") from None
+    print_rows("segment", rows)
+    if json_file is not None:
+        write_rows("segment", rows, json_file)
 
 
 def bench_truth_cube(*, json_file: Json = None, plot: Plot = None) -> None:

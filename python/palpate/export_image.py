@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from palpate.export_masks import label_map
 from palpate.scene import SceneSegment
-from palpate.simpleitk import reason_of, simpleitk
+from palpate.simpleitk import image_on, reason_of, simpleitk
 from palpate.volume import Volume
 from palpate.whole_file import whole_file
 
@@ -69,10 +69,7 @@ def write_image(array: NDArray[Any], volume: Volume, path: Path) -> None:
         OSError: The disk refuses it.
     """
     sitk = simpleitk()
-    image = sitk.GetImageFromArray(array)
-    image.SetSpacing(volume.spacing)
-    image.SetOrigin(volume.origin)
-    image.SetDirection(volume.direction.ravel().tolist())
+    image = image_on(volume, array)
     with whole_file(path) as unfinished:
         try:
             sitk.WriteImage(image, str(unfinished), useCompression=True)

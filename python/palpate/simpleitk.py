@@ -6,9 +6,22 @@ import re
 from collections.abc import Sequence
 from importlib import import_module
 from types import ModuleType
-from typing import Protocol
+from typing import Any, Protocol
 
-__all__ = ["Image", "Reader", "reason_of", "simpleitk"]
+from numpy.typing import NDArray
+
+__all__ = ["Grid", "Image", "Reader", "Transform", "image_on", "reason_of", "simpleitk"]
+
+
+class Grid(Protocol):
+    """How voxels lie in the patient, LPS [mm], as ``palpate.volume.Volume`` tells it."""
+
+    @property
+    def spacing(self) -> tuple[float, float, float]: ...  # noqa: D102
+    @property
+    def origin(self) -> tuple[float, float, float]: ...  # noqa: D102
+    @property
+    def direction(self) -> NDArray[Any]: ...  # noqa: D102
 
 
 class Image(Protocol):
@@ -19,14 +32,24 @@ class Image(Protocol):
     def GetDirection(self) -> tuple[float, ...]: ...  # noqa: N802, D102
 
 
+class Transform(Protocol):
+    """What is used of ``SimpleITK.Transform``; points are patient, LPS [mm]."""
+
+    def GetDimension(self) -> int: ...  # noqa: N802, D102
+    def IsLinear(self) -> bool: ...  # noqa: N802, D102
+    def TransformPoint(self, point: Sequence[float]) -> tuple[float, ...]: ...  # noqa: N802, D102
+
+
 class Reader(Protocol):
     """What is used of ``SimpleITK.ImageFileReader``."""
 
     def GetSize(self) -> tuple[int, ...]: ...  # noqa: N802, D102
+    def GetSpacing(self) -> tuple[float, ...]: ...  # noqa: N802, D102
     def GetNumberOfComponents(self) -> int: ...  # noqa: N802, D102
     def GetPixelIDValue(self) -> int: ...  # noqa: N802, D102
     def GetMetaDataKeys(self) -> Sequence[str]: ...  # noqa: N802, D102
     def GetMetaData(self, key: str) -> str: ...  # noqa: N802, D102
+    def SetExtractIndex(self, index: Sequence[int]) -> None: ...  # noqa: N802, D102
     def SetExtractSize(self, size: Sequence[int]) -> None: ...  # noqa: N802, D102
     def Execute(self) -> Image: ...  # noqa: N802, D102
 
@@ -36,6 +59,15 @@ def simpleitk() -> ModuleType:
     module = import_module("SimpleITK")
     module.ProcessObject.SetGlobalWarningDisplay(False)  # noqa: FBT003  # its only form
     return module
+
+
+def image_on(grid: Grid, array: NDArray[Any]) -> Any:  # noqa: ANN401  # SimpleITK has no types
+    """Returns an array [z, y, x] on a grid as ``SimpleITK.Image``."""
+    image = simpleitk().GetImageFromArray(array)
+    image.SetSpacing(grid.spacing)
+    image.SetOrigin(grid.origin)
+    image.SetDirection(grid.direction.ravel().tolist())
+    return image
 
 
 def reason_of(error: RuntimeError) -> str:

@@ -17,7 +17,9 @@ from palpate.bench.goals_matter import (
     TRUTH_CUBE_ROWS,
 )
 from palpate.bench.goals_open import OPEN_ROWS
+from palpate.bench.goals_registration import REGISTER_ROWS
 from palpate.bench.goals_render import RENDER_ROWS
+from palpate.bench.goals_segment import SEGMENT_ROWS
 
 __all__ = [
     "DEFAULT_STIFFNESS",
@@ -452,6 +454,8 @@ GOALS: dict[str, tuple[Goal, ...]] = {
     ),
     "open": OPEN_ROWS,
     "render": RENDER_ROWS,
+    "register": REGISTER_ROWS,
+    "segment": SEGMENT_ROWS,
     "surface": SURFACE_ROWS,
     "haptics": (
         *(row for ground in GROUNDS for row in haptics_rows(ground)),

@@ -25,11 +25,15 @@ import { labelColours } from "./lookup_textures";
 import type { MarkerState } from "./markers";
 import { RayMarcher } from "./ray_marcher";
 import { Refiner } from "./refiner";
+import type { ShownSecond } from "./second_texture";
 import { Snapshot, type SnapshotWish } from "./snapshot";
 import { Slices, type ShownSlice, type SliceLook } from "./slices";
 import { Surfaces } from "./surfaces";
 import { drawTimed, type TimedPicture, type TimedWish } from "./timed_picture";
 import { ViewPane } from "./view_pane";
+
+/** Cells along the scan's longest edge in which its light is worked out. */
+const lightCells = { gpu: 128, software: 64 } as const;
 
 export interface PictureOptions {
   readonly support: GpuSupport;
@@ -41,12 +45,12 @@ export interface PictureOptions {
 
 export class Picture {
   private readonly renderer: THREE.WebGLRenderer;
-  private readonly marcher = new RayMarcher();
+  private readonly marcher: RayMarcher;
   private readonly compositor = new Compositor();
   private readonly surfaces: Surfaces;
   private readonly refiner: Refiner;
   private readonly pane: ViewPane;
-  private readonly slices = new Slices(this.marcher);
+  private readonly slices: Slices;
   private readonly options: PictureOptions;
   /** Nothing is drawn, and all is uploaded as always: for the benchmark of edits. */
   suspended = false;
@@ -66,6 +70,8 @@ export class Picture {
   constructor(canvas: HTMLCanvasElement, options: PictureOptions) {
     const { support } = options;
     this.options = options;
+    this.marcher = new RayMarcher(support.software ? lightCells.software : lightCells.gpu);
+    this.slices = new Slices(this.marcher);
     this.renderer = new THREE.WebGLRenderer({
       canvas,
       // smooth edges of the markers; the scan's own are smoothed by averaging
@@ -98,7 +104,8 @@ export class Picture {
 
   /** Divisor of the resolution on display, and whether it is final. */
   get quality(): { readonly divisor: number; readonly finished: boolean } {
-    return { divisor: this.refiner.shownDivisor, finished: this.refiner.finished && !this.slices.isStale };
+    const whole = !this.slices.isStale && !this.marcher.second.isAwaited;
+    return { divisor: this.refiner.shownDivisor, finished: this.refiner.finished && whole };
   }
 
   set jitter(on: boolean) {
@@ -129,6 +136,13 @@ export class Picture {
     this.labels?.dispose();
     this.labels = volume === null ? null : new LabelTexture(volume);
     this.marcher.setLabels(volume === null || this.labels === null ? null : { texture: this.labels.texture, bricks: volume.bricks });
+    this.slices.follow(this.field?.volume.frame ?? null);
+    this.refiner.restart();
+  }
+
+  /** Shows a second scan with the first, or shows it in another way or elsewhere; null shows none. */
+  setSecond(shown: ShownSecond | null): void {
+    this.marcher.setSecond(shown);
     this.slices.follow(this.field?.volume.frame ?? null);
     this.refiner.restart();
   }
@@ -241,6 +255,13 @@ export class Picture {
       return;
     }
     if (!this.ready || this.view === null || this.suspended || this.snapping) {
+      return;
+    }
+    if (this.marcher.second.isAwaited) {
+      if (this.marcher.uploadSecond(this.renderer)) {
+        this.slices.follow(this.field?.volume.frame ?? null);
+        this.refiner.restart();
+      }
       return;
     }
     const pictureChanged = this.refiner.advance(now) || this.screenStale;

@@ -26,6 +26,13 @@ const settleMilliseconds = 90;
 const quickPicture = 60;
 const averaged = 8;
 
+/** Layers of the light volume that are worked out at once, at first; then as many as fit into a strip's time. */
+const firstLayers = 4;
+/** Into so many pieces at most opacity and light are divided each. */
+const mostPieces = 6;
+/** And while the view moves, where the GPU draws. */
+const movingLayers = 8;
+
 /** Steps per voxel edge while the view moves and at rest; fewer where the CPU draws. */
 const steps = { gpu: { moving: 1, resting: 1.5 }, software: { moving: 0.75, resting: 1 } } as const;
 
@@ -34,11 +41,14 @@ export class Refiner {
   private readonly shown: PictureTarget[];
   private working: PictureTarget;
   private readonly pace: Pace;
+  /** Time for a piece at rest [ms]. */
+  private readonly stripBudget: number;
   private stale = true;
   private drawnAt = 0;
   private levels: number[] = [];
   private row = 0;
   private pass = 0;
+  private layers = firstLayers;
   /** Whose picture is drawn at rest. */
   private eye = 0;
   /** Whether rays start at random shares of a step. */
@@ -59,9 +69,10 @@ export class Refiner {
   ) {
     this.shown = [new PictureTarget(options.halfFloat)];
     this.working = new PictureTarget(options.halfFloat);
+    this.stripBudget = options.software ? 40 : 24;
     this.pace = new Pace({
       frameBudget: options.software ? 70 : 24,
-      stripBudget: options.software ? 40 : 24,
+      stripBudget: this.stripBudget,
       pixelCost: options.software ? 2.5e-3 : 1e-5,
     });
   }
@@ -83,7 +94,7 @@ export class Refiner {
 
   /** The picture is as fine as it gets. */
   get finished(): boolean {
-    return !this.stale && this.levels.length === 0 && !this.averaging && !this.clock.busy;
+    return !this.stale && !this.marcher.light.pending && this.levels.length === 0 && !this.averaging && !this.clock.busy;
   }
 
   resize(width: number, height: number): void {
@@ -109,6 +120,10 @@ export class Refiner {
       return true;
     }
     if (now - this.drawnAt < settleMilliseconds) {
+      return false;
+    }
+    if (this.marcher.light.pending) {
+      this.workOutLight();
       return false;
     }
     if (this.levels.length > 0) {
@@ -151,7 +166,22 @@ export class Refiner {
     return (width * height) / divisor ** 2;
   }
 
+  /** What is drawn at rest waits for its light: pictures that move show the light before. */
+  private workOutLight(): void {
+    const { light } = this.marcher;
+    // however busy the machine is, pieces are not so small that frames between them are all of the time
+    const layers = Math.max(this.layers, Math.ceil(light.counts[2] / mostPieces));
+    light.advance(this.renderer, layers);
+    this.clock.start((milliseconds) => {
+      const fitting = (layers * this.stripBudget) / Math.max(milliseconds, 1);
+      this.layers = Math.max(1, Math.min(2 * layers, Math.round(fitting)));
+    });
+  }
+
   private drawMoving(now: number): void {
+    if (!this.options.software && this.marcher.light.pending) {
+      this.marcher.light.advance(this.renderer, movingLayers);
+    }
     const eyes = this.shown.length;
     const divisor = this.pace.movingDivisor(eyes * this.pixels(1));
     for (let eye = 0; eye < eyes; ++eye) {

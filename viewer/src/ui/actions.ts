@@ -43,6 +43,7 @@ export interface Doors {
   readonly theme: ThemeControl;
   /** What concerns the page as a whole. */
   readonly page: {
+    readonly open: () => void;
     readonly save: () => void;
     readonly help: () => void;
     readonly palette: () => void;
@@ -168,6 +169,12 @@ function tools({ stage, tool }: Doors): readonly Action[] {
     }) as const),
     {
       group,
+      name: "Brush in slices: paint or erase a segment",
+      keys: ["Q"],
+      run: () => { stage.toggleBrush(); },
+    },
+    {
+      group,
       name: "Held: the tool works",
       keys: ["X"],
       ready: () => tool.kind !== "none",
@@ -199,12 +206,13 @@ function work({ undo, theme, page }: Doors): readonly Action[] {
   return [
     { group, name: "Undo", keys: ["Ctrl+Z"], run: () => { undo.undo(); } },
     { group, name: "Redo", keys: ["Ctrl+Shift+Z", "Ctrl+Y"], run: () => { undo.redo(); } },
+    { group, name: "Open another scan", keys: ["Ctrl+O"], run: page.open },
     { group, name: "Save the scene", keys: ["Ctrl+S"], run: page.save },
     { group, name: "All actions and their keys", keys: ["Ctrl+K"], run: page.palette },
     { group, name: "Help: mouse and keys", keys: ["?"], run: page.help },
     { group, name: "Show or hide the left panel", keys: [], run: () => { page.panel("left"); } },
     { group, name: "Show or hide the right panel", keys: [], run: () => { page.panel("right"); } },
     ...themes.map(({ choice, name }) => ({ group, name, keys: [], run: () => { theme.choose(choice); } }) as const),
-    { group, name: "No cut, no mark, no growing, leave touch mode, close", keys: ["Esc"], run: page.escape },
+    { group, name: "No cut, no mark, no growing, no brush, leave touch mode, close", keys: ["Esc"], run: page.escape },
   ];
 }

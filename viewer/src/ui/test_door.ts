@@ -5,7 +5,7 @@ import type { Letter } from "../core/anatomy";
 import { pixelSizeAt, type Camera } from "../core/camera";
 import type { Mark } from "../core/measure";
 import type { Picked } from "../core/pick_surface";
-import { decodeToPage, type Scan, type Settings, type State } from "../core/protocol";
+import { decodeToPage, type Scan, type SecondScan, type Settings, type State } from "../core/protocol";
 import type { Vec3 } from "../core/vector";
 import { benchDoor, type BenchDoor } from "./bench_door";
 import type { ShownSlice } from "../gl/slices";
@@ -75,6 +75,8 @@ export interface TestDoor {
   /** What stands at a place of the picture [CSS pixels]. */
   readonly pick: (x: number, y: number) => Picked | null;
   readonly bench: BenchDoor;
+  /** The second scan, as the engine has told; null where there is none. */
+  readonly second: SecondScan | null;
   /** Points, distances and angles that were set. */
   readonly marks: readonly Mark[];
 }
@@ -166,6 +168,9 @@ export function openTestDoor(session: Session, stage: Stage, hand: HandControl, 
     setView: (direction) => { stage.lookFrom(direction); },
     pick: (x, y) => stage.pick(x, y),
     bench: benchDoor(stage),
+    get second() {
+      return stage.second.told;
+    },
     get marks() {
       return stage.marks.all;
     },

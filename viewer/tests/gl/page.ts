@@ -30,7 +30,9 @@ import { ThreeCamera } from "../../src/gl/three_camera";
 import { ShownEdits } from "../../src/ui/shown_edits.svelte";
 import { ballSurface } from "../core/ball_surface";
 import { scanOf, segment, volumeOf } from "../core/volumes";
+import { light } from "./light_page";
 import { marble } from "./marble";
+import { second } from "./second_page";
 
 export interface MarchTest {
   /** What is cut away. */
@@ -554,7 +556,7 @@ async function cancelled(test: MarchTest): Promise<string> {
   return "not cancelled";
 }
 
-const glTests = { march, screen, show, snapshot, cancelled, resizedMiddle, edit, drawnTriangles, coarseLevel };
+const glTests = { march, light, second, screen, show, snapshot, cancelled, resizedMiddle, edit, drawnTriangles, coarseLevel };
 
 declare global {
   interface Window {

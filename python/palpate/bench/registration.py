@@ -1,0 +1,139 @@
+"""``palpate bench register``: how far landmarks are apart after registration, beside elastix.
+
+The pair is a lung by CT at two dates, with ten places marked in both (elastix' own test data).
+elastix runs with its own default parameter maps, affine and then B-spline, in the same process;
+both get the same files and no masks, and begin as their defaults say. Landmarks never take part
+in the search.
+"""
+
+from __future__ import annotations
+
+import time
+from importlib import import_module
+from importlib.util import find_spec
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.bench.goals_registration import ELASTIX_CASE, REGISTER_ROWS, registered_case
+from palpate.bench.haptics_data import data_file
+from palpate.bench.report import Row, row_of
+from palpate.errors import OptionError
+from palpate.io import read
+from palpate.progress import Progress, silent
+from palpate.registration import register
+from palpate.registration_options import KINDS
+from palpate.volume import Volume
+
+__all__ = ["landmarks_of", "measure", "rows_of"]
+
+FOLDER = "elastix_lung_pair"
+FIXED, MOVING = "3DCT_lung_baseline", "3DCT_lung_followup"
+STAGES = ("affine", "bspline")
+"""elastix' default parameter maps that are used, one after the other."""
+
+Points = NDArray[np.float64]
+
+
+def landmarks_of(path: Path, volume: Volume) -> Points:
+    """Reads points that are given as indices of voxels, shape [count, 3] [mm].
+
+    Raises:
+        OptionError: The file has another form.
+    """
+    kind, count, *lines = path.read_text(encoding="utf-8").split("\n", 2)
+    places = np.array("\n".join(lines).split(), dtype=np.float64).reshape(-1, 3)
+    if kind.strip() != "index" or len(places) != int(count):
+        raise OptionError(f"{path} given; allowed: 'index', a count, and so many lines of X Y Z")
+    corners = np.hstack([places + 0.5, np.ones((len(places), 1))])
+    points: Points = (corners @ volume.patient_from_grid.T)[:, :3]
+    return points
+
+
+def check() -> None:
+    """Refuses to measure beside what is not there.
+
+    Raises:
+        OptionError: elastix is not installed.
+    """
+    try:
+        there = find_spec("itk")
+    except (ImportError, ValueError):
+        there = None
+    if there is None:
+        raise OptionError(
+            "elastix is not installed; allowed: with it (`pip install 'palpate[bench]'`)"
+        )
+
+
+def measure(progress: Progress = silent) -> list[Row]:
+    """Registers the pair in each way and returns how far landmarks are apart.
+
+    Raises:
+        MissingDataError: The pair is not there.
+        OptionError: elastix is not installed.
+    """
+    check()
+    files = [data_file(f"{FOLDER}/{name}.mha") for name in (FIXED, MOVING)]
+    fixed, moving = (read(file) for file in files)
+    here, there = (
+        landmarks_of(data_file(f"{FOLDER}/{name}.txt"), volume)
+        for name, volume in ((FIXED, fixed), (MOVING, moving))
+    )
+    found: dict[str, tuple[Points, float]] = {}
+    for kind in KINDS:
+        begun = time.process_time()
+        result = register(fixed, moving, kind=kind, progress=progress)
+        found[registered_case(kind)] = result.points(here), time.process_time() - begun
+    progress("elastix", None)
+    begun = time.process_time()
+    mapped = _elastix(files, here)
+    found[ELASTIX_CASE] = mapped, time.process_time() - begun
+    return rows_of(found, here, there)
+
+
+def rows_of(found: dict[str, tuple[Points, float]], here: Points, there: Points) -> list[Row]:
+    """Returns the figures of where each way takes landmarks, and its time [s]."""
+    errors = {case: np.linalg.norm(places - there, axis=1) for case, (places, _) in found.items()}
+    before = float(np.linalg.norm(here - there, axis=1).mean())
+    reports = {
+        case: {
+            "before": before,
+            "mean": float(apart.mean()),
+            "most": float(apart.max()),
+            "ratio": float(apart.mean() / errors[ELASTIX_CASE].mean()),
+            "seconds": found[case][1],
+        }
+        for case, apart in errors.items()
+    }
+    return [row_of(goal, reports[goal.case]) for goal in REGISTER_ROWS]
+
+
+def _elastix(files: list[Path], points: Points) -> Points:
+    """Returns where elastix' defaults take points of the fixed scan [mm]."""
+    itk = import_module("itk")
+    fixed, moving = (itk.imread(str(file), itk.F) for file in files)
+    parameters = itk.ParameterObject.New()
+    for stage in STAGES:
+        chosen = dict(parameters.GetDefaultParameterMap(stage))
+        chosen["RandomSeed"] = ("1",)
+        parameters.AddParameterMap(chosen)
+    _, transform = itk.elastix_registration_method(
+        fixed, moving, parameter_object=parameters, log_to_console=False
+    )
+    with TemporaryDirectory() as made:
+        given = Path(made) / "points.txt"
+        lines = "\n".join(" ".join(map(repr, map(float, point))) for point in points)
+        given.write_text(f"point\n{len(points)}\n{lines}\n", encoding="utf-8")
+        itk.transformix_pointset(
+            moving, transform, fixed_point_set_file_name=str(given), output_directory=made
+        )
+        told = (Path(made) / "outputpoints.txt").read_text(encoding="utf-8")
+    return np.array([_output(line) for line in told.splitlines() if line.strip()])
+
+
+def _output(line: str) -> list[float]:
+    told = line.partition("OutputPoint = [")[2].partition("]")[0]
+    return [float(word) for word in told.split()]

@@ -1,0 +1,222 @@
+"""Registration: where the points of one scan lie in another, by SimpleITK.
+
+Turned and shifted first, then scaled and sheared, then bent, each from coarse to fine grids, until
+a metric of the values tells that both scans are alike. The scans themselves are never changed.
+
+Frames: patient of each scan, LPS [mm]. **A transform takes points of the fixed scan to the moving
+one**: so the moving scan is drawn on the grid of the fixed one, and so ITK writes ``.tfm`` files.
+
+Sources: mutual information: Mattes et al., IEEE TMI 22(1), 2003; bending: Rueckert et al., IEEE
+TMI 18(8), 1999; the way through the levels: Avants et al., Front. Neuroinform. 8, 2014.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from palpate.errors import OptionError
+from palpate.progress import Progress, silent
+from palpate.registration_options import (
+    Kind,
+    Level,
+    Metric,
+    Pairs,
+    Points,
+    RegistrationError,
+    SearchOptions,
+    Start,
+    check_choices,
+    checked_landmarks,
+)
+from palpate.registration_search import Search
+from palpate.segment import Segment
+from palpate.simpleitk import image_on, reason_of, simpleitk
+from palpate.volume import Volume
+from palpate.whole_file import whole_file
+
+__all__ = [
+    "Level",
+    "Registration",
+    "RegistrationError",
+    "SearchOptions",
+    "register",
+    "resampled",
+]
+
+LEAST_VOXELS = 4
+"""Along each axis, for gradients."""
+PROBES = 9
+"""Points along each axis of the fixed scan at which a transform is looked at."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Registration:
+    """A transform that was found, and how."""
+
+    transform: Any
+    """SimpleITK's, from points of the fixed scan to points of the moving one."""
+    kind: Kind
+    metric: Metric
+    start: Start
+    before: float
+    """The metric at the start; it is made small."""
+    after: float
+    """The metric in the end, over the same voxels."""
+    overlap: float
+    """Share of the fixed scan, or of its mask, that the moving one covers in the end."""
+    curve: tuple[Level, ...]
+    """The metric after each step, level by level."""
+
+    def points(self, points: Sequence[Sequence[float]] | Points) -> Points:
+        """Returns where points of the fixed scan lie in the moving one, shape [count, 3] [mm]."""
+        given = np.asarray(points, np.float64).reshape(-1, 3)
+        found = [self.transform.TransformPoint(point.tolist()) for point in given]
+        return np.array(found, np.float64).reshape(-1, 3)
+
+    @property
+    def matrix(self) -> Points | None:
+        """The transform as a homogeneous matrix, shape [4, 4] [mm]; None where it bends."""
+        if not self.transform.IsLinear():
+            return None
+        corners = self.points(np.vstack([np.zeros(3), np.eye(3)]))
+        matrix = np.eye(4)
+        matrix[:3, 3] = corners[0]
+        matrix[:3, :3] = (corners[1:] - corners[0]).T
+        return matrix
+
+    def moved(self, fixed: Volume) -> Points:
+        """Returns how far points all over the fixed scan move, shape [count, 3] [mm]."""
+        places = np.linspace(0.0, 1.0, PROBES)
+        grid = np.stack(np.meshgrid(places, places, places), axis=-1).reshape(-1, 3)
+        voxels = np.hstack([grid * fixed.dimensions, np.ones((len(grid), 1))])
+        points = (voxels @ fixed.patient_from_grid.T)[:, :3]
+        return self.points(points) - points
+
+    def save(self, path: Path) -> None:
+        """Writes the transform as ``.tfm``, which ITK, 3D Slicer and others read; whole or not.
+
+        Raises:
+            OptionError: The name ends otherwise.
+            OSError: The disk refuses it.
+        """
+        if path.suffix != ".tfm":
+            raise OptionError(f"{path.name!r} given; allowed: a name with .tfm")
+        with whole_file(path) as unfinished:
+            try:
+                simpleitk().WriteTransform(self.transform, str(unfinished))
+            except RuntimeError as error:
+                raise OSError(5, f"cannot be written ({reason_of(error)})", str(path)) from None
+
+    def resampled(self, moving: Volume, fixed: Volume) -> Volume:
+        """Returns the moving scan on the grid of the fixed one; beyond it, its lowest value."""
+        return resampled(moving, fixed, self.transform)
+
+
+def register(
+    fixed: Volume,
+    moving: Volume,
+    *,
+    kind: Kind = "rigid",
+    metric: Metric = "mutual-information",
+    start: Start | None = None,
+    landmarks: Pairs | None = None,
+    fixed_mask: Segment | None = None,
+    moving_mask: Segment | None = None,
+    options: SearchOptions | None = None,
+    progress: Progress = silent,
+) -> Registration:
+    """Finds where the points of one scan lie in another.
+
+    Args:
+        fixed: The scan that stays.
+        moving: The scan that is brought to it; both are left as they are.
+        kind: Turn and shift; scale and shear too; or bent as well.
+        metric: What tells that scans are alike: mutual information also compares CT with MR;
+            correlation asks that values of one follow those of the other linearly, mean squares
+            that they are the same.
+        start: First guess: as the files place both scans; the middles of their grids; the
+            middles of what is bright; or landmarks. By default landmarks where they are given,
+            else the middles of the grids.
+        landmarks: Points of the fixed scan and the same places in the moving one, three or more
+            that are not on one line, shape [count, 3] each [mm].
+        fixed_mask: Only these voxels of the fixed scan are compared.
+        moving_mask: Only these of the moving one.
+        options: How it is searched.
+        progress: Told how far it is; what it raises stops the search and is raised from here.
+
+    Raises:
+        OptionError: A choice is not known, landmarks do not fit, or a scan is too small.
+        RegistrationError: The scans do not overlap, or did not become more alike.
+    """
+    chosen = start or ("landmarks" if landmarks is not None else "centre")
+    check_choices(kind, metric, chosen)
+    for volume in (fixed, moving):
+        if min(volume.dimensions) < LEAST_VOXELS:
+            raise OptionError(
+                f"{volume!r} is too small; allowed: {LEAST_VOXELS} voxels or more along each axis"
+            )
+    search = Search(
+        (_image(fixed), _image(moving)),
+        masks=(_mask(fixed_mask), _mask(moving_mask)),
+        metric=metric,
+        options=options or SearchOptions(),
+        progress=progress,
+    )
+    first = search.guess(chosen, checked_landmarks(landmarks, wanted=chosen == "landmarks"))
+    before = search.measure(first)
+    found = search.run(first, kind)
+    after = search.measure(found)
+    search.check(before, after)
+    if after.metric > before.metric:
+        # they lie right already, but for what a few samples tell
+        found, after = first, before
+    return Registration(
+        transform=found,
+        kind=kind,
+        metric=metric,
+        start=chosen,
+        before=before.metric,
+        after=after.metric,
+        overlap=after.overlap,
+        curve=tuple(search.curve),
+    )
+
+
+def resampled(moving: Volume, fixed: Volume, transform: Any) -> Volume:  # noqa: ANN401  # SimpleITK's
+    """Returns a scan on the grid of another one, through a transform from that to it."""
+    sitk = simpleitk()
+    stored = moving.array
+    image = sitk.Resample(
+        image_on(moving, stored),
+        image_on(fixed, fixed.array),
+        transform,
+        sitk.sitkLinear,
+        float(stored.min() if moving.slope > 0.0 else stored.max()),
+        sitk.sitkInt16,
+    )
+    return Volume(
+        sitk.GetArrayFromImage(image),
+        spacing=fixed.spacing,
+        origin=fixed.origin,
+        direction=fixed.direction,
+        slope=moving.slope,
+        intercept=moving.intercept,
+        traits=moving.traits,
+    )
+
+
+def _image(volume: Volume) -> Any:  # noqa: ANN401  # SimpleITK has no types
+    """Returns the values of a scan [its unit] as SimpleITK's image."""
+    values = volume.array.astype(np.float32)
+    values *= np.float32(volume.slope)
+    values += np.float32(volume.intercept)
+    return image_on(volume, values)
+
+
+def _mask(segment: Segment | None) -> Any:  # noqa: ANN401  # SimpleITK has no types
+    return None if segment is None else image_on(segment.volume, segment.mask())
