@@ -160,6 +160,8 @@ test-browser: setup ## a real scan in a real browser: picture, contact, force
 bench: setup bench-page bench-edit ## measure everything: the page, Rust benchmarks, all of `palpate bench`
 	cargo bench --locked --package palpate-benches
 	CHROMIUM="$$(scripts/chromium.sh)" $(BIN)/palpate bench open
+	cd viewer && npm run build:bench --silent  # vtk.js, to measure beside it
+	CHROMIUM="$$(scripts/chromium.sh)" $(BIN)/palpate bench render
 	$(BIN)/palpate bench haptics
 	$(BIN)/palpate bench passivity
 	$(BIN)/palpate bench touch-quality

@@ -18,7 +18,7 @@ function arrow(files, message, patterns) {
 }
 
 export default ts.config(
-  { ignores: ["node_modules/", "src/core/protocol.ts"] },
+  { ignores: ["node_modules/", "bench/dist/", "src/core/protocol.ts"] },
   js.configs.recommended,
   ...ts.configs.strict,
   ...svelte.configs.recommended,

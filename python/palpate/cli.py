@@ -17,6 +17,7 @@ from palpate.cli_bench import (
     bench_deform,
     bench_open,
     bench_register,
+    bench_render,
     bench_segment,
     bench_session,
     bench_truth_cube,
@@ -510,6 +511,7 @@ app.add_typer(bench, name="bench")
 bench.command("fuzz-import")(bench_fuzz_import)
 bench.command("deform")(bench_deform)
 bench.command("open")(bench_open)
+bench.command("render")(bench_render)
 bench.command("register")(bench_register)
 bench.command("segment")(bench_segment)
 bench.command("session")(bench_session)

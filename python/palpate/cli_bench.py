@@ -1,4 +1,4 @@
-"""``palpate bench deform``, ``session`` and ``truth-cube``, of matter that gives way; ``open``."""
+"""``palpate bench deform``, ``session``, ``truth-cube`` of soft matter; ``open``, ``render``."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ __all__ = [
     "bench_deform",
     "bench_open",
     "bench_register",
+    "bench_render",
     "bench_segment",
     "bench_session",
     "bench_truth_cube",
@@ -81,6 +82,42 @@ def bench_open(*, json_file: Json = None) -> None:
     print_rows("open", rows)
     if json_file is not None:
         write_rows("open", rows, json_file)
+
+
+def bench_render(
+    *,
+    scan: Annotated[
+        Path | None, typer.Argument(help="What is drawn; by default CThead.", show_default=False)
+    ] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="Few pictures: rough figures.")] = False,
+    vtk: Annotated[
+        Path | None,
+        typer.Option(
+            help="vtk.js as `npm run build:bench` builds it; by default that of the source tree.",
+            show_default=False,
+        ),
+    ] = None,
+    json_file: Json = None,
+) -> None:
+    """Measure pictures on the page, beside vtk.js; needs an installed Chromium."""
+    from palpate.bench.haptics_data import MissingDataError
+    from palpate.bench.render import QUICK, Effort, built_peer, measure
+    from palpate.bench.report import print_rows, write_rows
+    from palpate.errors import OptionError
+
+    peer = vtk or built_peer()
+    try:
+        with quiet_libraries(), Display() as display:
+            rows = measure(scan, peer=peer, effort=QUICK if quick else Effort(), progress=display)
+    except MissingDataError as error:
+        raise OptionError(f"no {error}; allowed: PALPATE_DATA with it, or SCAN") from None
+    print_rows("render", rows)
+    if peer is None:
+        warn(
+            "not measured: vtk.js is not built; allowed: `npm run build:bench` in viewer/, or --vtk"
+        )
+    if json_file is not None:
+        write_rows("render", rows, json_file)
 
 
 def bench_register(*, json_file: Json = None) -> None:

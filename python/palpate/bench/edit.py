@@ -26,7 +26,7 @@ from palpate.bench.report import Row, row_of
 from palpate.errors import OptionError
 from palpate.progress import Progress, silent
 
-__all__ = ["figures_of", "measure", "rows_of"]
+__all__ = ["erased", "figures_of", "measure", "rows_of"]
 
 SIZE = {"width": 960, "height": 400}
 """Of the browser's window [pixels]."""
@@ -61,7 +61,7 @@ def measure(
             suspended = case == EDIT_SUSPENDED
             page.read(f"void window.palpate.suspendDrawing({str(suspended).lower()})")
             _choose_pace(page, "1" if suspended else "auto")
-            found[case] = _erased(page, seconds)
+            found[case] = erased(page, seconds)
     for case, times in found.items():
         if not times:
             raise OptionError(f"no edit while {case}; allowed: a scan with bone in its middle")
@@ -94,7 +94,7 @@ def figures_of(times: Times) -> dict[str, float]:
 PARTS = ("way", "wait", "work")
 
 
-def _erased(page: Page, seconds: float) -> Times:
+def erased(page: Page, seconds: float) -> Times:
     """Erases for a while; returns what the edits took, and takes them back."""
     page.wait("window.palpate.finished || window.palpate.drawingSuspended")
     seen, (right, up, back) = _aim(page)

@@ -18,6 +18,7 @@ from palpate.bench.goals_matter import (
 )
 from palpate.bench.goals_open import OPEN_ROWS
 from palpate.bench.goals_registration import REGISTER_ROWS
+from palpate.bench.goals_render import RENDER_ROWS
 from palpate.bench.goals_segment import SEGMENT_ROWS
 
 __all__ = [
@@ -452,6 +453,7 @@ GOALS: dict[str, tuple[Goal, ...]] = {
         *_edit_rows(EDIT_DRAWN, goal=None),
     ),
     "open": OPEN_ROWS,
+    "render": RENDER_ROWS,
     "register": REGISTER_ROWS,
     "segment": SEGMENT_ROWS,
     "surface": SURFACE_ROWS,

@@ -36,8 +36,8 @@ FLAGS = (
     "--no-first-run",
     "--remote-debugging-port=0",
 )
-PATIENCE = 60.0
-"""Seconds for a start, or for something to become true."""
+PATIENCE = 300.0
+"""Seconds for a start, or for something to become true: pictures are slow on a busy machine."""
 
 
 def chromium() -> str:
@@ -95,6 +95,26 @@ class Page:
         """Opens an address and waits until the picture is there."""
         self._ask("Page.navigate", url=url)
         self.wait("window.palpate?.ready === true")
+
+    def before(self, script: str) -> None:
+        """Runs a script in pages that are opened from now on, before any of their own."""
+        self._ask("Page.enable")
+        self._ask("Page.addScriptToEvaluateOnNewDocument", source=script)
+
+    def resize(self, width: int, height: int) -> None:
+        """Gives the page another size [CSS pixels]."""
+        self._ask(
+            "Emulation.setDeviceMetricsOverride",
+            width=width,
+            height=height,
+            deviceScaleFactor=1,
+            mobile=False,
+        )
+
+    def heap(self) -> float:
+        """Returns the memory that the page's scripts hold [bytes], without what is garbage."""
+        self._ask("HeapProfiler.collectGarbage")
+        return float(self._ask("Runtime.getHeapUsage")["usedSize"])
 
     def close(self) -> None:
         """Ends the connection."""

@@ -29,6 +29,7 @@ import type { ShownSecond } from "./second_texture";
 import { Snapshot, type SnapshotWish } from "./snapshot";
 import { Slices, type ShownSlice, type SliceLook } from "./slices";
 import { Surfaces } from "./surfaces";
+import { drawTimed, type TimedPicture, type TimedWish } from "./timed_picture";
 import { ViewPane } from "./view_pane";
 
 /** Cells along the scan's longest edge in which its light is worked out. */
@@ -299,6 +300,22 @@ export class Picture {
       this.screenStale = true;
       this.refiner.restart();
     }
+  }
+
+  /** Pictures and strips that the GPU has drawn to the end. */
+  get pieces(): number {
+    return this.refiner.drawnPieces;
+  }
+
+  /** Draws the view once, away from the screen; null before there is one. */
+  drawTimed(wish: TimedWish): TimedPicture | null {
+    if (!this.ready || this.view === null) {
+      return null;
+    }
+    this.aim(this.view.camera, this.view.extent, wish.width / wish.height);
+    const drawn = drawTimed(this.renderer, this.marcher, this.surfaces, wish);
+    this.refiner.restart();
+    return drawn;
   }
 
   dispose(): void {

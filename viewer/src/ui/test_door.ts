@@ -7,6 +7,7 @@ import type { Mark } from "../core/measure";
 import type { Picked } from "../core/pick_surface";
 import { decodeToPage, type Scan, type SecondScan, type Settings, type State } from "../core/protocol";
 import type { Vec3 } from "../core/vector";
+import { benchDoor, type BenchDoor } from "./bench_door";
 import type { ShownSlice } from "../gl/slices";
 import type { HandControl } from "./hand_control.svelte";
 import type { Hearing } from "./hearing.svelte";
@@ -73,6 +74,7 @@ export interface TestDoor {
   readonly setView: (direction: Letter) => void;
   /** What stands at a place of the picture [CSS pixels]. */
   readonly pick: (x: number, y: number) => Picked | null;
+  readonly bench: BenchDoor;
   /** The second scan, as the engine has told; null where there is none. */
   readonly second: SecondScan | null;
   /** Points, distances and angles that were set. */
@@ -165,6 +167,7 @@ export function openTestDoor(session: Session, stage: Stage, hand: HandControl, 
     hand: (point) => { hand.goTo(point); },
     setView: (direction) => { stage.lookFrom(direction); },
     pick: (x, y) => stage.pick(x, y),
+    bench: benchDoor(stage),
     get second() {
       return stage.second.told;
     },

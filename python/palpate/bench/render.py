@@ -1,0 +1,357 @@
+"""``palpate bench render``: how long pictures take, what an edit sends, and vtk.js beside it.
+
+A page in a headless Chromium shows a scan, by default CThead. Two times are told of each mode and
+size: from picture to picture while the view turns, at the resolution that the page chooses then,
+and of one whole picture at full resolution with one step a voxel, drawn away from the screen. GL
+calls and bytes of edits are counted in a page of its own, since counting costs time.
+
+vtk.js draws the same values in the same page, with the same camera, size, transfer function and
+step, the segment as tissue. How good a picture is: its mean difference from one of the same
+renderer with eight times as many steps. For equal quality vtk.js gets the fewest steps, of 1, 2, 4
+and 8 a voxel, with which it is as near to its own reference as ours is to its own. It is no part
+of the package: the source tree builds it (``npm run build:bench``), else nothing is compared.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+import numpy as np
+
+from palpate.bench.edit import erased
+from palpate.bench.goals_render import (
+    EDIT_CASE,
+    MODES,
+    OPENED_CASE,
+    PEER_MODES,
+    RENDER_ROWS,
+    SIZES,
+    peer_case,
+    picture_case,
+)
+from palpate.bench.haptics_data import CTHEAD, data_file
+from palpate.bench.page import Page, chromium, opened, served
+from palpate.bench.report import Row, row_of
+from palpate.errors import OptionError
+from palpate.progress import Progress, silent
+
+__all__ = ["QUICK", "Effort", "built_peer", "measure", "rows_of"]
+
+PEER_SIZE = (640, 480)
+"""Of the pictures that are compared [pixels]."""
+WINDOW = {"width": 1366, "height": 768}
+"""Of the browser at first [pixels]; panels beside the picture have room in it."""
+FINE = 8
+"""Steps a voxel of a reference, by those of the picture that is held against it."""
+PEER_STEPS = (1, 2, 4, 8)
+"""Steps a voxel that vtk.js is tried with."""
+STEP_ANGLE = 0.02
+"""Turn of the view from picture to picture [rad]."""
+
+Report = dict[str, dict[str, float]]
+"""Figures by their case."""
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How much is measured."""
+
+    turning: int = 60
+    """Pictures while the view turns."""
+    whole: int = 7
+    """Whole pictures."""
+    edits: float = 2.0
+    """Seconds of erasing."""
+    sizes: tuple[tuple[int, int], ...] = SIZES
+    modes: tuple[str, ...] = MODES
+
+
+QUICK = Effort(turning=8, whole=2, edits=1.5, sizes=SIZES[:1])
+
+
+def built_peer() -> Path | None:
+    """Returns the script that draws with vtk.js, where the source tree has built it."""
+    built = Path(__file__).parents[3] / "viewer" / "bench" / "dist" / "vtk.js"
+    return built if built.is_file() else None
+
+
+def measure(
+    scan: Path | None = None,
+    *,
+    peer: Path | None = None,
+    effort: Effort | None = None,
+    progress: Progress = silent,
+) -> list[Row]:
+    """Measures pictures of a scan; beside ``peer``, a script that draws with vtk.js.
+
+    Raises:
+        OptionError: There is no browser, no such script, or nothing in the scan's middle.
+        MissingDataError: The default scan is not there.
+    """
+    chromium()
+    if peer is not None and not peer.is_file():
+        raise OptionError(f"no script at {peer}; allowed: what `npm run build:bench` has built")
+    effort = effort or Effort()
+    path = data_file(CTHEAD) if scan is None else scan
+    report: Report = {}
+    with served(path) as url:
+        progress("counting what edits send", 0.0)
+        report |= _counted(url, effort)
+        progress("first picture", 0.1)
+        report[OPENED_CASE]["first"] = _first_picture(url)
+        for done, size in enumerate(effort.sizes):
+            with opened(url, **WINDOW) as page:
+                _fit(page, size)
+                for mode in effort.modes:
+                    progress(picture_case(mode, size), 0.2 + 0.5 * done / len(effort.sizes))
+                    _show(page, mode)
+                    report[picture_case(mode, size)] = _times(page, size, effort)
+        if peer is not None:
+            with opened(url, **WINDOW) as page:
+                progress("beside vtk.js", 0.7)
+                page.wait("window.palpate.finished")
+                report |= _beside(page, peer.read_text(encoding="utf-8"), effort)
+    return rows_of(report)
+
+
+def rows_of(report: Report) -> list[Row]:
+    """Returns the figures of all cases that were measured."""
+    return [row_of(goal, report[goal.case]) for goal in RENDER_ROWS if goal.case in report]
+
+
+# --- what the page shows ------------------------------------------------------------------
+
+
+def _fit(page: Page, size: tuple[int, int]) -> None:
+    """Has the 3-D view be of a size, and nothing in it be random."""
+    page.read("window.palpate.setJitter(false)")
+    for _ in range(4):  # panels are narrower in a narrow window
+        found = page.read(
+            "(({width, height}) => [window.innerWidth, window.innerHeight, width, height])"
+            "(document.querySelector('[data-testid=canvas]').getBoundingClientRect())"
+        )
+        if (round(found[2]), round(found[3])) == size:
+            break
+        page.resize(round(found[0] + size[0] - found[2]), round(found[1] + size[1] - found[3]))
+        page.read(FRAMES)
+    page.wait("window.palpate.finished")
+
+
+FRAMES = "new Promise(resolve => requestAnimationFrame(() => requestAnimationFrame(resolve)))"
+"""Waits until what was changed is handed to the picture."""
+
+
+def _show(page: Page, mode: str) -> None:
+    """Has the page draw in a mode."""
+    surface = mode == "surfaces"
+    shown = "surface" if surface else "volume"
+    page.read(f"document.querySelector('[data-testid=shown-as-{shown}]')?.click()")
+    if surface:
+        page.wait("Object.values(window.palpate.triangles).some(count => count > 0)")
+    page.read(
+        "(() => { const list = document.querySelector('[data-testid=blend]');"
+        f" list.value = '{'shaded' if surface else mode}';"
+        " list.dispatchEvent(new Event('change', {bubbles: true})); })()"
+    )
+    page.read(FRAMES)
+    page.wait("window.palpate.finished")
+
+
+def _first_picture(url: str) -> float:
+    """Returns when the first picture stood on the screen after the page was opened [s]."""
+    found = []
+    for _ in range(3):
+        with opened(url, **WINDOW) as page:
+            found.append(float(page.read("window.palpate.firstPicture")) / 1e3)
+    return median(found)
+
+
+# --- times --------------------------------------------------------------------------------
+
+
+def _times(page: Page, size: tuple[int, int], effort: Effort) -> dict[str, float]:
+    turning = page.read(TURNING % (effort.turning, STEP_ANGLE))
+    width, height = size
+    page.read("void window.palpate.suspendDrawing(true)")
+    wish = f"{{width: {width}, height: {height}, stepsPerVoxel: 1}}"
+    draw = f"window.palpate.bench.draw({wish}).milliseconds"
+    page.read(draw)
+    whole = [float(page.read(draw)) for _ in range(effort.whole)]
+    page.read("void window.palpate.suspendDrawing(false)")
+    return {
+        f"{name} {quantile}": float(np.quantile(taken, share)) / 1e3
+        for name, taken in (("turning", turning), ("whole", whole))
+        for quantile, share in (("median", 0.5), ("p99", 0.99))
+    }
+
+
+TURNING = """new Promise((resolve) => {
+  const { bench } = window.palpate, wanted = %d, times = [];
+  let pieces = bench.pieces, last = null;
+  const step = (now) => {
+    if (bench.pieces !== pieces) {
+      if (last !== null) times.push(now - last);
+      [pieces, last] = [bench.pieces, now];
+    }
+    bench.turn(%g);
+    if (times.length < wanted) requestAnimationFrame(step); else resolve(times);
+  };
+  requestAnimationFrame(step);
+})"""
+"""Turns the view with every frame; the times between pictures [ms]."""
+
+
+# --- what edits send ----------------------------------------------------------------------
+
+
+def _counted(url: str, effort: Effort) -> Report:
+    with opened(None, width=960, height=400) as page:
+        page.before(COUNTING)
+        page.go(url)
+        page.wait("window.palpate.finished")
+        page.read("document.querySelector('[data-testid=shown-as-both]').click()")
+        page.wait("Object.values(window.palpate.triangles).some(count => count > 0)")
+        page.wait("window.palpate.finished")
+        heap = page.heap()
+        textures = float(page.read("window.__gl.textures"))
+        page.read("void window.palpate.suspendDrawing(true)")
+        page.read("void Object.assign(window.__gl, {calls: 0, bytes: 0})")
+        count = len(erased(page, effort.edits))
+        if count == 0:
+            raise OptionError("no edit was made; allowed: a scan with bone in its middle")
+        sent: dict[str, float] = page.read("window.__gl")
+    per_edit = sent["bytes"] / count
+    return {
+        OPENED_CASE: {"heap": heap, "textures": textures},
+        EDIT_CASE: {
+            "edits": float(count),
+            "calls": sent["calls"] / count,
+            "bytes": per_edit,
+            "share": per_edit / textures,
+        },
+    }
+
+
+COUNTING = """(() => {
+  const counted = window.__gl = { calls: 0, bytes: 0, textures: 0 };
+  const { prototype } = WebGL2RenderingContext;
+  const size = (gl, format, type) => {
+    const parts = { [gl.RED]: 1, [gl.RED_INTEGER]: 1, [gl.RG]: 2, [gl.RGB]: 3 }[format] ?? 4;
+    const single = type === gl.UNSIGNED_BYTE || type === gl.BYTE;
+    const double = type === gl.UNSIGNED_SHORT || type === gl.SHORT || type === gl.HALF_FLOAT;
+    return parts * (single ? 1 : double ? 2 : 4);
+  };
+  const sent = {
+    texSubImage3D: (gl, a) => a[5] * a[6] * a[7] * size(gl, a[8], a[9]),
+    texImage3D: (gl, a) => (a[9] ? a[3] * a[4] * a[5] * size(gl, a[7], a[8]) : 0),
+    texSubImage2D: (gl, a) => (a.length > 7 ? a[4] * a[5] * size(gl, a[6], a[7]) : 0),
+    texImage2D: (gl, a) => (a[8] ? a[3] * a[4] * size(gl, a[6], a[7]) : 0),
+    bufferData: (gl, a) => a[1]?.byteLength ?? 0,
+    bufferSubData: (gl, a) => (a[4] ? a[4] * (a[2].BYTES_PER_ELEMENT ?? 1) : a[2].byteLength),
+  };
+  const rooms = (gl) => ({ [gl.R8]: 1, [gl.R8UI]: 1, [gl.RG8]: 2, [gl.R16F]: 2 });
+  const made = {
+    texStorage3D: (gl, a) => a[3] * a[4] * a[5] * (rooms(gl)[a[2]] ?? 4),
+    texImage3D: (gl, a) => a[3] * a[4] * a[5] * size(gl, a[7], a[8]),
+  };
+  for (const name of Object.getOwnPropertyNames(prototype)) {
+    const { value } = Object.getOwnPropertyDescriptor(prototype, name);
+    if (typeof value !== "function") continue;
+    prototype[name] = function (...all) {
+      counted.calls += 1;
+      counted.bytes += sent[name]?.(this, all) ?? 0;
+      counted.textures += made[name]?.(this, all) ?? 0;
+      return value.apply(this, all);
+    };
+  }
+})()"""
+"""Counts calls, bytes that are sent, and the room that 3-D textures take [bytes]."""
+
+
+# --- vtk.js -------------------------------------------------------------------------------
+
+
+def _beside(page: Page, script: str, effort: Effort) -> Report:
+    """Compares pictures of the same scene, the segment as tissue."""
+    page.read("document.querySelector('[data-testid=inside-plain]')?.click()")
+    page.read("void window.palpate.suspendDrawing(true)")
+    page.read(f"void (() => {{ {script} }})()")
+    _show_suspended(page, PEER_MODES[0])
+    if page.read("window.palpate.bench.scene() !== null") is not True:
+        raise OptionError(
+            "the page shows a part of the scan only; allowed: a scan that fits the GPU"
+        )
+    page.read("void window.vtkDoor.open(window.palpate.bench.scene())")
+    report: Report = {}
+    for mode in PEER_MODES:
+        _show_suspended(page, mode)
+        ours = _Renderer(page, "window.palpate.bench.draw(", effort.whole)
+        theirs = _Renderer(page, f"window.vtkDoor.draw('{mode}', ", effort.whole)
+        our_time, our_off = ours.time(1), ours.off(1)
+        offs = {1: theirs.off(1)}
+        steps = 1
+        while offs[steps] > our_off and steps < PEER_STEPS[-1]:
+            steps *= 2
+            offs[steps] = theirs.off(steps)
+        same = theirs.time(1)
+        equal = same if steps == 1 else theirs.time(steps)
+        report[peer_case(mode)] = {
+            "ours": our_time,
+            "ours off": our_off,
+            "same": same,
+            "same off": offs[1],
+            "same ratio": same / our_time,
+            "equal steps": float(steps),
+            "ratio": equal / our_time,
+        }
+    return report
+
+
+def _show_suspended(page: Page, mode: str) -> None:
+    """Has the page draw in a mode as soon as it draws again, and looks hand it over now."""
+    page.read(
+        "(() => { const list = document.querySelector('[data-testid=blend]');"
+        f" list.value = '{mode}'; list.dispatchEvent(new Event('change', {{bubbles: true}})); }})()"
+    )
+    page.read(FRAMES)
+
+
+@dataclass(frozen=True)
+class _Renderer:
+    page: Page
+    call: str
+    """JavaScript that draws, up to the wish."""
+    repeats: int
+
+    def time(self, steps: int) -> float:
+        """Returns the median of whole pictures [s]."""
+        expression = f"{self._drawn(steps)}.milliseconds"
+        self.page.read(expression)
+        return median(float(self.page.read(expression)) for _ in range(self.repeats)) / 1e3
+
+    def off(self, steps: int) -> float:
+        """Returns the mean difference from a picture of finer steps; colours are 0..1."""
+        found: Any = self.page.read(
+            f"(() => {{ const one = {self._drawn(steps)}.colours.map(shown);"
+            f" const fine = {self._drawn(FINE * steps)}.colours.map(shown);"
+            " let sum = 0, count = 0;"
+            " for (let i = 0; i < one.length; ++i) if (fine[i] > 0 || one[i] > 0) {"
+            "   sum += Math.abs(one[i] - fine[i]); count += 1; }"
+            " return sum / Math.max(1, count);"
+            f" function shown(c) {{ c = Math.min(1, Math.max(0, c)); return {self._coded}; }} }})()"
+        )
+        return float(found)
+
+    @property
+    def _coded(self) -> str:
+        """What a colour is on the screen: ours are linear light, vtk.js's are as they are shown."""
+        if "vtk" in self.call:
+            return "c"
+        return "c <= 0.0031308 ? 12.92 * c : 1.055 * c ** (1 / 2.4) - 0.055"
+
+    def _drawn(self, steps: int) -> str:
+        width, height = PEER_SIZE
+        return f"{self.call}{{width: {width}, height: {height}, stepsPerVoxel: {steps}}})"
