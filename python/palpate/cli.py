@@ -22,6 +22,8 @@ from palpate.cli_bench import (
     stress_in_matter,
 )
 from palpate.cli_export import export
+from palpate.cli_reconstruct import EXAMPLES as RECONSTRUCT_EXAMPLES
+from palpate.cli_reconstruct import reconstruct
 from palpate.cli_register import EXAMPLES as REGISTER_EXAMPLES
 from palpate.cli_register import register
 from palpate.cli_scenario import scenario
@@ -391,6 +393,7 @@ def replay(
 
 
 app.command("export")(export)
+app.command("reconstruct", epilog=RECONSTRUCT_EXAMPLES)(reconstruct)
 app.command("register", epilog=REGISTER_EXAMPLES)(register)
 app.command("series")(series)
 app.command("segment", epilog=EXAMPLES)(segment)
