@@ -164,6 +164,7 @@ bench: setup bench-page bench-edit ## measure everything: the page, Rust benchma
 	$(BIN)/palpate bench passivity
 	$(BIN)/palpate bench touch-quality
 	$(BIN)/palpate bench stress --moves 100000000
+	$(BIN)/palpate bench fuzz-import --minutes 10
 	$(BIN)/palpate bench servo
 	$(BIN)/palpate bench stress --deform all --moves 1000000
 	$(BIN)/palpate bench session

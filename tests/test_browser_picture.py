@@ -171,3 +171,53 @@ def test_a_segment_is_a_body_or_tissue_inside_the_volume(opened: Opened) -> None
     assert solid > 0.02
     assert tinted > 0.02
     assert np.abs(pictures[0] - pictures[1]).mean() > 0.005
+
+
+@pytest.mark.data
+def test_two_eyes_see_the_scan_and_each_of_them_points(opened: Opened) -> None:
+    page = opened.page
+    page.do("choose", testid="blend", value="shaded")
+    page.read("window.palpate.setView('A')")
+    page.do("press", key="Shift+S")
+    anaglyph = page.picture(OUTPUT / "anaglyph.png")
+    page.do("press", key="Shift+S")
+    # what an eye sees is half as wide now, and so the view farther away
+    page.read("window.palpate.setView('A')")
+    both = page.picture(OUTPUT / "side_by_side.png")
+    width = both.shape[1] // 2
+    left, right = both[40:-150, :width], both[40:-150, -width:]
+
+    # nearly the same, and shifted against one another where it is nearer or farther than the middle
+    assert 0.002 < np.abs(left - right).mean() < 0.05
+    assert np.abs(left - both[40:-150, 40 : 40 + width]).mean() > 2 * np.abs(left - right).mean()
+    # an anaglyph has red rims where a picture has none
+    rim = anaglyph[..., 0] - anaglyph[..., 1:].max(axis=2)
+    assert np.mean(rim > 0.1) > 0.002
+
+    # the same place of the scan, seen by either eye
+    camera = page.read("window.palpate.camera")
+    height = both.shape[0]
+    place = (0.5 * width, 0.45 * height)
+    seen = np.array(page.read(f"window.palpate.pick({place[0]}, {place[1]})")["point"])
+    near = float((seen - camera["target"]) @ camera["back"])
+    apart = camera["distance"] / 30
+    pixel = 2 * camera["distance"] * np.tan(camera["field"] / 2) / height
+    shift = -apart * near / (camera["distance"] - near) / pixel
+    again = both.shape[1] - width + place[0] + shift
+    other = np.array(page.read(f"window.palpate.pick({again}, {place[1]})")["point"])
+    assert abs(near) > 20
+    beside = [(other - seen) @ camera[axis] for axis in ("right", "up")]
+    # another way through skin ends a little deeper or sooner
+    assert np.abs(beside).max() < 0.5, beside
+    assert abs((other - seen) @ camera["back"]) < 6, (seen, other)
+
+    # a double click in the right eye's picture brings the probe before what is seen there
+    page.do("doubleClickAt", testid="canvas", x=again / both.shape[1], y=place[1] / height)
+    state = page.settled()
+    assert np.linalg.norm(np.array(state["proxy"]) - seen) < 8, (state["proxy"], seen)
+
+    page.do("open", url=page.read("location.href"), width=1000, height=640)
+    page.do("clickText", text="Stereo")
+    assert page.read("document.querySelector('[data-testid=stereo]').value") == "side"
+    page.do("choose", testid="stereo", value="off")
+    assert not page.complaints

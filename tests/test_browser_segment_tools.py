@@ -39,6 +39,13 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
         yield opened
 
 
+PAINTED_VOLUME = (
+    "Number.parseFloat([...document.querySelectorAll('[data-testid^=segment-] .name')]"
+    ".find(({ textContent }) => textContent.includes('Painted 1'))"
+    ".querySelector('.volume').textContent)"
+)
+"""Of the segment that is painted [ml]."""
+
 SHOWN_SIZE = "document.querySelector('[data-testid=segment-1] .size').textContent"
 
 
@@ -79,3 +86,56 @@ def test_shapes_change_by_one_step_of_undo_and_a_click_grows_a_region(page: Brow
         "[...document.querySelectorAll('[data-testid^=segment-]')]"
         ".some(({ textContent }) => /Otsu 3 of 3/.test(textContent))"
     )
+
+
+def test_a_disc_is_painted_in_a_slice_taken_back_and_limited_to_values(page: Browser) -> None:
+    page.do("click", testid="layout-four")
+    page.read("window.palpate.cross([24, 24, 24])")
+    page.finish()
+    page.do("click", testid="paint-segments")
+    page.do("click", testid="brush-new")
+    page.wait(
+        "[...document.querySelectorAll('[data-testid=brush-segment] option')]"
+        ".some(({ selected, text }) => selected && text === 'Painted 1')"
+    )
+    page.do("slide", testid="brush-radius", value=6)
+    radius = float(page.text("brush-radius-value").removesuffix(" mm"))
+    pixel = page.read("window.palpate.slices.find(({ name }) => name === 'axial').plane.pixel")
+    way, volume = round(12 / pixel), PAINTED_VOLUME
+
+    def paint(x: float = 0, y: float = 0, *, hold: bool = False) -> None:
+        """Drags by 12 mm around a point so far from the middle of the slice [mm]."""
+        begin = [x / pixel - way / 2, y / pixel]
+        options = {"x": way, "y": 0, "from": begin, "hold": hold}
+        page.do("dragElement", testid="slice-axial", **options)
+
+    def near(square: float) -> str:
+        """Returns that so much is painted, within what voxels of 1 mm allow [mm²]."""
+        return f"Math.abs({volume} * 1000 - {square}) < {0.06 * square + 4}"
+
+    long = np.pi * radius**2 + 2 * radius * way * pixel
+    paint()
+    page.wait(near(long))
+    page.finish()
+    page.do("screenshot", path=str(OUTPUT / "segment_painted.png"))
+    # one that is not let go is taken back by Escape, and leaves the first one
+    paint(y=12, hold=True)
+    page.wait(f"{volume} * 1000 > {1.3 * long}")
+    page.do("press", key="Escape")
+    page.do("release")
+    page.wait(near(long))
+    assert page.read("document.querySelector('[data-testid=brush-radius]') !== null")
+    page.do("press", key="Control+z")
+    page.wait(f"{volume} === 0")
+
+    # the core of 900 has a radius of 6 mm, and nothing else its value
+    page.do("click", testid="brush-within")
+    page.do("fill", testid="brush-low", text="800")
+    page.do("fill", testid="brush-high", text="1000")
+    paint(x=-8)
+    page.wait(near(np.pi * 36))
+    page.do("click", testid="brush-erase")
+    paint(x=-8)
+    page.wait(f"{volume} === 0")
+    page.do("press", key="Control+z")
+    page.wait(near(np.pi * 36))

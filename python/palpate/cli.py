@@ -17,11 +17,15 @@ from palpate.cli_bench import (
     bench_deform,
     bench_open,
     bench_register,
+    bench_segment,
     bench_session,
     bench_truth_cube,
     stress_in_matter,
 )
 from palpate.cli_export import export
+from palpate.cli_fuzz import bench_fuzz_import
+from palpate.cli_recipe import EXAMPLES as RECIPE_EXAMPLES
+from palpate.cli_recipe import run_file
 from palpate.cli_reconstruct import EXAMPLES as RECONSTRUCT_EXAMPLES
 from palpate.cli_reconstruct import reconstruct
 from palpate.cli_register import EXAMPLES as REGISTER_EXAMPLES
@@ -138,6 +142,14 @@ Scan = Annotated[
         metavar="PATH",
     ),
 ]
+ScanOrNone = Annotated[
+    Path | None,
+    typer.Argument(
+        help="DICOM folder, file or zip archive; NIfTI, NRRD, MetaImage or MINC file; pictures; a "
+        "scene. Without it the page asks for a scan.",
+        metavar="[PATH]",
+    ),
+]
 Series = Annotated[
     str | None, typer.Option(help="DICOM series: its UID, description or number in the list.")
 ]
@@ -164,6 +176,13 @@ Segments = Annotated[
     Path | None,
     typer.Option(help="Label map, .seg.nrrd, DICOM SEG or RTSTRUCT, or a folder of masks."),
 ]
+With = Annotated[
+    Path | None, typer.Option("--with", help="Second scan, shown with the first: CT and MR.")
+]
+Transform = Annotated[
+    Path | None,
+    typer.Option(help="Of --with: .tfm that maps points of the first scan to the second's."),
+]
 Mesh = Annotated[
     Path | None,
     typer.Option(help="Closed .stl, .ply, .obj or .glb: becomes a segment that can be moved."),
@@ -186,7 +205,7 @@ Rate = Annotated[int, typer.Option(help="Servo ticks a second: 1000 or 4000.")]
 
 @app.command("open")
 def open_scan(  # noqa: PLR0913  # one per option of the command line
-    path: Scan,
+    path: ScanOrNone = None,
     *,
     series: Series = None,
     orientation: Orientation = None,
@@ -197,6 +216,8 @@ def open_scan(  # noqa: PLR0913  # one per option of the command line
     max_voxels: MaxVoxels = 1024**3,
     threshold: Threshold = None,
     segments: Segments = None,
+    second: With = None,
+    transform: Transform = None,
     mesh: Mesh = None,
     mesh_frame: MeshFrame = None,
     mesh_unit: MeshUnit = None,
@@ -218,7 +239,9 @@ def open_scan(  # noqa: PLR0913  # one per option of the command line
 ) -> None:
     """Show a scan, or a scene that was saved, and feel it."""
     from palpate.cli_open import (
+        add_second,
         check_start,
+        choose_on_page,
         is_scene,
         parse_threshold,
         parse_voxel_size,
@@ -233,10 +256,16 @@ def open_scan(  # noqa: PLR0913  # one per option of the command line
 
     check_start(rate)
     bounds, size = parse_threshold(threshold), parse_voxel_size(voxel_size)
-    if is_scene(path):
-        of_scans = (series, orientation, unit, fill, raw, size, bounds, segments, mesh)
+    if path is None or is_scene(path):
+        of_scans = (series, orientation, unit, fill, raw, size, bounds, segments, mesh, second)
         if any(option is not None for option in of_scans):
-            raise OptionError(f"{path} is a scene: options of scans are allowed with scans only")
+            what = "no scan is given" if path is None else f"{path} is a scene"
+            raise OptionError(f"{what}: options of scans are allowed with scans only")
+    if path is None:
+        with bind(port) as listener, quiet_libraries():
+            choose_on_page(listener, rate=rate, browser=browser, journalled=journal)
+        return
+    if is_scene(path):
         with bind(port) as listener, quiet_libraries():
             show_saved(
                 path, listener, rate=rate, browser=browser, journalled=journal, recover=recover
@@ -256,6 +285,7 @@ def open_scan(  # noqa: PLR0913  # one per option of the command line
                 progress=display,
             )
             scene = scene_of(volume, bounds=bounds, label_map=segments, progress=display)
+            add_second(scene, second, transform, progress=display)
             if mesh is not None:
                 add_mesh(scene, mesh, frame=mesh_frame, unit=mesh_unit, spacing=mesh_spacing)
         for warning in volume.warnings:
@@ -397,6 +427,7 @@ app.command("reconstruct", epilog=RECONSTRUCT_EXAMPLES)(reconstruct)
 app.command("register", epilog=REGISTER_EXAMPLES)(register)
 app.command("series")(series)
 app.command("segment", epilog=EXAMPLES)(segment)
+app.command("run", epilog=RECIPE_EXAMPLES)(run_file)
 
 
 surface = typer.Typer(help="Meshes of segments, and voxels of meshes.", no_args_is_help=True)
@@ -479,9 +510,11 @@ app.add_typer(scenario, name="scenario")
 
 bench = typer.Typer(help="Measure.", no_args_is_help=True)
 app.add_typer(bench, name="bench")
+bench.command("fuzz-import")(bench_fuzz_import)
 bench.command("deform")(bench_deform)
 bench.command("open")(bench_open)
 bench.command("register")(bench_register)
+bench.command("segment")(bench_segment)
 bench.command("session")(bench_session)
 bench.command("truth-cube")(bench_truth_cube)
 

@@ -1,4 +1,4 @@
-"""``palpate bench deform``, ``session``, ``truth-cube``, of matter; ``open`` and ``register``."""
+"""``palpate bench deform``, ``session`` and ``truth-cube``, of matter that gives way; ``open``."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ __all__ = [
     "bench_deform",
     "bench_open",
     "bench_register",
+    "bench_segment",
     "bench_session",
     "bench_truth_cube",
     "stress_in_matter",
@@ -97,6 +98,27 @@ def bench_register(*, json_file: Json = None) -> None:
     print_rows("register", rows)
     if json_file is not None:
         write_rows("register", rows, json_file)
+
+
+def bench_segment(
+    *,
+    runs: Annotated[int, typer.Option(min=1, max=20, help="The median counts.")] = 3,
+    json_file: Json = None,
+) -> None:
+    """Measure how soon a threshold with its surface, a grown organ and many segments are there."""
+    from palpate.bench.haptics_data import MissingDataError
+    from palpate.bench.report import print_rows, write_rows
+    from palpate.bench.segmenting import measure
+    from palpate.errors import OptionError
+
+    try:
+        with quiet_libraries(), Display() as display:
+            rows = measure(runs=runs, progress=display)
+    except MissingDataError as error:
+        raise OptionError(f"no {error}; allowed: PALPATE_DATA with it") from None
+    print_rows("segment", rows)
+    if json_file is not None:
+        write_rows("segment", rows, json_file)
 
 
 def bench_truth_cube(*, json_file: Json = None, plot: Plot = None) -> None:

@@ -6,29 +6,33 @@ import os
 import socket
 import sys
 import webbrowser
-from datetime import datetime
 from pathlib import Path
 
 import numpy as np
 import typer
 
 from palpate.console import Display, warn
-from palpate.errors import EmptySegmentError, OptionError, SceneFormatError
-from palpate.journal import Journal
+from palpate.errors import OptionError, SceneFormatError
+from palpate.io import read
 from palpate.labels import read_labels
+from palpate.opening import is_scene, offer_bone
 from palpate.progress import Progress
+from palpate.recent import note_recent
 from palpate.scene import Scene
-from palpate.scene_file import ENDING, SavedScene, kept_changes, open_scene
+from palpate.scene_file import SavedScene, kept_changes, open_scene
+from palpate.second_scan import placed, read_transform
 from palpate.server import PAGE, serve
-from palpate.server_recording import Recorder
+from palpate.server_open_scan import OpenScan
 from palpate.server_security import Access
-from palpate.session import Session, SessionOptions
+from palpate.server_workbench import Workbench
 from palpate.volume import Volume
 
 __all__ = [
+    "add_second",
     "check_page",
     "check_rate",
     "check_start",
+    "choose_on_page",
     "is_scene",
     "parse_threshold",
     "parse_voxel_size",
@@ -36,6 +40,7 @@ __all__ = [
     "serve_page",
     "show",
     "show_saved",
+    "show_workbench",
     "wanted_scene",
 ]
 
@@ -110,11 +115,8 @@ def scene_of(
         OptionError: The label map does not fit the scan.
     """
     scene = wanted_scene(volume, bounds=bounds, label_map=label_map, progress=progress)
-    if bounds is None and label_map is None:
-        try:
-            scene.add(volume.offered_bone())
-        except EmptySegmentError:
-            warn(f"no bone found in {volume.name}: choose a threshold on the page")
+    if bounds is None and label_map is None and (told := offer_bone(scene)) is not None:
+        warn(told)
     return scene
 
 
@@ -125,6 +127,26 @@ def add_labels(scene: Scene, path: Path, progress: Progress) -> None:
         scene.add(label.segment, colour=label.colour)
     for warning in found.warnings:
         warn(f"{path.name}: {warning}")
+
+
+def add_second(
+    scene: Scene, path: Path | None, transform: Path | None, *, progress: Progress
+) -> None:
+    """Shows a second scan with the first, where a transform says that it lies.
+
+    Raises:
+        OptionError: There is a transform and no scan, or it cannot be used.
+        VolumeFormatError: The scan or the transform cannot be read.
+    """
+    if path is None:
+        if transform is not None:
+            raise OptionError(f"--transform {transform} given; allowed: together with --with")
+        return
+    volume = read(path, progress=progress)
+    for warning in volume.warnings:
+        warn(f"{path.name}: {warning}")
+    known = None if transform is None else read_transform(transform)
+    scene.second = placed(scene.volume, volume, known)
 
 
 def check_start(rate: int) -> None:
@@ -164,44 +186,53 @@ def show(
     *,
     rate: int,
     browser: bool,
-    journalled: bool = False,
+    journalled: bool | None = None,
     recover: bool | None = None,
     run: Path | None = None,
     saved: SavedScene | None = None,
 ) -> None:
     """Serves a scene until Ctrl-C; a recording that still runs then is kept.
 
-    Changes are ``journalled``; what an earlier session left is brought back (``recover``), kept
-    aside, or asked about on the page (None). A scenario's ``run`` is played on the page;
-    a scene that was ``saved`` is brought back first.
+    Options as in ``OpenScan.begin``; by default only scans that the page opens are journalled.
     """
-    with Session(scene, options=SessionOptions(rate_hz=rate)) as session:
-        if saved is not None:
-            saved.restore(session)
-        recorder = Recorder(session)
-        journal = begin_journal(session, recover=recover) if journalled else None
-        try:
-            serve_page(
-                session,
-                listener,
-                recorder=recorder,
-                journal=journal,
-                browser=browser,
-                run=run,
-                saved=saved,
-            )
-            if recorder.is_running:
-                keep_unfinished(recorder)
-        finally:
-            recorder.close()
-            session.stop()
-            if journal is not None:
-                journal.close()
+    workbench = Workbench(rate=rate, journalled=journalled is not False)
+
+    def tell(sentence: str) -> None:
+        warn(sentence)
+        workbench.tell(sentence)
+
+    workbench.opened = OpenScan.begin(
+        scene,
+        rate=rate,
+        journalled=bool(journalled),
+        recover=recover,
+        run=run,
+        saved=saved,
+        tell=tell,
+    )
+    # pages ask by themselves
+    journal = workbench.opened.journal
+    if journal is not None and (offer := journal.offer) is not None:
+        warn(
+            f"{offer.steps} changes of this scan are kept from {offer.when:%d %B %Y, %H:%M}: the "
+            "page asks whether to bring them back; --recover and --no-recover answer before"
+        )
+    note_recent(scene.volume, None if saved is None else saved.path)
+    show_workbench(workbench, listener, browser=browser)
 
 
-def is_scene(path: Path) -> bool:
-    """Says whether a path is that of a scene's file, by its name."""
-    return path.suffix == ENDING and path.is_file()
+def choose_on_page(listener: socket.socket, *, rate: int, browser: bool, journalled: bool) -> None:
+    """Serves a page that asks for a scan, until Ctrl-C."""
+    workbench = Workbench(rate=rate, journalled=journalled)
+    show_workbench(workbench, listener, browser=browser)
+
+
+def show_workbench(workbench: Workbench, listener: socket.socket, *, browser: bool) -> None:
+    """Serves a workbench until Ctrl-C, and keeps what is kept of what is open then."""
+    try:
+        serve_page(workbench, listener, browser=browser)
+    finally:
+        workbench.end()
 
 
 def show_saved(
@@ -243,62 +274,28 @@ def show_saved(
         ) from None
 
 
-def begin_journal(session: Session, *, recover: bool | None) -> Journal:
-    """Begins to keep a session's changes on disk, and says what an earlier session left."""
-    journal = Journal(session, tell=warn)
-    journal.start(recover=recover)
-    if offer := journal.offer:
-        warn(
-            f"{offer.steps} changes of this scan are kept from {offer.when:%d %B %Y, %H:%M}: the "
-            "page asks whether to bring them back; --recover and --no-recover answer before"
-        )
-    return journal
-
-
 def serve_page(
-    session: Session,
+    workbench: Workbench,
     listener: socket.socket,
     *,
-    recorder: Recorder,
     browser: bool,
-    journal: Journal | None = None,
-    run: Path | None = None,
-    saved: SavedScene | None = None,
     seconds: float | None = None,
 ) -> None:
-    """Serves a session until Ctrl-C, or for so long."""
+    """Serves a workbench until Ctrl-C, or for so long."""
     access = Access(port=listener.getsockname()[1])
 
     def ready() -> None:
-        name = session.scene.volume.name
+        opened = workbench.opened
+        name = "a scan once one is chosen" if opened is None else opened.name
         typer.echo(f"Palpate shows {name} at\n{access.url}\nCtrl-C stops it.")
         sys.stdout.flush()
         if browser and has_display():
             webbrowser.open(access.url)
 
     try:
-        serve(
-            session,
-            listener,
-            access=access,
-            ready=ready,
-            recorder=recorder,
-            journal=journal,
-            run=run,
-            saved=saved,
-            seconds=seconds,
-        )
+        serve(workbench, listener, access=access, ready=ready, seconds=seconds)
     except KeyboardInterrupt:
         typer.echo("stopped")
-
-
-def keep_unfinished(recorder: Recorder) -> None:
-    """Writes a recording that nobody has ended where the program was started."""
-    said = recorder.stop()
-    moment = datetime.now().astimezone().strftime("%Y%m%d-%H%M%S")
-    target = Path.cwd() / f"{moment}-{recorder.file_name}"
-    recorder.keep(target)
-    typer.echo(f"the recording that ran is in {target}: {said}")
 
 
 def has_display() -> bool:

@@ -17,7 +17,9 @@ from palpate.recording import Recording, Replay
 from palpate.scene import Scene
 from palpate.scripted_path import ScriptedPath
 from palpate.server import bind
+from palpate.server_open_scan import OpenScan
 from palpate.server_recording import Recorder, summary
+from palpate.server_workbench import Workbench
 from palpate.session import Session, SessionOptions
 
 __all__ = ["check_out", "check_seconds", "record_page", "record_script", "replay_file"]
@@ -76,7 +78,8 @@ def record_page(
         recorder = Recorder(session)
         try:
             recorder.start()
-            serve_page(session, listener, recorder=recorder, browser=browser, seconds=seconds)
+            workbench = Workbench(OpenScan(session, recorder=recorder), fixed=True)
+            serve_page(workbench, listener, browser=browser, seconds=seconds)
             # a page may have ended it before
             said = recorder.stop() if recorder.is_running else "as the page ended it"
             recorder.keep(out)

@@ -93,12 +93,17 @@ def drilling(
 
 
 @scenario.command("palpation")
-def palpation(
+def palpation(  # noqa: PLR0913  # one per option of the command line
     path: Scan = None,
     *,
     segments: Labels = None,
     liver: Liver = 6,
     bone: BoneFrom = None,
+    side: Annotated[
+        str,
+        typer.Option("--from", help="Side that is pressed: anterior, posterior, left, right, any."),
+    ] = "anterior",
+    voxel: Annotated[float, typer.Option(help="Finer voxels are merged to about this [mm].")] = 2.0,
     places: Annotated[int, typer.Option(help="How many are pressed.")] = 9,
     length: Annotated[float, typer.Option(help="From the first to the last of them [mm].")] = 40.0,
     depth: Depth = 2.5,
@@ -108,13 +113,21 @@ def palpation(
 ) -> None:
     """Press soft tissue along a line that crosses bone below it."""
     from palpate.bench.plots import check_plot
+    from palpate.press_lines import SIDES
     from palpate.scenario import run_palpation
 
     check_plot(plot)
     with quiet_libraries(), Display() as display:
         body = _body((path, segments, liver, bone), display)
         run = run_palpation(
-            body, places=places, length=length, depth=depth, radius=radius, progress=display
+            body,
+            sides=tuple(SIDES) if side == "any" else (side,),
+            voxel=voxel,
+            places=places,
+            length=length,
+            depth=depth,
+            radius=radius,
+            progress=display,
         )
     _tell(run, (json, plot))
 

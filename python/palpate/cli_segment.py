@@ -2,19 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from palpate.console import Display, quiet_libraries, warn
-
-if TYPE_CHECKING:
-    from palpate.progress import Progress
-    from palpate.segment import Segment
-    from palpate.segmentation import Growing, ShapeKind
-    from palpate.volume import Volume
 
 __all__ = ["EXAMPLES", "segment"]
 
@@ -24,6 +17,8 @@ Examples:
   palpate segment ct.nii.gz --otsu 3 -o classes.nii.gz
   palpate segment ct.mha --grow=-83,278,1170 --smooth 2 -o liver.seg.nrrd
   palpate segment ct.mha --threshold -200 --fill --hollow 3 -o skin.nii.gz
+  palpate segment mr.nii.gz --seeds painted.seg.nrrd -o grown.seg.nrrd
+  palpate segment ct/ --auto -o organs.seg.nrrd
 
 What is asked for is done in the order of the options above, whatever order they are given in.
 """
@@ -54,6 +49,16 @@ def segment(  # noqa: PLR0913  # one per option of the command line
             metavar="X,Y,Z",
         ),
     ] = None,
+    seeds: Annotated[
+        Path | None,
+        typer.Option(help="Grows the segments of a file until they meet; one is what is around."),
+    ] = None,
+    auto: Annotated[
+        bool, typer.Option("--auto", help="By TotalSegmentator, where it is installed.")
+    ] = False,
+    fast: Annotated[
+        bool, typer.Option("--fast", help="With --auto: at 3 mm, which takes minutes.")
+    ] = False,
     spread: Annotated[
         float | None,
         typer.Option(help="Of grown values, in standard deviations of those around the point."),
@@ -71,6 +76,9 @@ def segment(  # noqa: PLR0913  # one per option of the command line
         float | None, typer.Option(help="Remove islands smaller than this, in ml.")
     ] = None,
     fill: Annotated[bool, typer.Option("--fill", help="Fill holes.")] = False,
+    between_slices: Annotated[
+        bool, typer.Option("--between-slices", help="Fill empty slices between painted ones.")
+    ] = False,
     smooth: Annotated[
         float | None, typer.Option(help="Standard deviation of a Gaussian on the mask, in mm.")
     ] = None,
@@ -83,118 +91,42 @@ def segment(  # noqa: PLR0913  # one per option of the command line
     name: Annotated[str | None, typer.Option(help="What to call the segment.")] = None,
 ) -> None:
     """Make a segment of a scan and write it."""
-    from palpate.cli_open import parse_threshold
     from palpate.cli_surface import check_target
-    from palpate.errors import OptionError
     from palpate.export import export_scene
     from palpate.export_image import IMAGE_SUFFIXES
     from palpate.io import read
     from palpate.scene import Scene
-    from palpate.segmentation import Growing, changed_shape
+    from palpate.segment_request import SegmentRequest
 
     check_target(out, (".seg.nrrd", *IMAGE_SUFFIXES))
-    ways = [way for way in (threshold, otsu, grow or None) if way is not None]
-    if len(ways) != 1:
-        raise OptionError(
-            f"{len(ways)} ways to make a segment given; allowed: one of --threshold, --otsu, --grow"
-        )
-    if not grow and not spread is passage is most is None:
-        raise OptionError("options of growing given; allowed: with --grow only")
-    usual = Growing()
-    growing = Growing(
-        spread=usual.spread if spread is None else spread,
-        passage=usual.passage if passage is None else passage,
-        most_ml=usual.most_ml if most is None else most,
-    )
-    growing.check()
-    bounds = parse_threshold(threshold)
-    seeds = [parse_point(one) for one in grow or ()]
-    changes = _changes(
+    request = SegmentRequest(
+        threshold=threshold,
+        otsu=otsu,
+        grow=grow or [],
+        seeds=seeds,
+        auto=auto,
+        fast=fast,
+        spread=spread,
+        passage=passage,
+        most=most,
         keep_largest=keep_largest,
         drop_below=drop_below,
         fill=fill,
-        lengths=(smooth, margin, hollow),
+        between_slices=between_slices,
+        smooth=smooth,
+        margin=margin,
+        hollow=hollow,
+        name=name,
     )
+    request.check()
     with quiet_libraries(), Display() as display:
         volume = read(path, series=series, progress=display)
-        made = _make(volume, bounds, (otsu, seeds, growing), progress=display)
-        for kind, amount in changes:
-            display(kind.replace("-", " "), None)
-            made = [changed_shape(one, kind, amount=amount) for one in made]
-        if name is not None:
-            for one in made:
-                one.name = name if len(made) == 1 else f"{name}, {one.name}"
-        made = [one for one in made if one.voxel_count > 0]
-        if not made:
-            raise OptionError("nothing is left of the segment; allowed: smaller changes")
+        made, found_warnings = request.make(volume, progress=display)
         scene = Scene(volume)
         for one in made:
             scene.add(one)
         told = export_scene(scene, out, progress=display)
-    for warning in (*volume.warnings, *told):
+    for warning in (*volume.warnings, *found_warnings, *told):
         warn(warning)
     for one in made:
         typer.echo(f"{out}: {one.name}, {one.voxel_count} voxels, {one.volume_ml:.1f} ml")
-
-
-def parse_point(given: str) -> tuple[float, float, float]:
-    """Returns the point that X,Y,Z stands for [mm].
-
-    Raises:
-        OptionError: It is none.
-    """
-    import math
-
-    from palpate.errors import OptionError
-
-    try:
-        x, y, z = (float(part) for part in given.split(","))
-    except ValueError:
-        x = y = z = math.nan
-    if not all(map(math.isfinite, (x, y, z))):
-        raise OptionError(f"point {given!r} given; allowed: X,Y,Z [mm], such as 12.5,-40,310")
-    return x, y, z
-
-
-def _make(
-    volume: Volume,
-    bounds: tuple[float, float | None] | None,
-    ways: tuple[int | None, list[tuple[float, float, float]], Growing],
-    *,
-    progress: Progress,
-) -> list[Segment]:
-    from palpate.segmentation import grown, otsu
-
-    classes, seeds, growing = ways
-    if bounds is not None:
-        return [volume.threshold(*bounds, name="threshold")]
-    if classes is not None:
-        return otsu(volume, classes=classes)
-    return [grown(volume, seeds, growing=growing, progress=progress)]
-
-
-def _changes(
-    *,
-    keep_largest: bool,
-    drop_below: float | None,
-    fill: bool,
-    lengths: tuple[float | None, float | None, float | None],
-) -> list[tuple[ShapeKind, float]]:
-    """Lists what is to be done, in order."""
-
-    def asked() -> Iterator[tuple[ShapeKind, float]]:
-        smooth, margin, hollow = lengths
-        if keep_largest:
-            yield "keep-largest", 1.0
-        if drop_below is not None:
-            yield "drop-small", drop_below
-        if fill:
-            yield "fill-holes", 0.0
-        if smooth is not None:
-            yield "smooth", smooth
-        if margin is not None:
-            yield ("grow", margin) if margin >= 0.0 else ("shrink", -margin)
-        if hollow is not None:
-            yield "hollow-inside", hollow
-
-    return list(asked())

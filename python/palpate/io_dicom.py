@@ -8,7 +8,7 @@ Frame: LPS [mm].
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.errors import SeriesChoiceError, VolumeFormatError
-from palpate.io_dicom_geometry import Grid, grid_of, stack_of
+from palpate.io_dicom_geometry import Grid, Stack, grid_of, stack_of
 from palpate.io_dicom_header import Header, Series, find_series, read_header
 from palpate.io_dicom_pixels import read_slices
 from palpate.io_dicom_resample import resample
@@ -30,7 +30,16 @@ MOST_LISTED = 12
 MOST_FILES = 50_000
 """Files looked at in one folder: ten of the largest studies, and not a whole disc."""
 
-__all__ = ["choose_series", "is_dicom", "read_dicom_file", "read_dicom_folder", "series_in"]
+__all__ = [
+    "MOST_FILES",
+    "Plan",
+    "choose_series",
+    "is_dicom",
+    "plan_of",
+    "read_dicom_file",
+    "read_dicom_folder",
+    "series_in",
+]
 
 
 def is_dicom(path: Path) -> bool:
@@ -156,7 +165,38 @@ def _listed(found: list[Series]) -> str:
     return "; ".join(rows[:MOST_LISTED]) + (f"; and {more} more" if more > 0 else "")
 
 
-def _read_series(what: str, series: Series, *, max_voxels: int, progress: Progress) -> RawScan:
+@dataclass(frozen=True)
+class Plan:
+    """How a series is read, as its headers say before any pixel is."""
+
+    series: Series
+    """With each slice once."""
+    stack: Stack | None
+    """None where the files tell no positions."""
+    grid: Grid | None
+    said: tuple[str, ...]
+    """What was left out."""
+
+    @property
+    def size(self) -> tuple[int, int, int]:
+        """Voxels along x, y, z."""
+        first = self.series.headers[0]
+        return self.grid.size if self.grid else (first.columns, first.rows, self.series.slices)
+
+    @property
+    def middle(self) -> tuple[Header, int]:
+        """The file with the middle slice, and which of its frames that is."""
+        frames = [(one, index) for one in self.series.headers for index in range(len(one.frames))]
+        order = range(len(frames)) if self.stack is None else self.stack.order
+        return frames[order[len(frames) // 2]]
+
+
+def plan_of(what: str, series: Series, *, max_voxels: int) -> Plan:
+    """Finds how a series is read.
+
+    Raises:
+        VolumeFormatError: It is no stack of slices, or has too many voxels.
+    """
     first = series.headers[0]
     if first.samples != 1:
         raise VolumeFormatError(
@@ -171,23 +211,30 @@ def _read_series(what: str, series: Series, *, max_voxels: int, progress: Progre
             f"{what} is truncated: {len(short)} files are shorter than their image, such as "
             f"{short[0]}; allowed: complete files"
         )
-
-    # where the slices lie, before the long work
     stack = stack_of(what, [frame for header in series.headers for frame in header.frames])
     grid = None
     if stack is not None:
         grid = grid_of(what, stack, columns=first.columns, rows=first.rows)
         check_shape(what, grid.size, max_voxels)
+        if all(len(header.frames) == 1 for header in series.headers):
+            # files in the order of their slices need not be moved once they are decoded
+            series = replace(series, headers=tuple(series.headers[i] for i in stack.order))
+            stack = replace(stack, order=tuple(range(len(stack.order))))
+    return Plan(series, stack, grid, tuple(said))
 
-    pixels = read_slices(series.headers, progress=progress)
+
+def _read_series(what: str, series: Series, *, max_voxels: int, progress: Progress) -> RawScan:
+    # where the slices lie, before the long work
+    plan = plan_of(what, series, max_voxels=max_voxels)
+    pixels = read_slices(plan.series.headers, progress=progress)
     values = pixels.values
-    if stack is not None and grid is not None:
-        if stack.order != tuple(range(len(values))):
-            values = values[list(stack.order)]
-        if grid.resampled:
-            values = resample(values, stack, grid, air=pixels.air, progress=progress)
-    scan = _scan(series, grid=grid, values=values)
-    scan.warnings += said
+    if plan.stack is not None and plan.grid is not None:
+        if plan.stack.order != tuple(range(len(values))):
+            values = values[list(plan.stack.order)]
+        if plan.grid.resampled:
+            values = resample(values, plan.stack, plan.grid, air=pixels.air, progress=progress)
+    scan = _scan(plan.series, grid=plan.grid, values=values)
+    scan.warnings += plan.said
     return scan
 
 

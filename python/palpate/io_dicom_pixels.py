@@ -28,7 +28,7 @@ from palpate.progress import Progress
 if TYPE_CHECKING:
     from pydicom.dataset import Dataset
 
-__all__ = ["AIR_HU", "DEFLATED_FRAMES", "SlicePixels", "read_slices", "stored_pixels"]
+__all__ = ["AIR_HU", "DEFLATED_FRAMES", "SlicePixels", "read_slice", "read_slices", "stored_pixels"]
 
 AIR_HU = -1000.0
 """What stands where a scanner measured nothing [HU]."""
@@ -73,6 +73,20 @@ def read_slices(headers: Sequence[Header], *, progress: Progress) -> SlicePixels
         if part.padded is not None:
             part.values[part.padded] = air
     return SlicePixels(np.concatenate([part.values for part in parts]), air)
+
+
+def read_slice(header: Header, frame: int) -> NDArray[Any]:
+    """Decodes and rescales one slice of a file, padding and all, shape [rows, columns].
+
+    Raises:
+        VolumeFormatError: It cannot be decoded.
+    """
+    stored = _plain(header)
+    if stored is None:
+        stored = stored_pixels(header.path, shape=(-1, header.rows, header.columns))
+    if header.inverted and header.unit != "HU":
+        stored = _turned(stored, header.bits)
+    return _rescaled(stored[frame], header.frames[frame])
 
 
 def _in_parallel(work: Callable[[Header], _Part], headers: Sequence[Header]) -> Iterator[_Part]:

@@ -6,9 +6,12 @@ Frame: SimpleITK turns what each format says into LPS [mm]; nothing else here tu
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from palpate.errors import VolumeFormatError
 from palpate.io_payload import check_payload, metaimage_header, nifti_not_finite
@@ -17,7 +20,7 @@ from palpate.raw_scan import RawScan, check_shape, orthonormal
 from palpate.simpleitk import Image, Reader, reason_of, simpleitk
 from palpate.stored import Scale
 
-__all__ = ["FORMATS", "read_file"]
+__all__ = ["FORMATS", "ImageHeader", "header_of", "middle_of", "read_file"]
 
 FORMATS = {
     "nifti": ("NiftiImageIO", (".nii", ".nii.gz", ".hdr", ".img", ".img.gz", ".hdr.gz")),
@@ -71,6 +74,44 @@ def read_file(path: Path, *, max_voxels: int, progress: Progress) -> RawScan:
     )
 
 
+@dataclass(frozen=True)
+class ImageHeader:
+    """What is known of an image file before its voxels are read."""
+
+    size: tuple[int, int, int]
+    """Voxels along x, y, z."""
+    spacing: tuple[float, float, float]
+    """[mm]."""
+
+
+def header_of(path: Path, *, max_voxels: int = 1024**3) -> ImageHeader:
+    """Returns what a file's header tells.
+
+    Raises:
+        VolumeFormatError: The file is no volume, or has too many voxels.
+    """
+    reader, _ = _open(path)
+    _check_pixels(path, reader)
+    check_shape(str(path), reader.GetSize(), max_voxels)
+    x, y, z = reader.GetSize()[:3]
+    across, down, along = reader.GetSpacing()[:3]
+    return ImageHeader((x, y, z), (across, down, along))
+
+
+def middle_of(path: Path) -> NDArray[Any]:
+    """Returns the values of the middle slice along z, shape [y, x].
+
+    Raises:
+        VolumeFormatError: The file cannot be read.
+    """
+    reader, _ = _open(path)
+    size = list(reader.GetSize())
+    reader.SetExtractIndex([0, 0, size[2] // 2] + [0] * (len(size) - 3))
+    reader.SetExtractSize([size[0], size[1], 1] + [0] * (len(size) - 3))
+    values: NDArray[Any] = simpleitk().GetArrayFromImage(_executed(path, reader))[0]
+    return values
+
+
 def _open(path: Path) -> tuple[Reader, str]:
     """Returns a reader that has read the header, and the name of the format."""
     name = path.name.lower()
@@ -110,6 +151,10 @@ def _read(path: Path, reader: Reader) -> Image:
     # axes beyond the third have one voxel: they are dropped
     size = list(reader.GetSize())
     reader.SetExtractSize(size[:3] + [0] * (len(size) - 3))
+    return _executed(path, reader)
+
+
+def _executed(path: Path, reader: Reader) -> Image:
     try:
         return reader.Execute()
     except RuntimeError as error:

@@ -55,7 +55,7 @@ MOST_VOXELS = 1 << 25
 STL_HEADER, STL_TRIANGLE = 84, 50
 
 BROKEN = (
-    *(ValueError, KeyError, IndexError, TypeError, AttributeError, struct.error),
+    *(ValueError, KeyError, IndexError, TypeError, AttributeError, struct.error, ImportError),
     *(NotImplementedError, EOFError, AssertionError, OverflowError),
 )
 """What a reader of meshes says of damaged files."""

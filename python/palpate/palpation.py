@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from palpate import _core
 from palpate.drive import Drive
 from palpate.errors import OptionError
-from palpate.scenario_lines import PressLine
+from palpate.press_lines import PressLine
 from palpate.scenario_run import Press, ScenarioEvent, ScenarioRun, samples_of
 from palpate.segment import Segment
 from palpate.volume import Volume

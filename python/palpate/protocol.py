@@ -62,6 +62,7 @@ ShapeKind = Literal[
     "keep-largest",
     "drop-small",
     "fill-holes",
+    "between-slices",
     "grow",
     "shrink",
     "smooth",
@@ -604,6 +605,18 @@ class SegmentWork(Message, frozen=True, tag="segment_work"):
     what: str | None
 
 
+class SecondScan(Message, frozen=True, tag="second_scan"):
+    """A scan that is shown with the first; null where there is none any more.
+
+    ``second_from_first`` maps points of the first scan to the second's, row-major, shape [4, 4],
+    patient of each [mm]; its values come from ``/api/second`` and are others with each ``version``.
+    """
+
+    scan: Scan | None
+    second_from_first: list[float]
+    version: int
+
+
 class Passed(Message, frozen=True, tag="passed"):
     """The answer to a ``Fence``: all that this page asked for before it is done.
 
@@ -628,6 +641,7 @@ ToPage = (
     | CutPreview
     | NeedleEvents
     | SegmentWork
+    | SecondScan
     | Passed
 )
 
@@ -687,6 +701,16 @@ class GrowSegment(Message, frozen=True, tag="grow_segment"):
     most_ml: Annotated[float, msgspec.Meta(ge=0.001, le=1e5)]
 
 
+class GrowSeeds(Message, frozen=True, tag="grow_seeds"):
+    """Makes a segment of each of these: they grow until they meet where values change most.
+
+    Values are smoothed by a Gaussian of this deviation [mm].
+    """
+
+    ids: Annotated[list[SegmentId], msgspec.Meta(min_length=2, max_length=50)]
+    smoothing: Annotated[float, msgspec.Meta(ge=0.1, le=20.0)]
+
+
 class ChangeShape(Message, frozen=True, tag="change_shape"):
     """Changes the shape of a segment; undo takes it back.
 
@@ -698,6 +722,33 @@ class ChangeShape(Message, frozen=True, tag="change_shape"):
     kind: ShapeKind
     amount: Annotated[float, msgspec.Meta(ge=0.0, le=1e5)]
     other: SegmentId | None
+
+
+class NewSegment(Message, frozen=True, tag="new_segment"):
+    """Makes a segment without voxels, to be painted; undo takes it away."""
+
+    name: Name
+
+
+class Paint(Message, frozen=True, tag="paint"):
+    """Paints voxels of a segment along points, or takes them away: a stroke until ``EndPaint``.
+
+    The brush has a radius [mm]. It is a disc in the slice with this ``normal``, or a ball without
+    one, and changes only voxels with such ``values``, where these are given.
+    """
+
+    id: SegmentId
+    erases: bool
+    points: Annotated[list[Vector], msgspec.Meta(min_length=1, max_length=64)]
+    radius: Annotated[float, msgspec.Meta(gt=0.0, le=50.0)]
+    normal: Vector | None
+    values: tuple[Value, Value] | None
+
+
+class EndPaint(Message, frozen=True, tag="end_paint"):
+    """Ends a stroke of the brush as one step of undo, or takes it back where it is not kept."""
+
+    keep: bool
 
 
 class StopSegmentWork(Message, frozen=True, tag="stop_segment_work"):
@@ -887,8 +938,12 @@ FromPage = (
     | Threshold
     | Otsu
     | GrowSegment
+    | GrowSeeds
     | ChangeShape
     | StopSegmentWork
+    | NewSegment
+    | Paint
+    | EndPaint
     | SegmentProperties
     | SegmentFeel
     | SetMaterial

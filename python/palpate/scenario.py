@@ -6,7 +6,7 @@ the liver to the bone behind it, and ``palpation`` presses soft tissue along a l
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -16,10 +16,13 @@ from numpy.typing import NDArray
 from palpate.drilling import drive_drill
 from palpate.drive import Drive
 from palpate.errors import EmptySegmentError, OptionError
+from palpate.mask_shape import keep_largest, margin, opened
+from palpate.merged_voxels import merged
 from palpate.needle import TISSUES, Tissue, drive_needle
 from palpate.palpation import palpate_line
 from palpate.phantom_scan import phantom
-from palpate.scenario_lines import before_body, line_into, line_over, line_through
+from palpate.press_lines import line_over
+from palpate.scenario_lines import before_body, line_into, line_through
 from palpate.scenario_run import ScenarioRun
 from palpate.scene import Scene
 from palpate.segment import Segment
@@ -204,6 +207,8 @@ def run_drilling(
 def run_palpation(
     body: Body,
     *,
+    sides: Sequence[str] = ("anterior",),
+    voxel: float = 2.0,
     places: int = 9,
     length: float = 40.0,
     depth: float = 2.5,
@@ -213,23 +218,28 @@ def run_palpation(
     """Presses soft tissue along a line over bone that is near in the middle and far at the ends.
 
     Args:
-        body: Whose.
+        body: Whose; what is not joined to the largest part of it, as a table, is left out.
+        sides: Of the patient, where such a line is looked for.
+        voxel: Finer voxels are merged until they are about as large [mm]: a finger is larger.
         places: How many are pressed.
         length: Of the line [mm].
         depth: How deep they are pressed [mm].
-        radius: Of the ball [mm]; by default two of the scan's smallest spacing, the largest for
+        radius: Of the ball [mm]; by default two of the smallest spacing then, the largest for
             which the lattice's box is as good as an endless one.
         progress: Told of each press.
 
     Raises:
         OptionError: There is no such line, or an option is not allowed.
     """
-    volume = body.volume
-    line = line_over(volume, body.all_soft, body.bone, length=length, count=places)
+    masks = {"soft tissue": body.all_soft, "bone": body.bone}
+    volume, masks = merged(body.volume, masks, size=voxel)
+    itself = _largest_part(masks["soft tissue"] | masks["bone"], volume)
+    soft, bone = masks["soft tissue"] & itself, masks["bone"] & itself
+    line = line_over(volume, soft, bone, length=length, count=places, sides=sides)
     # one material: what is felt is the bone, and no skin over fat
     layers: list[tuple[Segment, str | None]] = [
-        (volume.segment(body.all_soft, name="soft tissue"), "muscle"),
-        (volume.segment(body.bone, name="bone"), None),
+        (volume.segment(soft, name="soft tissue"), "muscle"),
+        (volume.segment(bone, name="bone"), None),
     ]
     return palpate_line(
         volume,
@@ -239,6 +249,14 @@ def run_palpation(
         depth=depth,
         progress=progress,
     )
+
+
+def _largest_part(mask: Mask, volume: Volume) -> Mask:
+    """The largest part of a mask, without what only hangs on it by thin bridges."""
+    reach = 2.0 * max(volume.spacing)
+    core = keep_largest(opened(mask, volume.spacing, reach))
+    # the faces of what is kept are as they were
+    return margin(core, volume.spacing, reach) & mask
 
 
 def _label(volume: Volume, labels: Volume, number: int) -> Mask:

@@ -6,7 +6,6 @@ Masks have the shape of the volume; points are in the patient [mm].
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -15,7 +14,7 @@ from numpy.typing import NDArray
 from palpate.errors import OptionError
 from palpate.volume import Volume
 
-__all__ = ["PressLine", "Way", "before_body", "line_into", "line_over", "line_through"]
+__all__ = ["Way", "before_body", "line_into", "line_through"]
 
 Mask = NDArray[np.bool_]
 
@@ -87,75 +86,6 @@ def line_into(volume: Volume, mask: Mask, *, depth: float, margin: float) -> Way
         volume,
         (z, x),
         (entry[z, x] - margin / spacing, entry[z, x] + depth / spacing),
-    )
-
-
-@dataclass(frozen=True)
-class PressLine:
-    """Places beside one another, to be pressed."""
-
-    surface: tuple[NDArray[np.float64], ...]
-    """Where each way meets the body [mm]."""
-    direction: NDArray[np.float64]
-    """Inward, of length 1."""
-    along: tuple[float, ...]
-    """How far each is from the first [mm]."""
-    thickness: tuple[float | None, ...]
-    """Of what is before the first bone there [mm]; None where there is none."""
-
-
-def line_over(
-    volume: Volume, soft: Mask, bone: Mask, *, length: float = 40.0, count: int = 9
-) -> PressLine:
-    """Returns places along the third axis over bone that is near in the middle and far beside it.
-
-    Args:
-        volume: The scan.
-        soft: What gives way.
-        bone: What does not.
-        length: From the first to the last place [mm].
-        count: How many, at least 3.
-
-    Raises:
-        OptionError: There is no such line.
-    """
-    if count < 3:
-        raise OptionError(f"{count} places given; allowed: 3 or more")
-    deep, steep = 25.0, 0.7
-    spacing = volume.spacing[1]
-    skin, hard = _first(soft | bone), _first(bone)
-    thickness = np.where(hard >= 0, (hard - skin) * spacing, deep)
-    offsets = np.rint(np.linspace(-0.5, 0.5, count) * length / volume.spacing[0]).astype(int)
-    at = np.arange(skin.shape[1])[:, None] + offsets
-    fits = (at >= 2) & (at < skin.shape[1] - 2)
-    at = np.where(fits, at, 0)
-    # [z, x of the middle, place]
-    over, there = np.minimum(thickness[:, at], deep), skin[:, at]
-    slope = np.abs(np.diff(there, axis=2)) * spacing / (np.diff(offsets) * volume.spacing[0])
-    middle = over[:, :, count // 2]
-    ends = np.minimum(over[:, :, 0], over[:, :, -1])
-    good = fits.all(axis=1)[None] & (there >= 0).all(axis=2) & (slope.max(axis=2) < steep)
-    # some soft matter over the bone everywhere, as much as a finger presses in
-    good &= (over.min(axis=2) >= 3.0) & (middle <= 10.0) & (ends >= middle + 6.0)
-    score = np.where(good, ends - middle - slope.mean(axis=2), -np.inf)
-    score[:2] = score[-2:] = -np.inf
-    if not np.isfinite(score).any():
-        raise OptionError(
-            "no line from the front over bone given; allowed: bone 3 to 10 mm below the surface, "
-            "and 6 mm deeper beside it"
-        )
-    z, x = _place_of(score)
-    columns = x + offsets
-    points = [_point(volume, (z, column), skin[z, column]) for column in columns]
-    inward = _point(volume, (z, x), skin[z, x] + 1.0) - _point(volume, (z, x), skin[z, x])
-    return PressLine(
-        surface=tuple(points),
-        direction=inward / np.linalg.norm(inward),
-        along=tuple(float(np.linalg.norm(point - points[0])) for point in points),
-        thickness=tuple(
-            float((hard[z, column] - skin[z, column]) * spacing) if hard[z, column] >= 0 else None
-            for column in columns
-        ),
     )
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from palpate.errors import OptionError
+from palpate.second_scan import SecondScan
 from palpate.segment import Segment
 from palpate.volume import Volume
 
@@ -54,6 +55,8 @@ class Scene:
             OptionError: A segment is of another scan's size.
         """
         self.volume = volume
+        self.second: SecondScan | None = None
+        """A scan that is shown with it."""
         self._segments: list[SceneSegment] = []
         for segment in segments:
             self.add(segment)

@@ -13,13 +13,15 @@ from palpate import mask_shape
 from palpate.errors import OptionError
 from palpate.mask_shape import Mask
 from palpate.otsu import otsu
+from palpate.painted_slices import between_slices
 from palpate.progress import Progress, silent
 from palpate.protocol import ShapeKind
 from palpate.region_growing import Growing, grow
 from palpate.segment import Segment
 from palpate.volume import Volume
+from palpate.watershed import grown_from_seeds
 
-__all__ = ["Growing", "ShapeKind", "changed_shape", "grown", "otsu"]
+__all__ = ["Growing", "ShapeKind", "changed_shape", "grown", "grown_from_seeds", "otsu"]
 
 LOGIC: dict[str, Callable[[Mask, Mask], Mask]] = {
     "unite": np.logical_or,
@@ -86,6 +88,8 @@ def changed_shape(
         changed = LENGTHS[kind](mask, volume.spacing, amount)
     elif kind == "fill-holes":
         changed = mask_shape.filled(mask)
+    elif kind == "between-slices":
+        changed = between_slices(mask, volume.spacing)
     elif kind == "drop-small":
         if amount < 0.0:
             raise OptionError(f"{amount:g} ml given; allowed: 0 or more")

@@ -8,7 +8,7 @@ from palpate.server_matter import models, presets
 from palpate.session import Session
 from palpate.volume import Volume
 
-__all__ = ["hello_of"]
+__all__ = ["hello_of", "scan_of"]
 
 
 def hello_of(session: Session) -> protocol.Hello:
@@ -18,7 +18,7 @@ def hello_of(session: Session) -> protocol.Hello:
     return protocol.Hello(
         protocol=protocol.PROTOCOL_VERSION,
         version=package_version(),
-        scan=_scan(session.scene.volume),
+        scan=scan_of(session.scene.volume),
         segments=[],
         settings=settings,
         defaults=settings,
@@ -31,7 +31,8 @@ def hello_of(session: Session) -> protocol.Hello:
     )
 
 
-def _scan(volume: Volume) -> protocol.Scan:
+def scan_of(volume: Volume) -> protocol.Scan:
+    """Returns what pages are told of a scan."""
     histogram = volume.histogram
     return protocol.Scan(
         name=volume.name,

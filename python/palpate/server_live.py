@@ -20,20 +20,23 @@ from palpate.errors import OptionError, PalpateError
 from palpate.journal import Journal
 from palpate.needle import TISSUES
 from palpate.painted_cut import PaintedCut
+from palpate.second_scan import SecondScan
 from palpate.server_changes import messages_of
 from palpate.server_gap import GapWatch
 from palpate.server_matter import asked_material, parts_of
 from palpate.server_needle import ToldNeedle
 from palpate.server_outbox import Missed, Outbox
+from palpate.server_paint import Painter
 from palpate.server_picture import ToldPicture, labels_anew
 from palpate.server_recording import Recorder
+from palpate.server_second import second_message
 from palpate.server_segment_work import SegmentWork
 from palpate.server_segments import ShownSegments
 from palpate.server_thresholds import ThresholdJobs
 from palpate.session import Session
 from palpate.touch_settings import TouchSettings
 
-__all__ = ["Live"]
+__all__ = ["EXCHANGED", "Live"]
 
 STATES_HZ = 60.0
 """States a second while pages look."""
@@ -41,6 +44,8 @@ PATIENCE = 0.1
 """Seconds that a thread waits for changes: so long may it outlive the server."""
 IDLE_HZ = 5.0
 """States a second while none does: enough for notices and counters."""
+EXCHANGED = 4001
+"""Code with which pages of a scan are sent away that makes room for another."""
 
 
 class Live:
@@ -70,14 +75,17 @@ class Live:
         self._hello = hello
         self.picture = ToldPicture(session.scene.volume.array)
         self._outboxes: set[Outbox] = set()
+        self._sockets: set[WebSocket] = set()
         self._thresholds = ThresholdJobs(self._make_threshold)
         self._segment_work = SegmentWork(session, self.segments, self._from_threads.put)
         self._presses: Outbox | None = None
+        self._painter = Painter(session)
         self._paces: dict[Outbox, int] = {}
         self._needle = ToldNeedle(session)
         self._parts_for: set[Outbox] = set()
         self._gaps = GapWatch(session, self._from_threads.put)
         self._scene_of_now: object = None
+        self._second = second_message(session.scene.second, version=0)
 
     async def run(self) -> None:
         """Tells all pages what is, until it is cancelled or the session ends by itself."""
@@ -102,11 +110,14 @@ class Live:
         outbox = Outbox(missed=Missed())
         outbox.tell(msgspec.structs.replace(self._hello, segments=self.segments.message.segments))
         outbox.tell(self.segments.message)
+        if self._second.scan is not None:
+            outbox.tell(self._second)
         if self.journal is not None:
             outbox.tell(protocol.Recovery(_offer_of(self.journal)))
             if self.journal.problem is not None:
                 outbox.tell(protocol.Notice(level="warning", text=self.journal.problem))
         self._outboxes.add(outbox)
+        self._sockets.add(websocket)
         sender = asyncio.create_task(self._send(websocket, outbox))
         try:
             while True:
@@ -115,6 +126,7 @@ class Live:
             pass
         finally:
             self._outboxes.discard(outbox)
+            self._sockets.discard(websocket)
             self._paces.pop(outbox, None)
             self._follow_edits()
             self._show_parts(outbox, on=False)
@@ -125,9 +137,28 @@ class Live:
                     await asyncio.to_thread(self.session.grab, None)
                     await asyncio.to_thread(self.session.clutch, on=False)
             sender.cancel()
+            with suppress(PalpateError, RuntimeError):
+                await asyncio.to_thread(self._painter.leave, outbox)
             if self._presses is outbox:
                 # nobody is left to release the tool
                 await asyncio.to_thread(self._release)
+
+    def show_second(self, second: SecondScan | None) -> None:
+        """Shows another scan with the first, or the same one elsewhere; from any thread."""
+        scene = self.session.scene
+        same = (
+            second is not None and scene.second is not None and second.volume is scene.second.volume
+        )
+        version = self._second.version + (0 if same else 1)
+        scene.second = second
+        self._second = second_message(second, version=version)
+        self._from_threads.put(self._second)
+
+    async def send_away(self) -> None:
+        """Has all pages load themselves anew: another scan takes the place of this one."""
+        for websocket in list(self._sockets):
+            with suppress(RuntimeError):
+                await websocket.close(EXCHANGED, "another scan")
 
     # --- to pages -------------------------------------------------------------------------
 
@@ -244,7 +275,7 @@ class Live:
                     self._tell_from_threads()
                     outbox.tell(protocol.Passed(number, tick=self._following_tick()))
                 case _:
-                    await asyncio.to_thread(self._do, message)
+                    await asyncio.to_thread(self._do_for, message, outbox)
         except msgspec.DecodeError as error:
             outbox.tell(protocol.Notice(level="error", text=f"message not understood: {error}"))
         except (PalpateError, OSError) as error:
@@ -282,6 +313,17 @@ class Live:
         with suppress(RuntimeError):
             self.session.stroke(on=False)
 
+    def _do_for(self, message: protocol.FromPage, outbox: Outbox) -> None:
+        match message:
+            case protocol.Paint():
+                self._painter.paint(message, outbox)
+            case protocol.EndPaint(keep):
+                self._painter.end(keep=keep)
+            case protocol.NewSegment(name):
+                self.segments.add_empty(name)
+            case _:
+                self._do(message)
+
     def _do(self, message: protocol.FromPage) -> None:
         match message:
             case protocol.Place(point):
@@ -299,8 +341,10 @@ class Live:
             case protocol.WithdrawNeedle():
                 self.session.withdraw_needle()
             case protocol.Undo():
+                self._painter.end()
                 self.session.undo()
             case protocol.Redo():
+                self._painter.end()
                 self.session.redo()
             case _:
                 self._do_to_session(message)

@@ -32,8 +32,13 @@ class WantedScene(msgspec.Struct, frozen=True):
     """Whether the scan goes into the file."""
 
 
-def scene_response(session: Session, segments: ShownSegments, body: bytes) -> Response:
-    """Saves a scene and answers with its file; one that cannot be is told as a sentence."""
+def scene_response(
+    session: Session, segments: ShownSegments, body: bytes, *, passing: bool = False
+) -> Response:
+    """Saves a scene and answers with its file; one that cannot be is told as a sentence.
+
+    The file of a scan whose own files are ``passing`` holds the scan whether asked for or not.
+    """
     if len(body) > MOST_VIEW_BYTES:
         return _refusal(f"{len(body)} bytes given; allowed: {MOST_VIEW_BYTES}")
     try:
@@ -44,7 +49,8 @@ def scene_response(session: Session, segments: ShownSegments, body: bytes) -> Re
     try:
         name = re.sub(r"[^\w.-]+", "-", session.scene.volume.name).strip("-.")[:60] or "scene"
         path = Path(folder.name) / f"{name}{ENDING}"
-        save_scene(path, session, looks=segments.kept(), view=wanted.view, copy=wanted.copy)
+        copy = wanted.copy or passing
+        save_scene(path, session, looks=segments.kept(), view=wanted.view, copy=copy)
     except (PalpateError, OSError, RuntimeError) as error:
         folder.cleanup()
         return _refusal(f"the scene was not saved: {error}")

@@ -15,13 +15,13 @@ import numpy as np
 from palpate import protocol
 from palpate.errors import OptionError, PalpateError
 from palpate.segment import Segment
-from palpate.segmentation import Growing, changed_shape, grown, otsu
+from palpate.segmentation import Growing, changed_shape, grown, grown_from_seeds, otsu
 from palpate.server_segments import ShownSegments
 from palpate.session import Session
 
 __all__ = ["SegmentWork", "Wanted"]
 
-Wanted = protocol.Otsu | protocol.GrowSegment | protocol.ChangeShape
+Wanted = protocol.Otsu | protocol.GrowSegment | protocol.GrowSeeds | protocol.ChangeShape
 
 
 class StoppedError(Exception):
@@ -50,7 +50,12 @@ class SegmentWork:
         match message:
             case protocol.StopSegmentWork():
                 self.stop()
-            case protocol.Otsu() | protocol.GrowSegment() | protocol.ChangeShape():
+            case (
+                protocol.Otsu()
+                | protocol.GrowSegment()
+                | protocol.GrowSeeds()
+                | protocol.ChangeShape()
+            ):
                 self._waiting.append(message)
                 self._filled.set()
             case _:
@@ -89,6 +94,8 @@ class SegmentWork:
                         self._segments.add(segment)
                 case protocol.GrowSegment():
                     self._grow(wanted, progress)
+                case protocol.GrowSeeds():
+                    self._grow_seeds(wanted, progress)
                 case protocol.ChangeShape():
                     self._change(wanted, progress)
         except StoppedError:
@@ -112,6 +119,20 @@ class SegmentWork:
         )
         progress("adding the segment", None)
         self._segments.add(segment)
+
+    def _grow_seeds(
+        self, wanted: protocol.GrowSeeds, progress: Callable[[str, float | None], None]
+    ) -> None:
+        first = wanted.ids[0]
+        for other in wanted.ids[1:]:
+            self._check_unmoved(first, other)
+        seeds = [self._now(segment_id) for segment_id in wanted.ids]
+        made = grown_from_seeds(
+            self._session.scene.volume, seeds, smoothing=wanted.smoothing, progress=progress
+        )
+        progress("adding segments", None)
+        for segment in made:
+            self._segments.add(segment)
 
     def _change(
         self, wanted: protocol.ChangeShape, progress: Callable[[str, float | None], None]

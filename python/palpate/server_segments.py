@@ -129,6 +129,11 @@ class ShownSegments:
         self._set_look(segment_id, Look(segment.name, _colour_of(segment_id)))
         self.keep()
 
+    def add_empty(self, name: str) -> None:
+        """Adds a segment without voxels, which cannot be told by a range."""
+        volume = self._session.scene.volume
+        self.add(volume.segment(np.zeros(volume.shape, np.uint8), name=name))
+
     def name_of(self, segment_id: int) -> str:
         """Returns what pages call a segment."""
         return self._look_of(segment_id).name

@@ -29,6 +29,7 @@ from palpate.recording_file import FORMAT, VERSION, About, AboutScan, AboutSegme
 from palpate.scene import Scene
 from palpate.scripted_path import ScriptedPath
 from palpate.segment import Segment
+from palpate.step_groups import StepGroup, StepGroups
 from palpate.surface import Source
 from palpate.touch_settings import TouchSettings
 from palpate.volume import Volume
@@ -103,6 +104,7 @@ class Session:
             )
         self.ids = list(range(1, len(scene) + 1))
         self._about: About | None = None
+        self._groups = StepGroups(self._voxel_count)
 
     def __enter__(self) -> Self:
         return self
@@ -643,11 +645,27 @@ class Session:
 
     def undo(self) -> bool:
         """Takes the last edit back; says whether there was one."""
-        return self._internal.undo()
+        return self._groups.undo(self._internal.undo)
 
     def redo(self) -> bool:
         """Applies the last undone edit again; says whether there was one."""
-        return self._internal.redo()
+        return self._groups.redo(self._internal.redo)
+
+    def group_steps(self, segment_id: int, counts: Sequence[int]) -> None:
+        """Has ``undo`` and ``redo`` take edits of a segment as one.
+
+        Args:
+            segment_id: Which segment.
+            counts: How many voxels it had before the first of these edits, and after each; each
+                only adds voxels, or only takes some away.
+        """
+        self._groups.add(StepGroup(segment_id, tuple(counts)))
+
+    def _voxel_count(self, segment_id: int) -> int | None:
+        try:
+            return self._internal.segment(segment_id).voxel_count
+        except ValueError:
+            return None
 
     # --- what happens ---------------------------------------------------------------------
 

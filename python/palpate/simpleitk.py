@@ -10,7 +10,7 @@ from typing import Any, Protocol
 
 from numpy.typing import NDArray
 
-__all__ = ["Grid", "Image", "Reader", "image_on", "reason_of", "simpleitk"]
+__all__ = ["Grid", "Image", "Reader", "Transform", "image_on", "reason_of", "simpleitk"]
 
 
 class Grid(Protocol):
@@ -32,14 +32,24 @@ class Image(Protocol):
     def GetDirection(self) -> tuple[float, ...]: ...  # noqa: N802, D102
 
 
+class Transform(Protocol):
+    """What is used of ``SimpleITK.Transform``; points are patient, LPS [mm]."""
+
+    def GetDimension(self) -> int: ...  # noqa: N802, D102
+    def IsLinear(self) -> bool: ...  # noqa: N802, D102
+    def TransformPoint(self, point: Sequence[float]) -> tuple[float, ...]: ...  # noqa: N802, D102
+
+
 class Reader(Protocol):
     """What is used of ``SimpleITK.ImageFileReader``."""
 
     def GetSize(self) -> tuple[int, ...]: ...  # noqa: N802, D102
+    def GetSpacing(self) -> tuple[float, ...]: ...  # noqa: N802, D102
     def GetNumberOfComponents(self) -> int: ...  # noqa: N802, D102
     def GetPixelIDValue(self) -> int: ...  # noqa: N802, D102
     def GetMetaDataKeys(self) -> Sequence[str]: ...  # noqa: N802, D102
     def GetMetaData(self, key: str) -> str: ...  # noqa: N802, D102
+    def SetExtractIndex(self, index: Sequence[int]) -> None: ...  # noqa: N802, D102
     def SetExtractSize(self, size: Sequence[int]) -> None: ...  # noqa: N802, D102
     def Execute(self) -> Image: ...  # noqa: N802, D102
 

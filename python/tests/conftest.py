@@ -20,7 +20,10 @@ from numpy.typing import NDArray
 from palpate.journal import Journal
 from palpate.scene import Scene
 from palpate.server import bind, make_app, make_server
+from palpate.server_live import Live
+from palpate.server_open_scan import OpenScan
 from palpate.server_security import Access
+from palpate.server_workbench import Workbench
 from palpate.session import Session
 from palpate.volume import Volume, VolumeTraits
 from pydicom.dataset import FileDataset, FileMetaDataset
@@ -143,6 +146,7 @@ class RunningServer:
     access: Access
     session: Session
     journal: Journal | None = None
+    live: Live | None = None
 
     @property
     def base(self) -> str:
@@ -212,19 +216,28 @@ def write_page(folder: Path) -> Path:
 @contextmanager
 def running(scene: Scene, page: Path, *, state: Path | None = None) -> Iterator[RunningServer]:
     """Runs the real server with a real session on a free port, with a journal in ``state``."""
-    with bind(0) as listener, Session(scene) as session:
-        access = Access(port=listener.getsockname()[1])
-        ready = Event()
+    with Session(scene) as session:
         journal = None if state is None else Journal(session, folder=state, tell=lambda _: None)
         if journal is not None:
             journal.start()
-        app = make_app(session, access=access, page=page, journal=journal)
-        server = make_server(app, ready=ready.set)
+        opened = OpenScan(session, journal=journal)
+        with serving(Workbench(opened), page) as access:
+            yield RunningServer(access, session, journal, opened.live)
+        opened.recorder.close()
+
+
+@contextmanager
+def serving(workbench: Workbench, page: Path) -> Iterator[Access]:
+    """Runs the real server with a workbench on a free port."""
+    with bind(0) as listener:
+        access = Access(port=listener.getsockname()[1])
+        ready = Event()
+        server = make_server(make_app(workbench, access=access, page=page), ready=ready.set)
         listener.listen()
         thread = Thread(target=server.run, kwargs={"sockets": [listener]})
         thread.start()
         assert ready.wait(PATIENCE)
-        yield RunningServer(access, session, journal)
+        yield access
         server.should_exit = True
         thread.join(PATIENCE)
         assert not thread.is_alive()

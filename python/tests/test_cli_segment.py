@@ -78,7 +78,8 @@ def test_a_region_grows_from_a_point_of_the_patient(scan: Path, tmp_path: Path) 
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        ([], "0 ways to make a segment given; allowed: one of --threshold, --otsu, --grow"),
+        ([], "allowed: one of --threshold, --otsu, --grow, --seeds, --auto"),
+        (["--threshold", "1", "--fast"], "--fast given; allowed: with --auto only"),
         (["--threshold", "1", "--otsu", "2"], "2 ways to make a segment given"),
         (["--grow", "1,2"], "point '1,2' given; allowed: X,Y,Z [mm]"),
         (["--grow", "900,0,0"], "seed 900, 0, 0 mm lies outside"),

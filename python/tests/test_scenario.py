@@ -11,9 +11,11 @@ import pytest
 from palpate.cli import run
 from palpate.errors import OptionError
 from palpate.io import read
+from palpate.merged_voxels import merged
 from palpate.palpation import palpate_line
-from palpate.scenario import body_of_scan
-from palpate.scenario_lines import PressLine, line_into, line_over
+from palpate.press_lines import SIDES, PressLine, line_over
+from palpate.scenario import body_of_scan, run_palpation
+from palpate.scenario_lines import line_into
 from palpate.scenario_run import UNITS, Press, ScenarioEvent, ScenarioRun, read_run, write_run
 from palpate.volume import Volume
 
@@ -159,6 +161,56 @@ def test_a_line_over_bone_crosses_what_is_near_the_surface() -> None:
         line_over(volume, soft, np.zeros_like(bone), length=20.0, count=5)
     with pytest.raises(OptionError, match="3 or more"):
         line_over(volume, soft, bone, count=2)
+
+
+def test_a_line_is_looked_for_on_the_side_of_the_patient_that_is_given() -> None:
+    # axes of the arrays: head to foot, back to front, left to right
+    turned = ((-1.0, 0.0, 0.0), (0.0, -1.0, 0.0), (0.0, 0.0, -1.0))
+    soft = np.zeros((30, 40, 30), dtype=bool)
+    soft[:, 8:32] = True
+    bone = np.zeros_like(soft)
+    bone[14:16, 24:27] = True
+    scan = Volume(np.zeros(soft.shape, dtype=np.int16), spacing=(2.0, 1.0, 2.0), direction=turned)
+    line = line_over(scan, soft & ~bone, bone, length=20.0, count=5)
+    assert line.direction == pytest.approx((0.0, 1.0, 0.0))
+    # up and down the body: around it the bone goes on
+    assert line.thickness[2] == 5.0
+    assert line.thickness[0] is line.thickness[-1] is None
+    assert line.surface[2][1] == pytest.approx(-31.5)
+    assert abs(line.surface[-1][2] - line.surface[0][2]) == pytest.approx(20.0)
+    with pytest.raises(OptionError, match="3 to 10 mm below"):
+        line_over(scan, soft & ~bone, bone, length=20.0, count=5, sides=("posterior",))
+    everywhere = line_over(scan, soft & ~bone, bone, length=20.0, count=5, sides=tuple(SIDES))
+    assert everywhere.direction == pytest.approx(line.direction)
+    with pytest.raises(OptionError, match="anterior, posterior, left, right"):
+        line_over(scan, soft, bone, sides=("top",))
+
+
+def test_merged_voxels_stand_where_those_did_that_they_are_made_of() -> None:
+    values = np.arange(4 * 6 * 7, dtype=np.int16).reshape(4, 6, 7)
+    scan = Volume(values, spacing=(0.7, 0.7, 2.5), origin=(1.0, 2.0, 3.0), slope=2.0)
+    mask = values % 7 < 2
+    larger, masks = merged(scan, {"low": mask}, size=2.0)
+    assert larger.spacing == pytest.approx((2.1, 2.1, 2.5))
+    assert larger.origin == pytest.approx((1.7, 2.7, 3.0))
+    assert larger.shape == (4, 2, 2)
+    assert larger.array[0, 0, 0] == np.rint(values[0, :3, :3].mean())
+    assert masks["low"][..., 0].all()
+    assert not masks["low"][..., 1].any()
+    same, _ = merged(scan, {}, size=0.5)
+    assert same is scan
+
+
+@pytest.mark.data
+def test_the_spine_of_a_real_chest_is_felt_through_what_covers_it(data_folder: Path) -> None:
+    body = body_of_scan(read(data_folder / "lidc0001_totalseg/cxr.nii.gz"))
+    pressed = run_palpation(body, sides=("posterior",), places=3)
+    beside, over, other = pressed.presses
+    assert over.thickness is not None
+    assert over.thickness < 10.0
+    assert over.stiffness > 1.3 * max(beside.stiffness, other.stiffness) > 0.0
+    assert pressed.spikes() == 0
+    assert pressed.violations == 0
 
 
 def test_a_scenario_that_cannot_be_drawn_is_refused(

@@ -23,6 +23,7 @@
  *   {"do": "slide", "testid": …, "value": …}                  a slider, with the mouse
  *   {"do": "download", "testid": …, "path": …}                → {"name": of the file}
  *   {"do": "give", "testid": …, "path": …}                    a file to a chooser of files
+ *   {"do": "drop", "paths": […]}                              files and folders onto the page, as from a file manager
  *   {"do": "fill", "testid": …, "text": …}                    a field; {"do": "type", "text": …} where the focus is
  *   {"do": "axe"}                                             → {"value": violations of accessibility, as lines}
  *   {"do": "press", "key": "Escape"}, {"do": "resize", "width": …, "height": …}
@@ -56,7 +57,7 @@ const actions = {
     await page.setViewportSize({ width, height });
     await page.goto(url, { waitUntil: "domcontentloaded" });
     await page
-      .waitForFunction(() => window.palpate?.ready === true || document.querySelector("[data-testid=message] h1") !== null, null, {
+      .waitForFunction(() => window.palpate?.ready === true || document.querySelector("[data-testid=message] h1, [data-testid=open-page]") !== null, null, {
         timeout: seconds * 1000,
       })
       .catch(() => undefined);
@@ -65,7 +66,11 @@ const actions = {
   async wait({ for: expression, seconds = 60 }) {
     // asked from here: the page's security policy allows no evaluation inside it
     const ends = Date.now() + seconds * 1000;
-    while (!(await page.evaluate(expression))) {
+    // a page that loads itself anew has no answer meanwhile
+    const ask = () => page.evaluate(expression).catch((error) => {
+      if (!String(error).includes("navigation")) throw error;
+    });
+    while (!(await ask())) {
       if (Date.now() > ends) {
         throw new Error(`not true within ${seconds} s`);
       }
@@ -145,13 +150,15 @@ const actions = {
     await page.mouse.wheel(0, y);
     return {};
   },
-  async dragElement({ testid, x = 0, y = 0, steps = 10, from = [0, 0], button = "left" }) {
+  async dragElement({ testid, x = 0, y = 0, steps = 10, from = [0, 0], button = "left", hold = false }) {
     const box = await byTestId(testid).boundingBox();
     const [startX, startY] = [box.x + box.width / 2 + from[0], box.y + box.height / 2 + from[1]];
     await page.mouse.move(startX, startY);
     await page.mouse.down({ button });
     await page.mouse.move(startX + x, startY + y, { steps });
-    await page.mouse.up({ button });
+    if (!hold) {
+      await page.mouse.up({ button });
+    }
     return {};
   },
   async touch({ x = 0, y = 0, depth = 0, steps = 10 }) {
@@ -201,6 +208,15 @@ const actions = {
   },
   async give({ testid, path }) {
     await byTestId(testid).setInputFiles(path);
+  },
+  async drop({ paths }) {
+    const session = await page.context().newCDPSession(page);
+    const data = { items: [], files: paths, dragOperationsMask: 1 };
+    for (const type of ["dragEnter", "dragOver", "drop"]) {
+      await session.send("Input.dispatchDragEvent", { type, x: 300, y: 300, data });
+    }
+    await session.detach();
+    return {};
   },
   async fill({ testid, text }) {
     await byTestId(testid).fill(text);

@@ -22,6 +22,8 @@ use crate::scene::Scene;
 
 /// How long the model may take for an answer, so that 30 come in a second.
 const PATIENCE: Duration = Duration::from_millis(25);
+/// Between two questions where the first is answered between two passes of the simulation [s].
+const SOONEST: f64 = 0.008;
 /// Matter farther from the tool than this is not asked [mm].
 const REACH: f64 = 30.0;
 
@@ -169,27 +171,36 @@ impl Deformation {
         }
     }
 
-    /// Takes an answer, if one has come, and asks again where matter gives way near the tool.
-    pub fn exchange(&mut self, scene: &Scene, status: &ServoStatus) -> Outcome {
-        let mut outcome = self.take_answer(scene);
+    /// Takes an answer, if one has come. Its edit is to be applied, and told of by [`Self::followed`],
+    /// before the next question.
+    pub fn take(&mut self, scene: &Scene, status: &ServoStatus) -> Outcome {
+        let outcome = self.take_answer(scene);
         self.matter.follow(scene);
-        if outcome.edit.is_none() {
-            self.install_next();
-        }
         self.now.late = self.asked.is_some() && status.time - self.last_time > STALE_SECS;
-        if self.asked.is_none() && outcome.edit.is_none() {
+        outcome
+    }
+
+    /// Asks again where matter gives way near the tool; what the servo is to follow where nothing
+    /// gives way any more.
+    pub fn go_on(&mut self, scene: &Scene, status: &ServoStatus) -> Option<GivingWay> {
+        self.install_next();
+        if self.asked.is_none() {
             self.ask(scene, status);
         }
-        let nothing_gives =
-            self.model.is_none() || (self.asked.is_none() && outcome.edit.is_none());
-        if nothing_gives && self.gave_way {
-            self.gave_way = false;
-            self.now.force = DVec3::ZERO;
-            outcome.giving_way = Some(GivingWay::default());
-            // of a model that has just left
-            outcome.displacement = None;
+        let nothing_gives = self.model.is_none() || self.asked.is_none();
+        if !(nothing_gives && self.gave_way) {
+            return None;
         }
-        outcome
+        self.gave_way = false;
+        self.now.force = DVec3::ZERO;
+        Some(GivingWay::default())
+    }
+
+    /// Whether it is time for the next question where an answer came early: a model that has
+    /// nothing to do leaves its core to others.
+    #[must_use]
+    pub fn may_go_on(&self, status: &ServoStatus) -> bool {
+        status.time - self.last_time >= SOONEST
     }
 
     /// Tells that the edit of the last answer was applied.

@@ -55,6 +55,24 @@ pub struct DeformationLoop {
     view: Arc<MatterView>,
     /// For one answer, at most.
     iterations: u32,
+    bell: Bell,
+}
+
+/// Rung after each answer, for whoever waits for it.
+pub struct Bell(Box<dyn Fn() + Send>);
+
+impl Bell {
+    /// This is done.
+    #[must_use]
+    pub fn new(ring: impl Fn() + Send + 'static) -> Self {
+        Self(Box::new(ring))
+    }
+}
+
+impl std::fmt::Debug for Bell {
+    fn fmt(&self, to: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        to.write_str("Bell")
+    }
 }
 
 /// Iterations for one answer, at most: what a step of a quarter of a node takes to the last
@@ -73,7 +91,13 @@ impl DeformationLoop {
             edit: None,
             view: Arc::default(),
             iterations: ITERATIONS,
+            bell: Bell::new(|| {}),
         }
+    }
+
+    /// Rings this bell after each answer from now on.
+    pub fn set_bell(&mut self, bell: Bell) {
+        self.bell = bell;
     }
 
     /// Where the parts of the model are shown.
@@ -138,6 +162,7 @@ impl DeformationLoop {
         self.edit.clone_from(&answer.edit);
         // whoever asked may have gone
         let _ = self.answers.send(answer);
+        (self.bell.0)();
         if self.view.is_wanted() {
             self.view.put(ShownParts::of(&model.parts()));
         }

@@ -33,6 +33,13 @@ impl GivingMatter {
         self.regions.get(&id).map_or(&[], Vec::as_slice)
     }
 
+    /// Segments with regions, each with whether these hang on the voxels of others.
+    pub fn with_regions(&self) -> impl Iterator<Item = (SegmentId, bool)> {
+        let shares = |(region, _): &(Region, Treatment)| matches!(region, Region::Shared(_));
+        let regions = self.regions.iter();
+        regions.map(move |(id, regions)| (*id, regions.iter().any(shares)))
+    }
+
     /// Forgets the regions of segments that are no more.
     pub fn follow(&mut self, scene: &Scene) {
         self.regions

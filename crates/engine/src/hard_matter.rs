@@ -2,8 +2,8 @@
 //!
 //! The proxy stands free of everything. From there the tool goes on to where soft matter would have
 //! it, through the voxels of that matter, by the contact model of touch among all others:
-//! segments without a material, those that were moved, and voxels that belong to such a one
-//! too. So a model that is wrong, late or at its limits brings no tool into bone.
+//! segments without a material, those that were moved, voxels that belong to such a one
+//! too, and what regions make rigid of those that give way. So a model that is wrong, late or at its limits brings no tool into bone.
 //!
 //! Nothing here allocates after it was made; frame: scene [mm].
 
@@ -16,6 +16,7 @@ use palpate_haptics::exact::Exact;
 use palpate_haptics::proxy::Proxy;
 use palpate_haptics::scene::{MAX_OBJECTS, Solid, TouchScene};
 use palpate_volume::bit_brick::BitBrick;
+use palpate_volume::bits::Bits;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::first_solid::Traversal;
 use palpate_volume::grid::Grid;
@@ -52,7 +53,7 @@ impl HardMatter {
     }
 
     /// What stops a tool on its way from the free proxy, with all that does not belong to `soft`
-    /// alone; none where nothing does. `version` changes with whatever is touched; `visits` counts
+    /// alone, or is rigid in it; none where nothing does. `version` changes with whatever is touched; `visits` counts
     /// voxels that were read.
     pub fn stop(
         &mut self,
@@ -66,7 +67,7 @@ impl HardMatter {
             parts: &touchable.parts,
             soft,
         };
-        let has_any = voxels.parts().next().is_some() || !touchable.objects.is_empty();
+        let has_any = voxels.has_any() || !touchable.objects.is_empty();
         if !has_any || Proxy::at(target).is_none() {
             return None;
         }
@@ -115,8 +116,7 @@ impl HardMatter {
         } else {
             self.ball.solid_near(hard, solid.voxel)?
         };
-        let owner = hard.parts().find(|part| part.bits.is_solid(voxel));
-        owner.map(|part| part.id)
+        hard.owner(voxel)
     }
 }
 
@@ -128,19 +128,38 @@ struct HardVoxels<'a> {
 }
 
 impl<'a> HardVoxels<'a> {
-    fn parts(&self) -> impl Iterator<Item = &'a Part> {
+    /// All parts with anything hard; with a mask where that alone is.
+    fn parts(&self) -> impl Iterator<Item = (&'a Part, Option<&'a Bits>)> {
         let soft = self.soft;
-        unmoved(self.parts).filter(move |part| !soft.contains(part.id))
+        unmoved(self.parts).filter_map(move |part| match soft.contains(part.id) {
+            false => Some((part, None)),
+            true => part.rigid.as_ref().map(|rigid| (part, Some(rigid))),
+        })
+    }
+
+    fn has_any(&self) -> bool {
+        self.parts().next().is_some()
+    }
+
+    fn owner(&self, voxel: IVec3) -> Option<SegmentId> {
+        let is_hard = |(part, rigid): &(&Part, Option<&Bits>)| {
+            part.bits.is_solid(voxel) && rigid.is_none_or(|rigid| rigid.is_solid(voxel))
+        };
+        self.parts().find(is_hard).map(|(part, _)| part.id)
     }
 }
 
 impl Occupancy for HardVoxels<'_> {
     fn is_solid(&self, voxel: IVec3) -> bool {
-        self.parts().any(|part| part.bits.is_solid(voxel))
+        self.owner(voxel).is_some()
     }
 
     fn block(&self, min: IVec3) -> BitBrick {
-        let blocks = self.parts().map(|part| part.bits.block(min));
+        let blocks = self.parts().map(|(part, rigid)| {
+            let solid = part.bits.block(min);
+            let mask = rigid.map_or(BitBrick::FULL, |rigid| rigid.block(min));
+            BitBrick(std::array::from_fn(|z| solid.0[z] & mask.0[z]))
+        });
         blocks.fold(BitBrick::EMPTY, |union, part| {
             BitBrick(std::array::from_fn(|z| union.0[z] | part.0[z]))
         })

@@ -170,6 +170,7 @@ mod tests {
             }),
             shares: None,
             punctured: false,
+            rigid: None,
         };
         let mask = Part {
             id: SegmentId(2),

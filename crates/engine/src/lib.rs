@@ -49,6 +49,7 @@ pub mod probe;
 pub mod rate;
 pub mod recording;
 pub mod replay;
+pub mod rigid_matter;
 pub mod scan_values;
 pub mod scenario;
 pub mod scene;

@@ -12,7 +12,7 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 
 use crate::clock;
-use crate::deformation_loop::DeformationLoop;
+use crate::deformation_loop::{Bell, DeformationLoop};
 use crate::device_loop::DeviceLoop;
 use crate::error::SessionError;
 use crate::mask_shares::ShareLoop;
@@ -100,7 +100,8 @@ impl Live {
         shared: Arc<Shared>,
         paces: Paces,
     ) -> Result<(Self, Result<(), String>), SessionError> {
-        let (questions, inbox) = mpsc::channel();
+        let (questions, inbox) = mpsc::channel::<Question>();
+        let answers = questions.clone();
         let (outcomes, results) = mpsc::channel();
         let context = Context {
             shared: Arc::clone(&shared),
@@ -135,6 +136,10 @@ impl Live {
         live.spawn("picture", move || run_picture(picture, &for_picture))?;
         let shared = Arc::clone(&live.shared);
         live.spawn("surface", move || run_surfaces(&mut surfaces, &shared))?;
+        // an answer does not wait for the next pass; after the end nobody hears it
+        deformation.set_bell(Bell::new(move || {
+            let _ = answers.send(Box::new(Simulation::answer_came));
+        }));
         let shared = Arc::clone(&live.shared);
         live.spawn("deformation", move || {
             while !shared.stopping() && deformation.wait(PATIENCE) {}

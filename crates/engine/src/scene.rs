@@ -13,6 +13,7 @@ use crate::touchable::{MovedPart, Part};
 use crate::union_shares::SharedBits;
 use glam::DAffine3;
 use palpate_deform::material::MaterialLaw;
+use palpate_volume::bits::Bits;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::matter::SegmentSet;
 use palpate_volume::segment::Segment;
@@ -72,6 +73,8 @@ pub struct Scene {
     held: Option<SegmentId>,
     /// Segments that a needle is in.
     punctured: SegmentSet,
+    /// Where segments that give way are hard.
+    rigid: BTreeMap<SegmentId, Bits>,
     /// What was worked out of the shares of masks.
     shares: BTreeMap<SegmentId, Arc<Shares>>,
     /// By which model matter gives way.
@@ -94,6 +97,7 @@ impl Scene {
             properties,
             held: None,
             punctured: SegmentSet::EMPTY,
+            rigid: BTreeMap::new(),
             shares: BTreeMap::new(),
             model: None,
         }
@@ -217,6 +221,25 @@ impl Scene {
         obstacles.filter(changes).collect()
     }
 
+    /// A segment that gives way is hard where this mask is, or nowhere; whether that is new.
+    pub fn know_rigid(&mut self, id: SegmentId, rigid: Option<Bits>) -> bool {
+        let is_same = match (self.rigid.get(&id), &rigid) {
+            (Some(known), Some(rigid)) => known.difference(rigid).is_empty(),
+            (known, rigid) => known.is_none() && rigid.is_none(),
+        };
+        match rigid {
+            Some(rigid) => drop(self.rigid.insert(id, rigid)),
+            None => drop(self.rigid.remove(&id)),
+        }
+        !is_same
+    }
+
+    /// Whether a segment that gives way is hard anywhere.
+    #[must_use]
+    pub fn knows_rigid(&self, id: SegmentId) -> bool {
+        self.rigid.contains_key(&id)
+    }
+
     /// Whether the probe is stopped by a segment where the scan has it: not where it was moved
     /// or a needle is in it.
     #[must_use]
@@ -282,6 +305,7 @@ impl Scene {
                     }),
                 shares: self.shares_of(id).cloned(),
                 punctured: properties.pose.is_none() && self.punctured.contains(id),
+                rigid: self.rigid.get(&id).cloned(),
             })
             .collect()
     }

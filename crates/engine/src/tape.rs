@@ -7,7 +7,7 @@
 
 use std::sync::Arc;
 
-use glam::{DAffine3, DMat3, DVec3, IVec3};
+use glam::{DAffine3, DMat3, DVec3, IVec3, UVec3};
 use palpate_haptics::needle::tissues::Tissues;
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::bits::Bits;
@@ -77,7 +77,7 @@ pub enum TapeCommand {
 }
 
 /// A segment that can be touched, without its voxels.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TapePart {
     /// Which segment.
     pub id: u8,
@@ -92,6 +92,10 @@ pub struct TapePart {
     /// The grid of its voxels, where it is not the scan's; only of moved ones.
     #[serde(default)]
     pub own_grid: Option<Grid>,
+    /// Where it is hard although it gives way: a brick, how many are alike from there on, and its
+    /// words.
+    #[serde(default)]
+    pub rigid: Vec<(u32, u32, [u64; 8])>,
 }
 
 impl From<&Part> for TapePart {
@@ -104,8 +108,38 @@ impl From<&Part> for TapePart {
             own_grid: part.moved.and_then(|moved| moved.own_grid),
             threshold: part.threshold.as_ref().map(|threshold| threshold.range),
             punctured: part.punctured,
+            rigid: part.rigid.as_ref().map_or_else(Vec::new, runs_of),
         }
     }
+}
+
+/// The bricks of a mask that hold anything, those that are alike and beside one another as one.
+fn runs_of(mask: &Bits) -> Vec<(u32, u32, [u64; 8])> {
+    let mut runs: Vec<(u32, u32, [u64; 8])> = Vec::new();
+    for (index, brick) in (0..).zip(mask.bricks().entries()) {
+        let Some(BitBrick(words)) = brick.as_deref() else {
+            continue;
+        };
+        match runs.last_mut() {
+            Some((first, count, last)) if *first + *count == index && last == words => *count += 1,
+            _ => runs.push((index, 1, *words)),
+        }
+    }
+    runs
+}
+
+/// The mask of these bricks; none where there are none.
+fn mask_of(runs: &[(u32, u32, [u64; 8])], dimensions: UVec3) -> Option<Bits> {
+    let mut mask = (!runs.is_empty()).then(|| Bits::empty(dimensions))?;
+    let all = mask.bricks().len() as u32;
+    for (first, count, words) in runs {
+        let brick = BitBrick(*words).shared();
+        for index in *first..first.saturating_add(*count).min(all) {
+            let brick = brick.clone();
+            mask.swap(&mut BrickSwap { index, brick });
+        }
+    }
+    Some(mask)
 }
 
 /// A brick of a segment.
@@ -387,6 +421,7 @@ pub fn rooted(old: &[Part], new: &[TapePart], values: &ScanValues) -> Vec<Part> 
             }),
             shares,
             punctured: part.punctured,
+            rigid: mask_of(&part.rigid, dimensions),
         }
     };
     new.iter().map(part).collect()
@@ -437,5 +472,34 @@ fn is_same<B: PartialEq>(old: Option<&Arc<B>>, new: Option<&Arc<B>>) -> bool {
     match (old, new) {
         (Some(old), Some(new)) => Arc::ptr_eq(old, new) || old == new,
         (old, new) => old.is_none() && new.is_none(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_mask_comes_back_from_its_runs() {
+        let size = UVec3::new(40, 20, 9);
+        let mask = Bits::from_bricks(size, |bounds| {
+            BitBrick::from_fn(bounds.size(), |offset| {
+                let voxel = bounds.min + offset;
+                voxel.x > 10 && voxel.y < 17
+            })
+        });
+        let runs = runs_of(&mask);
+        let bricks = mask.bricks().entries().iter().flatten().count();
+        assert!(runs.len() < bricks, "{} of {bricks}", runs.len());
+        let again = mask_of(&runs, size).unwrap();
+        assert!(again.difference(&mask).is_empty());
+        assert!(mask_of(&[], size).is_none());
+        // what no grid has is passed over
+        assert!(
+            mask_of(&[(7000, u32::MAX, [1; 8])], size)
+                .unwrap()
+                .bricks()
+                .is_empty()
+        );
     }
 }

@@ -49,6 +49,8 @@ pub struct Part {
     pub shares: Option<Arc<Shares>>,
     /// Whether a needle is in it: then it is no obstacle, unless it was moved.
     pub punctured: bool,
+    /// Where it is hard although it gives way; none where it gives way everywhere.
+    pub rigid: Option<Bits>,
 }
 
 /// Where a segment stands that was moved, or that has a grid of its own.

@@ -7,6 +7,8 @@
 
 mod common;
 
+use std::sync::mpsc;
+
 use common::{OBSTACLE, Rig, box_segment};
 use glam::{DMat3, DVec3, IVec3, UVec3, Vec3};
 use palpate_deform::material::{MaterialLaw, Region, SolidSi, Treatment, preset};
@@ -14,12 +16,15 @@ use palpate_deform::model::{
     DeformationModel, DisplacementField, ModelAnswer, ModelInput, ModelReport, ToolContact,
     ToolShape,
 };
+use palpate_engine::deformation_loop::Bell;
 use palpate_engine::handover::TickRecord;
+use palpate_engine::scene::Properties;
 use palpate_engine::scene_news::SceneNews;
 use palpate_engine::settings::Settings;
 use palpate_engine::surfaces::DisplacedNow;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::material::LocalContact;
+use palpate_volume::segment::Segment;
 use palpate_volume::voxel_box::VoxelBox;
 
 const SIZE: UVec3 = UVec3::new(40, 40, 40);
@@ -29,6 +34,7 @@ const BONE_TOP: f64 = 10.0;
 /// Of the model's floor [N/mm].
 const STIFFNESS: f64 = 0.25;
 const SOFT: SegmentId = SegmentId(1);
+const STONE: SegmentId = SegmentId(2);
 
 /// A floor that pushes by its depth under the tool, and of which what the tool is in vanishes.
 #[derive(Debug, Default)]
@@ -378,6 +384,101 @@ fn a_model_that_is_changed_or_left_behind_gives_back_what_it_moved() {
         }
     }
     assert_eq!(soft_voxels(&rig), all);
+}
+
+/// Without any pass of the simulation, as between two of them.
+#[test]
+fn an_answer_that_rings_is_followed_by_the_next_question_at_once() {
+    let mut rig = lattice_rig();
+    let (ring, bell) = mpsc::channel();
+    rig.deformation.set_bell(Bell::new(move || {
+        ring.send(()).unwrap();
+    }));
+    go(&mut rig, 30.0, 19.0, 900);
+    let rung = bell.try_iter().count() as u64;
+    let before = rig.simulation.deformation().answers;
+    assert!(rung >= before && rung > 20, "{rung} rang, {before} came");
+    let mut rings = 0;
+    for step in 0..20 {
+        for _ in 0..10 {
+            rig.tick_at(DVec3::new(20.2, 20.3, 19.0 - 0.05 * f64::from(step)));
+        }
+        rig.simulation.answer_came();
+        rig.deformation.step();
+        rings += bell.try_iter().count();
+    }
+    assert_eq!(rings, 20);
+    assert!(rig.simulation.deformation().report.moved_voxels > 0);
+    // one that is answered at once is taken, and the next question waits for a pass
+    rig.simulation.answer_came();
+    rig.deformation.step();
+    rig.simulation.answer_came();
+    let answers = rig.simulation.deformation().answers;
+    rig.deformation.step();
+    assert!(bell.try_recv().is_err());
+    rig.simulation.step();
+    rig.deformation.step();
+    assert!(bell.try_recv().is_ok());
+    assert_eq!(rig.simulation.deformation().answers, answers);
+}
+
+/// What a region makes rigid stops the probe also where no answer comes any more, and goes with the
+/// segment that it is shared with.
+#[test]
+fn a_rigid_region_is_hard_whatever_the_model_says() {
+    let deepest = |shared: bool, removed: bool| {
+        let mut rig = lattice_rig();
+        let stone = box_segment(SIZE, IVec3::ZERO, IVec3::new(40, 40, 17));
+        rig.simulation
+            .add_segment(stone, Properties::default(), true)
+            .unwrap();
+        let region = if shared {
+            Region::Shared(STONE)
+        } else {
+            Region::Within(VoxelBox::new(IVec3::ZERO, IVec3::new(40, 40, 17)))
+        };
+        let regions = vec![(region, Treatment::Rigid)];
+        rig.simulation.set_regions(SOFT, regions).unwrap();
+        if removed {
+            let none = Segment::from_fn(SIZE, |_| false);
+            rig.simulation.replace_segment(STONE, none, None).unwrap();
+        }
+        rig.simulation
+            .set_deformation_model(Some(("air", Box::new(Air))));
+        let rest = go(&mut rig, 30.0, 15.0, 3000);
+        assert_eq!(rig.violations(), 0);
+        rest.force.z
+    };
+    // 2 mm above the stone the ball touches it: the spring is as long as it is led deeper
+    for (shared, removed) in [(false, false), (true, false)] {
+        let force = deepest(shared, removed);
+        assert!(force > 1.0, "{force} N, {shared}");
+    }
+    assert_eq!(deepest(true, true), 0.0);
+}
+
+/// To this model all matter is air.
+#[derive(Debug)]
+struct Air;
+
+impl DeformationModel for Air {
+    fn advance(&mut self, input: &ModelInput<'_>) -> ModelAnswer {
+        let nothing = |tool: &palpate_deform::model::ToolState| ToolContact {
+            tool: tool.id,
+            contact: Some(LocalContact {
+                position: tool.position,
+                force: DVec3::ZERO,
+                stiffness: DMat3::ZERO,
+                validity: 100.0,
+            }),
+        };
+        ModelAnswer {
+            contacts: input.tools.iter().map(nothing).collect(),
+            ..ModelAnswer::default()
+        }
+    }
+
+    fn reset(&mut self) {}
 }
 
 #[test]

@@ -66,6 +66,7 @@ fn poses_are_told_where_they_change_and_at_no_other_tick() {
         threshold: None,
         shares: None,
         punctured: false,
+        rigid: None,
     };
     let Channels {
         servo, simulation, ..

@@ -32,6 +32,7 @@ fn part(id: u8, low: i32, high: i32, moved: Option<DVec3>) -> Part {
         threshold: None,
         shares: None,
         punctured: false,
+        rigid: None,
     }
 }
 

@@ -28,34 +28,46 @@ impl<const LOG: u32> Rows<LOG> {
         along | word << Self::BITS | word >> Self::BITS
     }
 
-    /// All of `free` that `seed` reaches first along the rows of a word, then across them.
+    /// All of `free` that `seed`, a part of it, reaches along the rows of a word.
     #[inline(always)]
-    pub(crate) fn grown(seed: u64, free: u64) -> u64 {
-        if seed == 0 || seed == free {
-            return seed;
-        }
-        // along the rows, in steps that double
-        let (mut up, mut down) = (seed, seed);
-        let (mut pass_up, mut pass_down) = (free & Self::NOT_FIRST, free & Self::NOT_LAST);
+    pub(crate) fn along(seed: u64, free: u64) -> u64 {
+        // upward, a one added to a run of free voxels goes on to its end; the last column is
+        // added on its own, so that nothing goes from row to row
+        let last = !Self::NOT_LAST;
+        let sum = ((free & !last) + (seed & !last)) ^ ((free ^ seed) & last);
+        let up = free & !sum | seed;
+
+        // downward in steps that double
+        let (mut down, mut pass) = (up, free & Self::NOT_LAST);
         for log in 0..LOG {
             let step = 1 << log;
-            up |= pass_up & (up << step);
-            down |= pass_down & (down >> step);
-            pass_up &= pass_up << step;
-            pass_down &= pass_down >> step;
+            down |= pass & (down >> step);
+            pass &= pass >> step;
         }
-        let seed = up | down;
+        down
+    }
 
-        // from row to row
-        let (mut up, mut down) = (seed, seed);
-        let (mut pass_up, mut pass_down) = (free, free);
+    /// All of `free` that `seed` reaches from row to row of a word, upward in number.
+    #[inline(always)]
+    pub(crate) fn up(seed: u64, free: u64) -> u64 {
+        let (mut up, mut pass) = (seed, free);
         for log in LOG..6 {
             let step = 1 << log;
-            up |= pass_up & (up << step);
-            down |= pass_down & (down >> step);
-            pass_up &= pass_up << step;
-            pass_down &= pass_down >> step;
+            up |= pass & (up << step);
+            pass &= pass << step;
         }
-        up | down
+        up
+    }
+
+    /// The same downward.
+    #[inline(always)]
+    pub(crate) fn down(seed: u64, free: u64) -> u64 {
+        let (mut down, mut pass) = (seed, free);
+        for log in LOG..6 {
+            let step = 1 << log;
+            down |= pass & (down >> step);
+            pass &= pass >> step;
+        }
+        down
     }
 }

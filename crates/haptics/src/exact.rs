@@ -17,6 +17,7 @@ use crate::proxy::Proxy;
 use crate::scene::{Solid, TouchScene};
 use crate::slide::{SLIDE_VISITS, slide};
 use crate::voxel_distance::squared_distance;
+use crate::wide::widest;
 use glam::{DVec3, IVec3};
 use palpate_volume::first_solid::{Outcome, first_solid_bounded};
 use palpate_volume::occupancy::Occupancy;
@@ -62,7 +63,7 @@ impl ContactModel for Exact {
                 return many_bodies::advance(&self.limits, &bodies, device_in_grid, proxy);
             }
         }
-        self.advance_in_world(scene, device_in_grid, proxy)
+        advance_in_world(&self.limits, scene, device_in_grid, proxy)
     }
 
     fn visit_bound(&self) -> u32 {
@@ -78,9 +79,19 @@ impl ContactModel for Exact {
     }
 }
 
-impl Exact {
+widest! {
     /// With the world alone.
-    fn advance_in_world<O: Occupancy>(
+    fn advance_in_world[O: Occupancy](
+        limits: &ExactLimits,
+        scene: &TouchScene<'_, O>,
+        device_in_grid: DVec3,
+        proxy: &mut Proxy,
+    ) -> Contact = ExactLimits::advance_plainly
+}
+
+impl ExactLimits {
+    #[inline(always)]
+    fn advance_plainly<O: Occupancy>(
         &self,
         scene: &TouchScene<'_, O>,
         device_in_grid: DVec3,
@@ -90,7 +101,7 @@ impl Exact {
             occupancy, grid, ..
         } = *scene;
         let mut contact = Contact::default();
-        let mut visits_left = self.limits.max_visits;
+        let mut visits_left = self.max_visits;
         loop {
             // straight toward the device; the traversal always reads one voxel
             let start = proxy.point();
@@ -121,7 +132,7 @@ impl Exact {
             }
 
             // then along the surface, to where the device is strictly nearer
-            if contact.slides == self.limits.max_slides {
+            if contact.slides == self.max_slides {
                 return contact;
             }
             contact.visits += SLIDE_VISITS;
@@ -148,5 +159,43 @@ fn free(contact: Contact) -> Contact {
         touching: false,
         stopped_by: None,
         ..contact
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::wide::Noise;
+    use glam::{DMat3, UVec3};
+    use palpate_volume::grid::Grid;
+
+    #[test]
+    fn moves_for_wide_machines_are_those_for_plain_ones_to_the_bit() {
+        let mut random = oorandom::Rand64::new(11);
+        let spacing = DVec3::new(0.7, 0.7, 2.5);
+        let grid =
+            Grid::new(UVec3::splat(64), spacing, DVec3::ZERO, DMat3::IDENTITY).expect("a grid");
+        let limits = ExactLimits::default();
+        let mut slides = 0;
+        for run in 0..300 {
+            let world = Noise {
+                density: 5 + run % 50,
+            };
+            let scene = TouchScene::of_world(&world, &grid);
+            let mut point = || DVec3::from_array([(); 3].map(|()| 40.0 * random.rand_float()));
+            let start = point();
+            if world.is_solid(start.floor().as_ivec3()) {
+                continue;
+            }
+            let [mut wide, mut plain] = [Proxy::at(start).expect("a place"); 2];
+            for _ in 0..20 {
+                let device = point();
+                let contact = advance_in_world(&limits, &scene, device, &mut wide);
+                let plainly = limits.advance_plainly(&scene, device, &mut plain);
+                assert_eq!((contact, wide), (plainly, plain));
+                slides += contact.slides;
+            }
+        }
+        assert!(slides > 1000, "{slides} slides");
     }
 }

@@ -67,18 +67,35 @@ fn grow<const LOG: u32, const WORDS: usize>(
             return false;
         }
     }
+    sweep::<LOG, WORDS>(reached, free);
+    widen::<LOG, WORDS>(reached, free)
+}
+
+/// Grows what is reached in a layer along its rows, then from row to row, down and up.
+#[inline(always)]
+fn sweep<const LOG: u32, const WORDS: usize>(reached: &mut [u64; WORDS], free: &[u64; WORDS]) {
+    along::<LOG, WORDS>(reached, free);
     let to_next = 64 - Rows::<LOG>::BITS;
     let mut from_last = 0;
     for (reached, free) in reached.iter_mut().zip(free) {
-        *reached = Rows::<LOG>::grown((*reached | from_last) & free, *free);
+        *reached = Rows::<LOG>::up(*reached | from_last & free, *free);
         from_last = *reached >> to_next;
     }
     let mut from_next = 0;
     for (reached, free) in reached.iter_mut().zip(free).rev() {
-        *reached = Rows::<LOG>::grown((*reached | from_next) & free, *free);
+        *reached = Rows::<LOG>::down(*reached | from_next & free, *free);
         from_next = *reached << to_next;
     }
-    widen::<LOG, WORDS>(reached, free)
+    along::<LOG, WORDS>(reached, free);
+}
+
+/// Grows what is reached in a layer along its rows, each word on its own, so that several go at
+/// once.
+#[inline(always)]
+fn along<const LOG: u32, const WORDS: usize>(reached: &mut [u64; WORDS], free: &[u64; WORDS]) {
+    for word in 0..WORDS {
+        reached[word] = Rows::<LOG>::along(reached[word], free[word]);
+    }
 }
 
 /// Grows what is reached in a layer by one voxel; whether there was any to grow.

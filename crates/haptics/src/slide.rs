@@ -17,6 +17,7 @@ use palpate_volume::occupancy::Occupancy;
 pub(crate) const SLIDE_VISITS: u32 = 8 * 8 * 8;
 
 /// The voxel to slide to from the free voxel `from`, or none where it is best.
+#[inline(always)]
 pub(crate) fn slide(
     occupancy: &(impl Occupancy + ?Sized),
     spacing: DVec3,

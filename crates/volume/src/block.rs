@@ -15,6 +15,7 @@ use crate::brick_grid::BRICK;
 use crate::grid::is_inside;
 
 /// The voxels from `min` on; nothing is solid outside the grid.
+#[inline(always)]
 pub(crate) fn block_of_bits(bits: &Bits, min: IVec3) -> BitBrick {
     let shift = min & (BRICK - 1);
     if shift == IVec3::ZERO {
@@ -40,7 +41,7 @@ pub fn block_of_bricks<B: Borrow<BitBrick>>(min: IVec3, brick: impl Fn(IVec3) ->
 }
 
 /// The voxels from a shift on, from four bricks and the four above them, x before y.
-#[inline]
+#[inline(always)]
 fn joined<B: Borrow<BitBrick>>(
     lower: &[B; 4],
     shift: IVec3,
@@ -57,7 +58,7 @@ fn joined<B: Borrow<BitBrick>>(
 }
 
 /// The layers of four bricks from one on, joined along x and y; x before y.
-#[inline]
+#[inline(always)]
 fn join<B: Borrow<BitBrick>>(bricks: &[B; 4], shift: IVec3, from: usize, layers: &mut [u64]) {
     let words = bricks.each_ref().map(|brick| &brick.borrow().0[from & 7..]);
     let [a, b, c, d] = words;
@@ -71,7 +72,7 @@ fn join<B: Borrow<BitBrick>>(bricks: &[B; 4], shift: IVec3, from: usize, layers:
 }
 
 /// Rows that begin in one word and end in the next along x.
-#[inline]
+#[inline(always)]
 fn rows_from(first: u64, second: u64, shift: i32) -> u64 {
     let from_first = (0xff >> shift) * FIRST_COLUMN;
     (first >> shift & from_first) | (second << (BRICK - shift) & !from_first)

@@ -75,7 +75,7 @@ const NEVER: u64 = u64::MAX;
 impl Walk {
     /// Stands in the first voxel of a move; none where a coordinate is not finite or
     /// beyond [`COORDINATE_LIMIT`].
-    #[inline]
+    #[inline(always)]
     pub fn new(start: DVec3, end: DVec3) -> Option<Self> {
         // written so that NaN is refused
         let limit = DVec3::splat(COORDINATE_LIMIT);

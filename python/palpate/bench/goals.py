@@ -18,6 +18,7 @@ from palpate.bench.goals_matter import (
 )
 from palpate.bench.goals_open import OPEN_ROWS
 from palpate.bench.goals_registration import REGISTER_ROWS
+from palpate.bench.goals_segment import SEGMENT_ROWS
 
 __all__ = [
     "DEFAULT_STIFFNESS",
@@ -452,6 +453,7 @@ GOALS: dict[str, tuple[Goal, ...]] = {
     ),
     "open": OPEN_ROWS,
     "register": REGISTER_ROWS,
+    "segment": SEGMENT_ROWS,
     "surface": SURFACE_ROWS,
     "haptics": (
         *(row for ground in GROUNDS for row in haptics_rows(ground)),

@@ -34,6 +34,12 @@ export function transformPoint(map: Affine, p: Vec3): Vec3 {
   return [moved[0] + at(map, 0, 3), moved[1] + at(map, 1, 3), moved[2] + at(map, 2, 3)];
 }
 
+/** The map that first does `inner`, then `outer`. */
+export function composed(outer: Affine, inner: Affine): Affine {
+  const columns = [...([0, 1, 2] as const).map((axis) => transformVector(outer, column(inner, axis))), transformPoint(outer, column(inner, 3))];
+  return ([0, 1, 2] as const).flatMap((row) => columns.map((end) => end[row]));
+}
+
 /** The inverse map, by cofactors. */
 export function invertAffine(map: Affine): Affine {
   const m = (r: number, c: number): number => at(map, r % 3, c % 3);

@@ -23,6 +23,11 @@ export interface Camera {
    * perspective one is at the target. Null: in perspective.
    */
   readonly parallel: number | null;
+  /**
+   * One of two eyes: it stands so far to the right [share of the distance to the target] and looks straight
+   * ahead through the same window at the target (off-axis). 0 where nothing is told.
+   */
+  readonly aside?: number;
 }
 
 /** A camera that was kept; null where something else is given. */
@@ -158,14 +163,19 @@ export function pan(camera: Camera, x: number, y: number, viewport: Viewport): C
   return { ...camera, target: subtract(camera.target, alongView(camera, x, y, camera.target, viewport)) };
 }
 
+/** From the target toward the eye, per mm of depth. */
+export function sightOf(camera: Camera): Vec3 {
+  return addScaled(camera.back, camera.right, camera.aside ?? 0);
+}
+
 /** Where all rays begin; in an orthographic view the one in the picture's middle. */
 export function eyeOf(camera: Camera): Vec3 {
-  return addScaled(camera.target, camera.back, camera.parallel ?? camera.distance);
+  return addScaled(camera.target, sightOf(camera), camera.parallel ?? camera.distance);
 }
 
 /** An eye from which everything is seen as in the picture: of an orthographic one nearly, from far away. */
 export function vantage(camera: Camera): Vec3 {
-  return camera.parallel === null ? eyeOf(camera) : addScaled(camera.target, camera.back, 1e4 * camera.parallel);
+  return camera.parallel === null ? eyeOf(camera) : addScaled(camera.target, sightOf(camera), 1e4 * camera.parallel);
 }
 
 /** Distance of a point from the eye along the direction of view [mm]. */
@@ -192,8 +202,8 @@ export function rayThrough(camera: Camera, x: number, y: number, viewport: Viewp
   const upward = (1 - (2 * y) / viewport.height) * half;
   const sideways = add(scale(camera.right, across), scale(camera.up, upward));
   return camera.parallel === null
-    ? { origin: eyeOf(camera), direction: normalize(subtract(sideways, camera.back)) }
-    : { origin: addScaled(eyeOf(camera), sideways, camera.distance), direction: scale(camera.back, -1) };
+    ? { origin: eyeOf(camera), direction: normalize(subtract(sideways, sightOf(camera))) }
+    : { origin: addScaled(eyeOf(camera), sideways, camera.distance), direction: scale(normalize(sightOf(camera)), -1) };
 }
 
 /** Where a point appears [CSS pixels]; null behind the eye. */
@@ -203,7 +213,8 @@ export function project(camera: Camera, point: Vec3, viewport: Viewport): readon
   }
   const offset = subtract(point, camera.target);
   const size = pixelSizeAt(camera, point, viewport);
-  return [viewport.width / 2 + dot(offset, camera.right) / size, viewport.height / 2 - dot(offset, camera.up) / size];
+  const right = dot(offset, camera.right) - (camera.aside ?? 0) * dot(offset, camera.back);
+  return [viewport.width / 2 + right / size, viewport.height / 2 - dot(offset, camera.up) / size];
 }
 
 /** Near and far planes that hold the content and what moves a little outside it [mm]. */
@@ -216,5 +227,5 @@ export function nearAndFar(camera: Camera, extent: Extent): { near: number; far:
 
 export function sameView(a: Camera, b: Camera): boolean {
   const same = (u: Vec3, v: Vec3): boolean => u[0] === v[0] && u[1] === v[1] && u[2] === v[2];
-  return a.distance === b.distance && a.parallel === b.parallel && same(a.target, b.target) && same(a.right, b.right) && same(a.up, b.up);
+  return a.distance === b.distance && a.parallel === b.parallel && a.aside === b.aside && same(a.target, b.target) && same(a.right, b.right) && same(a.up, b.up);
 }

@@ -14,6 +14,9 @@ export interface Lighting {
   readonly shininess: number;
   /** Share of its extinction that flat tissue loses, away from any boundary. */
   readonly edges: number;
+  /** How much of the light is seen that what is drawn keeps from other places, 0..1: of sky, and of the lamp. */
+  readonly occlusion: number;
+  readonly shadow: number;
 }
 
 export interface Look {
@@ -29,7 +32,12 @@ export interface Look {
 /** Share of its extinction that flat tissue keeps, away from any boundary. */
 export const flatShare = 0.06;
 
-export const firstLighting: Lighting = { ambient: 1, diffuse: 1, specular: 1, shininess: 1, edges: 1 - flatShare };
+export const firstLighting: Lighting = { ambient: 1, diffuse: 1, specular: 1, shininess: 1, edges: 1 - flatShare, occlusion: 0.8, shadow: 0.6 };
+
+/** What of a look tells how opaque places are; other light is no reason to work that out again. */
+export function opacityKey({ transferFunction, ranges, edgeGradient, lighting, optics }: Look): string {
+  return JSON.stringify([transferFunction, ranges, edgeGradient, lighting.edges, optics]);
+}
 
 /** Factor on the extinction: boundaries stay, flat tissue becomes clear (Levoy 1988). */
 export function edgeFactor(gradient: number, edgeGradient: number, edges = 1 - flatShare): number {

@@ -6,7 +6,7 @@
  */
 import type { WindowLevel } from "./window_level";
 
-/** In the order of the numbers in `gl/shaders/ray.glsl`. */
+/** In the order of the numbers in `gl/shaders/blends.glsl`. */
 export const blends = ["shaded", "composite", "absorption", "emission", "mip", "minip", "average", "iso"] as const;
 export type Blend = (typeof blends)[number];
 
@@ -26,6 +26,11 @@ export function usesTransferFunction(blend: Blend): boolean {
 /** Whether solid segments stand in the picture; elsewhere their voxels are values like all others. */
 export function drawsSolids(blend: Blend): boolean {
   return blend === "shaded" || blend === "composite" || blend === "iso";
+}
+
+/** Whether what is drawn is lit, and so casts shadows. */
+export function isLit(blend: Blend): boolean {
+  return blend === "shaded" || blend === "iso";
 }
 
 export interface Optics {

@@ -46,7 +46,7 @@ export type SurfaceSource = "intensities" | "bits";
 export type SmoothingDegree = number;
 
 /** How the shape of a segment is changed; see `segmentation.changed_shape`. */
-export type ShapeKind = "keep-largest" | "drop-small" | "fill-holes" | "grow" | "shrink" | "smooth" | "median" | "open" | "close" | "hollow-inside" | "hollow-outside" | "unite" | "subtract" | "intersect";
+export type ShapeKind = "keep-largest" | "drop-small" | "fill-holes" | "between-slices" | "grow" | "shrink" | "smooth" | "median" | "open" | "close" | "hollow-inside" | "hollow-outside" | "unite" | "subtract" | "intersect";
 
 /** What the probe does to voxels while it is pressed; none leaves them as they are. */
 export type ToolKind = "none" | "eraser" | "adder" | "drill" | "needle";
@@ -570,6 +570,19 @@ export interface SegmentWork {
 }
 
 /**
+ * A scan that is shown with the first; null where there is none any more.
+ *
+ * `second_from_first` maps points of the first scan to the second's, row-major, shape [4, 4],
+ * patient of each [mm]; its values come from `/api/second` and are others with each `version`.
+ */
+export interface SecondScan {
+  readonly type: "second_scan";
+  readonly scan: Scan | null;
+  readonly second_from_first: readonly number[];
+  readonly version: number;
+}
+
+/**
  * The answer to a `Fence`: all that this page asked for before it is done.
  *
  * Touch follows it from `tick` on. Thresholds, growing and changes of shape are made beside all
@@ -636,6 +649,17 @@ export interface GrowSegment {
 }
 
 /**
+ * Makes a segment of each of these: they grow until they meet where values change most.
+ *
+ * Values are smoothed by a Gaussian of this deviation [mm].
+ */
+export interface GrowSeeds {
+  readonly type: "grow_seeds";
+  readonly ids: readonly SegmentId[];
+  readonly smoothing: number;
+}
+
+/**
  * Changes the shape of a segment; undo takes it back.
  *
  * `amount` counts islands to keep, is the volume from which on they stay [ml], or a length [mm];
@@ -652,6 +676,34 @@ export interface ChangeShape {
 /** Stops what `SegmentWork` tells of and forgets what waits; what is not done is not begun. */
 export interface StopSegmentWork {
   readonly type: "stop_segment_work";
+}
+
+/** Makes a segment without voxels, to be painted; undo takes it away. */
+export interface NewSegment {
+  readonly type: "new_segment";
+  readonly name: Name;
+}
+
+/**
+ * Paints voxels of a segment along points, or takes them away: a stroke until `EndPaint`.
+ *
+ * The brush has a radius [mm]. It is a disc in the slice with this `normal`, or a ball without
+ * one, and changes only voxels with such `values`, where these are given.
+ */
+export interface Paint {
+  readonly type: "paint";
+  readonly id: SegmentId;
+  readonly erases: boolean;
+  readonly points: readonly Vector[];
+  readonly radius: number;
+  readonly normal: Vector | null;
+  readonly values: readonly [Value, Value] | null;
+}
+
+/** Ends a stroke of the brush as one step of undo, or takes it back where it is not kept. */
+export interface EndPaint {
+  readonly type: "end_paint";
+  readonly keep: boolean;
 }
 
 /** Changes how a segment looks and whether it can be touched. */
@@ -852,6 +904,7 @@ export type ToPage =
   | CutPreview
   | NeedleEvents
   | SegmentWork
+  | SecondScan
   | Passed;
 
 /** A message of the page. */
@@ -863,8 +916,12 @@ export type FromPage =
   | Threshold
   | Otsu
   | GrowSegment
+  | GrowSeeds
   | ChangeShape
   | StopSegmentWork
+  | NewSegment
+  | Paint
+  | EndPaint
   | SegmentProperties
   | SegmentFeel
   | SetMaterial
@@ -1385,6 +1442,13 @@ const isSegmentWork = record({
   what: nullable(text()),
 });
 
+const isSecondScan = record({
+  type: oneOf("second_scan"),
+  scan: nullable(isScan),
+  second_from_first: list(real()),
+  version: whole(),
+});
+
 const isPassed = record({
   type: oneOf("passed"),
   number: whole(),
@@ -1404,5 +1468,6 @@ const TO_PAGE: ReadonlyMap<string, Check> = new Map([
   ["cut_preview", isCutPreview],
   ["needle_events", isNeedleEvents],
   ["segment_work", isSegmentWork],
+  ["second_scan", isSecondScan],
   ["passed", isPassed],
 ]);

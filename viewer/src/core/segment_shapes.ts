@@ -43,6 +43,12 @@ export const shapeChoices: readonly ShapeChoice[] = [
     withOther: false,
   },
   { kind: "fill-holes", name: "Fill holes", does: "Fills what it encloses", ...alone },
+  {
+    kind: "between-slices",
+    name: "Fill between painted slices",
+    does: "Fills empty slices between painted ones by their shapes",
+    ...alone,
+  },
   { kind: "grow", name: "Grow", does: "Moves its border outward", amount: lengthOf("By", 2), withOther: false },
   { kind: "shrink", name: "Shrink", does: "Moves its border inward", amount: lengthOf("By", 2), withOther: false },
   { kind: "smooth", name: "Smooth", does: "Rounds its border by a Gaussian", amount: lengthOf("Deviation", 2), withOther: false },

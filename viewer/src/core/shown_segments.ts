@@ -22,6 +22,8 @@ export interface ShownRange {
   readonly label: number;
   /** Where visible: tissue in its colour, and no solid body. */
   readonly tinted?: boolean;
+  /** Opacity of the surface that is drawn where its voxels are, instead of them. */
+  readonly surface?: number;
 }
 
 /** How a visible segment's voxels look inside the volume: a body, tissue in its colour, or as the scan. */
@@ -64,6 +66,11 @@ export function drawnKey(segments: readonly Segment[]): string {
 /** Whether a segment's surface is drawn. */
 export function drawnAsSurface({ visible, shown_as, opacity }: Segment): boolean {
   return visible && shown_as !== "volume" && opacity > 0;
+}
+
+/** Opacity of the surface that stands where the scan has the segment; 0 where there is none. */
+export function surfaceInPlace(segment: Segment): number {
+  return drawnAsSurface(segment) && segment.pose === null && segment.grid === null ? segment.opacity : 0;
 }
 
 /**
@@ -115,7 +122,7 @@ export function shownRanges(
     const [low, high] = biasedRange(range[0], range[1], rescale);
     const { id, colour } = segment;
     const label = segment.range === null ? id : 0;
-    return [{ id, low, high, colour: linearFromSrgb(colour), visible: drawn(segment), label }];
+    return [{ id, low, high, colour: linearFromSrgb(colour), visible: drawn(segment), label, surface: surfaceInPlace(segment) }];
   });
 }
 

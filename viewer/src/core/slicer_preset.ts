@@ -1,9 +1,10 @@
 /**
- * Reads a volume property of 3D Slicer: the `<VolumeProperty …/>` element of a scene or preset file,
- * or the nine lines of a `.vp` file. Taken are the functions of opacity and of colour; not the lighting,
- * nor the opacity by gradient.
+ * Reads a volume property of 3D Slicer: the JSON of a `.vp.json` file, the `<VolumeProperty …/>` element of
+ * a scene or preset file, or the nine lines of a `.vp` file. Taken are the functions of opacity and of colour,
+ * of the first property and component where there are more; not the lighting, nor the opacity by gradient.
  *
- * Source: Slicer developer guide, "Volume rendering", format of volume property (.vp) file.
+ * Sources: Slicer developer guide, "Volume rendering", format of volume property (.vp) file; Slicer's schema
+ * `volume-property-schema-v1.0.0.json`.
  */
 import type { Curve } from "./curve";
 import { hexFromSrgb } from "./colour";
@@ -26,26 +27,75 @@ export function readSlicerPreset(text: string): SlicerPreset {
   if (text.length > longest) {
     throw new RangeError(`a preset has at most ${String(longest)} characters, this text has ${String(text.length)}`);
   }
+  if (text.trimStart().startsWith("{")) {
+    return fromJson(text);
+  }
   const element = /<VolumeProperty\b[^>]*>/.exec(text)?.[0];
   if (element !== undefined) {
     const attribute = (name: string): string => new RegExp(`\\s${name}\\s*=\\s*["']([^"']*)["']`).exec(element)?.[1] ?? "";
     return {
       name: attribute("name").slice(0, 40) || "Imported",
-      curve: curveOf(attribute("scalarOpacity"), attribute("colorTransfer")),
+      curve: fromNumbers(attribute("scalarOpacity"), attribute("colorTransfer")),
     };
   }
   const lines = text.split("\n").filter((line) => line.trim() !== "");
   if (lines.length !== 9) {
     throw new RangeError(
-      `expected a <VolumeProperty …/> element or the 9 lines of a .vp file, got ${text.trim() === "" ? "nothing" : `${String(lines.length)} lines without one`}`,
+      `expected the JSON of a .vp.json file, a <VolumeProperty …/> element or the 9 lines of a .vp file, got ${text.trim() === "" ? "nothing" : `${String(lines.length)} lines without one`}`,
     );
   }
-  return { name: "Imported", curve: curveOf(lines[6] ?? "", lines[8] ?? "") };
+  return { name: "Imported", curve: fromNumbers(lines[6] ?? "", lines[8] ?? "") };
 }
 
-function curveOf(opacity: string, colour: string): Curve {
-  const opacities = rowsOf(opacity, 2, "scalar opacity").map(([value = 0, share = 0]) => ({ value, opacity: within("opacity", share) }));
-  const colours = rowsOf(colour, 4, "colour transfer").map(([value = 0, red = 0, green = 0, blue = 0]) => ({
+function fromNumbers(opacity: string, colour: string): Curve {
+  return curveOf(rowsOf(opacity, 2, "scalar opacity"), rowsOf(colour, 4, "colour transfer"));
+}
+
+function fromJson(text: string): SlicerPreset {
+  let told: unknown;
+  try {
+    told = JSON.parse(text);
+  } catch (error) {
+    throw new RangeError(`the text begins as JSON and is none: ${error instanceof Error ? error.message : String(error)}`, { cause: error });
+  }
+  const component = first(part(first(part(told, "volumeProperties"), "volumeProperties"), "components"), "components");
+  const rows = (name: string, what: string, numbers: (point: unknown) => readonly unknown[], columns: number): number[][] => {
+    const points = part(part(component, name), "points");
+    if (!Array.isArray(points) || points.length < 2) {
+      throw new RangeError(`the ${what} function needs a list of at least two points as ${name}.points`);
+    }
+    return points.map((point, i) => {
+      const row = numbers(point);
+      if (row.length !== columns || !row.every((number) => typeof number === "number" && Number.isFinite(number))) {
+        throw new RangeError(`point ${String(i + 1)} of the ${what} function needs ${String(columns)} numbers, got ${JSON.stringify(point)}`);
+      }
+      return row as number[];
+    });
+  };
+  const listed = (colour: unknown): readonly unknown[] => (Array.isArray(colour) ? colour : []);
+  return {
+    name: "Imported",
+    curve: curveOf(
+      rows("scalarOpacity", "scalar opacity", (point) => [part(point, "x"), part(point, "y")], 2),
+      rows("rgbTransferFunction", "colour transfer", (point) => [part(point, "x"), ...listed(part(point, "color"))], 4),
+    ),
+  };
+}
+
+function part(object: unknown, name: string): unknown {
+  return typeof object === "object" && object !== null ? (object as Readonly<Record<string, unknown>>)[name] : undefined;
+}
+
+function first(list: unknown, name: string): unknown {
+  if (!Array.isArray(list) || list.length === 0) {
+    throw new RangeError(`a volume property in JSON needs a list "${name}" that is not empty`);
+  }
+  return list[0];
+}
+
+function curveOf(opacity: readonly number[][], colour: readonly number[][]): Curve {
+  const opacities = opacity.map(([value = 0, share = 0]) => ({ value, opacity: within("opacity", share) }));
+  const colours = colour.map(([value = 0, red = 0, green = 0, blue = 0]) => ({
     value,
     colour: hexFromSrgb([within("red", red), within("green", green), within("blue", blue)]),
   }));

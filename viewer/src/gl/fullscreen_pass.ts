@@ -27,9 +27,9 @@ export class FullscreenPass {
     this.mesh.frustumCulled = false;
   }
 
-  /** Draws into the target, or onto the screen. */
-  draw(renderer: THREE.WebGLRenderer, target: THREE.WebGLRenderTarget | null): void {
-    renderer.setRenderTarget(target);
+  /** Draws into the target, of a 3-D one into a layer, or onto the screen. */
+  draw(renderer: THREE.WebGLRenderer, target: THREE.WebGLRenderTarget | null, layer = 0): void {
+    renderer.setRenderTarget(target, layer);
     renderer.render(this.mesh, this.camera);
   }
 

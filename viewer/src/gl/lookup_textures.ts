@@ -5,7 +5,7 @@
 import * as THREE from "three";
 import { linearFromSrgb } from "../core/colour";
 import type { Segment } from "../core/protocol";
-import { drawnFromVoxels, shownByValue, type InsideMode, type InsideModes } from "../core/shown_segments";
+import { drawnFromVoxels, shownByValue, surfaceInPlace, type InsideMode, type InsideModes } from "../core/shown_segments";
 import { bakeTransferFunction, integrateRow, type TransferFunction } from "../core/transfer_function";
 import type { Vec3 } from "../core/vector";
 
@@ -44,8 +44,8 @@ export function byteTexture(bytes: Uint8Array, dimensions: Vec3): THREE.Data3DTe
 const alphaOf: Readonly<Record<InsideMode, number>> = { solid: 1, tinted: 0.75, plain: 0 };
 
 /**
- * Linear colour by segment id; alpha 1 where its voxels are `drawn` as a body, 0.75 as tissue in its colour, 0.5 where its surface stands for
- * them, 0 where its values tell where it is.
+ * Linear colour by segment id; alpha 1 where its voxels are `drawn` as a body, 0.75 as tissue in its colour, 0.3 where its surface stands for
+ * them, and up to 0.55 by how opaque that is, 0 where its values tell where it is.
  */
 export function labelColours(
   segments: readonly Segment[],
@@ -55,7 +55,7 @@ export function labelColours(
   const row = new Float32Array(4 * 256);
   const byValue = new Set(shownByValue(segments).map(({ id }) => id));
   for (const segment of segments) {
-    const told = drawn(segment) ? alphaOf[modes[segment.id] ?? "solid"] : segment.visible ? 0.5 : 0;
+    const told = drawn(segment) ? alphaOf[modes[segment.id] ?? "solid"] : segment.visible ? 0.3 + 0.25 * surfaceInPlace(segment) : 0;
     const alpha = byValue.has(segment.id) ? 0 : told;
     row.set([...linearFromSrgb(segment.colour), alpha], 4 * segment.id);
   }

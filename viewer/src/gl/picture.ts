@@ -1,10 +1,10 @@
 /**
- * The 3-D picture: scan and markers on one canvas. Nothing is drawn unless something has
- * changed; the engine's rates never depend on it.
+ * The 3-D picture: scan and markers on one canvas, for one eye or for two. Nothing is drawn unless
+ * something has changed; the engine's rates never depend on it.
  */
 import * as THREE from "three";
 import type { BrickRanges } from "../core/bricks";
-import { project, type Camera, type Extent, type Viewport } from "../core/camera";
+import type { Camera, Extent, Viewport } from "../core/camera";
 import type { Plane } from "../core/clip";
 import type { Displaced } from "../core/displaced";
 import type { Look } from "../core/look";
@@ -13,6 +13,7 @@ import type { Rect } from "../core/picture_layout";
 import type { MovedPose, Segment } from "../core/protocol";
 import type { ScanVolume } from "../core/scan_volume";
 import { drawnFromVoxels, type InsideModes } from "../core/shown_segments";
+import { eyeCamera, eyesOf, viewportOf, type Stereo } from "../core/stereo";
 import type { SurfaceChange } from "../core/surface_patches";
 import type { Box, LabelVolume } from "../core/voxel_change";
 import { Compositor } from "./compositor";
@@ -21,13 +22,17 @@ import { GpuClock } from "./gpu_clock";
 import type { GpuSupport } from "./gpu_support";
 import { LabelTexture } from "./label_texture";
 import { labelColours } from "./lookup_textures";
-import { markerMargin, Markers, type MarkerState } from "./markers";
+import type { MarkerState } from "./markers";
 import { RayMarcher } from "./ray_marcher";
 import { Refiner } from "./refiner";
+import type { ShownSecond } from "./second_texture";
 import { Snapshot, type SnapshotWish } from "./snapshot";
 import { Slices, type ShownSlice, type SliceLook } from "./slices";
 import { Surfaces } from "./surfaces";
-import { ThreeCamera } from "./three_camera";
+import { ViewPane } from "./view_pane";
+
+/** Cells along the scan's longest edge in which its light is worked out. */
+const lightCells = { gpu: 128, software: 64 } as const;
 
 export interface PictureOptions {
   readonly support: GpuSupport;
@@ -39,13 +44,12 @@ export interface PictureOptions {
 
 export class Picture {
   private readonly renderer: THREE.WebGLRenderer;
-  private readonly marcher = new RayMarcher();
+  private readonly marcher: RayMarcher;
   private readonly compositor = new Compositor();
-  private readonly markers = new Markers();
-  private readonly camera = new ThreeCamera();
   private readonly surfaces: Surfaces;
   private readonly refiner: Refiner;
-  private readonly slices = new Slices(this.marcher);
+  private readonly pane: ViewPane;
+  private readonly slices: Slices;
   private readonly options: PictureOptions;
   /** Nothing is drawn, and all is uploaded as always: for the benchmark of edits. */
   suspended = false;
@@ -53,15 +57,9 @@ export class Picture {
   private ready = false;
   private gives = false;
   private view: { readonly camera: Camera; readonly extent: Extent } | null = null;
-  private shownCamera: Camera | null = null;
-  /** The whole canvas, and the pane of the 3-D view [CSS pixels from the upper left]. */
+  /** The whole canvas [CSS pixels]. */
   private canvas: Viewport = { width: 1, height: 1 };
-  private pane: Rect = { x: 0, y: 0, width: 1, height: 1 };
-  private markersShown = false;
-  private markersStale = true;
   private screenStale = true;
-  /** Where markers were drawn last [CSS pixels]. */
-  private marked: THREE.Box2 | null = null;
   /** A snapshot is drawn: the screen waits. */
   private snapping = false;
   private readonly closing = new AbortController();
@@ -71,6 +69,8 @@ export class Picture {
   constructor(canvas: HTMLCanvasElement, options: PictureOptions) {
     const { support } = options;
     this.options = options;
+    this.marcher = new RayMarcher(support.software ? lightCells.software : lightCells.gpu);
+    this.slices = new Slices(this.marcher);
     this.renderer = new THREE.WebGLRenderer({
       canvas,
       // smooth edges of the markers; the scan's own are smoothed by averaging
@@ -84,10 +84,11 @@ export class Picture {
     this.renderer.autoClear = false;
     this.renderer.outputColorSpace = THREE.SRGBColorSpace;
     this.surfaces = new Surfaces(this.marcher, support.halfFloatTarget);
-    this.refiner = new Refiner(this.renderer, new GpuClock(this.gl), this.marcher, this.surfaces, {
-      software: support.software,
-      halfFloat: support.halfFloatTarget,
+    const quality = { software: support.software, halfFloat: support.halfFloatTarget };
+    this.refiner = new Refiner(this.renderer, new GpuClock(this.gl), this.marcher, this.surfaces, quality, (eye) => {
+      this.aimEye(eye);
     });
+    this.pane = new ViewPane(this.renderer, this.compositor, (eye) => this.refiner.pictureOf(eye));
   }
 
   /** Share of the scan that is on the GPU. */
@@ -102,7 +103,8 @@ export class Picture {
 
   /** Divisor of the resolution on display, and whether it is final. */
   get quality(): { readonly divisor: number; readonly finished: boolean } {
-    return { divisor: this.refiner.shownDivisor, finished: this.refiner.finished && !this.slices.isStale };
+    const whole = !this.slices.isStale && !this.marcher.second.isAwaited;
+    return { divisor: this.refiner.shownDivisor, finished: this.refiner.finished && whole };
   }
 
   set jitter(on: boolean) {
@@ -133,6 +135,13 @@ export class Picture {
     this.labels?.dispose();
     this.labels = volume === null ? null : new LabelTexture(volume);
     this.marcher.setLabels(volume === null || this.labels === null ? null : { texture: this.labels.texture, bricks: volume.bricks });
+    this.slices.follow(this.field?.volume.frame ?? null);
+    this.refiner.restart();
+  }
+
+  /** Shows a second scan with the first, or shows it in another way or elsewhere; null shows none. */
+  setSecond(shown: ShownSecond | null): void {
+    this.marcher.setSecond(shown);
     this.slices.follow(this.field?.volume.frame ?? null);
     this.refiner.restart();
   }
@@ -203,8 +212,7 @@ export class Picture {
   }
 
   setMarkers(state: MarkerState): void {
-    this.markersStale = this.markers.update(state) || this.markersStale;
-    this.markersShown = true;
+    this.pane.setMarkers(state);
   }
 
   /** Which slices are seen beside the 3-D view. */
@@ -216,6 +224,14 @@ export class Picture {
     this.slices.setLook(look);
   }
 
+  /** One picture, or one for each eye; followed by `resize`. */
+  setStereo(stereo: Stereo): void {
+    if (stereo !== this.pane.stereo) {
+      this.pane.setStereo(stereo);
+      this.refiner.eyes = eyesOf(stereo, this.pane.rect).length;
+    }
+  }
+
   /** Follows the size of the canvas on the page and the place of the 3-D view on it [CSS pixels]. */
   resize(width: number, height: number, pane: Rect = { x: 0, y: 0, width, height }): void {
     const ratio = Math.min(window.devicePixelRatio, this.options.mostPixelRatio);
@@ -223,9 +239,11 @@ export class Picture {
       this.renderer.setPixelRatio(ratio);
       this.renderer.setSize(width, height, false);
     }
-    this.refiner.resize(Math.floor(pane.width * ratio), Math.floor(pane.height * ratio));
+    const drawn = eyesOf(this.pane.stereo, pane)[0]?.rect ?? pane;
+    this.refiner.resize(Math.floor(drawn.width * ratio), Math.floor(drawn.height * ratio));
     this.canvas = { width, height };
-    this.pane = pane;
+    this.pane.rect = pane;
+    this.pane.canvasHeight = height;
     this.screenStale = true;
   }
 
@@ -238,20 +256,22 @@ export class Picture {
     if (!this.ready || this.view === null || this.suspended || this.snapping) {
       return;
     }
-    if (this.refiner.wantsView) {
-      // picture and markers change their view in the same frame
-      this.shownCamera = this.view.camera;
-      this.aim(this.view.camera, this.view.extent, this.pane.width / this.pane.height);
+    if (this.marcher.second.isAwaited) {
+      if (this.marcher.uploadSecond(this.renderer)) {
+        this.slices.follow(this.field?.volume.frame ?? null);
+        this.refiner.restart();
+      }
+      return;
     }
     const pictureChanged = this.refiner.advance(now) || this.screenStale;
     if (pictureChanged || (this.slices.isStale && !this.keepsScreen)) {
       this.drawSlices();
-      this.drawView(null);
+      this.pane.draw();
     } else {
       if (this.slices.isStale) {
         this.drawSlices();
       }
-      if (this.markersStale) {
+      if (this.pane.stale) {
         this.drawMarkers();
       }
     }
@@ -288,18 +308,31 @@ export class Picture {
     this.surfaces.dispose();
     this.slices.dispose();
     this.compositor.dispose();
-    this.markers.dispose();
+    this.pane.dispose();
     this.field?.dispose();
     this.labels?.dispose();
     this.colours?.dispose();
     this.renderer.dispose();
   }
 
+  /** Turns to what an eye sees: picture and markers change their view in the same frame. */
+  private aimEye(eye: number): void {
+    const { rect, stereo } = this.pane;
+    const place = eyesOf(stereo, rect)[eye];
+    if (this.view !== null && place !== undefined) {
+      const { camera, extent } = this.view;
+      const { width, height } = viewportOf(stereo, rect);
+      this.pane.shownCamera = camera;
+      this.aim(eyeCamera(camera, place.aside), extent, width / height, eye);
+    }
+  }
+
   /** Takes ray caster, surfaces and markers to a view. */
-  private aim(camera: Camera, extent: Extent, aspect: number): void {
+  private aim(camera: Camera, extent: Extent, aspect: number, eye = 0): void {
+    const drawn = this.pane.cameraOf(eye);
     this.marcher.setCamera(camera, extent, aspect);
-    this.camera.update(camera, extent, aspect);
-    this.surfaces.setCamera(camera, this.camera.camera);
+    drawn.update(camera, extent, aspect);
+    this.surfaces.setCamera(camera, drawn.camera);
   }
 
   private get gl(): WebGL2RenderingContext {
@@ -323,45 +356,9 @@ export class Picture {
 
   /** Draws again where markers were and are. */
   private drawMarkers(): void {
-    const before = this.marked;
-    const now = this.markedBox();
     if (!this.keepsScreen) {
       this.drawSlices();
     }
-    this.drawView(this.keepsScreen && before !== null && now !== null ? now.clone().union(before) : null);
-  }
-
-  /** Draws the 3-D view, or the part of it inside a box [CSS pixels from the upper left of its pane]. */
-  private drawView(part: THREE.Box2 | null): void {
-    const { renderer, pane } = this;
-    const { x, width, height } = pane;
-    const y = this.canvas.height - pane.y - height;
-    const inside = new THREE.Box2(new THREE.Vector2(), new THREE.Vector2(width, height));
-    const box = part === null ? inside : part.clone().intersect(inside);
-    const size = box.getSize(new THREE.Vector2());
-    renderer.setScissorTest(true);
-    renderer.setScissor(x + box.min.x, y + height - box.max.y, size.x, size.y);
-    renderer.setViewport(x, y, width, height);
-    const ratio = renderer.getPixelRatio();
-    this.compositor.draw(renderer, this.refiner.picture, { corner: [x * ratio, y * ratio] });
-    if (this.markersShown) {
-      renderer.render(this.markers.scene, this.camera.camera);
-    }
-    renderer.setScissorTest(false);
-    this.marked = this.markedBox();
-    this.markersStale = false;
-  }
-
-  /** Box around all markers in the pane of the view; null where it cannot be told. */
-  private markedBox(): THREE.Box2 | null {
-    const box = new THREE.Box2();
-    for (const point of this.markers.outline) {
-      const place = this.shownCamera === null ? null : project(this.shownCamera, point, this.pane);
-      if (place === null) {
-        return null;
-      }
-      box.expandByPoint(new THREE.Vector2(...place));
-    }
-    return box.isEmpty() ? null : box.expandByScalar(markerMargin);
+    this.pane.drawMarkers(this.keepsScreen);
   }
 }

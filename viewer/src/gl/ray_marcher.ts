@@ -5,12 +5,12 @@
 import * as THREE from "three";
 import { column, transformPoint } from "../core/affine";
 import { brickEdge, type BrickRanges } from "../core/bricks";
-import { depthOf, eyeOf, nearAndFar, type Camera, type Extent } from "../core/camera";
+import { depthOf, eyeOf, nearAndFar, sightOf, type Camera, type Extent } from "../core/camera";
 import type { Plane } from "../core/clip";
 import type { Displaced } from "../core/displaced";
 import { drawnBy } from "../core/drawn_values";
-import type { Look } from "../core/look";
-import { blends, greyOf, type Blend, type Optics } from "../core/optics";
+import { opacityKey, type Look } from "../core/look";
+import { blends, greyOf, isLit, type Blend, type Optics } from "../core/optics";
 import { smallestSpacing, type ScanFrame } from "../core/scan_volume";
 import { mostRanges } from "../core/shown_segments";
 import { biasedOf, largest, physical, type Rescale } from "../core/stored_values";
@@ -23,8 +23,10 @@ import type { FieldTexture } from "./field_texture";
 import { FullscreenPass } from "./fullscreen_pass";
 import { keyLight } from "./key_light";
 import { transferTextures } from "./lookup_textures";
+import { LightVolume } from "./light_volume";
 import { marchUniforms, type FieldUniform, type MarchUniforms } from "./march_uniforms";
 import type { PictureTarget } from "./picture_target";
+import { SecondTexture, type ShownSecond } from "./second_texture";
 import { shaders } from "./shaders";
 import type { SurfaceLayers } from "./surface_layers";
 
@@ -47,7 +49,11 @@ export type Shift = readonly [number, number, number];
 export class RayMarcher {
   private readonly displacements = new DisplacedTexture();
   private readonly uniforms = { ...marchUniforms(), ...this.displacements.uniforms };
-  private readonly pass = new FullscreenPass(shaders.march, this.uniforms);
+  /** The light that comes through what is drawn. */
+  readonly light: LightVolume;
+  /** A second scan that is shown with the first. */
+  readonly second = new SecondTexture();
+  private readonly pass: FullscreenPass;
   private frame: ScanFrame | null = null;
   private readonly empty = new EmptySpace(this.uniforms.brickTexture);
   private labelled = false;
@@ -62,6 +68,15 @@ export class RayMarcher {
   private layers = -1;
   /** Whether matter may stand beside its voxels. */
   private gives = false;
+  private withSecond = false;
+  /** Of the look on which the light was worked out. */
+  private opacity = "";
+
+  /** @param lightCells cells along the scan's longest edge in which light is worked out. */
+  constructor(lightCells = 64) {
+    this.light = new LightVolume(this.uniforms, lightCells);
+    this.pass = new FullscreenPass(shaders.march, { ...this.uniforms, ...this.light.uniforms, ...this.second.uniforms });
+  }
 
   /** Shows another scan. */
   setField(field: FieldTexture, bricks: BrickRanges): void {
@@ -69,6 +84,7 @@ export class RayMarcher {
     const u = this.uniforms;
     this.frame = frame;
     this.empty.setBricks(bricks);
+    this.light.setFrame(frame);
     this.step = step;
     u.fieldTexture.value = field.texture;
     u.dimensions.value.set(...frame.dimensions);
@@ -83,6 +99,8 @@ export class RayMarcher {
     u.brickScale.value.setScalar(1 / (step * brickEdge));
     u.brickOffset.value.setScalar(first / brickEdge);
     this.format = { rg8: "FIELD_RG8", r16: "FIELD_R16", r32f: "FIELD_R32F" }[field.format];
+    this.second.format = field.format;
+    this.second.stand(frame);
     this.setClip(this.clip);
     this.compile();
   }
@@ -104,17 +122,50 @@ export class RayMarcher {
     u.tissueFrom.value = greyOf(optics.tissueFrom, optics.window);
     u.isoColour.value.set(...sample(look.transferFunction.points, optics.isoValue).colour);
 
+    const { occlusion, shadow } = look.lighting;
+    const lit = this.light.isUsed;
+    this.light.use(isLit(optics.blend) ? occlusion : 0, isLit(optics.blend) ? shadow : 0);
     const ranges = look.ranges.slice(0, mostRanges);
     u.rangeCount.value = ranges.length;
     ranges.forEach((range, i) => {
-      u.rangeBounds.value[i]?.set(range.low, range.high, range.visible ? (range.tinted === true ? 1 : 2) : 0, range.label);
+      u.rangeBounds.value[i]?.set(range.low, range.high, range.visible ? (range.tinted === true ? 1 : 2) : -(range.surface ?? 0), range.label);
       u.rangeColours.value[i]?.set(...range.colour);
     });
     this.empty.setDrawn(drawnBy(look, rescale));
     this.slab = optics.slab;
     this.setSlab();
-    if (optics.blend !== this.mode) {
+    if (optics.blend !== this.mode || lit !== this.light.isUsed) {
       this.mode = optics.blend;
+      this.compile();
+    }
+    const opacity = opacityKey(look);
+    if (opacity !== this.opacity) {
+      this.opacity = opacity;
+      this.light.changed();
+    }
+  }
+
+  /** Shows a second scan with the first, or shows it in another way or elsewhere; null shows none. */
+  setSecond(shown: ShownSecond | null): void {
+    this.second.set(shown);
+    this.follow();
+  }
+
+  /** Sends some of the second scan; true where it is drawn from now on. */
+  uploadSecond(renderer: THREE.WebGLRenderer): boolean {
+    const arrived = this.second.upload(renderer);
+    if (arrived) {
+      this.follow();
+    }
+    return arrived;
+  }
+
+  private follow(): void {
+    if (this.frame !== null) {
+      this.second.stand(this.frame);
+    }
+    if (this.second.inView !== this.withSecond) {
+      this.withSecond = this.second.inView;
       this.compile();
     }
   }
@@ -125,16 +176,20 @@ export class RayMarcher {
     this.labelled = labels !== null;
     this.compile();
     this.empty.setLabelled(labels?.bricks ?? null);
+    this.light.changed();
   }
 
   /** Colour of each label, as `labelColours` makes it. */
   setLabelColours(colours: THREE.Texture): void {
     this.uniforms.labelColours.value = colours;
+    this.light.changed();
   }
 
   /** Values or labels of a box have changed, their bricks with them; all that follows is uploaded. */
   changeVoxels(box: Box, renderer: THREE.WebGLRenderer): void {
     this.empty.change(box, renderer);
+    // interpolation and gradients reach a voxel or two beyond
+    this.light.changed([(box.low[2] - 2) * this.step, (box.high[2] + 2) * this.step]);
   }
 
   /**
@@ -151,6 +206,7 @@ export class RayMarcher {
   /** Where matter stands beside its voxels; null where all stands in them. */
   setDisplaced(displaced: Displaced | null): void {
     this.displacements.set(displaced);
+    this.light.changed();
   }
 
   /** Cuts away what lies before planes of the scene. */
@@ -166,6 +222,7 @@ export class RayMarcher {
       const inGrid = multiply([dot(normal, axes[0]), dot(normal, axes[1]), dot(normal, axes[2])], spacing);
       u.clipPlanes.value[i]?.set(...inGrid, dot(normal, column(sceneFromGrid, 3)) - offset);
     });
+    this.light.changed();
   }
 
   setCamera(camera: Camera, extent: Extent, aspect: number): void {
@@ -177,11 +234,12 @@ export class RayMarcher {
     const half = Math.tan(camera.field / 2) * (camera.parallel === null ? 1 : camera.distance);
     const u = this.uniforms;
     u.eye.value.set(...transformPoint(gridFromScene, eyeOf(camera)));
-    u.forward.value.set(...along(scale(camera.back, -1)));
+    u.forward.value.set(...along(scale(sightOf(camera), -1)));
     u.across.value.set(...along(scale(camera.right, half * aspect)));
     u.upward.value.set(...along(scale(camera.up, half)));
     u.upDirection.value.set(...along(camera.up));
     u.keyDirection.value.set(...along(keyLight(camera)));
+    this.light.turnKey(u.keyDirection.value);
     const { near, far } = nearAndFar(camera, extent);
     u.nearFar.value.set(near, far);
     u.parallel.value = camera.parallel === null ? 0 : 1;
@@ -204,8 +262,8 @@ export class RayMarcher {
   }
 
   /** What other shaders need to read the scan as this one does (`field.glsl`). */
-  get fieldUniforms(): Pick<MarchUniforms, FieldUniform> {
-    return this.uniforms;
+  get fieldUniforms(): Pick<MarchUniforms, FieldUniform> & LightVolume["uniforms"] {
+    return { ...this.uniforms, ...this.light.uniforms };
   }
 
   get fieldDefines(): Readonly<Record<string, string>> {
@@ -214,6 +272,16 @@ export class RayMarcher {
       ...(!this.labelled ? {} : { LABELS: "" }),
       ...(this.gives ? { DISPLACED: "" } : {}),
     };
+  }
+
+  /** Which textures are read beside those of surfaces. */
+  get textureDefines(): Readonly<Record<string, string>> {
+    return { ...this.surfaceDefines, ...(this.withSecond ? { SECOND: "" } : {}) };
+  }
+
+  /** The same for surfaces of triangles, which are lit as what this one draws. */
+  get surfaceDefines(): Readonly<Record<string, string>> {
+    return { ...this.fieldDefines, ...(this.light.isUsed ? { LIGHT_VOLUME: "" } : {}) };
   }
 
   /** Draws rows of a level of the picture. */
@@ -245,6 +313,8 @@ export class RayMarcher {
     this.uniforms.transferTexture.value?.dispose();
     this.uniforms.integralTexture.value?.dispose();
     this.empty.dispose();
+    this.light.dispose();
+    this.second.dispose();
     this.displacements.dispose();
     this.pass.dispose();
   }
@@ -253,8 +323,10 @@ export class RayMarcher {
   private compile(): void {
     const { material } = this.pass;
     const surfaces = this.layers < 0 ? { LAYERS: "0" } : { SURFACES: "", LAYERS: String(this.layers) };
-    material.defines = { ...this.fieldDefines, ...surfaces, BLEND: String(blends.indexOf(this.mode)) };
+    const blend = { BLEND: String(blends.indexOf(this.mode)) };
+    material.defines = { ...this.textureDefines, ...surfaces, ...blend };
     material.needsUpdate = true;
+    this.light.compile({ ...this.fieldDefines, ...blend });
   }
 
   private setTransferFunction(transferFunction: TransferFunction, rescale: Rescale): void {

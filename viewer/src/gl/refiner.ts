@@ -2,7 +2,8 @@
  * Draws the cached picture in pieces that fit into the time there is: at once and coarse
  * while the view moves; then, at rest, level by level in strips of rows; last, where the
  * GPU is quick, several shifted pictures averaged for smooth edges. Surfaces are drawn with
- * each level before its first strip.
+ * each level before its first strip. Two eyes have a picture each: while the view moves both are drawn
+ * at once, so that they never see different views; at rest one after the other.
  */
 import type * as THREE from "three";
 import { halton } from "../core/halton";
@@ -25,18 +26,31 @@ const settleMilliseconds = 90;
 const quickPicture = 60;
 const averaged = 8;
 
+/** Layers of the light volume that are worked out at once, at first; then as many as fit into a strip's time. */
+const firstLayers = 4;
+/** Into so many pieces at most opacity and light are divided each. */
+const mostPieces = 6;
+/** And while the view moves, where the GPU draws. */
+const movingLayers = 8;
+
 /** Steps per voxel edge while the view moves and at rest; fewer where the CPU draws. */
 const steps = { gpu: { moving: 1, resting: 1.5 }, software: { moving: 0.75, resting: 1 } } as const;
 
 export class Refiner {
-  private shown: PictureTarget;
+  /** A picture for each eye. */
+  private readonly shown: PictureTarget[];
   private working: PictureTarget;
   private readonly pace: Pace;
+  /** Time for a piece at rest [ms]. */
+  private readonly stripBudget: number;
   private stale = true;
   private drawnAt = 0;
   private levels: number[] = [];
   private row = 0;
   private pass = 0;
+  private layers = firstLayers;
+  /** Whose picture is drawn at rest. */
+  private eye = 0;
   /** Whether rays start at random shares of a step. */
   jitter = true;
   /** Divisor of the resolution on display; 0 before the first picture. */
@@ -50,28 +64,43 @@ export class Refiner {
     private readonly marcher: RayMarcher,
     private readonly surfaces: Surfaces,
     private readonly options: RefinerOptions,
+    /** Turns ray caster and surfaces to what an eye sees now. */
+    private readonly aim: (eye: number) => void,
   ) {
-    this.shown = new PictureTarget(options.halfFloat);
+    this.shown = [new PictureTarget(options.halfFloat)];
     this.working = new PictureTarget(options.halfFloat);
+    this.stripBudget = options.software ? 40 : 24;
     this.pace = new Pace({
       frameBudget: options.software ? 70 : 24,
-      stripBudget: options.software ? 40 : 24,
+      stripBudget: this.stripBudget,
       pixelCost: options.software ? 2.5e-3 : 1e-5,
     });
   }
 
-  get picture(): PictureTarget {
-    return this.shown;
+  /** The picture of an eye; of the first one where there are no more. */
+  pictureOf(eye: number): PictureTarget {
+    return this.shown[eye] ?? this.first;
+  }
+
+  /** How many pictures there are; to be followed by `resize`. */
+  set eyes(count: number) {
+    for (const picture of this.shown.splice(count)) {
+      picture.dispose();
+    }
+    while (this.shown.length < count) {
+      this.shown.push(new PictureTarget(this.options.halfFloat));
+    }
   }
 
   /** The picture is as fine as it gets. */
   get finished(): boolean {
-    return !this.stale && this.levels.length === 0 && !this.averaging && !this.clock.busy;
+    return !this.stale && !this.marcher.light.pending && this.levels.length === 0 && !this.averaging && !this.clock.busy;
   }
 
   resize(width: number, height: number): void {
-    this.shown.resize(width, height);
-    this.working.resize(width, height);
+    for (const picture of [...this.shown, this.working]) {
+      picture.resize(width, height);
+    }
     this.restart();
   }
 
@@ -79,11 +108,6 @@ export class Refiner {
   restart(): void {
     this.stale = true;
     this.levels = [];
-  }
-
-  /** Something would be drawn by the next `advance`, and the view it shows is not yet on display. */
-  get wantsView(): boolean {
-    return this.stale && !this.clock.busy;
   }
 
   /** Draws the next piece; true where what is on display has changed. */
@@ -98,6 +122,10 @@ export class Refiner {
     if (now - this.drawnAt < settleMilliseconds) {
       return false;
     }
+    if (this.marcher.light.pending) {
+      this.workOutLight();
+      return false;
+    }
     if (this.levels.length > 0) {
       return this.drawStrip();
     }
@@ -106,8 +134,13 @@ export class Refiner {
 
   dispose(): void {
     this.clock.forget();
-    this.shown.dispose();
-    this.working.dispose();
+    for (const picture of [...this.shown, this.working]) {
+      picture.dispose();
+    }
+  }
+
+  private get first(): PictureTarget {
+    return this.shown[0] ?? this.working;
   }
 
   private get steps(): { readonly moving: number; readonly resting: number } {
@@ -129,39 +162,67 @@ export class Refiner {
   }
 
   private pixels(divisor: number): number {
-    const { width, height } = this.shown.target;
+    const { width, height } = this.first.target;
     return (width * height) / divisor ** 2;
   }
 
+  /** What is drawn at rest waits for its light: pictures that move show the light before. */
+  private workOutLight(): void {
+    const { light } = this.marcher;
+    // however busy the machine is, pieces are not so small that frames between them are all of the time
+    const layers = Math.max(this.layers, Math.ceil(light.counts[2] / mostPieces));
+    light.advance(this.renderer, layers);
+    this.clock.start((milliseconds) => {
+      const fitting = (layers * this.stripBudget) / Math.max(milliseconds, 1);
+      this.layers = Math.max(1, Math.min(2 * layers, Math.round(fitting)));
+    });
+  }
+
   private drawMoving(now: number): void {
-    const divisor = this.pace.movingDivisor(this.pixels(1));
-    this.working.useLevel(divisor);
-    this.surfaces.draw(this.renderer, this.working, { divisor, shift: [0, 0, 0], depth: this.movingLayers });
-    this.drawRows(0, this.working.height, this.steps.moving, [0, 0, 0]);
-    this.swap(divisor);
+    if (!this.options.software && this.marcher.light.pending) {
+      this.marcher.light.advance(this.renderer, movingLayers);
+    }
+    const eyes = this.shown.length;
+    const divisor = this.pace.movingDivisor(eyes * this.pixels(1));
+    for (let eye = 0; eye < eyes; ++eye) {
+      this.aim(eye);
+      this.working.useLevel(divisor);
+      this.surfaces.draw(this.renderer, this.working, { divisor, shift: [0, 0, 0], depth: this.movingLayers });
+      this.drawRows(0, this.working.height, this.steps.moving, [0, 0, 0]);
+      this.swap(eye);
+    }
+    this.learn(eyes * this.first.width * this.first.height);
+    this.shownDivisor = divisor;
     this.stale = false;
     this.drawnAt = now;
     this.levels = levelsAfter(divisor);
     this.row = 0;
     this.pass = 0;
+    this.eye = 0;
   }
 
   private drawStrip(): boolean {
     const level = this.levels[0] ?? 1;
+    this.turn();
     this.working.useLevel(level);
     if (this.row === 0) {
       this.surfaces.draw(this.renderer, this.working, { divisor: level, shift: [0, 0, 0], depth: mostLayers });
     }
-    const to = Math.min(this.working.height, this.row + this.pace.stripRows(this.working.width, this.working.height));
+    const { width, height } = this.working;
+    const to = Math.min(height, this.row + this.pace.stripRows(width, height));
     this.drawRows(this.row, to, this.steps.resting, [0, 0, 0]);
+    this.learn(width * (to - this.row));
     this.row = to;
-    if (to < this.working.height) {
+    if (to < height) {
       return false;
     }
-    this.swap(level);
-    this.levels.shift();
+    this.swap(this.eye);
     this.row = 0;
-    this.pass = 1;
+    if (this.nextEye()) {
+      this.shownDivisor = level;
+      this.levels.shift();
+      this.pass = 1;
+    }
     return true;
   }
 
@@ -170,29 +231,51 @@ export class Refiner {
     const count = this.pass + 1;
     // covers the pixel evenly
     const shift: Shift = [halton(count, 2) - 0.5, halton(count, 3) - 0.5, count];
-    const { shown, working } = this;
+    const shown = this.pictureOf(this.eye);
+    const { working } = this;
+    this.turn();
     this.working = shown;
     this.surfaces.draw(this.renderer, this.working, { divisor: 1, shift, depth: mostLayers });
     this.marcher.blend = 1 / count;
     this.drawRows(0, shown.height, this.steps.resting, shift);
     this.marcher.blend = null;
     this.working = working;
-    this.pass = count;
+    this.learn(shown.width * shown.height);
+    if (this.nextEye()) {
+      this.pass = count;
+    }
     return true;
   }
 
   private drawRows(from: number, to: number, stepsPerVoxel: number, shift: Shift): void {
-    const pixels = this.working.width * (to - from);
     this.working.useRows(from, to);
     this.marcher.draw(this.renderer, this.working, { stepsPerVoxel, jitter: this.jitter }, shift);
+  }
+
+  /** Learns what the pixels cost that were just drawn. */
+  private learn(pixels: number): void {
     this.clock.start((milliseconds) => {
       this.pace.learn(pixels, milliseconds);
       this.drawnPieces += 1;
     });
   }
 
-  private swap(divisor: number): void {
-    [this.shown, this.working] = [this.working, this.shown];
-    this.shownDivisor = divisor;
+  /** Turns to the eye whose picture is drawn; a single one stays where the view left it. */
+  private turn(): void {
+    if (this.shown.length > 1) {
+      this.aim(this.eye);
+    }
+  }
+
+  /** Goes on to the next eye; true where all had their turn. */
+  private nextEye(): boolean {
+    this.eye = (this.eye + 1) % this.shown.length;
+    return this.eye === 0;
+  }
+
+  private swap(eye: number): void {
+    const drawn = this.working;
+    this.working = this.pictureOf(eye);
+    this.shown[eye] = drawn;
   }
 }

@@ -1,6 +1,12 @@
 /**
  * The shaders, joined from their files. WebGL2 (GLSL ES 3.00).
  */
+import anaglyphFrag from "./shaders/anaglyph.frag?raw";
+import blends from "./shaders/blends.glsl?raw";
+import bricks from "./shaders/bricks.glsl?raw";
+import cellLight from "./shaders/cell_light.frag?raw";
+import cellOpacity from "./shaders/cell_opacity.frag?raw";
+import cells from "./shaders/cells.glsl?raw";
 import clip from "./shaders/clip.glsl?raw";
 import compositeFrag from "./shaders/composite.frag?raw";
 import displaced from "./shaders/displaced.glsl?raw";
@@ -10,6 +16,7 @@ import gaugeFrag from "./shaders/gauge.frag?raw";
 import gaugeVert from "./shaders/gauge.vert?raw";
 import iso from "./shaders/iso.glsl?raw";
 import light from "./shaders/light.glsl?raw";
+import lightVolume from "./shaders/light_volume.glsl?raw";
 import marchFrag from "./shaders/march.frag?raw";
 import markerFrag from "./shaders/marker.frag?raw";
 import markerVert from "./shaders/marker.vert?raw";
@@ -21,6 +28,9 @@ import pathFrag from "./shaders/path.frag?raw";
 import pathVert from "./shaders/path.vert?raw";
 import projection from "./shaders/projection.glsl?raw";
 import ray from "./shaders/ray.glsl?raw";
+import second from "./shaders/second.glsl?raw";
+import secondSlice from "./shaders/second_slice.glsl?raw";
+import secondTissue from "./shaders/second_tissue.glsl?raw";
 import segments from "./shaders/segments.glsl?raw";
 import sliceFrag from "./shaders/slice.frag?raw";
 import solid from "./shaders/solid.glsl?raw";
@@ -28,6 +38,7 @@ import surfaceFrag from "./shaders/surface.frag?raw";
 import surfaceVert from "./shaders/surface.vert?raw";
 import surfaces from "./shaders/surfaces.glsl?raw";
 import tissue from "./shaders/tissue.glsl?raw";
+import transfer from "./shaders/transfer.glsl?raw";
 
 const precision = "precision highp float;\nprecision highp int;\nprecision highp sampler2D;\nprecision highp sampler3D;\n";
 
@@ -38,7 +49,10 @@ function joined(...parts: readonly string[]): string {
 // the ray caster has one `seenAlong` for each family of blend modes
 const alongRays = `
 #if BLEND <= EMISSION
+${transfer}
 ${solid}
+${second}
+${secondTissue}
 ${tissue}
 #elif BLEND <= AVERAGE
 ${projection}
@@ -49,12 +63,15 @@ ${iso}
 
 export const shaders = {
   fullscreen: joined(fullscreenVert),
-  march: joined(displaced, field, segments, surfaces, light, clip, ray, openness, alongRays, marchFrag),
+  march: joined(blends, displaced, field, segments, surfaces, light, lightVolume, clip, bricks, ray, openness, alongRays, marchFrag),
+  cellOpacity: joined(blends, displaced, field, segments, clip, bricks, transfer, cells, cellOpacity),
+  cellLight: joined(displaced, field, segments, bricks, cells, cellLight),
   composite: joined(compositeFrag),
-  slice: joined(displaced, field, segments, sliceFrag),
+  anaglyph: joined(anaglyphFrag),
+  slice: joined(displaced, field, segments, second, secondSlice, sliceFrag),
   gauge: { vertex: joined(gaugeVert), fragment: joined(gaugeFrag) },
   marker: { vertex: joined(markerVert), fragment: joined(markerFrag) },
-  surface: { vertex: joined(displaced, surfaceVert), fragment: joined(displaced, field, clip, ownSegment, light, openness, surfaceFrag) },
+  surface: { vertex: joined(displaced, surfaceVert), fragment: joined(displaced, field, clip, ownSegment, light, lightVolume, openness, surfaceFrag) },
   parts: { vertex: joined(partsVert), fragment: joined(partsFrag) },
   path: { vertex: joined(pathVert), fragment: joined(pathFrag) },
 };

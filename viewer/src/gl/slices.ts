@@ -57,6 +57,7 @@ export class Slices {
     const vector = (): THREE.Vector3 => new THREE.Vector3();
     this.uniforms = {
       ...marcher.fieldUniforms,
+      ...marcher.second.uniforms,
       rangeBounds: { value: Array.from({ length: mostRanges }, () => new THREE.Vector4()) },
       rangeColours: { value: Array.from({ length: mostRanges }, vector) },
       rangeCount: { value: 0 },
@@ -72,6 +73,7 @@ export class Slices {
       marks: { value: new THREE.Vector2() },
       outline: { value: outlineWidth },
       ground: { value: new THREE.Vector3(...ground) },
+      pixelLength: { value: 1 },
     };
     this.pass = new FullscreenPass(shaders.slice, this.uniforms);
   }
@@ -155,6 +157,7 @@ export class Slices {
     u.gridUp.value.set(...transformVector(frame.gridFromScene, scale(plane.up, step)));
     u.paneCorner.value.set(rect.x * ratio, (height - rect.y - rect.height) * ratio);
     u.outline.value = outlineWidth * ratio;
+    u.pixelLength.value = step;
 
     const samples = Math.min(mostSamples, 1 + Math.ceil(look.slab / smallestSpacing(frame)));
     const between = samples > 1 ? look.slab / (samples - 1) : 0;
@@ -188,7 +191,8 @@ export class Slices {
   private compile(): void {
     const { material } = this.pass;
     const marked = this.segments.some(drawnInSlices) && this.look !== null && this.look.fill + this.look.outline > 0;
-    const defines = { ...this.marcher.fieldDefines, ...(marked ? { MARKS: "" } : {}) };
+    const second = this.marcher.second.inSlices ? { SECOND: "" } : {};
+    const defines = { ...this.marcher.fieldDefines, ...second, ...(marked ? { MARKS: "" } : {}) };
     if (JSON.stringify(defines) !== JSON.stringify(material.defines)) {
       material.defines = defines;
       material.needsUpdate = true;

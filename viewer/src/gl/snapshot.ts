@@ -29,6 +29,9 @@ const quality = {
   software: { tile: 192, averaged: 1, stepsPerVoxel: 1 },
 } as const;
 
+/** Layers of the light volume that are worked out at once. */
+const lightLayers = 8;
+
 export class Snapshot {
   private readonly drawn: PictureTarget;
   private readonly shown = new THREE.WebGLRenderTarget(1, 1, { generateMipmaps: false });
@@ -54,6 +57,11 @@ export class Snapshot {
   async draw(context: CanvasRenderingContext2D, wish: SnapshotWish): Promise<void> {
     const { signal, size, progress } = wish;
     const tiles = tilesOf(size, this.quality.tile);
+    while (this.marcher.light.pending) {
+      signal.throwIfAborted();
+      this.marcher.light.advance(this.renderer, lightLayers);
+      await new Promise((resolve) => setTimeout(resolve));
+    }
     for (const [i, tile] of tiles.entries()) {
       signal.throwIfAborted();
       this.drawTile(tile, wish);

@@ -9,6 +9,20 @@ import { PictureTarget } from "./picture_target";
 /** Translucent layers behind one another: what lies farther is left out. */
 export const mostLayers = 4;
 
+/** Textures that the ray caster reads in any variant, and those of each definition of its shaders. */
+const readAlways = 6;
+const readWith: Readonly<Record<string, number>> = { LABELS: 2, DISPLACED: 1, LIGHT_VOLUME: 1, SECOND: 3 };
+
+/**
+ * Layers for which there is room beside all else that the ray caster reads: a colour and a depth each.
+ *
+ * @param units textures that the GPU reads in one shader, at least 16.
+ */
+export function layersWithin(units: number, defines: Readonly<Record<string, string>>): number {
+  const others = Object.keys(defines).reduce((sum, name) => sum + (readWith[name] ?? 0), readAlways);
+  return Math.max(0, Math.min(mostLayers, Math.floor((units - others) / 2)));
+}
+
 export class SurfaceLayers {
   readonly opaque: PictureTarget;
   private readonly layers: readonly PictureTarget[];

@@ -4,7 +4,8 @@
  * depth; then the translucent ones, a layer at a time from near to far.
  */
 import * as THREE from "three";
-import { eyeOf, type Camera } from "../core/camera";
+import { columnMajor } from "../core/affine";
+import { eyeOf, sightOf, type Camera } from "../core/camera";
 import { mostPlanes, type Plane } from "../core/clip";
 import type { MovedPose, Segment } from "../core/protocol";
 import type { ScanFrame } from "../core/scan_volume";
@@ -13,7 +14,7 @@ import type { SurfaceChange } from "../core/surface_patches";
 import { keyLight } from "./key_light";
 import type { RayMarcher, Shift } from "./ray_marcher";
 import type { PictureTarget } from "./picture_target";
-import { SurfaceLayers } from "./surface_layers";
+import { layersWithin, SurfaceLayers } from "./surface_layers";
 import { SurfaceMesh } from "./surface_mesh";
 
 export interface SurfaceDrawing {
@@ -41,6 +42,7 @@ export class Surfaces {
     this.layers = new SurfaceLayers(halfFloat);
     this.shared = {
       ...marcher.fieldUniforms,
+      gridFromScene: { value: new THREE.Matrix4() },
       eye: { value: new THREE.Vector4() },
       keyDirection: { value: new THREE.Vector3() },
       upDirection: { value: new THREE.Vector3() },
@@ -57,6 +59,7 @@ export class Surfaces {
 
   setFrame(frame: ScanFrame): void {
     this.frame = frame;
+    this.shared.gridFromScene.value.fromArray(columnMajor(frame.gridFromScene));
     this.setSegments(this.segments);
   }
 
@@ -66,7 +69,7 @@ export class Surfaces {
       const mesh = this.meshes.get(change.id) ?? new SurfaceMesh(this.shared);
       this.meshes.set(change.id, mesh);
       this.scene.add(mesh.group);
-      mesh.compile(this.marcher.fieldDefines);
+      mesh.compile(this.marcher.surfaceDefines);
       mesh.apply(renderer, change);
       if (mesh.empty) {
         this.forget(change.id);
@@ -110,7 +113,7 @@ export class Surfaces {
     this.camera.matrixWorldInverse.copy(camera.matrixWorldInverse);
     this.camera.projectionMatrix.copy(camera.projectionMatrix);
     const { eye, keyDirection, upDirection } = this.shared;
-    eye.value.set(...(view.parallel === null ? eyeOf(view) : view.back), view.parallel === null ? 1 : 0);
+    eye.value.set(...(view.parallel === null ? eyeOf(view) : sightOf(view)), view.parallel === null ? 1 : 0);
     keyDirection.value.set(...keyLight(view));
     upDirection.value.set(...view.up);
   }
@@ -124,9 +127,10 @@ export class Surfaces {
     }
     const { layers, shared } = this;
     const translucent = shown.filter((mesh) => mesh.translucent);
-    layers.use(picture.target, divisor, translucent.length > 0 ? depth : 0);
+    const room = layersWithin(renderer.capabilities.maxTextures, this.marcher.textureDefines);
+    layers.use(picture.target, divisor, translucent.length > 0 ? Math.min(depth, room) : 0);
     for (const mesh of shown) {
-      mesh.compile(this.marcher.fieldDefines);
+      mesh.compile(this.marcher.surfaceDefines);
     }
     const camera = shifted(this.camera, picture, shift);
     this.drawLayer(renderer, layers.opaque, camera, shown.filter((mesh) => !mesh.translucent));

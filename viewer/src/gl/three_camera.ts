@@ -27,6 +27,8 @@ export class ThreeCamera {
     } else {
       camera.projectionMatrix.makeOrthographic(-right, right, top, -top, near, far);
     }
+    // the window stays at the target where the eye stands beside its middle
+    camera.projectionMatrix.multiply(new THREE.Matrix4().makeShear(0, 0, 0, 0, -(view.aside ?? 0), 0));
     camera.projectionMatrixInverse.copy(camera.projectionMatrix).invert();
   }
 }

@@ -10,7 +10,9 @@ export type ConnectionState =
   /** Lost; the next attempt follows by itself. */
   | { readonly kind: "lost"; readonly reason: string }
   /** The engine does not let this page in: another token is needed. */
-  | { readonly kind: "refused" };
+  | { readonly kind: "refused" }
+  /** Another scan has taken the place of this one: the page is to be loaded anew. */
+  | { readonly kind: "exchanged" };
 
 export interface ConnectionEvents {
   /** @param arrived when the engine's message was here, as `performance.now()` tells time. */
@@ -19,6 +21,8 @@ export interface ConnectionEvents {
   readonly malformed: (text: string) => void;
 }
 
+/** Code with which the engine closes the connections of a scan that makes room for another. */
+const exchanged = 4001;
 const firstRetry = 400;
 const slowestRetry = 4000;
 
@@ -66,7 +70,11 @@ export class Connection {
         this.events.malformed(message.text);
         break;
       case "closed":
-        void this.reopen(message.reason);
+        if (message.code === exchanged) {
+          this.events.state({ kind: "exchanged" });
+        } else {
+          void this.reopen(message.reason);
+        }
         break;
     }
   }

@@ -18,9 +18,10 @@ export async function downloadVolume(
   step: number,
   token: string,
   progress: (share: number) => void,
+  path = "/api/volume",
 ): Promise<DownloadedScan> {
   const dimensions = storedDimensions(frame.dimensions, step);
-  const url = apiAddress(`/api/volume?step=${String(step)}`, token);
+  const url = apiAddress(`${path}?step=${String(step)}`, token);
   const answer = await ask({ kind: "values", url, dimensions }, progress);
   if (answer.kind !== "values") {
     throw new Error("the worker answered something else than values");

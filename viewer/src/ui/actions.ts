@@ -5,6 +5,7 @@
 import type { Letter } from "../core/anatomy";
 import { presets } from "../core/curve_presets";
 import { blends } from "../core/optics";
+import { stereoModes } from "../core/stereo";
 import { toolChoices } from "../core/tools";
 import { larger, stiffer } from "../core/touch_settings";
 import { blendNames } from "./blend_names";
@@ -12,6 +13,7 @@ import type { HandControl } from "./hand_control.svelte";
 import { anatomy } from "./look_control.svelte";
 import type { Session } from "./session.svelte";
 import type { Stage } from "./stage.svelte";
+import { stereoNames } from "./stereo_names";
 import { themes, type ThemeControl } from "./theme.svelte";
 import type { ToolHand } from "./tool_hand.svelte";
 import type { UndoControl } from "./undo_control";
@@ -41,6 +43,7 @@ export interface Doors {
   readonly theme: ThemeControl;
   /** What concerns the page as a whole. */
   readonly page: {
+    readonly open: () => void;
     readonly save: () => void;
     readonly help: () => void;
     readonly palette: () => void;
@@ -80,6 +83,13 @@ function look({ stage }: Doors): readonly Action[] {
       keys: ["O"],
       run: () => { stage.orthographic = !stage.orthographic; },
     },
+    { group, name: "Stereo: red–cyan, side by side, top–bottom, off", keys: ["Shift+S"], run: () => { stage.stereo.next(); } },
+    ...stereoModes.map((mode) => ({
+      group,
+      name: `Stereo: ${stereoNames[mode].name}`,
+      keys: [],
+      run: () => { stage.stereo.choose({ mode }); },
+    }) as const),
     { group, name: "Clip nothing", keys: [], ready: () => stage.clips.cutting.length > 0, run: () => { stage.clips.reset(); } },
     ...blends.map((blend) => ({
       group,
@@ -159,6 +169,12 @@ function tools({ stage, tool }: Doors): readonly Action[] {
     }) as const),
     {
       group,
+      name: "Brush in slices: paint or erase a segment",
+      keys: ["Q"],
+      run: () => { stage.toggleBrush(); },
+    },
+    {
+      group,
       name: "Held: the tool works",
       keys: ["X"],
       ready: () => tool.kind !== "none",
@@ -190,12 +206,13 @@ function work({ undo, theme, page }: Doors): readonly Action[] {
   return [
     { group, name: "Undo", keys: ["Ctrl+Z"], run: () => { undo.undo(); } },
     { group, name: "Redo", keys: ["Ctrl+Shift+Z", "Ctrl+Y"], run: () => { undo.redo(); } },
+    { group, name: "Open another scan", keys: ["Ctrl+O"], run: page.open },
     { group, name: "Save the scene", keys: ["Ctrl+S"], run: page.save },
     { group, name: "All actions and their keys", keys: ["Ctrl+K"], run: page.palette },
     { group, name: "Help: mouse and keys", keys: ["?"], run: page.help },
     { group, name: "Show or hide the left panel", keys: [], run: () => { page.panel("left"); } },
     { group, name: "Show or hide the right panel", keys: [], run: () => { page.panel("right"); } },
     ...themes.map(({ choice, name }) => ({ group, name, keys: [], run: () => { theme.choose(choice); } }) as const),
-    { group, name: "No cut, no mark, no growing, leave touch mode, close", keys: ["Esc"], run: page.escape },
+    { group, name: "No cut, no mark, no growing, no brush, leave touch mode, close", keys: ["Esc"], run: page.escape },
   ];
 }

@@ -37,6 +37,11 @@ export class GrowControl {
     this.session.send({ type: "otsu", classes });
   }
 
+  /** Grows these segments until they meet; each makes a new one. */
+  fromSeeds(ids: readonly number[], smoothing: number): void {
+    this.session.send({ type: "grow_seeds", ids: [...ids], smoothing });
+  }
+
   stop(): void {
     this.session.send({ type: "stop_segment_work" });
   }

@@ -15,6 +15,7 @@ import {
 } from "../core/measure";
 import type { Scan } from "../core/protocol";
 import type { Vec3 } from "../core/vector";
+import type { PageSteps } from "./page_steps.svelte";
 import { recall, remember } from "./remembered";
 
 export class MarkControl {
@@ -25,36 +26,19 @@ export class MarkControl {
   private scanName = "";
   /** Marks as they were before a drag began: a drag is one step. */
   private dragged: readonly Mark[] | null = null;
-  /** Number of the engine's last edit when marks were changed last. */
-  private changedAt = -1;
 
-  /** @param lastEdit number of the engine's last edit. */
-  constructor(private readonly lastEdit: () => number) {}
+  constructor(private readonly steps: PageSteps) {}
 
   /** Takes up a scan with the marks that were set on it. */
   open(scan: Scan): void {
     this.scanName = scan.name;
     this.placing = null;
     this.dragged = null;
-    this.changedAt = -1;
     this.history = begin(saneMarks(recall<{ list: unknown }>(this.key, { list: [] }).list));
   }
 
   get all(): readonly Mark[] {
     return this.history.now;
-  }
-
-  get canUndo(): boolean {
-    return this.history.past.length > 0;
-  }
-
-  get canRedo(): boolean {
-    return this.history.future.length > 0;
-  }
-
-  /** Whether nothing was edited since marks were changed: then they are taken back first. */
-  get changedLast(): boolean {
-    return this.changedAt === this.lastEdit();
   }
 
   /** Waits for the points of a mark. */
@@ -128,13 +112,13 @@ export class MarkControl {
   private step(next: readonly Mark[]): void {
     if (JSON.stringify(next) !== JSON.stringify(this.all)) {
       this.take(advance(this.history, next));
+      this.steps.add(this);
     }
   }
 
   private take(history: History<readonly Mark[]>): void {
     this.dragged = null;
     this.history = history;
-    this.changedAt = this.lastEdit();
     remember(this.key, { list: history.now });
   }
 

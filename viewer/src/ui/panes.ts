@@ -2,7 +2,7 @@
  * The parts of the picture as what lies over them needs them: where points of the scene stand in
  * each, and where one goes that is dragged. Places are CSS pixels from a pane's upper left corner.
  */
-import { alongView, project } from "../core/camera";
+import { alongView, project, rayThrough } from "../core/camera";
 import { placesInView, placesOnSlice, type MarkPlace } from "../core/mark_lines";
 import type { Rect } from "../core/picture_layout";
 import { placeOnSlice, pointOnSlice } from "../core/slice_plane";
@@ -10,6 +10,7 @@ import { add, addScaled, type Vec3 } from "../core/vector";
 import type { ShownSlice } from "../gl/slices";
 import type { PaneName } from "./read_out.svelte";
 import type { Stage } from "./stage.svelte";
+import type { ShownEye } from "./stereo_control.svelte";
 
 export interface Pane {
   readonly name: PaneName;
@@ -18,19 +19,22 @@ export interface Pane {
   readonly dragTo: (point: Vec3, x: number, y: number) => Vec3;
 }
 
-/** The 3-D view: a dragged point goes to what is seen there, else stays as far away as it was. */
-export function viewPane(stage: Stage): Pane {
-  const { camera, viewport } = stage;
+/** What an eye sees of the 3-D view: a dragged point goes to what is seen there, else stays as far away as it was. */
+export function viewPane(stage: Stage, { camera, viewport, rect, stretch }: ShownEye): Pane {
+  const { view } = stage.slices.panes;
+  const [right, down] = stretch;
   return {
     name: "view",
-    rect: stage.slices.panes.view,
-    placesOf: (points) => (camera === null ? points.map(() => null) : placesInView(points, camera, viewport)),
+    rect: { ...rect, x: view.x + rect.x, y: view.y + rect.y },
+    placesOf: (points) => placesInView(points, camera, viewport).map((place) => place && { ...place, x: place.x / right, y: place.y / down }),
     dragTo: (point, x, y) => {
-      const from = camera === null ? null : project(camera, point, viewport);
-      if (camera === null || from === null) {
+      const from = project(camera, point, viewport);
+      if (from === null) {
         return point;
       }
-      return stage.pick(x, y)?.point ?? add(point, alongView(camera, x - from[0], y - from[1], point, viewport));
+      const to = [x * right, y * down] as const;
+      const ray = rayThrough(camera, ...to, viewport);
+      return stage.pickAlong(ray)?.point ?? add(point, alongView(camera, to[0] - from[0], to[1] - from[1], point, viewport));
     },
   };
 }

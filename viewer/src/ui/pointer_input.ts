@@ -82,7 +82,7 @@ export class PointerInput {
       this.drag = "look";
     } else if (event.button === 0 && this.stage.cutting.id !== null) {
       this.drag = "cut";
-      this.stage.cutting.begin([event.offsetX, event.offsetY]);
+      this.stage.cutting.begin(this.placeOf(event));
     } else if (event.button === 0) {
       this.drag = (event.shiftKey || this.hand.touchMode) && this.tool.press() ? "tool" : "orbit";
     }
@@ -93,8 +93,9 @@ export class PointerInput {
 
   private move(event: PointerEvent): void {
     const [lastX, lastY] = this.last ?? [event.clientX, event.clientY];
-    const x = event.clientX - lastX;
-    const y = event.clientY - lastY;
+    const [right, down] = this.stage.stereo.eyes[0]?.stretch ?? [1, 1];
+    const x = (event.clientX - lastX) * right;
+    const y = (event.clientY - lastY) * down;
     this.last = [event.clientX, event.clientY];
     if (this.pressed !== null && Math.hypot(event.clientX - this.pressed[0], event.clientY - this.pressed[1]) >= clickReach) {
       this.pressed = null;
@@ -104,7 +105,7 @@ export class PointerInput {
       return;
     }
     if (this.drag === "cut") {
-      this.stage.cutting.paint([event.offsetX, event.offsetY]);
+      this.stage.cutting.paint(this.placeOf(event));
       return;
     }
     if (this.drag === "look") {
@@ -122,18 +123,24 @@ export class PointerInput {
   }
 
   private release(event: PointerEvent): void {
-    const { camera, cutting, viewport } = this.stage;
+    const { cutting, stereo } = this.stage;
+    const eye = stereo.at(event.offsetX, event.offsetY);
     if (this.drag === "look") {
       this.stage.looks.drawn();
     } else if (this.drag === "tool") {
       this.tool.release();
-    } else if (this.drag === "cut" && camera !== null) {
-      cutting.finish(camera, viewport);
+    } else if (this.drag === "cut" && eye !== null) {
+      cutting.finish(eye.camera, eye.viewport);
     }
     this.drag = null;
     if (this.canvas.hasPointerCapture(event.pointerId)) {
       this.canvas.releasePointerCapture(event.pointerId);
     }
+  }
+
+  /** Where an event is in what the eye sees that it points with. */
+  private placeOf({ offsetX, offsetY }: MouseEvent): readonly [number, number] {
+    return this.stage.stereo.at(offsetX, offsetY)?.place ?? [offsetX, offsetY];
   }
 
   private wheel(event: WheelEvent): void {

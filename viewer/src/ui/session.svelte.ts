@@ -18,6 +18,7 @@ import {
   type Notice,
   type Offer,
   type Scan,
+  type SecondScan,
   type Segment,
   type Settings,
   type State,
@@ -86,6 +87,7 @@ export class Session {
 
   private readonly link: Connection;
   private listeners: readonly ((state: State) => void)[] = [];
+  private secondListeners: readonly ((second: SecondScan) => void)[] = [];
   private editListeners: readonly ((changed: Changed, arrived: number) => void)[] = [];
   /** Settings are shown as the engine holds them, and are kept for the next visit. */
   settingsHold = false;
@@ -129,6 +131,11 @@ export class Session {
   onState(listener: (state: State) => void): () => void {
     this.listeners = [...this.listeners, listener];
     return () => (this.listeners = this.listeners.filter((other) => other !== listener));
+  }
+
+  /** Calls back with what is told of a second scan. */
+  onSecond(listener: (second: SecondScan) => void): void {
+    this.secondListeners = [...this.secondListeners, listener];
   }
 
   /** Calls back with every edit that arrives, and when it did. */
@@ -226,6 +233,11 @@ export class Session {
       case "changed":
         for (const listener of this.editListeners) {
           listener(message, arrived);
+        }
+        break;
+      case "second_scan":
+        for (const listener of this.secondListeners) {
+          listener(message);
         }
         break;
       case "recovery":

@@ -1,5 +1,5 @@
 /**
- * The mouse over a slice: left drag moves the crosshair, a click says what is there, sets a point of a mark or grows a region, right drag sets window and level, middle or
+ * The mouse over a slice: with the brush left drag paints, and Shift + wheel, [ and ] change its radius. Else left drag moves the crosshair, a click says what is there, sets a point of a mark or grows a region, right drag sets window and level, middle or
  * Ctrl + left drag moves the picture, the wheel goes through the slices and zooms with Ctrl. Shift + move,
  * or any move in touch mode, leads the hand in the plane; a double click brings the probe there.
  * With the focus, arrows up and down go through the slices, + and − zoom.
@@ -12,7 +12,7 @@ import { clickReach, wheelPixels } from "./pointer_input";
 import type { SliceControl } from "./slice_control.svelte";
 import type { Stage } from "./stage.svelte";
 
-type Drag = "crosshair" | "window" | "pan";
+type Drag = "crosshair" | "window" | "pan" | "paint";
 
 /** Pixels of the wheel for a slice. */
 const pixelsPerSlice = 60;
@@ -49,7 +49,16 @@ export class SliceInput {
     on("pointerdown", this.press.bind(this));
     on("pointermove", this.move.bind(this));
     on("pointerup", this.release.bind(this));
-    on("pointercancel", this.release.bind(this));
+    on("pointercancel", (event) => {
+      this.stage.brush.cancel();
+      this.release(event);
+    });
+    on("pointerenter", () => {
+      // so that its keys are those of the brush
+      if (this.brushes && document.activeElement === document.body) {
+        this.pane.focus({ preventScroll: true });
+      }
+    });
     on("pointerleave", () => {
       this.last = null;
       this.pointed(null);
@@ -57,7 +66,7 @@ export class SliceInput {
     on("click", this.click.bind(this));
     on("dblclick", (event) => {
       const point = this.pointAt(event);
-      if (point !== null && !this.marked) {
+      if (point !== null && !this.marked && !this.brushes) {
         this.stage.readOut.close();
         this.hand.place(point);
       }
@@ -96,6 +105,13 @@ export class SliceInput {
     } else if (event.button === 1 || event.ctrlKey) {
       this.drag = "pan";
       event.preventDefault();
+    } else if (event.button === 0 && this.brushes) {
+      const { plane } = this;
+      const point = this.pointAt(event);
+      if (plane !== null && point !== null) {
+        this.drag = "paint";
+        this.stage.brush.begin(point, plane.toward);
+      }
     } else if (event.button === 0 && !this.leads(event) && !this.marking) {
       this.drag = "crosshair";
       this.moveCrosshair(event);
@@ -115,7 +131,10 @@ export class SliceInput {
     if (x === 0 && y === 0) {
       return;
     }
-    if (this.drag === "crosshair") {
+    if (this.drag === "paint") {
+      const point = this.pointAt(event);
+      if (point !== null) this.stage.brush.move(point);
+    } else if (this.drag === "crosshair") {
       this.moveCrosshair(event);
     } else if (this.drag === "window") {
       this.slices.dragWindow(x, y);
@@ -127,6 +146,9 @@ export class SliceInput {
   }
 
   private release(event: PointerEvent): void {
+    if (this.drag === "paint") {
+      this.stage.brush.end();
+    }
     this.drag = null;
     if (this.pane.hasPointerCapture(event.pointerId)) {
       this.pane.releasePointerCapture(event.pointerId);
@@ -156,9 +178,14 @@ export class SliceInput {
     return this.stage.marks.placing !== null;
   }
 
+  /** Whether the left button paints: what waits for a click comes first. */
+  private get brushes(): boolean {
+    return this.stage.brush.ready && !this.marking && !this.stage.growing.armed;
+  }
+
   /** Whether moves of the mouse lead the hand. */
   private leads(event: MouseEvent): boolean {
-    return event.shiftKey || this.hand.touchMode;
+    return !this.brushes && (event.shiftKey || this.hand.touchMode);
   }
 
   private moveCrosshair(event: MouseEvent): void {
@@ -183,6 +210,8 @@ export class SliceInput {
     if (event.ctrlKey) {
       const { x, y } = this.placeOf(event);
       this.slices.zoom(this.name, Math.exp(turned * zoomSpeed), x, y);
+    } else if (event.shiftKey && this.brushes) {
+      this.stage.brush.resize(-Math.sign(turned));
     } else if (this.leads(event) && plane !== null) {
       this.hand.moveBy(addScaled([0, 0, 0], plane.toward, (turned / pixelsPerSlice) * plane.pixel * 3));
     } else {
@@ -196,14 +225,17 @@ export class SliceInput {
   private key(event: KeyboardEvent): void {
     const { width, height } = this.pane.getBoundingClientRect();
     const slices = { ArrowUp: 1, ArrowDown: -1, PageUp: 10, PageDown: -10 }[event.key];
+    const size = this.brushes ? { "[": -1, "]": 1 }[event.key] : undefined;
     const factor = { "+": 1 / zoomStep, "=": 1 / zoomStep, "-": zoomStep }[event.key];
-    if (event.ctrlKey || event.metaKey || (slices === undefined && factor === undefined)) {
+    if (event.ctrlKey || event.metaKey || (slices === undefined && factor === undefined && size === undefined)) {
       return;
     }
     // else the key would move the hand or change the probe
     event.preventDefault();
     event.stopPropagation();
-    if (slices !== undefined) {
+    if (size !== undefined) {
+      this.stage.brush.resize(size);
+    } else if (slices !== undefined) {
       this.slices.scroll(this.name, slices);
     } else if (factor !== undefined) {
       this.slices.zoom(this.name, factor, width / 2, height / 2);

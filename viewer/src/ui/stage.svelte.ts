@@ -17,11 +17,11 @@ import {
   sameView,
   type Camera,
   type Extent,
+  type Ray,
   type Viewport,
 } from "../core/camera";
 import { srgbFromHex } from "../core/colour";
 import { contentHull } from "../core/content_hull";
-import type { Plane } from "../core/clip";
 import type { Look } from "../core/look";
 import { PathTrail } from "../core/path_trail";
 import { valueInVoxel } from "../core/field";
@@ -41,21 +41,25 @@ import type { GpuSupport } from "../gl/gpu_support";
 import type { Shown, ToolBall } from "../gl/markers";
 import { Picture } from "../gl/picture";
 import type { SnapshotWish } from "../gl/snapshot";
-import type { ShownSlice, SliceLook } from "../gl/slices";
 import { downloadLabels, downloadVolume } from "../live/volume_download";
+import { BrushControl } from "./brush_control.svelte";
 import { ClipControl } from "./clip_control.svelte";
 import { EditPaceControl } from "./edit_pace_control.svelte";
 import { GrowControl } from "./grow_control.svelte";
+import { HandedViews } from "./handed_views";
 import { LookControl } from "./look_control.svelte";
+import { PageSteps } from "./page_steps.svelte";
 import { Player, type ShownTouch } from "./player.svelte";
 import { ReadOut } from "./read_out.svelte";
 import { recall, remember } from "./remembered";
 import type { Session } from "./session.svelte";
+import { SecondControl } from "./second_control.svelte";
 import { SliceControl } from "./slice_control.svelte";
 import { CutControl } from "./cut_control.svelte";
 import { MarkControl } from "./mark_control.svelte";
 import { ObjectControl } from "./object_control.svelte";
 import { needsLabels, ShownEdits } from "./shown_edits.svelte";
+import { StereoControl } from "./stereo_control.svelte";
 
 /** Most values of a scan that are taken to the GPU: 1 GiB in 16 bit. */
 const mostValues = 2 ** 29;
@@ -65,19 +69,18 @@ const trailSeconds = 4;
 const trailPoints = 400;
 const trailSpacing = 0.1;
 
-/** Between two drawings of slices where the CPU draws [ms]. */
-const slicePause = 60;
-
 export class Stage {
   camera = $state.raw<Camera | null>(null);
-  /** Size of the 3-D view's pane [CSS pixels]. */
+  /** Size of what is seen in the 3-D view's pane, by each eye where there are two [CSS pixels]. */
   viewport = $state.raw<Viewport>({ width: 1, height: 1 });
   /** The slices beside it. */
   readonly slices = new SliceControl(() => this.camera);
+  /** What each eye sees of the 3-D view. */
+  readonly stereo = new StereoControl(() => this.camera, () => this.slices.panes.view);
   /** How the scan is shown. */
   readonly looks = new LookControl();
   /** What of the 3-D view is cut away. */
-  readonly clips = new ClipControl();
+  readonly clips: ClipControl;
   /** Range of a segment while its slider is dragged, before the engine is asked. */
   preview = $state.raw<{ readonly id: number; readonly range: readonly [number, number] } | null>(null);
   /** Share of the scan on its way to the picture, 0..1; null once it is shown. */
@@ -100,8 +103,14 @@ export class Stage {
   readonly cutting: CutControl;
   /** Segments that are found in the scan. */
   readonly growing: GrowControl;
+  /** The brush in slices. */
+  readonly brush: BrushControl;
   /** What was clicked last: what it is, where, and how much. */
   readonly readOut = new ReadOut();
+  /** A second scan that is shown with the first. */
+  readonly second: SecondControl;
+  /** Steps of marks and clipping, in their order. */
+  readonly steps: PageSteps;
   /** Points, distances and angles that a person has set. */
   readonly marks: MarkControl;
   framesPerSecond = $state.raw(0);
@@ -116,10 +125,7 @@ export class Stage {
   private bricks: BrickRanges | null = null;
   private extent: Extent | null = null;
   private drawnCamera: Camera | null = null;
-  private drawnClip: readonly Plane[] | null = null;
-  private drawnSlices: readonly ShownSlice[] | null = null;
-  private drawnSliceLook: SliceLook | null = null;
-  private slicesDrawn = 0;
+  private readonly handed: HandedViews;
   private sentCamera: Camera | null = null;
   private sentTo = 0;
   private drawnState: object | null = null;
@@ -142,8 +148,20 @@ export class Stage {
     this.editPace = new EditPaceControl(session);
     this.cutting = new CutControl(session);
     this.growing = new GrowControl(session);
-    this.marks = new MarkControl(() => session.latest?.edit ?? 0);
+    this.brush = new BrushControl(session);
+    this.steps = new PageSteps(() => session.latest?.edit ?? 0);
+    this.clips = new ClipControl(this.steps);
+    this.marks = new MarkControl(this.steps);
     this.player = new Player(session);
+    this.second = new SecondControl({
+      token,
+      limits: { edge: support.largestEdge, values: mostValues },
+      complain: (text) => {
+        session.notify("error", text);
+      },
+    });
+    session.onSecond((told) => void this.second.take(told));
+    this.handed = new HandedViews(this, support.software);
     this.edits = new ShownEdits({
       complain: (text) => {
         session.notify("error", text);
@@ -167,6 +185,14 @@ export class Stage {
     this.trail.add(time, proxy);
     if (this.slices.habits.follows) {
       this.slices.goTo(proxy);
+    }
+  }
+
+  /** Takes the brush and shows slices to paint in, or puts it away. */
+  toggleBrush(): void {
+    this.brush.arm(!this.brush.armed);
+    if (this.brush.armed && this.slices.habits.layout === "view") {
+      this.slices.change({ layout: "four" });
     }
   }
 
@@ -227,9 +253,11 @@ export class Stage {
     this.edits.clear();
     const step = subsamplingStep(scanFrame.dimensions, { edge: this.support.largestEdge, values: mostValues });
     this.tellCoarseness(step);
+    this.steps.clear();
     this.looks.open(scan);
     this.clips.open(scan.name, scanFrame);
     this.slices.open(scan);
+    this.brush.open(scan);
     this.marks.open(scan);
     this.readOut.close();
     try {
@@ -342,13 +370,18 @@ export class Stage {
     this.camera = this.extent && this.camera && frame(this.camera, this.extent, this.viewport);
   }
 
-  /** What stands at a place of the picture [CSS pixels]. */
+  /** What stands at a place of the 3-D view's pane [CSS pixels]: seen by the eye that is pointed with. */
   pick(x: number, y: number): Picked | null {
-    const { volume, look, camera, segments, edits } = this;
-    if (volume === null || look === null || camera === null) {
+    const eye = this.stereo.at(x, y);
+    return eye && this.pickAlong(rayThrough(eye.camera, ...eye.place, eye.viewport));
+  }
+
+  /** What a ray of the scene meets first. */
+  pickAlong(ray: Ray): Picked | null {
+    const { volume, look, segments, edits } = this;
+    if (volume === null || look === null) {
       return null;
     }
-    const ray = rayThrough(camera, x, y, this.viewport);
     const poses = this.session.latest?.poses ?? [];
     const surfaces = segments.filter(drawnAsSurface).map(({ id, pose, opacity }) => ({
       id,
@@ -391,11 +424,19 @@ export class Stage {
     await this.picture.snapshot(context, wish);
   }
 
+  /** What is drawn, and the scan as the page holds it; for benchmarks. */
+  get drawn(): Picture | null {
+    return this.picture;
+  }
+
+  get held(): ScanVolume | null {
+    return this.volume;
+  }
+
   /** How fine the picture on display is. */
   get quality(): Picture["quality"] | null {
-    const { picture, slices } = this;
-    const handed = this.clips.cutting === this.drawnClip && slices.shown === this.drawnSlices && slices.look === this.drawnSliceLook;
-    return picture && { ...picture.quality, finished: picture.quality.finished && handed };
+    const { handed, picture } = this;
+    return picture && { ...picture.quality, finished: picture.quality.finished && handed.isWhole };
   }
 
   /** Draws nothing any more, or again; edits are uploaded all the same. For the benchmark of edits. */
@@ -448,9 +489,7 @@ export class Stage {
       return;
     }
     this.drawnCamera = null;
-    this.drawnClip = null;
-    this.drawnSlices = null;
-    this.drawnSliceLook = null;
+    this.handed.forget();
     this.drawnState = null;
     this.fit();
     this.fillPicture();
@@ -478,12 +517,13 @@ export class Stage {
   /** Gives the 3-D view its pane. */
   arrange({ view }: Panes): void {
     const { size } = this.slices;
-    const { width, height } = view;
+    const { width, height } = this.stereo.viewport(view);
     const before = this.viewport;
     if (width !== before.width || height !== before.height) {
       this.viewport = { width, height };
       this.camera = this.camera && reshaped(this.camera, before, this.viewport);
     }
+    this.picture?.setStereo(this.stereo.choice);
     this.picture?.resize(size.width, size.height, view);
     this.drawnState = null;
   }
@@ -496,8 +536,7 @@ export class Stage {
     if (picture === null) {
       return;
     }
-    this.handSlices(picture, now);
-    this.handClip(picture);
+    this.handed.hand(picture, now, this.volume !== null);
     if (camera !== null && extent !== null) {
       if (camera !== this.drawnCamera) {
         picture.setCamera(camera, extent);
@@ -511,31 +550,6 @@ export class Stage {
     }
     picture.advance(now);
     this.followUpload(picture);
-  }
-
-  /** Hands slices to the GPU: without a graphics card less often, so that touch stays fluent. */
-  private handSlices(picture: Picture, now: number): void {
-    if (this.support.software && now - this.slicesDrawn < slicePause) {
-      return;
-    }
-    const { shown, look } = this.slices;
-    this.slicesDrawn = now;
-    if (look !== this.drawnSliceLook) {
-      picture.setSliceLook(look);
-      this.drawnSliceLook = look;
-    }
-    if (shown !== this.drawnSlices) {
-      picture.setSlices(shown);
-      this.drawnSlices = shown;
-    }
-  }
-
-  private handClip(picture: Picture): void {
-    const { cutting } = this.clips;
-    if (cutting !== this.drawnClip) {
-      picture.setClip(cutting);
-      this.drawnClip = cutting;
-    }
   }
 
   /** Hands edits to the GPU as they come: all of one before anything is drawn again. */

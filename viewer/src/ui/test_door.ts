@@ -5,7 +5,7 @@ import type { Letter } from "../core/anatomy";
 import { pixelSizeAt, type Camera } from "../core/camera";
 import type { Mark } from "../core/measure";
 import type { Picked } from "../core/pick_surface";
-import { decodeToPage, type Scan, type Settings, type State } from "../core/protocol";
+import { decodeToPage, type Scan, type SecondScan, type Settings, type State } from "../core/protocol";
 import type { Vec3 } from "../core/vector";
 import type { ShownSlice } from "../gl/slices";
 import type { HandControl } from "./hand_control.svelte";
@@ -73,6 +73,8 @@ export interface TestDoor {
   readonly setView: (direction: Letter) => void;
   /** What stands at a place of the picture [CSS pixels]. */
   readonly pick: (x: number, y: number) => Picked | null;
+  /** The second scan, as the engine has told; null where there is none. */
+  readonly second: SecondScan | null;
   /** Points, distances and angles that were set. */
   readonly marks: readonly Mark[];
 }
@@ -163,6 +165,9 @@ export function openTestDoor(session: Session, stage: Stage, hand: HandControl, 
     hand: (point) => { hand.goTo(point); },
     setView: (direction) => { stage.lookFrom(direction); },
     pick: (x, y) => stage.pick(x, y),
+    get second() {
+      return stage.second.told;
+    },
     get marks() {
       return stage.marks.all;
     },

@@ -1,37 +1,37 @@
 /**
- * Undo and redo of the whole page: edits, which the engine takes back, and marks, which only the page
- * knows. What was changed last is taken back first.
+ * Undo and redo of the whole page: edits, which the engine takes back, and marks and clipping, which only the
+ * page knows. What was changed last is taken back first.
  */
-import type { MarkControl } from "./mark_control.svelte";
+import type { PageSteps } from "./page_steps.svelte";
 import type { Session } from "./session.svelte";
 
 export class UndoControl {
   constructor(
     private readonly session: Session,
-    private readonly marks: MarkControl,
+    private readonly steps: PageSteps,
   ) {}
 
   get canUndo(): boolean {
-    return this.marks.canUndo || this.session.live?.can_undo === true;
+    return this.steps.canUndo || this.session.live?.can_undo === true;
   }
 
   get canRedo(): boolean {
-    return this.marks.canRedo || this.session.live?.can_redo === true;
+    return this.steps.canRedo || this.session.live?.can_redo === true;
   }
 
   undo(): void {
-    const { marks, session } = this;
-    if (marks.canUndo && (marks.changedLast || session.latest?.can_undo !== true)) {
-      marks.undo();
+    const { steps, session } = this;
+    if (steps.canUndo && (steps.changedLast || session.latest?.can_undo !== true)) {
+      steps.undo();
     } else {
       session.send({ type: "undo" });
     }
   }
 
   redo(): void {
-    const { marks, session } = this;
-    if (marks.canRedo && (marks.changedLast || session.latest?.can_redo !== true)) {
-      marks.redo();
+    const { steps, session } = this;
+    if (steps.canRedo && (steps.changedLast || session.latest?.can_redo !== true)) {
+      steps.redo();
     } else {
       session.send({ type: "redo" });
     }

@@ -96,7 +96,14 @@ test("every preset is a curve with a swatch, in HU as written, elsewhere where s
 const element =
   '<VolumeProperty id="v1" name="Knee" interpolation="1" scalarOpacity="6 -100 0 50 0.25 400 1" gradientOpacity="4 0 1 255 1" colorTransfer="8 -100 0 0 0 400 1 0.5 0" />';
 
-test("a volume property of Slicer is read from its element and from a .vp file", () => {
+const component = {
+  rgbTransferFunction: { type: "colorTransferFunction", points: [{ x: -100, color: [0, 0, 0], midpoint: 0.5, sharpness: 0 }, { x: 400, color: [1, 0.5, 0] }] },
+  scalarOpacity: { type: "piecewiseLinearFunction", points: [{ x: -100, y: 0 }, { x: 50, y: 0.25 }, { x: 400, y: 1 }] },
+};
+const schema = "https://raw.githubusercontent.com/Slicer/Slicer/main/Modules/Loadable/VolumeRendering/Resources/Schema/volume-property-schema-v1.0.0.json#";
+const jsonOf = (told: object): string => JSON.stringify({ "@schema": schema, volumeProperties: [{ components: [told] }] });
+
+test("a volume property of Slicer is read from JSON, from its element and from a .vp file", () => {
   const expected: Curve = {
     opacities: [{ value: -100, opacity: 0 }, { value: 50, opacity: 0.25 }, { value: 400, opacity: 1 }],
     colours: [{ value: -100, colour: "#000000" }, { value: 400, colour: "#ff8000" }],
@@ -104,6 +111,7 @@ test("a volume property of Slicer is read from its element and from a .vp file",
   expect(readSlicerPreset(`<MRML>\n${element}\n</MRML>`)).toEqual({ name: "Knee", curve: expected });
   const lines = "1\n1\n0.9\n0.1\n0.2\n10\n6 -100 0 50 0.25 400 1\n4 0 1 255 1\n8 -100 0 0 0 400 1 0.5 0\n";
   expect(readSlicerPreset(lines).curve).toEqual(expected);
+  expect(readSlicerPreset(jsonOf(component))).toEqual({ name: "Imported", curve: expected });
   const jump = readSlicerPreset(element.replace("6 -100 0 50 0.25 400 1", "8 -100 0 50 0 50 1 400 1")).curve;
   expect(jump.opacities[2]?.value).toBeGreaterThan(50);
 });
@@ -116,6 +124,12 @@ test.each([
   [element.replace("0.25", "1.25"), /opacity goes from 0 to 1, got 1.25/],
   [element.replace(/colorTransfer="[^"]*"/, ""), /colour transfer function is missing/],
   [element.replace("6 -100 0 50 0.25 400 1", "4 5 0 5 1"), /all its points at one value/],
+  ['{"volumeProperties"', /begins as JSON and is none/],
+  ['{"volumeProperties": []}', /list "volumeProperties" that is not empty/],
+  ['{"volumeProperties": [{}]}', /list "components" that is not empty/],
+  [jsonOf({ ...component, scalarOpacity: { points: [{ x: 1, y: 1 }] } }), /at least two points as scalarOpacity.points/],
+  [jsonOf({ ...component, rgbTransferFunction: { points: [{ x: 1, color: [1, 1] }, {}] } }), /point 1 of the colour transfer function needs 4 numbers/],
+  [jsonOf({ ...component, scalarOpacity: { points: [{ x: 1, y: 2 }, { x: 2, y: 1 }] } }), /opacity goes from 0 to 1, got 2/],
   ["x".repeat(200_001), /at most 200000 characters/],
 ])("what is no preset is refused with the reason: %.60s", (text, reason) => {
   expect(() => readSlicerPreset(text)).toThrow(reason);

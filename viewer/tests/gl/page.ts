@@ -11,11 +11,12 @@ import { decodeDisplaced, type Displaced } from "../../src/core/displaced";
 import { firstLighting, type Lighting, type Look } from "../../src/core/look";
 import type { ScanVolume } from "../../src/core/scan_volume";
 import { shadedOptics, type Optics } from "../../src/core/optics";
+import type { Stereo } from "../../src/core/stereo";
 import { PathTrail } from "../../src/core/path_trail";
 import type { TransferFunction } from "../../src/core/transfer_function";
 import type { Changed, Segment, SegmentSurface } from "../../src/core/protocol";
 import { decodeSurface } from "../../src/core/surface_patches";
-import { distance, type Vec3 } from "../../src/core/vector";
+import { addScaled, distance, type Vec3 } from "../../src/core/vector";
 import { forEachCell, type Box } from "../../src/core/voxel_change";
 import { FieldTexture, type FieldFormat } from "../../src/gl/field_texture";
 import { gpuSupport } from "../../src/gl/gpu_support";
@@ -29,7 +30,9 @@ import { ThreeCamera } from "../../src/gl/three_camera";
 import { ShownEdits } from "../../src/ui/shown_edits.svelte";
 import { ballSurface } from "../core/ball_surface";
 import { scanOf, segment, volumeOf } from "../core/volumes";
+import { light } from "./light_page";
 import { marble } from "./marble";
+import { second } from "./second_page";
 
 export interface MarchTest {
   /** What is cut away. */
@@ -195,6 +198,9 @@ export interface ScreenTest {
   readonly surfaces?: readonly SurfaceTest[];
   /** Matter stands beside its voxels; "none" where a model is at work and nothing has moved. */
   readonly displaced?: DisplacedTest | "none";
+  readonly stereo?: Stereo;
+  /** How far behind the scan's middle the camera's target lies [mm]. */
+  readonly behind?: number;
 }
 
 /** All nodes of a box move alike [mm along the grid's axes], but for those at its border. */
@@ -272,14 +278,19 @@ async function finished({ picture, gl }: ReturnType<typeof pictureOf>): Promise<
   return [...bytes];
 }
 
-async function show({ scan: test, markers, jitter = false, surfaces = [], displaced }: ScreenTest): Promise<number[]> {
+async function show({ scan: test, markers, jitter = false, surfaces = [], displaced, stereo, behind = 0 }: ScreenTest): Promise<number[]> {
   const drawn = pictureOf(jitter);
   const { picture } = drawn;
   const volume = fieldOf(test);
   const extent = outlineOf(test);
+  if (stereo !== undefined) {
+    picture.setStereo(stereo);
+    picture.resize(edge, edge);
+  }
   picture.setScan(volume, bricksOf(volume, true));
   picture.setLook(lookOf(test));
-  picture.setCamera(viewOf(test, extent), extent);
+  const view = viewOf(test, extent);
+  picture.setCamera({ ...view, target: addScaled(view.target, view.back, -behind), distance: view.distance + behind }, extent);
   picture.setClip(test.clip ?? []);
   showSurfaces(picture, surfaces);
   if (displaced !== undefined) {
@@ -545,7 +556,7 @@ async function cancelled(test: MarchTest): Promise<string> {
   return "not cancelled";
 }
 
-const glTests = { march, screen, show, snapshot, cancelled, resizedMiddle, edit, drawnTriangles, coarseLevel };
+const glTests = { march, light, second, screen, show, snapshot, cancelled, resizedMiddle, edit, drawnTriangles, coarseLevel };
 
 declare global {
   interface Window {

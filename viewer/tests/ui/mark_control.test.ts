@@ -2,15 +2,18 @@
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import type { FromPage, Scan } from "../../src/core/protocol";
 import { MarkControl } from "../../src/ui/mark_control.svelte";
+import { PageSteps } from "../../src/ui/page_steps.svelte";
 import type { Session } from "../../src/ui/session.svelte";
 import { UndoControl } from "../../src/ui/undo_control";
 
 const scan = { name: "head" } as Scan;
 let edit = 7;
+let steps = new PageSteps(() => edit);
 let kept = new Map<string, string>();
 
 beforeEach(() => {
   edit = 7;
+  steps = new PageSteps(() => edit);
   kept = new Map();
   vi.stubGlobal("localStorage", {
     getItem: (key: string) => kept.get(key) ?? null,
@@ -23,7 +26,7 @@ afterEach(() => {
 });
 
 function opened(): MarkControl {
-  const marks = new MarkControl(() => edit);
+  const marks = new MarkControl(steps);
   marks.open(scan);
   return marks;
 }
@@ -59,8 +62,8 @@ test("a drag is one step, and every step can be taken back and made again", () =
   marks.rename(1, " ");
   marks.remove(1);
   const states = [marks.all];
-  while (marks.canUndo) {
-    marks.undo();
+  while (steps.canUndo) {
+    steps.undo();
     states.push(marks.all);
   }
   expect(states.map((all) => all.map(({ name, points }) => [name, points[1]?.[0]]))).toEqual([
@@ -70,8 +73,8 @@ test("a drag is one step, and every step can be taken back and made again", () =
     [["Distance 1", 1]],
     [],
   ]);
-  while (marks.canRedo) {
-    marks.redo();
+  while (steps.canRedo) {
+    steps.redo();
   }
   expect(marks.all).toEqual([]);
 });
@@ -80,7 +83,7 @@ test("marks are remembered with their scan, and what was kept may be anything", 
   const marks = opened();
   marks.add("point", [[1, 2, 3]]);
   expect(opened().all).toEqual(marks.all);
-  const other = new MarkControl(() => edit);
+  const other = new MarkControl(steps);
   other.open({ name: "foot" } as Scan);
   expect(other.all).toEqual([]);
   for (const text of ['{"list": 3}', '{"list": [null, {"kind": "angle"}]}', "[]", "no JSON"]) {
@@ -100,7 +103,7 @@ test("what was changed last is taken back first: a mark or an edit", () => {
     },
   } as unknown as Session;
   const marks = opened();
-  const undo = new UndoControl(session, marks);
+  const undo = new UndoControl(session, steps);
   marks.add("point", [[0, 0, 0]]);
   undo.undo();
   expect([marks.all.length, sent]).toEqual([0, []]);
@@ -116,7 +119,7 @@ test("what was changed last is taken back first: a mark or an edit", () => {
 test("where the engine has nothing to take back, marks are taken back", () => {
   const session = { latest: { edit: 99, can_undo: false, can_redo: false }, send: expect.unreachable } as unknown as Session;
   const marks = opened();
-  const undo = new UndoControl(session, marks);
+  const undo = new UndoControl(session, steps);
   marks.add("point", [[0, 0, 0]]);
   edit = 99;
   undo.undo();

@@ -67,6 +67,7 @@ impl Ground {
                 threshold: self.thresholds.get(place).cloned().flatten(),
                 shares: None,
                 punctured: false,
+                rigid: None,
             })
             .collect()
     }

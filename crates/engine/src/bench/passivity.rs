@@ -69,6 +69,7 @@ impl<'a> Wall<'a> {
             threshold: None,
             shares: None,
             punctured: false,
+            rigid: None,
         };
         Touchable::new(self.grid, vec![part], 0.0).expect("a point fits anywhere")
     }

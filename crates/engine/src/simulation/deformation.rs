@@ -1,7 +1,7 @@
 //! Matter that gives way under the probe.
 
 use palpate_deform::material::{MaterialLaw, Region, Treatment};
-use palpate_deform::model::{DeformationModel, ModelEvent, model_from_name};
+use palpate_deform::model::{DeformationModel, DisplacementField, ModelEvent, model_from_name};
 use palpate_tools::journal_entry::Action;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::voxels::VoxelsError;
@@ -10,8 +10,9 @@ use super::Simulation;
 use crate::deformation::DeformationNow;
 use crate::error::SessionError;
 use crate::frame::Notice;
-use crate::handover::ServoCommand;
-use crate::scene::{ModelChoice, Step};
+use crate::handover::{GivingWay, ServoCommand};
+use crate::rigid_matter::rigid_mask;
+use crate::scene::{ModelChoice, Step, TouchChange};
 use crate::scene_news::SceneNews;
 
 impl Simulation {
@@ -120,9 +121,30 @@ impl Simulation {
             }
         }
         self.deformation.change_matter().set_regions(id, regions);
+        self.follow_regions(&[id]);
         self.segments_version += 1;
         self.publish();
         Ok(())
+    }
+
+    /// Has touch follow what is rigid of these segments.
+    fn follow_regions(&mut self, ids: &[SegmentId]) {
+        for id in ids {
+            let regions = self.deformation.matter().regions(*id);
+            let rigid = rigid_mask(self.voxels(), regions);
+            if self.scene.know_rigid(*id, rigid) {
+                self.send_change(&TouchChange::All(vec![*id]));
+            }
+        }
+    }
+
+    /// The same after a change of voxels or segments, with which shared regions go.
+    pub(super) fn follow_shared_regions(&mut self) {
+        let regions = self.deformation.matter().with_regions();
+        // one that was removed and came back is known no more
+        let changed = regions.filter(|(id, shared)| *shared || !self.scene.knows_rigid(*id));
+        let ids: Vec<_> = changed.map(|(id, _)| id).collect();
+        self.follow_regions(&ids);
     }
 
     /// How regions of a segment take part.
@@ -140,19 +162,47 @@ impl Simulation {
         }
     }
 
-    /// Takes the model's answer, if one has come, and asks again. What it moves from contact to
-    /// release is one step of undo.
+    /// Takes the model's answer as soon as it has come, between two passes, and asks again.
+    pub fn answer_came(&mut self) {
+        self.touch.exchange(&self.scene);
+        self.take_answer();
+        if self.deformation.may_go_on(self.touch.status()) {
+            self.ask_on();
+        }
+        self.publish();
+    }
+
+    /// In a pass: takes the model's answer, if one has come. Where voxels follow it, the next pass asks
+    /// again; else this one does.
     pub(super) fn advance_deformation(&mut self) {
+        if !self.take_answer() {
+            self.ask_on();
+        }
+    }
+
+    fn ask_on(&mut self) {
         // a needle has a law of its own, and moves no matter
+        if self.touch.needle().on {
+            return;
+        }
+        if let Some(hard) = self.deformation.go_on(&self.scene, self.touch.status()) {
+            self.give_way(hard, None, Vec::new());
+        }
+    }
+
+    /// Takes the model's answer, if one has come; whether it changed voxels. What it moves from
+    /// contact to release is one step of undo.
+    fn take_answer(&mut self) -> bool {
         if self.touch.needle().on {
             if self.displaced.is_some() {
                 self.forget_deformation();
             }
-            return;
+            return false;
         }
-        let outcome = self.deformation.exchange(&self.scene, self.touch.status());
+        let outcome = self.deformation.take(&self.scene, self.touch.status());
         // voxels that moved, and what they do not show yet, are seen at once
         let mut seen = Vec::new();
+        let has_edit = outcome.edit.is_some();
         if let Some(edit) = outcome.edit {
             match self.perform_untold(Step::of_edit(edit), Action::Do, false) {
                 Ok((inverse, news)) => {
@@ -167,20 +217,31 @@ impl Simulation {
             }
         }
         if let Some(giving_way) = outcome.giving_way {
-            let released = giving_way
-                .contact
-                .is_none_or(|law| law.force == glam::DVec3::ZERO);
-            if released && !self.stroke.is_on() {
-                self.close_deformation();
-            }
-            self.touch.send(ServoCommand::GiveWay(giving_way));
-            seen.extend(self.displaced_news(outcome.displacement.as_ref()));
-        }
-        if !seen.is_empty() {
-            self.tell_picture(SceneNews::Together(seen));
+            self.give_way(giving_way, outcome.displacement.as_ref(), seen);
         }
         for event in outcome.events {
             self.tell_of_event(event);
+        }
+        has_edit
+    }
+
+    /// Has touch follow what gives way, and tells the picture, with what it is to see at once.
+    fn give_way(
+        &mut self,
+        giving_way: GivingWay,
+        displacement: Option<&DisplacementField>,
+        mut seen: Vec<SceneNews>,
+    ) {
+        let released = giving_way
+            .contact
+            .is_none_or(|law| law.force == glam::DVec3::ZERO);
+        if released && !self.stroke.is_on() {
+            self.close_deformation();
+        }
+        self.touch.send(ServoCommand::GiveWay(giving_way));
+        seen.extend(self.displaced_news(displacement));
+        if !seen.is_empty() {
+            self.tell_picture(SceneNews::Together(seen));
         }
     }
 

@@ -66,6 +66,8 @@ impl Simulation {
         goes_on: bool,
     ) -> Result<Step, SessionError> {
         let (inverse, news) = self.perform_untold(step, action, goes_on)?;
+        // a model moves nothing that is rigid, and what it does is performed elsewhere
+        self.follow_shared_regions();
         for news in news {
             self.tell_picture(news);
         }

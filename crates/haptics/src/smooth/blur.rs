@@ -19,7 +19,7 @@ use super::cell_shares::CellShares;
 use super::field::{Field, FieldSample, Kernel};
 use super::spline::{Nodes, Place, Width};
 use super::tents::{Cells, unit_of};
-use super::window::Window;
+use super::window::{Window, counts};
 use crate::voxel_distance::voxel_of;
 use crate::wide::widest;
 use glam::{DVec3, IVec3, Vec3A};
@@ -52,7 +52,7 @@ impl BlurField {
         }
     }
 
-    /// Whether this is the field that [`Self::around`] makes for an aim at the same solid.
+    /// Whether this is the field that [`make_around`] makes for an aim at the same solid.
     pub(super) fn is_around(&self, aim: &Aim, spacing: DVec3) -> bool {
         self.spacing == spacing
             && self
@@ -61,12 +61,10 @@ impl BlurField {
             && self.window.is_from(aim.seed)
     }
 
-    /// Makes it the field around an aim, whose seed is a free voxel, with what is known of the
-    /// shares of voxels at the surface, where they are to count. Where that voxel is solid,
-    /// nothing can be told apart, and the field is that of nothing.
-    pub(super) fn around(
+    #[inline(always)]
+    fn around_plainly(
         &mut self,
-        occupancy: &(impl Occupancy + ?Sized),
+        occupancy: &impl Occupancy,
         aim: &Aim,
         spacing: DVec3,
         known: Option<(Source, &mut CellShares)>,
@@ -83,7 +81,7 @@ impl BlurField {
         }
         let unit = unit_of(self.shape.volume());
         let full = unit * self.shape.volume();
-        let mut cells = Cells::of_counts(&self.window.counts(), unit);
+        let mut cells = Cells::of_counts(&counts(&self.window), unit);
         if let Some((source, known)) = known {
             known.keep(source, self.shape);
             known.look_at(occupancy, &self.window, |row, changes| {
@@ -104,6 +102,19 @@ impl BlurField {
     pub(crate) fn any_solid(&self) -> bool {
         self.any_solid
     }
+}
+
+widest! {
+    /// Makes it the field around an aim, whose seed is a free voxel, with what is known of the
+    /// shares of voxels at the surface, where they are to count. Where that voxel is solid,
+    /// nothing can be told apart, and the field is that of nothing.
+    pub(super) fn make_around[O: Occupancy](
+        field: &mut BlurField,
+        occupancy: &O,
+        aim: &Aim,
+        spacing: DVec3,
+        known: Option<(Source, &mut CellShares)>,
+    ) = BlurField::around_plainly
 }
 
 widest! {
@@ -137,7 +148,7 @@ fn kernel_of(shape: CellShape) -> Kernel {
 }
 
 impl Field for BlurField {
-    #[inline]
+    #[inline(always)]
     fn sample(&self, point: Vec3A) -> FieldSample {
         if !self.any_solid {
             return FieldSample::default();
@@ -149,7 +160,7 @@ impl Field for BlurField {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn wide_value(&self, point: Vec3A) -> f32 {
         if !self.any_solid {
             return 0.0;
@@ -170,5 +181,56 @@ impl Field for BlurField {
         let voxels = self.shape.voxels();
         let first = (self.window.first() * voxels).as_dvec3();
         (point - first).as_vec3a() / voxels.as_vec3a() - 0.5
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::wide::Noise;
+
+    #[test]
+    fn fields_for_wide_machines_are_those_for_plain_ones_to_the_bit() {
+        let mut random = oorandom::Rand64::new(13);
+        let spacings = [
+            DVec3::ONE,
+            DVec3::new(0.7, 0.7, 2.5),
+            DVec3::new(1.0, 1.0, 2.0),
+            DVec3::new(3.0, 0.8, 0.8),
+        ];
+        let mut solid = 0;
+        for run in 0..200_u32 {
+            let world = Noise {
+                density: 2 + run % 40,
+            };
+            let spacing = spacings[run as usize % spacings.len()];
+            let point = DVec3::from_array([(); 3].map(|()| 30.0 * random.rand_float()));
+            let aim = Aim {
+                point,
+                seed: voxel_of(point),
+                contact: DVec3::ZERO,
+            };
+            let source = Source {
+                epoch: 1,
+                shares: true,
+            };
+            let [mut wide, mut plain] = [BlurField::empty(), BlurField::empty()];
+            let mut shares = CellShares::EMPTY;
+            make_around(
+                &mut wide,
+                &world,
+                &aim,
+                spacing,
+                Some((source, &mut shares)),
+            );
+            let mut shares = CellShares::EMPTY;
+            plain.around_plainly(&world, &aim, spacing, Some((source, &mut shares)));
+            for _ in 0..50 {
+                let at = Vec3A::from_array([(); 3].map(|()| 7.0 * random.rand_float() as f32));
+                assert_eq!(wide.sample(at), plain.sample(at), "run {run} at {at}");
+            }
+            solid += u32::from(plain.any_solid());
+        }
+        assert!(solid > 100, "{solid} fields");
     }
 }

@@ -6,7 +6,7 @@
 
 use super::ahead::Ahead;
 use super::aim::{Aim, Aims};
-use super::blur::BlurField;
+use super::blur::{BlurField, make_around};
 use super::cell_shares::CellShares;
 use super::field::Field;
 use crate::ball_probe::MAX_BODIES;
@@ -332,7 +332,7 @@ impl SmoothCache {
         let body = (place + 1).saturating_sub(OF_WORLD);
         let known =
             (source.shares && occupancy.knows_shares()).then(|| (source, &mut self.shares[body]));
-        self.fields[place].around(occupancy, aim, spacing, known);
+        make_around(&mut self.fields[place], occupancy, aim, spacing, known);
     }
 }
 

@@ -84,6 +84,7 @@ impl CellShares {
 
     /// Tells what the cells of a window count beyond their bits, by rows of cells at its surface,
     /// y before z, eight of each; one voxel counts [`unit_of`].
+    #[inline(always)]
     pub(super) fn look_at(
         &mut self,
         occupancy: &(impl Occupancy + ?Sized),

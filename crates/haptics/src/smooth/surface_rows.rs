@@ -6,7 +6,7 @@
 //! other, x from the lowest bit on, as they do in the words of a window.
 
 use super::cell_shape::{CELLS, CellShape, MAX_WORDS};
-use super::window::Window;
+use super::window::{Window, of_layers};
 use crate::wide::widest;
 use glam::IVec3;
 
@@ -155,27 +155,34 @@ widest! {
 impl Window {
     #[inline(always)]
     fn find_surface_plainly(&self, rows: &mut [SurfaceRow; 64]) -> u64 {
-        match self.shape.log_width() {
-            3 => self.find_surface_of::<3>(rows),
-            4 => self.find_surface_of::<4>(rows),
-            _ => self.find_surface_of::<5>(rows),
-        }
+        of_layers!(self.shape, self.find_surface_of(rows))
     }
 
     #[inline(always)]
-    fn find_surface_of<const LOG: u32>(&self, rows: &mut [SurfaceRow; 64]) -> u64 {
+    fn find_surface_of<const LOG: u32, const WORDS: usize>(
+        &self,
+        rows: &mut [SurfaceRow; 64],
+    ) -> u64 {
         let [log_x, log_y, log_z] = self.shape.log;
-        let (layer, log_bits) = (self.shape.layer(), LOG + log_y);
+        let log_bits = LOG + log_y;
         let inner = !(of_cell(self.shape, 0) | of_cell(self.shape, 7));
         let inner = in_each_row(self.shape, inner & ((1 << (CELLS << log_x)) - 1));
+        let [reached, free] =
+            [&self.reached, &self.free].map(|words| words[..self.shape.words()].as_chunks().0);
         let mut words = [Surface::default(); MAX_CELL_LAYER];
         let mut found = 0_u64;
         for z in 1..7 {
-            let first = (z << log_z) * layer;
+            let layers = (z << log_z) - 1..;
+            let layers = reached.get(layers.clone()).zip(free.get(layers));
+            let Some((reached, free)) = layers else {
+                continue;
+            };
             let mut any = 0;
-            for (place, word) in words.iter_mut().enumerate().take(layer << log_z) {
-                *word = self.surface_of::<LOG>(first + place, inner);
-                any |= word.free | word.solid;
+            let of_cells = words.as_chunks_mut().0.iter_mut().take(1 << log_z);
+            for ((words, reached), free) in
+                of_cells.zip(reached.windows(3)).zip(free.iter().skip(1))
+            {
+                any |= surface_of::<LOG, WORDS>(reached, free, inner, words);
             }
             if any == 0 {
                 continue;
@@ -185,7 +192,7 @@ impl Window {
                 for in_cell in 0..1 << log_z {
                     // the rows of voxels of this row of cells stand side by side
                     let [from, to] = [y, in_cell].map(|number| number << log_bits);
-                    let at = |word: usize| words[(in_cell * layer + word) & (MAX_CELL_LAYER - 1)];
+                    let at = |word: usize| words[(in_cell * WORDS + word) & (MAX_CELL_LAYER - 1)];
                     if log_bits > 6 {
                         let both = [at(from / 64), at(from / 64 + 1)];
                         row.free = both.map(|word| word.free);
@@ -205,25 +212,47 @@ impl Window {
         }
         found
     }
+}
 
-    /// Those of the `inner` voxels of a word that are at the surface.
-    #[inline(always)]
-    fn surface_of<const LOG: u32>(&self, word: usize, inner: u64) -> Surface {
-        let at = |word: usize| self.reached[word & (MAX_WORDS - 1)];
-        let (here, layer, row) = (at(word), self.shape.layer(), 1 << LOG);
-        let beside = [
-            here << 1,
-            here >> 1,
-            here << row | at(word.wrapping_sub(1)) >> (64 - row),
-            here >> row | at(word + 1) << (64 - row),
-            at(word.wrapping_sub(layer)),
-            at(word + layer),
-        ];
-        let all = beside.iter().fold(u64::MAX, |all, beside| all & beside);
-        let any = beside.iter().fold(0, |any, beside| any | beside);
-        Surface {
-            free: here & !all & inner,
-            solid: !here & !self.free[word & (MAX_WORDS - 1)] & any & inner,
-        }
+/// Those of the `inner` voxels of a layer that are at the surface, between the layer before it and
+/// the one after it; all of them in one word. Words on their own, so that several go at once.
+#[inline(always)]
+fn surface_of<const LOG: u32, const WORDS: usize>(
+    reached: &[[u64; WORDS]],
+    free: &[u64; WORDS],
+    inner: u64,
+    surface: &mut [Surface; WORDS],
+) -> u64 {
+    let &[before, here, after] = reached else {
+        return 0;
+    };
+    let row = 1 << LOG;
+    // beyond the border is an outermost cell
+    let [mut up, mut down] = [0, 0].map(|_: u64| [0; WORDS]);
+    for word in 0..WORDS {
+        [up[word], down[word]] = [here[word] << row, here[word] >> row];
     }
+    for word in 1..WORDS {
+        up[word] |= here[word - 1] >> (64 - row);
+    }
+    for word in 1..WORDS {
+        down[word - 1] |= here[word] << (64 - row);
+    }
+    let mut found = 0;
+    for word in 0..WORDS {
+        let here = here[word];
+        let [x, y, z] = [
+            [here << 1, here >> 1],
+            [up[word], down[word]],
+            [before[word], after[word]],
+        ];
+        let all = x[0] & x[1] & y[0] & y[1] & z[0] & z[1];
+        let any = x[0] | x[1] | y[0] | y[1] | z[0] | z[1];
+        surface[word] = Surface {
+            free: here & !all & inner,
+            solid: !here & !free[word] & any & inner,
+        };
+        found |= surface[word].free | surface[word].solid;
+    }
+    found
 }

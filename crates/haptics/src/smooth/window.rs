@@ -14,6 +14,25 @@ use crate::wide::widest;
 use glam::IVec3;
 use palpate_volume::occupancy::Occupancy;
 
+/// Calls a method with the logarithm of a row's bits and the words of a layer, as they are for a
+/// shape, so that both are known when it is compiled.
+macro_rules! of_layers {
+    ($shape:expr, $window:ident.$method:ident($argument:expr)) => {
+        match ($shape.log[0], $shape.log[1]) {
+            (0, 0) => $window.$method::<3, 1>($argument),
+            (0, 1) => $window.$method::<3, 2>($argument),
+            (0, _) => $window.$method::<3, 4>($argument),
+            (1, 0) => $window.$method::<4, 2>($argument),
+            (1, 1) => $window.$method::<4, 4>($argument),
+            (1, _) => $window.$method::<4, 8>($argument),
+            (_, 0) => $window.$method::<5, 4>($argument),
+            (_, 1) => $window.$method::<5, 8>($argument),
+            _ => $window.$method::<5, 16>($argument),
+        }
+    };
+}
+pub(super) use of_layers;
+
 /// Which voxels of a window are reached from the proxy's.
 #[derive(Clone, Debug)]
 pub(crate) struct Window {
@@ -60,6 +79,7 @@ impl Window {
     /// Reads the window from cell `first` on, where all that `seed` does not reach through
     /// faces is solid; false where every voxel of the window is free, and where the seed itself
     /// is solid.
+    #[inline(always)]
     pub(crate) fn read(
         &mut self,
         occupancy: &(impl Occupancy + ?Sized),
@@ -91,18 +111,7 @@ impl Window {
 
     #[inline(always)]
     fn flood_plainly(&mut self, layer: usize) -> bool {
-        let [log_x, log_y, _] = self.shape.log;
-        match (log_x, log_y) {
-            (0, 0) => self.flood_of::<3, 1>(layer),
-            (0, 1) => self.flood_of::<3, 2>(layer),
-            (0, _) => self.flood_of::<3, 4>(layer),
-            (1, 0) => self.flood_of::<4, 2>(layer),
-            (1, 1) => self.flood_of::<4, 4>(layer),
-            (1, _) => self.flood_of::<4, 8>(layer),
-            (_, 0) => self.flood_of::<5, 4>(layer),
-            (_, 1) => self.flood_of::<5, 8>(layer),
-            _ => self.flood_of::<5, 16>(layer),
-        }
+        of_layers!(self.shape, self.flood_of(layer))
     }
 
     #[inline(always)]
@@ -113,34 +122,43 @@ impl Window {
         flood::<LOG, WORDS>(layer, free, reached)
     }
 
-    /// Voxels that are not reached in each cell: a word for each row of cells, a byte for each.
-    pub(crate) fn counts(&self) -> [u64; 64] {
+    #[inline(always)]
+    fn counts_plainly(&self) -> [u64; 64] {
         match self.shape.log_width() {
-            3 => self.count::<3>(),
-            4 => self.count::<4>(),
-            _ => self.count::<5>(),
+            3 => self.counts_of::<3>(),
+            4 => self.counts_of::<4>(),
+            _ => self.counts_of::<5>(),
         }
     }
 
-    fn count<const LOG: u32>(&self) -> [u64; 64] {
+    #[inline(always)]
+    fn counts_of<const LOG: u32>(&self) -> [u64; 64] {
+        match self.shape.log[1] {
+            0 => self.count::<LOG, 1>(),
+            1 => self.count::<LOG, 2>(),
+            _ => self.count::<LOG, 4>(),
+        }
+    }
+
+    /// The same where cells have `HEIGHT` voxels along y.
+    #[inline(always)]
+    fn count<const LOG: u32, const HEIGHT: usize>(&self) -> [u64; 64] {
+        let log_z = self.shape.log[2];
+        let layers = self.reached[..self.shape.words()].chunks_exact(self.shape.layer());
         let mut counts = [0_u64; 64];
-        let [_, log_y, log_z] = self.shape.log;
-        let layer = self.shape.layer();
-        let log_rows = 6 - LOG;
-        for (i, &reached) in self.reached[..self.shape.words()].iter().enumerate() {
-            // nothing solid
-            if reached == u64::MAX {
-                continue;
+        // a layer has 32 rows of voxels at most
+        let mut rows = [0_u64; 32];
+        for (z, layer) in layers.enumerate() {
+            let in_words = rows.chunks_exact_mut(CellRows::<LOG>::ROWS);
+            for (rows, reached) in in_words.zip(layer) {
+                for (row, clear) in rows.iter_mut().enumerate() {
+                    *clear = CellRows::<LOG>::clear_in_row(reached >> (row << LOG));
+                }
             }
-            let (y, z) = ((i & (layer - 1)) << log_rows, i / layer);
-            let cells = 8 * (z >> log_z);
-            for row in 0..1 << log_rows {
-                let cells = cells + ((y + row) >> log_y);
-                counts[cells & 63] += match reached {
-                    // nothing free
-                    0 => CellRows::<LOG>::ALL_CLEAR,
-                    _ => CellRows::<LOG>::clear_in_row(reached >> (row << LOG)),
-                };
+            let in_cells = rows.as_chunks::<HEIGHT>().0;
+            let first = 8 * (z >> log_z) & 56;
+            for (count, rows) in counts[first..].iter_mut().zip(in_cells).take(8) {
+                *count += rows.iter().sum::<u64>();
             }
         }
         counts
@@ -164,11 +182,18 @@ impl Window {
 }
 
 widest! {
+    /// Voxels of a window that are not reached in each cell: a word for each row of cells, a byte
+    /// for each.
+    pub(super) fn counts(window: &Window) -> [u64; 64] = Window::counts_plainly
+}
+
+widest! {
     /// Grows what is reached of a layer, as far as it goes; whether that came to its end.
     fn flood_from(window: &mut Window, layer: usize) -> bool = Window::flood_plainly
 }
 
 /// Reads the free voxels; false where all are.
+#[inline(always)]
 fn read_free(
     occupancy: &(impl Occupancy + ?Sized),
     shape: CellShape,
@@ -183,6 +208,7 @@ fn read_free(
 }
 
 /// The same for windows that are so many blocks wide.
+#[inline(always)]
 fn read_free_of<const BLOCKS: usize>(
     occupancy: &(impl Occupancy + ?Sized),
     shape: CellShape,

@@ -11,13 +11,13 @@ use super::level::{Level, corners, weight_of};
 use crate::bits::Bits;
 
 /// Over so many longest voxel sides a surface is smoothed that is known as well as one at 45°.
-const SMOOTHED: f32 = 5.0;
+const SMOOTHED: f32 = 8.0;
 /// A radius from which on a surface is taken for flat, in longest voxel sides.
-const FLAT_RADIUS: f32 = 250.0;
+const FLAT_RADIUS: f32 = 450.0;
 /// Of the sine of an angle; below it the edges of terraces tell no more.
 const EPSILON: f32 = 0.2;
 /// What a flat terrace tells at least, of what a face at 45° does.
-const TERRACE: f32 = 0.1;
+const TERRACE: f32 = 0.05;
 /// The same where the surface bends, times a voxel's side over its radius.
 const BENT_TERRACE: f32 = 0.3;
 /// A normal that points farther away from a face's solid side is none.

@@ -16,28 +16,32 @@ vec3 skyAt(vec3 normal) {
   return mix(groundColour, skyColour, 0.5 + 0.5 * dot(normal, upDirection));
 }
 
-// Solid surface; `open` is the share of the sky that reaches it.
-vec3 litSurface(vec3 colour, vec3 normal, vec3 toEye, float open) {
+// Solid surface; `near` is the share of the sky that what stands close leaves it, `light` what all around
+// lets through of sky and lamp.
+vec3 litSurface(vec3 colour, vec3 normal, vec3 toEye, float near, vec2 light) {
+  float open = min(near, light.x);
   float key = max(dot(normal, keyDirection), 0.0);
   float facing = max(dot(normal, toEye), 0.0);
   vec3 halfway = normalize(keyDirection + toEye);
   float shine = 0.16 * material.z * pow(max(dot(normal, halfway), 0.0), 28.0 * material.w);
 
   vec3 sky = material.x * skyAt(normal) * open;
-  vec3 direct = keyColour * (0.82 * material.y * key) * mix(0.45, 1.0, open);
+  vec3 direct = keyColour * (0.82 * material.y * key * light.y) * mix(0.45, 1.0, open);
   // light scattered below the surface warms what is turned away and what is covered
   vec3 scattered = vec3(0.10, 0.055, 0.04) * (1.0 - open) + 0.04 * (1.0 - facing);
-  return colour * (sky + direct + material.x * scattered) + shine * open;
+  return colour * (sky + direct + material.x * scattered) + shine * open * light.y;
 }
 
-// Translucent tissue; `edge` tells how much of a surface it is here, 0..1.
-vec3 litTissue(vec3 colour, vec3 normal, vec3 toEye, float edge) {
+// Translucent tissue; `edge` tells how much of a surface it is here, 0..1, `light` what reaches it of sky
+// and lamp.
+vec3 litTissue(vec3 colour, vec3 normal, vec3 toEye, float edge, vec2 light) {
   float wrapped = max((dot(normal, keyDirection) + 0.35) / 1.35, 0.0);
   float rim = pow(1.0 - max(dot(normal, toEye), 0.0), 3.0);
   vec3 halfway = normalize(keyDirection + toEye);
   float shine = 0.22 * material.z * pow(max(dot(normal, halfway), 0.0), 36.0 * material.w);
 
-  vec3 surface = colour * (material.x * (skyAt(normal) + 0.18 * rim) + keyColour * (0.85 * material.y * wrapped)) + shine;
+  vec3 sky = material.x * light.x * (skyAt(normal) + 0.18 * rim);
+  vec3 surface = colour * (sky + keyColour * (0.85 * material.y * light.y * wrapped)) + shine * light.y;
   // flat tissue has no direction: it glows with all of the light
-  return mix(colour * (0.2 * material.x + 0.35 * material.y), surface, edge);
+  return mix(colour * (0.2 * material.x * light.x + 0.35 * material.y * light.y), surface, edge);
 }

@@ -1,16 +1,6 @@
 // A ray through the scan: where it goes, which part of it is looked at, and what on its way is
 // empty. Positions run in grid coordinates, lengths along the ray in mm.
 
-// the ways in which values along a ray become one colour; keep in sync with core/optics.ts
-#define SHADED 0
-#define COMPOSITE 1
-#define ABSORPTION 2
-#define EMISSION 3
-#define MIP 4
-#define MINIP 5
-#define AVERAGE 6
-#define ISO 7
-
 uniform vec2 pictureSize;
 // shift within the pixel and of the noise, for averaging several pictures
 uniform vec3 shift;
@@ -25,10 +15,6 @@ uniform float stepLength;
 uniform float jitter;
 // nearest and farthest depth that is looked at [mm]
 uniform vec2 slab;
-
-uniform sampler3D brickTexture;
-uniform vec3 brickScale;
-uniform vec3 brickOffset;
 
 const float clearEnough = 0.012;
 

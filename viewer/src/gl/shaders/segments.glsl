@@ -6,8 +6,8 @@
 
 #define RANGES 16
 
-// low and high biased value; 2 where solid, 1 where tissue in its colour, 0 where left out; and its
-// id where it was edited, else 0
+// low and high biased value; 2 where solid, 1 where tissue in its colour, 0 where left out, less by the
+// opacity of the surface that stands for it; and its id where it was edited, else 0
 uniform vec4 rangeBounds[RANGES];
 uniform vec3 rangeColours[RANGES];
 uniform int rangeCount;
@@ -15,7 +15,7 @@ uniform int rangeCount;
 #ifdef LABELS
 uniform sampler3D labelTexture;
 // colour of each id (linear); alpha 1 where its voxels are solid, 0.75 where tissue in its colour,
-// 0.5 where nothing is drawn, 0 where there is no such segment or a range tells of it
+// 0.3 where nothing is drawn, and up to 0.55 by how opaque its surface is, 0 where there is no such segment or a range tells of it
 uniform sampler2D labelColours;
 
 int labelAt(vec3 grid) {

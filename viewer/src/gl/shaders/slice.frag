@@ -20,6 +20,8 @@ uniform vec2 marks;
 // thickness of outlines [pixels]
 uniform float outline;
 uniform vec3 ground;
+// edge of a pixel [mm]
+uniform float pixelLength;
 
 const int mostSamples = 96;
 
@@ -80,6 +82,9 @@ void main() {
     return;
   }
   vec3 colour = vec3(clamp((slabValue(grid) - window.x) * window.y, 0.0, 1.0));
+#ifdef SECOND
+  colour = fused(colour, grid, pixel * pixelLength);
+#endif
 #ifdef MARKS
   int mark = markAt(pixel);
   if (mark > 0) {

@@ -56,5 +56,5 @@ vec3 facing(vec3 vector, vec3 toEye, vec3 instead) {
 vec3 lightOfSegment(Ray ray, vec3 grid, int segment, bool cut) {
   vec3 toEye = -ray.direction;
   vec3 normal = cut ? ray.face : facing(surfaceNormal(grid, segment), toEye, toEye);
-  return litSurface(segmentColour(segment), normal, toEye, openness(grid, normal, segment));
+  return litSurface(segmentColour(segment), normal, toEye, openness(grid, normal, segment), lightAt(grid, normal));
 }

@@ -13,6 +13,7 @@ layout(location = 0) out vec4 picture;
 
 // of an orthographic view the direction toward it, and 0
 uniform vec4 eye;
+uniform mat4 gridFromScene;
 uniform vec3 colour;
 uniform float opacity;
 // 1 where lines are drawn: what lies between them does not cover them
@@ -46,5 +47,7 @@ void main() {
   vec3 toEye = normalize(eye.xyz - eye.w * posed);
   vec3 normal = unit(posedNormal, toEye);
   float open = bare > 0.5 ? 1.0 : openness(grid, unit(gridNormal, vec3(0.0, 0.0, 1.0)), 0);
-  picture = vec4(litSurface(colour, dot(normal, toEye) < 0.0 ? -normal : normal, toEye, open) * opacity, opacity);
+  normal = dot(normal, toEye) < 0.0 ? -normal : normal;
+  vec2 light = lightAt((gridFromScene * vec4(posed, 1.0)).xyz, mat3(gridFromScene) * normal * spacing);
+  picture = vec4(litSurface(colour, normal, toEye, open, light) * opacity, opacity);
 }

@@ -5,77 +5,55 @@
 // "Real-Time Volume Graphics" (2006), ch. 4 (pre-integration by integral functions); Levoy, "Display
 // of surfaces from volume data", IEEE CG&A 8 (1988) for the weight of boundaries.
 
-uniform sampler2D transferTexture;
-// running integrals of the same row over its coordinate: colour times extinction, extinction
-uniform sampler2D integralTexture;
-// biased value -> place in the row, 0..1
-uniform vec2 transferScale;
-// gradient of a full boundary [value per mm], share that flat tissue keeps
-uniform vec2 edge;
-// factor on all extinction
-uniform float density;
-
 // opacity of a whole step from which on it is quartered, and for how many quarters
 const float opaqueStep = 0.12;
 const int quarters = 4;
 const float unknown = -1e9;
 
-// The transfer function at a place of its row.
-vec4 tissueAt(float place) {
-  float texels = float(textureSize(transferTexture, 0).x);
-  return texture(transferTexture, vec2((clamp(place, 0.0, 1.0) * (texels - 1.0) + 0.5) / texels, 0.5));
-}
-
-vec4 integralTo(float place) {
-  int last = textureSize(integralTexture, 0).x - 1;
-  float inside = clamp(place, 0.0, 1.0);
-  float texel = inside * float(last);
-  int first = min(int(texel), last - 1);
-  vec4 low = texelFetch(integralTexture, ivec2(first, 0), 0);
-  vec4 high = texelFetch(integralTexture, ivec2(first + 1, 0), 0);
-  vec4 integral = low + (high - low) * (texel - float(first));
-  vec4 outer = tissueAt(inside);
-  return integral + (place - inside) * vec4(outer.rgb * outer.a, outer.a);
-}
-
-// Mean of the transfer function over all values between two: colour, and extinction [1/mm].
-vec4 tissueBetween(float front, float back) {
-  float a = front * transferScale.x + transferScale.y;
-  float b = back * transferScale.x + transferScale.y;
-  float texels = float(textureSize(transferTexture, 0).x);
-  if (abs(b - a) * texels < 2.0) {
-    return tissueAt(0.5 * (a + b));
+// Tissue as it is lit, weighted by the boundary that it is here.
+vec4 litFirst(vec3 grid, vec3 toEye, vec4 tissue) {
+  tissue.a *= density;
+#if BLEND == SHADED || BLEND == COMPOSITE
+  if (tissue.a <= 0.0) {
+    return vec4(0.0);
   }
-  vec4 mean = (integralTo(b) - integralTo(a)) / (b - a);
-  return vec4(mean.rgb / max(mean.a, 1e-9), mean.a);
+  vec3 gradient = coarseGradientAt(grid);
+  float boundary = smoothstep(0.0, edge.x, length(gradient));
+  tissue.a *= mix(edge.y, 1.0, boundary);
+#if BLEND == SHADED
+  vec3 normal = facing(gradient, toEye, toEye);
+  tissue.rgb = litTissue(tissue.rgb, normal, toEye, boundary, lightAt(grid, normal * boundary));
+#endif
+#endif
+  return tissue;
 }
 
 // Adds the light of an interval of tissue; false where it is too opaque for its length.
 bool addTissue(Ray ray, vec2 interval, vec4 tissue, bool dividable, inout Layers layers, inout Seen seen) {
   float size = interval.y - interval.x;
   float middle = 0.5 * (interval.x + interval.y);
-  float extinction = tissue.a * density;
+  vec3 grid = ray.origin + ray.inGrid * middle;
+  vec3 toEye = -ray.direction;
+  vec4 seenHere = litFirst(grid, toEye, tissue);
+#ifdef SECOND
+  seenHere = mixed(seenHere, litSecond(grid, toEye));
+#endif
+  float extinction = seenHere.a;
 #if BLEND == SHADED || BLEND == COMPOSITE
-  vec3 gradient = coarseGradientAt(ray.origin + ray.inGrid * middle);
-  float boundary = smoothstep(0.0, edge.x, length(gradient));
-  extinction *= mix(edge.y, 1.0, boundary);
   if (dividable && extinction * stepLength > opaqueStep) {
     return false;
   }
 #endif
   passLayers(layers, middle, seen.light, seen.clarity, seen.depth);
 #if BLEND == EMISSION
-  seen.light += seen.clarity * extinction * size * tissue.rgb;
+  seen.light += seen.clarity * extinction * size * seenHere.rgb;
 #else
   float opacity = 1.0 - exp(-extinction * size);
-#if BLEND == SHADED
-  vec3 toEye = -ray.direction;
-  vec3 colour = litTissue(tissue.rgb, facing(gradient, toEye, toEye), toEye, boundary);
-#elif BLEND == COMPOSITE
-  vec3 colour = tissue.rgb;
-#else
+#if BLEND == ABSORPTION
   // what is absorbed of the light behind, bright where much is: as a radiograph shows it
   vec3 colour = vec3(1.0);
+#else
+  vec3 colour = seenHere.rgb;
 #endif
   seen.light += seen.clarity * opacity * colour;
   seen.clarity *= 1.0 - opacity;
@@ -100,6 +78,13 @@ Seen seenAlong(Ray ray, inout Layers layers) {
     t = min(t, ray.span.y);
     vec3 grid = ray.origin + ray.inGrid * t;
     float leap = stepsOverEmpty(ray, grid, t);
+#ifdef SECOND
+    float other = secondEmptyAhead(grid, ray.inGrid);
+    leap = min(leap, other > 0.0 ? max(1.0, ceil(other / stepLength)) * stepLength : 0.0);
+    const bool beside = true;
+#else
+    const bool beside = false;
+#endif
     if (leap > 0.0 && front == unknown) {
       t += leap;
       last = t - stepLength;
@@ -133,7 +118,7 @@ Seen seenAlong(Ray ray, inout Layers layers) {
     const bool solid = false;
 #endif
     vec4 tissue = tissueBetween(first, value);
-    if (tissue.a > 0.0 && end > last) {
+    if ((tissue.a > 0.0 || beside) && end > last) {
       if (segment > 0 && !isSolid(segment)) {
         tissue.rgb = segmentColour(segment);
       }

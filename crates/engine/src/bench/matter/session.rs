@@ -7,6 +7,7 @@
 //! thread, and the clock is that of the ticks: then the same ticks give the same counts.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
+use std::sync::mpsc::{self, Receiver};
 use std::time::{Duration, Instant};
 
 use glam::DVec3;
@@ -19,6 +20,8 @@ use palpate_volume::segment::Segment;
 
 use super::rig::Rig;
 use crate::bench::{BenchError, Ground, STEP, Stroke, stroke};
+use crate::clock;
+use crate::deformation_loop::Bell;
 use crate::error::SessionError;
 use crate::live::SIMULATION_HZ;
 use crate::pacing::Pacer;
@@ -37,6 +40,9 @@ const MATERIAL: &str = "thesis-soft-tissue";
 const WARM_UP: [f64; 2] = [0.5, 60.0];
 /// How long the model waits for a job before it looks whether the end has come.
 const PATIENCE: Duration = Duration::from_millis(20);
+
+/// Passes of the simulation for an answer where all takes turns: 33 in a second.
+const PASSES: u64 = 3;
 
 /// Why nothing could be measured.
 #[derive(Debug, thiserror::Error)]
@@ -171,6 +177,8 @@ fn in_step(mut rig: Rig, led: &Led, samples: u32, ticks_in_second: u32) -> Found
             tick += 1;
             if tick.is_multiple_of(pass_every) {
                 rig.simulation.step();
+            }
+            if tick.is_multiple_of(PASSES * pass_every) {
                 rig.deformation.step();
             }
         }
@@ -198,7 +206,12 @@ fn running_free(mut rig: Rig, led: &Led, plan: &Plan<'_>) -> Found {
         ..
     } = &mut rig;
     std::thread::scope(|scope| {
-        scope.spawn(|| run_simulation(simulation, &gauge));
+        let (ring, bell) = mpsc::channel();
+        deformation.set_bell(Bell::new(move || {
+            // after the end nobody hears it
+            let _ = ring.send(());
+        }));
+        scope.spawn(|| run_simulation(simulation, bell, &gauge));
         scope.spawn(|| {
             let mut more = true;
             while more && !gauge.over.load(Relaxed) {
@@ -243,11 +256,17 @@ impl Drop for OverAtEnd<'_> {
     }
 }
 
-fn run_simulation(simulation: &mut Simulation, gauge: &Gauge) {
-    let mut pacer = Pacer::new(SIMULATION_HZ, crate::clock::now_ns());
+/// As in a session: a pass 100 times a second, and an answer as soon as it comes.
+fn run_simulation(simulation: &mut Simulation, bell: Receiver<()>, gauge: &Gauge) {
+    let mut pacer = Pacer::new(SIMULATION_HZ, clock::now_ns());
     while !gauge.over.load(Relaxed) {
-        pacer.wait();
-        simulation.step();
+        let rest = pacer.due_ns().saturating_sub(clock::now_ns());
+        if rest == 0 {
+            pacer.wait();
+            simulation.step();
+        } else if bell.recv_timeout(Duration::from_nanos(rest)).is_ok() {
+            simulation.answer_came();
+        }
         let answers = simulation.deformation().answers;
         gauge.answers.store(answers, Relaxed);
     }

@@ -169,6 +169,7 @@ fn part_of(solid: &Solid, shares: Option<Arc<Shares>>) -> Part {
         threshold: solid.values.as_ref().map(made_from),
         shares,
         punctured: false,
+        rigid: None,
     }
 }
 

@@ -1,0 +1,348 @@
+"""``palpate bench fuzz-import``: readers of scans, segments and meshes on damaged real files.
+
+Each case damages one small real file, by its seed alone, and reads it in a process of its own with
+limits of memory and time. A reader may give what it read, or say in a sentence why it cannot; a
+crash, a hang, or any other exception is a violation, and its seed repeats it.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import shutil
+import signal
+import sys
+import traceback
+import zipfile
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from itertools import count
+from multiprocessing.connection import Connection
+from multiprocessing.context import ForkServerContext
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from time import monotonic
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.errors import OptionError, PalpateError
+from palpate.io import read
+from palpate.io_browse import browsed, previews
+from palpate.io_dicom import is_dicom
+from palpate.io_file import FORMATS
+from palpate.labels import read_labels
+from palpate.mesh_io import read_mesh
+from palpate.progress import Progress, silent
+from palpate.simpleitk import simpleitk
+
+__all__ = ["Found", "Limits", "Sample", "damaged", "measure", "samples_in", "tried"]
+
+LARGEST_SAMPLE = 600_000
+"""Bytes: larger files take long and are damaged in the same places."""
+MOST_VOXELS = 1 << 25
+MOST_OF_A_FOLDER = 6
+ENDINGS = tuple(ending for _, some in FORMATS.values() for ending in some)
+MESHES = (".stl", ".ply", ".obj", ".glb")
+EXTREMES = (0, 1, 0x7F, 0x80, 0xFF, 0x7FFF, 0x8000, 0xFFFF, 0x7FFF_FFFF, 0x8000_0000, 0xFFFF_FFFF)
+"""Numbers that lengths and sizes are changed to."""
+
+
+@dataclass(frozen=True)
+class Sample:
+    """A real file, and how it is read."""
+
+    path: Path
+    kind: str
+    """scan, series, archive, labels or mesh."""
+    scan: Path | None = None
+    """That labels belong to."""
+
+    @property
+    def said(self) -> str:
+        """What a person calls it."""
+        return f"{self.kind} {self.path.parent.name}/{self.path.name}"
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Of one case."""
+
+    memory: int = 2 << 30
+    """Beyond what the process holds when it begins [bytes]."""
+    processor: int = 30
+    """Time of the processor [s]."""
+    wall: float = 300.0
+    """For what waits without working [s]."""
+
+
+@dataclass
+class Found:
+    """What cases came to."""
+
+    outcomes: Counter[str] = field(default_factory=Counter)
+    violations: list[tuple[int, str, str]] = field(default_factory=list)
+    """Seed, sample, and what happened."""
+
+    @property
+    def cases(self) -> int:
+        """How many were tried."""
+        return sum(self.outcomes.values())
+
+
+def measure(
+    folder: Path,
+    *,
+    seed: int = 1,
+    cases: int | None = None,
+    seconds: float | None = None,
+    limits: Limits | None = None,
+    progress: Progress = silent,
+) -> Found:
+    """Tries cases with rising seeds, so many or for so long.
+
+    Raises:
+        OptionError: The folder holds no file to damage, or this system has no limits for processes.
+    """
+    if sys.platform == "win32":
+        raise OptionError("this system has no limits for processes; allowed: Linux or macOS")
+    context = multiprocessing.get_context("forkserver")
+    context.set_forkserver_preload(["palpate.bench.fuzz_import"])
+    found = Found()
+    ends = None if seconds is None else monotonic() + seconds
+    with TemporaryDirectory(prefix="palpate-") as made:
+        samples = samples_in(folder, Path(made))
+        for number in count() if cases is None else range(cases):
+            if ends is not None and monotonic() > ends:
+                break
+            progress(f"case {number + 1}", None if cases is None else number / cases)
+            case = seed + number
+            sample = sample_of(samples, case)
+            outcome = tried(sample, case, limits=limits or Limits(), context=context)
+            kind = outcome.split(":", 1)[0]
+            found.outcomes[kind] += 1
+            if kind not in ("read", "refused"):
+                found.violations.append((case, sample.said, outcome))
+    return found
+
+
+# --- what is damaged ----------------------------------------------------------------------
+
+
+def samples_in(folder: Path, made: Path) -> list[Sample]:
+    """Lists small real files below a folder with the ways to read them, always in one order.
+
+    Some are written anew into ``made``, in formats that are not there.
+
+    Raises:
+        OptionError: There is none.
+    """
+    files = sorted(
+        path
+        for path in folder.rglob("*")
+        if path.is_file() and 0 < path.stat().st_size <= LARGEST_SAMPLE
+    )
+    dicom = [path for path in files if is_dicom(path)]
+    images = [path for path in files if path.name.lower().endswith(ENDINGS)]
+    scans = sorted({path.parent for path in dicom if path.parent.name in ("image", "ct-3slice")})
+    samples = [Sample(path, "scan") for path in [*dicom, *images]]
+    samples += [Sample(path, "series") for path in dicom if path.parent in scans]
+    samples += [
+        Sample(path, "labels", scan)
+        for path in [*dicom, *images]
+        for scan in scans
+        if scan.parent in path.parents and path.parent != scan
+    ]
+    samples += [Sample(path, "mesh") for path in files if path.suffix in MESHES]
+    for scan in scans:
+        samples.append(Sample(_archive(scan, made / f"{scan.parent.name}.zip"), "archive"))
+    small = [path for path in images if path.name.endswith(".nii.gz")][:1]
+    samples += [Sample(path, "scan") for image in small for path in _rewritten(image, made)]
+    if not samples:
+        raise OptionError(
+            f"{folder} holds no scan, label or mesh of at most {LARGEST_SAMPLE} bytes; "
+            "allowed: a folder with some"
+        )
+    return samples
+
+
+def sample_of(samples: list[Sample], seed: int) -> Sample:
+    """Returns the sample of a case: each kind as often as any other."""
+    generator = np.random.default_rng([seed, 0])
+    kinds = sorted({sample.kind for sample in samples})
+    kind = kinds[int(generator.integers(len(kinds)))]
+    of_kind = [sample for sample in samples if sample.kind == kind]
+    return of_kind[int(generator.integers(len(of_kind)))]
+
+
+def damaged(content: bytes, seed: int) -> bytes:
+    """Returns content with one to three damages, which the seed alone decides."""
+    generator = np.random.default_rng([seed, 1])
+    for _ in range(int(generator.integers(1, 4))):
+        if not content:
+            break
+        damage = DAMAGES[int(generator.integers(len(DAMAGES)))]
+        content = damage(content, generator)
+    return content
+
+
+def _place(content: bytes, generator: np.random.Generator) -> int:
+    """Returns a place: in the header more often than elsewhere."""
+    head = generator.random() < 0.7
+    return int(generator.integers(min(len(content), 4096) if head else len(content)))
+
+
+def _truncated(content: bytes, generator: np.random.Generator) -> bytes:
+    return content[: _place(content, generator)]
+
+
+def _flipped(content: bytes, generator: np.random.Generator) -> bytes:
+    changed = bytearray(content)
+    for _ in range(int(generator.integers(1, 9))):
+        changed[_place(content, generator)] ^= 1 << int(generator.integers(8))
+    return bytes(changed)
+
+
+def _extreme(content: bytes, generator: np.random.Generator) -> bytes:
+    """Sets two or four bytes, as of a length or a size, to an extreme number."""
+    width = (2, 4)[int(generator.integers(2))]
+    number = EXTREMES[int(generator.integers(len(EXTREMES)))] & (1 << 8 * width) - 1
+    place = _place(content, generator)
+    put = number.to_bytes(width, "little" if generator.integers(2) else "big")
+    return content[:place] + put + content[place + width :]
+
+
+def _swapped(content: bytes, generator: np.random.Generator) -> bytes:
+    """Exchanges two neighbouring pieces, as tags in the wrong order."""
+    first, width = _place(content, generator), int(generator.integers(1, 64))
+    one, two = content[first : first + width], content[first + width : first + 2 * width]
+    return content[:first] + two + one + content[first + 2 * width :]
+
+
+def _doubled(content: bytes, generator: np.random.Generator) -> bytes:
+    first, width = _place(content, generator), int(generator.integers(1, 512))
+    return content[: first + width] + content[first:]
+
+
+def _taken_out(content: bytes, generator: np.random.Generator) -> bytes:
+    first, width = _place(content, generator), int(generator.integers(1, 64))
+    return content[:first] + content[first + width :]
+
+
+def _digits(content: bytes, generator: np.random.Generator) -> bytes:
+    """Changes a number that is written as text."""
+    bytes_of = np.frombuffer(content[:8192], np.uint8)
+    places: NDArray[np.intp] = np.flatnonzero((bytes_of >= ord("0")) & (bytes_of <= ord("9")))
+    if not places.size:
+        return content
+    place = int(places[int(generator.integers(places.size))])
+    texts = (b"0", b"-1", b"99999999", b"1e308", b"nan", b"4294967296", b".", b"")
+    return content[:place] + texts[int(generator.integers(len(texts)))] + content[place + 1 :]
+
+
+DAMAGES = (_truncated, _flipped, _extreme, _swapped, _doubled, _taken_out, _digits)
+
+
+def _archive(folder: Path, target: Path) -> Path:
+    with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as archive:
+        for path in sorted(folder.iterdir())[:MOST_OF_A_FOLDER]:
+            # one moment for all: the same bytes on every run
+            archive.writestr(zipfile.ZipInfo(path.name), path.read_bytes())
+    return target
+
+
+def _rewritten(image: Path, made: Path) -> Iterator[Path]:
+    """Writes a corner of an image in each format."""
+    sitk = simpleitk()
+    corner = sitk.ReadImage(str(image))[:16, :16, :16]
+    for name in ("a.nii", "b.mha", "c.nrrd", "d.mhd", "e.nhdr"):
+        sitk.WriteImage(corner, str(made / name), name == "c.nrrd")
+        yield made / name
+
+
+# --- one case -----------------------------------------------------------------------------
+
+
+def tried(sample: Sample, seed: int, *, limits: Limits, context: ForkServerContext) -> str:
+    """Returns what a reader does with a damaged sample: read, refused, or what went wrong."""
+    with TemporaryDirectory(prefix="palpate-") as folder:
+        place = _laid(sample, seed, Path(folder))
+        mine, theirs = context.Pipe(duplex=False)
+        process = context.Process(
+            target=_child, args=((sample, place), limits, theirs), daemon=True
+        )
+        process.start()
+        # the end of the process then ends the pipe
+        theirs.close()
+        try:
+            told = str(mine.recv()) if mine.poll(limits.wall) else None
+            if told is None:
+                process.kill()
+        except EOFError:
+            told = ""
+        process.join()
+        mine.close()
+    if told:
+        return told
+    if told is None or process.exitcode == -signal.SIGXCPU:
+        return f"hang: more than {limits.processor} s of work, or {limits.wall:g} s of waiting"
+    return f"crash: the process ended with code {process.exitcode}"
+
+
+def _laid(sample: Sample, seed: int, folder: Path) -> Path:
+    """Writes a damaged sample with what belongs to it; returns what is to be read."""
+    content = damaged(sample.path.read_bytes(), seed)
+    place = folder / sample.path.name
+    if sample.kind == "series":
+        for path in sorted(sample.path.parent.iterdir())[:MOST_OF_A_FOLDER]:
+            shutil.copyfile(path, folder / path.name)
+    for ending in (".raw", ".zraw"):
+        voxels = sample.path.with_suffix(ending)
+        if voxels.is_file():
+            shutil.copyfile(voxels, folder / voxels.name)
+    place.write_bytes(content)
+    return folder if sample.kind == "series" else place
+
+
+def _child(laid: tuple[Sample, Path], limits: Limits, told: Connection) -> None:
+    """Reads, in a process of its own, within limits; tells what came of it."""
+    import resource
+
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
+    held = resource.getrlimit(resource.RLIMIT_AS)[1]
+    begun = _address_space() + limits.memory
+    most = begun if held == resource.RLIM_INFINITY else min(begun, held)
+    resource.setrlimit(resource.RLIMIT_AS, (most, held))
+    resource.setrlimit(resource.RLIMIT_CPU, (limits.processor, limits.processor + 1))
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    try:
+        _read(*laid)
+    except (PalpateError, OSError, MemoryError) as error:
+        told.send(f"refused: {error}")
+    except BaseException:  # noqa: BLE001  # that is what is looked for
+        told.send(f"uncaught: {traceback.format_exc()}")
+    else:
+        told.send("read")
+
+
+def _address_space() -> int:
+    """Returns the bytes that this process has laid out; 0 where the system does not tell."""
+    try:
+        pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
+    except OSError:
+        return 0
+    return pages * os.sysconf("SC_PAGE_SIZE")
+
+
+def _read(sample: Sample, place: Path) -> None:
+    if sample.kind == "mesh":
+        read_mesh(place)
+    elif sample.scan is not None:
+        read_labels(place, read(sample.scan))
+    else:
+        try:
+            read(place, max_voxels=MOST_VOXELS, fill=0.0)
+        finally:
+            with browsed(place) as choices:
+                list(previews(choices))

@@ -1,0 +1,196 @@
+"""What scans a folder, an archive or a file holds, for choosing one: what, how large, how it looks.
+
+Headers tell the list; pictures are middle slices, decoded on request, several at a time.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from itertools import islice
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.errors import PalpateError, VolumeFormatError
+from palpate.io_archive import is_archive, unpacked
+from palpate.io_dicom import MOST_FILES, is_dicom, plan_of, series_in
+from palpate.io_dicom_header import Series, read_header
+from palpate.io_dicom_pixels import read_slice
+from palpate.io_file import FORMATS, header_of, middle_of
+from palpate.io_preview import preview
+from palpate.progress import Progress, silent
+
+__all__ = ["Choice", "browsed", "previews"]
+
+MOST_IMAGES = 200
+"""Image files of one folder that are listed."""
+MOST_THREADS = 4
+LARGEST = 1024**3
+"""Voxels, as ``palpate.io.read`` has it."""
+
+Picture = Callable[[], NDArray[np.uint8]]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Choice:
+    """One scan that may be opened."""
+
+    path: Path
+    """What ``palpate.io.read`` takes."""
+    series: str | None = None
+    """Which series of it, as ``read`` takes it."""
+    patient: str = ""
+    study: str = ""
+    name: str
+    modality: str = ""
+    size: tuple[int, ...]
+    """Voxels along x, y, z."""
+    spacing: tuple[float, ...] | None = None
+    """Along x, y, z [mm]; None where the files do not tell."""
+    refused: str | None = None
+    """Why it cannot be opened."""
+    picture: Picture = field(compare=False)
+    """Makes the small picture of its middle; it may raise what reading raises."""
+
+
+@contextmanager
+def browsed(path: Path, *, progress: Progress = silent) -> Iterator[list[Choice]]:
+    """Gives the scans at a path, as long as pictures of them are wanted.
+
+    Raises:
+        FileNotFoundError: ``path`` does not exist.
+        VolumeFormatError: It holds no scan, or cannot be read.
+    """
+    if not path.exists():
+        raise FileNotFoundError(f"{path} does not exist; allowed: an existing file or folder")
+    if path.is_dir():
+        yield _in_folder(path, progress)
+    elif is_archive(path):
+        with unpacked(path, progress) as folder:
+            found, _ = series_in(folder, called=path, progress=progress)
+            yield _series(path, found)
+    elif is_dicom(path):
+        yield [_dicom_file(path)]
+    else:
+        yield [_image(path, path.name)]
+
+
+def previews(
+    choices: Sequence[Choice], *, progress: Progress = silent
+) -> Iterator[tuple[int, NDArray[np.uint8]]]:
+    """Yields pictures of choices as they are made, with the number of each; none that fail."""
+    wanted = [number for number, choice in enumerate(choices) if choice.refused is None]
+    with ThreadPoolExecutor(min(MOST_THREADS, os.cpu_count() or 1)) as pool:
+        try:
+            made = {pool.submit(choices[number].picture): number for number in wanted}
+            for done, future in enumerate(as_completed(made)):
+                progress("drawing slices", done / len(wanted))
+                try:
+                    yield made[future], future.result()
+                except (PalpateError, OSError, MemoryError):
+                    continue
+        finally:
+            pool.shutdown(wait=True, cancel_futures=True)
+
+
+# --- DICOM --------------------------------------------------------------------------------
+
+
+def _in_folder(folder: Path, progress: Progress) -> list[Choice]:
+    images = _images_in(folder)
+    try:
+        found, _ = series_in(folder, progress=progress)
+    except VolumeFormatError:
+        if not images:
+            raise
+        found = []
+    return [
+        *_series(folder, found),
+        *(_image(path, path.relative_to(folder).as_posix()) for path in images),
+    ]
+
+
+def _series(path: Path, found: list[Series]) -> list[Choice]:
+    uids = [one.uid for one in found]
+    # its place in the list tells it where its UID does not
+    return [
+        _of_series(path, one, one.uid if one.uid and uids.count(one.uid) == 1 else str(number))
+        for number, one in enumerate(found, 1)
+    ]
+
+
+def _dicom_file(path: Path) -> Choice:
+    header = read_header(path)
+    if header is None:
+        raise VolumeFormatError(
+            f"{path} is a DICOM file without an image of a scan; allowed: CT, MR and other scans"
+        )
+    one = Series(header.series, header.description, header.modality, (header,))
+    return _of_series(path, one, None)
+
+
+def _of_series(path: Path, one: Series, series: str | None) -> Choice:
+    first = one.headers[0]
+    size: tuple[int, ...] = (first.columns, first.rows, one.slices)
+    spacing, refused, middle = None, None, (first, 0)
+    try:
+        plan = plan_of("it", one, max_voxels=LARGEST)
+    except VolumeFormatError as error:
+        refused = str(error)
+    else:
+        size, middle = plan.size, plan.middle
+        spacing = None if plan.grid is None else plan.grid.spacing
+
+    def picture() -> NDArray[np.uint8]:
+        header, frame = middle
+        pixel = header.frames[frame].pixel_spacing or (1.0, 1.0)
+        return preview(read_slice(header, frame), (pixel[1], pixel[0]))
+
+    return Choice(
+        path=path,
+        series=series,
+        patient=first.patient,
+        study=first.study_told,
+        name=one.description,
+        modality=one.modality,
+        size=size,
+        spacing=spacing,
+        refused=refused,
+        picture=picture,
+    )
+
+
+# --- image files --------------------------------------------------------------------------
+
+
+def _images_in(folder: Path) -> list[Path]:
+    endings = tuple(ending for _, some in FORMATS.values() for ending in some)
+    files = islice(folder.rglob("*"), MOST_FILES)
+    found = (path for path in files if path.name.lower().endswith(endings) and path.is_file())
+    # the two files of a pair are one scan: its header stands for it
+    halves = (".img", ".img.gz")
+    listed = sorted(path for path in found if not path.name.lower().endswith(halves))
+    return listed[:MOST_IMAGES]
+
+
+def _image(path: Path, name: str) -> Choice:
+    try:
+        header = header_of(path)
+    except VolumeFormatError as error:
+        return Choice(path=path, name=name, size=(), refused=str(error), picture=_nothing)
+    return Choice(
+        path=path,
+        name=name,
+        size=header.size,
+        spacing=header.spacing,
+        picture=lambda: preview(middle_of(path), header.spacing[:2]),
+    )
+
+
+def _nothing() -> NDArray[np.uint8]:
+    return np.zeros((1, 1), np.uint8)

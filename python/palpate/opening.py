@@ -1,0 +1,54 @@
+"""What is at a path, ready to be shown: a scan with the segment offered as bone, or a scene."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from palpate.errors import EmptySegmentError
+from palpate.io import read
+from palpate.progress import Progress, silent
+from palpate.scene import Scene
+from palpate.scene_file import ENDING, SavedScene, open_scene
+
+__all__ = ["Opening", "is_scene", "offer_bone", "opening"]
+
+
+@dataclass(frozen=True)
+class Opening:
+    """A scene that can be begun."""
+
+    scene: Scene
+    saved: SavedScene | None
+    """The file that it comes from, where it was saved."""
+    told: tuple[str, ...]
+    """What a person should know of the reading."""
+
+
+def opening(path: Path, *, series: str | None = None, progress: Progress = silent) -> Opening:
+    """Reads what is at a path.
+
+    Raises:
+        PalpateError: It cannot be read.
+        FileNotFoundError: It does not exist.
+    """
+    if is_scene(path):
+        saved = open_scene(path, progress=progress)
+        return Opening(Scene(saved.volume), saved, saved.volume.warnings)
+    scene = Scene(read(path, series=series, progress=progress))
+    told = offer_bone(scene)
+    return Opening(scene, None, () if told is None else (told,))
+
+
+def is_scene(path: Path) -> bool:
+    """Says whether a path is that of a scene's file, by its name."""
+    return path.suffix == ENDING and path.is_file()
+
+
+def offer_bone(scene: Scene) -> str | None:
+    """Adds the segment that is offered as bone; says so where there is none."""
+    try:
+        scene.add(scene.volume.offered_bone())
+    except EmptySegmentError:
+        return f"no bone found in {scene.volume.name}: choose a threshold on the page"
+    return None

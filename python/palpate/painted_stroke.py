@@ -1,0 +1,83 @@
+"""A stroke of the brush in slices: edits as it goes, one step of undo when it is done.
+
+Each piece of its way becomes edits of boxes of voxels, so that picture, surfaces and touch follow
+as they follow the tools in the hand, by the same admission.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+
+from palpate.brush import Brush, Point, boxes_of, covered
+from palpate.errors import OptionError
+from palpate.mask_shape import Mask
+from palpate.session import Session
+
+__all__ = ["PaintedStroke"]
+
+
+class PaintedStroke:
+    """Paints voxels of a segment, or takes them away, until it is finished or cancelled."""
+
+    def __init__(self, session: Session, segment_id: int, *, erases: bool = False) -> None:
+        """Begins a stroke.
+
+        Raises:
+            OptionError: There is no such segment, or it does not stand where the scan has it.
+        """
+        segment = session.segment(segment_id)
+        pose = {state["id"]: state["pose"] for state in session.segments()}.get(segment_id)
+        moved = pose is not None and not np.array_equal(np.reshape(pose, (4, 4)), np.eye(4))
+        if segment.has_own_grid or moved:
+            raise OptionError(
+                f"segment {segment_id} does not stand where the scan has it; allowed: segments of "
+                "the scan that were not moved"
+            )
+        self._session = session
+        self._volume = session.scene.volume
+        self.segment_id = segment_id
+        self.erases = erases
+        self._mask: Mask = segment.mask().astype(bool)
+        self._counts = [segment.voxel_count]
+
+    @property
+    def changed(self) -> int:
+        """How many voxels it has changed."""
+        return abs(self._counts[-1] - self._counts[0])
+
+    def along(self, brush: Brush, points: Sequence[Point]) -> None:
+        """Goes from the first point over the others [scene].
+
+        Raises:
+            OptionError: A number of the brush is out of range, or the segment is gone.
+        """
+        brush.check()
+        ways = pairwise(points) if len(points) > 1 else [(points[0], points[0])] if points else []
+        for ends in ways:
+            self._cover(brush, ends)
+
+    def finish(self) -> None:
+        """Makes one step of undo of what was changed."""
+        self._session.group_steps(self.segment_id, self._counts)
+        self._counts = self._counts[-1:]
+
+    def cancel(self) -> None:
+        """Takes back what was changed."""
+        if len(self._counts) > 1:
+            self.finish()
+            self._session.undo()
+
+    def _cover(self, brush: Brush, ends: tuple[Point, Point]) -> None:
+        box, mask = covered(self._volume, brush, ends)
+        part = self._mask[box]
+        new = mask & (part if self.erases else ~part)
+        corner = np.array([side.start for side in reversed(box)])
+        for low, high in boxes_of(new):
+            first, last = ((int(x), int(y), int(z)) for x, y, z in (corner + low, corner + high))
+            self._session.fill_box(self.segment_id, low=first, high=last, solid=not self.erases)
+            voxels = int(np.prod(np.subtract(high, low)))
+            self._counts.append(self._counts[-1] + (-voxels if self.erases else voxels))
+        part[new] = not self.erases

@@ -1,0 +1,73 @@
+"""Scans that were opened last, to open them again: where they are, and nothing of patients.
+
+One JSON file in the folder of the program's state; a damaged one counts as empty.
+"""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from datetime import datetime
+from pathlib import Path
+
+import msgspec
+
+from palpate.journal import state_folder
+from palpate.volume import Volume
+from palpate.whole_file import whole_file
+
+__all__ = ["Recent", "forget_recent", "note_recent", "recent_scans"]
+
+MOST = 12
+
+
+class Recent(msgspec.Struct, frozen=True):
+    """A scan, or a scene, that was opened."""
+
+    path: str
+    series: str | None
+    name: str
+    when: str
+    """ISO 8601, local time with its offset."""
+
+
+def recent_scans() -> list[Recent]:
+    """Returns those that are still where they were, the newest first."""
+    return [one for one in _kept() if Path(one.path).exists()]
+
+
+def note_recent(volume: Volume, path: Path | None = None) -> None:
+    """Puts a scan first, or the scene at ``path`` that it came with; one of no file is not kept."""
+    source = volume.source
+    if path is None and source is None:
+        return
+    place = path if path is not None else source.path if source is not None else Path()
+    series = None if path is not None or source is None else source.options.get("series")
+    when = datetime.now().astimezone().isoformat(timespec="seconds")
+    newest = Recent(str(place.resolve()), series, volume.name, when)
+    others = [one for one in _kept() if (one.path, one.series) != (newest.path, series)]
+    _keep([newest, *others][:MOST])
+
+
+def forget_recent() -> None:
+    """Empties the list."""
+    with suppress(OSError):
+        _file().unlink(missing_ok=True)
+
+
+def _file() -> Path:
+    return state_folder() / "recent.json"
+
+
+def _kept() -> list[Recent]:
+    try:
+        return msgspec.json.decode(_file().read_bytes(), type=list[Recent])
+    except (OSError, msgspec.DecodeError):
+        return []
+
+
+def _keep(scans: list[Recent]) -> None:
+    # a disk that refuses it only means that nothing is remembered
+    with suppress(OSError):
+        _file().parent.mkdir(parents=True, exist_ok=True)
+        with whole_file(_file()) as unfinished:
+            unfinished.write_bytes(msgspec.json.encode(scans))

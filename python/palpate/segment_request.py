@@ -1,0 +1,151 @@
+"""A segment as a command or a recipe asks for it: one way to make it, then changes of its shape.
+
+What is asked for is checked before anything is read.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from pathlib import Path
+
+import msgspec
+
+from palpate.cli_open import parse_threshold
+from palpate.errors import OptionError
+from palpate.progress import Progress, silent
+from palpate.segment import Segment
+from palpate.segmentation import Growing, ShapeKind, changed_shape, grown, grown_from_seeds, otsu
+from palpate.volume import Volume
+
+__all__ = ["Made", "SegmentRequest", "parse_point"]
+
+Made = tuple[list[Segment], tuple[str, ...]]
+"""Segments, and what a person should know of them."""
+
+
+class SegmentRequest(
+    msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, rename="kebab"
+):
+    """The options of ``palpate segment``, under their names there."""
+
+    threshold: str | float | None = None
+    otsu: int | None = None
+    grow: list[str] = []
+    seeds: Path | None = None
+    auto: bool = False
+    fast: bool = False
+    spread: float | None = None
+    passage: float | None = None
+    most: float | None = None
+    keep_largest: bool = False
+    drop_below: float | None = None
+    fill: bool = False
+    between_slices: bool = False
+    smooth: float | None = None
+    margin: float | None = None
+    hollow: float | None = None
+    name: str | None = None
+
+    def check(self) -> None:
+        """Refuses what cannot be done whatever the scan is.
+
+        Raises:
+            OptionError: No way to make a segment is given or several are, or an option is wrong.
+        """
+        given = (self.threshold, self.otsu, self.grow or None, self.seeds, self.auto or None)
+        ways = sum(way is not None for way in given)
+        if ways != 1:
+            raise OptionError(
+                f"{ways} ways to make a segment given; allowed: one of --threshold, --otsu, "
+                "--grow, --seeds, --auto"
+            )
+        if self.fast and not self.auto:
+            raise OptionError("--fast given; allowed: with --auto only")
+        if not self.grow and not self.spread is self.passage is self.most is None:
+            raise OptionError("options of growing given; allowed: with --grow only")
+        if self.seeds is not None and not self.seeds.exists():
+            raise FileNotFoundError(f"{self.seeds} does not exist; allowed: a file with segments")
+        self._growing.check()
+        for point in self.grow:
+            parse_point(point)
+        if self.threshold is not None:
+            parse_threshold(str(self.threshold))
+
+    def make(self, volume: Volume, *, progress: Progress = silent) -> Made:
+        """Makes what is asked for out of a scan.
+
+        Raises:
+            OptionError: It cannot be, or nothing is left of it.
+        """
+        made, warnings = self._found(volume, progress)
+        for kind, amount in self._changes():
+            progress(kind.replace("-", " "), None)
+            made = [changed_shape(one, kind, amount=amount) for one in made]
+        if self.name is not None:
+            for one in made:
+                one.name = self.name if len(made) == 1 else f"{self.name}, {one.name}"
+        made = [one for one in made if one.voxel_count > 0]
+        if not made:
+            raise OptionError("nothing is left of the segment; allowed: smaller changes")
+        return made, warnings
+
+    @property
+    def _growing(self) -> Growing:
+        usual = Growing()
+        return Growing(
+            spread=usual.spread if self.spread is None else self.spread,
+            passage=usual.passage if self.passage is None else self.passage,
+            most_ml=usual.most_ml if self.most is None else self.most,
+        )
+
+    def _found(self, volume: Volume, progress: Progress) -> Made:
+        from palpate.automatic import found_automatically
+        from palpate.labels import read_labels
+
+        if self.auto:
+            found = found_automatically(volume, fast=self.fast, progress=progress)
+            return [each.segment for each in found.labels], found.warnings
+        if self.seeds is not None:
+            read = read_labels(self.seeds, volume, progress=progress)
+            seeds = [each.segment for each in read.labels]
+            return grown_from_seeds(volume, seeds, progress=progress), read.warnings
+        if self.otsu is not None:
+            return otsu(volume, classes=self.otsu), ()
+        bounds = parse_threshold(None if self.threshold is None else str(self.threshold))
+        if bounds is not None:
+            return [volume.threshold(*bounds, name="threshold")], ()
+        points = [parse_point(point) for point in self.grow]
+        return [grown(volume, points, growing=self._growing, progress=progress)], ()
+
+    def _changes(self) -> Iterator[tuple[ShapeKind, float]]:
+        """Lists what is to be done with the shape, in order."""
+        if self.keep_largest:
+            yield "keep-largest", 1.0
+        if self.drop_below is not None:
+            yield "drop-small", self.drop_below
+        if self.fill:
+            yield "fill-holes", 0.0
+        if self.between_slices:
+            yield "between-slices", 0.0
+        if self.smooth is not None:
+            yield "smooth", self.smooth
+        if self.margin is not None:
+            yield ("grow", self.margin) if self.margin >= 0.0 else ("shrink", -self.margin)
+        if self.hollow is not None:
+            yield "hollow-inside", self.hollow
+
+
+def parse_point(given: str) -> tuple[float, float, float]:
+    """Returns the point that X,Y,Z stands for [mm].
+
+    Raises:
+        OptionError: It is none.
+    """
+    try:
+        x, y, z = (float(part) for part in given.split(","))
+    except ValueError:
+        x = y = z = math.nan
+    if not all(map(math.isfinite, (x, y, z))):
+        raise OptionError(f"point {given!r} given; allowed: X,Y,Z [mm], such as 12.5,-40,310")
+    return x, y, z

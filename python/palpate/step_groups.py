@@ -1,0 +1,62 @@
+"""Steps of the engine that a person takes back, and does again, as one.
+
+The engine's undo knows boxes. A group is known again by how many voxels the segment has after each
+of its steps: so steps of others in between, before or after never count as its own.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+
+__all__ = ["StepGroup", "StepGroups"]
+
+MOST = 1000
+"""Older groups are taken back step by step."""
+
+
+@dataclass(frozen=True)
+class StepGroup:
+    """Steps that follow each other, all on one segment."""
+
+    segment_id: int
+    counts: tuple[int, ...]
+    """Voxels of the segment: before the first step, and after each."""
+
+
+class StepGroups:
+    """The groups of a session."""
+
+    def __init__(self, count: Callable[[int], int | None]) -> None:
+        """Takes what tells how many voxels a segment has; None where it is gone."""
+        self._count = count
+        self._groups: deque[StepGroup] = deque(maxlen=MOST)
+
+    def add(self, group: StepGroup) -> None:
+        """Adds a group whose steps were just done."""
+        if len(group.counts) > 2:  # more than one step
+            self._groups.append(group)
+
+    def undo(self, once: Callable[[], bool]) -> bool:
+        """Takes a step or a group back; ``once`` takes a step back, if there is one."""
+        return self._go(once, back=True)
+
+    def redo(self, once: Callable[[], bool]) -> bool:
+        """Does a step or a group again; ``once`` does a step again, if there is one."""
+        return self._go(once, back=False)
+
+    def _go(self, once: Callable[[], bool], *, back: bool) -> bool:
+        numbers = {each.segment_id for each in self._groups}
+        before = {number: self._count(number) for number in numbers}
+        if not once():
+            return False
+        after = {number: self._count(number) for number in numbers}
+        for group in reversed(self._groups):
+            counts = group.counts[::-1] if back else group.counts
+            now = before[group.segment_id], after[group.segment_id]
+            if now == counts[:2]:
+                for _ in counts[2:]:
+                    once()
+                break
+        return True

@@ -1,0 +1,287 @@
+"""Scans that pages find, drop and open: lists, pictures, uploads and their bounds, the exchange."""
+
+from __future__ import annotations
+
+import json
+import zipfile
+from base64 import b64decode
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import httpx
+import numpy as np
+import palpate
+import pytest
+import SimpleITK
+from palpate import server_upload
+from palpate.recent import recent_scans
+from palpate.server_security import Access
+from palpate.server_workbench import Workbench
+
+from .conftest import PATIENCE, serving, write_page
+
+
+@dataclass
+class Client:
+    """A page that opens scans."""
+
+    access: Access
+    workbench: Workbench
+
+    def ask(self, method: str, route: str, body: Any = None) -> httpx.Response:
+        content = body if isinstance(body, bytes) else json.dumps(body).encode()
+        return httpx.request(
+            method,
+            f"http://127.0.0.1:{self.access.port}/api/{route}",
+            headers={"Cookie": f"{self.access.cookie}={self.access.token}"},
+            content=None if body is None else content,
+            trust_env=False,
+            timeout=PATIENCE,
+        )
+
+    def about(self) -> dict[str, Any]:
+        told: dict[str, Any] = self.ask("GET", "library/").json()
+        return told
+
+    def job(self, route: str, body: Any) -> list[dict[str, Any]]:
+        """Returns the lines of some work, without its progress."""
+        answer = self.ask("POST", f"library/{route}", body)
+        assert answer.status_code == 200, answer.text
+        lines = [json.loads(line) for line in answer.text.splitlines()]
+        return [line for line in lines if line["kind"] != "progress"]
+
+    def upload(self, files: dict[str, bytes]) -> int:
+        told = [{"name": name, "size": len(content)} for name, content in files.items()]
+        number = int(self.ask("POST", "library/uploads", told).json()["upload"])
+        for file, content in enumerate(files.values()):
+            assert self.ask("PUT", f"library/uploads/{number}/{file}", content).status_code == 204
+        return number
+
+
+@pytest.fixture
+def client(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Client]:
+    """A page of a server without a scan, with a state and a temporary folder of its own."""
+    room = tmp_path / "room"
+    room.mkdir()
+    monkeypatch.setattr("tempfile.tempdir", str(room))
+    monkeypatch.setenv("PALPATE_STATE", str(tmp_path / "state"))
+    workbench = Workbench()
+    with serving(workbench, write_page(tmp_path / "page")) as access:
+        yield Client(access, workbench)
+    workbench.end()
+    assert list(room.iterdir()) == []
+
+
+@pytest.fixture
+def study(write_series: Any) -> Path:
+    """A folder with two series of four slices, and one that is a single picture."""
+    write_series(uid="1.2.3", prefix="a", description="thin", PatientName="Doe^Jane")
+    write_series(uid="1.2.4", prefix="b", description="thick")
+    folder: Path = write_series(
+        uid="1.2.5", prefix="c", description="scout", positions=[(0.0, 0.0, 0.0)]
+    )
+    return folder
+
+
+def files_of(folder: Path) -> dict[str, bytes]:
+    return {
+        path.relative_to(folder.parent).as_posix(): path.read_bytes() for path in folder.iterdir()
+    }
+
+
+def test_a_folders_series_are_listed_with_pictures_and_what_cannot_be_opened(
+    client: Client, study: Path
+) -> None:
+    found, *pictures, last = client.job("find", {"path": str(study)})
+    assert last == {"kind": "done"}
+    assert found["kind"] == "found"
+    scans = {one["name"]: one for one in found["scans"]}
+    assert scans["thin"] == {
+        "patient": "Doe^Jane",
+        "study": "",
+        "name": "thin",
+        "modality": "CT",
+        "size": [4, 3, 4],
+        "spacing": [0.75, 0.5, 2.5],
+        "refused": None,
+    }
+    assert scans["scout"]["refused"].startswith("it is a 2-D image")
+    drawn = {found["scans"][each["choice"]]["name"]: each["png"] for each in pictures}
+    assert set(drawn) == {"thin", "thick"}
+    path = study.parent / "picture.png"
+    path.write_bytes(b64decode(drawn["thin"]))
+    picture = SimpleITK.GetArrayFromImage(SimpleITK.ReadImage(str(path)))
+    # 3 mm by 1.5 mm; values rise along rows
+    assert picture.shape == (48, 96)
+    assert picture[0, 0] == 0
+    assert picture[-1, -1] == 255
+    assert np.all(np.diff(picture[0].astype(int)) >= 0)
+
+
+def test_the_chosen_series_is_opened_and_remembered(client: Client, study: Path) -> None:
+    assert client.about()["scan"] is None
+    found = client.job("find", {"path": str(study)})[0]
+    number = [one["name"] for one in found["scans"]].index("thick")
+    assert client.job("open", {"find": found["find"], "choice": number}) == [{"kind": "done"}]
+    about = client.about()
+    assert (about["scan"], about["changed"], about["kept"]) == ("thick", False, True)
+    assert [(one["path"], one["series"], one["name"]) for one in about["recent"]] == [
+        (str(study), "1.2.4", "thick")
+    ]
+    voxels = np.frombuffer(client.ask("GET", "volume").content, "<i2").reshape(4, 3, 4)
+    np.testing.assert_array_equal(voxels, palpate.read(study, series="1.2.4").array)
+
+    # a recent one is opened by its place, and is first from then on
+    client.job("open", {"path": str(study), "series": "1.2.3"})
+    assert client.about()["scan"] == "thin"
+    assert [one.name for one in recent_scans()] == ["thin", "thick"]
+    assert client.ask("DELETE", "library/recent").status_code == 204
+    assert client.about()["recent"] == []
+
+
+def test_what_cannot_be_opened_is_told_and_the_open_scan_stays(client: Client, study: Path) -> None:
+    found = client.job("find", {"path": str(study)})[0]
+    client.job("open", {"path": str(study), "series": "1.2.3"})
+    number = [one["name"] for one in found["scans"]].index("scout")
+    answer = client.ask("POST", "library/open", {"find": found["find"], "choice": number})
+    assert (answer.status_code, answer.text[:15]) == (400, "it is a 2-D ima")
+    (failed,) = client.job("open", {"path": str(study), "series": "9.9.9"})
+    assert failed["kind"] == "failed"
+    assert "no series '9.9.9'" in failed["reason"]
+    (failed,) = client.job("find", {"path": str(study / "nowhere")})
+    assert "does not exist" in failed["reason"]
+    wrongs: list[Any] = [{"find": 99}, {"path": " "}, [], {"path": 7}]
+    for wrong in wrongs:
+        assert client.ask("POST", "library/open", wrong).status_code == 400
+    assert client.ask("POST", "library/find", {}).status_code == 400
+    assert client.about()["scan"] == "thin"
+
+
+def test_changes_of_the_scan_that_is_closed_are_kept_and_told(client: Client, study: Path) -> None:
+    client.job("open", {"path": str(study), "series": "1.2.3"})
+    opened = client.workbench.opened
+    assert opened is not None
+    mask = np.ones((4, 3, 4), np.uint8)
+    number = opened.session.add_segment(opened.session.scene.volume.segment(mask, name="all"))
+    opened.session.fill_box(number, low=(0, 0, 0), high=(2, 2, 2), solid=False)
+    assert client.about()["changed"]
+    client.job("open", {"path": str(study), "series": "1.2.4"})
+    told = client.about()["told"]
+    assert "Your changes are kept: the next start with this scan offers them." in told
+    assert client.about()["told"] == []
+    # and it does
+    client.job("open", {"path": str(study), "series": "1.2.3"})
+    opened = client.workbench.opened
+    assert opened is not None
+    assert opened.journal is not None
+    assert opened.journal.offer is not None
+
+
+# --- files that are dropped ---------------------------------------------------------------
+
+
+def test_a_dropped_folder_is_listed_opened_and_gone_with_its_scan(
+    client: Client, study: Path, tmp_path: Path
+) -> None:
+    upload = client.upload(files_of(study))
+    found = client.job("find", {"upload": upload})[0]
+    number = [one["name"] for one in found["scans"]].index("thick")
+    client.job("open", {"find": found["find"], "choice": number})
+    about = client.about()
+    assert about["scan"] == "thick"
+    # nothing that is gone soon is offered later
+    assert about["recent"] == []
+    # a scene holds the scan, since there is no place to find it at
+    scene = client.ask("POST", "scene", {"view": {}, "copy": False})
+    (tmp_path / "kept.palpate").write_bytes(scene.content)
+    with zipfile.ZipFile(tmp_path / "kept.palpate") as archive:
+        assert "scan.i16" in archive.namelist()
+    opened = client.workbench.opened
+    assert opened is not None
+    assert opened.files is not None
+    assert "a copy that goes" in opened.session.scene.volume.warnings[-1]
+    folder = Path(opened.files.name)
+    assert folder.is_dir()
+    client.job("open", {"path": str(study), "series": "1.2.3"})
+    assert not folder.exists()
+
+
+@pytest.mark.parametrize(
+    "kind", ["head.nii.gz", "head.mhd", "head.nrrd", "study.zip", "one.palpate"]
+)
+def test_files_of_each_kind_can_be_dropped(
+    client: Client, write_image: Any, study: Path, tmp_path: Path, small_values: Any, kind: str
+) -> None:
+    if kind == "study.zip":
+        with zipfile.ZipFile(tmp_path / kind, "w") as archive:
+            for name, content in files_of(study).items():
+                archive.writestr(name, content)
+        paths = [tmp_path / kind]
+    elif kind == "one.palpate":
+        client.job("open", {"path": str(write_image(small_values))})
+        scene = client.ask("POST", "scene", {"view": {}, "copy": True})
+        (tmp_path / kind).write_bytes(scene.content)
+        paths = [tmp_path / kind]
+    else:
+        path = write_image(small_values, kind)
+        paths = [path, *([path.with_suffix(".raw")] if kind.endswith(".mhd") else [])]
+    upload = client.upload({path.name: path.read_bytes() for path in paths})
+    found, *_, done = client.job("find", {"upload": upload})
+    assert done == {"kind": "done"}
+    assert len(found["scans"]) == (3 if kind == "study.zip" else 1)
+    assert client.job("open", {"find": found["find"], "choice": 0}) == [{"kind": "done"}]
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["../out", "a/../../out", "/etc/passwd", "a\\..\\b", "c:x", "", ".", "..", "a\n", "x" * 256],
+)
+def test_no_name_leads_out_of_the_upload(client: Client, name: str) -> None:
+    answer = client.ask("POST", "library/uploads", [{"name": name, "size": 1}])
+    assert answer.status_code == 400
+    assert "leads elsewhere" in answer.text
+
+
+def test_uploads_are_bounded(client: Client, monkeypatch: pytest.MonkeyPatch) -> None:
+    def asked(*files: tuple[str, int]) -> str:
+        told = [{"name": name, "size": size} for name, size in files]
+        return client.ask("POST", "library/uploads", told).text
+
+    assert "17.0 GiB given; allowed: at most 16 GiB" in asked(("big", 17 << 30))
+    assert "less than nothing" in asked(("a", -1))
+    assert "two files have one name" in asked(("a", 1), ("A", 1))
+    assert "0 files given" in asked()
+    monkeypatch.setattr(server_upload, "SPARE", 1 << 60)
+    assert "allowed: 0 MiB" in asked(("a", 1))
+
+
+def test_a_file_brings_as_many_bytes_as_were_told(client: Client) -> None:
+    told = [{"name": "a", "size": 3}, {"name": "b", "size": 2}]
+    number = client.ask("POST", "library/uploads", told).json()["upload"]
+    place = f"library/uploads/{number}"
+    assert "more than the 3 bytes" in client.ask("PUT", f"{place}/0", b"abcd").text
+    assert "2 of 3 bytes" in client.ask("PUT", f"{place}/0", b"ab").text
+    assert client.ask("PUT", f"{place}/0", b"abc").status_code == 204
+    assert "not waited for" in client.ask("PUT", f"{place}/0", b"abc").text
+    assert "not waited for" in client.ask("PUT", f"{place}/7", b"").text
+    answer = client.ask("POST", "library/find", {"upload": number})
+    assert "1 files have not come" in answer.text
+    assert client.ask("DELETE", place).status_code == 204
+    assert "is gone" in client.ask("PUT", f"{place}/1", b"ab").text
+
+
+def test_a_dropped_bomb_is_refused(client: Client, tmp_path: Path) -> None:
+    path = tmp_path / "bomb.zip"
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("zeros", bytes(50 << 20))
+    (failed,) = client.job("find", {"upload": client.upload({"bomb.zip": path.read_bytes()})})
+    assert "allowed: at most 200 times" in failed["reason"]
+
+
+def test_the_library_needs_the_token(client: Client) -> None:
+    base = f"http://127.0.0.1:{client.access.port}/api/library"
+    for method, route in (("GET", "/"), ("POST", "/find"), ("PUT", "/uploads/1/0")):
+        answer = httpx.request(method, base + route, trust_env=False, timeout=PATIENCE)
+        assert answer.status_code == 403

@@ -1,0 +1,88 @@
+"""Opening scans on the page in a real browser: from a list, dropped, over the open one."""
+
+from __future__ import annotations
+
+import shutil
+import zipfile
+from pathlib import Path
+
+import pytest
+from browser import ROOT, Browser, browser, palpate
+
+pytestmark = [pytest.mark.browser, pytest.mark.data]
+
+OUTPUT = ROOT / "tests" / "output"
+SIZE = {"width": 1366, "height": 768}
+READY = "window.palpate?.ready === true"
+
+
+def exchanged(page: Browser, name: str) -> None:
+    """Waits until the page shows another scan; it loads itself anew meanwhile."""
+    page.wait(f"{READY} && document.title.startsWith({name!r})", seconds=120.0)
+
+
+def test_a_page_without_a_scan_lists_takes_and_exchanges_scans(
+    data_folder: Path, tmp_path: Path
+) -> None:
+    head = data_folder / "cthead_stanford" / "CThead.mha"
+    study = tmp_path / "study"
+    shutil.copytree(data_folder / "dcmqi_seg" / "ct-3slice", study / "thin")
+    shutil.copytree(data_folder / "dcmqi_seg" / "23x38x3", study / "small")
+    with palpate("open", state=tmp_path / "state") as command, browser() as page:
+        page.do("open", url=command.url, **SIZE)
+        chosen_from_a_list(page, study)
+        # a file that is dropped onto the open scan takes its place
+        page.do("drop", paths=[str(head)])
+        exchanged(page, "CThead")
+        assert page.read("window.palpate.scan.dimensions") == [256, 256, 113]
+        page.wait("document.querySelector('aside').textContent.includes('ts files are a copy')")
+        chosen_over_the_scan(page, study / "thin")
+        archive_dropped(page, study / "thin", tmp_path / "study.zip")
+        assert [text for text in page.complaints if "400" not in text] == []
+        assert command.stop() == 0
+
+
+def chosen_from_a_list(page: Browser, study: Path) -> None:
+    """Looks at a path that leads nowhere, then at one with several series, and opens one."""
+    assert "Drop a scan here" in page.text("open-page")
+    page.do("screenshot", path=str(OUTPUT / "open-start.png"))
+    assert page.do("axe")["value"] == []
+    page.do("fill", testid="open-path", text=str(study / "nowhere"))
+    page.do("click", testid="open-look")
+    page.shows("open-failure", "text.includes('does not exist')")
+    page.do("fill", testid="open-path", text=str(study))
+    page.do("click", testid="open-look")
+    page.wait("document.querySelectorAll('[data-testid=series-list] img').length >= 2")
+    listed = page.text("series-list")
+    assert "512 × 512 × 3" in listed
+    assert "JANCT000" in listed
+    page.do("screenshot", path=str(OUTPUT / "open-list.png"))
+    assert page.do("axe")["value"] == []
+    page.do("click", testid="series-0")
+    page.wait(READY, seconds=120.0)
+    # the list names the patient, and nothing else does
+    assert "JANCT000" not in page.read("document.title + document.body.textContent")
+    assert page.read("window.palpate.scan.dimensions") == [512, 512, 3]
+
+
+def chosen_over_the_scan(page: Browser, folder: Path) -> None:
+    """Opens a folder by the chooser, over the open scan."""
+    page.do("click", testid="open-scan")
+    page.do("screenshot", path=str(OUTPUT / "open-over.png"))
+    page.do("give", testid="open-folder", path=str(folder))
+    page.wait(f"{READY} && window.palpate.scan.dimensions[2] === 3", seconds=120.0)
+    page.do("press", key="Control+o")
+    page.wait("document.querySelector('[data-testid=recent] button') !== null")
+    page.do("press", key="Escape")
+    page.wait("document.querySelector('[data-testid=open-page]') === null")
+
+
+def archive_dropped(page: Browser, folder: Path, archive: Path) -> None:
+    """Drops an archive of one series."""
+    with zipfile.ZipFile(archive, "w") as packed:
+        for file in folder.iterdir():
+            packed.write(file, file.name)
+    page.read("window.before = true")
+    page.do("drop", paths=[str(archive)])
+    page.wait(f"{READY} && window.before === undefined", seconds=120.0)
+    assert page.read("window.palpate.scan.dimensions") == [512, 512, 3]

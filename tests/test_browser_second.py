@@ -1,0 +1,134 @@
+"""A second scan with the first in a real browser: the same lung at two dates, by a known transform.
+
+The oracle is SimpleITK: it lays the second file on the plane of a slice, through the transform.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import numpy as np
+import pytest
+import SimpleITK
+from browser import ROOT, Browser, browser, palpate
+from numpy.typing import NDArray
+from palpate import protocol
+
+pytestmark = pytest.mark.browser
+
+OUTPUT = ROOT / "tests" / "output"
+Picture = NDArray[np.float64]
+
+TURN = SimpleITK.Euler3DTransform((-80.0, -40.0, -1280.0), 0.0, 0.0, 0.1, (-12.0, -18.0, 36.0))
+"""From points of the first scan to the second's."""
+
+
+@pytest.fixture(scope="module")
+def lungs(data_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
+    """The baseline with the follow-up, in four panes."""
+    folder = data_folder / "elastix_lung_pair"
+    transform = tmp_path_factory.mktemp("second") / "turn.tfm"
+    SimpleITK.WriteTransform(TURN, str(transform))
+    first, second = folder / "3DCT_lung_baseline.mha", folder / "3DCT_lung_followup.mha"
+    options = ("--with", second, "--transform", transform)
+    with palpate("open", first, *options) as command, browser() as page:
+        opening = page.do("open", url=command.url, width=1280, height=860)
+        assert opening["firstPicture"] is not None
+        page.do("click", testid="layout-four")
+        page.wait("window.palpate.slices.length === 3")
+        page.do("clickText", text="Second scan")
+        assert page.text("second-name") == "3DCT_lung_followup"
+        yield page
+
+
+def axial(page: Browser) -> tuple[Picture, dict[str, Any]]:
+    """The axial slice as it is drawn, RGB 0..1 [h, w, 3], and where it lies."""
+    page.finish()
+    path = OUTPUT / "second_axial.png"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    page.do("screenshot", path=str(path), testid="slice-axial")
+    pixels = SimpleITK.GetArrayFromImage(SimpleITK.ReadImage(str(path)))
+    found = page.read("window.palpate.slices.find(({name}) => name === 'axial')")
+    return np.asarray(pixels[..., :3], np.float64) / 255.0, {**found["plane"], **found["rect"]}
+
+
+def laid(image: Any, plane: dict[str, Any], transform: Any) -> Picture:
+    """Values of a file in the middle of each pixel of a slice; NaN outside."""
+    right, up, centre = (np.array(plane[key]) for key in ("right", "up", "centre"))
+    width, height, size = round(plane["width"]), round(plane["height"]), plane["pixel"]
+    first = centre - right * size * (width - 1) / 2 + up * size * (height - 1) / 2
+    reference = SimpleITK.Image([width, height, 1], SimpleITK.sitkUInt8)
+    reference.SetSpacing((size, size, 1.0))
+    reference.SetOrigin(first.tolist())
+    reference.SetDirection(np.stack([right, -up, np.cross(right, -up)], 1).ravel().tolist())
+    lain = SimpleITK.Resample(
+        image, reference, transform, SimpleITK.sitkLinear, float("nan"), SimpleITK.sitkFloat64
+    )
+    return np.asarray(SimpleITK.GetArrayFromImage(lain)[0], np.float64)
+
+
+def grey(values: Picture, page: Browser, scan: str) -> Picture:
+    width, level = (
+        float(page.read(f"document.querySelector('[data-testid={scan}{which}]').value"))
+        for which in ("width" if scan == "window-" else "window", "level")
+    )
+    return np.clip((values - level) / width + 0.5, 0, 1)
+
+
+@pytest.mark.data
+def test_slices_show_the_second_scan_where_its_transform_puts_it(
+    lungs: Browser, data_folder: Path
+) -> None:
+    folder = data_folder / "elastix_lung_pair"
+    second = SimpleITK.ReadImage(str(folder / "3DCT_lung_followup.mha"))
+    lungs.do("choose", testid="second-fusion", value="blend")
+    lungs.do("choose", testid="second-tint", value="grey")
+    lungs.do("slide", testid="second-opacity", value=1)
+    drawn, plane = axial(lungs)
+    values = laid(second, plane, TURN)
+    expected = grey(values, lungs, "second-")
+    # where the slice of the first scan is, without marks on it
+    first = SimpleITK.ReadImage(str(folder / "3DCT_lung_baseline.mha"))
+    inside = np.isfinite(laid(first, plane, SimpleITK.Transform())) & np.isfinite(values)
+    plain = inside & (np.ptp(drawn, axis=2) < 0.02)
+    assert plain.mean() > 0.3
+    off = np.abs(drawn[..., 1] - expected)[plain]
+    assert np.median(off) < 2 / 255
+    assert np.mean(off < 12 / 255) > 0.95
+    # without its transform it is far off
+    elsewhere = grey(laid(second, plane, SimpleITK.Transform()), lungs, "second-")
+    assert np.nanmean(np.abs(drawn[..., 1] - elsewhere)[plain]) > 15 / 255
+
+    # squares of both by turns: about half of the pixels are those of each
+    lungs.do("choose", testid="second-fusion", value="checkerboard")
+    squares, _ = axial(lungs)
+    same = np.abs(squares - drawn).max(axis=2)[plain] < 2 / 255
+    assert 0.3 < same.mean() < 0.9
+
+
+@pytest.mark.data
+def test_the_view_shows_it_too_and_follows_another_transform(lungs: Browser) -> None:
+    lungs.do("choose", testid="second-preset", value="CT-Lung")
+    shown = lungs.picture(OUTPUT / "second_view.png")
+    lungs.do("click", testid="second-view")
+    without = lungs.picture(OUTPUT / "second_view_without.png")
+    assert np.abs(shown - without).mean() > 0.5 / 255
+    lungs.do("click", testid="second-view")
+    lungs.finish()
+    before, _ = axial(lungs)
+
+    told = lungs.read("window.palpate.second")
+    away = np.eye(4)
+    away[:3, 3] = 1000.0
+    message = msgspec.convert(
+        {**told, "second_from_first": away.ravel().tolist()}, protocol.SecondScan
+    )
+    packed = list(protocol.encode_to_page(message))
+    lungs.read(f"window.palpate.receive(new Uint8Array({packed}))")
+    gone = lungs.picture(OUTPUT / "second_view_away.png")
+    np.testing.assert_allclose(gone, without, atol=2 / 255)
+    after, _ = axial(lungs)
+    assert np.abs(after - before).mean() > 5 / 255

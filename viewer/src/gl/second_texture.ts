@@ -1,0 +1,147 @@
+/**
+ * The second scan on the GPU: its values in a texture of their own, and how it is shown. Keep in sync with
+ * `shaders/second.glsl` and `shaders/second_tissue.glsl`.
+ */
+import * as THREE from "three";
+import type { Affine } from "../core/affine";
+import { brickEdge, distanceToFilled, filledBricks, type BrickRanges } from "../core/bricks";
+import { DrawnValues } from "../core/drawn_values";
+import type { ScanFrame, ScanVolume } from "../core/scan_volume";
+import { fusions, sharesFromGrid, tints, type SecondLook } from "../core/second_scan";
+import { biasedOf, type Rescale } from "../core/stored_values";
+import { domainOf } from "../core/transfer_function";
+import { greyOf } from "../core/optics";
+import { FieldTexture, type FieldFormat } from "./field_texture";
+import { byteTexture, transferTextures } from "./lookup_textures";
+
+/** All that is shown of a second scan. */
+export interface ShownSecond {
+  readonly volume: ScanVolume;
+  readonly bricks: BrickRanges;
+  /** Points of the first scan to the second's, patient of each [mm]. */
+  readonly place: Affine;
+  readonly look: SecondLook;
+}
+
+export class SecondTexture {
+  readonly uniforms = {
+    secondTexture: { value: null as THREE.Texture | null },
+    secondFromGrid: { value: new THREE.Matrix4() },
+    secondGrey: { value: new THREE.Vector2() },
+    secondFusion: { value: 0 },
+    secondTint: { value: 0 },
+    secondOpacity: { value: 0 },
+    secondSquare: { value: 1 },
+    secondTurn: { value: 1 },
+    secondTransfer: { value: null as THREE.Texture | null },
+    secondScale: { value: new THREE.Vector2() },
+    secondDensity: { value: 1 },
+    secondEdge: { value: 1 },
+    secondBricks: { value: null as THREE.Texture | null },
+    secondBrickScale: { value: new THREE.Vector3() },
+    secondTextureScale: { value: new THREE.Vector3(1, 1, 1) },
+    secondTextureOffset: { value: new THREE.Vector3() },
+  };
+  /** That of the first scan, which the same shader reads. */
+  format: FieldFormat = "rg8";
+  private field: FieldTexture | null = null;
+  private shown: ShownSecond | null = null;
+  private ready = false;
+
+  /** Shows another one, or the same in another way or elsewhere; null shows none. */
+  set(shown: ShownSecond | null): void {
+    if (shown?.volume !== this.shown?.volume) {
+      this.release();
+      this.field = shown === null ? null : new FieldTexture(shown.volume, this.format);
+    }
+    if (shown !== null && shown.look.transferFunction !== this.shown?.look.transferFunction) {
+      this.setTransferFunction(shown);
+    }
+    this.shown = shown;
+    if (shown !== null) {
+      this.setLook(shown.look, shown.volume.frame.rescale);
+    }
+  }
+
+  /** Follows the first scan, or another place of this one. */
+  stand(first: ScanFrame): void {
+    if (this.shown !== null) {
+      this.uniforms.secondFromGrid.value.fromArray(sharesFromGrid(first, this.shown.volume.frame, this.shown.place));
+    }
+  }
+
+  /** Sends some of its values; true once, when all are there. */
+  upload(renderer: THREE.WebGLRenderer): boolean {
+    if (this.field === null || this.ready) {
+      return false;
+    }
+    this.ready = this.field.uploadSlab(renderer);
+    this.uniforms.secondTexture.value = this.field.texture;
+    return this.ready;
+  }
+
+  /** Whether some of it is still to be sent. */
+  get isAwaited(): boolean {
+    return this.field !== null && !this.ready;
+  }
+
+  get inView(): boolean {
+    return this.ready && this.shown?.look.inView === true;
+  }
+
+  get inSlices(): boolean {
+    return this.ready && this.shown?.look.inSlices === true;
+  }
+
+  dispose(): void {
+    this.release();
+  }
+
+  private release(): void {
+    this.field?.dispose();
+    this.field = null;
+    this.shown = null;
+    this.ready = false;
+    const { secondBricks, secondTransfer } = this.uniforms;
+    secondBricks.value?.dispose();
+    secondTransfer.value?.dispose();
+    secondBricks.value = null;
+    secondTransfer.value = null;
+  }
+
+  private setLook(look: SecondLook, rescale: Rescale): void {
+    const u = this.uniforms;
+    const zero = greyOf(rescale.intercept - 32768 * rescale.slope, look.window);
+    u.secondGrey.value.set(rescale.slope / Math.max(look.window.window, 1e-6), zero);
+    u.secondFusion.value = fusions.indexOf(look.fusion);
+    u.secondTint.value = tints.indexOf(look.tint);
+    u.secondOpacity.value = look.opacity;
+    u.secondSquare.value = look.square;
+    u.secondTurn.value = look.turn === "second" ? 1 : 0;
+    u.secondDensity.value = look.density;
+    u.secondEdge.value = look.edgeGradient / Math.max(Math.abs(rescale.slope), 1e-12);
+  }
+
+  private setTransferFunction({ volume, bricks, look }: ShownSecond): void {
+    const u = this.uniforms;
+    const { rescale } = volume.frame;
+    const { values, integrals } = transferTextures(look.transferFunction);
+    integrals.dispose();
+    u.secondTransfer.value?.dispose();
+    u.secondTransfer.value = values;
+    const [low = 0, high = 1] = domainOf(look.transferFunction).map((value) => biasedOf(value, rescale));
+    u.secondScale.value.set(1 / (high - low), -low / (high - low));
+    const drawn = new DrawnValues(look.transferFunction, rescale);
+    const filled = filledBricks(bricks, (from, to) => drawn.any(from, to));
+    u.secondBricks.value?.dispose();
+    u.secondBricks.value = byteTexture(distanceToFilled(filled, bricks.counts), bricks.counts);
+    const [x, y, z] = volume.dimensions;
+    u.secondBrickScale.value.set(x / brickEdge, y / brickEdge, z / brickEdge);
+    // texel centres stand at half numbers: see core/scan_volume.ts
+    const { step } = volume;
+    const [across, down, deep] = volume.frame.dimensions;
+    const first = 0.5 - 0.5 / step;
+    u.secondTextureScale.value.set(across / (x * step), down / (y * step), deep / (z * step));
+    u.secondTextureOffset.value.set(first / x, first / y, first / z);
+  }
+}

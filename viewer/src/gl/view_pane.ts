@@ -1,0 +1,130 @@
+/**
+ * The pane of the 3-D view on the screen: what each eye sees of the scan, and over it the markers.
+ */
+import * as THREE from "three";
+import { project, type Camera } from "../core/camera";
+import type { Rect } from "../core/picture_layout";
+import { eyesOf, firstStereo, type Stereo } from "../core/stereo";
+import { Anaglyph } from "./anaglyph";
+import type { Composition, Compositor } from "./compositor";
+import { markerMargin, Markers, type MarkerState } from "./markers";
+import type { PictureTarget } from "./picture_target";
+import { ThreeCamera } from "./three_camera";
+
+export class ViewPane {
+  stereo: Stereo = firstStereo;
+  /** The pane, and the height of the canvas that it is a part of [CSS pixels from the upper left]. */
+  rect: Rect = { x: 0, y: 0, width: 1, height: 1 };
+  canvasHeight = 1;
+  /** What is on display, as seen from between the eyes. */
+  shownCamera: Camera | null = null;
+  /** Markers stand elsewhere than they were drawn. */
+  stale = true;
+  private readonly cameras = [new ThreeCamera(), new ThreeCamera()] as const;
+  private readonly anaglyph = new Anaglyph();
+  private readonly markers = new Markers();
+  private markersShown = false;
+  /** Where markers were drawn last [CSS pixels from the upper left of the pane]. */
+  private marked: THREE.Box2 | null = null;
+
+  constructor(
+    private readonly renderer: THREE.WebGLRenderer,
+    private readonly compositor: Compositor,
+    /** The cached picture of an eye. */
+    private readonly pictureOf: (eye: number) => PictureTarget,
+  ) {}
+
+  cameraOf(eye: number): ThreeCamera {
+    return this.cameras[eye === 0 ? 0 : 1];
+  }
+
+  setStereo(stereo: Stereo): void {
+    this.stereo = stereo;
+    this.anaglyph.forget();
+  }
+
+  setMarkers(state: MarkerState): void {
+    this.stale = this.markers.update(state) || this.stale;
+    this.markersShown = true;
+  }
+
+  /** Draws all of it. */
+  draw(): void {
+    this.drawPart(null);
+  }
+
+  /** Draws again where markers were and are; all of it where the screen forgets. */
+  drawMarkers(keepsScreen: boolean): void {
+    const before = this.marked;
+    const now = this.markedBox();
+    this.drawPart(keepsScreen && before !== null && now !== null ? now.clone().union(before) : null);
+  }
+
+  dispose(): void {
+    this.anaglyph.dispose();
+    this.markers.dispose();
+  }
+
+  private drawPart(part: THREE.Box2 | null): void {
+    const { rect: pane, renderer, stereo } = this;
+    renderer.setScissorTest(true);
+    if (stereo.mode === "anaglyph") {
+      this.drawMixed();
+    } else {
+      eyesOf(stereo, pane).forEach(({ rect }, eye) => {
+        const corner = this.enter({ ...rect, x: pane.x + rect.x, y: pane.y + rect.y }, part);
+        this.drawEye(eye, { corner });
+      });
+    }
+    renderer.setScissorTest(false);
+    this.marked = this.markedBox();
+    this.stale = false;
+  }
+
+  private drawEye(eye: number, where: Composition): void {
+    this.compositor.draw(this.renderer, this.pictureOf(eye), where);
+    if (this.markersShown) {
+      this.renderer.render(this.markers.scene, this.cameraOf(eye).camera);
+    }
+  }
+
+  /** Draws what both eyes see beside the screen, and the mixture of both onto it. */
+  private drawMixed(): void {
+    const { width, height } = this.pictureOf(0).target;
+    this.anaglyph.resize(width, height);
+    this.anaglyph.eyes.forEach((into, eye) => {
+      this.drawEye(eye, { corner: [0, 0], into });
+    });
+    this.renderer.setRenderTarget(null);
+    this.anaglyph.draw(this.renderer, this.enter(this.rect, null));
+  }
+
+  /** Restricts drawing to a pane, or to a part of it; returns the pane's lower left corner [device pixels]. */
+  private enter({ x, y: top, width, height }: Rect, part: THREE.Box2 | null): readonly [number, number] {
+    const { renderer } = this;
+    const y = this.canvasHeight - top - height;
+    const inside = new THREE.Box2(new THREE.Vector2(), new THREE.Vector2(width, height));
+    const box = part === null ? inside : part.clone().intersect(inside);
+    const size = box.getSize(new THREE.Vector2());
+    renderer.setScissor(x + box.min.x, y + height - box.max.y, size.x, size.y);
+    renderer.setViewport(x, y, width, height);
+    const ratio = renderer.getPixelRatio();
+    return [x * ratio, y * ratio];
+  }
+
+  /** Box around all markers; null where it cannot be told, or where each is drawn twice. */
+  private markedBox(): THREE.Box2 | null {
+    if (this.stereo.mode !== "off") {
+      return null;
+    }
+    const box = new THREE.Box2();
+    for (const point of this.markers.outline) {
+      const place = this.shownCamera === null ? null : project(this.shownCamera, point, this.rect);
+      if (place === null) {
+        return null;
+      }
+      box.expandByPoint(new THREE.Vector2(...place));
+    }
+    return box.isEmpty() ? null : box.expandByScalar(markerMargin);
+  }
+}

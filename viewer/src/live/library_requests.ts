@@ -1,0 +1,124 @@
+/**
+ * Asks the engine for scans: work that tells how far it is, and files that are brought to it.
+ */
+import { Lines, type About, type GivenFile, type JobLine } from "../core/library";
+import { apiAddress } from "./connection";
+
+/** How many files are on their way at once. */
+const atOnce = 4;
+
+export async function askAbout(token: string): Promise<About> {
+  const answer = await fetch(apiAddress("/api/library/", token), { cache: "no-store" });
+  if (!answer.ok) {
+    throw new Error(await answer.text());
+  }
+  return (await answer.json()) as About;
+}
+
+export async function forgetRecent(token: string): Promise<void> {
+  await fetch(apiAddress("/api/library/recent", token), { method: "DELETE" });
+}
+
+/** Has the engine work, and calls back with each line; leaving it cancels. Throws why it failed. */
+export async function work(
+  route: "find" | "open",
+  wanted: object,
+  { token, signal }: Asking,
+  told: (line: JobLine) => void,
+): Promise<void> {
+  const answer = await fetch(apiAddress(`/api/library/${route}`, token), {
+    method: "POST",
+    body: JSON.stringify(wanted),
+    signal,
+  });
+  if (!answer.ok || answer.body === null) {
+    throw new Error(await answer.text());
+  }
+  const lines = new Lines();
+  const decoder = new TextDecoder();
+  for (const reader = answer.body.getReader(); ; ) {
+    const { done, value } = await reader.read();
+    if (done) {
+      return;
+    }
+    for (const line of lines.take(decoder.decode(value, { stream: true }))) {
+      if (line.kind === "failed") {
+        throw new Error(line.reason);
+      }
+      told(line);
+    }
+  }
+}
+
+export interface Asking {
+  readonly token: string;
+  readonly signal: AbortSignal;
+}
+
+/** Brings files to the engine; returns the number of the upload. Throws why they were not taken. */
+export async function bring(
+  files: readonly GivenFile[],
+  { token, signal }: Asking,
+  progress: (bytes: number) => void,
+): Promise<number> {
+  const told = files.map(({ name, file }) => ({ name, size: file.size }));
+  const answer = await fetch(apiAddress("/api/library/uploads", token), {
+    method: "POST",
+    body: JSON.stringify(told),
+    signal,
+  });
+  if (!answer.ok) {
+    throw new Error(await answer.text());
+  }
+  const { upload } = (await answer.json()) as { readonly upload: number };
+  const place = `/api/library/uploads/${String(upload)}`;
+  const brought = files.map(() => 0);
+  const waiting = files.map(({ file }, number) => ({ file, number }));
+  const bringNext = async (): Promise<void> => {
+    for (let next = waiting.shift(); next !== undefined; next = waiting.shift()) {
+      const { file, number } = next;
+      await put(apiAddress(`${place}/${String(number)}`, token), file, signal, (bytes) => {
+        brought[number] = bytes;
+        progress(brought.reduce((sum, each) => sum + each, 0));
+      });
+    }
+  };
+  try {
+    await Promise.all(Array.from({ length: atOnce }, bringNext));
+  } catch (error) {
+    waiting.length = 0;
+    void fetch(apiAddress(place, token), { method: "DELETE" });
+    throw error;
+  }
+  return upload;
+}
+
+/** `fetch` does not tell how much of a large file was sent. */
+function put(url: string, file: Blob, signal: AbortSignal, progress: (bytes: number) => void): Promise<void> {
+  return new Promise((resolve, reject) => {
+    const request = new XMLHttpRequest();
+    request.open("PUT", url);
+    request.upload.onprogress = ({ loaded }) => {
+      progress(loaded);
+    };
+    request.onload = () => {
+      if (request.status === 204) {
+        progress(file.size);
+        resolve();
+      } else {
+        reject(new Error(request.responseText));
+      }
+    };
+    request.onerror = () => {
+      reject(new Error("a file could not be read, or the engine does not answer"));
+    };
+    request.onabort = () => {
+      reject(new DOMException("cancelled", "AbortError"));
+    };
+    signal.addEventListener("abort", () => {
+      request.abort();
+    });
+    signal.throwIfAborted();
+    request.send(file);
+  });
+}

@@ -1,0 +1,79 @@
+/**
+ * Hands slices, clip planes and the second scan to the picture as they change, and knows whether it has them.
+ */
+import type { Plane } from "../core/clip";
+import type { Picture } from "../gl/picture";
+import type { ShownSecond } from "../gl/second_texture";
+import type { ShownSlice, SliceLook } from "../gl/slices";
+import type { ClipControl } from "./clip_control.svelte";
+import type { SecondControl } from "./second_control.svelte";
+import type { SliceControl } from "./slice_control.svelte";
+
+/** Between two drawings of slices where the CPU draws [ms]. */
+const slicePause = 60;
+
+interface Views {
+  readonly slices: SliceControl;
+  readonly clips: ClipControl;
+  readonly second: SecondControl;
+}
+
+export class HandedViews {
+  private clip: readonly Plane[] | null = null;
+  private slices: readonly ShownSlice[] | null = null;
+  private sliceLook: SliceLook | null = null;
+  private second: ShownSecond | null = null;
+  private slicesAt = 0;
+
+  /** @param software whether the CPU draws. */
+  constructor(
+    private readonly views: Views,
+    private readonly software: boolean,
+  ) {}
+
+  /** A new picture has nothing yet. */
+  forget(): void {
+    this.clip = null;
+    this.slices = null;
+    this.sliceLook = null;
+    this.second = null;
+  }
+
+  /** Whether the picture has all that is to be seen. */
+  get isWhole(): boolean {
+    const { clips, second, slices } = this.views;
+    const sliced = slices.shown === this.slices && slices.look === this.sliceLook;
+    return sliced && clips.cutting === this.clip && second.shown === this.second && second.progress === null;
+  }
+
+  /** @param scan whether the picture has the first scan: it tells in which form values go to the GPU. */
+  hand(picture: Picture, now: number, scan: boolean): void {
+    this.handSlices(picture, now);
+    const { clips, second } = this.views;
+    if (clips.cutting !== this.clip) {
+      this.clip = clips.cutting;
+      picture.setClip(this.clip);
+    }
+    if (scan && second.shown !== this.second) {
+      this.second = second.shown;
+      picture.setSecond(this.second);
+    }
+  }
+
+  /** Slices: without a graphics card less often, so that touch stays fluent. */
+  private handSlices(picture: Picture, now: number): void {
+    if (this.software && now - this.slicesAt < slicePause) {
+      return;
+    }
+    const { shown, look } = this.views.slices;
+    this.slicesAt = now;
+    if (look !== this.sliceLook) {
+      this.sliceLook = look;
+      picture.setSliceLook(look);
+    }
+    if (shown !== this.slices) {
+      this.slices = shown;
+      picture.setSlices(shown);
+    }
+  }
+}

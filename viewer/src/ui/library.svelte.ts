@@ -1,0 +1,176 @@
+/** Opens scans: looks for them, takes those that are dropped, and has the engine show one. */
+import { formatBytes, formatCount } from "../core/format";
+import { isSingle, refusalOf, type About, type GivenFile, type JobLine, type ListedScan, type RecentScan } from "../core/library";
+import { askAbout, bring, forgetRecent, work } from "../live/library_requests";
+
+export interface Work {
+  readonly what: string;
+  /** 0..1; null where it is not known. */
+  readonly share: number | null;
+}
+
+export interface Found {
+  readonly find: number;
+  readonly scans: readonly ListedScan[];
+}
+
+export class Library {
+  /** What the engine says of itself; null before it has, undefined where it does not answer. */
+  about = $state.raw<About | null | undefined>(null);
+  /** Whether the page for opening lies over the open scan. */
+  shown = $state.raw(false);
+  work = $state.raw<Work | null>(null);
+  failure = $state.raw<string | null>(null);
+  found = $state.raw<Found | null>(null);
+  /** Pictures of the scans that were found, by their places in the list. */
+  pictures = $state.raw<Readonly<Record<number, string>>>({});
+
+  private asking: AbortController | null = null;
+
+  /** @param token of this page; @param reload shows the page anew, with the scan that is open then. */
+  constructor(
+    private readonly token: string,
+    private readonly reload: () => void = () => { window.location.reload(); },
+  ) {}
+
+  /** Asks what is open. */
+  async look(): Promise<void> {
+    this.about = await askAbout(this.token).catch(() => undefined);
+  }
+
+  /** Shows the page for opening over the open scan. */
+  async show(): Promise<void> {
+    this.shown = true;
+    const told = this.about?.told ?? [];
+    await this.look();
+    if (this.about) {
+      this.about = { ...this.about, told: [...told, ...this.about.told] };
+    }
+  }
+
+  hide(): void {
+    this.cancel();
+    this.shown = false;
+  }
+
+  /** Sentences that no page was told, once. */
+  takeTold(): readonly string[] {
+    const told = this.about?.told ?? [];
+    if (this.about) {
+      this.about = { ...this.about, told: [] };
+    }
+    return told;
+  }
+
+  cancel(): void {
+    this.asking?.abort();
+    this.asking = null;
+    this.work = null;
+  }
+
+  /** Back from the list. */
+  leaveList(): void {
+    this.cancel();
+    this.found = null;
+    this.pictures = {};
+  }
+
+  async findAt(path: string): Promise<void> {
+    await this.attempt(async (signal) => {
+      await this.find({ path }, signal);
+    });
+  }
+
+  /** Takes files that were dropped or chosen. */
+  async give(files: Promise<readonly GivenFile[]>): Promise<void> {
+    await this.attempt(async (signal) => {
+      this.work = { what: "Looking at the files", share: null };
+      const given = await files;
+      const refused = this.about ? refusalOf(given, this.about) : null;
+      if (refused !== null) {
+        throw new Error(refused);
+      }
+      const size = given.reduce((sum, { file }) => sum + file.size, 0);
+      const what = `Copying ${given.length === 1 ? "one file" : `${formatCount(given.length)} files`}, ${formatBytes(size)}`;
+      this.work = { what, share: 0 };
+      const upload = await bring(given, { token: this.token, signal }, (bytes) => {
+        this.work = { what, share: size === 0 ? null : bytes / size };
+      });
+      await this.find({ upload }, signal);
+    });
+  }
+
+  /** Opens one of the scans that were found. */
+  async open(choice: number): Promise<void> {
+    const find = this.found?.find;
+    await this.attempt((signal) => this.exchange({ find, choice }, signal));
+  }
+
+  async openRecent({ path, series }: RecentScan): Promise<void> {
+    await this.attempt((signal) => this.exchange({ path, series }, signal));
+  }
+
+  async forget(): Promise<void> {
+    await forgetRecent(this.token);
+    await this.look();
+  }
+
+  private async find(place: object, signal: AbortSignal): Promise<void> {
+    this.found = null;
+    this.pictures = {};
+    await work("find", place, { token: this.token, signal }, this.take.bind(this));
+    const { found } = this as { found: Found | null };
+    if (found !== null && isSingle(found.scans)) {
+      await this.exchange({ find: found.find, choice: 0 }, signal);
+    }
+  }
+
+  private async exchange(wanted: object, signal: AbortSignal): Promise<void> {
+    await work("open", wanted, { token: this.token, signal }, this.take.bind(this));
+    this.reload();
+  }
+
+  private take(line: JobLine): void {
+    switch (line.kind) {
+      case "progress":
+        this.work = { what: sentence(line.what), share: line.share };
+        break;
+      case "found":
+        this.found = line;
+        break;
+      case "picture":
+        this.pictures = { ...this.pictures, [line.choice]: `data:image/png;base64,${line.png}` };
+        break;
+      default:
+        break;
+    }
+  }
+
+  /** Does one thing at a time, and shows why it failed. */
+  private async attempt(act: (signal: AbortSignal) => Promise<void>): Promise<void> {
+    this.cancel();
+    const asking = new AbortController();
+    this.asking = asking;
+    this.failure = null;
+    this.work = { what: "Looking", share: null };
+    try {
+      await act(asking.signal);
+    } catch (error) {
+      // what was cancelled has not failed
+      if (!asking.signal.aborted) {
+        this.failure = sentence(error instanceof Error ? error.message : String(error));
+        void this.look();
+      }
+    } finally {
+      if (this.asking === asking) {
+        this.asking = null;
+        this.work = null;
+      }
+    }
+  }
+}
+
+/** The engine's sentences begin small, as on the command line. */
+function sentence(text: string): string {
+  return text.charAt(0).toUpperCase() + text.slice(1);
+}

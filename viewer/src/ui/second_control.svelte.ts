@@ -1,0 +1,158 @@
+/**
+ * The second scan on the page: its values, and how a person wants it shown; remembered by its name.
+ */
+import { transferFunctionOfCurve } from "../core/curve";
+import { curveOfPreset, presets } from "../core/curve_presets";
+import { valueAbove } from "../core/histogram";
+import type { Scan, SecondScan } from "../core/protocol";
+import { frameOf } from "../core/scan_volume";
+import { fusions, placeOf, tints, type Fusion, type SecondLook, type Tint } from "../core/second_scan";
+import { subsamplingStep } from "../core/subsampling";
+import { Unchanged } from "../core/unchanged";
+import { firstWindow, type WindowLevel } from "../core/window_level";
+import type { ShownSecond } from "../gl/second_texture";
+import { downloadVolume, type DownloadedScan } from "../live/volume_download";
+import { recall, remember } from "./remembered";
+
+/** What a person chooses. */
+export interface SecondChoice {
+  readonly inView: boolean;
+  readonly inSlices: boolean;
+  readonly preset: string;
+  readonly density: number;
+  readonly window: number;
+  readonly level: number;
+  readonly fusion: Fusion;
+  readonly tint: Tint;
+  readonly opacity: number;
+  readonly square: number;
+}
+
+/** Until the other one of two is seen [ms]. */
+const flickerTime = 700;
+
+/** Values between which a full boundary lies, per mm, as a share of those of tissue and bone. */
+const edgeShare = 0.2;
+
+/** Share of the voxels that may be brighter than the brightest of a preset. */
+const fewVoxels = 2e-4;
+
+interface Outside {
+  readonly token: string;
+  /** Largest scan that the GPU takes. */
+  readonly limits: { readonly edge: number; readonly values: number };
+  readonly complain: (text: string) => void;
+}
+
+export class SecondControl {
+  /** As the engine has told; null where there is none. */
+  told = $state.raw<SecondScan | null>(null);
+  choice = $state.raw<SecondChoice | null>(null);
+  /** Share that has arrived; null where all has. */
+  progress = $state.raw<number | null>(null);
+  private held = $state.raw<DownloadedScan | null>(null);
+  private turn = $state.raw<SecondLook["turn"]>("second");
+  private timer: ReturnType<typeof setInterval> | null = null;
+  private readonly sameFunction = new Unchanged<SecondLook["transferFunction"]>();
+
+  constructor(private readonly outside: Outside) {}
+
+  /** Takes what the engine tells: another scan, another place of it, or none any more. */
+  async take(told: SecondScan): Promise<void> {
+    const before = this.told;
+    const { scan } = told;
+    this.told = scan === null ? null : told;
+    if (scan === null) {
+      this.held = null;
+      this.progress = null;
+    } else if (before?.version !== told.version) {
+      await this.open(scan, told.version);
+    }
+    this.follow();
+  }
+
+  /** All that is shown of it; null before it is here. */
+  readonly shown = $derived.by((): ShownSecond | null => {
+    const { choice, held, told, turn } = this;
+    const place = told === null ? null : placeOf(told);
+    const scan = told?.scan ?? null;
+    if (choice === null || held === null || scan === null || place === null) {
+      return null;
+    }
+    const anchors = { softTissue: scan.soft_tissue, bone: scan.bone };
+    const preset = presets.find(({ name }) => name === choice.preset);
+    const curve = preset && curveOfPreset(preset, anchors, scan.range[0], valueAbove(scan.histogram, fewVoxels));
+    if (curve === undefined) {
+      return null;
+    }
+    const transferFunction = this.sameFunction.of(transferFunctionOfCurve(curve), JSON.stringify(curve));
+    const edgeGradient = edgeShare * Math.abs(anchors.bone - anchors.softTissue);
+    const { inView, inSlices, density, window, level, fusion, tint, opacity, square } = choice;
+    const inSlice = { inSlices, window: { window, level }, fusion, tint, opacity, square, turn };
+    return { ...held, place, look: { inView, transferFunction, density, edgeGradient, ...inSlice } };
+  });
+
+  change(part: Partial<SecondChoice>): void {
+    const scan = this.told?.scan ?? null;
+    if (this.choice !== null && scan !== null) {
+      this.choice = { ...this.choice, ...part };
+      remember(`second.${scan.name}`, this.choice);
+      this.follow();
+    }
+  }
+
+  private async open(scan: Scan, version: number): Promise<void> {
+    const frame = frameOf(scan);
+    this.choice = choiceFor(scan);
+    this.held = null;
+    this.progress = 0;
+    const still = (): boolean => this.told?.version === version;
+    try {
+      const step = subsamplingStep(frame.dimensions, this.outside.limits);
+      const held = await downloadVolume(frame, step, this.outside.token, (share) => {
+        this.progress = still() ? share : this.progress;
+      }, "/api/second");
+      this.held = still() ? held : this.held;
+    } catch (error) {
+      if (still()) {
+        this.outside.complain(`The second scan did not arrive: ${error instanceof Error ? error.message : String(error)}`);
+      }
+    }
+    this.progress = still() ? null : this.progress;
+  }
+
+  /** Lets two scans take turns where they are to. */
+  private follow(): void {
+    const flickers = this.told !== null && this.choice?.fusion === "flicker" && this.choice.inSlices;
+    if (flickers && this.timer === null) {
+      this.timer = setInterval(() => {
+        this.turn = this.turn === "second" ? "first" : "second";
+      }, flickerTime);
+    } else if (!flickers && this.timer !== null) {
+      clearInterval(this.timer);
+      this.timer = null;
+      this.turn = "second";
+    }
+  }
+}
+
+/** As it was shown last, else as fits it. */
+function choiceFor(scan: Scan): SecondChoice {
+  const { window, level }: WindowLevel = firstWindow(scan);
+  const first: SecondChoice = {
+    inView: true,
+    inSlices: true,
+    preset: scan.unit === "HU" ? "CT-Bone" : "MR-Default",
+    // the first scan is seen through it
+    density: 0.4,
+    window,
+    level,
+    fusion: "blend",
+    tint: "warm",
+    opacity: 0.6,
+    square: 20,
+  };
+  const kept = recall(`second.${scan.name}`, first);
+  const known = fusions.includes(kept.fusion) && tints.includes(kept.tint) && presets.some(({ name }) => name === kept.preset);
+  return known ? kept : first;
+}

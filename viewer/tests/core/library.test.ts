@@ -1,0 +1,36 @@
+/** Lists of scans: lines that come in pieces, what needs no choice, what is too much to take. */
+import { expect, test } from "vitest";
+import { bytesOf, isSingle, Lines, refusalOf, type About, type ListedScan } from "../../src/core/library";
+
+const scan: ListedScan = { patient: "", study: "", name: "thin", modality: "CT", size: [4, 3, 5], spacing: [1, 1, 2], refused: null };
+const about: About = { scan: null, changed: false, kept: true, can_open: true, told: [], recent: [], most_files: 2, most_bytes: 10 };
+
+test("lines are whole however they come", () => {
+  const lines = new Lines();
+  expect(lines.take('{"kind":"progress","what":"look')).toEqual([]);
+  expect(lines.take('ing","share":0.5}\n{"kind":"done"}\n{"k')).toEqual([
+    { kind: "progress", what: "looking", share: 0.5 },
+    { kind: "done" },
+  ]);
+  expect(lines.take('ind":"failed","reason":"no"}\n')).toEqual([{ kind: "failed", reason: "no" }]);
+});
+
+test("one scan that can be opened needs no choice", () => {
+  expect(isSingle([scan])).toBe(true);
+  expect(isSingle([scan, scan])).toBe(false);
+  expect(isSingle([{ ...scan, refused: "it is flat" }])).toBe(false);
+  expect(isSingle([])).toBe(false);
+});
+
+test("memory is that of 16-bit values", () => {
+  expect(bytesOf(scan)).toBe(120);
+  expect(bytesOf({ ...scan, size: [] })).toBe(0);
+});
+
+test("too many files, too many bytes and none are refused before they are brought", () => {
+  const file = (bytes: number) => ({ name: "a", file: new Blob([new Uint8Array(bytes)]) });
+  expect(refusalOf([file(5), file(5)], about)).toBeNull();
+  expect(refusalOf([file(5), file(6)], about)).toContain("at most 0.0 GiB");
+  expect(refusalOf([file(1), file(1), file(1)], about)).toContain("3 files were given; at most 2");
+  expect(refusalOf([], about)).toContain("no file");
+});
