@@ -27,6 +27,8 @@ from palpate.cli_export import export
 from palpate.cli_fuzz import bench_fuzz_import
 from palpate.cli_recipe import EXAMPLES as RECIPE_EXAMPLES
 from palpate.cli_recipe import run_file
+from palpate.cli_reconstruct import EXAMPLES as RECONSTRUCT_EXAMPLES
+from palpate.cli_reconstruct import reconstruct
 from palpate.cli_register import EXAMPLES as REGISTER_EXAMPLES
 from palpate.cli_register import register
 from palpate.cli_scenario import scenario
@@ -422,6 +424,7 @@ def replay(
 
 
 app.command("export")(export)
+app.command("reconstruct", epilog=RECONSTRUCT_EXAMPLES)(reconstruct)
 app.command("register", epilog=REGISTER_EXAMPLES)(register)
 app.command("series")(series)
 app.command("segment", epilog=EXAMPLES)(segment)
