@@ -170,7 +170,8 @@ def test_a_segment_is_a_body_or_tissue_inside_the_volume(opened: Opened) -> None
     assert plain < 0.001
     assert solid > 0.02
     assert tinted > 0.02
-    assert np.abs(pictures[0] - pictures[1]).mean() > 0.005
+    # most pixels are beside the segment
+    assert np.abs(pictures[0] - pictures[1]).mean() > 0.003
 
 
 @pytest.mark.data
