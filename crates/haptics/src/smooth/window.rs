@@ -156,7 +156,7 @@ impl Window {
                 }
             }
             let in_cells = rows.as_chunks::<HEIGHT>().0;
-            let first = 8 * (z >> log_z) & 56;
+            let first = (8 * (z >> log_z)) & 56;
             for (count, rows) in counts[first..].iter_mut().zip(in_cells).take(8) {
                 *count += rows.iter().sum::<u64>();
             }
