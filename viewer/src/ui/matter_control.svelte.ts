@@ -78,8 +78,9 @@ export class MatterControl {
     if (this.partsShown && this.shownTo !== greetings) {
       this.showParts(true);
     }
-    // a model that is not asked any more tells of parts no more
-    if (matter.model === null || this.rate === 0) {
+    // a model that is not asked any more tells of parts no more; parts on their way when they were
+    // hidden may still arrive
+    if (!this.partsShown || matter.model === null || this.rate === 0) {
       this.session.parts = null;
     }
   }

@@ -1,5 +1,6 @@
 import { afterEach, expect, test, vi } from "vitest";
 import type { MatterMemory } from "../../src/core/matter";
+import type { MatterParts } from "../../src/core/matter_parts";
 import type { FromPage, State } from "../../src/core/protocol";
 import { MatterControl } from "../../src/ui/matter_control.svelte";
 import type { Session } from "../../src/ui/session.svelte";
@@ -16,7 +17,7 @@ class Visit {
   readonly presets = [{ name: "liver" }];
   readonly models = [{ name: "lattice", boxes: null }];
   latest: State | null = null;
-  parts = null;
+  parts: MatterParts | null = null;
   readonly control: MatterControl;
   private listener: (state: State) => void = () => undefined;
   private told: (() => void)[] = [];
@@ -42,9 +43,9 @@ class Visit {
   }
 
   /** A state of an engine that holds this. */
-  holds(material: typeof liver | null, model: "lattice" | null): void {
+  holds(material: typeof liver | null, model: "lattice" | null, { time, answers } = { time: 1, answers: 0 }): void {
     this.segments = [{ id: 1, name: "Liver", material }];
-    this.latest = { time: 1, matter: { model, edge: null, answers: 0 } } as State;
+    this.latest = { time, matter: { model, edge: null, answers } } as State;
     this.listener(this.latest);
   }
 
@@ -113,4 +114,19 @@ test("an engine that begins anew is told again, and takes nothing from what is k
   visit.holds(null, null);
   expect(visit.kept).toMatchObject({ materials: [{ preset: "liver" }] });
   expect(visit.sent).toHaveLength(2);
+});
+
+test("parts that arrive after they were hidden do not stay", () => {
+  const visit = new Visit(new Map());
+  const parts = { count: 3 } as MatterParts;
+  visit.control.showParts(true);
+  visit.holds(liver, "lattice", { time: 1, answers: 0 });
+  visit.parts = parts;
+  visit.holds(liver, "lattice", { time: 2, answers: 30 });
+  expect(visit.parts).toBe(parts);
+  visit.control.showParts(false);
+  // they were on their way already
+  visit.parts = parts;
+  visit.holds(liver, "lattice", { time: 3, answers: 60 });
+  expect(visit.parts).toBeNull();
 });
