@@ -582,6 +582,47 @@ export interface SecondScan {
   readonly version: number;
 }
 
+/** The metric after each step on one level of a registration; made small. */
+export interface RegistrationLevel {
+  readonly name: string;
+  readonly values: readonly number[];
+}
+
+/**
+ * What a registration has found: the metric before and after, and how far points move [mm].
+ *
+ * `overlap` is the share of the first scan that the second covers in the end.
+ */
+export interface FoundRegistration {
+  readonly kind: "rigid" | "affine" | "bspline";
+  readonly metric: "automatic" | "mutual-information" | "correlation" | "mean-squares";
+  readonly before: number;
+  readonly after: number;
+  readonly overlap: Share;
+  readonly moved_mean: number;
+  readonly moved_most: number;
+}
+
+/**
+ * How far the registration of the second scan is, and what the last one has found.
+ *
+ * `doing` and `share` are null where none runs, `failure` says why the last one changed
+ * nothing; `curve` is that of the one that runs or ran last. `steps` counts registrations that
+ * can be taken back, `undone` those that can be made again. `shown` tells whether the second
+ * scan stands as before or after `found`.
+ */
+export interface Registration {
+  readonly type: "registration";
+  readonly doing: string | null;
+  readonly share: Share | null;
+  readonly curve: readonly RegistrationLevel[];
+  readonly failure: string | null;
+  readonly found: FoundRegistration | null;
+  readonly shown: "before" | "after";
+  readonly steps: number;
+  readonly undone: number;
+}
+
 /**
  * The answer to a `Fence`: all that this page asked for before it is done.
  *
@@ -676,6 +717,41 @@ export interface ChangeShape {
 /** Stops what `SegmentWork` tells of and forgets what waits; what is not done is not begun. */
 export interface StopSegmentWork {
   readonly type: "stop_segment_work";
+}
+
+/**
+ * Finds where the second scan lies in the first; it then stands there, and undo takes it back.
+ *
+ * Each of `pairs` is a point of the first scan and the same place in the second, in the patient
+ * of each.
+ */
+export interface Register {
+  readonly type: "register";
+  readonly kind: "rigid" | "affine" | "bspline";
+  readonly metric: "automatic" | "mutual-information" | "correlation" | "mean-squares";
+  readonly start: "as-it-stands" | "centre" | "moments" | "landmarks";
+  readonly pairs: readonly (readonly [Vector, Vector])[];
+}
+
+/** Stops the registration that runs; nothing is changed then. */
+export interface StopRegistration {
+  readonly type: "stop_registration";
+}
+
+/** Shows the second scan as before the last registration, or as after it; no step of undo. */
+export interface ShowRegistration {
+  readonly type: "show_registration";
+  readonly which: "before" | "after";
+}
+
+/** Takes the last registration back. */
+export interface UndoRegistration {
+  readonly type: "undo_registration";
+}
+
+/** Makes the registration again that was taken back last. */
+export interface RedoRegistration {
+  readonly type: "redo_registration";
 }
 
 /** Makes a segment without voxels, to be painted; undo takes it away. */
@@ -905,6 +981,7 @@ export type ToPage =
   | NeedleEvents
   | SegmentWork
   | SecondScan
+  | Registration
   | Passed;
 
 /** A message of the page. */
@@ -919,6 +996,11 @@ export type FromPage =
   | GrowSeeds
   | ChangeShape
   | StopSegmentWork
+  | Register
+  | StopRegistration
+  | ShowRegistration
+  | UndoRegistration
+  | RedoRegistration
   | NewSegment
   | Paint
   | EndPaint
@@ -1449,6 +1531,33 @@ const isSecondScan = record({
   version: whole(),
 });
 
+const isRegistrationLevel = record({
+  name: text(),
+  values: list(real()),
+});
+
+const isFoundRegistration = record({
+  kind: oneOf("rigid", "affine", "bspline"),
+  metric: oneOf("automatic", "mutual-information", "correlation", "mean-squares"),
+  before: real(),
+  after: real(),
+  overlap: isShare,
+  moved_mean: real(),
+  moved_most: real(),
+});
+
+const isRegistration = record({
+  type: oneOf("registration"),
+  doing: nullable(text()),
+  share: nullable(isShare),
+  curve: list(isRegistrationLevel),
+  failure: nullable(text()),
+  found: nullable(isFoundRegistration),
+  shown: oneOf("before", "after"),
+  steps: whole(),
+  undone: whole(),
+});
+
 const isPassed = record({
   type: oneOf("passed"),
   number: whole(),
@@ -1469,5 +1578,6 @@ const TO_PAGE: ReadonlyMap<string, Check> = new Map([
   ["needle_events", isNeedleEvents],
   ["segment_work", isSegmentWork],
   ["second_scan", isSecondScan],
+  ["registration", isRegistration],
   ["passed", isPassed],
 ]);

@@ -50,6 +50,8 @@ export class SecondControl {
   choice = $state.raw<SecondChoice | null>(null);
   /** Share that has arrived; null where all has. */
   progress = $state.raw<number | null>(null);
+  /** The scan that slices show alone for now; null where they show both as was chosen. */
+  only = $state.raw<SecondLook["turn"] | null>(null);
   private held = $state.raw<DownloadedScan | null>(null);
   private turn = $state.raw<SecondLook["turn"]>("second");
   private timer: ReturnType<typeof setInterval> | null = null;
@@ -73,7 +75,7 @@ export class SecondControl {
 
   /** All that is shown of it; null before it is here. */
   readonly shown = $derived.by((): ShownSecond | null => {
-    const { choice, held, told, turn } = this;
+    const { choice, held, told, turn, only } = this;
     const place = told === null ? null : placeOf(told);
     const scan = told?.scan ?? null;
     if (choice === null || held === null || scan === null || place === null) {
@@ -89,7 +91,8 @@ export class SecondControl {
     const edgeGradient = edgeShare * Math.abs(anchors.bone - anchors.softTissue);
     const { inView, inSlices, density, window, level, fusion, tint, opacity, square } = choice;
     const inSlice = { inSlices, window: { window, level }, fusion, tint, opacity, square, turn };
-    return { ...held, place, look: { inView, transferFunction, density, edgeGradient, ...inSlice } };
+    const alone = only === null ? {} : ({ inSlices: true, fusion: "flicker", turn: only } as const);
+    return { ...held, place, look: { inView, transferFunction, density, edgeGradient, ...inSlice, ...alone } };
   });
 
   change(part: Partial<SecondChoice>): void {
