@@ -561,12 +561,14 @@ class Notice(Message, frozen=True, tag="notice"):
 class Offer(msgspec.Struct, frozen=True):
     """Changes of this scan that an earlier session left: how many, when the last (ISO 8601).
 
-    ``lost_bytes`` at the end of their file are not whole.
+    ``lost_bytes`` at the end of their file are not whole. ``second``: name of the second scan that
+    was shown.
     """
 
     steps: int
     when: str
     lost_bytes: int
+    second: str | None
 
 
 class Recovery(Message, frozen=True, tag="recovery"):
@@ -610,10 +612,12 @@ class SecondScan(Message, frozen=True, tag="second_scan"):
 
     ``second_from_first`` maps points of the first scan to the second's, row-major, shape [4, 4],
     patient of each [mm]; its values come from ``/api/second`` and are others with each ``version``.
+    It ``is_moved`` where a transform holds it elsewhere than its own place in the patient says.
     """
 
     scan: Scan | None
     second_from_first: list[float]
+    is_moved: bool
     version: int
 
 

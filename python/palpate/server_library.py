@@ -22,11 +22,13 @@ from starlette.routing import Route, Router
 from starlette.types import ASGIApp, Receive, Scope, Send
 
 from palpate.errors import OptionError, PalpateError
+from palpate.io import read
 from palpate.io_browse import Choice, browsed, previews
 from palpate.io_preview import png_of
 from palpate.opening import is_scene, opening
 from palpate.progress import Progress
 from palpate.recent import Recent, forget_recent, note_recent, recent_scans
+from palpate.second_scan import placed
 from palpate.server_job import Job, Tell
 from palpate.server_open_scan import OpenScan
 from palpate.server_upload import (
@@ -63,6 +65,8 @@ class WantedScan(msgspec.Struct, frozen=True):
     choice: int = 0
     path: str | None = None
     series: str | None = None
+    beside: bool = False
+    """Whether it is shown with the open scan, and not in its place."""
 
 
 class ListedScan(msgspec.Struct, frozen=True):
@@ -210,7 +214,8 @@ class Library:
             raise OptionError("this scan is recorded; allowed: palpate open for another one")
         wanted = await _body(request, WantedScan)
         place = self._chosen(wanted)
-        return Job(lambda progress, _: self._exchange(place, progress))
+        act = self._add if wanted.beside else self._exchange
+        return Job(lambda progress, _: act(place, progress))
 
     def _chosen(self, wanted: WantedScan) -> Place:
         if wanted.path is not None:
@@ -253,6 +258,23 @@ class Library:
         except (PalpateError, OSError, RuntimeError) as error:
             self._workbench.tell(f"The scan was not opened: {error}")
             raise
+
+    def _add(self, place: Place, progress: Progress) -> None:
+        """Shows a scan with the one that is open."""
+        opened = from_thread.run(self._workbench.settled)
+        if opened is None:
+            raise OptionError("no scan is open; allowed: open one first")
+        if is_scene(place.path):
+            raise OptionError("a scene was chosen; allowed: a scan")
+        volume = read(place.path, series=place.series, progress=progress)
+        files = None
+        if place.upload is None:
+            note_recent(volume)
+        else:
+            # they go with it: a saved scene has to hold it
+            volume.source = None
+            files = self._uploads.take_out(place.upload)
+        opened.show_second(placed(opened.session.scene.volume, volume), files=files)
 
 
 def _listed(choice: Choice) -> ListedScan:
