@@ -34,16 +34,11 @@ from palpate.protocol_picture import (
     SurfacePatch,
 )
 from palpate.protocol_registration import (
-    BeforeOrAfter,
     FoundRegistration,
-    PointPair,
     RedoRegistration,
     Register,
     Registration,
-    RegistrationKind,
     RegistrationLevel,
-    RegistrationMetric,
-    RegistrationStart,
     ShowRegistration,
     StopRegistration,
     UndoRegistration,
@@ -109,6 +104,7 @@ from palpate.protocol_touch import (
     WithdrawNeedle,
 )
 from palpate.protocol_types import (
+    BeforeOrAfter,
     Colour,
     Coordinate,
     Friction,
@@ -119,7 +115,11 @@ from palpate.protocol_types import (
     Name,
     NeedleEventKind,
     NodeCount,
+    PointPair,
     Pose,
+    RegistrationKind,
+    RegistrationMetric,
+    RegistrationStart,
     SegmentId,
     ShapeKind,
     Share,

@@ -2,42 +2,30 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated
 
 import msgspec
 
-from palpate.protocol_types import Message, Share, Vector
+from palpate.protocol_types import (
+    BeforeOrAfter,
+    Message,
+    PointPair,
+    RegistrationKind,
+    RegistrationMetric,
+    RegistrationStart,
+    Share,
+)
 
 __all__ = [
-    "BeforeOrAfter",
     "FoundRegistration",
-    "PointPair",
     "RedoRegistration",
     "Register",
     "Registration",
-    "RegistrationKind",
     "RegistrationLevel",
-    "RegistrationMetric",
-    "RegistrationStart",
     "ShowRegistration",
     "StopRegistration",
     "UndoRegistration",
 ]
-
-PointPair = tuple[Vector, Vector]
-"""The same place in two scans."""
-
-RegistrationKind = Literal["rigid", "affine", "bspline"]
-"""How freely a scan is moved: turned and shifted; scaled and sheared too; bent as well."""
-
-RegistrationMetric = Literal["automatic", "mutual-information", "correlation", "mean-squares"]
-"""What tells that two scans are alike; automatic goes by their modalities."""
-
-RegistrationStart = Literal["as-it-stands", "centre", "moments", "landmarks"]
-"""Where a search begins: where the second scan stands; middles of the grids or of what is bright;
-pairs of points."""
-
-BeforeOrAfter = Literal["before", "after"]
 
 
 class RegistrationLevel(msgspec.Struct, frozen=True):

@@ -15,6 +15,9 @@ export type Coordinate = number;
 /** x, y, z in the scene frame, LPS [mm]; forces [N]. */
 export type Vector = readonly [Coordinate, Coordinate, Coordinate];
 
+/** The same place in two scans. */
+export type PointPair = readonly [Vector, Vector];
+
 /** A value of the scan, in its unit; the bounds keep NaN and infinity out. */
 export type Value = number;
 
@@ -47,6 +50,18 @@ export type SmoothingDegree = number;
 
 /** How the shape of a segment is changed; see `segmentation.changed_shape`. */
 export type ShapeKind = "keep-largest" | "drop-small" | "fill-holes" | "between-slices" | "grow" | "shrink" | "smooth" | "median" | "open" | "close" | "hollow-inside" | "hollow-outside" | "unite" | "subtract" | "intersect";
+
+/** How freely a scan is moved: turned and shifted; scaled and sheared too; bent as well. */
+export type RegistrationKind = "rigid" | "affine" | "bspline";
+
+/** What tells that two scans are alike; automatic goes by their modalities. */
+export type RegistrationMetric = "automatic" | "mutual-information" | "correlation" | "mean-squares";
+
+/**
+ * Where a search begins: where the second scan stands; middles of the grids or of what is bright;
+ * pairs of points.
+ */
+export type RegistrationStart = "as-it-stands" | "centre" | "moments" | "landmarks";
 
 /** What the probe does to voxels while it is pressed; none leaves them as they are. */
 export type ToolKind = "none" | "eraser" | "adder" | "drill" | "needle";
@@ -497,12 +512,14 @@ export interface SettingsChanged {
 /**
  * Changes of this scan that an earlier session left: how many, when the last (ISO 8601).
  *
- * `lost_bytes` at the end of their file are not whole.
+ * `lost_bytes` at the end of their file are not whole. `second`: name of the second scan that
+ * was shown.
  */
 export interface Offer {
   readonly steps: number;
   readonly when: string;
   readonly lost_bytes: number;
+  readonly second: string | null;
 }
 
 /** What can be brought back; null once somebody has decided, or where there is nothing. */
@@ -574,11 +591,13 @@ export interface SegmentWork {
  *
  * `second_from_first` maps points of the first scan to the second's, row-major, shape [4, 4],
  * patient of each [mm]; its values come from `/api/second` and are others with each `version`.
+ * It `is_moved` where a transform holds it elsewhere than its own place in the patient says.
  */
 export interface SecondScan {
   readonly type: "second_scan";
   readonly scan: Scan | null;
   readonly second_from_first: readonly number[];
+  readonly is_moved: boolean;
   readonly version: number;
 }
 
@@ -594,8 +613,8 @@ export interface RegistrationLevel {
  * `overlap` is the share of the first scan that the second covers in the end.
  */
 export interface FoundRegistration {
-  readonly kind: "rigid" | "affine" | "bspline";
-  readonly metric: "automatic" | "mutual-information" | "correlation" | "mean-squares";
+  readonly kind: RegistrationKind;
+  readonly metric: RegistrationMetric;
   readonly before: number;
   readonly after: number;
   readonly overlap: Share;
@@ -727,10 +746,10 @@ export interface StopSegmentWork {
  */
 export interface Register {
   readonly type: "register";
-  readonly kind: "rigid" | "affine" | "bspline";
-  readonly metric: "automatic" | "mutual-information" | "correlation" | "mean-squares";
-  readonly start: "as-it-stands" | "centre" | "moments" | "landmarks";
-  readonly pairs: readonly (readonly [Vector, Vector])[];
+  readonly kind: RegistrationKind;
+  readonly metric: RegistrationMetric;
+  readonly start: RegistrationStart;
+  readonly pairs: readonly PointPair[];
 }
 
 /** Stops the registration that runs; nothing is changed then. */
@@ -1183,6 +1202,10 @@ const isSurfaceSource = oneOf("intensities", "bits");
 
 const isSmoothingDegree = whole({ ge: 0, le: 12 });
 
+const isRegistrationKind = oneOf("rigid", "affine", "bspline");
+
+const isRegistrationMetric = oneOf("automatic", "mutual-information", "correlation", "mean-squares");
+
 const isToolKind = oneOf("none", "eraser", "adder", "drill", "needle");
 
 const isNeedleEventKind = oneOf("punctured", "crossed", "stopped", "withdrawn");
@@ -1477,6 +1500,7 @@ const isOffer = record({
   steps: whole(),
   when: text(),
   lost_bytes: whole(),
+  second: nullable(text()),
 });
 
 const isRecovery = record({
@@ -1528,6 +1552,7 @@ const isSecondScan = record({
   type: oneOf("second_scan"),
   scan: nullable(isScan),
   second_from_first: list(real()),
+  is_moved: flag,
   version: whole(),
 });
 
@@ -1537,8 +1562,8 @@ const isRegistrationLevel = record({
 });
 
 const isFoundRegistration = record({
-  kind: oneOf("rigid", "affine", "bspline"),
-  metric: oneOf("automatic", "mutual-information", "correlation", "mean-squares"),
+  kind: isRegistrationKind,
+  metric: isRegistrationMetric,
   before: real(),
   after: real(),
   overlap: isShare,

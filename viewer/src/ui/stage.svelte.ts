@@ -159,6 +159,7 @@ export class Stage {
     this.player = new Player(session);
     this.second = new SecondControl({
       token,
+      first: () => session.scan?.name ?? "",
       limits: { edge: support.largestEdge, values: mostValues },
       complain: (text) => {
         session.notify("error", text);
