@@ -33,6 +33,16 @@ from palpate.protocol_picture import (
     SegmentSurface,
     SurfacePatch,
 )
+from palpate.protocol_registration import (
+    FoundRegistration,
+    RedoRegistration,
+    Register,
+    Registration,
+    RegistrationLevel,
+    ShowRegistration,
+    StopRegistration,
+    UndoRegistration,
+)
 from palpate.protocol_segments import (
     ChangeShape,
     CutAlong,
@@ -94,6 +104,7 @@ from palpate.protocol_touch import (
     WithdrawNeedle,
 )
 from palpate.protocol_types import (
+    BeforeOrAfter,
     Colour,
     Coordinate,
     Friction,
@@ -104,7 +115,11 @@ from palpate.protocol_types import (
     Name,
     NeedleEventKind,
     NodeCount,
+    PointPair,
     Pose,
+    RegistrationKind,
+    RegistrationMetric,
+    RegistrationStart,
     SegmentId,
     ShapeKind,
     Share,
@@ -120,6 +135,7 @@ from palpate.protocol_types import (
 
 __all__ = [
     "PROTOCOL_VERSION",
+    "BeforeOrAfter",
     "Boxes",
     "ChangeSettings",
     "ChangeShape",
@@ -139,6 +155,7 @@ __all__ = [
     "Feel",
     "Fence",
     "FollowEdits",
+    "FoundRegistration",
     "Friction",
     "FromPage",
     "Gap",
@@ -170,6 +187,7 @@ __all__ = [
     "Paint",
     "Passed",
     "Place",
+    "PointPair",
     "Pose",
     "Rate",
     "Rates",
@@ -177,6 +195,13 @@ __all__ = [
     "Recover",
     "Recovery",
     "Redo",
+    "RedoRegistration",
+    "Register",
+    "Registration",
+    "RegistrationKind",
+    "RegistrationLevel",
+    "RegistrationMetric",
+    "RegistrationStart",
     "RemoveSegment",
     "Safety",
     "Scan",
@@ -196,10 +221,12 @@ __all__ = [
     "ShapeKind",
     "Share",
     "ShowParts",
+    "ShowRegistration",
     "ShownAs",
     "SmoothingDegree",
     "State",
     "Stiffness",
+    "StopRegistration",
     "StopSegmentWork",
     "Stroke",
     "SurfacePatch",
@@ -212,6 +239,7 @@ __all__ = [
     "ToolState",
     "TurnGrabbed",
     "Undo",
+    "UndoRegistration",
     "Value",
     "Vector",
     "View",
@@ -237,6 +265,7 @@ ToPage = (
     | NeedleEvents
     | SegmentWork
     | SecondScan
+    | Registration
     | Passed
 )
 
@@ -251,6 +280,11 @@ FromPage = (
     | GrowSeeds
     | ChangeShape
     | StopSegmentWork
+    | Register
+    | StopRegistration
+    | ShowRegistration
+    | UndoRegistration
+    | RedoRegistration
     | NewSegment
     | Paint
     | EndPaint

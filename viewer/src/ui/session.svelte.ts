@@ -17,6 +17,7 @@ import {
   type NeedleEvent,
   type Notice,
   type Offer,
+  type Registration,
   type Scan,
   type SecondScan,
   type Segment,
@@ -88,6 +89,7 @@ export class Session {
   private readonly link: Connection;
   private listeners: readonly ((state: State) => void)[] = [];
   private secondListeners: readonly ((second: SecondScan) => void)[] = [];
+  private registrationListeners: readonly ((registration: Registration) => void)[] = [];
   private editListeners: readonly ((changed: Changed, arrived: number) => void)[] = [];
   /** Settings are shown as the engine holds them, and are kept for the next visit. */
   settingsHold = false;
@@ -136,6 +138,11 @@ export class Session {
   /** Calls back with what is told of a second scan. */
   onSecond(listener: (second: SecondScan) => void): void {
     this.secondListeners = [...this.secondListeners, listener];
+  }
+
+  /** Calls back with what is told of the second scan's registration. */
+  onRegistration(listener: (registration: Registration) => void): void {
+    this.registrationListeners = [...this.registrationListeners, listener];
   }
 
   /** Calls back with every edit that arrives, and when it did. */
@@ -237,6 +244,11 @@ export class Session {
         break;
       case "second_scan":
         for (const listener of this.secondListeners) {
+          listener(message);
+        }
+        break;
+      case "registration":
+        for (const listener of this.registrationListeners) {
           listener(message);
         }
         break;

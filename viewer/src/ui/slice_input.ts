@@ -1,5 +1,5 @@
 /**
- * The mouse over a slice: with the brush left drag paints, and Shift + wheel, [ and ] change its radius. Else left drag moves the crosshair, a click says what is there, sets a point of a mark or grows a region, right drag sets window and level, middle or
+ * The mouse over a slice: with the brush left drag paints, and Shift + wheel, [ and ] change its radius. Else left drag moves the crosshair, a click says what is there, sets a point of a mark or of a pair, or grows a region, right drag sets window and level, middle or
  * Ctrl + left drag moves the picture, the wheel goes through the slices and zooms with Ctrl. Shift + move,
  * or any move in touch mode, leads the hand in the plane; a double click brings the probe there.
  * With the focus, arrows up and down go through the slices, + and − zoom.
@@ -162,9 +162,11 @@ export class SliceInput {
       return;
     }
     this.pressed = null;
-    const { growing, marks, readOut } = this.stage;
-    this.marked = marks.placing !== null;
-    if (this.marked) {
+    const { growing, marks, readOut, registration } = this.stage;
+    this.marked = this.marking;
+    if (registration.placing !== null) {
+      registration.put(point);
+    } else if (this.marked) {
       marks.put(point);
     } else if (growing.armed) {
       growing.from(point);
@@ -175,7 +177,7 @@ export class SliceInput {
   }
 
   private get marking(): boolean {
-    return this.stage.marks.placing !== null;
+    return this.stage.marks.placing !== null || this.stage.registration.placing !== null;
   }
 
   /** Whether the left button paints: what waits for a click comes first. */

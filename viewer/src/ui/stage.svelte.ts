@@ -26,6 +26,7 @@ import type { Look } from "../core/look";
 import { PathTrail } from "../core/path_trail";
 import { valueInVoxel } from "../core/field";
 import type { Panes } from "../core/picture_layout";
+import type { Fusion } from "../core/second_scan";
 import { unmoved } from "../core/object_pose";
 import { surfaceCrossings } from "../core/pick_patches";
 import { pickSurface, type Picked } from "../core/pick_surface";
@@ -51,6 +52,7 @@ import { LookControl } from "./look_control.svelte";
 import { PageSteps } from "./page_steps.svelte";
 import { Player, type ShownTouch } from "./player.svelte";
 import { ReadOut } from "./read_out.svelte";
+import { RegistrationControl } from "./registration_control.svelte";
 import { recall, remember } from "./remembered";
 import type { Session } from "./session.svelte";
 import { SecondControl } from "./second_control.svelte";
@@ -109,7 +111,9 @@ export class Stage {
   readonly readOut = new ReadOut();
   /** A second scan that is shown with the first. */
   readonly second: SecondControl;
-  /** Steps of marks and clipping, in their order. */
+  /** How it is brought to the first. */
+  readonly registration: RegistrationControl;
+  /** Steps of marks, clipping and registration, in their order. */
   readonly steps: PageSteps;
   /** Points, distances and angles that a person has set. */
   readonly marks: MarkControl;
@@ -163,12 +167,20 @@ export class Stage {
     this.player = new Player(session);
     this.second = new SecondControl({
       token,
+      first: () => session.scan?.name ?? "",
       limits: { edge: support.largestEdge, values: mostValues },
       complain: (text) => {
         session.notify("error", text);
       },
     });
-    session.onSecond((told) => void this.second.take(told));
+    this.registration = new RegistrationControl(session, this.second, { steps: this.steps, token });
+    session.onSecond((told) => {
+      this.registration.follow(told.scan?.name ?? null);
+      void this.second.take(told);
+    });
+    session.onRegistration((told) => {
+      this.registration.take(told);
+    });
     this.handed = new HandedViews(this, support.software);
     this.edits = new ShownEdits({
       complain: (text) => {
@@ -199,7 +211,27 @@ export class Stage {
   /** Takes the brush and shows slices to paint in, or puts it away. */
   toggleBrush(): void {
     this.brush.arm(!this.brush.armed);
-    if (this.brush.armed && this.slices.habits.layout === "view") {
+    if (this.brush.armed) {
+      this.showSlices();
+    }
+  }
+
+  /** Waits for clicks on pairs of points, and shows slices to set them in. */
+  placePairs(): void {
+    this.marks.cancel();
+    this.growing.armed = false;
+    this.registration.startPair();
+    this.showSlices();
+  }
+
+  /** Shows both scans by a fusion in slices. */
+  compare(fusion: Fusion): void {
+    this.second.change({ inSlices: true, fusion });
+    this.showSlices();
+  }
+
+  private showSlices(): void {
+    if (this.slices.habits.layout === "view") {
       this.slices.change({ layout: "four" });
     }
   }
