@@ -94,7 +94,7 @@ def test_a_large_scan_is_seen_coarsely_until_all_of_it_is_there(tmp_path: Path) 
     values = np.zeros((136, 512, 512), np.int16)
     values[40:100, 150:350, 151:350] = 400
     path = tmp_path / "large.nrrd"
-    SimpleITK.WriteImage(SimpleITK.GetImageFromArray(values), str(path), True)
+    SimpleITK.WriteImage(SimpleITK.GetImageFromArray(values), str(path), useCompression=True)
     opened = palpate("open", path, "--threshold", "400", state=tmp_path)
     with opened as command, browser() as page:
         first = page.do("open", url=command.url, width=640, height=480)["firstPicture"]
