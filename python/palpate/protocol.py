@@ -77,7 +77,7 @@ ShapeKind = Literal[
 ]
 """How the shape of a segment is changed; see ``segmentation.changed_shape``."""
 
-ToolKind = Literal["none", "eraser", "adder", "drill", "needle"]
+ToolKind = Literal["none", "eraser", "adder", "drill", "needle", "painter"]
 """What the probe does to voxels while it is pressed; none leaves them as they are."""
 
 TissueName = Literal["skin", "fat", "muscle", "liver"]
@@ -617,6 +617,18 @@ class SecondScan(Message, frozen=True, tag="second_scan"):
     version: int
 
 
+class Outline(Message, frozen=True, tag="outline"):
+    """The answer to a ``Wire`` or ``TraceLevel`` of this number, to the page that asked.
+
+    A level's outline is closed, its last point joined to the first. Without points there is none,
+    for the reason that ``problem`` tells.
+    """
+
+    number: int
+    points: list[Vector]
+    problem: str | None
+
+
 class Passed(Message, frozen=True, tag="passed"):
     """The answer to a ``Fence``: all that this page asked for before it is done.
 
@@ -638,6 +650,7 @@ ToPage = (
     | Recovery
     | Notice
     | Gap
+    | Outline
     | CutPreview
     | NeedleEvents
     | SegmentWork
@@ -742,6 +755,36 @@ class Paint(Message, frozen=True, tag="paint"):
     points: Annotated[list[Vector], msgspec.Meta(min_length=1, max_length=64)]
     radius: Annotated[float, msgspec.Meta(gt=0.0, le=50.0)]
     normal: Vector | None
+    values: tuple[Value, Value] | None
+
+
+class Wire(Message, frozen=True, tag="wire"):
+    """Asks for the path along edges of a slice from one point to another; see ``Outline``."""
+
+    number: Annotated[int, msgspec.Meta(ge=0)]
+    begin: Vector
+    end: Vector
+    normal: Vector
+
+
+class TraceLevel(Message, frozen=True, tag="trace_level"):
+    """Asks for the outline of the value at a point of a slice, through it; see ``Outline``."""
+
+    number: Annotated[int, msgspec.Meta(ge=0)]
+    point: Vector
+    normal: Vector
+
+
+class FillOutline(Message, frozen=True, tag="fill_outline"):
+    """Paints what an outline in a slice encloses, or takes it away: one step of undo.
+
+    Only voxels with such ``values`` are changed, where these are given.
+    """
+
+    id: SegmentId
+    erases: bool
+    points: Annotated[list[Vector], msgspec.Meta(min_length=3, max_length=50_000)]
+    normal: Vector
     values: tuple[Value, Value] | None
 
 
@@ -897,13 +940,17 @@ class Fence(Message, frozen=True, tag="fence"):
 class Tool(Message, frozen=True, tag="tool"):
     """Chooses the tool for the next strokes: the radius of its ball [mm], and what it changes.
 
-    Of a needle the radius is its own, and ``tissues`` say what each of its segments is.
+    Of a needle the radius is its own, and ``tissues`` say what each of its segments is. A painter
+    gives what is touched of the segments to the first of them, so ``depth`` below the surface [mm],
+    or in all of its ball; what is painted stays in its segment, too, where it ``overlaps``.
     """
 
     kind: ToolKind
     radius: Annotated[float, msgspec.Meta(gt=0.0, le=50.0)]
     segments: list[SegmentId]
     tissues: list[TissueName] = []
+    depth: Annotated[float, msgspec.Meta(gt=0.0, le=50.0)] | None = None
+    overlaps: bool = False
 
 
 class WithdrawNeedle(Message, frozen=True, tag="withdraw_needle"):
@@ -944,6 +991,9 @@ FromPage = (
     | NewSegment
     | Paint
     | EndPaint
+    | Wire
+    | TraceLevel
+    | FillOutline
     | SegmentProperties
     | SegmentFeel
     | SetMaterial

@@ -17,6 +17,7 @@ import {
   type NeedleEvent,
   type Notice,
   type Offer,
+  type Outline,
   type Scan,
   type SecondScan,
   type Segment,
@@ -88,6 +89,7 @@ export class Session {
   private readonly link: Connection;
   private listeners: readonly ((state: State) => void)[] = [];
   private secondListeners: readonly ((second: SecondScan) => void)[] = [];
+  private outlineListener: (outline: Outline) => void = () => undefined;
   private editListeners: readonly ((changed: Changed, arrived: number) => void)[] = [];
   /** Settings are shown as the engine holds them, and are kept for the next visit. */
   settingsHold = false;
@@ -136,6 +138,11 @@ export class Session {
   /** Calls back with what is told of a second scan. */
   onSecond(listener: (second: SecondScan) => void): void {
     this.secondListeners = [...this.secondListeners, listener];
+  }
+
+  /** Calls back with outlines that were asked for. */
+  onOutline(listener: (outline: Outline) => void): void {
+    this.outlineListener = listener;
   }
 
   /** Calls back with every edit that arrives, and when it did. */
@@ -256,6 +263,9 @@ export class Session {
         break;
       case "gap":
         this.gap = message;
+        break;
+      case "outline":
+        this.outlineListener(message);
         break;
       case "cut_preview":
         this.cutPreview = message;
