@@ -14,15 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.errors import OptionError
-from palpate.scan_slice import ScanSlice
+from palpate.scan_slice import Point, ScanSlice
 from palpate.volume import Volume
 
 __all__ = ["traced_level"]
 
 
-def traced_level(
-    volume: Volume, point: Sequence[float], *, normal: Sequence[float]
-) -> NDArray[np.float64]:
+def traced_level(volume: Volume, point: Point, *, normal: Sequence[float]) -> NDArray[np.float64]:
     """Returns the closed outline at the value of a point through it, shape [count, 3] [patient].
 
     Args:

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.errors import OptionError
-from palpate.scan_slice import ScanSlice
+from palpate.scan_slice import Point, ScanSlice
 from palpate.volume import Volume
 
 __all__ = ["LiveWire", "live_wire"]
@@ -42,7 +42,7 @@ Voxel = tuple[int, int]
 
 def live_wire(
     volume: Volume,
-    points: Sequence[Sequence[float]],
+    points: Sequence[Point],
     *,
     normal: Sequence[float],
     closed: bool = True,
@@ -73,9 +73,7 @@ def live_wire(
 class LiveWire:
     """All cheapest paths from one point of a slice: those to other points are found at once."""
 
-    def __init__(
-        self, where: ScanSlice, begin: Sequence[float], *, smoothing: float | None = None
-    ) -> None:
+    def __init__(self, where: ScanSlice, begin: Point, *, smoothing: float | None = None) -> None:
         """Begins at a point, which stands for the steepest voxel beside it.
 
         Raises:
@@ -92,7 +90,7 @@ class LiveWire:
         self._before = np.zeros(0, np.int32)
         self._steepness: Image = np.zeros((0, 0))
 
-    def to(self, end: Sequence[float]) -> NDArray[np.float64]:
+    def to(self, end: Point) -> NDArray[np.float64]:
         """Returns the path to a point, shape [count, 3] [patient].
 
         Raises:
@@ -115,7 +113,7 @@ class LiveWire:
         at = np.array([divmod(place, width) for place in reversed(path)]) + low
         return self.where.points(at[:, ::-1])
 
-    def _voxel(self, point: Sequence[float]) -> Voxel:
+    def _voxel(self, point: Point) -> Voxel:
         column, row = np.floor(self.where.places([point])[0] + 0.5).astype(int)
         rows, columns = self.where.shape
         if not (0 <= row < rows and 0 <= column < columns):
@@ -143,7 +141,7 @@ class LiveWire:
         self._window = (slice(low[0], high[0]), slice(low[1], high[1]))
         image = self._smoothed()
         edges = self.where.edges
-        slope = np.gradient(image, *edges)
+        slope = [np.gradient(image, edge, axis=axis) for axis, edge in enumerate(edges)]
         self._steepness = np.hypot(*slope)
         costs = _costs(image, slope, edges)
         first = np.ravel_multi_index(tuple(self._snapped(self._first) - low), self._steepness.shape)

@@ -80,7 +80,7 @@ class PaintedStroke:
         """
         if len(outline) < 3:
             raise OptionError(f"{len(outline)} corners given; allowed: three or more")
-        where = ScanSlice.through(self._volume, list(outline[0]), normal=normal)
+        where = ScanSlice.through(self._volume, outline[0], normal=normal)
         filled = fill_polygons([where.places(outline)], where.shape).astype(bool)
         if values is not None:
             filled &= (where.values >= values[0]) & (where.values <= values[1])

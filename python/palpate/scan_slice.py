@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,10 +16,13 @@ from numpy.typing import ArrayLike, NDArray
 from palpate.errors import OptionError
 from palpate.volume import Volume
 
-__all__ = ["Places", "ScanSlice"]
+__all__ = ["Places", "Point", "ScanSlice"]
 
 Places = NDArray[np.float64]
 """Shape [count, 2]."""
+
+Point = Sequence[float] | NDArray[np.float64]
+"""x, y, z [patient]."""
 
 LEAST_COSINE = 0.999
 """Between a slice's normal and an axis of the scan."""
@@ -36,9 +40,7 @@ class ScanSlice:
     number: int
 
     @classmethod
-    def through(
-        cls, volume: Volume, point: Sequence[float], *, normal: Sequence[float]
-    ) -> ScanSlice:
+    def through(cls, volume: Volume, point: Point, *, normal: Sequence[float]) -> ScanSlice:
         """Returns the slice that holds a point, across a normal of any length.
 
         Raises:
@@ -60,8 +62,10 @@ class ScanSlice:
     @cached_property
     def values(self) -> NDArray[np.float32]:
         """Shape [rows, columns] [unit of the scan]."""
-        stored = np.take(self.volume.array, self.number, axis=2 - self.axis)
-        return stored * np.float32(self.volume.slope) + np.float32(self.volume.intercept)
+        stored = np.take(self.volume.array, self.number, axis=2 - self.axis).astype(np.float32)
+        values: NDArray[np.float32] = stored * np.float32(self.volume.slope)
+        values += np.float32(self.volume.intercept)
+        return values
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -82,7 +86,7 @@ class ScanSlice:
         box[2 - self.axis] = slice(self.number, self.number + 1)
         return box[0], box[1], box[2]
 
-    def places(self, points: ArrayLike) -> Places:
+    def places(self, points: Sequence[Point] | NDArray[np.float64]) -> Places:
         """Returns where points stand, those beside the slice straight over it."""
         index: Places = _index(self.volume, points)[:, self._along]
         return index
@@ -106,9 +110,9 @@ class ScanSlice:
         return [axis for axis in range(3) if axis != self.axis]
 
 
-def _index(volume: Volume, points: ArrayLike) -> NDArray[np.float64]:
+def _index(volume: Volume, points: Sequence[Point] | NDArray[np.float64]) -> NDArray[np.float64]:
     """Returns indices of points, whole at the middles of voxels, shape [count, 3]."""
     matrix = np.linalg.inv(volume.patient_from_grid)
-    at = np.asarray(points, np.float64).reshape(-1, 3)
+    at = np.asarray(cast("ArrayLike", points), np.float64).reshape(-1, 3)
     index: NDArray[np.float64] = at @ matrix[:3, :3].T + matrix[:3, 3] - 0.5
     return index

@@ -49,7 +49,8 @@ def on_circle(slice_name: str, degrees: float, *, radius: float = RADIUS) -> NDA
     turned = np.radians(degrees)
     a, b = radius * np.cos(turned), radius * np.sin(turned)
     offset = {"axial": (a, b, 0.0), "coronal": (a, 0.0, b), "sagittal": (0.0, a, b)}[slice_name]
-    return MIDDLE + offset
+    point: NDArray[np.float64] = MIDDLE + offset
+    return point
 
 
 def away(points: NDArray[np.float64]) -> NDArray[np.float64]:
