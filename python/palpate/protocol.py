@@ -23,6 +23,7 @@ from palpate.protocol_matter import (
     SetMaterial,
     ShowParts,
 )
+from palpate.protocol_outline import FillOutline, Outline, TraceLevel, Wire
 from palpate.protocol_picture import (
     Changed,
     ChangedVoxels,
@@ -154,6 +155,7 @@ __all__ = [
     "EndPaint",
     "Feel",
     "Fence",
+    "FillOutline",
     "FollowEdits",
     "FoundRegistration",
     "Friction",
@@ -184,6 +186,7 @@ __all__ = [
     "Notice",
     "Offer",
     "Otsu",
+    "Outline",
     "Paint",
     "Passed",
     "Place",
@@ -237,6 +240,7 @@ __all__ = [
     "Tool",
     "ToolKind",
     "ToolState",
+    "TraceLevel",
     "TurnGrabbed",
     "Undo",
     "UndoRegistration",
@@ -244,6 +248,7 @@ __all__ = [
     "Vector",
     "View",
     "WatchGap",
+    "Wire",
     "WithdrawNeedle",
     "decode_from_page",
     "encode_to_page",
@@ -261,6 +266,7 @@ ToPage = (
     | Recovery
     | Notice
     | Gap
+    | Outline
     | CutPreview
     | NeedleEvents
     | SegmentWork
@@ -288,6 +294,9 @@ FromPage = (
     | NewSegment
     | Paint
     | EndPaint
+    | Wire
+    | TraceLevel
+    | FillOutline
     | SegmentProperties
     | SegmentFeel
     | SetMaterial

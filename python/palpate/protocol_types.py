@@ -110,7 +110,7 @@ pairs of points."""
 
 BeforeOrAfter = Literal["before", "after"]
 
-ToolKind = Literal["none", "eraser", "adder", "drill", "needle"]
+ToolKind = Literal["none", "eraser", "adder", "drill", "needle", "painter"]
 """What the probe does to voxels while it is pressed; none leaves them as they are."""
 
 TissueName = Literal["skin", "fat", "muscle", "liver"]

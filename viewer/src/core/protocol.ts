@@ -64,7 +64,7 @@ export type RegistrationMetric = "automatic" | "mutual-information" | "correlati
 export type RegistrationStart = "as-it-stands" | "centre" | "moments" | "landmarks";
 
 /** What the probe does to voxels while it is pressed; none leaves them as they are. */
-export type ToolKind = "none" | "eraser" | "adder" | "drill" | "needle";
+export type ToolKind = "none" | "eraser" | "adder" | "drill" | "needle" | "painter";
 
 /** What a segment is for a needle; bone is none of them, since no needle punctures it. */
 export type TissueName = "skin" | "fat" | "muscle" | "liver";
@@ -550,6 +550,19 @@ export interface Gap {
 }
 
 /**
+ * The answer to a `Wire` or `TraceLevel` of this number, to the page that asked.
+ *
+ * A level's outline is closed, its last point joined to the first. Without points there is none,
+ * for the reason that `problem` tells.
+ */
+export interface Outline {
+  readonly type: "outline";
+  readonly number: number;
+  readonly points: readonly Vector[];
+  readonly problem: string | null;
+}
+
+/**
  * Volumes of the parts that a painted cut would make of segment `id` [ml], larger first.
  *
  * Both are null where it would leave all of it on one side.
@@ -801,6 +814,37 @@ export interface EndPaint {
   readonly keep: boolean;
 }
 
+/** Asks for the path along edges of a slice from one point to another; see `Outline`. */
+export interface Wire {
+  readonly type: "wire";
+  readonly number: number;
+  readonly begin: Vector;
+  readonly end: Vector;
+  readonly normal: Vector;
+}
+
+/** Asks for the outline of the value at a point of a slice, through it; see `Outline`. */
+export interface TraceLevel {
+  readonly type: "trace_level";
+  readonly number: number;
+  readonly point: Vector;
+  readonly normal: Vector;
+}
+
+/**
+ * Paints what an outline in a slice encloses, or takes it away: one step of undo.
+ *
+ * Only voxels with such `values` are changed, where these are given.
+ */
+export interface FillOutline {
+  readonly type: "fill_outline";
+  readonly id: SegmentId;
+  readonly erases: boolean;
+  readonly points: readonly Vector[];
+  readonly normal: Vector;
+  readonly values: readonly [Value, Value] | null;
+}
+
 /** Changes how a segment looks and whether it can be touched. */
 export interface SegmentProperties {
   readonly type: "segment_properties";
@@ -948,7 +992,9 @@ export interface Fence {
 /**
  * Chooses the tool for the next strokes: the radius of its ball [mm], and what it changes.
  *
- * Of a needle the radius is its own, and `tissues` say what each of its segments is.
+ * Of a needle the radius is its own, and `tissues` say what each of its segments is. A painter
+ * gives what is touched of the segments to the first of them, so `depth` below the surface [mm],
+ * or in all of its ball; what is painted stays in its segment, too, where it `overlaps`.
  */
 export interface Tool {
   readonly type: "tool";
@@ -956,6 +1002,8 @@ export interface Tool {
   readonly radius: number;
   readonly segments: readonly SegmentId[];
   readonly tissues: readonly TissueName[];
+  readonly depth: number | null;
+  readonly overlaps: boolean;
 }
 
 /** Takes the needle out on the way that it went in. */
@@ -996,6 +1044,7 @@ export type ToPage =
   | Recovery
   | Notice
   | Gap
+  | Outline
   | CutPreview
   | NeedleEvents
   | SegmentWork
@@ -1023,6 +1072,9 @@ export type FromPage =
   | NewSegment
   | Paint
   | EndPaint
+  | Wire
+  | TraceLevel
+  | FillOutline
   | SegmentProperties
   | SegmentFeel
   | SetMaterial
@@ -1206,7 +1258,7 @@ const isRegistrationKind = oneOf("rigid", "affine", "bspline");
 
 const isRegistrationMetric = oneOf("automatic", "mutual-information", "correlation", "mean-squares");
 
-const isToolKind = oneOf("none", "eraser", "adder", "drill", "needle");
+const isToolKind = oneOf("none", "eraser", "adder", "drill", "needle", "painter");
 
 const isNeedleEventKind = oneOf("punctured", "crossed", "stopped", "withdrawn");
 
@@ -1523,6 +1575,13 @@ const isGap = record({
   overlap: nullable(real()),
 });
 
+const isOutline = record({
+  type: oneOf("outline"),
+  number: whole(),
+  points: list(isVector),
+  problem: nullable(text()),
+});
+
 const isCutPreview = record({
   type: oneOf("cut_preview"),
   id: isSegmentId,
@@ -1599,6 +1658,7 @@ const TO_PAGE: ReadonlyMap<string, Check> = new Map([
   ["recovery", isRecovery],
   ["notice", isNotice],
   ["gap", isGap],
+  ["outline", isOutline],
   ["cut_preview", isCutPreview],
   ["needle_events", isNeedleEvents],
   ["segment_work", isSegmentWork],

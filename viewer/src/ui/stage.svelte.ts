@@ -709,6 +709,7 @@ export class Stage {
 const toolPaints = {
   eraser: srgbFromHex(toolColours.eraser),
   adder: srgbFromHex(toolColours.adder),
+  painter: srgbFromHex(toolColours.painter),
   drill: srgbFromHex(toolColours.drill),
   needle: srgbFromHex(toolColours.needle),
 } as const;
