@@ -25,6 +25,8 @@ from palpate.cli_bench import (
 )
 from palpate.cli_export import export
 from palpate.cli_fuzz import bench_fuzz_import
+from palpate.cli_import import EXAMPLES as IMPORT_EXAMPLES
+from palpate.cli_import import import_scan
 from palpate.cli_recipe import EXAMPLES as RECIPE_EXAMPLES
 from palpate.cli_recipe import run_file
 from palpate.cli_reconstruct import EXAMPLES as RECONSTRUCT_EXAMPLES
@@ -424,6 +426,7 @@ def replay(
 
 
 app.command("export")(export)
+app.command("import", epilog=IMPORT_EXAMPLES)(import_scan)
 app.command("reconstruct", epilog=RECONSTRUCT_EXAMPLES)(reconstruct)
 app.command("register", epilog=REGISTER_EXAMPLES)(register)
 app.command("series")(series)

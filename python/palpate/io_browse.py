@@ -34,6 +34,7 @@ LARGEST = 1024**3
 """Voxels, as ``palpate.io.read`` has it."""
 
 Picture = Callable[[], NDArray[np.uint8]]
+Fetch = Callable[[Path, Progress], None]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,6 +57,8 @@ class Choice:
     """Why it cannot be opened."""
     picture: Picture = field(compare=False)
     """Makes the small picture of its middle; it may raise what reading raises."""
+    fetch: Fetch | None = field(default=None, compare=False)
+    """Brings its files into a folder; None where they are at ``path``."""
 
 
 @contextmanager

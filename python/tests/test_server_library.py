@@ -15,6 +15,7 @@ import numpy as np
 import palpate
 import pytest
 import SimpleITK
+from orthanc import orthanc
 from palpate import server_upload
 from palpate.recent import recent_scans
 from palpate.server_security import Access
@@ -285,3 +286,30 @@ def test_the_library_needs_the_token(client: Client) -> None:
     for method, route in (("GET", "/"), ("POST", "/find"), ("PUT", "/uploads/1/0")):
         answer = httpx.request(method, base + route, trust_env=False, timeout=PATIENCE)
         assert answer.status_code == 403
+
+
+@pytest.mark.data
+def test_a_series_of_a_server_is_listed_and_opened(client: Client, data_folder: Path) -> None:
+    head, small = (data_folder / "dcmqi_seg" / name for name in ("ct-3slice", "23x38x3/image"))
+    with orthanc() as server:
+        server.store([*head.iterdir(), *small.iterdir()])
+        found, *pictures, last = client.job("find", {"path": server.dicomweb})
+        assert last == {"kind": "done"}
+        sizes = [tuple(one["size"]) for one in found["scans"]]
+        assert set(sizes) == {(512, 512, 3), (23, 38, 3)}
+        assert {each["choice"] for each in pictures} == {0, 1}
+        wanted = {"find": found["find"], "choice": sizes.index((512, 512, 3))}
+        assert client.job("open", wanted) == [{"kind": "done"}]
+    voxels = np.frombuffer(client.ask("GET", "volume").content, "<i2").reshape(3, 512, 512)
+    np.testing.assert_array_equal(voxels, palpate.read(head).array)
+    opened = client.workbench.opened
+    assert opened is not None
+    assert any("a copy that goes" in each for each in opened.session.scene.volume.warnings)
+    # its files are not there later: nothing to open again
+    assert client.about()["recent"] == []
+    # the server is gone by now, and the open scan stays
+    (failed,) = client.job("find", {"path": server.dicomweb})
+    assert failed["reason"].startswith("no server answers at http://127.0.0.1:")
+    (failed,) = client.job("open", wanted)
+    assert failed["kind"] == "failed"
+    assert client.about()["scan"] == "scan"

@@ -25,6 +25,9 @@ export class Library {
   /** Pictures of the scans that were found, by their places in the list. */
   pictures = $state.raw<Readonly<Record<number, string>>>({});
 
+  /** Whether a scan is being opened: another one cannot be chosen meanwhile. */
+  opening = $state.raw(false);
+
   private asking: AbortController | null = null;
 
   /** @param token of this page; @param reload shows the page anew, with the scan that is open then. */
@@ -126,7 +129,12 @@ export class Library {
   }
 
   private async exchange(wanted: object, signal: AbortSignal): Promise<void> {
-    await work("open", wanted, { token: this.token, signal }, this.take.bind(this));
+    this.opening = true;
+    try {
+      await work("open", wanted, { token: this.token, signal }, this.take.bind(this));
+    } finally {
+      this.opening = false;
+    }
     this.reload();
   }
 
