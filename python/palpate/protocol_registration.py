@@ -1,4 +1,4 @@
-"""Messages on the registration of the second scan."""
+"""Messages of the registration of a second scan; see ``protocol.py``."""
 
 from __future__ import annotations
 

@@ -11,6 +11,7 @@ from typing import Annotated, Literal
 import msgspec
 
 __all__ = [
+    "BeforeOrAfter",
     "Colour",
     "Coordinate",
     "Friction",
@@ -21,7 +22,11 @@ __all__ = [
     "Name",
     "NeedleEventKind",
     "NodeCount",
+    "PointPair",
     "Pose",
+    "RegistrationKind",
+    "RegistrationMetric",
+    "RegistrationStart",
     "SegmentId",
     "ShapeKind",
     "Share",

@@ -156,6 +156,8 @@ class Live:
         version = self._second.version + (0 if same else 1)
         scene.second = second
         self._second = second_message(second, version=version)
+        if self.journal is not None:
+            self.journal.note_second(second)
         self._from_threads.put(self._second)
         self.registering.follow(second)
 
@@ -426,6 +428,10 @@ class Live:
             return
         self.journal.decide(bring_back=bring_back)
         self._restore_looks()
+        if self.journal.second is not None:
+            self.show_second(self.journal.second)
+        if self.journal.lost_second is not None:
+            self._from_threads.put(protocol.Notice(level="warning", text=self.journal.lost_second))
         self._from_threads.put(protocol.Recovery(None))
         if self.journal.problem is not None:
             self._from_threads.put(protocol.Notice(level="warning", text=self.journal.problem))
@@ -453,7 +459,9 @@ def _offer_of(journal: Journal) -> protocol.Offer | None:
     if offer is None:
         return None
     when = offer.when.isoformat(timespec="seconds")
-    return protocol.Offer(steps=offer.steps, when=when, lost_bytes=offer.lost_bytes)
+    return protocol.Offer(
+        steps=offer.steps, when=when, lost_bytes=offer.lost_bytes, second=offer.second
+    )
 
 
 async def _receive(websocket: WebSocket) -> bytes:

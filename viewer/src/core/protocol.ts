@@ -512,12 +512,14 @@ export interface SettingsChanged {
 /**
  * Changes of this scan that an earlier session left: how many, when the last (ISO 8601).
  *
- * `lost_bytes` at the end of their file are not whole.
+ * `lost_bytes` at the end of their file are not whole. `second`: name of the second scan that
+ * was shown.
  */
 export interface Offer {
   readonly steps: number;
   readonly when: string;
   readonly lost_bytes: number;
+  readonly second: string | null;
 }
 
 /** What can be brought back; null once somebody has decided, or where there is nothing. */
@@ -589,11 +591,13 @@ export interface SegmentWork {
  *
  * `second_from_first` maps points of the first scan to the second's, row-major, shape [4, 4],
  * patient of each [mm]; its values come from `/api/second` and are others with each `version`.
+ * It `is_moved` where a transform holds it elsewhere than its own place in the patient says.
  */
 export interface SecondScan {
   readonly type: "second_scan";
   readonly scan: Scan | null;
   readonly second_from_first: readonly number[];
+  readonly is_moved: boolean;
   readonly version: number;
 }
 
@@ -1496,6 +1500,7 @@ const isOffer = record({
   steps: whole(),
   when: text(),
   lost_bytes: whole(),
+  second: nullable(text()),
 });
 
 const isRecovery = record({
@@ -1547,6 +1552,7 @@ const isSecondScan = record({
   type: oneOf("second_scan"),
   scan: nullable(isScan),
   second_from_first: list(real()),
+  is_moved: flag,
   version: whole(),
 });
 

@@ -35,7 +35,7 @@ import { frameOf, type ScanVolume } from "../core/scan_volume";
 import { drawnAsSurface, drawnFromVoxels, drawnKey, LastRanges, rangesInside, showable, shownRanges } from "../core/shown_segments";
 import { toolColours } from "../core/tools";
 import { biasedRange } from "../core/stored_values";
-import { subsamplingStep } from "../core/subsampling";
+import { previewStep, subsamplingStep } from "../core/subsampling";
 import { Unchanged } from "../core/unchanged";
 import type { Vec3 } from "../core/vector";
 import type { GpuSupport } from "../gl/gpu_support";
@@ -118,8 +118,12 @@ export class Stage {
   /** Points, distances and angles that a person has set. */
   readonly marks: MarkControl;
   framesPerSecond = $state.raw(0);
-  /** When the first picture stood on the screen [ms since the page was opened]. */
+  /** When the first picture stood on the screen, of a large scan a coarse one [ms since the page was opened]. */
   firstPicture = $state.raw<number | null>(null);
+  /** When that of all of the scan did. */
+  wholePicture = $state.raw<number | null>(null);
+  /** A coarse picture stands for the scan that is on its way. */
+  previewed = $state.raw(false);
 
   drawingSuspended = false;
 
@@ -140,6 +144,10 @@ export class Stage {
   private frames = 0;
   private countedAt = 0;
   private request = 0;
+  /** Called once the coarse picture stands on the screen. */
+  private previewShown: (() => void) | null = null;
+  /** The view of it, unless a person turns it. */
+  private previewCamera: Camera | null = null;
 
   constructor(
     private readonly session: Session,
@@ -159,6 +167,7 @@ export class Stage {
     this.player = new Player(session);
     this.second = new SecondControl({
       token,
+      first: () => session.scan?.name ?? "",
       limits: { edge: support.largestEdge, values: mostValues },
       complain: (text) => {
         session.notify("error", text);
@@ -292,6 +301,10 @@ export class Stage {
     this.marks.open(scan);
     this.readOut.close();
     try {
+      await this.showCoarsely(scan, step, request);
+      if (request !== this.request) {
+        return;
+      }
       const { volume, bricks } = await downloadVolume(scanFrame, step, this.token, (share) => {
         this.progress = request === this.request ? 0.9 * share : this.progress;
       });
@@ -303,6 +316,32 @@ export class Stage {
         this.failure = messageOf(error);
       }
     }
+  }
+
+  /** Shows a large scan coarsely while all of it is on its way; what else the page does waits for that. */
+  private async showCoarsely(scan: Scan, step: number, request: number): Promise<void> {
+    this.previewed = false;
+    this.previewCamera = null;
+    const scanFrame = frameOf(scan);
+    const coarse = previewStep(scanFrame.dimensions, step);
+    // what is not seen is not drawn
+    if (coarse === null || document.hidden) {
+      return;
+    }
+    const { volume, bricks } = await downloadVolume(scanFrame, coarse, this.token, () => undefined);
+    const { picture, look } = this;
+    if (request !== this.request || picture === null || look === null) {
+      return;
+    }
+    this.measure(volume, bricks, scan);
+    this.resetView();
+    this.previewCamera = this.camera;
+    picture.setScan(volume, bricks);
+    picture.setLook(look);
+    picture.setSegments(this.segments, this.looks.inside);
+    await new Promise<void>((shown) => {
+      this.previewShown = shown;
+    });
   }
 
   /** Segments as the picture can show them now. */
@@ -496,14 +535,21 @@ export class Stage {
   private show(volume: ScanVolume, bricks: BrickRanges, scan: Scan): void {
     this.volume = volume;
     this.bricks = bricks;
+    this.measure(volume, bricks, scan);
+    if (this.previewCamera === null || this.camera === this.previewCamera) {
+      this.resetView();
+    }
+    this.fillPicture();
+    this.showLabels(this.session.segments, this.session.labels);
+  }
+
+  /** Finds where the body stands in the scan. */
+  private measure(volume: ScanVolume, bricks: BrickRanges, scan: Scan): void {
     const air = scan.soft_tissue - 1.5 * (scan.bone - scan.soft_tissue);
     const [low, high] = biasedRange(air, Math.max(scan.range[1], air), volume.frame.rescale);
     const { frame: scanFrame, step } = volume;
     const hull = contentHull(bricks, step, scanFrame.spacing, (from, to) => from <= high && low <= to);
     this.extent = extentOf(hull.map((point) => transformPoint(scanFrame.sceneFromGrid, point)));
-    this.resetView();
-    this.fillPicture();
-    this.showLabels(this.session.segments, this.session.labels);
   }
 
   /** Makes the picture, also anew after the graphics were reset. */
@@ -513,6 +559,7 @@ export class Stage {
     }
     this.picture?.dispose();
     this.picture = null;
+    this.endPreview();
     try {
       this.picture = new Picture(this.canvas, { support: this.support, mostPixelRatio: this.support.software ? 1 : 2 });
     } catch (error) {
@@ -625,14 +672,27 @@ export class Stage {
     }
   }
 
+  /** What waits for the coarse picture goes on. */
+  private endPreview(): void {
+    this.previewShown?.();
+    this.previewShown = null;
+  }
+
   private followUpload(picture: Picture): void {
+    if (this.previewShown !== null && picture.hasPicture) {
+      this.firstPicture ??= performance.now();
+      this.previewed = true;
+      this.endPreview();
+    }
     if (this.progress === null || this.volume === null) {
       return;
     }
     this.progress = 0.9 + 0.1 * picture.uploaded;
     if (picture.hasPicture) {
       this.progress = null;
-      this.firstPicture ??= performance.now();
+      this.previewed = false;
+      this.wholePicture ??= performance.now();
+      this.firstPicture ??= this.wholePicture;
     }
   }
 

@@ -17,9 +17,9 @@ import type { EditTimes } from "./shown_edits.svelte";
 import type { Stage } from "./stage.svelte";
 
 export interface TestDoor {
-  /** When the first picture stood on the screen [ms since the page was opened], or null. */
+  /** When the first picture stood on the screen [ms since the page was opened], or null; it may be coarse. */
   readonly firstPicture: number | null;
-  /** The picture is there and the engine is connected. */
+  /** The picture of all of the scan is there and the engine is connected. */
   readonly ready: boolean;
   /** The picture is as fine as it gets. */
   readonly finished: boolean;
@@ -95,7 +95,7 @@ export function openTestDoor(session: Session, stage: Stage, hand: HandControl, 
       return stage.firstPicture;
     },
     get ready() {
-      return stage.firstPicture !== null && session.connection.kind === "open" && session.latest !== null;
+      return stage.wholePicture !== null && session.connection.kind === "open" && session.latest !== null;
     },
     get finished() {
       return stage.quality?.finished ?? false;
