@@ -100,6 +100,7 @@ def read(
         intercept=stored.scale.intercept,
         traits=VolumeTraits(
             name=scan.name,
+            description=scan.description,
             modality=scan.modality,
             unit=scan.unit,
             series=scan.series,

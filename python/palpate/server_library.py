@@ -195,10 +195,10 @@ class Library:
 
         for sentence in read.told:
             self._workbench.tell(sentence)
-        if place.upload is not None or fetched is not None:
-            volume = read.scene.volume
-            warnings = (*volume.warnings, PASSING)
-            volume.traits = replace(volume.traits, warnings=warnings)
+        volume = read.scene.volume
+        passes = place.upload is not None or fetched is not None
+        warnings = (*volume.warnings, PASSING) if passes else volume.warnings
+        volume.traits = replace(volume.traits, warnings=warnings, given=place.given)
         try:
             from_thread.run(self._workbench.exchange, begin)
         except (PalpateError, OSError, RuntimeError) as error:
