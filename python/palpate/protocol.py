@@ -33,6 +33,7 @@ from palpate.protocol_picture import (
     SecondScan,
     SegmentSurface,
     SurfacePatch,
+    ThresholdPreset,
 )
 from palpate.protocol_segments import (
     ChangeShape,
@@ -208,6 +209,7 @@ __all__ = [
     "SurfacePatch",
     "SurfaceSource",
     "Threshold",
+    "ThresholdPreset",
     "TissueName",
     "ToPage",
     "Tool",

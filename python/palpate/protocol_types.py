@@ -80,6 +80,7 @@ ShapeKind = Literal[
     "shrink",
     "smooth",
     "median",
+    "joint",
     "open",
     "close",
     "hollow-inside",
