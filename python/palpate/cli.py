@@ -260,7 +260,10 @@ def open_scan(  # noqa: PLR0913  # one per option of the command line
     check_start(rate)
     bounds, size = parse_threshold(threshold), parse_voxel_size(voxel_size)
     if path is None or is_scene(path):
-        of_scans = (series, orientation, unit, fill, raw, size, bounds, segments, mesh, second)
+        of_scans = (
+            *(series, orientation, unit, fill, raw, size, bounds, segments, mesh),
+            *(second, transform),
+        )
         if any(option is not None for option in of_scans):
             what = "no scan is given" if path is None else f"{path} is a scene"
             raise OptionError(f"{what}: options of scans are allowed with scans only")

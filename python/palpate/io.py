@@ -146,9 +146,10 @@ def _check_options(source: Path, *, series: str | None, unit: str | None, max_vo
         raise OptionError(f"unit {unit!r} is not known; allowed: {', '.join(UNITS)}")
     if max_voxels < 1:
         raise OptionError(f"max_voxels is {max_voxels}; allowed: 1 or more")
-    if series is not None and not (source.is_dir() or is_archive(source)):
+    if series is not None and not (source.is_dir() or is_archive(source) or is_dicom(source)):
         raise OptionError(
-            f"series {series!r} was asked of {source}; allowed: with a DICOM folder or archive"
+            f"series {series!r} was asked of {source}; allowed: with a DICOM folder, archive or "
+            "file"
         )
 
 
@@ -161,7 +162,7 @@ def _read(source: Path, *, series: str | None, max_voxels: int, progress: Progre
                 folder, series=series, max_voxels=max_voxels, progress=progress, called=source
             )
     if is_dicom(source):
-        return read_dicom_file(source, max_voxels=max_voxels, progress=progress)
+        return read_dicom_file(source, series=series, max_voxels=max_voxels, progress=progress)
     return read_file(source, max_voxels=max_voxels, progress=progress)
 
 

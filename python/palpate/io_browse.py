@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 
 from palpate.errors import PalpateError, VolumeFormatError
 from palpate.io_archive import is_archive, unpacked
-from palpate.io_dicom import MOST_FILES, is_dicom, plan_of, series_in
-from palpate.io_dicom_header import Series, read_header
+from palpate.io_dicom import MOST_FILES, is_dicom, plan_of, series_in, volumes_of
+from palpate.io_dicom_header import Series
 from palpate.io_dicom_pixels import read_slice
 from palpate.io_file import FORMATS, header_of, middle_of
 from palpate.io_preview import preview
@@ -78,7 +78,9 @@ def browsed(path: Path, *, progress: Progress = silent) -> Iterator[list[Choice]
             found, _ = series_in(folder, called=path, progress=progress)
             yield _series(path, found)
     elif is_dicom(path):
-        yield [_dicom_file(path)]
+        found = volumes_of(path)
+        # a single one needs no name
+        yield _series(path, found) if len(found) > 1 else [_of_series(path, found[0], None)]
     else:
         yield [_image(path, path.name)]
 
@@ -125,16 +127,6 @@ def _series(path: Path, found: list[Series]) -> list[Choice]:
         _of_series(path, one, one.uid if one.uid and uids.count(one.uid) == 1 else str(number))
         for number, one in enumerate(found, 1)
     ]
-
-
-def _dicom_file(path: Path) -> Choice:
-    header = read_header(path)
-    if header is None:
-        raise VolumeFormatError(
-            f"{path} is a DICOM file without an image of a scan; allowed: CT, MR and other scans"
-        )
-    one = Series(header.series, header.description, header.modality, (header,))
-    return _of_series(path, one, None)
 
 
 def _of_series(path: Path, one: Series, series: str | None) -> Choice:

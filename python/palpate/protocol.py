@@ -35,6 +35,16 @@ from palpate.protocol_picture import (
     SurfacePatch,
     ThresholdPreset,
 )
+from palpate.protocol_registration import (
+    FoundRegistration,
+    RedoRegistration,
+    Register,
+    Registration,
+    RegistrationLevel,
+    ShowRegistration,
+    StopRegistration,
+    UndoRegistration,
+)
 from palpate.protocol_segments import (
     ChangeShape,
     CutAlong,
@@ -96,6 +106,7 @@ from palpate.protocol_touch import (
     WithdrawNeedle,
 )
 from palpate.protocol_types import (
+    BeforeOrAfter,
     Colour,
     Coordinate,
     Friction,
@@ -106,7 +117,11 @@ from palpate.protocol_types import (
     Name,
     NeedleEventKind,
     NodeCount,
+    PointPair,
     Pose,
+    RegistrationKind,
+    RegistrationMetric,
+    RegistrationStart,
     SegmentId,
     ShapeKind,
     Share,
@@ -122,6 +137,7 @@ from palpate.protocol_types import (
 
 __all__ = [
     "PROTOCOL_VERSION",
+    "BeforeOrAfter",
     "Boxes",
     "ChangeSettings",
     "ChangeShape",
@@ -142,6 +158,7 @@ __all__ = [
     "Fence",
     "FillOutline",
     "FollowEdits",
+    "FoundRegistration",
     "Friction",
     "FromPage",
     "Gap",
@@ -174,6 +191,7 @@ __all__ = [
     "Paint",
     "Passed",
     "Place",
+    "PointPair",
     "Pose",
     "Rate",
     "Rates",
@@ -181,6 +199,13 @@ __all__ = [
     "Recover",
     "Recovery",
     "Redo",
+    "RedoRegistration",
+    "Register",
+    "Registration",
+    "RegistrationKind",
+    "RegistrationLevel",
+    "RegistrationMetric",
+    "RegistrationStart",
     "RemoveSegment",
     "Safety",
     "Scan",
@@ -200,10 +225,12 @@ __all__ = [
     "ShapeKind",
     "Share",
     "ShowParts",
+    "ShowRegistration",
     "ShownAs",
     "SmoothingDegree",
     "State",
     "Stiffness",
+    "StopRegistration",
     "StopSegmentWork",
     "Stroke",
     "SurfacePatch",
@@ -218,6 +245,7 @@ __all__ = [
     "TraceLevel",
     "TurnGrabbed",
     "Undo",
+    "UndoRegistration",
     "Value",
     "Vector",
     "View",
@@ -245,6 +273,7 @@ ToPage = (
     | NeedleEvents
     | SegmentWork
     | SecondScan
+    | Registration
     | Passed
 )
 
@@ -259,6 +288,11 @@ FromPage = (
     | GrowSeeds
     | ChangeShape
     | StopSegmentWork
+    | Register
+    | StopRegistration
+    | ShowRegistration
+    | UndoRegistration
+    | RedoRegistration
     | NewSegment
     | Paint
     | EndPaint

@@ -128,10 +128,12 @@ class SecondScan(Message, frozen=True, tag="second_scan"):
 
     ``second_from_first`` maps points of the first scan to the second's, row-major, shape [4, 4],
     patient of each [mm]; its values come from ``/api/second`` and are others with each ``version``.
+    It ``is_moved`` where a transform holds it elsewhere than its own place in the patient says.
     """
 
     scan: Scan | None
     second_from_first: list[float]
+    is_moved: bool
     version: int
 
 

@@ -98,12 +98,14 @@ class Notice(Message, frozen=True, tag="notice"):
 class Offer(msgspec.Struct, frozen=True):
     """Changes of this scan that an earlier session left: how many, when the last (ISO 8601).
 
-    ``lost_bytes`` at the end of their file are not whole.
+    ``lost_bytes`` at the end of their file are not whole. ``second``: name of the second scan that
+    was shown.
     """
 
     steps: int
     when: str
     lost_bytes: int
+    second: str | None
 
 
 class Recovery(Message, frozen=True, tag="recovery"):

@@ -20,11 +20,12 @@ from palpate.registration_options import (
     Kind,
     Level,
     Metric,
-    Points,
     RegistrationError,
     SearchOptions,
-    Start,
+    Watch,
+    unwatched,
 )
+from palpate.registration_start import affine_of, mask_on
 from palpate.simpleitk import reason_of, simpleitk
 
 __all__ = ["Measured", "Search"]
@@ -74,6 +75,7 @@ class Search:
         metric: Metric,
         options: SearchOptions,
         progress: Progress,
+        watch: Watch = unwatched,
     ) -> None:
         """Takes the fixed and the moving image, and their masks or None.
 
@@ -86,39 +88,12 @@ class Search:
         self._metric = metric
         self._options = options
         self._progress = progress
+        self._watch = watch
         self._sitk = simpleitk()
         shortest = min(images[0].GetSize())
         self._shrinks = tuple(n for n in SHRINKS if n == 1 or shortest >= n * LEAST_AT_LEVEL)
         self._level_of = cache(lambda shrink: [_coarser(image, shrink) for image in images])
         self.curve: list[Level] = []
-
-    # --- the start ------------------------------------------------------------------------
-
-    def guess(self, start: Start, landmarks: tuple[Points, Points] | None) -> Any:  # noqa: ANN401
-        """Returns a first turn and shift."""
-        sitk = self._sitk
-        rigid = sitk.Euler3DTransform()
-        if start in ("centre", "moments"):
-            by = sitk.CenteredTransformInitializerFilter
-            mode = by.GEOMETRY if start == "centre" else by.MOMENTS
-            images = self._images
-            if start == "moments":
-                images = tuple(
-                    _above_lowest(*pair) for pair in zip(images, self._masks, strict=True)
-                )
-            return sitk.Euler3DTransform(sitk.CenteredTransformInitializer(*images, rigid, mode))
-        rigid.SetCenter(_middle(self._images[0]))
-        if landmarks is not None and start == "landmarks":
-            fitted = sitk.VersorRigid3DTransform(
-                sitk.LandmarkBasedTransformInitializer(
-                    sitk.VersorRigid3DTransform(),
-                    *(points.ravel().tolist() for points in landmarks),
-                )
-            )
-            centre = rigid.GetCenter()
-            rigid.SetMatrix(fitted.GetMatrix(), 1e-6)
-            rigid.SetTranslation(np.subtract(fitted.TransformPoint(centre), centre).tolist())
-        return rigid
 
     # --- how alike the scans are ------------------------------------------------------------
 
@@ -138,14 +113,17 @@ class Search:
         try:
             metric = float(method.MetricEvaluate(fixed, moving))
         except RuntimeError as error:
-            raise self._apart(error) from None
+            raise self._apart(reason_of(error)) from None
         there = sitk.Image(moving.GetSize(), sitk.sitkUInt8) + 1
         there.CopyInformation(moving)
         covered = sitk.Resample(there, fixed, transform, sitk.sitkNearestNeighbor, 0.0)
         inside = sitk.GetArrayFromImage(covered) != 0
         if self._masks[0] is not None:
-            inside = inside[sitk.GetArrayFromImage(_on(self._masks[0], fixed)) != 0]
-        return Measured(metric, float(inside.mean()) if inside.size else 0.0)
+            inside = inside[sitk.GetArrayFromImage(mask_on(self._masks[0], fixed)) != 0]
+        if not inside.any():
+            # mean squares of nothing are no error to ITK
+            raise self._apart("no voxel of one lies in the other")
+        return Measured(metric, float(inside.mean()))
 
     def check(self, before: Measured, after: Measured) -> None:
         """Refuses an end that is worse than its start.
@@ -169,10 +147,10 @@ class Search:
             self.curve,
         )
 
-    def _apart(self, error: RuntimeError) -> RegistrationError:
+    def _apart(self, reason: str) -> RegistrationError:
         told = f"; on the way: {self._told()}" if self.curve else ""
         return RegistrationError(
-            f"the scans do not overlap enough ({reason_of(error)}{told}); nothing was changed; "
+            f"the scans do not overlap enough ({reason}{told}); nothing was changed; "
             f"allowed: scans of the same part, or another start ({', '.join(STARTS)})",
             self.curve,
         )
@@ -188,12 +166,15 @@ class Search:
     # --- the search -------------------------------------------------------------------------
 
     def run(self, first: Any, kind: Kind) -> Any:  # noqa: ANN401
-        """Returns the best transform of a kind near a first turn and shift.
+        """Returns the best transform of a kind near a first one, which may be affine already.
 
         Raises:
             RegistrationError: The scans do not overlap.
         """
         stages = STAGES[kind]
+        if first.GetName() == "AffineTransform":
+            # what it scales and shears would be lost
+            stages = stages[1:]
         found = first
         for number, stage in enumerate(stages):
             search = self._bent if stage == "bspline" else self._straight
@@ -201,7 +182,7 @@ class Search:
         return found
 
     def _straight(self, first: Any, stage: Kind, share: Callable[[float], float]) -> Any:  # noqa: ANN401
-        transform = self._sitk.Euler3DTransform(first) if stage == "rigid" else _affine(first)
+        transform = self._sitk.Euler3DTransform(first) if stage == "rigid" else affine_of(first)
         most = self._options.iterations
         for number, shrink in enumerate(self._shrinks):
             level = self._level(stage, shrink, self._options.samples)
@@ -257,6 +238,7 @@ class Search:
         def step() -> None:
             level.values.append(float(method.GetMetricValue()))
             try:
+                self._watch(self.curve)
                 self._progress(name, min(1.0, share(len(level.values))))
             except BaseException as error:
                 raised.append(error)
@@ -272,7 +254,7 @@ class Search:
         except RuntimeError as error:
             if raised:
                 raise raised[0] from None
-            raise self._apart(error) from None
+            raise self._apart(reason_of(error)) from None
         finally:
             sys.excepthook = shown
 
@@ -323,35 +305,6 @@ def _coarser(image: Any, shrink: int) -> Any:  # noqa: ANN401
         BLUR * factor * step for factor, step in zip(factors, image.GetSpacing(), strict=True)
     ]
     return sitk.Shrink(sitk.SmoothingRecursiveGaussian(image, widths), factors)
-
-
-def _middle(image: Any) -> tuple[float, ...]:  # noqa: ANN401
-    middle: tuple[float, ...] = image.TransformContinuousIndexToPhysicalPoint(
-        [(n - 1) / 2.0 for n in image.GetSize()]
-    )
-    return middle
-
-
-def _affine(first: Any) -> Any:  # noqa: ANN401
-    """Returns the affine transform that is the same as a turn and a shift."""
-    affine = simpleitk().AffineTransform(3)
-    affine.SetCenter(first.GetCenter())
-    affine.SetMatrix(first.GetMatrix())
-    affine.SetTranslation(first.GetTranslation())
-    return affine
-
-
-def _on(mask: Any, grid: Any) -> Any:  # noqa: ANN401
-    """Returns a mask on the grid of an image."""
-    sitk = simpleitk()
-    return sitk.Resample(mask, grid, sitk.Transform(), sitk.sitkNearestNeighbor, 0.0)
-
-
-def _above_lowest(image: Any, mask: Any) -> Any:  # noqa: ANN401
-    """Returns values from the lowest on, 0 outside of a mask."""
-    sitk = simpleitk()
-    lifted = image - float(sitk.GetArrayViewFromImage(image).min())
-    return lifted if mask is None else lifted * sitk.Cast(_on(mask, image) != 0, sitk.sitkFloat32)
 
 
 def _ends(values: list[float]) -> list[float]:

@@ -43,6 +43,8 @@ class WantedScan(msgspec.Struct, frozen=True):
     choice: int = 0
     path: str | None = None
     series: str | None = None
+    beside: bool = False
+    """Whether it is shown with the open scan, and not in its place."""
 
 
 class ListedScan(msgspec.Struct, frozen=True):

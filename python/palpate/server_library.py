@@ -22,10 +22,12 @@ from starlette.routing import Route, Router
 from starlette.types import ASGIApp, Receive, Scope, Send
 
 from palpate.errors import OptionError, PalpateError
+from palpate.io import read
 from palpate.io_dicomweb_address import is_web_address
-from palpate.opening import opening
+from palpate.opening import is_scene, opening
 from palpate.progress import Progress
 from palpate.recent import Recent, forget_recent, note_recent, recent_scans
+from palpate.second_scan import placed
 from palpate.server_finds import Finds, Place, WantedFind, WantedScan, path_of
 from palpate.server_job import Job
 from palpate.server_open_scan import OpenScan
@@ -46,6 +48,12 @@ PASSING = "its files are a copy that goes when it is closed: a saved scene has t
 """Said of a scan that was dropped, or came from a server."""
 
 Wanted = TypeVar("Wanted")
+
+Files = TemporaryDirectory[str]
+"""Of a scan, for as long as it is open."""
+
+Show = Callable[[Place, Files | None, Progress], None]
+"""Shows a scan, whose files are its own or stay where they are."""
 
 
 class About(msgspec.Struct, frozen=True):
@@ -146,11 +154,13 @@ class Library:
             raise OptionError("this scan is recorded; allowed: palpate open for another one")
         wanted = await _body(request, WantedScan)
         place = self._finds.chosen(wanted)
-        return Job(lambda progress, _: self._exchange(place, progress))
+        show = self._add if wanted.beside else self._exchange
+        return Job(lambda progress, _: self._bring(place, show, progress))
 
-    def _exchange(self, place: Place, progress: Progress) -> None:
+    def _bring(self, place: Place, show: Show, progress: Progress) -> None:
+        """Shows a scan, after its files have come from where they are."""
         if place.fetch is None:
-            self._show(place, None, progress)
+            show(place, None, progress)
             return
         with ExitStack() as unless_shown:
             files = TemporaryDirectory(prefix="palpate-")
@@ -158,12 +168,11 @@ class Library:
             folder = Path(files.name) / "scan"
             folder.mkdir()
             place.fetch(folder, progress)
-            self._show(replace(place, path=folder), files, progress)
+            show(replace(place, path=folder), files, progress)
             unless_shown.pop_all()
 
-    def _show(
-        self, place: Place, fetched: TemporaryDirectory[str] | None, progress: Progress
-    ) -> None:
+    def _exchange(self, place: Place, fetched: Files | None, progress: Progress) -> None:
+        """Shows a scan in place of the one that is open."""
         read = opening(place.path, series=place.series, progress=progress)
         # from here on it cannot be taken back
         progress("starting", None)
@@ -195,6 +204,22 @@ class Library:
         except (PalpateError, OSError, RuntimeError) as error:
             self._workbench.tell(f"The scan was not opened: {error}")
             raise
+
+    def _add(self, place: Place, fetched: Files | None, progress: Progress) -> None:
+        """Shows a scan with the one that is open."""
+        opened = from_thread.run(self._workbench.settled)
+        if opened is None:
+            raise OptionError("no scan is open; allowed: open one first")
+        if is_scene(place.path):
+            raise OptionError("a scene was chosen; allowed: a scan")
+        volume = read(place.path, series=place.series, progress=progress)
+        files = fetched if place.upload is None else self._uploads.take_out(place.upload)
+        if files is None:
+            note_recent(volume)
+        else:
+            # they go with it: a saved scene has to hold it
+            volume.source = None
+        opened.show_second(placed(opened.session.scene.volume, volume), files=files)
 
 
 async def _body(request: Request, kind: type[Wanted]) -> Wanted:

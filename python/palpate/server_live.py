@@ -30,6 +30,7 @@ from palpate.server_outlines import Outlines
 from palpate.server_paint import Painter
 from palpate.server_picture import ToldPicture, labels_anew
 from palpate.server_recording import Recorder
+from palpate.server_registration import Registering
 from palpate.server_second import second_message
 from palpate.server_segment_work import SegmentWork
 from palpate.server_segments import ShownSegments
@@ -88,6 +89,7 @@ class Live:
         self._gaps = GapWatch(session, self._from_threads.put)
         self._scene_of_now: object = None
         self._second = second_message(session.scene.second, version=0)
+        self.registering = Registering(session, show=self.show_second, tell=self._from_threads.put)
 
     async def run(self) -> None:
         """Tells all pages what is, until it is cancelled or the session ends by itself."""
@@ -101,6 +103,7 @@ class Live:
         finally:
             worker.cancel()
             self._segment_work.stop()
+            self.registering.stop()
             segment_worker.cancel()
             gaps.cancel()
             changes.cancel()
@@ -114,6 +117,7 @@ class Live:
         outbox.tell(self.segments.message)
         if self._second.scan is not None:
             outbox.tell(self._second)
+            outbox.tell(self.registering.message)
         if self.journal is not None:
             outbox.tell(protocol.Recovery(_offer_of(self.journal)))
             if self.journal.problem is not None:
@@ -154,7 +158,10 @@ class Live:
         version = self._second.version + (0 if same else 1)
         scene.second = second
         self._second = second_message(second, version=version)
+        if self.journal is not None:
+            self.journal.note_second(second)
         self._from_threads.put(self._second)
+        self.registering.follow(second)
 
     async def send_away(self) -> None:
         """Has all pages load themselves anew: another scan takes the place of this one."""
@@ -290,7 +297,7 @@ class Live:
         if isinstance(message, protocol.Threshold):
             self._thresholds.ask(message)
             return True
-        return self._segment_work.take(message)
+        return self._segment_work.take(message) or self.registering.take(message)
 
     def _following_tick(self) -> int:
         """Returns the first tick that follows all that the session was told until now."""
@@ -431,6 +438,10 @@ class Live:
             return
         self.journal.decide(bring_back=bring_back)
         self._restore_looks()
+        if self.journal.second is not None:
+            self.show_second(self.journal.second)
+        if self.journal.lost_second is not None:
+            self._from_threads.put(protocol.Notice(level="warning", text=self.journal.lost_second))
         self._from_threads.put(protocol.Recovery(None))
         if self.journal.problem is not None:
             self._from_threads.put(protocol.Notice(level="warning", text=self.journal.problem))
@@ -458,7 +469,9 @@ def _offer_of(journal: Journal) -> protocol.Offer | None:
     if offer is None:
         return None
     when = offer.when.isoformat(timespec="seconds")
-    return protocol.Offer(steps=offer.steps, when=when, lost_bytes=offer.lost_bytes)
+    return protocol.Offer(
+        steps=offer.steps, when=when, lost_bytes=offer.lost_bytes, second=offer.second
+    )
 
 
 async def _receive(websocket: WebSocket) -> bytes:

@@ -313,3 +313,38 @@ def test_a_series_of_a_server_is_listed_and_opened(client: Client, data_folder: 
     (failed,) = client.job("open", wanted)
     assert failed["kind"] == "failed"
     assert client.about()["scan"] == "scan"
+
+
+def test_a_second_scan_is_shown_with_the_open_one(
+    client: Client, study: Path, tmp_path: Path
+) -> None:
+    refused = client.job("open", {"path": str(study), "beside": True})
+    assert refused[-1]["reason"].startswith("no scan is open")
+    found = client.job("find", {"path": str(study)})[0]
+    thin = next(i for i, one in enumerate(found["scans"]) if one["name"] == "thin")
+    client.job("open", {"find": found["find"], "choice": thin})
+    opened = client.workbench.opened
+    assert opened is not None
+    assert client.job("open", {"find": found["find"], "choice": thin, "beside": True}) == [
+        {"kind": "done"}
+    ]
+    # the same scan is open, with the same segments
+    assert client.workbench.opened is opened
+    second = opened.session.scene.second
+    assert second is not None
+    assert second.volume.dimensions == (4, 3, 4)
+
+    # one that was dropped has its files as long as it is shown
+    path = tmp_path / "dropped.mha"
+    SimpleITK.WriteImage(SimpleITK.Image([5, 6, 7], SimpleITK.sitkInt16), str(path))
+    upload = client.upload({"dropped.mha": path.read_bytes()})
+    dropped = client.job("find", {"upload": upload})[0]
+    client.job("open", {"find": dropped["find"], "beside": True})
+    second = opened.session.scene.second
+    assert second is not None
+    assert (second.volume.dimensions, second.volume.source) == ((5, 6, 7), None)
+
+    scene = tmp_path / "scene.palpate"
+    scene.write_bytes(client.ask("POST", "scene", {"view": {}}).content)
+    refused = client.job("open", {"path": str(scene), "beside": True})
+    assert refused[-1]["reason"].startswith("a scene was chosen")

@@ -15,6 +15,9 @@ export type Coordinate = number;
 /** x, y, z in the scene frame, LPS [mm]; forces [N]. */
 export type Vector = readonly [Coordinate, Coordinate, Coordinate];
 
+/** The same place in two scans. */
+export type PointPair = readonly [Vector, Vector];
+
 /** A value of the scan, in its unit; the bounds keep NaN and infinity out. */
 export type Value = number;
 
@@ -47,6 +50,18 @@ export type SmoothingDegree = number;
 
 /** How the shape of a segment is changed; see `segmentation.changed_shape`. */
 export type ShapeKind = "keep-largest" | "drop-small" | "fill-holes" | "between-slices" | "grow" | "shrink" | "smooth" | "median" | "joint" | "open" | "close" | "hollow-inside" | "hollow-outside" | "unite" | "subtract" | "intersect";
+
+/** How freely a scan is moved: turned and shifted; scaled and sheared too; bent as well. */
+export type RegistrationKind = "rigid" | "affine" | "bspline";
+
+/** What tells that two scans are alike; automatic goes by their modalities. */
+export type RegistrationMetric = "automatic" | "mutual-information" | "correlation" | "mean-squares";
+
+/**
+ * Where a search begins: where the second scan stands; middles of the grids or of what is bright;
+ * pairs of points.
+ */
+export type RegistrationStart = "as-it-stands" | "centre" | "moments" | "landmarks";
 
 /** What the probe does to voxels while it is pressed; none leaves them as they are. */
 export type ToolKind = "none" | "eraser" | "adder" | "drill" | "needle" | "painter";
@@ -505,12 +520,14 @@ export interface SettingsChanged {
 /**
  * Changes of this scan that an earlier session left: how many, when the last (ISO 8601).
  *
- * `lost_bytes` at the end of their file are not whole.
+ * `lost_bytes` at the end of their file are not whole. `second`: name of the second scan that
+ * was shown.
  */
 export interface Offer {
   readonly steps: number;
   readonly when: string;
   readonly lost_bytes: number;
+  readonly second: string | null;
 }
 
 /** What can be brought back; null once somebody has decided, or where there is nothing. */
@@ -595,12 +612,55 @@ export interface SegmentWork {
  *
  * `second_from_first` maps points of the first scan to the second's, row-major, shape [4, 4],
  * patient of each [mm]; its values come from `/api/second` and are others with each `version`.
+ * It `is_moved` where a transform holds it elsewhere than its own place in the patient says.
  */
 export interface SecondScan {
   readonly type: "second_scan";
   readonly scan: Scan | null;
   readonly second_from_first: readonly number[];
+  readonly is_moved: boolean;
   readonly version: number;
+}
+
+/** The metric after each step on one level of a registration; made small. */
+export interface RegistrationLevel {
+  readonly name: string;
+  readonly values: readonly number[];
+}
+
+/**
+ * What a registration has found: the metric before and after, and how far points move [mm].
+ *
+ * `overlap` is the share of the first scan that the second covers in the end.
+ */
+export interface FoundRegistration {
+  readonly kind: RegistrationKind;
+  readonly metric: RegistrationMetric;
+  readonly before: number;
+  readonly after: number;
+  readonly overlap: Share;
+  readonly moved_mean: number;
+  readonly moved_most: number;
+}
+
+/**
+ * How far the registration of the second scan is, and what the last one has found.
+ *
+ * `doing` and `share` are null where none runs, `failure` says why the last one changed
+ * nothing; `curve` is that of the one that runs or ran last. `steps` counts registrations that
+ * can be taken back, `undone` those that can be made again. `shown` tells whether the second
+ * scan stands as before or after `found`.
+ */
+export interface Registration {
+  readonly type: "registration";
+  readonly doing: string | null;
+  readonly share: Share | null;
+  readonly curve: readonly RegistrationLevel[];
+  readonly failure: string | null;
+  readonly found: FoundRegistration | null;
+  readonly shown: "before" | "after";
+  readonly steps: number;
+  readonly undone: number;
 }
 
 /**
@@ -697,6 +757,41 @@ export interface ChangeShape {
 /** Stops what `SegmentWork` tells of and forgets what waits; what is not done is not begun. */
 export interface StopSegmentWork {
   readonly type: "stop_segment_work";
+}
+
+/**
+ * Finds where the second scan lies in the first; it then stands there, and undo takes it back.
+ *
+ * Each of `pairs` is a point of the first scan and the same place in the second, in the patient
+ * of each.
+ */
+export interface Register {
+  readonly type: "register";
+  readonly kind: RegistrationKind;
+  readonly metric: RegistrationMetric;
+  readonly start: RegistrationStart;
+  readonly pairs: readonly PointPair[];
+}
+
+/** Stops the registration that runs; nothing is changed then. */
+export interface StopRegistration {
+  readonly type: "stop_registration";
+}
+
+/** Shows the second scan as before the last registration, or as after it; no step of undo. */
+export interface ShowRegistration {
+  readonly type: "show_registration";
+  readonly which: "before" | "after";
+}
+
+/** Takes the last registration back. */
+export interface UndoRegistration {
+  readonly type: "undo_registration";
+}
+
+/** Makes the registration again that was taken back last. */
+export interface RedoRegistration {
+  readonly type: "redo_registration";
 }
 
 /** Makes a segment without voxels, to be painted; undo takes it away. */
@@ -962,6 +1057,7 @@ export type ToPage =
   | NeedleEvents
   | SegmentWork
   | SecondScan
+  | Registration
   | Passed;
 
 /** A message of the page. */
@@ -976,6 +1072,11 @@ export type FromPage =
   | GrowSeeds
   | ChangeShape
   | StopSegmentWork
+  | Register
+  | StopRegistration
+  | ShowRegistration
+  | UndoRegistration
+  | RedoRegistration
   | NewSegment
   | Paint
   | EndPaint
@@ -1160,6 +1261,10 @@ const isShownAs = oneOf("volume", "surface", "both");
 const isSurfaceSource = oneOf("intensities", "bits");
 
 const isSmoothingDegree = whole({ ge: 0, le: 12 });
+
+const isRegistrationKind = oneOf("rigid", "affine", "bspline");
+
+const isRegistrationMetric = oneOf("automatic", "mutual-information", "correlation", "mean-squares");
 
 const isToolKind = oneOf("none", "eraser", "adder", "drill", "needle", "painter");
 
@@ -1462,6 +1567,7 @@ const isOffer = record({
   steps: whole(),
   when: text(),
   lost_bytes: whole(),
+  second: nullable(text()),
 });
 
 const isRecovery = record({
@@ -1520,7 +1626,35 @@ const isSecondScan = record({
   type: oneOf("second_scan"),
   scan: nullable(isScan),
   second_from_first: list(real()),
+  is_moved: flag,
   version: whole(),
+});
+
+const isRegistrationLevel = record({
+  name: text(),
+  values: list(real()),
+});
+
+const isFoundRegistration = record({
+  kind: isRegistrationKind,
+  metric: isRegistrationMetric,
+  before: real(),
+  after: real(),
+  overlap: isShare,
+  moved_mean: real(),
+  moved_most: real(),
+});
+
+const isRegistration = record({
+  type: oneOf("registration"),
+  doing: nullable(text()),
+  share: nullable(isShare),
+  curve: list(isRegistrationLevel),
+  failure: nullable(text()),
+  found: nullable(isFoundRegistration),
+  shown: oneOf("before", "after"),
+  steps: whole(),
+  undone: whole(),
 });
 
 const isPassed = record({
@@ -1544,5 +1678,6 @@ const TO_PAGE: ReadonlyMap<string, Check> = new Map([
   ["needle_events", isNeedleEvents],
   ["segment_work", isSegmentWork],
   ["second_scan", isSecondScan],
+  ["registration", isRegistration],
   ["passed", isPassed],
 ]);

@@ -19,6 +19,8 @@ export class Library {
   about = $state.raw<About | null | undefined>(null);
   /** Whether the page for opening lies over the open scan. */
   shown = $state.raw(false);
+  /** What is opened comes beside the open scan, and not in its place. */
+  beside = $state.raw(false);
   work = $state.raw<Work | null>(null);
   failure = $state.raw<string | null>(null);
   found = $state.raw<Found | null>(null);
@@ -42,7 +44,12 @@ export class Library {
   }
 
   /** Shows the page for opening over the open scan. */
-  async show(): Promise<void> {
+  async show({ beside = false } = {}): Promise<void> {
+    if (beside !== this.beside) {
+      this.leaveList();
+      this.failure = null;
+      this.beside = beside;
+    }
     this.shown = true;
     const told = this.about?.told ?? [];
     await this.look();
@@ -129,13 +136,19 @@ export class Library {
   }
 
   private async exchange(wanted: object, signal: AbortSignal): Promise<void> {
+    const { beside } = this;
     this.opening = true;
     try {
-      await work("open", wanted, { token: this.token, signal }, this.take.bind(this));
+      await work("open", beside ? { ...wanted, beside } : wanted, { token: this.token, signal }, this.take.bind(this));
     } finally {
       this.opening = false;
     }
-    this.reload();
+    if (beside) {
+      this.leaveList();
+      this.hide();
+    } else {
+      this.reload();
+    }
   }
 
   private take(line: JobLine): void {

@@ -18,6 +18,7 @@ import {
   type Notice,
   type Offer,
   type Outline,
+  type Registration,
   type Scan,
   type SecondScan,
   type Segment,
@@ -90,6 +91,7 @@ export class Session {
   private listeners: readonly ((state: State) => void)[] = [];
   private secondListeners: readonly ((second: SecondScan) => void)[] = [];
   private outlineListener: (outline: Outline) => void = () => undefined;
+  private registrationListeners: readonly ((registration: Registration) => void)[] = [];
   private editListeners: readonly ((changed: Changed, arrived: number) => void)[] = [];
   /** Settings are shown as the engine holds them, and are kept for the next visit. */
   settingsHold = false;
@@ -143,6 +145,11 @@ export class Session {
   /** Calls back with outlines that were asked for. */
   onOutline(listener: (outline: Outline) => void): void {
     this.outlineListener = listener;
+  }
+
+  /** Calls back with what is told of the second scan's registration. */
+  onRegistration(listener: (registration: Registration) => void): void {
+    this.registrationListeners = [...this.registrationListeners, listener];
   }
 
   /** Calls back with every edit that arrives, and when it did. */
@@ -244,6 +251,11 @@ export class Session {
         break;
       case "second_scan":
         for (const listener of this.secondListeners) {
+          listener(message);
+        }
+        break;
+      case "registration":
+        for (const listener of this.registrationListeners) {
           listener(message);
         }
         break;

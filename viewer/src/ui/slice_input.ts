@@ -1,7 +1,7 @@
 /**
  * The mouse over a slice: with the brush left drag paints, and Shift + wheel, [ and ] change its radius; with the
  * live wire a click sets a point, a double click or Enter closes it, Backspace takes a point back; a level is painted
- * by a click. Else left drag moves the crosshair, a click says what is there, sets a point of a mark or grows a region, right drag sets window and level, middle or
+ * by a click. Else left drag moves the crosshair, a click says what is there, sets a point of a mark or of a pair, or grows a region, right drag sets window and level, middle or
  * Ctrl + left drag moves the picture, the wheel goes through the slices and zooms with Ctrl. Shift + move,
  * or any move in touch mode, leads the hand in the plane; a double click brings the probe there.
  * With the focus, arrows up and down go through the slices, + and − zoom.
@@ -176,9 +176,11 @@ export class SliceInput {
       return;
     }
     this.pressed = null;
-    const { growing, marks, readOut } = this.stage;
-    this.marked = marks.placing !== null;
-    if (this.marked) {
+    const { growing, marks, readOut, registration } = this.stage;
+    this.marked = this.marking;
+    if (registration.placing !== null) {
+      registration.put(point);
+    } else if (this.marked) {
       marks.put(point);
     } else if (growing.armed) {
       growing.from(point);
@@ -191,7 +193,7 @@ export class SliceInput {
   }
 
   private get marking(): boolean {
-    return this.stage.marks.placing !== null;
+    return this.stage.marks.placing !== null || this.stage.registration.placing !== null;
   }
 
   /** Whether the left button paints: what waits for a click comes first. */
