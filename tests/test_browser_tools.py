@@ -144,6 +144,11 @@ def test_a_stroke_does_not_turn_the_picture_and_a_drag_without_shift_does(page: 
 
 
 def test_what_is_touched_is_painted_and_touch_does_not_notice(page: Browser) -> None:
+    # the block is a range of values first, which a tissue's stands for
+    page.do("choose", testid="threshold-preset", value="bone")
+    page.wait("document.querySelector('[data-testid=threshold]').value === '226'")
+    page.wait("document.querySelector('[data-testid=threshold-preset]').value === 'bone'")
+    page.all_done()
     page.read(f"window.palpate.hand({[MIDDLE, SURFACE + 2, MIDDLE]})")
     page.wait("window.palpate.state.contact")
     page.all_done()

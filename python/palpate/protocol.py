@@ -33,6 +33,7 @@ from palpate.protocol_picture import (
     SecondScan,
     SegmentSurface,
     SurfacePatch,
+    ThresholdPreset,
 )
 from palpate.protocol_registration import (
     FoundRegistration,
@@ -235,6 +236,7 @@ __all__ = [
     "SurfacePatch",
     "SurfaceSource",
     "Threshold",
+    "ThresholdPreset",
     "TissueName",
     "ToPage",
     "Tool",

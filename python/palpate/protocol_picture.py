@@ -18,6 +18,7 @@ __all__ = [
     "SecondScan",
     "SegmentSurface",
     "SurfacePatch",
+    "ThresholdPreset",
 ]
 
 
@@ -27,6 +28,14 @@ class Histogram(msgspec.Struct, frozen=True):
     low: Value
     high: Value
     counts: list[int]
+
+
+class ThresholdPreset(msgspec.Struct, frozen=True):
+    """A range of values that stands for a tissue."""
+
+    name: str
+    low: Value
+    high: Value
 
 
 class Scan(msgspec.Struct, frozen=True):
@@ -51,6 +60,7 @@ class Scan(msgspec.Struct, frozen=True):
     histogram: Histogram
     soft_tissue: Value
     bone: Value
+    presets: list[ThresholdPreset]
     orientation_known: bool
     warnings: list[str]
 

@@ -88,6 +88,7 @@ ShapeKind = Literal[
     "shrink",
     "smooth",
     "median",
+    "joint",
     "open",
     "close",
     "hollow-inside",

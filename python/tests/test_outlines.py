@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+import SimpleITK
+from contourpy import contour_generator
 from numpy.typing import NDArray
 from palpate.errors import OptionError
+from palpate.io import read
 from palpate.level_tracing import traced_level
 from palpate.live_wire import live_wire
 from palpate.painted_stroke import PaintedStroke
+from palpate.polygon_fill import fill_polygons
 from palpate.scan_slice import ScanSlice
 from palpate.scene import Scene
 from palpate.session import Session, SessionOptions
@@ -95,6 +100,31 @@ def test_a_level_is_traced_through_the_point(name: str) -> None:
     outline = traced_level(volume, list(on_circle(name, 40.0)), normal=NORMALS[name])
     assert away(outline).max() < 0.5
     assert len(outline) > 30
+
+
+@pytest.mark.data
+def test_the_wire_finds_more_of_the_liver_than_straight_lines_do(data_folder: Path) -> None:
+    folder = data_folder / "amos_0336"
+    volume = read(folder / "amos_0336.mhd")
+    labels = SimpleITK.GetArrayFromImage(
+        SimpleITK.ReadImage(str(folder / "labels_from_meshes.nii.gz"))
+    )
+    found: list[float] = []
+    straight: list[float] = []
+    for number in (78, 90, 102):
+        where = ScanSlice(volume, 2, number)
+        liver = np.pad((labels[number] == 6).astype(float), 1)
+        lines = [np.asarray(line) for line in contour_generator(z=liver).lines(0.5)]
+        corners = max(lines, key=len)[:-1] - 1.0
+        clicks = corners[np.linspace(0, len(corners), 6, endpoint=False).astype(int)]
+        true = fill_polygons([corners], where.shape) != 0
+        path = live_wire(volume, list(where.points(clicks)), normal=(0.0, 0.0, 1.0))
+        for scores, polygon in ((found, where.places(path)), (straight, clicks)):
+            mask = fill_polygons([polygon], where.shape) != 0
+            scores.append(2.0 * (mask & true).sum() / (mask.sum() + true.sum()))
+    # six clicks at even distances along the outline, none of them chosen by a person
+    assert np.mean(found) > 0.9
+    assert np.mean(found) > np.mean(straight) + 0.03
 
 
 def test_levels_that_the_border_cuts_are_closed_along_it() -> None:

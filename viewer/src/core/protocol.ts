@@ -49,7 +49,7 @@ export type SurfaceSource = "intensities" | "bits";
 export type SmoothingDegree = number;
 
 /** How the shape of a segment is changed; see `segmentation.changed_shape`. */
-export type ShapeKind = "keep-largest" | "drop-small" | "fill-holes" | "between-slices" | "grow" | "shrink" | "smooth" | "median" | "open" | "close" | "hollow-inside" | "hollow-outside" | "unite" | "subtract" | "intersect";
+export type ShapeKind = "keep-largest" | "drop-small" | "fill-holes" | "between-slices" | "grow" | "shrink" | "smooth" | "median" | "joint" | "open" | "close" | "hollow-inside" | "hollow-outside" | "unite" | "subtract" | "intersect";
 
 /** How freely a scan is moved: turned and shifted; scaled and sheared too; bent as well. */
 export type RegistrationKind = "rigid" | "affine" | "bspline";
@@ -97,6 +97,13 @@ export interface Histogram {
   readonly counts: readonly number[];
 }
 
+/** A range of values that stands for a tissue. */
+export interface ThresholdPreset {
+  readonly name: string;
+  readonly low: Value;
+  readonly high: Value;
+}
+
 /**
  * The scan on display; its values come by HTTP from `/api/volume`.
  *
@@ -119,6 +126,7 @@ export interface Scan {
   readonly histogram: Histogram;
   readonly soft_tissue: Value;
   readonly bone: Value;
+  readonly presets: readonly ThresholdPreset[];
   readonly orientation_known: boolean;
   readonly warnings: readonly string[];
 }
@@ -1280,6 +1288,12 @@ const isHistogram = record({
   counts: list(whole()),
 });
 
+const isThresholdPreset = record({
+  name: text(),
+  low: isValue,
+  high: isValue,
+});
+
 const isScan = record({
   name: text(),
   title: text(),
@@ -1294,6 +1308,7 @@ const isScan = record({
   histogram: isHistogram,
   soft_tissue: isValue,
   bone: isValue,
+  presets: list(isThresholdPreset),
   orientation_known: flag,
   warnings: list(text()),
 });
