@@ -263,7 +263,7 @@ class Registering:
     def _write(self, wanted: WantedFile, *, folder: Path) -> Path:
         here, first = self._here, self._session.scene.volume
         ending = ".tfm" if wanted.what == "transform" else wanted.ending
-        path = folder / f"{file_name(here.volume.name)}-to-{file_name(first.name)}{ending}"
+        path = folder / f"{file_name(here.volume.title)}-to-{file_name(first.title)}{ending}"
         if wanted.what == "transform":
             write_transform(here.transform, path)
         else:
