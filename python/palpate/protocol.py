@@ -23,6 +23,7 @@ from palpate.protocol_matter import (
     SetMaterial,
     ShowParts,
 )
+from palpate.protocol_outline import FillOutline, Outline, TraceLevel, Wire
 from palpate.protocol_picture import (
     Changed,
     ChangedVoxels,
@@ -32,6 +33,17 @@ from palpate.protocol_picture import (
     SecondScan,
     SegmentSurface,
     SurfacePatch,
+    ThresholdPreset,
+)
+from palpate.protocol_registration import (
+    FoundRegistration,
+    RedoRegistration,
+    Register,
+    Registration,
+    RegistrationLevel,
+    ShowRegistration,
+    StopRegistration,
+    UndoRegistration,
 )
 from palpate.protocol_segments import (
     ChangeShape,
@@ -94,6 +106,7 @@ from palpate.protocol_touch import (
     WithdrawNeedle,
 )
 from palpate.protocol_types import (
+    BeforeOrAfter,
     Colour,
     Coordinate,
     Friction,
@@ -104,7 +117,11 @@ from palpate.protocol_types import (
     Name,
     NeedleEventKind,
     NodeCount,
+    PointPair,
     Pose,
+    RegistrationKind,
+    RegistrationMetric,
+    RegistrationStart,
     SegmentId,
     ShapeKind,
     Share,
@@ -120,6 +137,7 @@ from palpate.protocol_types import (
 
 __all__ = [
     "PROTOCOL_VERSION",
+    "BeforeOrAfter",
     "Boxes",
     "ChangeSettings",
     "ChangeShape",
@@ -138,7 +156,9 @@ __all__ = [
     "EndPaint",
     "Feel",
     "Fence",
+    "FillOutline",
     "FollowEdits",
+    "FoundRegistration",
     "Friction",
     "FromPage",
     "Gap",
@@ -167,9 +187,11 @@ __all__ = [
     "Notice",
     "Offer",
     "Otsu",
+    "Outline",
     "Paint",
     "Passed",
     "Place",
+    "PointPair",
     "Pose",
     "Rate",
     "Rates",
@@ -177,6 +199,13 @@ __all__ = [
     "Recover",
     "Recovery",
     "Redo",
+    "RedoRegistration",
+    "Register",
+    "Registration",
+    "RegistrationKind",
+    "RegistrationLevel",
+    "RegistrationMetric",
+    "RegistrationStart",
     "RemoveSegment",
     "Safety",
     "Scan",
@@ -196,26 +225,32 @@ __all__ = [
     "ShapeKind",
     "Share",
     "ShowParts",
+    "ShowRegistration",
     "ShownAs",
     "SmoothingDegree",
     "State",
     "Stiffness",
+    "StopRegistration",
     "StopSegmentWork",
     "Stroke",
     "SurfacePatch",
     "SurfaceSource",
     "Threshold",
+    "ThresholdPreset",
     "TissueName",
     "ToPage",
     "Tool",
     "ToolKind",
     "ToolState",
+    "TraceLevel",
     "TurnGrabbed",
     "Undo",
+    "UndoRegistration",
     "Value",
     "Vector",
     "View",
     "WatchGap",
+    "Wire",
     "WithdrawNeedle",
     "decode_from_page",
     "encode_to_page",
@@ -233,10 +268,12 @@ ToPage = (
     | Recovery
     | Notice
     | Gap
+    | Outline
     | CutPreview
     | NeedleEvents
     | SegmentWork
     | SecondScan
+    | Registration
     | Passed
 )
 
@@ -251,9 +288,17 @@ FromPage = (
     | GrowSeeds
     | ChangeShape
     | StopSegmentWork
+    | Register
+    | StopRegistration
+    | ShowRegistration
+    | UndoRegistration
+    | RedoRegistration
     | NewSegment
     | Paint
     | EndPaint
+    | Wire
+    | TraceLevel
+    | FillOutline
     | SegmentProperties
     | SegmentFeel
     | SetMaterial

@@ -18,6 +18,7 @@ __all__ = [
     "SecondScan",
     "SegmentSurface",
     "SurfacePatch",
+    "ThresholdPreset",
 ]
 
 
@@ -29,15 +30,25 @@ class Histogram(msgspec.Struct, frozen=True):
     counts: list[int]
 
 
+class ThresholdPreset(msgspec.Struct, frozen=True):
+    """A range of values that stands for a tissue."""
+
+    name: str
+    low: Value
+    high: Value
+
+
 class Scan(msgspec.Struct, frozen=True):
     """The scan on display; its values come by HTTP from ``/api/volume``.
 
     ``value = slope * stored + intercept``. ``patient_from_grid`` is row-major, shape
     [4, 4]; grid coordinates are in voxels, voxel (i, j, k) covers [i, i+1) on each axis.
-    ``unit`` is "HU" only where it is known, else "".
+    ``unit`` is "HU" only where it is known, else "". ``title`` is for windows: it names no file
+    that a person has not given by its path.
     """
 
     name: str
+    title: str
     modality: str
     unit: str
     dimensions: tuple[int, int, int]
@@ -49,6 +60,7 @@ class Scan(msgspec.Struct, frozen=True):
     histogram: Histogram
     soft_tissue: Value
     bone: Value
+    presets: list[ThresholdPreset]
     orientation_known: bool
     warnings: list[str]
 

@@ -203,13 +203,17 @@ class ChangeSettings(Message, frozen=True, tag="change_settings"):
 class Tool(Message, frozen=True, tag="tool"):
     """Chooses the tool for the next strokes: the radius of its ball [mm], and what it changes.
 
-    Of a needle the radius is its own, and ``tissues`` say what each of its segments is.
+    Of a needle the radius is its own, and ``tissues`` say what each of its segments is. A painter
+    gives what is touched of the segments to the first of them, so ``depth`` below the surface [mm],
+    or in all of its ball; what is painted stays in its segment, too, where it ``overlaps``.
     """
 
     kind: ToolKind
     radius: Annotated[float, msgspec.Meta(gt=0.0, le=50.0)]
     segments: list[SegmentId]
     tissues: list[TissueName] = msgspec.field(default_factory=list)
+    depth: Annotated[float, msgspec.Meta(gt=0.0, le=50.0)] | None = None
+    overlaps: bool = False
 
 
 class WithdrawNeedle(Message, frozen=True, tag="withdraw_needle"):

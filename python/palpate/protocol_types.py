@@ -11,6 +11,7 @@ from typing import Annotated, Literal
 import msgspec
 
 __all__ = [
+    "BeforeOrAfter",
     "Colour",
     "Coordinate",
     "Friction",
@@ -21,7 +22,11 @@ __all__ = [
     "Name",
     "NeedleEventKind",
     "NodeCount",
+    "PointPair",
     "Pose",
+    "RegistrationKind",
+    "RegistrationMetric",
+    "RegistrationStart",
     "SegmentId",
     "ShapeKind",
     "Share",
@@ -40,6 +45,9 @@ Coordinate = Annotated[float, msgspec.Meta(ge=-1e6, le=1e6)]
 
 Vector = tuple[Coordinate, Coordinate, Coordinate]
 """x, y, z in the scene frame, LPS [mm]; forces [N]."""
+
+PointPair = tuple[Vector, Vector]
+"""The same place in two scans."""
 
 Value = Annotated[float, msgspec.Meta(ge=-1e9, le=1e9)]
 """A value of the scan, in its unit; the bounds keep NaN and infinity out."""
@@ -80,6 +88,7 @@ ShapeKind = Literal[
     "shrink",
     "smooth",
     "median",
+    "joint",
     "open",
     "close",
     "hollow-inside",
@@ -90,7 +99,19 @@ ShapeKind = Literal[
 ]
 """How the shape of a segment is changed; see ``segmentation.changed_shape``."""
 
-ToolKind = Literal["none", "eraser", "adder", "drill", "needle"]
+RegistrationKind = Literal["rigid", "affine", "bspline"]
+"""How freely a scan is moved: turned and shifted; scaled and sheared too; bent as well."""
+
+RegistrationMetric = Literal["automatic", "mutual-information", "correlation", "mean-squares"]
+"""What tells that two scans are alike; automatic goes by their modalities."""
+
+RegistrationStart = Literal["as-it-stands", "centre", "moments", "landmarks"]
+"""Where a search begins: where the second scan stands; middles of the grids or of what is bright;
+pairs of points."""
+
+BeforeOrAfter = Literal["before", "after"]
+
+ToolKind = Literal["none", "eraser", "adder", "drill", "needle", "painter"]
 """What the probe does to voxels while it is pressed; none leaves them as they are."""
 
 TissueName = Literal["skin", "fat", "muscle", "liver"]

@@ -21,7 +21,7 @@ from starlette.responses import PlainTextResponse, Response
 from starlette.routing import Route, Router
 from starlette.types import ASGIApp, Receive, Scope, Send
 
-from palpate.errors import OptionError, PalpateError
+from palpate.errors import OptionError, PalpateError, SeriesChoiceError
 from palpate.io import read
 from palpate.io_dicomweb_address import is_web_address
 from palpate.opening import is_scene, opening
@@ -49,8 +49,11 @@ PASSING = "its files are a copy that goes when it is closed: a saved scene has t
 
 Wanted = TypeVar("Wanted")
 
-Act = Callable[[Place, TemporaryDirectory[str] | None, Progress], None]
-"""Does something with the scan at a place; takes the folder that was made for its files."""
+Files = TemporaryDirectory[str]
+"""Of a scan, for as long as it is open."""
+
+Show = Callable[[Place, Files | None, Progress], None]
+"""Shows a scan, whose files are its own or stay where they are."""
 
 
 class About(msgspec.Struct, frozen=True):
@@ -151,13 +154,13 @@ class Library:
             raise OptionError("this scan is recorded; allowed: palpate open for another one")
         wanted = await _body(request, WantedScan)
         place = self._finds.chosen(wanted)
-        act = self._add if wanted.beside else self._exchange
-        return Job(lambda progress, _: self._with_files(place, progress, act))
+        show = self._add if wanted.beside else self._exchange
+        return Job(lambda progress, _: self._bring(place, show, progress))
 
-    def _with_files(self, place: Place, progress: Progress, act: Act) -> None:
-        """Does something with a scan whose files are on this machine by then."""
+    def _bring(self, place: Place, show: Show, progress: Progress) -> None:
+        """Shows a scan, after its files have come from where they are."""
         if place.fetch is None:
-            act(place, None, progress)
+            show(place, None, progress)
             return
         with ExitStack() as unless_shown:
             files = TemporaryDirectory(prefix="palpate-")
@@ -165,12 +168,17 @@ class Library:
             folder = Path(files.name) / "scan"
             folder.mkdir()
             place.fetch(folder, progress)
-            act(replace(place, path=folder), files, progress)
+            try:
+                show(replace(place, path=folder), files, progress)
+            except SeriesChoiceError:
+                raise OptionError(
+                    "this series holds several volumes, such as times; allowed: palpate import "
+                    "--dicomweb brings it into a folder, whose volumes are listed here"
+                ) from None
             unless_shown.pop_all()
 
-    def _exchange(
-        self, place: Place, fetched: TemporaryDirectory[str] | None, progress: Progress
-    ) -> None:
+    def _exchange(self, place: Place, fetched: Files | None, progress: Progress) -> None:
+        """Shows a scan in place of the one that is open."""
         read = opening(place.path, series=place.series, progress=progress)
         # from here on it cannot be taken back
         progress("starting", None)
@@ -193,19 +201,17 @@ class Library:
 
         for sentence in read.told:
             self._workbench.tell(sentence)
-        if place.upload is not None or fetched is not None:
-            volume = read.scene.volume
-            warnings = (*volume.warnings, PASSING)
-            volume.traits = replace(volume.traits, warnings=warnings)
+        volume = read.scene.volume
+        passes = place.upload is not None or fetched is not None
+        warnings = (*volume.warnings, PASSING) if passes else volume.warnings
+        volume.traits = replace(volume.traits, warnings=warnings, given=place.given)
         try:
             from_thread.run(self._workbench.exchange, begin)
         except (PalpateError, OSError, RuntimeError) as error:
             self._workbench.tell(f"The scan was not opened: {error}")
             raise
 
-    def _add(
-        self, place: Place, fetched: TemporaryDirectory[str] | None, progress: Progress
-    ) -> None:
+    def _add(self, place: Place, fetched: Files | None, progress: Progress) -> None:
         """Shows a scan with the one that is open."""
         opened = from_thread.run(self._workbench.settled)
         if opened is None:

@@ -6,7 +6,7 @@ An ASGI application below ``/api``; ``server_workbench`` holds it and exchanges 
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 from contextlib import suppress
 from datetime import datetime
 from pathlib import Path
@@ -227,12 +227,21 @@ def _data_routes(opened: OpenScan, *, run: Path | None, saved: SavedScene | None
         Route("/labels", labels),
         Route("/second", second, methods=["GET"]),
         *second_routes(live.session.scene, live.show_second),
+        Route("/registration", _registration_of(live), methods=["POST"]),
         Route("/recording", recording),
         Route("/scenario", scenario),
         Route("/scene", scene, methods=["POST"]),
         Route("/export", export, methods=["POST"]),
         Route("/view", view),
     ]
+
+
+def _registration_of(live: Live) -> Callable[[Request], Awaitable[Response]]:
+    async def registration(request: Request) -> Response:
+        body = await request.body()
+        return await run_in_threadpool(live.registering.saved, body)
+
+    return registration
 
 
 async def _voxels(request: Request, array: Callable[[], NDArray[Any]]) -> Response:

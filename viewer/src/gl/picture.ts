@@ -119,6 +119,7 @@ export class Picture {
     this.field?.dispose();
     this.field = new FieldTexture(volume, this.options.format ?? fieldFormatFor(this.options.support));
     this.ready = false;
+    this.refiner.drawnPieces = 0;
     this.marcher.setField(this.field, bricks);
     this.slices.follow(volume.frame);
     this.surfaces.setFrame(volume.frame);

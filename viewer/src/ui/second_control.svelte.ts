@@ -59,6 +59,8 @@ export class SecondControl {
   choice = $state.raw<SecondChoice | null>(null);
   /** Share that has arrived; null where all has. */
   progress = $state.raw<number | null>(null);
+  /** The scan that slices show alone for now; null where they show both as was chosen. */
+  only = $state.raw<SecondLook["turn"] | null>(null);
   /** The engine is laying it elsewhere. */
   busy = $state.raw(false);
   private held = $state.raw<DownloadedScan | null>(null);
@@ -84,7 +86,7 @@ export class SecondControl {
 
   /** All that is shown of it; null before it is here. */
   readonly shown = $derived.by((): ShownSecond | null => {
-    const { choice, held, told, turn } = this;
+    const { choice, held, told, turn, only } = this;
     const place = told === null ? null : placeOf(told);
     const scan = told?.scan ?? null;
     if (choice === null || held === null || scan === null || place === null) {
@@ -101,7 +103,8 @@ export class SecondControl {
     const { inView, inSlices, density, iso, windows, window, level, fusion, tint, opacity, square } = choice;
     const inSlice = { inSlices, window: { window, level }, fusion, tint, opacity, square, turn };
     const surface = { isoValue: iso, tissueFrom: firstTissue(anchors), windows };
-    return { ...held, place, look: { inView, transferFunction, density, edgeGradient, ...surface, ...inSlice } };
+    const alone = only === null ? {} : ({ inSlices: true, fusion: "flicker", turn: only } as const);
+    return { ...held, place, look: { inView, transferFunction, density, edgeGradient, ...surface, ...inSlice, ...alone } };
   });
 
   /** Lays it where a transform's file says; null: as its own file does. */
