@@ -223,7 +223,8 @@ def test_layout_and_window_are_remembered(opened: Opened) -> None:
 
 
 OVERLAPS = """(() => {
-  const parts = ['.strip', '.views', '.edge', '.scale', '.read > *', '.name', 'svg[aria-label*=Views]']
+  const parts = ['.strip', '.views', '.edge', '.scale', '.read > *', '.name',
+    'svg[aria-label*=Views]']
   const boxes = parts.flatMap((part) => [...document.querySelectorAll(`.picture ${part}`)].map(
     (each) => [part, each.getBoundingClientRect()]))
   const meet = (a, b) => Math.min(a.right, b.right) - Math.max(a.left, b.left) > 1
