@@ -50,6 +50,22 @@ impl Displacement {
         }
     }
 
+    /// A box around all places that have moved by as much as `least` along any axis; none where none
+    /// has.
+    pub fn moving(&self, least: DVec3) -> Option<[DVec3; 2]> {
+        let far = |moved: &DVec3| moved.abs().cmpge(least).any();
+        let moving = self
+            .moved
+            .iter()
+            .enumerate()
+            .filter(|(_, moved)| far(moved));
+        let boxes = moving.map(|(node, _)| {
+            let place = self.place_of(node);
+            [place - self.spacing, place + self.spacing]
+        });
+        boxes.reduce(|one, other| [one[0].min(other[0]), one[1].max(other[1])])
+    }
+
     /// Between nodes trilinear; zero outside the box.
     pub fn at(&self, rest: DVec3) -> DVec3 {
         self.cell(rest).map_or(DVec3::ZERO, |cell| cell.value())

@@ -30,6 +30,7 @@ mod node_contacts;
 mod nodes;
 mod relax;
 mod resample;
+mod shift;
 mod structure;
 mod tangent;
 mod tool_contact;

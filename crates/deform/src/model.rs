@@ -91,6 +91,16 @@ impl Budget {
         }
     }
 
+    /// The budget of a part of the work: it is late when this share of the time since `began` is over.
+    #[must_use]
+    pub fn until(&self, began: Instant, share: f64) -> Self {
+        let part = |end: Instant| began + end.saturating_duration_since(began).mul_f64(share);
+        Self {
+            deadline: self.deadline.map(part),
+            ..*self
+        }
+    }
+
     /// Whether the time is over.
     #[must_use]
     pub fn is_late(&self) -> bool {
@@ -193,6 +203,21 @@ pub struct ModelReport {
     pub bonds_broken: u64,
     /// Work that breaking them took since the start [N·mm].
     pub work_broken: f64,
+    /// What the call has done, by what takes time; zero where a model does not count.
+    pub effort: Effort,
+}
+
+/// What a call has done, by what takes time: counts, so that the same calls give the same.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Effort {
+    /// Places that voxels were asked about what they are made of.
+    pub sampled: u64,
+    /// Nodes whose bonds were built.
+    pub built: u64,
+    /// Evaluations of all forces: those to rest, for the contact's stiffness and for what eases both.
+    pub evaluations: u64,
+    /// Voxels that were looked at for whether they follow.
+    pub looked_at: u64,
 }
 
 /// What a model answers.

@@ -88,6 +88,14 @@ impl Ledger {
         self.changed.get(&voxel.to_array())
     }
 
+    /// A box around all of them.
+    pub fn bounds(&self) -> VoxelBox {
+        let voxels = self.changed.keys().map(|key| IVec3::from_array(*key));
+        voxels.fold(VoxelBox::EMPTY, |all, voxel| {
+            all.union(&VoxelBox::of_voxel(voxel))
+        })
+    }
+
     /// Voxels that are not as at rest.
     pub fn len(&self) -> usize {
         self.changed.len()

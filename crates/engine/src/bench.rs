@@ -13,7 +13,7 @@ mod ground;
 pub mod matter;
 pub mod passivity;
 pub mod quality;
-mod random;
+pub(crate) mod random;
 mod rays;
 pub mod stress;
 mod stroke;

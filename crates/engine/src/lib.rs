@@ -29,6 +29,7 @@ pub mod kept_surface;
 pub mod known_shares;
 pub mod live;
 pub mod mapping;
+pub mod mask_runs;
 pub mod mask_shares;
 pub mod matter_view;
 pub mod model;

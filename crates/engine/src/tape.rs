@@ -7,7 +7,7 @@
 
 use std::sync::Arc;
 
-use glam::{DAffine3, DMat3, DVec3, IVec3, UVec3};
+use glam::{DAffine3, DMat3, DVec3, IVec3};
 use palpate_haptics::needle::tissues::Tissues;
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::bits::Bits;
@@ -21,6 +21,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::feel::Feel;
 use crate::handover::{GivingWay, ServoCommand, ShareSwap, Snapshot};
+use crate::mask_runs::{MaskRun, mask_of, runs_of};
 use crate::scan_values::{ScanValues, Threshold};
 use crate::scene::ThresholdRange;
 use crate::servo_state::ServoState;
@@ -92,10 +93,9 @@ pub struct TapePart {
     /// The grid of its voxels, where it is not the scan's; only of moved ones.
     #[serde(default)]
     pub own_grid: Option<Grid>,
-    /// Where it is hard although it gives way: a brick, how many are alike from there on, and its
-    /// words.
+    /// Where it is hard although it gives way.
     #[serde(default)]
-    pub rigid: Vec<(u32, u32, [u64; 8])>,
+    pub rigid: Vec<MaskRun>,
 }
 
 impl From<&Part> for TapePart {
@@ -111,35 +111,6 @@ impl From<&Part> for TapePart {
             rigid: part.rigid.as_ref().map_or_else(Vec::new, runs_of),
         }
     }
-}
-
-/// The bricks of a mask that hold anything, those that are alike and beside one another as one.
-fn runs_of(mask: &Bits) -> Vec<(u32, u32, [u64; 8])> {
-    let mut runs: Vec<(u32, u32, [u64; 8])> = Vec::new();
-    for (index, brick) in (0..).zip(mask.bricks().entries()) {
-        let Some(BitBrick(words)) = brick.as_deref() else {
-            continue;
-        };
-        match runs.last_mut() {
-            Some((first, count, last)) if *first + *count == index && last == words => *count += 1,
-            _ => runs.push((index, 1, *words)),
-        }
-    }
-    runs
-}
-
-/// The mask of these bricks; none where there are none.
-fn mask_of(runs: &[(u32, u32, [u64; 8])], dimensions: UVec3) -> Option<Bits> {
-    let mut mask = (!runs.is_empty()).then(|| Bits::empty(dimensions))?;
-    let all = mask.bricks().len() as u32;
-    for (first, count, words) in runs {
-        let brick = BitBrick(*words).shared();
-        for index in *first..first.saturating_add(*count).min(all) {
-            let brick = brick.clone();
-            mask.swap(&mut BrickSwap { index, brick });
-        }
-    }
-    Some(mask)
 }
 
 /// A brick of a segment.
@@ -472,34 +443,5 @@ fn is_same<B: PartialEq>(old: Option<&Arc<B>>, new: Option<&Arc<B>>) -> bool {
     match (old, new) {
         (Some(old), Some(new)) => Arc::ptr_eq(old, new) || old == new,
         (old, new) => old.is_none() && new.is_none(),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_mask_comes_back_from_its_runs() {
-        let size = UVec3::new(40, 20, 9);
-        let mask = Bits::from_bricks(size, |bounds| {
-            BitBrick::from_fn(bounds.size(), |offset| {
-                let voxel = bounds.min + offset;
-                voxel.x > 10 && voxel.y < 17
-            })
-        });
-        let runs = runs_of(&mask);
-        let bricks = mask.bricks().entries().iter().flatten().count();
-        assert!(runs.len() < bricks, "{} of {bricks}", runs.len());
-        let again = mask_of(&runs, size).unwrap();
-        assert!(again.difference(&mask).is_empty());
-        assert!(mask_of(&[], size).is_none());
-        // what no grid has is passed over
-        assert!(
-            mask_of(&[(7000, u32::MAX, [1; 8])], size)
-                .unwrap()
-                .bricks()
-                .is_empty()
-        );
     }
 }

@@ -90,8 +90,8 @@ export class Session {
   private readonly link: Connection;
   private listeners: readonly ((state: State) => void)[] = [];
   private secondListeners: readonly ((second: SecondScan) => void)[] = [];
-  private outlineListener: (outline: Outline) => void = () => undefined;
   private registrationListeners: readonly ((registration: Registration) => void)[] = [];
+  private outlineListener: (outline: Outline) => void = () => undefined;
   private editListeners: readonly ((changed: Changed, arrived: number) => void)[] = [];
   /** Settings are shown as the engine holds them, and are kept for the next visit. */
   settingsHold = false;
@@ -142,14 +142,14 @@ export class Session {
     this.secondListeners = [...this.secondListeners, listener];
   }
 
-  /** Calls back with outlines that were asked for. */
-  onOutline(listener: (outline: Outline) => void): void {
-    this.outlineListener = listener;
-  }
-
   /** Calls back with what is told of the second scan's registration. */
   onRegistration(listener: (registration: Registration) => void): void {
     this.registrationListeners = [...this.registrationListeners, listener];
+  }
+
+  /** Calls back with outlines that were asked for. */
+  onOutline(listener: (outline: Outline) => void): void {
+    this.outlineListener = listener;
   }
 
   /** Calls back with every edit that arrives, and when it did. */

@@ -1,7 +1,8 @@
 /**
  * The mouse over a slice: with the brush left drag paints, and Shift + wheel, [ and ] change its radius; with the
  * live wire a click sets a point, a double click or Enter closes it, Backspace takes a point back; a level is painted
- * by a click. Else left drag moves the crosshair, a click says what is there, sets a point of a mark or of a pair, or grows a region, right drag sets window and level, middle or
+ * by a click. Else left drag moves the crosshair, a click says what is there, sets a point of a mark or of a pair, or
+ * grows a region, right drag sets window and level, middle or
  * Ctrl + left drag moves the picture, the wheel goes through the slices and zooms with Ctrl. Shift + move,
  * or any move in touch mode, leads the hand in the plane; a double click brings the probe there.
  * With the focus, arrows up and down go through the slices, + and − zoom.

@@ -8,7 +8,7 @@
 //! preconditioner). Held nodes do not take part.
 //! Source: Smith, Bjørstad & Gropp, Domain Decomposition (1996), chapter 2.
 
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec3, IVec3};
 
 use super::layout::CHUNK;
 use super::moduli::LatticeModuli;
@@ -17,13 +17,22 @@ use super::tool_contact::ContactNode;
 use super::vectors::{Field, Lanes, lanes, lanes_mut, widest, zero_field};
 
 /// The 12 affine displacements and 3 of a point force.
-const MODES: usize = 15;
+pub(super) const MODES: usize = 15;
 type ModeVector = [f64; MODES];
 type ModeMatrix = [[f64; MODES]; MODES];
+
+/// How far a box goes on with the stiffness that its modes had [nodes], and by which share the nodes that
+/// move may be more or fewer then: it only eases iterations, and must be about that of the matter.
+const SERVES: i32 = 6;
+const ALIKE: f64 = 0.05;
 
 /// The coarse level of a lattice.
 #[derive(Clone, Debug)]
 pub(super) struct Coarse {
+    /// How far the box has gone since the stiffness was worked out [nodes].
+    gone: i32,
+    /// How many nodes moved then.
+    mobile: usize,
     /// Where the contact is, and half the size of the box [mm].
     middle: DVec3,
     reach: f64,
@@ -42,6 +51,8 @@ impl Coarse {
     pub fn new(lattice: &Lattice, middle: DVec3) -> Self {
         let length = lattice.layout.len();
         let mut coarse = Self {
+            gone: 0,
+            mobile: mobile_nodes(lattice),
             middle,
             reach: 0.5 * lattice.spacing * lattice.layout.size().as_dvec3().max_element(),
             coordinates: zero_field(length),
@@ -53,6 +64,23 @@ impl Coarse {
         coarse.place_nodes(lattice);
         coarse.find_stiffness(lattice);
         coarse
+    }
+
+    /// Whether the stiffness of its modes serves a lattice that has gone so many more nodes on.
+    pub fn serves(&self, lattice: &Lattice, gone: IVec3) -> bool {
+        let more = mobile_nodes(lattice).abs_diff(self.mobile) as f64;
+        self.gone + gone.abs().max_element() <= SERVES && more <= ALIKE * self.mobile as f64
+    }
+
+    /// For a lattice that has gone on, with the stiffness that the modes had before.
+    pub fn at(mut self, lattice: &Lattice, gone: IVec3) -> Self {
+        self.gone += gone.abs().max_element();
+        self.weight.fill(0.0);
+        for values in self.coordinates.iter_mut().chain(&mut self.point) {
+            values.fill(0.0);
+        }
+        self.place_nodes(lattice);
+        self
     }
 
     fn place_nodes(&mut self, lattice: &Lattice) {
@@ -80,17 +108,18 @@ impl Coarse {
 
     /// Stiffness of each mode at rest, by moving all nodes a little along it.
     fn find_stiffness(&mut self, lattice: &Lattice) {
-        let mut probe = lattice.clone();
+        let length = lattice.layout.len();
+        let [mut moved, mut force] = [zero_field(length), zero_field(length)];
         let step = 1e-6 * lattice.spacing;
         for mode in 0..MODES {
-            for axis in &mut probe.moved {
+            for axis in &mut moved {
                 axis.fill(0.0);
             }
             let mut shares = [0.0; MODES];
             shares[mode] = step;
-            self.move_along(&shares, &mut probe.moved);
-            probe.evaluate();
-            let force = self.project(&probe.force);
+            self.move_along(&shares, &mut moved);
+            lattice.forces_at(&moved, &mut force);
+            let force = self.project(&force);
             for other in 0..MODES {
                 self.stiffness[other][mode] = -force[other] / step;
             }
@@ -157,6 +186,11 @@ impl Coarse {
     fn move_along(&self, shares: &ModeVector, moved: &mut Field) {
         move_along(self, shares, moved);
     }
+}
+
+fn mobile_nodes(lattice: &Lattice) -> usize {
+    let matter = lattice.matter_nodes();
+    matter.filter(|node| lattice.is_mobile(*node)).count()
 }
 
 /// Displacement of a point force, blunt at two spacings, of size 1 there.

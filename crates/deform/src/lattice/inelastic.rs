@@ -15,6 +15,7 @@ use glam::{DVec3, IVec3};
 use super::bond_forces::{bond_length, rest_length};
 use super::layout::{FAMILIES, FAMILY_COUNT};
 use super::nodes::Lattice;
+use super::shift::shift;
 
 /// A force that fades with time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -95,11 +96,6 @@ impl Inelastic {
         }
     }
 
-    /// As it was made with.
-    pub(super) fn settings(&self) -> InelasticSettings {
-        self.settings
-    }
-
     /// Breaks what is too long, and lets the rest yield; the lattice is at rest, and must be
     /// relaxed again where anything broke.
     pub fn break_and_yield(&mut self, lattice: &mut Lattice) -> Breaking {
@@ -146,25 +142,14 @@ impl Inelastic {
         }
     }
 
-    /// Takes over how nodes stand, and the creep of bonds, from another box `offset` nodes away.
-    pub(super) fn adopt(
-        &mut self,
-        lattice: &mut Lattice,
-        old: &Self,
-        from: &Lattice,
-        offset: IVec3,
-    ) {
-        for (node, index) in lattice.layout.nodes() {
-            let Some(before) = from.layout.index_of(node.as_ivec3() + offset) else {
-                continue;
-            };
-            for family in 0..FAMILY_COUNT {
-                self.creep[family][index] = old.creep[family][before];
-                lattice.bonds.rest[family][index] = from.bonds.rest[family][before];
-            }
-            if lattice.is_mobile(index) {
-                lattice.set_moved(index, from.moved(before));
-            }
+    /// Goes with a lattice that has gone `offset` nodes on.
+    pub(super) fn go(&mut self, lattice: &Lattice, offset: IVec3) {
+        let layout = lattice.layout();
+        for family in 0..FAMILY_COUNT {
+            let at_first = rest_length(family, lattice.spacing);
+            shift(layout, &mut self.base[family], offset, at_first);
+            shift(layout, &mut self.creep[family], offset, 0.0);
+            shift(layout, &mut self.broken[family], offset, false);
         }
     }
 

@@ -1,5 +1,8 @@
 //! The bonded lattice as a model: a box of nodes that follows the first tool.
 
+use std::cell::Cell;
+use std::time::Instant;
+
 use glam::{DMat3, DVec3, IVec3};
 use palpate_volume::material::LocalContact;
 use palpate_volume::matter::Matter;
@@ -14,7 +17,8 @@ use super::resample::{RestVoxels, node_near};
 use super::tool_contact::{LatticeTool, ToolForce};
 use super::write_back::WriteBack;
 use crate::model::{
-    DeformationModel, ModelAnswer, ModelEvent, ModelInput, ModelParts, ToolContact, ToolState,
+    Budget, DeformationModel, ModelAnswer, ModelEvent, ModelInput, ModelParts, ToolContact,
+    ToolState,
 };
 use crate::rest_matter::{Ledger, matter_of};
 
@@ -28,6 +32,10 @@ const VALIDITY: f64 = 0.5;
 const SEEN: f64 = 0.01;
 /// One of so many iterations is for the stiffness of the contact.
 const STIFFNESS_SHARE: u32 = 4;
+/// Shares of the time after which nodes are as far at rest as they come, and the contact as stiff as it
+/// is found; what is left is for the voxels.
+const RELAXED: f64 = 0.65;
+const STIFFNESS_FOUND: f64 = 0.88;
 /// A tool that has moved by so much has measured its stiffness [spacings]; where that is less than this
 /// share of what was told, it counts.
 const MEASURED_WAY: f64 = 0.01;
@@ -126,13 +134,15 @@ impl LatticeModel {
         self.matter.as_ref().map(|matter| &matter.lattice)
     }
 
-    /// Follows the voxels, the materials and the tool.
-    fn follow(&mut self, input: &ModelInput<'_>, tool: Option<&ToolState>) {
-        self.follow_edits(input);
+    /// Follows the voxels, the materials and the tool; how often it has asked what a place is made
+    /// of.
+    fn follow(&mut self, input: &ModelInput<'_>, tool: Option<&ToolState>) -> u64 {
+        let asked = self.follow_edits(input);
         let rest = RestVoxels {
             voxels: input.voxels,
             materials: input.materials,
             ledger: &self.ledger,
+            asked: Cell::new(asked),
         };
         if self
             .matter
@@ -142,7 +152,7 @@ impl LatticeModel {
             self.matter = None;
         }
         let Some(tool) = tool else {
-            return;
+            return asked;
         };
         let grid = input.voxels.grid();
         let spacing = self.settings.spacing.unwrap_or(grid.smallest_spacing());
@@ -160,18 +170,19 @@ impl LatticeModel {
                 self.matter = Some(MovingBox::new(&rest, nodes, spacing, inelastic, origin));
             }
         }
+        rest.asked.get()
     }
 
     /// Follows what others have changed of the voxels. Matter that moved and was cut where it
     /// stands is gone where it is at rest too.
-    fn follow_edits(&mut self, input: &ModelInput<'_>) {
+    fn follow_edits(&mut self, input: &ModelInput<'_>) -> u64 {
         let voxels = input.voxels;
         let seen = self.seen.replace(Seen {
             edit_number: voxels.edit_number(),
             wrote: None,
         });
         if seen.is_some_and(|seen| seen.explains(input)) {
-            return;
+            return 0;
         }
         match seen {
             Some(_) => self.ledger.follow_cuts(voxels),
@@ -182,10 +193,12 @@ impl LatticeModel {
             voxels,
             materials: input.materials,
             ledger: &self.ledger,
+            asked: Cell::new(0),
         };
         if let Some(matter) = self.matter.as_mut().filter(|matter| matter.fits(&rest)) {
             matter.follow_edits(&rest);
         }
+        rest.asked.get()
     }
 
     /// The edit by which voxels follow the nodes, and what they do not show of it.
@@ -204,7 +217,8 @@ impl LatticeModel {
             air: air.round() as i16,
         };
         let field = self.matter.as_ref().map(MovingBox::displacement);
-        let wanted = rule.wanted(field.as_ref());
+        let (wanted, looked_at) = rule.wanted(field.as_ref());
+        answer.report.effort.looked_at = looked_at;
         answer.edit = self.ledger.write(input.voxels, &wanted);
         if let Some(seen) = &mut self.seen {
             seen.wrote = self.ledger.last_written();
@@ -217,7 +231,12 @@ impl LatticeModel {
     }
 
     /// Relaxes, breaks, and relaxes again, within the budget.
-    fn relax(&mut self, input: &ModelInput<'_>, tools: &[LatticeTool], answer: &mut ModelAnswer) {
+    fn relax(
+        &mut self,
+        (input, budget): (&ModelInput<'_>, Budget),
+        tools: &[LatticeTool],
+        answer: &mut ModelAnswer,
+    ) {
         let Some(matter) = &mut self.matter else {
             return;
         };
@@ -235,7 +254,7 @@ impl LatticeModel {
                 iterations: left,
                 reference,
             };
-            let is_late = || input.budget.is_late();
+            let is_late = || budget.is_late();
             let report = self
                 .relaxer
                 .relax(&mut matter.lattice, tools, &settings, &is_late);
@@ -261,7 +280,11 @@ impl LatticeModel {
     }
 
     /// What each tool feels, one contact for each, usable or not.
-    fn tell_contacts(&mut self, input: &ModelInput<'_>, answer: &mut ModelAnswer) {
+    fn tell_contacts(
+        &mut self,
+        (input, budget): (&ModelInput<'_>, Budget),
+        answer: &mut ModelAnswer,
+    ) {
         let usable: Vec<_> = input.tools.iter().filter(|t| t.is_usable()).collect();
         let none = |tool: &ToolState| ToolContact {
             tool: tool.id,
@@ -281,9 +304,10 @@ impl LatticeModel {
                 continue;
             }
             let most = (input.budget.iterations / STIFFNESS_SHARE).max(4);
-            let stiffness = self
-                .relaxer
-                .stiffness(&mut matter.lattice, &tools, which, most);
+            let is_late = || budget.is_late();
+            let stiffness =
+                self.relaxer
+                    .stiffness(&mut matter.lattice, &tools, which, (most, &is_late));
             let force = matter.grid.direction() * felt.force;
             let measured = measured(&self.told, tool, force, matter.lattice.spacing());
             let stiffness = match measured {
@@ -325,13 +349,15 @@ impl LatticeModel {
 
 impl DeformationModel for LatticeModel {
     fn advance(&mut self, input: &ModelInput<'_>) -> ModelAnswer {
+        let began = Instant::now();
+        let part = |share: f64| (input, input.budget.until(began, share));
         let mut answer = ModelAnswer::default();
         let usable: Vec<&ToolState> = input.tools.iter().filter(|t| t.is_usable()).collect();
-        self.follow(input, usable.first().copied());
+        answer.report.effort.sampled = self.follow(input, usable.first().copied());
         self.tell_poisson(&mut answer);
         if let Some(matter) = &self.matter {
             let tools: Vec<_> = usable.iter().map(|tool| matter.tool(tool)).collect();
-            self.relax(input, &tools, &mut answer);
+            self.relax(part(RELAXED), &tools, &mut answer);
         }
         if self
             .matter
@@ -343,9 +369,14 @@ impl DeformationModel for LatticeModel {
         }
         answer.report.bonds_broken = self.bonds_broken;
         answer.report.work_broken = self.work_broken;
-        self.tell_contacts(input, &mut answer);
-        if let Some(matter) = &self.matter {
+        self.tell_contacts(part(STIFFNESS_FOUND), &mut answer);
+        let effort = &mut answer.report.effort;
+        effort.evaluations = std::mem::take(&mut self.relaxer.evaluations);
+        if let Some(matter) = &mut self.matter {
             answer.report.nodes = matter.lattice.matter_nodes().count() as u32;
+            let built = std::mem::take(&mut matter.lattice.effort);
+            effort.built = built.built;
+            effort.evaluations += built.evaluations;
         }
         self.write_back(input, &usable, &mut answer);
         answer

@@ -121,8 +121,12 @@ impl Layout {
     /// All nodes with their places, in the order of memory.
     pub fn nodes(&self) -> impl Iterator<Item = (UVec3, usize)> + use<> {
         let layout = *self;
-        (0..layout.plane * layout.size.z as usize)
-            .filter_map(move |index| layout.node_at(index).map(|node| (node, index)))
+        let UVec3 { x, y, z } = layout.size;
+        let rows = (0..z).flat_map(move |z| (0..y).map(move |y| UVec3::new(0, y, z)));
+        rows.flat_map(move |row| {
+            let first = layout.index(row);
+            (0..x).map(move |x| (row.with_x(x), first + x as usize))
+        })
     }
 
     /// From the lower node of a bond to its upper one.

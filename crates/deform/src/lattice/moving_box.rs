@@ -39,18 +39,7 @@ impl MovingBox {
         inelastic: InelasticSettings,
         origin: IVec3,
     ) -> Self {
-        let made_of = |node| rest.matter_of_node(spacing, origin + node);
-        Self::made_of(rest, nodes, spacing, inelastic, origin, made_of)
-    }
-
-    fn made_of(
-        rest: &RestVoxels<'_>,
-        nodes: u32,
-        spacing: f64,
-        inelastic: InelasticSettings,
-        origin: IVec3,
-        matter: impl Fn(IVec3) -> NodeMatter,
-    ) -> Self {
+        let matter = |node| rest.matter_of_node(spacing, origin + node);
         let load = DVec3::splat(f64::from(nodes / 2) * spacing);
         let border = Border::Endless { load };
         let mut lattice = Lattice::new(UVec3::splat(nodes), spacing, border, matter);
@@ -73,17 +62,12 @@ impl MovingBox {
     pub fn go(&mut self, rest: &RestVoxels<'_>, origin: IVec3, memory: &mut BondMemory) {
         memory.keep(&self.lattice, &self.inelastic, self.origin);
         let offset = origin - self.origin;
-        let (old, spacing) = (&self.lattice, self.lattice.spacing());
-        let matter = |node: IVec3| match old.layout().index_of(node + offset) {
-            Some(known) => *old.matter(known),
-            None => rest.matter_of_node(spacing, origin + node),
-        };
-        let (nodes, settings) = (old.layout().size().x, self.inelastic.settings());
-        let mut next = Self::made_of(rest, nodes, spacing, settings, origin, matter);
-        next.inelastic
-            .adopt(&mut next.lattice, &self.inelastic, old, offset);
-        memory.recall(&mut next.lattice, &mut next.inelastic, origin);
-        *self = next;
+        let spacing = self.lattice.spacing();
+        let matter = |node: IVec3| rest.matter_of_node(spacing, origin + node);
+        self.origin = origin;
+        self.lattice.go(offset, &matter);
+        self.inelastic.go(&self.lattice, offset);
+        memory.recall(&mut self.lattice, &mut self.inelastic, origin);
     }
 
     /// Follows what others have changed of the voxels: only what hangs on those is built anew.

@@ -9,6 +9,7 @@ use super::layout::{FAMILY_COUNT, Layout};
 use super::vectors::{Field, zero_field};
 use super::volume_forces::{Cells, add_volume_forces, volume_energy};
 use crate::material::Solid;
+use crate::model::Effort;
 
 /// What a node is made of.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,6 +45,8 @@ pub struct Lattice {
     pub(super) matter: Vec<NodeMatter>,
     /// Stiffness of the bonds of a body all of this node's matter [N/mm]; 0 where empty.
     pub(super) node_stiffness: Vec<f64>,
+    /// Bulk modulus that the volume term adds in a body all of this node's matter [N/mm²].
+    pub(super) node_volume: Vec<f64>,
     pub(super) bonds: Bonds,
     pub(super) cells: Cells,
     pub(super) ground: Vec<Ground>,
@@ -64,6 +67,8 @@ pub struct Lattice {
     pub(super) moved: Field,
     /// Force of the last evaluation [N].
     pub(super) force: Field,
+    /// What was built since this was last taken.
+    pub(super) effort: Effort,
 }
 
 impl Lattice {
@@ -88,6 +93,7 @@ impl Lattice {
             spacing,
             matter: vec![NodeMatter::Empty; length],
             node_stiffness: vec![0.0; length],
+            node_volume: vec![0.0; length],
             bonds: Bonds::none(&layout, spacing),
             cells: Cells::none(&layout),
             ground: Vec::new(),
@@ -100,6 +106,7 @@ impl Lattice {
             free_nodes: Vec::new(),
             moved: zero_field(length),
             force: zero_field(length),
+            effort: Effort::default(),
         };
         lattice.build(&matter);
         lattice
@@ -208,25 +215,24 @@ impl Lattice {
 
     /// Works the forces of bonds, cells and border out, anew.
     pub fn evaluate(&mut self) {
-        for axis in &mut self.force {
+        let mut force = std::mem::take(&mut self.force);
+        self.forces_at(&self.moved, &mut force);
+        self.force = force;
+    }
+
+    /// Forces of bonds, cells and border [N] where the nodes have moved so far [mm].
+    pub(super) fn forces_at(&self, moved: &Field, force: &mut Field) {
+        for axis in &mut *force {
             axis.fill(0.0);
         }
-        let Self {
-            layout,
-            spacing,
-            bonds,
-            cells,
-            moved,
-            force,
-            ..
-        } = self;
-        add_bond_forces(layout, *spacing, bonds, moved, force);
-        add_volume_forces(layout, *spacing, cells, moved, force);
+        add_bond_forces(&self.layout, self.spacing, &self.bonds, moved, force);
+        add_volume_forces(&self.layout, self.spacing, &self.cells, moved, force);
         for ground in &self.ground {
             let node = ground.node as usize;
-            let pull = ground.stiffness * (self.moved(node) - ground.led);
+            let at = DVec3::new(moved[0][node], moved[1][node], moved[2][node]);
+            let pull = ground.stiffness * (at - ground.led);
             for axis in 0..3 {
-                self.force[axis][node] -= pull[axis];
+                force[axis][node] -= pull[axis];
             }
         }
     }

@@ -64,6 +64,8 @@ pub struct Relaxer {
     felt: Vec<ToolForce>,
     /// Nodes that tools push now.
     touched: Vec<ContactNode>,
+    /// Evaluations of all forces since this was last taken.
+    pub(super) evaluations: u64,
 }
 
 impl Relaxer {
@@ -114,6 +116,7 @@ impl Relaxer {
 
     /// Works out all forces, those of tools and contacts too.
     pub fn evaluate(&mut self, lattice: &mut Lattice, tools: &[LatticeTool]) {
+        self.evaluations += 1;
         lattice.evaluate();
         self.contacts.push(lattice);
         self.felt.clear();

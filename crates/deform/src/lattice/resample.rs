@@ -5,6 +5,8 @@
 //! belongs to what the voxel around it belongs to at rest; its intensity is trilinear between
 //! the middles of the voxels around it, those of other matter left out.
 
+use std::cell::Cell;
+
 use glam::{DVec3, IVec3};
 use palpate_volume::voxels::Voxels;
 
@@ -18,11 +20,14 @@ pub(super) struct RestVoxels<'a> {
     pub materials: &'a Materials,
     /// What of it the voxels do not show as it is at rest.
     pub ledger: &'a Ledger,
+    /// How often it was asked.
+    pub asked: Cell<u64>,
 }
 
 impl RestVoxels<'_> {
     /// What a node is made of, counted from the corner of the grid.
     pub fn matter_of_node(&self, spacing: f64, node: IVec3) -> NodeMatter {
+        self.asked.set(self.asked.get() + 1);
         let point = node_place(node, spacing) / self.voxels.grid().spacing();
         let Some(voxel) = self.voxels.grid().voxel_at(point) else {
             return NodeMatter::Empty;

@@ -4,8 +4,8 @@ use glam::{DMat3, DVec3, IVec3, UVec3};
 
 use super::bond_forces::rest_length;
 use super::border::{Border, Ground, spring_of_endless_body};
-use super::coarse::Coarse;
-use super::layout::{FAMILIES, FAMILY_COUNT};
+use super::coarse::{Coarse, MODES};
+use super::layout::{FAMILIES, FAMILY_COUNT, Layout};
 use super::moduli::LatticeModuli;
 use super::nodes::{Lattice, NodeMatter};
 use super::vectors::zero_field;
@@ -24,7 +24,11 @@ impl Lattice {
             self.put(index, matter(node.as_ivec3()));
         }
         self.hold_what_is_rigid();
-        self.connect(&all, matter);
+        for &(node, index) in &all {
+            self.cut[index] = self.cut_faces(node, index, faces_at(&self.layout, node), matter);
+        }
+        let all = vec![true; self.layout.len()];
+        self.connect(&all, None);
     }
 
     /// Puts other matter on some nodes, and builds anew what hangs on them; broken bonds come
@@ -37,27 +41,34 @@ impl Lattice {
         let mut near = vec![false; self.layout.len()];
         for &(index, matter) in changes {
             self.put(index, matter);
-            self.mark_around(index, &mut near);
+            if let Some(node) = self.layout.node_at(index) {
+                self.mark_around(node, &mut near);
+            }
         }
+        self.hold_anew(&mut near);
+        for (node, index) in self.layout.nodes().filter(|&(_, n)| near[n]) {
+            self.cut[index] = self.cut_faces(node, index, faces_at(&self.layout, node), matter);
+        }
+        self.connect(&near, None);
+    }
+
+    /// Holds what is rigid by now, and marks what hangs on nodes that are held or let go by that. Nodes
+    /// that are held are at rest.
+    pub(super) fn hold_anew(&mut self, near: &mut [bool]) {
         let held_before = self.held[0].clone();
         self.hold_what_is_rigid();
-        for (_, index) in self.layout.nodes() {
+        for (node, index) in self.layout.nodes() {
             if self.held[0][index] != held_before[index] {
-                self.mark_around(index, &mut near);
+                self.mark_around(node, near);
             }
             if !self.is_mobile(index) {
                 self.set_moved(index, DVec3::ZERO);
             }
         }
-        let near: Vec<_> = self.layout.nodes().filter(|&(_, n)| near[n]).collect();
-        self.connect(&near, matter);
     }
 
     /// Marks a node and all from which a bond or a cell leads to it.
-    fn mark_around(&self, index: usize, near: &mut [bool]) {
-        let Some(node) = self.layout.node_at(index) else {
-            return;
-        };
+    pub(super) fn mark_around(&self, node: UVec3, near: &mut [bool]) {
         for corner in 0..27 {
             let step = IVec3::new(corner % 3, corner / 3 % 3, corner / 9) - 1;
             if let Some(place) = self.layout.index_of(node.as_ivec3() + step) {
@@ -66,10 +77,13 @@ impl Lattice {
         }
     }
 
-    fn put(&mut self, index: usize, matter: NodeMatter) {
+    pub(super) fn put(&mut self, index: usize, matter: NodeMatter) {
         self.matter[index] = matter;
-        let stiffness = |solid| LatticeModuli::of(solid, self.spacing).bond;
-        self.node_stiffness[index] = matter.solid().map_or(0.0, stiffness);
+        let moduli = matter
+            .solid()
+            .map(|solid| LatticeModuli::of(solid, self.spacing));
+        self.node_stiffness[index] = moduli.map_or(0.0, |moduli| moduli.bond);
+        self.node_volume[index] = moduli.map_or(0.0, |moduli| moduli.volume);
     }
 
     /// Holds what is rigid or much stiffer than the rest.
@@ -88,39 +102,48 @@ impl Lattice {
         }
     }
 
-    /// Builds what begins at these nodes, and all that follows.
-    fn connect(&mut self, nodes: &[(UVec3, usize)], matter: &impl Fn(IVec3) -> NodeMatter) {
-        for &(node, index) in nodes {
-            self.cut[index] = self.cut_faces(node, index, matter);
-        }
-        for &(node, index) in nodes {
+    /// Builds what begins at the marked nodes, and all that follows; `gone` is how far the box went,
+    /// where it is the same matter.
+    pub(super) fn connect(&mut self, marked: &[bool], gone: Option<IVec3>) {
+        for (node, index) in self.layout.nodes().filter(|&(_, index)| marked[index]) {
             self.bond(node, index);
             self.cells.modulus[index] = self.modulus_of_cell(node, index);
+            self.effort.built += 1;
         }
         self.ground_border();
         self.settle_structure();
         if let Border::Endless { load } = self.border {
-            self.coarse = Some(Coarse::new(self, load));
+            let last = self.coarse.take();
+            let last = last
+                .zip(gone)
+                .filter(|(coarse, gone)| coarse.serves(self, *gone));
+            let coarse = match last {
+                Some((coarse, gone)) => coarse.at(self, gone),
+                None => {
+                    self.effort.evaluations += MODES as u64;
+                    Coarse::new(self, load)
+                }
+            };
+            self.coarse = Some(coarse);
         }
     }
 
-    /// The faces of the box (two bits for each axis) behind which the matter of a node goes on.
-    fn cut_faces(&self, node: UVec3, index: usize, matter: &impl Fn(IVec3) -> NodeMatter) -> u8 {
-        let (node, last) = (node.as_ivec3(), self.layout.size().as_ivec3() - 1);
+    /// Of some faces of the box at which a node lies, two bits for each axis, those behind which its
+    /// matter goes on.
+    pub(super) fn cut_faces(
+        &self,
+        node: UVec3,
+        index: usize,
+        faces: u8,
+        matter: &impl Fn(IVec3) -> NodeMatter,
+    ) -> u8 {
         if self.matter[index] == NodeMatter::Empty {
             return 0;
         }
-        let is_cut = |face: &usize| {
-            let axis = face / 2;
-            let at_face = node[axis]
-                == if face.is_multiple_of(2) {
-                    0
-                } else {
-                    last[axis]
-                };
-            at_face && matter(node + outward(*face)) != NodeMatter::Empty
+        let goes_on = |face: &usize| {
+            faces >> face & 1 == 1 && matter(node.as_ivec3() + outward(*face)) != NodeMatter::Empty
         };
-        (0..6).filter(is_cut).fold(0, |cut, face| cut | 1 << face)
+        (0..6).filter(goes_on).fold(0, |cut, face| cut | 1 << face)
     }
 
     /// Bonds a node to its upper neighbours. A bond along the border belongs by half to the body
@@ -129,6 +152,7 @@ impl Lattice {
         for family in 0..FAMILY_COUNT {
             let step = IVec3::from_array(FAMILIES[family]);
             let Some(far) = self.layout.index_of(node.as_ivec3() + step) else {
+                self.bonds.stiffness[family][index] = 0.0;
                 continue;
             };
             let shared = (self.cut[index] & self.cut[far]).count_ones();
@@ -147,11 +171,8 @@ impl Lattice {
             return 0.0;
         }
         let corners = corners(&self.layout);
-        let modulus = |offset: usize| {
-            let solid = self.matter[index + offset].solid();
-            solid.map_or(0.0, |solid| LatticeModuli::of(solid, self.spacing).volume)
-        };
-        let compliance: f64 = corners.iter().map(|&offset| modulus(offset).recip()).sum();
+        let compliance = |offset: &usize| self.node_volume[index + offset].recip();
+        let compliance: f64 = corners.iter().map(compliance).sum();
         let mobile = corners.iter().any(|&offset| self.is_mobile(index + offset));
         if compliance.is_finite() && mobile {
             8.0 / compliance
@@ -219,20 +240,23 @@ impl Lattice {
         for family in 0..FAMILY_COUNT {
             let offset = self.layout.offset(family);
             let length = rest_length(family, self.spacing);
-            for axis in 0..3 {
+            for axis in (0..3).filter(|axis| FAMILIES[family][*axis] != 0) {
                 let share = (f64::from(FAMILIES[family][axis]) * self.spacing / length).powi(2);
-                for (_, index) in self.layout.nodes() {
-                    let stiffness = share * self.bonds.stiffness[family][index];
-                    along[axis][index] += stiffness;
-                    along[axis][index + offset] += stiffness;
+                for (index, stiffness) in self.bonds.stiffness[family].iter().enumerate() {
+                    if *stiffness > 0.0 {
+                        along[axis][index] += share * stiffness;
+                        along[axis][index + offset] += share * stiffness;
+                    }
                 }
             }
         }
         let corners = corners(&self.layout);
-        for (_, index) in self.layout.nodes() {
-            for axis in &mut along {
-                for offset in corners {
-                    axis[index + offset] += self.cells.modulus[index] * self.spacing / 4.0;
+        for (index, modulus) in self.cells.modulus.iter().enumerate() {
+            if *modulus > 0.0 {
+                for axis in &mut along {
+                    for offset in corners {
+                        axis[index + offset] += modulus * self.spacing / 4.0;
+                    }
                 }
             }
         }
@@ -248,18 +272,15 @@ impl Lattice {
 
     fn find_free_nodes(&mut self) {
         self.free_nodes.clear();
-        for index in 0..self.layout.len() {
-            if self.node_stiffness[index] > 0.0 && self.misses_a_bond(index) {
+        for (node, index) in self.layout.nodes() {
+            if self.node_stiffness[index] > 0.0 && self.misses_a_bond(node, index) {
                 self.free_nodes.push(index as u32);
             }
         }
     }
 
     /// Whether a node has no bond to one of its 18 neighbours in the box.
-    fn misses_a_bond(&self, index: usize) -> bool {
-        let Some(node) = self.layout.node_at(index) else {
-            return false;
-        };
+    fn misses_a_bond(&self, node: UVec3, index: usize) -> bool {
         FAMILIES.iter().enumerate().any(|(family, step)| {
             let step = IVec3::from_array(*step);
             let upper = self.layout.index_of(node.as_ivec3() + step);
@@ -272,6 +293,15 @@ impl Lattice {
                 || lower.is_some_and(|far| bonds[far] == 0.0 && !both_held(far))
         })
     }
+}
+
+/// The faces of the box at which a node lies, two bits for each axis.
+pub(super) fn faces_at(layout: &Layout, node: UVec3) -> u8 {
+    let last = layout.size() - 1;
+    let at_face = |face: &usize| node[face / 2] == [0, last[face / 2]][face % 2];
+    (0..6)
+        .filter(at_face)
+        .fold(0, |faces, face| faces | 1 << face)
 }
 
 /// The outward normal of a face of the box; faces come in pairs, lower and upper.

@@ -15,13 +15,14 @@ const GAIN: f64 = 0.02;
 
 impl Relaxer {
     /// Stiffness of the contact of one tool along its force [N/mm], the nodes at rest under all;
-    /// 0 without contact. `most` evaluations; leaves nodes and forces as they were.
+    /// 0 without contact. `most` evaluations, fewer where `is_late`; leaves nodes and forces as they
+    /// were.
     pub fn stiffness(
         &mut self,
         lattice: &mut Lattice,
         tools: &[LatticeTool],
         which: usize,
-        most: u32,
+        (most, is_late): (u32, &dyn Fn() -> bool),
     ) -> f64 {
         let force = self.felt()[which].force;
         let normal = force.normalize_or_zero();
@@ -40,7 +41,7 @@ impl Relaxer {
             gain: GAIN,
             reference: 0.0,
         };
-        self.find_step(lattice, &nearer, &wish, &|| false);
+        self.find_step(lattice, &nearer, &wish, is_late);
         self.problem.go(1.0, &mut lattice.moved);
         self.evaluate(lattice, &nearer);
         let grown = (self.felt()[which].force - force).dot(normal);

@@ -31,18 +31,40 @@ pub(super) struct WriteBack<'a> {
 }
 
 impl WriteBack<'_> {
-    /// What the voxels around the nodes are to be, and those changed elsewhere.
-    pub fn wanted(&self, field: Option<&Displacement>) -> Wanted {
+    /// What the voxels around the nodes are to be, and those changed elsewhere; and how many were
+    /// looked at.
+    pub fn wanted(&self, field: Option<&Displacement>) -> (Wanted, u64) {
         let voxels = self.input.voxels;
         let mut region = VoxelBox::EMPTY;
         let mut wanted = Wanted::new();
+        let mut looked_at = VoxelBox::EMPTY;
         if let Some(field) = field {
             region = region_of(field, voxels.grid());
             let follow = |voxel: IVec3| Some((voxel.to_array(), self.follow(field, voxel)?));
-            wanted.extend(region.voxels().filter_map(follow));
+            looked_at = self.moving(field).intersect(&region);
+            wanted.extend(looked_at.voxels().filter_map(follow));
         }
         self.ledger.give_back_outside(voxels, &region, &mut wanted);
-        wanted
+        (wanted, looked_at.voxel_count())
+    }
+
+    /// A box around all voxels that may become others: where nodes have moved enough, where tools
+    /// are, and what was changed.
+    fn moving(&self, field: &Displacement) -> VoxelBox {
+        let grid = self.input.voxels.grid();
+        let spacing = grid.spacing();
+        let around =
+            |low: DVec3, high: DVec3| VoxelBox::new(low.floor().as_ivec3(), high.ceil().as_ivec3());
+        let mut all = self.ledger.bounds();
+        if let Some([low, high]) = field.moving(SMALL * spacing) {
+            all = all.union(&around(low / spacing, high / spacing));
+        }
+        for tool in self.tools {
+            let centre = grid.grid_from_patient().transform_point3(tool.position);
+            let reach = tool.shape.half_axes().max_element() / spacing;
+            all = all.union(&around(centre - reach, centre + reach));
+        }
+        all
     }
 
     /// What a voxel is to be; none where it stays as it is.

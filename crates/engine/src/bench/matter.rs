@@ -1,9 +1,10 @@
 //! Matter that gives way, measured: for `palpate bench deform`, `palpate bench session` and
 //! `palpate bench stress --deform`.
 
+pub mod air;
 pub mod lattice;
-mod rig;
+pub(crate) mod rig;
 pub mod session;
 pub mod stress;
 mod watch;
-mod world;
+pub(crate) mod world;

@@ -1,37 +1,13 @@
 //! Models that lie: what is hard pushes back all the same, and where it does not, the watch tells.
 
 use palpate_deform::material::{Region, Treatment, preset};
-use palpate_deform::model::{DeformationModel, ModelAnswer, ModelInput, ToolContact};
-use palpate_volume::material::LocalContact;
+use palpate_deform::model::DeformationModel;
 
 use super::*;
+use crate::bench::matter::air::Air;
 
 /// So many ticks: a press into the bone under soft matter is among them.
 const TICKS: u64 = 12_000;
-
-/// To this model all matter is air: nothing pushes any tool, nowhere.
-#[derive(Debug)]
-struct Air;
-
-impl DeformationModel for Air {
-    fn advance(&mut self, input: &ModelInput<'_>) -> ModelAnswer {
-        let nothing = |tool: &palpate_deform::model::ToolState| ToolContact {
-            tool: tool.id,
-            contact: Some(LocalContact {
-                position: tool.position,
-                force: DVec3::ZERO,
-                stiffness: glam::DMat3::ZERO,
-                validity: 100.0,
-            }),
-        };
-        ModelAnswer {
-            contacts: input.tools.iter().map(nothing).collect(),
-            ..ModelAnswer::default()
-        }
-    }
-
-    fn reset(&mut self) {}
-}
 
 /// Work in a world with that model, whose bone has a material, with regions, or none and is hard.
 fn worked(bone: Option<&str>, regions: Vec<(Region, Treatment)>) -> (u64, Result<(), Violation>) {
