@@ -12,6 +12,7 @@ from palpate.io_archive import is_archive, unpacked
 from palpate.io_dicom import is_dicom, read_dicom_file, read_dicom_folder, series_in
 from palpate.io_dicom_header import Series
 from palpate.io_file import read_file
+from palpate.io_packed import image_of, read_unpacked
 from palpate.io_raw import RawLayout, holds_pictures, is_picture, read_pictures, read_raw
 from palpate.orientation import direction_of, letters_of
 from palpate.progress import Progress, silent
@@ -43,7 +44,7 @@ def read(
         path: A folder with a DICOM series, a zip archive of one, or a DICOM file with all its
             slices; a NIfTI, NRRD, MetaImage or MINC file; a folder of pictures; raw voxels.
         series: Series to take where the folder holds several: its UID, its description, or its
-            number in the list that the error shows.
+            number in the list that the error shows; of an archive also the name of an image file.
         orientation: Sides toward which the file's x, y and z run, such as "LPS", where the file
             does not tell or is wrong.
         unit: "HU" where the values are known to be.
@@ -100,6 +101,7 @@ def read(
         intercept=stored.scale.intercept,
         traits=VolumeTraits(
             name=scan.name,
+            description=scan.description,
             modality=scan.modality,
             unit=scan.unit,
             series=scan.series,
@@ -158,6 +160,11 @@ def _read(source: Path, *, series: str | None, max_voxels: int, progress: Progre
         return read_dicom_folder(source, series=series, max_voxels=max_voxels, progress=progress)
     if is_archive(source):
         with unpacked(source, progress) as folder:
+            image = image_of(folder, series, called=source, progress=progress)
+            if image is not None:
+                return read_unpacked(
+                    image, folder, called=source, max_voxels=max_voxels, progress=progress
+                )
             return read_dicom_folder(
                 folder, series=series, max_voxels=max_voxels, progress=progress, called=source
             )

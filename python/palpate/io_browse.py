@@ -9,8 +9,7 @@ import os
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from contextlib import contextmanager
-from dataclasses import dataclass, field
-from itertools import islice
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -21,7 +20,7 @@ from palpate.io_archive import is_archive, unpacked
 from palpate.io_dicom import MOST_FILES, is_dicom, plan_of, series_in, volumes_of
 from palpate.io_dicom_header import Series
 from palpate.io_dicom_pixels import read_slice
-from palpate.io_file import FORMATS, header_of, middle_of
+from palpate.io_file import check_own_voxels, header_of, image_files, middle_of
 from palpate.io_preview import preview
 from palpate.progress import Progress, silent
 
@@ -75,8 +74,7 @@ def browsed(path: Path, *, progress: Progress = silent) -> Iterator[list[Choice]
         yield _in_folder(path, progress)
     elif is_archive(path):
         with unpacked(path, progress) as folder:
-            found, _ = series_in(folder, called=path, progress=progress)
-            yield _series(path, found)
+            yield _in_archive(path, folder, progress)
     elif is_dicom(path):
         found = volumes_of(path)
         # a single one needs no name
@@ -106,17 +104,29 @@ def previews(
 # --- DICOM --------------------------------------------------------------------------------
 
 
-def _in_folder(folder: Path, progress: Progress) -> list[Choice]:
-    images = _images_in(folder)
+def _in_folder(folder: Path, progress: Progress, called: Path | None = None) -> list[Choice]:
+    images = image_files(folder, among=MOST_FILES)[:MOST_IMAGES]
     try:
-        found, _ = series_in(folder, progress=progress)
+        found, _ = series_in(folder, called=called, progress=progress)
     except VolumeFormatError:
         if not images:
             raise
         found = []
     return [
-        *_series(folder, found),
-        *(_image(path, path.relative_to(folder).as_posix()) for path in images),
+        *_series(called or folder, found),
+        *(
+            _image(path, path.relative_to(folder).as_posix(), packed=called is not None)
+            for path in images
+        ),
+    ]
+
+
+def _in_archive(archive: Path, folder: Path, progress: Progress) -> list[Choice]:
+    listed = _in_folder(folder, progress, archive)
+    # an image file is one of the archive's, by its name in it
+    return [
+        one if one.path == archive else replace(one, path=archive, series=one.name)
+        for one in listed
     ]
 
 
@@ -163,18 +173,10 @@ def _of_series(path: Path, one: Series, series: str | None) -> Choice:
 # --- image files --------------------------------------------------------------------------
 
 
-def _images_in(folder: Path) -> list[Path]:
-    endings = tuple(ending for _, some in FORMATS.values() for ending in some)
-    files = islice(folder.rglob("*"), MOST_FILES)
-    found = (path for path in files if path.name.lower().endswith(endings) and path.is_file())
-    # the two files of a pair are one scan: its header stands for it
-    halves = (".img", ".img.gz")
-    listed = sorted(path for path in found if not path.name.lower().endswith(halves))
-    return listed[:MOST_IMAGES]
-
-
-def _image(path: Path, name: str) -> Choice:
+def _image(path: Path, name: str, *, packed: bool = False) -> Choice:
     try:
+        if packed:
+            check_own_voxels(path)
         header = header_of(path)
     except VolumeFormatError as error:
         return Choice(path=path, name=name, size=(), refused=str(error), picture=_nothing)

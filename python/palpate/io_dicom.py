@@ -71,6 +71,7 @@ def read_dicom_folder(
     chosen, warnings = choose_series(folder, found, series)
     what = f"{folder} (series {chosen.uid})" if chosen.uid else str(folder)
     scan = _read_series(what, chosen, max_voxels=max_voxels, progress=progress)
+    scan.description = chosen.description
     scan.name = chosen.description or folder.name.removesuffix(".zip")
     scan.warnings[:0] = warnings
     if damaged:
@@ -124,6 +125,7 @@ def read_dicom_file(
     """
     chosen, _ = choose_series(path, volumes_of(path), series)
     scan = _read_series(str(path), chosen, max_voxels=max_voxels, progress=progress)
+    scan.description = chosen.description
     scan.name = chosen.description or path.stem
     return scan
 

@@ -245,7 +245,8 @@ def _header(
         unit=_unit(dataset, modality),
         rows=int(rows),
         columns=int(columns),
-        samples=samples,
+        # numbers that a table turns into colours are no intensities either
+        samples=3 if dataset.get("PhotometricInterpretation") == "PALETTE COLOR" else samples,
         frames=tuple(frame_of(dataset, index) for index in range(count)),
         truncated=not packed and left < stored,
         plain=plain,

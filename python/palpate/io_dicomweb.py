@@ -106,11 +106,13 @@ def remote_series(address: WebAddress, *, progress: Progress = silent) -> list[R
         images = [one for one in listed if one.modality not in DERIVED_OBJECTS]
         if not images:
             what = "images" if listed else "series that fit"
-            raise DicomWebError(f"{address} has no {what}; allowed: a service or study with scans")
+            raise DicomWebError(
+                f"the server at {address} has no {what}; allowed: a service or study with scans"
+            )
         if len(images) > MOST_SERIES:
             raise DicomWebError(
-                f"{address} has more than {MOST_SERIES} series; allowed: one study, as in "
-                "…/studies/UID, or a search, as in …/studies?PatientID=12345"
+                f"the server at {address} has more than {MOST_SERIES} series; allowed: one study, "
+                "as in …/studies/UID, or a search, as in …/studies?PatientID=12345"
             )
         measured = []
         for done, one in enumerate(in_parallel(_measured, images, (address, budget))):
@@ -135,7 +137,8 @@ def choose_remote(
         return named[0]
     asked = f"{len(named) or 'no'} series" + ("" if wanted is None else f" {wanted!r}")
     raise SeriesChoiceError(
-        f"{address} has {asked}; allowed: one, with --series UID, description or number in the list"
+        f"the server at {address} has {asked}; allowed: one, with --series UID, description or "
+        "number in the list"
     )
 
 

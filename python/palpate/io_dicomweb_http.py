@@ -156,7 +156,7 @@ def _trouble_told(address: WebAddress) -> Iterator[None]:
         ) from None
     except requests.Timeout:
         raise DicomWebError(
-            f"{address} does not answer in time; allowed: a server that does"
+            f"the server at {address} does not answer in time; allowed: a server that does"
         ) from None
     except requests.ConnectionError:
         raise DicomWebError(f"no server answers at {address}; {SERVICE}") from None
@@ -165,21 +165,23 @@ def _trouble_told(address: WebAddress) -> Iterator[None]:
         ValueError, struct.error, requests.RequestException, BytesLengthException,
         InvalidDicomError,
     ):  # fmt: skip
-        raise DicomWebError(f"{address} answers, but not as DICOMweb; {SERVICE}") from None
+        raise DicomWebError(
+            f"the server at {address} answers, but not as DICOMweb; {SERVICE}"
+        ) from None
 
 
 def _refused(address: WebAddress, status: int) -> str:
     if status in {401, 403, 407}:
         given = "no name" if address.login is None else "this name and password"
         return (
-            f"{address} refuses access with {given} ({status}); allowed: "
+            f"the server at {address} refuses access with {given} ({status}); allowed: "
             "https://name:password@host/…, or a line in ~/.netrc"
         )
     if status in {404, 405, 410, 501}:
-        return f"{address} has no such resource ({status}); {SERVICE}"
+        return f"the server at {address} has no such resource ({status}); {SERVICE}"
     if status >= 500:
-        return f"{address} fails by itself ({status}); allowed: a server that works"
-    return f"{address} refuses what it was asked ({status}); {SERVICE}"
+        return f"the server at {address} fails by itself ({status}); allowed: a server that works"
+    return f"the server at {address} refuses what it was asked ({status}); {SERVICE}"
 
 
 @contextmanager

@@ -43,10 +43,12 @@ class Scan(msgspec.Struct, frozen=True):
 
     ``value = slope * stored + intercept``. ``patient_from_grid`` is row-major, shape
     [4, 4]; grid coordinates are in voxels, voxel (i, j, k) covers [i, i+1) on each axis.
-    ``unit`` is "HU" only where it is known, else "".
+    ``unit`` is "HU" only where it is known, else "". ``title`` is for windows: it names no file
+    that a person has not given by its path.
     """
 
     name: str
+    title: str
     modality: str
     unit: str
     dimensions: tuple[int, int, int]

@@ -21,6 +21,7 @@ import numpy as np
 
 from palpate.errors import OptionError
 from palpate.progress import Progress, silent
+from palpate.registration_compared import Compared
 from palpate.registration_options import (
     Kind,
     Level,
@@ -171,11 +172,10 @@ def register(  # noqa: PLR0913  # one for each thing that can be chosen
     chosen = metric_for(fixed, moving) if metric == "automatic" else metric
     images = _image(fixed), _image(moving)
     masks = _mask(fixed_mask), _mask(moving_mask)
+    wanted = options or SearchOptions()
     search = Search(
-        images,
-        masks=masks,
-        metric=chosen,
-        options=options or SearchOptions(),
+        Compared(images, masks, metric=chosen, bins=wanted.bins),
+        options=wanted,
         progress=progress,
         watch=watch,
     )
@@ -199,7 +199,7 @@ def register(  # noqa: PLR0913  # one for each thing that can be chosen
         before=before.metric,
         after=after.metric,
         overlap=after.overlap,
-        curve=tuple(search.curve),
+        curve=search.curve,
     )
 
 

@@ -88,14 +88,16 @@ class SearchOptions:
 
     samples: int = 50_000
     """Voxels that are compared on each level for a turn, shift, scale and shear."""
-    bent_samples: int = 8_000
-    """The same for a bent transform on the finest level; more on coarser ones, with fewer knots."""
+    bent_samples: int = 3_000
+    """Points that are drawn anew and compared in each step of a bent transform."""
     iterations: int = 150
     """On each level, at most."""
-    bent_iterations: int = 15
-    """The same for a bent transform."""
-    knots: float = 32.0
+    bent_iterations: int = 300
+    """Steps of a bent transform, on each level."""
+    knots: float = 12.0
     """Between the knots of a bent transform on the finest level [mm]."""
+    bending: float = 1.0
+    """Weight of the mean squared second derivatives of a bent transform [mm²]."""
     bins: int = 32
     """Of values, for mutual information."""
     seed: int = 1
@@ -113,6 +115,7 @@ class SearchOptions:
             ("iterations", 1, 10**5),
             ("bent_iterations", 1, 10**5),
             ("knots", 1.0, 1000.0),
+            ("bending", 0.0, 1e6),
             ("bins", 5, 256),
             ("seed", 1, 10**9),
         ):

@@ -68,6 +68,8 @@ class Place:
     series: str | None = None
     fetch: Fetch | None = None
     """Brings its files here first."""
+    given: bool = False
+    """Whether a person gave this very path."""
 
 
 @dataclass(frozen=True)
@@ -76,6 +78,8 @@ class Find:
 
     choices: list[Choice]
     upload: int | None = None
+    path: Path | None = None
+    """The path that a person gave."""
 
 
 class Finds:
@@ -95,10 +99,10 @@ class Finds:
         """
         if is_scene(place.path):
             choice = Choice(path=place.path, name=place.path.stem, size=(), picture=_no_picture)
-            self._tell_find(Find([choice], place.upload), tell)
+            self._tell_find(Find([choice], place.upload, place.path), tell)
             return
         found = browsed(place.path, progress=progress)
-        self._tell_found(found, tell, progress, upload=place.upload)
+        self._tell_found(found, tell, progress, place=place)
 
     def look_at_web(self, address: str, progress: Progress, tell: Tell) -> None:
         """Tells the scans of a DICOMweb service, then pictures of the first of them.
@@ -116,11 +120,12 @@ class Finds:
         tell: Tell,
         progress: Progress,
         *,
-        upload: int | None = None,
+        place: Place | None = None,
         pictured: int | None = None,
     ) -> None:
+        upload, path = (None, None) if place is None else (place.upload, place.path)
         with found as choices:
-            self._tell_find(Find(choices, upload), tell)
+            self._tell_find(Find(choices, upload, path), tell)
             # a single one needs no choice
             for number, picture in previews(choices[:pictured]) if len(choices) > 1 else ():
                 progress("drawing slices", None)
@@ -141,14 +146,15 @@ class Finds:
             OptionError: It cannot be opened, or its list is gone.
         """
         if wanted.path is not None:
-            return Place(path_of(wanted.path), series=wanted.series)
+            return Place(path_of(wanted.path), series=wanted.series, given=True)
         find = self._finds.get(wanted.find or 0)
         if find is None or not 0 <= wanted.choice < len(find.choices):
             raise OptionError("that list is gone; allowed: look for scans again")
         choice = find.choices[wanted.choice]
         if choice.refused is not None:
             raise OptionError(choice.refused)
-        return Place(choice.path, find.upload, choice.series, choice.fetch)
+        given = find.upload is None and choice.fetch is None and choice.path == find.path
+        return Place(choice.path, find.upload, choice.series, choice.fetch, given)
 
 
 def _listed(choice: Choice) -> ListedScan:

@@ -37,6 +37,7 @@ def scan_of(volume: Volume) -> protocol.Scan:
     histogram = volume.histogram
     return protocol.Scan(
         name=volume.name,
+        title=volume.title,
         modality=volume.modality,
         unit=volume.unit,
         dimensions=volume.dimensions,

@@ -21,7 +21,7 @@ from starlette.responses import PlainTextResponse, Response
 from starlette.routing import Route, Router
 from starlette.types import ASGIApp, Receive, Scope, Send
 
-from palpate.errors import OptionError, PalpateError
+from palpate.errors import OptionError, PalpateError, SeriesChoiceError
 from palpate.io import read
 from palpate.io_dicomweb_address import is_web_address
 from palpate.opening import is_scene, opening
@@ -168,7 +168,13 @@ class Library:
             folder = Path(files.name) / "scan"
             folder.mkdir()
             place.fetch(folder, progress)
-            show(replace(place, path=folder), files, progress)
+            try:
+                show(replace(place, path=folder), files, progress)
+            except SeriesChoiceError:
+                raise OptionError(
+                    "this series holds several volumes, such as times; allowed: palpate import "
+                    "--dicomweb brings it into a folder, whose volumes are listed here"
+                ) from None
             unless_shown.pop_all()
 
     def _exchange(self, place: Place, fetched: Files | None, progress: Progress) -> None:
@@ -195,10 +201,10 @@ class Library:
 
         for sentence in read.told:
             self._workbench.tell(sentence)
-        if place.upload is not None or fetched is not None:
-            volume = read.scene.volume
-            warnings = (*volume.warnings, PASSING)
-            volume.traits = replace(volume.traits, warnings=warnings)
+        volume = read.scene.volume
+        passes = place.upload is not None or fetched is not None
+        warnings = (*volume.warnings, PASSING) if passes else volume.warnings
+        volume.traits = replace(volume.traits, warnings=warnings, given=place.given)
         try:
             from_thread.run(self._workbench.exchange, begin)
         except (PalpateError, OSError, RuntimeError) as error:

@@ -29,7 +29,7 @@ from palpate.registration import (
     resampled,
     write_transform,
 )
-from palpate.registration_options import Curve, Pairs, Points, Start
+from palpate.registration_options import Curve, Pairs, Points, SearchOptions, Start
 from palpate.second_scan import SecondScan, placed
 from palpate.server_export import file_name
 from palpate.session import Session
@@ -38,6 +38,8 @@ from palpate.volume import Volume
 
 __all__ = ["MOST_REQUEST_BYTES", "Registering"]
 
+OPTIONS = SearchOptions()
+"""How pages search."""
 PACE = 0.1
 """Seconds between two messages of how far it is, at least."""
 MOST_STEPS = 20
@@ -198,6 +200,7 @@ class Registering:
                 metric=wanted.metric,
                 start=start,
                 landmarks=pairs,
+                options=OPTIONS,
                 progress=progress,
                 watch=watch,
             )

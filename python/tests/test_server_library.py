@@ -348,3 +348,34 @@ def test_a_second_scan_is_shown_with_the_open_one(
     scene.write_bytes(client.ask("POST", "scene", {"view": {}}).content)
     refused = client.job("open", {"path": str(scene), "beside": True})
     assert refused[-1]["reason"].startswith("a scene was chosen")
+
+
+def test_a_windows_title_names_no_file_that_was_not_given(
+    client: Client, study: Path, write_image: Any
+) -> None:
+    values = np.full((4, 5, 6), 7, np.int16)
+    path: Path = write_image(values, "DOE_JOHN.nrrd")
+    folder = path.parent / "found"
+    folder.mkdir()
+    path.rename(folder / path.name)
+    path = folder / path.name
+
+    def title() -> str:
+        assert client.workbench.opened is not None
+        return client.workbench.opened.session.scene.volume.title
+
+    # dropped, and found in a folder
+    upload = client.upload({path.name: path.read_bytes()})
+    for place in ({"upload": upload}, {"path": str(folder)}):
+        found = client.job("find", place)[0]
+        client.job("open", {"find": found["find"], "choice": 0})
+        assert (client.about()["scan"], title()) == ("DOE_JOHN", "scan")
+    # given by its path, at first and again
+    found = client.job("find", {"path": str(path)})[0]
+    client.job("open", {"find": found["find"], "choice": 0})
+    assert title() == "DOE_JOHN"
+    client.job("open", {"path": str(path)})
+    assert title() == "DOE_JOHN"
+    # what the files themselves say of the scan
+    client.job("open", {"path": str(study), "series": "1.2.3"})
+    assert title() == "CT thin"

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 import SimpleITK
 from numpy.typing import NDArray
+from palpate import SearchOptions, server_registration
 from palpate.scene import Scene
 from palpate.second_scan import SecondScan
 from palpate.volume import Volume
@@ -120,7 +121,11 @@ def test_a_registration_moves_the_second_scan_and_can_be_taken_back(
         assert ended(page, steps=1)["undone"] == 0
 
 
-def test_a_bent_one_is_shown_as_a_resampled_scan(blobs: RunningServer) -> None:
+def test_a_bent_one_is_shown_as_a_resampled_scan(
+    blobs: RunningServer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    quick = SearchOptions(bent_samples=500, bent_iterations=20, knots=30.0)
+    monkeypatch.setattr(server_registration, "OPTIONS", quick)
     with blobs.page() as page:
         before = page.receive("second_scan")
         page.send(REGISTER | {"kind": "bspline"})

@@ -109,10 +109,12 @@ export interface ThresholdPreset {
  *
  * `value = slope * stored + intercept`. `patient_from_grid` is row-major, shape
  * [4, 4]; grid coordinates are in voxels, voxel (i, j, k) covers [i, i+1) on each axis.
- * `unit` is "HU" only where it is known, else "".
+ * `unit` is "HU" only where it is known, else "". `title` is for windows: it names no file
+ * that a person has not given by its path.
  */
 export interface Scan {
   readonly name: string;
+  readonly title: string;
   readonly modality: string;
   readonly unit: string;
   readonly dimensions: readonly [number, number, number];
@@ -1294,6 +1296,7 @@ const isThresholdPreset = record({
 
 const isScan = record({
   name: text(),
+  title: text(),
   modality: text(),
   unit: text(),
   dimensions: tuple(whole(), whole(), whole()),

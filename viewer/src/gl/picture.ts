@@ -219,7 +219,9 @@ export class Picture {
 
   /** Which slices are seen beside the 3-D view. */
   setSlices(shown: readonly ShownSlice[]): void {
-    this.slices.show(shown);
+    if (this.slices.show(shown)) {
+      this.screenStale = true;
+    }
   }
 
   setSliceLook(look: SliceLook): void {

@@ -8,6 +8,7 @@ export function scanOf(dimensions: Vec3, spacing: Vec3, origin: Vec3 = [0, 0, 0]
   const [x, y, z] = spacing;
   return {
     name: "test",
+    title: "test",
     modality: "CT",
     unit: "HU",
     dimensions,
