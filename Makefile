@@ -1,7 +1,7 @@
 # One door to everything: `make` lists what there is.
 #
 # Each step leaves a stamp, so that a repeated call does only what changed. Nothing is
-# installed outside this folder, except Chromium for the tests (scripts/chromium.sh).
+# installed outside this folder, except Chromium and Orthanc for the tests (scripts/{chromium,orthanc}.sh).
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DELETE_ON_ERROR:

@@ -6,7 +6,9 @@ import shutil
 import zipfile
 from pathlib import Path
 
+import numpy as np
 import pytest
+import SimpleITK
 from browser import ROOT, Browser, browser, palpate
 
 pytestmark = [pytest.mark.browser, pytest.mark.data]
@@ -18,7 +20,8 @@ READY = "window.palpate?.ready === true"
 
 def exchanged(page: Browser, name: str) -> None:
     """Waits until the page shows another scan; it loads itself anew meanwhile."""
-    page.wait(f"{READY} && document.title.startsWith({name!r})", seconds=120.0)
+    named = f"document.querySelector('header .scan')?.textContent === {name!r}"
+    page.wait(f"{READY} && {named}", seconds=120.0)
 
 
 def test_a_page_without_a_scan_lists_takes_and_exchanges_scans(
@@ -34,6 +37,8 @@ def test_a_page_without_a_scan_lists_takes_and_exchanges_scans(
         # a file that is dropped onto the open scan takes its place
         page.do("drop", paths=[str(head)])
         exchanged(page, "CThead")
+        # names of files that are dropped may be those of patients
+        assert page.read("document.title") == "scan · Palpate"
         assert page.read("window.palpate.scan.dimensions") == [256, 256, 113]
         page.wait("document.querySelector('aside').textContent.includes('ts files are a copy')")
         chosen_over_the_scan(page, study / "thin")
@@ -86,3 +91,18 @@ def archive_dropped(page: Browser, folder: Path, archive: Path) -> None:
     page.do("drop", paths=[str(archive)])
     page.wait(f"{READY} && window.before === undefined", seconds=120.0)
     assert page.read("window.palpate.scan.dimensions") == [512, 512, 3]
+
+
+def test_a_large_scan_is_seen_coarsely_until_all_of_it_is_there(tmp_path: Path) -> None:
+    values = np.zeros((136, 512, 512), np.int16)
+    values[40:100, 150:350, 151:350] = 400
+    path = tmp_path / "large.nrrd"
+    SimpleITK.WriteImage(SimpleITK.GetImageFromArray(values), str(path), useCompression=True)
+    opened = palpate("open", path, "--threshold", "400", state=tmp_path)
+    with opened as command, browser() as page:
+        first = page.do("open", url=command.url, width=640, height=480)["firstPicture"]
+        assert 0.0 < first < page.read("window.palpate.bench.wholePicture")
+        # what is clicked then is that of all of the scan, to the voxel
+        picked = page.read("window.palpate.pick(...window.palpate.middle)?.point")
+        assert picked[1] == pytest.approx(150.0, abs=1.0)
+        assert page.complaints == []

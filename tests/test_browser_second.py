@@ -132,3 +132,36 @@ def test_the_view_shows_it_too_and_follows_another_transform(lungs: Browser) -> 
     np.testing.assert_allclose(gone, without, atol=2 / 255)
     after, _ = axial(lungs)
     assert np.abs(after - before).mean() > 5 / 255
+
+
+@pytest.mark.data
+def test_a_page_takes_it_away_adds_it_moves_it_and_projects_it(
+    lungs: Browser, data_folder: Path, tmp_path: Path
+) -> None:
+    lungs.do("click", testid="remove-second")
+    lungs.wait("window.palpate.second === null")
+    lungs.do("click", testid="add-second")
+    path = data_folder / "elastix_lung_pair" / "3DCT_lung_followup.mha"
+    lungs.do("fill", testid="open-path", text=str(path))
+    lungs.do("click", testid="open-look")
+    lungs.shows("second-name", "text === '3DCT_lung_followup'")
+    assert lungs.read("window.palpate.second.is_moved") is False
+
+    # half a scan beside the first: it is seen there too
+    transform = tmp_path / "beside.tfm"
+    shift = SimpleITK.TranslationTransform(3, (150.0, 0.0, 0.0))
+    SimpleITK.WriteTransform(shift, str(transform))
+    lungs.do("give", testid="second-transform-file", path=str(transform))
+    lungs.wait("window.palpate.second?.is_moved === true")
+    assert lungs.read("window.palpate.second.second_from_first")[3] == 150.0
+    lungs.do("choose", testid="blend", value="mip")
+    lungs.do("choose", testid="second-tint", value="warm")
+    shown = lungs.picture(OUTPUT / "second_mip.png")
+    lungs.do("click", testid="second-view")
+    without = lungs.picture(OUTPUT / "second_mip_without.png")
+    # where the first has nothing: warm colours on what was the ground
+    beside = (np.ptp(without, axis=2) < 0.1) & (without.max(axis=2) < 0.15)
+    warm = (shown[..., 0] - shown[..., 2] > 0.2) & beside
+    assert warm.mean() > 0.01
+    lungs.do("click", testid="second-view")
+    lungs.do("choose", testid="blend", value="shaded")

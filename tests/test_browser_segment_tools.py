@@ -139,3 +139,68 @@ def test_a_disc_is_painted_in_a_slice_taken_back_and_limited_to_values(page: Bro
     page.wait(f"{volume} === 0")
     page.do("press", key="Control+z")
     page.wait(near(np.pi * 36))
+
+
+def new_painted_segment(page: Browser) -> str:
+    """Takes the brush and a new segment for it; returns what tells its volume [ml]."""
+    page.do("click", testid="layout-four")
+    page.read("window.palpate.cross([24, 24, 24])")
+    page.finish()
+    if page.read("document.querySelector('[data-testid=brush-new]') === null"):
+        page.do("click", testid="paint-segments")
+    before = page.read("document.querySelectorAll('[data-testid=brush-segment] option').length")
+    page.do("click", testid="brush-new")
+    page.wait(
+        f"document.querySelectorAll('[data-testid=brush-segment] option').length === {before + 1}"
+    )
+    if page.read("document.querySelector('[data-testid=brush-low]') !== null"):
+        page.do("click", testid="brush-within")
+    page.do("click", testid="brush-paint")
+    name = page.read(
+        "document.querySelector('[data-testid=brush-segment]').selectedOptions[0].text"
+    )
+    return PAINTED_VOLUME.replace("Painted 1", name)
+
+
+def click_in_slice(page: Browser, x: float, y: float) -> None:
+    """Clicks in the axial slice, so far from its middle [mm]."""
+    at = page.read(PLACE_OF_BALL.replace("34, 24, 24", f"{24 + x}, {24 + y}, 24"))
+    page.do("clickAt", testid="slice-axial", x=at[0], y=at[1])
+
+
+def test_outlines_follow_edges_by_wire_and_by_level_and_what_they_enclose_is_painted(
+    page: Browser,
+) -> None:
+    volume = new_painted_segment(page)
+    # the ball of 16 mm
+    disc = np.pi * 16**2
+    whole = f"Math.abs({volume} * 1000 - {disc}) < {0.08 * disc}"
+    pieces = (
+        "(document.querySelector('[data-testid=wire-set-axial]').getAttribute('d')"
+        ".match(/M/g) ?? []).length"
+    )
+
+    # the wire, by four clicks
+    page.do("click", testid="brush-way-wire")
+    corners = [(16.0, 0.0), (0.0, 16.0), (-16.0, 0.0), (0.0, -16.0)]
+    for count, corner in enumerate(corners):
+        click_in_slice(page, *corner)
+        page.wait(f"{pieces} === {count}")
+    page.finish()
+    page.do("screenshot", path=str(OUTPUT / "segment_wire.png"))
+    page.do("press", key="Backspace")
+    page.wait(f"{pieces} === 2")
+    click_in_slice(page, *corners[3])
+    page.wait(f"{pieces} === 3")
+    page.do("press", key="Enter")
+    page.wait(whole)
+    page.do("press", key="Control+z")
+    page.wait(f"{volume} === 0")
+
+    # the level, by one
+    page.do("click", testid="brush-way-level")
+    click_in_slice(page, 16.0, 0.0)
+    page.wait(whole)
+    page.do("press", key="Control+z")
+    page.wait(f"{volume} === 0")
+    page.do("click", testid="brush-way-brush")

@@ -220,3 +220,31 @@ def test_layout_and_window_are_remembered(opened: Opened) -> None:
     assert page.read("window.palpate.slices[0].name") == "sagittal"
     np.testing.assert_allclose(opened.window(), (-1200, 200))
     page.do("click", testid="layout-four")
+
+
+OVERLAPS = """(() => {
+  const parts = ['.strip', '.views', '.edge', '.scale', '.read > *', '.name', 'svg[aria-label*=Views]']
+  const boxes = parts.flatMap((part) => [...document.querySelectorAll(`.picture ${part}`)].map(
+    (each) => [part, each.getBoundingClientRect()]))
+  const meet = (a, b) => Math.min(a.right, b.right) - Math.max(a.left, b.left) > 1
+    && Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top) > 1
+  const met = ([part, box], i) => boxes.slice(i + 1).filter((other) => meet(box, other[1]))
+    .map(([other]) => `${part} on ${other}`)
+  return boxes.length < 28 ? `only ${boxes.length} parts` : boxes.flatMap(met)
+})()"""
+"""What stands on what over the picture."""
+
+
+@pytest.mark.data
+def test_in_a_small_window_nothing_stands_on_anything_else(opened: Opened) -> None:
+    page = opened.page
+    page.do("click", testid="layout-four")
+    for width, height in ((1366, 768), (900, 700)):
+        page.do("resize", width=width, height=height)
+        page.wait("window.palpate.slices.length === 3")
+        page.finish()
+        assert page.read(OVERLAPS) == []
+    # the view is seen where it stands by now, and nothing of where slices stood before
+    view = page.picture(OUTPUT / "small_view.png")
+    assert np.mean(view.max(axis=2) > 0.5) > 0.05
+    page.do("resize", width=1280, height=860)

@@ -18,7 +18,7 @@ import pytest
 import SimpleITK
 from browser import ROOT, Browser, browser, palpate
 from palpate import Scene, Session, SessionOptions
-from palpate.journal import scan_hash
+from palpate.scan_hash import scan_hash
 
 pytestmark = pytest.mark.browser
 
@@ -29,11 +29,18 @@ SURFACE = 23.5
 """Where the block begins along y [mm]; it fills everything from there to the back."""
 MIDDLE = EDGE / 2
 OPTIONS = ("--threshold", "500", "--unit", "HU", "--port", "0")
-LABELLED = (
-    "fetch('/api/labels').then(answer => answer.arrayBuffer())"
-    ".then(bytes => new Uint8Array(bytes).reduce((sum, id) => sum + (id === 1 ? 1 : 0), 0))"
-)
-"""How many voxels the block has, once it was edited."""
+
+
+def labelled(segment: int) -> str:
+    """Returns what counts the voxels of a segment, once it was edited."""
+    return (
+        "fetch('/api/labels').then(answer => answer.arrayBuffer()).then(bytes => "
+        f"new Uint8Array(bytes).reduce((sum, id) => sum + (id === {segment} ? 1 : 0), 0))"
+    )
+
+
+LABELLED = labelled(1)
+"""How many voxels the block has."""
 TOOL = "window.palpate.state.tool"
 STILL = SessionOptions(real_time=False)
 
@@ -134,6 +141,41 @@ def test_a_stroke_does_not_turn_the_picture_and_a_drag_without_shift_does(page: 
     assert page.read("window.palpate.camera.right") != before
     page.all_done()
     assert not page.read(f"{TOOL}.on")
+
+
+def test_what_is_touched_is_painted_and_touch_does_not_notice(page: Browser) -> None:
+    # the block is a range of values first, which a tissue's stands for
+    page.do("choose", testid="threshold-preset", value="bone")
+    page.wait("document.querySelector('[data-testid=threshold]').value === '226'")
+    page.wait("document.querySelector('[data-testid=threshold-preset]').value === 'bone'")
+    page.all_done()
+    page.read(f"window.palpate.hand({[MIDDLE, SURFACE + 2, MIDDLE]})")
+    page.wait("window.palpate.state.contact")
+    page.all_done()
+    # the key takes the brush and makes a segment to paint with
+    page.do("press", key="w")
+    page.wait(f"{TOOL}.kind === 'painter'")
+    assert "Painted 1" in page.text("paint-segment")
+    page.do("slide", testid="paint-depth", value=2)
+    before = page.read("window.palpate.state.proxy[1]")
+    hold(page, on=True)
+    page.wait(f"{TOOL}.on && {TOOL}.voxels > 20")
+    page.read(f"window.palpate.hand({[MIDDLE + 6, SURFACE + 2, MIDDLE]})")
+    page.wait("window.palpate.state.proxy[0] > " + str(MIDDLE + 5))
+    hold(page, on=False)
+    page.wait(f"!{TOOL}.on")
+    page.all_done()
+    assert page.read("window.palpate.state.pending") == 0
+    assert abs(page.read("window.palpate.state.proxy[1]") - before) < 0.01
+    page.shows("tool-volume", "parseFloat(text) > 20")
+    painted = page.read(f"{TOOL}.voxels")
+    whole = EDGE * EDGE * EDGE // 2
+    page.wait(f"{labelled(2)}.then(count => count === {painted})")
+    page.wait(f"{LABELLED}.then(count => count === {whole - painted})")
+    page.finish()
+    page.do("screenshot", path=str(OUTPUT / "tools-painted.png"))
+    page.do("press", key="Control+z")
+    page.wait(f"{labelled(2)}.then(count => count === 0)")
 
 
 def test_the_drill_takes_time_and_tells_what_it_removed(page: Browser) -> None:

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from palpate.errors import (
+        DicomWebError,
         EmptySegmentError,
         MeshFormatError,
         OptionError,
@@ -27,6 +28,8 @@ if TYPE_CHECKING:
     from palpate.export import export_scene
     from palpate.gap import Gap
     from palpate.io import read
+    from palpate.io_dicomweb import fetch_series, remote_series
+    from palpate.io_dicomweb_address import WebAddress
     from palpate.labels import Label, Labels, read_labels
     from palpate.painted_cut import PaintedCut
     from palpate.phantom_scan import Phantom, phantom
@@ -42,6 +45,7 @@ if TYPE_CHECKING:
     from palpate.volume import Volume
 
 __all__ = [
+    "DicomWebError",
     "EmptySegmentError",
     "Gap",
     "Label",
@@ -67,14 +71,18 @@ __all__ = [
     "TouchSettings",
     "Volume",
     "VolumeFormatError",
+    "WebAddress",
     "export_scene",
+    "fetch_series",
     "phantom",
     "read",
     "read_labels",
     "register",
+    "remote_series",
 ]
 
 _HOMES = {
+    "DicomWebError": "errors",
     "EmptySegmentError": "errors",
     "MeshFormatError": "errors",
     "OptionError": "errors",
@@ -85,6 +93,9 @@ _HOMES = {
     "export_scene": "export",
     "Gap": "gap",
     "read": "io",
+    "fetch_series": "io_dicomweb",
+    "remote_series": "io_dicomweb",
+    "WebAddress": "io_dicomweb_address",
     "Label": "labels",
     "Labels": "labels",
     "read_labels": "labels",

@@ -317,10 +317,12 @@ class Session:
         air: float | None = None,
         energy: float | None = None,
         tissues: list[_Tissue] = ...,
+        paint: tuple[float | None, bool] = ...,
     ) -> None:
         """Chooses the tool for the next strokes; None empties the hand.
 
-        ``tissues`` are those of a needle, one for each segment.
+        ``tissues`` are those of a needle, one for each segment; ``paint`` is how deep a painter
+        paints [mm], None all of its ball, and whether segments may overlap.
 
         ``air`` is what the scan reads where the drill was, ``energy`` its work per volume
         [mJ/mm³]; None is -1000 and bone by HU.

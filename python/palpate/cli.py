@@ -25,6 +25,8 @@ from palpate.cli_bench import (
 )
 from palpate.cli_export import export
 from palpate.cli_fuzz import bench_fuzz_import
+from palpate.cli_import import EXAMPLES as IMPORT_EXAMPLES
+from palpate.cli_import import import_scan
 from palpate.cli_recipe import EXAMPLES as RECIPE_EXAMPLES
 from palpate.cli_recipe import run_file
 from palpate.cli_reconstruct import EXAMPLES as RECONSTRUCT_EXAMPLES
@@ -258,7 +260,10 @@ def open_scan(  # noqa: PLR0913  # one per option of the command line
     check_start(rate)
     bounds, size = parse_threshold(threshold), parse_voxel_size(voxel_size)
     if path is None or is_scene(path):
-        of_scans = (series, orientation, unit, fill, raw, size, bounds, segments, mesh, second)
+        of_scans = (
+            *(series, orientation, unit, fill, raw, size, bounds, segments, mesh),
+            *(second, transform),
+        )
         if any(option is not None for option in of_scans):
             what = "no scan is given" if path is None else f"{path} is a scene"
             raise OptionError(f"{what}: options of scans are allowed with scans only")
@@ -424,6 +429,7 @@ def replay(
 
 
 app.command("export")(export)
+app.command("import", epilog=IMPORT_EXAMPLES)(import_scan)
 app.command("reconstruct", epilog=RECONSTRUCT_EXAMPLES)(reconstruct)
 app.command("register", epilog=REGISTER_EXAMPLES)(register)
 app.command("series")(series)

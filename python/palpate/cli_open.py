@@ -252,10 +252,10 @@ def show_saved(
     try:
         with Display() as display:
             saved = open_scene(path, progress=display)
-        for warning in saved.volume.warnings:
+        for warning in saved.told:
             warn(warning)
         show(
-            Scene(saved.volume),
+            saved.scene(),
             listener,
             rate=rate,
             browser=browser,

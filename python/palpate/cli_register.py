@@ -12,7 +12,7 @@ from palpate.console import Display, quiet_libraries, warn
 
 if TYPE_CHECKING:
     from palpate.progress import Progress
-    from palpate.registration_options import Kind, Metric, Pairs, SearchOptions, Start
+    from palpate.registration_options import Kind, MetricChoice, Pairs, SearchOptions, Start
     from palpate.segment import Segment
     from palpate.volume import Volume
 
@@ -53,8 +53,11 @@ def register(  # noqa: PLR0913  # one per option of the command line
     ] = "rigid",
     metric: Annotated[
         str,
-        typer.Option(help="mutual-information (also CT with MR), correlation or mean-squares."),
-    ] = "mutual-information",
+        typer.Option(
+            help="mutual-information (also CT with MR), correlation, mean-squares, or automatic: "
+            "correlation of two scans by CT, else mutual information."
+        ),
+    ] = "automatic",
     start: Annotated[
         str | None,
         typer.Option(
@@ -109,7 +112,7 @@ def register(  # noqa: PLR0913  # one per option of the command line
             still,
             other,
             kind=cast("Kind", kind),
-            metric=cast("Metric", metric),
+            metric=cast("MetricChoice", metric),
             start=cast("Start | None", start),
             landmarks=pairs,
             fixed_mask=_mask(fixed_mask, still, progress=display),

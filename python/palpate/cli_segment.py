@@ -18,6 +18,7 @@ Examples:
   palpate segment ct.mha --grow=-83,278,1170 --smooth 2 -o liver.seg.nrrd
   palpate segment ct.mha --threshold -200 --fill --hollow 3 -o skin.nii.gz
   palpate segment mr.nii.gz --seeds painted.seg.nrrd -o grown.seg.nrrd
+  palpate segment ct/ --threshold bone --subtract teeth.seg.nrrd -o jaw.seg.nrrd
   palpate segment ct/ --auto -o organs.seg.nrrd
 
 What is asked for is done in the order of the options above, whatever order they are given in.
@@ -36,7 +37,12 @@ def segment(  # noqa: PLR0913  # one per option of the command line
     ],
     series: Annotated[str | None, typer.Option(help="DICOM series.")] = None,
     threshold: Annotated[
-        str | None, typer.Option(help="Values of the segment.", metavar="LOW[,HIGH]")
+        str | None,
+        typer.Option(
+            help="Values of the segment, or for CT a tissue: bone, compact bone, spongy bone, "
+            "soft tissue, muscle, fat, skin, lung.",
+            metavar="LOW[,HIGH]",
+        ),
     ] = None,
     otsu: Annotated[
         int | None,
@@ -82,11 +88,34 @@ def segment(  # noqa: PLR0913  # one per option of the command line
     smooth: Annotated[
         float | None, typer.Option(help="Standard deviation of a Gaussian on the mask, in mm.")
     ] = None,
+    median: Annotated[
+        float | None, typer.Option(help="Half edge of the box of a median on the mask, in mm.")
+    ] = None,
+    joint: Annotated[
+        float | None,
+        typer.Option(help="Smooth all segments together by such a deviation: they still meet."),
+    ] = None,
+    opening: Annotated[
+        float | None, typer.Option(help="Remove bridges that a ball does not fit into, in mm.")
+    ] = None,
+    closing: Annotated[
+        float | None, typer.Option(help="Close gaps that a ball does not fit into, in mm.")
+    ] = None,
     margin: Annotated[
         float | None, typer.Option(help="Grow by this, or shrink where it is below 0, in mm.")
     ] = None,
     hollow: Annotated[
-        float | None, typer.Option(help="Keep a shell so thick inside the border, in mm.")
+        float | None,
+        typer.Option(help="Keep a shell so thick inside the border, or outside below 0, in mm."),
+    ] = None,
+    unite: Annotated[
+        Path | None, typer.Option(help="Add the segments of a file.", metavar="FILE")
+    ] = None,
+    subtract: Annotated[
+        Path | None, typer.Option(help="Take the segments of a file away.", metavar="FILE")
+    ] = None,
+    intersect: Annotated[
+        Path | None, typer.Option(help="Keep what segments of a file have too.", metavar="FILE")
     ] = None,
     name: Annotated[str | None, typer.Option(help="What to call the segment.")] = None,
 ) -> None:
@@ -114,8 +143,15 @@ def segment(  # noqa: PLR0913  # one per option of the command line
         fill=fill,
         between_slices=between_slices,
         smooth=smooth,
+        median=median,
+        joint=joint,
+        opening=opening,
+        closing=closing,
         margin=margin,
         hollow=hollow,
+        unite=unite,
+        subtract=subtract,
+        intersect=intersect,
         name=name,
     )
     request.check()

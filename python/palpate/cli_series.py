@@ -12,7 +12,7 @@ from palpate.console import Display, quiet_libraries
 if TYPE_CHECKING:
     from palpate.io_dicom_header import Series
 
-__all__ = ["describe", "series"]
+__all__ = ["describe", "print_series", "series"]
 
 
 def series(
@@ -31,7 +31,7 @@ def series(
 
         typer.echo(json.dumps(found, indent=2))
     else:
-        _print(found)
+        print_series(found)
 
 
 def describe(number: int, one: Series) -> dict[str, Any]:
@@ -50,7 +50,8 @@ def describe(number: int, one: Series) -> dict[str, Any]:
     }
 
 
-def _print(found: list[dict[str, Any]]) -> None:
+def print_series(found: list[dict[str, Any]]) -> None:
+    """Prints series as a table; a size that is not known is left out."""
     from rich.console import Console
     from rich.table import Table
     from rich.text import Text
@@ -59,7 +60,8 @@ def _print(found: list[dict[str, Any]]) -> None:
     for name in ("number", "patient", "study", "series", "modality", "size"):
         table.add_column(name, justify="right" if name == "number" else "left")
     for one in found:
-        size = f"{one['columns']} x {one['rows']} x {one['slices']}"
+        edges = one["columns"], one["rows"], one["slices"]
+        size = "" if None in edges else " x ".join(map(str, edges))
         cells = (one["number"], one["patient"], one["study"], one["series"], one["modality"], size)
         table.add_row(*(Text(str(cell)) for cell in cells))
     Console().print(table)

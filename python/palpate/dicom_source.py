@@ -16,8 +16,8 @@ import numpy as np
 
 from palpate.errors import OptionError
 from palpate.io_archive import is_archive, unpacked
-from palpate.io_dicom import choose_series, is_dicom, series_in
-from palpate.io_dicom_header import Header, damage_told, frame_of, read_header
+from palpate.io_dicom import choose_series, is_dicom, series_in, volumes_of
+from palpate.io_dicom_header import Header, damage_told, frame_of
 from palpate.progress import Progress
 from palpate.volume import Volume
 
@@ -99,8 +99,9 @@ def dicom_source(volume: Volume, *, complete: bool, progress: Progress) -> Itera
             yield _source(volume, _headers(folder, series, progress), complete=complete)
     elif path.is_dir():
         yield _source(volume, _headers(path, series, progress), complete=complete)
-    elif is_dicom(path) and (header := read_header(path)) is not None:
-        yield _source(volume, (header,), complete=complete)
+    elif is_dicom(path):
+        chosen, _ = choose_series(path, volumes_of(path), series)
+        yield _source(volume, chosen.headers, complete=complete)
     else:
         raise OptionError(f"the scan {path} is no DICOM series; {ELSEWHERE}")
 
@@ -115,7 +116,8 @@ def _source(volume: Volume, headers: tuple[Header, ...], *, complete: bool) -> D
     files = tuple(sorted(header.path for header in once.values()))
     images = tuple(_read(path) for path in files)
     _complete(images, volume, complete=complete)
-    return DicomSource(files, images, _slices(volume, images))
+    taken = {header.path: header.taken for header in once.values()}
+    return DicomSource(files, images, _slices(volume, images, tuple(taken[path] for path in files)))
 
 
 def _read(path: Path) -> Dataset:
@@ -154,13 +156,15 @@ def _complete(images: tuple[Dataset, ...], volume: Volume, *, complete: bool) ->
                 image.SliceThickness = f"{volume.spacing[2]:.6g}"
 
 
-def _slices(volume: Volume, images: tuple[Dataset, ...]) -> tuple[SourceSlice | None, ...]:
-    """Finds the image at the place of each slice."""
+def _slices(
+    volume: Volume, images: tuple[Dataset, ...], taken: tuple[tuple[int, ...] | None, ...]
+) -> tuple[SourceSlice | None, ...]:
+    """Finds the image at the place of each slice, among the frames that are the scan's."""
     grid_from_patient = np.linalg.inv(volume.patient_from_grid)
     slices: list[SourceSlice | None] = [None] * volume.shape[0]
-    for image in images:
+    for image, own in zip(images, taken, strict=True):
         count = int(image.get("NumberOfFrames") or 1)
-        for index in range(count):
+        for index in range(count) if own is None else own:
             position = frame_of(image, index).position
             if position is None:
                 continue

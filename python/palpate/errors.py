@@ -7,6 +7,7 @@ exit code 2; it is never a traceback.
 from __future__ import annotations
 
 __all__ = [
+    "DicomWebError",
     "EmptySegmentError",
     "MeshFormatError",
     "OptionError",
@@ -48,3 +49,7 @@ class RecordingFormatError(PalpateError, ValueError):
 
 class SceneFormatError(PalpateError, ValueError):
     """A file that is no scene, a damaged one, or one whose scan is gone."""
+
+
+class DicomWebError(PalpateError):
+    """A server that is not there, refuses, or does not send what it was asked for."""

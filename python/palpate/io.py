@@ -12,6 +12,7 @@ from palpate.io_archive import is_archive, unpacked
 from palpate.io_dicom import is_dicom, read_dicom_file, read_dicom_folder, series_in
 from palpate.io_dicom_header import Series
 from palpate.io_file import read_file
+from palpate.io_packed import image_of, read_unpacked
 from palpate.io_raw import RawLayout, holds_pictures, is_picture, read_pictures, read_raw
 from palpate.orientation import direction_of, letters_of
 from palpate.progress import Progress, silent
@@ -43,7 +44,7 @@ def read(
         path: A folder with a DICOM series, a zip archive of one, or a DICOM file with all its
             slices; a NIfTI, NRRD, MetaImage or MINC file; a folder of pictures; raw voxels.
         series: Series to take where the folder holds several: its UID, its description, or its
-            number in the list that the error shows.
+            number in the list that the error shows; of an archive also the name of an image file.
         orientation: Sides toward which the file's x, y and z run, such as "LPS", where the file
             does not tell or is wrong.
         unit: "HU" where the values are known to be.
@@ -100,6 +101,7 @@ def read(
         intercept=stored.scale.intercept,
         traits=VolumeTraits(
             name=scan.name,
+            description=scan.description,
             modality=scan.modality,
             unit=scan.unit,
             series=scan.series,
@@ -146,9 +148,10 @@ def _check_options(source: Path, *, series: str | None, unit: str | None, max_vo
         raise OptionError(f"unit {unit!r} is not known; allowed: {', '.join(UNITS)}")
     if max_voxels < 1:
         raise OptionError(f"max_voxels is {max_voxels}; allowed: 1 or more")
-    if series is not None and not (source.is_dir() or is_archive(source)):
+    if series is not None and not (source.is_dir() or is_archive(source) or is_dicom(source)):
         raise OptionError(
-            f"series {series!r} was asked of {source}; allowed: with a DICOM folder or archive"
+            f"series {series!r} was asked of {source}; allowed: with a DICOM folder, archive or "
+            "file"
         )
 
 
@@ -157,11 +160,16 @@ def _read(source: Path, *, series: str | None, max_voxels: int, progress: Progre
         return read_dicom_folder(source, series=series, max_voxels=max_voxels, progress=progress)
     if is_archive(source):
         with unpacked(source, progress) as folder:
+            image = image_of(folder, series, called=source, progress=progress)
+            if image is not None:
+                return read_unpacked(
+                    image, folder, called=source, max_voxels=max_voxels, progress=progress
+                )
             return read_dicom_folder(
                 folder, series=series, max_voxels=max_voxels, progress=progress, called=source
             )
     if is_dicom(source):
-        return read_dicom_file(source, max_voxels=max_voxels, progress=progress)
+        return read_dicom_file(source, series=series, max_voxels=max_voxels, progress=progress)
     return read_file(source, max_voxels=max_voxels, progress=progress)
 
 

@@ -9,8 +9,7 @@ import os
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from contextlib import contextmanager
-from dataclasses import dataclass, field
-from itertools import islice
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -18,10 +17,10 @@ from numpy.typing import NDArray
 
 from palpate.errors import PalpateError, VolumeFormatError
 from palpate.io_archive import is_archive, unpacked
-from palpate.io_dicom import MOST_FILES, is_dicom, plan_of, series_in
-from palpate.io_dicom_header import Series, read_header
+from palpate.io_dicom import MOST_FILES, is_dicom, plan_of, series_in, volumes_of
+from palpate.io_dicom_header import Series
 from palpate.io_dicom_pixels import read_slice
-from palpate.io_file import FORMATS, header_of, middle_of
+from palpate.io_file import check_own_voxels, header_of, image_files, middle_of
 from palpate.io_preview import preview
 from palpate.progress import Progress, silent
 
@@ -34,6 +33,7 @@ LARGEST = 1024**3
 """Voxels, as ``palpate.io.read`` has it."""
 
 Picture = Callable[[], NDArray[np.uint8]]
+Fetch = Callable[[Path, Progress], None]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,6 +56,8 @@ class Choice:
     """Why it cannot be opened."""
     picture: Picture = field(compare=False)
     """Makes the small picture of its middle; it may raise what reading raises."""
+    fetch: Fetch | None = field(default=None, compare=False)
+    """Brings its files into a folder; None where they are at ``path``."""
 
 
 @contextmanager
@@ -72,10 +74,11 @@ def browsed(path: Path, *, progress: Progress = silent) -> Iterator[list[Choice]
         yield _in_folder(path, progress)
     elif is_archive(path):
         with unpacked(path, progress) as folder:
-            found, _ = series_in(folder, called=path, progress=progress)
-            yield _series(path, found)
+            yield _in_archive(path, folder, progress)
     elif is_dicom(path):
-        yield [_dicom_file(path)]
+        found = volumes_of(path)
+        # a single one needs no name
+        yield _series(path, found) if len(found) > 1 else [_of_series(path, found[0], None)]
     else:
         yield [_image(path, path.name)]
 
@@ -101,17 +104,29 @@ def previews(
 # --- DICOM --------------------------------------------------------------------------------
 
 
-def _in_folder(folder: Path, progress: Progress) -> list[Choice]:
-    images = _images_in(folder)
+def _in_folder(folder: Path, progress: Progress, called: Path | None = None) -> list[Choice]:
+    images = image_files(folder, among=MOST_FILES)[:MOST_IMAGES]
     try:
-        found, _ = series_in(folder, progress=progress)
+        found, _ = series_in(folder, called=called, progress=progress)
     except VolumeFormatError:
         if not images:
             raise
         found = []
     return [
-        *_series(folder, found),
-        *(_image(path, path.relative_to(folder).as_posix()) for path in images),
+        *_series(called or folder, found),
+        *(
+            _image(path, path.relative_to(folder).as_posix(), packed=called is not None)
+            for path in images
+        ),
+    ]
+
+
+def _in_archive(archive: Path, folder: Path, progress: Progress) -> list[Choice]:
+    listed = _in_folder(folder, progress, archive)
+    # an image file is one of the archive's, by its name in it
+    return [
+        one if one.path == archive else replace(one, path=archive, series=one.name)
+        for one in listed
     ]
 
 
@@ -122,16 +137,6 @@ def _series(path: Path, found: list[Series]) -> list[Choice]:
         _of_series(path, one, one.uid if one.uid and uids.count(one.uid) == 1 else str(number))
         for number, one in enumerate(found, 1)
     ]
-
-
-def _dicom_file(path: Path) -> Choice:
-    header = read_header(path)
-    if header is None:
-        raise VolumeFormatError(
-            f"{path} is a DICOM file without an image of a scan; allowed: CT, MR and other scans"
-        )
-    one = Series(header.series, header.description, header.modality, (header,))
-    return _of_series(path, one, None)
 
 
 def _of_series(path: Path, one: Series, series: str | None) -> Choice:
@@ -168,18 +173,10 @@ def _of_series(path: Path, one: Series, series: str | None) -> Choice:
 # --- image files --------------------------------------------------------------------------
 
 
-def _images_in(folder: Path) -> list[Path]:
-    endings = tuple(ending for _, some in FORMATS.values() for ending in some)
-    files = islice(folder.rglob("*"), MOST_FILES)
-    found = (path for path in files if path.name.lower().endswith(endings) and path.is_file())
-    # the two files of a pair are one scan: its header stands for it
-    halves = (".img", ".img.gz")
-    listed = sorted(path for path in found if not path.name.lower().endswith(halves))
-    return listed[:MOST_IMAGES]
-
-
-def _image(path: Path, name: str) -> Choice:
+def _image(path: Path, name: str, *, packed: bool = False) -> Choice:
     try:
+        if packed:
+            check_own_voxels(path)
         header = header_of(path)
     except VolumeFormatError as error:
         return Choice(path=path, name=name, size=(), refused=str(error), picture=_nothing)

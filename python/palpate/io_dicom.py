@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from palpate.errors import SeriesChoiceError, VolumeFormatError
 from palpate.io_dicom_geometry import Grid, Stack, grid_of, stack_of
 from palpate.io_dicom_header import Header, Series, find_series, read_header
+from palpate.io_dicom_phases import phases_of
 from palpate.io_dicom_pixels import read_slices
 from palpate.io_dicom_resample import resample
 from palpate.progress import Progress
@@ -39,6 +40,7 @@ __all__ = [
     "read_dicom_file",
     "read_dicom_folder",
     "series_in",
+    "volumes_of",
 ]
 
 
@@ -69,6 +71,7 @@ def read_dicom_folder(
     chosen, warnings = choose_series(folder, found, series)
     what = f"{folder} (series {chosen.uid})" if chosen.uid else str(folder)
     scan = _read_series(what, chosen, max_voxels=max_voxels, progress=progress)
+    scan.description = chosen.description
     scan.name = chosen.description or folder.name.removesuffix(".zip")
     scan.warnings[:0] = warnings
     if damaged:
@@ -111,21 +114,34 @@ def _files_below(folder: Path) -> list[Path]:
     return listed
 
 
-def read_dicom_file(path: Path, *, max_voxels: int, progress: Progress) -> RawScan:
-    """Reads a file that holds all slices of a volume.
+def read_dicom_file(
+    path: Path, *, series: str | None, max_voxels: int, progress: Progress
+) -> RawScan:
+    """Reads a file that holds all slices of a volume, or the one asked for of several.
 
     Raises:
+        SeriesChoiceError: It holds several volumes, such as times, or not the one asked for.
         VolumeFormatError: The file holds one slice, no image, or no stack of slices.
+    """
+    chosen, _ = choose_series(path, volumes_of(path), series)
+    scan = _read_series(str(path), chosen, max_voxels=max_voxels, progress=progress)
+    scan.description = chosen.description
+    scan.name = chosen.description or path.stem
+    return scan
+
+
+def volumes_of(path: Path) -> list[Series]:
+    """Lists the volumes that one file holds: one, or several times, echoes, ….
+
+    Raises:
+        VolumeFormatError: The file holds no image.
     """
     header = read_header(path)
     if header is None:
         raise VolumeFormatError(
             f"{path} is a DICOM file without an image of a scan; allowed: CT, MR and other scans"
         )
-    one = Series(header.series, header.description, header.modality, (header,))
-    scan = _read_series(str(path), one, max_voxels=max_voxels, progress=progress)
-    scan.name = header.description or path.stem
-    return scan
+    return phases_of(Series(header.series, header.description, header.modality, (header,)))
 
 
 def choose_series(

@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 from palpate.errors import PalpateError, VolumeFormatError
+from palpate.io_dicom_phases import phase_of, phases_of
 from palpate.progress import Progress
 
 if TYPE_CHECKING:
@@ -59,6 +60,8 @@ class Frame:
     """Between rows, between columns [mm], in DICOM's order."""
     scale: tuple[float, float] | None
     """Rescale slope and intercept."""
+    phase: tuple[str, ...] = ()
+    """What may tell it from slices at the same place, as ``io_dicom_phases`` has it."""
 
 
 @dataclass(frozen=True)
@@ -92,6 +95,8 @@ class Header:
     """Of a stored number, those in use."""
     padding: tuple[int, int] | None
     """Lowest and highest stored number that stand for no value."""
+    taken: tuple[int, ...] | None = None
+    """Which of the file's frames ``frames`` are; None for all of them."""
 
 
 @dataclass(frozen=True)
@@ -135,11 +140,13 @@ def find_series(paths: Iterable[Path], progress: Progress) -> tuple[list[Series]
             alike.append([header])
         else:
             group.append(header)
-    found = [
+    whole = [
         Series(headers[0].series, headers[0].description, headers[0].modality, tuple(headers))
         for alike in groups.values()
         for headers in alike
     ]
+    found = [part for series in whole for part in phases_of(series)]
+    # phases of one series keep their order
     return sorted(found, key=lambda series: (-series.slices, series.uid)), damaged
 
 
@@ -238,7 +245,8 @@ def _header(
         unit=_unit(dataset, modality),
         rows=int(rows),
         columns=int(columns),
-        samples=samples,
+        # numbers that a table turns into colours are no intensities either
+        samples=3 if dataset.get("PhotometricInterpretation") == "PALETTE COLOR" else samples,
         frames=tuple(frame_of(dataset, index) for index in range(count)),
         truncated=not packed and left < stored,
         plain=plain,
@@ -262,6 +270,7 @@ def frame_of(dataset: Dataset, index: int) -> Frame:
         orientation=_numbers(orientation, "ImageOrientationPatient", 6),
         pixel_spacing=_numbers(measures, "PixelSpacing", 2),
         scale=_scale(dataset, index),
+        phase=phase_of(dataset, _groups(dataset, index)),
     )
 
 
@@ -275,13 +284,18 @@ def _numbers(holder: Dataset, name: str, count: int) -> tuple[float, ...] | None
 
 def _holder(dataset: Dataset, index: int, group: str) -> Dataset:
     """Returns what holds a frame's values: its own functional group, the shared one, the file."""
-    per_frame = dataset.get("PerFrameFunctionalGroupsSequence") or []
-    shared = dataset.get("SharedFunctionalGroupsSequence") or []
-    for groups in (*per_frame[index : index + 1], *shared[:1]):
+    for groups in _groups(dataset, index):
         if groups.get(group):
             held: Dataset = groups[group][0]
             return held
     return dataset
+
+
+def _groups(dataset: Dataset, index: int) -> list[Dataset]:
+    """Returns a frame's own functional groups and the shared ones, where there are any."""
+    per_frame = dataset.get("PerFrameFunctionalGroupsSequence") or []
+    shared = dataset.get("SharedFunctionalGroupsSequence") or []
+    return [*per_frame[index : index + 1], *shared[:1]]
 
 
 def _scale(dataset: Dataset, index: int) -> tuple[float, float] | None:

@@ -81,9 +81,7 @@ def read_slice(header: Header, frame: int) -> NDArray[Any]:
     Raises:
         VolumeFormatError: It cannot be decoded.
     """
-    stored = _plain(header)
-    if stored is None:
-        stored = stored_pixels(header.path, shape=(-1, header.rows, header.columns))
+    stored = _stored(header)
     if header.inverted and header.unit != "HU":
         stored = _turned(stored, header.bits)
     return _rescaled(stored[frame], header.frames[frame])
@@ -113,9 +111,7 @@ class _Part:
 
 
 def _part(header: Header) -> _Part:
-    stored = _plain(header)
-    if stored is None:
-        stored = stored_pixels(header.path, shape=(-1, header.rows, header.columns))
+    stored = _stored(header)
     padded = _padded(stored, header.padding)
     if header.inverted and header.unit != "HU":
         # what is meant to be bright is high
@@ -126,9 +122,18 @@ def _part(header: Header) -> _Part:
     return _Part(values, padded, float(measured.min()) if measured.size else np.inf)
 
 
+def _stored(header: Header) -> NDArray[Any]:
+    """Returns the numbers of the frames that are taken of a file."""
+    stored = _plain(header)
+    if stored is None:
+        stored = stored_pixels(header.path, shape=(-1, header.rows, header.columns))
+    return stored if header.taken is None else stored[list(header.taken)]
+
+
 def _plain(header: Header) -> NDArray[Any] | None:
     """Returns pixels that stand in a file as they are; None where they do not."""
-    if header.plain is None:
+    # of a file of several phases the pixels in between would be counted wrong
+    if header.plain is None or header.taken is not None:
         return None
     start, kind = header.plain
     shape = (len(header.frames), header.rows, header.columns)

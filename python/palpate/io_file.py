@@ -5,8 +5,10 @@ Frame: SimpleITK turns what each format says into LPS [mm]; nothing else here tu
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +22,15 @@ from palpate.raw_scan import RawScan, check_shape, orthonormal
 from palpate.simpleitk import Image, Reader, reason_of, simpleitk
 from palpate.stored import Scale
 
-__all__ = ["FORMATS", "ImageHeader", "header_of", "middle_of", "read_file"]
+__all__ = [
+    "FORMATS",
+    "ImageHeader",
+    "check_own_voxels",
+    "header_of",
+    "image_files",
+    "middle_of",
+    "read_file",
+]
 
 FORMATS = {
     "nifti": ("NiftiImageIO", (".nii", ".nii.gz", ".hdr", ".img", ".img.gz", ".hdr.gz")),
@@ -30,10 +40,46 @@ FORMATS = {
 }
 """Each format's reader in ITK and the endings of its files."""
 
+DATA_FILE = ("elementdatafile", "data file", "datafile")
+"""Fields of MetaImage and NRRD that name the file of the voxels."""
+MOST_HEADER = 1 << 16
+"""Of a header that is looked through [bytes]."""
+
 ALLOWED = (
     "NIfTI (.nii, .nii.gz), MetaImage (.mha, .mhd), NRRD (.nrrd, .nhdr), MINC (.mnc), a DICOM "
     "folder or a zip archive of one, or pictures of slices with --voxel-size"
 )
+
+
+def image_files(folder: Path, *, among: int) -> list[Path]:
+    """Lists the image files in a folder and those below, of so many files that are looked at."""
+    endings = tuple(ending for _, some in FORMATS.values() for ending in some)
+    files = islice(folder.rglob("*"), among)
+    found = (path for path in files if path.name.lower().endswith(endings) and path.is_file())
+    # the two files of a pair are one scan: its header stands for it
+    halves = (".img", ".img.gz")
+    return sorted(path for path in found if not path.name.lower().endswith(halves))
+
+
+def check_own_voxels(path: Path) -> None:
+    """Refuses a header that names voxels elsewhere than in itself or in one file beside it.
+
+    Raises:
+        VolumeFormatError: It does, as no header of an archive should.
+    """
+    if not path.name.lower().endswith((".mha", ".mhd", ".nrrd", ".nhdr")):
+        return
+    with path.open("rb") as file:
+        head = file.read(MOST_HEADER).decode("latin-1")
+    for line in head.splitlines():
+        key, _, name = (part.strip() for part in line.replace("=", ":", 1).partition(":"))
+        if key.lower() not in DATA_FILE:
+            continue
+        if not re.fullmatch(r"[^/\\%:]+", name) or name.split(" ")[0].lower() == "list":
+            raise VolumeFormatError(
+                f"{path} names voxels in {name[:100]!r}; allowed: in the same file, or in one "
+                "beside it"
+            )
 
 
 def read_file(path: Path, *, max_voxels: int, progress: Progress) -> RawScan:

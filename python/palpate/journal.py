@@ -11,17 +11,16 @@ import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import datetime
-from hashlib import blake2b
 from pathlib import Path
 from threading import Lock
 
-import numpy as np
-
-from palpate.errors import OptionError
+from palpate.errors import OptionError, PalpateError
+from palpate.scan_hash import scan_hash
+from palpate.second_note import keep_second, kept_second, second_name
+from palpate.second_scan import SecondScan
 from palpate.session import Session
-from palpate.volume import Volume
 
-__all__ = ["Journal", "Offer", "journal_place", "scan_hash", "state_folder"]
+__all__ = ["Journal", "Offer", "journal_place", "state_folder"]
 
 
 def state_folder() -> Path:
@@ -33,17 +32,6 @@ def state_folder() -> Path:
     if sys.platform == "win32" and (local := os.environ.get("LOCALAPPDATA")):
         return Path(local) / "palpate"
     return Path(os.environ.get("XDG_STATE_HOME") or Path.home() / ".local" / "state") / "palpate"
-
-
-def scan_hash(volume: Volume) -> bytes:
-    """Returns 32 bytes that tell a scan from others by its stored values and its geometry."""
-    hasher = blake2b(digest_size=32)
-    hasher.update(np.asarray(volume.dimensions, "<i8").tobytes())
-    hasher.update(np.asarray(volume.patient_from_grid, "<f8").tobytes())
-    hasher.update(np.asarray([volume.slope, volume.intercept], "<f8").tobytes())
-    for plane in volume.array:
-        hasher.update(np.ascontiguousarray(plane, "<i2").data)
-    return hasher.digest()
 
 
 def journal_place(of_scan: bytes, folder: Path | None = None) -> Path:
@@ -61,6 +49,8 @@ class Offer:
     """When the last of them was written, in local time."""
     lost_bytes: int
     """Bytes at the end that are not whole: what was being written when it ended."""
+    second: str | None = None
+    """Name of the second scan that was shown."""
 
 
 class Journal:
@@ -88,6 +78,10 @@ class Journal:
         """Why changes are not written down; None where they are, or an offer is open."""
         self.looks: bytes | None = None
         """The newest note of a journal that was brought back."""
+        self.second: SecondScan | None = None
+        """The second scan that was brought back."""
+        self.lost_second: str | None = None
+        """Why it was not."""
 
     @property
     def is_running(self) -> bool:
@@ -121,11 +115,13 @@ class Journal:
             offer, self.offer = self.offer, None
             try:
                 if offer is not None and bring_back:
+                    self._bring_back_second()
                     self._bring_back()
                 else:
                     self._keep_aside(held=offer is not None)
                     self._session.begin_journal(self.path, self._hash)
                 self._running = True
+                self.note_second(self.second)
             except (OSError, OptionError) as error:
                 self._give_up(error)
 
@@ -133,6 +129,14 @@ class Journal:
         """Keeps how segments look beside their voxels."""
         if self._running:
             self._session.note_in_journal(looks)
+
+    def note_second(self, second: SecondScan | None) -> None:
+        """Keeps which scan is shown with this one, and where."""
+        if self._running:
+            try:
+                keep_second(self._second_path, second)
+            except OSError as error:
+                self._tell(f"The second scan is not kept for a crash: {error}")
 
     def close(self) -> None:
         """Removes a journal without changes; says of another one that it will be offered.
@@ -143,7 +147,7 @@ class Journal:
             return
         self._running = False
         frame = self._session.frame()
-        if frame["can_undo"] or frame["can_redo"]:
+        if frame["can_undo"] or frame["can_redo"] or self._second_path.exists():
             self._tell("Your changes are kept: the next start with this scan offers them.")
         else:
             self.path.unlink(missing_ok=True)
@@ -156,11 +160,36 @@ class Journal:
             aside = self._keep_aside(held=True)
             self._tell(f"{error}; it was kept aside as {aside}")
             return
-        if found is not None and found != (0, 0):
-            when = datetime.fromtimestamp(self.path.stat().st_mtime).astimezone()
-            self.offer = Offer(steps=found[0], when=when, lost_bytes=found[1])
+        second = second_name(self._second_path)
+        if (found is not None and found != (0, 0)) or second is not None:
+            steps, lost = found or (0, 0)
+            newest = max(
+                path.stat().st_mtime for path in (self.path, self._second_path) if path.exists()
+            )
+            when = datetime.fromtimestamp(newest).astimezone()
+            self.offer = Offer(steps=steps, when=when, lost_bytes=lost, second=second)
+
+    @property
+    def _second_path(self) -> Path:
+        return self.path.with_suffix(".second")
+
+    def _bring_back_second(self) -> None:
+        if not self._second_path.exists():
+            return
+        try:
+            self.second = kept_second(self._second_path)
+        except (PalpateError, OSError) as error:
+            aside = self._put_aside(self._second_path)
+            self.lost_second = (
+                f"The second scan was not brought back: {error}. What is known of it was kept as "
+                f"{aside}."
+            )
+            self._tell(self.lost_second)
 
     def _bring_back(self) -> None:
+        if not self.path.exists():
+            self._session.begin_journal(self.path, self._hash)
+            return
         try:
             _, _, notes = self._session.recover_journal(self.path, self._hash)
         except OptionError as error:
@@ -172,13 +201,17 @@ class Journal:
 
     def _keep_aside(self, *, held: bool) -> Path | None:
         """Makes room for a new file; one that ``held`` changes gets another name."""
-        if not self.path.exists():
-            return None
         if not held:
-            self.path.unlink()
+            self.path.unlink(missing_ok=True)
+            self._second_path.unlink(missing_ok=True)
             return None
+        if self._second_path.exists():
+            self._put_aside(self._second_path)
+        return self._put_aside(self.path) if self.path.exists() else None
+
+    def _put_aside(self, path: Path) -> Path:
         moment = datetime.now().astimezone().strftime("%Y%m%d-%H%M%S-%f")
-        return self.path.rename(self.path.with_name(f"{self.path.stem}-{moment}.journal"))
+        return path.rename(path.with_name(f"{path.stem}-{moment}{path.suffix}"))
 
     def _give_up(self, error: Exception) -> None:
         self.problem = f"Changes are not kept for a crash: {error}"

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from palpate.errors import OptionError
 from palpate.io_dicom_header import damage_told
 from palpate.labels_grid import Colour, Label, Labels
+from palpate.polygon_fill import fill_polygons
 from palpate.progress import Progress
 from palpate.volume import Volume
 
@@ -116,27 +117,6 @@ def filled(what: str, polygons: list[Polygon], volume: Volume) -> NDArray[np.uin
             continue
         if nearest not in done:
             here = [placed[one][:, rest] for one in np.flatnonzero(of_plane == nearest)]
-            done = {nearest: _filled_slice(here, slices.shape[1:])}
+            done = {nearest: fill_polygons(here, slices.shape[1:])}
         slices[number] = done[nearest]
     return mask
-
-
-def _filled_slice(polygons: list[Polygon], shape: tuple[int, ...]) -> NDArray[np.uint8]:
-    """Fills polygons of (x, y) by the even-odd rule, shape [rows, columns]."""
-    rows, columns = shape
-    toggles = np.zeros((rows, columns + 1), np.uint8)
-    for corners in polygons:
-        x0, y0 = corners.T
-        x1, y1 = np.roll(corners, -1, axis=0).T
-        # rows whose middles each edge passes: its lower end counts, its upper does not
-        first = np.clip(np.ceil(np.minimum(y0, y1)), 0, rows).astype(int)
-        count = np.clip(np.ceil(np.maximum(y0, y1)), 0, rows).astype(int) - first
-        edge = np.repeat(np.arange(len(corners)), count)
-        crossed = first[edge] + np.arange(len(edge)) - (np.cumsum(count) - count)[edge]
-        share = (crossed - y0[edge]) / (y1 - y0)[edge]
-        crossings = x0[edge] + share * (x1 - x0)[edge]
-        # the first column whose middle lies beyond
-        beyond = np.clip(np.ceil(crossings), 0, columns).astype(int)
-        np.bitwise_xor.at(toggles, (crossed, beyond), 1)
-    inside: NDArray[np.uint8] = np.bitwise_xor.accumulate(toggles, axis=1)[:, :columns]
-    return inside

@@ -28,6 +28,7 @@ __all__ = [
     "margin",
     "median",
     "opened",
+    "shares",
     "smooth",
 ]
 
@@ -107,18 +108,25 @@ def smooth(mask: Mask, spacing: Sequence[float], deviation: float) -> Mask:
     """Keeps what is more than half solid under a Gaussian of a standard deviation [mm]."""
 
     def work(part: Mask) -> Mask:
-        sitk = simpleitk()
-        shares = sitk.DiscreteGaussian(
-            sitk.Cast(_image(part, spacing), sitk.sitkFloat32),
+        solid: Mask = shares(part, spacing, deviation) > 0.5
+        return solid
+
+    return _in_box(mask, work, around=3.0 * deviation, spacing=spacing)
+
+
+def shares(mask: Mask, spacing: Sequence[float], deviation: float) -> NDArray[np.float32]:
+    """Returns how solid each voxel is under a Gaussian of a standard deviation [mm], 0 to 1."""
+    sitk = simpleitk()
+    blurred: NDArray[np.float32] = _array(
+        sitk.DiscreteGaussian(
+            sitk.Cast(_image(mask, spacing), sitk.sitkFloat32),
             variance=deviation**2,
             maximumKernelWidth=512,
             maximumError=SMALLEST_PART,
             useImageSpacing=True,
         )
-        solid: Mask = _array(shares) > 0.5
-        return solid
-
-    return _in_box(mask, work, around=3.0 * deviation, spacing=spacing)
+    )
+    return blurred
 
 
 def median(mask: Mask, spacing: Sequence[float], radius: float) -> Mask:

@@ -34,7 +34,7 @@ def opening(path: Path, *, series: str | None = None, progress: Progress = silen
     """
     if is_scene(path):
         saved = open_scene(path, progress=progress)
-        return Opening(Scene(saved.volume), saved, saved.volume.warnings)
+        return Opening(saved.scene(), saved, saved.told)
     scene = Scene(read(path, series=series, progress=progress))
     told = offer_bone(scene)
     return Opening(scene, None, () if told is None else (told,))

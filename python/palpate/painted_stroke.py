@@ -1,4 +1,4 @@
-"""A stroke of the brush in slices: edits as it goes, one step of undo when it is done.
+"""A stroke of the brush in slices, or what an outline encloses: one step of undo when it is done.
 
 Each piece of its way becomes edits of boxes of voxels, so that picture, surfaces and touch follow
 as they follow the tools in the hand, by the same admission.
@@ -11,9 +11,11 @@ from itertools import pairwise
 
 import numpy as np
 
-from palpate.brush import Brush, Point, boxes_of, covered
+from palpate.brush import Box, Brush, Point, boxes_of, covered
 from palpate.errors import OptionError
 from palpate.mask_shape import Mask
+from palpate.polygon_fill import fill_polygons
+from palpate.scan_slice import ScanSlice
 from palpate.session import Session
 
 __all__ = ["PaintedStroke"]
@@ -59,6 +61,31 @@ class PaintedStroke:
         for ends in ways:
             self._cover(brush, ends)
 
+    def inside(
+        self,
+        outline: Sequence[Point],
+        *,
+        normal: Sequence[float],
+        values: tuple[float, float] | None = None,
+    ) -> None:
+        """Covers the voxels of a slice whose middles an outline encloses.
+
+        Args:
+            outline: Corners [scene]; the first one says which slice. The last is joined to it.
+            normal: Of the slice, along an axis of the scan.
+            values: Only voxels with such values are changed [unit of the scan]; None is all.
+
+        Raises:
+            OptionError: There are fewer than three corners, or the slice lies along no axis.
+        """
+        if len(outline) < 3:
+            raise OptionError(f"{len(outline)} corners given; allowed: three or more")
+        where = ScanSlice.through(self._volume, outline[0], normal=normal)
+        filled = fill_polygons([where.places(outline)], where.shape).astype(bool)
+        if values is not None:
+            filled &= (where.values >= values[0]) & (where.values <= values[1])
+        self._take(where.box, np.expand_dims(filled, 2 - where.axis))
+
     def finish(self) -> None:
         """Makes one step of undo of what was changed."""
         self._session.group_steps(self.segment_id, self._counts)
@@ -71,7 +98,10 @@ class PaintedStroke:
             self._session.undo()
 
     def _cover(self, brush: Brush, ends: tuple[Point, Point]) -> None:
-        box, mask = covered(self._volume, brush, ends)
+        self._take(*covered(self._volume, brush, ends))
+
+    def _take(self, box: Box, mask: Mask) -> None:
+        """Changes those voxels of a part of the scan that are not as they shall be."""
         part = self._mask[box]
         new = mask & (part if self.erases else ~part)
         corner = np.array([side.start for side in reversed(box)])

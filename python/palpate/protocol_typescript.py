@@ -1,4 +1,4 @@
-"""Writes the page's side of the protocol, TypeScript, from the schema in ``protocol.py``.
+"""Writes the page's side of the protocol, TypeScript, from the schema in ``protocol*.py``.
 
 ``python -m palpate.protocol_typescript`` writes ``viewer/src/core/protocol.ts`` of the source
 tree: one interface per message and a checker that lets nothing through that is not of the
@@ -20,7 +20,7 @@ from typing import Annotated, Any, Literal, get_args, get_origin, get_type_hints
 
 import msgspec
 
-from palpate import protocol
+from palpate import protocol, protocol_types
 
 __all__ = ["OUTPUT", "generate"]
 
@@ -31,7 +31,7 @@ HEADER = """\
 /**
  * Messages between engine and page, and the check of what arrives.
  *
- * Generated from `python/palpate/protocol.py` by `python -m palpate.protocol_typescript`;
+ * Generated from `python/palpate/protocol*.py` by `python -m palpate.protocol_typescript`;
  * change it there. Each message is one msgpack map with a `type`. Points and vectors are
  * (x, y, z) in the scene frame, LPS [mm]; forces [N]; stiffness [N/mm]; times [s].
  */
@@ -221,7 +221,7 @@ def _fields(struct: type[msgspec.Struct]) -> dict[str, Any]:
 
 def _documented_aliases() -> list[tuple[str, str]]:
     """Lists the schema's named types with the sentence that follows each of them."""
-    body = ast.parse(inspect.getsource(protocol)).body
+    body = ast.parse(inspect.getsource(protocol_types)).body
     aliases = []
     for statement, after in pairwise(body):
         match statement, after:
@@ -233,7 +233,7 @@ def _documented_aliases() -> list[tuple[str, str]]:
 def _alias_of(hint: object) -> str | None:
     """Returns the name of the schema's type that is this hint, if it has one."""
     names = (name for name, _ in _documented_aliases())
-    return next((name for name in names if getattr(protocol, name) == hint), None)
+    return next((name for name in names if getattr(protocol_types, name) == hint), None)
 
 
 def _bounds(meta: msgspec.Meta) -> dict[str, float]:
@@ -281,7 +281,7 @@ def _write(hint: object, dialect: Dialect, *, named: bool = True) -> str:
     elif len(arguments) == 2 and arguments[1] is types.NoneType:
         written = dialect.nullable(_write(arguments[0], dialect))
     else:
-        raise TypeError(f"no way to write {hint!r}; allowed: the kinds that protocol.py has now")
+        raise TypeError(f"no way to write {hint!r}; allowed: the kinds that protocol*.py have now")
     return written
 
 
@@ -324,7 +324,7 @@ def _number(value: float) -> str:
 
 
 def _alias(name: str, doc: str) -> str:
-    written = _write(getattr(protocol, name), TYPES, named=False)
+    written = _write(getattr(protocol_types, name), TYPES, named=False)
     return f"{_comment(doc)}export type {name} = {written};\n"
 
 
@@ -363,7 +363,7 @@ def _checks(structs: tuple[Any, ...]) -> list[str]:
 
 
 def _check_of_alias(name: str) -> str:
-    check = _write(getattr(protocol, name), CHECKS, named=False)
+    check = _write(getattr(protocol_types, name), CHECKS, named=False)
     return f"const {CHECKS.name(name)} = {check};\n"
 
 

@@ -28,6 +28,8 @@ class RawScan:
     origin: tuple[float, float, float]
     direction: NDArray[np.float64]
     name: str
+    description: str = ""
+    """What the file calls it; "" where it does not."""
     modality: str = ""
     unit: str = ""
     series: str = ""

@@ -15,25 +15,31 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
 from palpate.errors import OptionError
 from palpate.progress import Progress, silent
+from palpate.registration_compared import Compared
 from palpate.registration_options import (
     Kind,
     Level,
     Metric,
+    MetricChoice,
     Pairs,
     Points,
     RegistrationError,
     SearchOptions,
     Start,
+    Watch,
     check_choices,
     checked_landmarks,
+    checked_matrix,
+    unwatched,
 )
 from palpate.registration_search import Search
+from palpate.registration_start import first_guess, guess_of_matrix
 from palpate.segment import Segment
 from palpate.simpleitk import image_on, reason_of, simpleitk
 from palpate.volume import Volume
@@ -44,8 +50,10 @@ __all__ = [
     "Registration",
     "RegistrationError",
     "SearchOptions",
+    "metric_for",
     "register",
     "resampled",
+    "write_transform",
 ]
 
 LEAST_VOXELS = 4
@@ -62,7 +70,7 @@ class Registration:
     """SimpleITK's, from points of the fixed scan to points of the moving one."""
     kind: Kind
     metric: Metric
-    start: Start
+    start: Start | Literal["matrix"]
     before: float
     """The metric at the start; it is made small."""
     after: float
@@ -81,13 +89,13 @@ class Registration:
     @property
     def matrix(self) -> Points | None:
         """The transform as a homogeneous matrix, shape [4, 4] [mm]; None where it bends."""
-        if not self.transform.IsLinear():
-            return None
-        corners = self.points(np.vstack([np.zeros(3), np.eye(3)]))
-        matrix = np.eye(4)
-        matrix[:3, 3] = corners[0]
-        matrix[:3, :3] = (corners[1:] - corners[0]).T
-        return matrix
+        return _matrix_of(self.transform) if self.transform.IsLinear() else None
+
+    @property
+    def unbent(self) -> Points:
+        """The matrix without what bends, shape [4, 4] [mm]: where a next search may begin."""
+        bends = not self.transform.IsLinear()
+        return _matrix_of(self.transform.GetNthTransform(0) if bends else self.transform)
 
     def moved(self, fixed: Volume) -> Points:
         """Returns how far points all over the fixed scan move, shape [count, 3] [mm]."""
@@ -104,31 +112,26 @@ class Registration:
             OptionError: The name ends otherwise.
             OSError: The disk refuses it.
         """
-        if path.suffix != ".tfm":
-            raise OptionError(f"{path.name!r} given; allowed: a name with .tfm")
-        with whole_file(path) as unfinished:
-            try:
-                simpleitk().WriteTransform(self.transform, str(unfinished))
-            except RuntimeError as error:
-                raise OSError(5, f"cannot be written ({reason_of(error)})", str(path)) from None
+        write_transform(self.transform, path)
 
     def resampled(self, moving: Volume, fixed: Volume) -> Volume:
         """Returns the moving scan on the grid of the fixed one; beyond it, its lowest value."""
         return resampled(moving, fixed, self.transform)
 
 
-def register(
+def register(  # noqa: PLR0913  # one for each thing that can be chosen
     fixed: Volume,
     moving: Volume,
     *,
     kind: Kind = "rigid",
-    metric: Metric = "mutual-information",
-    start: Start | None = None,
+    metric: MetricChoice = "automatic",
+    start: Start | Points | None = None,
     landmarks: Pairs | None = None,
     fixed_mask: Segment | None = None,
     moving_mask: Segment | None = None,
     options: SearchOptions | None = None,
     progress: Progress = silent,
+    watch: Watch = unwatched,
 ) -> Registration:
     """Finds where the points of one scan lie in another.
 
@@ -138,36 +141,49 @@ def register(
         kind: Turn and shift; scale and shear too; or bent as well.
         metric: What tells that scans are alike: mutual information also compares CT with MR;
             correlation asks that values of one follow those of the other linearly, mean squares
-            that they are the same.
+            that they are the same. Automatic: correlation of two scans by CT, else mutual
+            information.
         start: First guess: as the files place both scans; the middles of their grids; the
-            middles of what is bright; or landmarks. By default landmarks where they are given,
-            else the middles of the grids.
+            middles of what is bright; landmarks; or a matrix from points of the fixed scan to
+            the moving one, shape [4, 4] [mm], of which a rigid search takes the turn and the
+            shift. By default landmarks where they are given, else the middles of the grids.
         landmarks: Points of the fixed scan and the same places in the moving one, three or more
             that are not on one line, shape [count, 3] each [mm].
         fixed_mask: Only these voxels of the fixed scan are compared.
         moving_mask: Only these of the moving one.
         options: How it is searched.
         progress: Told how far it is; what it raises stops the search and is raised from here.
+        watch: Told the metric on the way so far, after each step.
 
     Raises:
         OptionError: A choice is not known, landmarks do not fit, or a scan is too small.
         RegistrationError: The scans do not overlap, or did not become more alike.
     """
-    chosen = start or ("landmarks" if landmarks is not None else "centre")
-    check_choices(kind, metric, chosen)
+    matrix = checked_matrix(start) if isinstance(start, np.ndarray) else None
+    named: Start = "landmarks" if landmarks is not None else "centre"
+    if isinstance(start, str):
+        named = start
+    check_choices(kind, metric, named)
     for volume in (fixed, moving):
         if min(volume.dimensions) < LEAST_VOXELS:
             raise OptionError(
                 f"{volume!r} is too small; allowed: {LEAST_VOXELS} voxels or more along each axis"
             )
+    chosen = metric_for(fixed, moving) if metric == "automatic" else metric
+    images = _image(fixed), _image(moving)
+    masks = _mask(fixed_mask), _mask(moving_mask)
+    wanted = options or SearchOptions()
     search = Search(
-        (_image(fixed), _image(moving)),
-        masks=(_mask(fixed_mask), _mask(moving_mask)),
-        metric=metric,
-        options=options or SearchOptions(),
+        Compared(images, masks, metric=chosen, bins=wanted.bins),
+        options=wanted,
         progress=progress,
+        watch=watch,
     )
-    first = search.guess(chosen, checked_landmarks(landmarks, wanted=chosen == "landmarks"))
+    if matrix is None:
+        pairs = checked_landmarks(landmarks, wanted=named == "landmarks")
+        first = first_guess(images, masks=masks, start=named, landmarks=pairs)
+    else:
+        first = guess_of_matrix(images[0], matrix, rigid=kind == "rigid")
     before = search.measure(first)
     found = search.run(first, kind)
     after = search.measure(found)
@@ -178,13 +194,19 @@ def register(
     return Registration(
         transform=found,
         kind=kind,
-        metric=metric,
-        start=chosen,
+        metric=chosen,
+        start=named if matrix is None else "matrix",
         before=before.metric,
         after=after.metric,
         overlap=after.overlap,
-        curve=tuple(search.curve),
+        curve=search.curve,
     )
+
+
+def metric_for(fixed: Volume, moving: Volume) -> Metric:
+    """Returns what compares two scans of these modalities best."""
+    both_ct = fixed.modality == "CT" == moving.modality
+    return "correlation" if both_ct else "mutual-information"
 
 
 def resampled(moving: Volume, fixed: Volume, transform: Any) -> Volume:  # noqa: ANN401  # SimpleITK's
@@ -208,6 +230,33 @@ def resampled(moving: Volume, fixed: Volume, transform: Any) -> Volume:  # noqa:
         intercept=moving.intercept,
         traits=moving.traits,
     )
+
+
+def write_transform(transform: Any, path: Path) -> None:  # noqa: ANN401  # SimpleITK's
+    """Writes a transform as ``.tfm``, whole or not.
+
+    Raises:
+        OptionError: The name ends otherwise.
+        OSError: The disk refuses it.
+    """
+    if path.suffix != ".tfm":
+        raise OptionError(f"{path.name!r} given; allowed: a name with .tfm")
+    with whole_file(path) as unfinished:
+        try:
+            simpleitk().WriteTransform(transform, str(unfinished))
+        except RuntimeError as error:
+            raise OSError(5, f"cannot be written ({reason_of(error)})", str(path)) from None
+
+
+def _matrix_of(linear: Any) -> Points:  # noqa: ANN401  # SimpleITK has no types
+    """Returns what a linear transform does to points, shape [4, 4]."""
+    origin, *ends = (
+        linear.TransformPoint(at) for at in np.vstack([np.zeros(3), np.eye(3)]).tolist()
+    )
+    matrix = np.eye(4)
+    matrix[:3, 3] = origin
+    matrix[:3, :3] = (np.array(ends) - origin).T
+    return matrix
 
 
 def _image(volume: Volume) -> Any:  # noqa: ANN401  # SimpleITK has no types

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Literal, get_args
 
@@ -15,29 +15,38 @@ __all__ = [
     "KINDS",
     "METRICS",
     "STARTS",
+    "Curve",
     "Kind",
     "Level",
     "Metric",
+    "MetricChoice",
     "Pairs",
     "Points",
     "RegistrationError",
     "SearchOptions",
     "Start",
+    "Watch",
     "check_choices",
     "checked_landmarks",
+    "checked_matrix",
+    "unwatched",
 ]
 
 Kind = Literal["rigid", "affine", "bspline"]
 Metric = Literal["mutual-information", "correlation", "mean-squares"]
+MetricChoice = Literal["automatic", "mutual-information", "correlation", "mean-squares"]
+"""Automatic is the correlation of two scans by CT, else mutual information."""
 Start = Literal["geometry", "centre", "moments", "landmarks"]
 KINDS: tuple[Kind, ...] = get_args(Kind)
-METRICS: tuple[Metric, ...] = get_args(Metric)
+METRICS: tuple[MetricChoice, ...] = get_args(MetricChoice)
 STARTS: tuple[Start, ...] = get_args(Start)
 
 Points = NDArray[np.float64]
 Pairs = tuple[Sequence[Sequence[float]], Sequence[Sequence[float]]]
 """Points of the fixed scan, and the same places in the moving one [mm]."""
 
+LEAST_DETERMINANT = 1e-6
+"""Of a matrix to start from."""
 LEAST_PAIRS = 3
 """Of landmarks, for a turn and a shift."""
 
@@ -55,6 +64,15 @@ class Level:
     """After each step; made small."""
 
 
+Curve = Sequence[Level]
+Watch = Callable[[Curve], None]
+"""Told the metric on the way so far, after each step."""
+
+
+def unwatched(curve: Curve, /) -> None:
+    """Looks at nothing."""
+
+
 class RegistrationError(PalpateError):
     """Two scans were not brought together; both are as they were."""
 
@@ -70,14 +88,16 @@ class SearchOptions:
 
     samples: int = 50_000
     """Voxels that are compared on each level for a turn, shift, scale and shear."""
-    bent_samples: int = 8_000
-    """The same for a bent transform on the finest level; more on coarser ones, with fewer knots."""
+    bent_samples: int = 3_000
+    """Points that are drawn anew and compared in each step of a bent transform."""
     iterations: int = 150
     """On each level, at most."""
-    bent_iterations: int = 15
-    """The same for a bent transform."""
-    knots: float = 32.0
+    bent_iterations: int = 300
+    """Steps of a bent transform, on each level."""
+    knots: float = 12.0
     """Between the knots of a bent transform on the finest level [mm]."""
+    bending: float = 1.0
+    """Weight of the mean squared second derivatives of a bent transform [mm²]."""
     bins: int = 32
     """Of values, for mutual information."""
     seed: int = 1
@@ -95,6 +115,7 @@ class SearchOptions:
             ("iterations", 1, 10**5),
             ("bent_iterations", 1, 10**5),
             ("knots", 1.0, 1000.0),
+            ("bending", 0.0, 1e6),
             ("bins", 5, 256),
             ("seed", 1, 10**9),
         ):
@@ -140,6 +161,24 @@ def checked_landmarks(pairs: Pairs | None, *, wanted: bool) -> tuple[Points, Poi
     if len(fixed) < LEAST_PAIRS or _on_a_line(fixed) or _on_a_line(moving):
         raise OptionError(f"{len(fixed)} landmarks given, or all on one line; {allowed}")
     return fixed, moving
+
+
+def checked_matrix(given: Points) -> Points:
+    """Returns a matrix between points of two scans, shape [4, 4] [mm].
+
+    Raises:
+        OptionError: It is none, or flattens the scan.
+    """
+    matrix = np.asarray(given, np.float64)
+    if matrix.shape != (4, 4):
+        raise OptionError(f"a start of shape {list(matrix.shape)} given; allowed: [4, 4]")
+    sound = np.isfinite(matrix).all() and np.array_equal(matrix[3], (0.0, 0.0, 0.0, 1.0))
+    if not sound or np.linalg.det(matrix) <= LEAST_DETERMINANT:
+        raise OptionError(
+            "a start that is no place of a scan given; allowed: a matrix with the last row "
+            "0 0 0 1 that neither flattens nor mirrors"
+        )
+    return matrix
 
 
 def _on_a_line(points: Points) -> bool:

@@ -6,16 +6,15 @@ A zip archive with
   which matter gives way, and the page's view;
 - ``segments.journal``: voxels of segments, edits of the scan, poses, feel, as the head of a journal
   (``crates/tools/src/journal_file.rs``);
-- ``scan.i16``: the scan's stored values, x fastest, where the file is to stand alone.
+- ``scan.i16``: the scan's stored values, x fastest, where the file is to stand alone;
+- ``second.i16``: those of a second scan that is shown with it.
 
-Else the scan is a link: the place it was read from, as it is and seen from the file, and a hash.
+Else scans are links (``scene_scan``).
 """
 
 from __future__ import annotations
 
-import os
 import zipfile
-import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import datetime
@@ -27,13 +26,24 @@ import msgspec
 import numpy as np
 
 from palpate.errors import PalpateError, SceneFormatError
-from palpate.io import read
-from palpate.journal import journal_place, scan_hash
+from palpate.journal import journal_place
 from palpate.material import Material
 from palpate.package_version import package_version
 from palpate.progress import Progress, silent
+from palpate.scan_hash import scan_hash
+from palpate.scene import Scene
+from palpate.scene_archive import member, opened
+from palpate.scene_scan import (
+    SavedScan,
+    check_same,
+    copied_scan,
+    linked_scan,
+    saved_scan,
+)
+from palpate.second_note import SavedSecond, saved_second
+from palpate.second_scan import SecondScan
 from palpate.session import Session
-from palpate.volume import Volume, VolumeTraits
+from palpate.volume import Volume
 from palpate.whole_file import whole_file
 
 __all__ = ["ENDING", "SavedScene", "kept_changes", "open_scene", "save_scene"]
@@ -45,33 +55,7 @@ MOST_JSON_BYTES = 1 << 24
 MOST_SEGMENTS_BYTES = 1 << 31
 """Of ``segments.journal``: all bones of a CT of the trunk take some 10 MB."""
 
-ABOUT, SEGMENTS, SCAN = "scene.json", "segments.journal", "scan.i16"
-
-
-class _Grid(msgspec.Struct, frozen=True):
-    """Where a copied scan stands and what its numbers mean."""
-
-    dimensions: tuple[int, int, int]
-    spacing: tuple[float, float, float]
-    origin: tuple[float, float, float]
-    direction: list[list[float]]
-    slope: float
-    intercept: float
-    modality: str
-    unit: str
-    orientation_known: bool
-
-
-class _Scan(msgspec.Struct, frozen=True):
-    name: str
-    hash: str
-    path: str | None
-    beside: str | None
-    """The same place, seen from the file."""
-    options: dict[str, Any]
-    """With which it was read."""
-    grid: _Grid
-    copied: bool
+ABOUT, SEGMENTS, SCAN, SECOND = "scene.json", "segments.journal", "scan.i16", "second.i16"
 
 
 class _Material(msgspec.Struct, frozen=True):
@@ -84,12 +68,13 @@ class _Material(msgspec.Struct, frozen=True):
 class _About(msgspec.Struct, frozen=True):
     format: str
     version: str
-    scan: _Scan
+    scan: SavedScan
     looks: msgspec.Raw
     materials: list[_Material]
     model: str | None
     edge: int | None
     view: dict[str, Any] | None
+    second: SavedSecond | None = None
 
 
 @dataclass(frozen=True)
@@ -103,6 +88,20 @@ class SavedScene:
     looks: bytes
     """Names and colours, as pages keep them."""
     about: _About
+    second: SecondScan | None = None
+    missing: str | None = None
+    """Why the second scan that it had is not shown."""
+
+    @property
+    def told(self) -> tuple[str, ...]:
+        """What a person should know of the reading."""
+        return (*self.volume.warnings, *(() if self.missing is None else (self.missing,)))
+
+    def scene(self) -> Scene:
+        """Returns its scans, without any segment."""
+        scene = Scene(self.volume)
+        scene.second = self.second
+        return scene
 
     def restore(self, session: Session) -> None:
         """Brings segments, edits and materials into a session of the scan that has none yet.
@@ -112,8 +111,8 @@ class SavedScene:
         """
         with TemporaryDirectory(prefix="palpate-") as folder:
             journal = Path(folder) / SEGMENTS
-            with _opened(self.path) as archive:
-                journal.write_bytes(_member(self.path, archive, SEGMENTS))
+            with opened(self.path) as archive:
+                journal.write_bytes(member(self.path, archive, SEGMENTS))
             # else nobody would be told of the scan's own edits
             session.picture_changes()
             try:
@@ -143,23 +142,26 @@ def save_scene(
         session: What is saved, as it is now.
         looks: Names and colours, as pages keep them.
         view: What the page keeps of its view.
-        copy: Whether the scan goes into the file; one that was read from no file always does.
+        copy: Whether scans go into the file; one that was read from no file always does.
 
     Raises:
         OSError: The disk refuses the file.
     """
     volume = session.scene.volume
+    second = session.scene.second
     copied = copy or volume.source is None
+    second_copied = second is not None and (copy or second.volume.source is None)
     state = session.deformation()
     about = _About(
         format=FORMAT,
         version=package_version(),
-        scan=_scan_of(volume, path, copied=copied),
+        scan=saved_scan(volume, path, copied=copied),
         looks=msgspec.Raw(looks),
         materials=[made for each in session.segments() if (made := _material_of(each)) is not None],
         model=state["model"],
         edge=state["edge"],
         view=None if view is None else dict(view),
+        second=None if second is None else saved_second(second, path, copied=second_copied),
     )
     with TemporaryDirectory(prefix="palpate-") as folder:
         journal = Path(folder) / SEGMENTS
@@ -171,7 +173,9 @@ def save_scene(
             archive.writestr(ABOUT, msgspec.json.encode(about))
             archive.write(journal, SEGMENTS)
             if copied:
-                archive.writestr(SCAN, volume.array.astype("<i2", copy=False).tobytes())
+                _write_values(archive, SCAN, volume)
+            if second is not None and second_copied:
+                _write_values(archive, SECOND, second.volume)
 
 
 def open_scene(path: Path, *, progress: Progress = silent) -> SavedScene:
@@ -180,19 +184,11 @@ def open_scene(path: Path, *, progress: Progress = silent) -> SavedScene:
     Raises:
         SceneFormatError: It is no scene, damaged, or its scan is not where it was.
     """
-    with _opened(path) as archive:
+    with opened(path) as archive:
         about = _about(path, archive)
-        volume = (
-            _copied_scan(path, archive, about.scan)
-            if about.scan.copied
-            else _linked_scan(path, about.scan, progress)
-        )
-    if scan_hash(volume).hex() != about.scan.hash:
-        raise SceneFormatError(
-            f"{path}: the scan {about.scan.name!r} is not as it was when the scene was saved; "
-            "allowed: the same scan, or a scene that was saved with its scan"
-        )
-    return SavedScene(path, volume, about.view, bytes(about.looks), about)
+        volume = _scan(path, archive, about.scan, values=SCAN, progress=progress)
+        second, missing = _second(path, archive, about.second, progress=progress)
+    return SavedScene(path, volume, about.view, bytes(about.looks), about, second, missing)
 
 
 def kept_changes(path: Path) -> tuple[str, datetime] | None:
@@ -201,7 +197,7 @@ def kept_changes(path: Path) -> tuple[str, datetime] | None:
     None where the file does not tell its scan, or no journal of it is kept.
     """
     try:
-        with _opened(path) as archive:
+        with opened(path) as archive:
             scan = _about(path, archive).scan
         journal = journal_place(bytes.fromhex(scan.hash))
         when = datetime.fromtimestamp(journal.stat().st_mtime).astimezone()
@@ -210,35 +206,36 @@ def kept_changes(path: Path) -> tuple[str, datetime] | None:
     return (scan.path or scan.name), when
 
 
-def _scan_of(volume: Volume, path: Path, *, copied: bool) -> _Scan:
-    source = volume.source
-    return _Scan(
-        name=volume.name,
-        hash=scan_hash(volume).hex(),
-        path=None if source is None else str(source.path),
-        beside=None if source is None else _seen_from(path.parent, source.path),
-        options={} if source is None else dict(source.options),
-        grid=_Grid(
-            dimensions=volume.dimensions,
-            spacing=volume.spacing,
-            origin=volume.origin,
-            direction=volume.direction.tolist(),
-            slope=volume.slope,
-            intercept=volume.intercept,
-            modality=volume.modality,
-            unit=volume.unit,
-            orientation_known=volume.traits.orientation_known,
-        ),
-        copied=copied,
+def _scan(
+    path: Path, archive: zipfile.ZipFile, scan: SavedScan, *, values: str, progress: Progress
+) -> Volume:
+    volume = (
+        copied_scan(path, archive, scan, values=values)
+        if scan.copied
+        else linked_scan(path, scan, progress)
     )
+    check_same(path, volume, scan)
+    return volume
 
 
-def _seen_from(folder: Path, place: Path) -> str | None:
+def _second(
+    path: Path, archive: zipfile.ZipFile, kept: SavedSecond | None, *, progress: Progress
+) -> tuple[SecondScan | None, str | None]:
+    """Returns the second scan, or why it is not shown: without it the rest is as it was."""
+    if kept is None:
+        return None, None
+    matrix = kept.matrix(path)
     try:
-        return Path(os.path.relpath(place, folder.resolve())).as_posix()
-    except ValueError:
-        # another drive
-        return None
+        volume = _scan(path, archive, kept.scan, values=SECOND, progress=progress)
+    except (PalpateError, OSError) as error:
+        if kept.scan.copied:
+            raise
+        return None, f"the second scan is not shown: {error}"
+    return SecondScan(volume, matrix), None
+
+
+def _write_values(archive: zipfile.ZipFile, name: str, volume: Volume) -> None:
+    archive.writestr(name, volume.array.astype("<i2", copy=False).tobytes())
 
 
 def _material_of(state: dict[str, Any]) -> _Material | None:
@@ -257,31 +254,12 @@ def _given_material(saved: _Material) -> Material | str | None:
     return Material(*(np.inf if number is None else number for number in saved.constants))
 
 
-def _opened(path: Path) -> zipfile.ZipFile:
-    try:
-        return zipfile.ZipFile(path)
-    except zipfile.BadZipFile as error:
-        raise SceneFormatError(
-            f"{path} is no scene file, or a damaged one ({error}); allowed: a file that "
-            "Palpate saved"
-        ) from None
-
-
-def _member(path: Path, archive: zipfile.ZipFile, name: str) -> bytes:
-    try:
-        return archive.read(name)
-    except KeyError:
-        raise SceneFormatError(f"{path}: {name} is missing; the file is damaged") from None
-    except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError) as error:
-        raise SceneFormatError(f"{path}: {name} is damaged: {error}") from None
-
-
 def _about(path: Path, archive: zipfile.ZipFile) -> _About:
     # before anything of it is unpacked
     for name, most in ((ABOUT, MOST_JSON_BYTES), (SEGMENTS, MOST_SEGMENTS_BYTES)):
         if any(each.filename == name and each.file_size > most for each in archive.filelist):
             raise SceneFormatError(f"{path}: {name} is too large for a scene")
-    text = _member(path, archive, ABOUT)
+    text = member(path, archive, ABOUT)
     try:
         found = msgspec.json.decode(text, type=dict[str, msgspec.Raw]).get("format")
         given = None if found is None else msgspec.json.decode(found)
@@ -290,44 +268,3 @@ def _about(path: Path, archive: zipfile.ZipFile) -> _About:
         return msgspec.json.decode(text, type=_About)
     except msgspec.DecodeError as error:
         raise SceneFormatError(f"{path}: {ABOUT} cannot be read: {error}") from None
-
-
-def _copied_scan(path: Path, archive: zipfile.ZipFile, scan: _Scan) -> Volume:
-    grid = scan.grid
-    width, height, depth = grid.dimensions
-    expected = 2 * width * height * depth
-    # before anything of it is unpacked
-    if any(each.filename == SCAN and each.file_size != expected for each in archive.filelist):
-        raise SceneFormatError(f"{path}: {SCAN} is damaged: not {expected} bytes")
-    values = np.frombuffer(_member(path, archive, SCAN), "<i2").reshape(depth, height, width)
-    try:
-        return Volume(
-            values.astype(np.int16, copy=False),
-            spacing=grid.spacing,
-            origin=grid.origin,
-            direction=grid.direction,
-            slope=grid.slope,
-            intercept=grid.intercept,
-            traits=VolumeTraits(
-                name=scan.name,
-                modality=grid.modality,
-                unit=grid.unit,
-                orientation_known=grid.orientation_known,
-            ),
-        )
-    except PalpateError as error:
-        raise SceneFormatError(f"{path}: {error}") from None
-
-
-def _linked_scan(path: Path, scan: _Scan, progress: Progress) -> Volume:
-    """Reads the scan from where it is, seen from the file first: both may have been moved."""
-    places = [path.resolve().parent / scan.beside] if scan.beside is not None else []
-    places += [Path(scan.path)] if scan.path is not None else []
-    for place in places:
-        if place.exists():
-            return read(place, **scan.options, progress=progress)
-    looked = " and ".join(str(place) for place in places) or "nowhere"
-    raise SceneFormatError(
-        f"{path}: the scan {scan.name!r} is not there any more (looked at {looked}); allowed: "
-        "put it back, or save scenes with their scan"
-    )

@@ -29,6 +29,18 @@ class SecondScan:
 
     volume: Volume
     second_from_first: NDArray[np.float64] = field(default_factory=lambda: np.eye(4))
+    unbent: Volume | None = None
+    """What was bent onto the first scan's grid; None where nothing was."""
+
+    @property
+    def as_read(self) -> Volume:
+        """The scan before any transform."""
+        return self.volume if self.unbent is None else self.unbent
+
+    @property
+    def is_moved(self) -> bool:
+        """Whether a transform holds it elsewhere than its own place in the patient says."""
+        return self.unbent is not None or not np.array_equal(self.second_from_first, np.eye(4))
 
 
 def placed(first: Volume, second: Volume, transform: Transform | None = None) -> SecondScan:
@@ -52,11 +64,11 @@ def placed(first: Volume, second: Volume, transform: Transform | None = None) ->
         raise OptionError(f"a transform of {dimension} dimensions given; allowed: of 3")
     if transform.IsLinear():
         return SecondScan(second, _matrix_of(transform))
-    return SecondScan(_resampled(first, second, transform))
+    return SecondScan(_resampled(first, second, transform), unbent=second)
 
 
-def read_transform(path: str | PathLike[str]) -> Transform:
-    """Returns the ``SimpleITK.Transform`` of a file.
+def read_transform(path: str | PathLike[str], *, called: str | None = None) -> Transform:
+    """Returns the ``SimpleITK.Transform`` of a file, which errors name as it was ``called``.
 
     Raises:
         FileNotFoundError: There is none.
@@ -69,8 +81,8 @@ def read_transform(path: str | PathLike[str]) -> Transform:
         read: Transform = simpleitk().ReadTransform(str(file))
     except RuntimeError as error:
         raise VolumeFormatError(
-            f"{file} cannot be read as a transform ({reason_of(error)}); allowed: .tfm or .h5 as "
-            "SimpleITK writes it"
+            f"{called or file} cannot be read as a transform ({reason_of(error)}); allowed: .tfm "
+            "or .h5 as SimpleITK writes it"
         ) from None
     return read
 

@@ -10,18 +10,31 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import msgspec
+import numpy as np
 
 from palpate.cli_open import parse_threshold
 from palpate.errors import OptionError
 from palpate.progress import Progress, silent
 from palpate.segment import Segment
-from palpate.segmentation import Growing, ShapeKind, changed_shape, grown, grown_from_seeds, otsu
+from palpate.segmentation import (
+    Growing,
+    ShapeKind,
+    changed_shape,
+    grown,
+    grown_from_seeds,
+    otsu,
+    smoothed_together,
+)
+from palpate.threshold_presets import PRESETS, preset_range
 from palpate.volume import Volume
 
 __all__ = ["Made", "SegmentRequest", "parse_point"]
 
 Made = tuple[list[Segment], tuple[str, ...]]
 """Segments, and what a person should know of them."""
+
+SIGNED = ("grow", "shrink", "hollow-inside", "hollow-outside")
+"""Changes whose side is told by the sign."""
 
 
 class SegmentRequest(
@@ -43,8 +56,15 @@ class SegmentRequest(
     fill: bool = False
     between_slices: bool = False
     smooth: float | None = None
+    median: float | None = None
+    joint: float | None = None
+    opening: float | None = None
+    closing: float | None = None
     margin: float | None = None
     hollow: float | None = None
+    unite: Path | None = None
+    subtract: Path | None = None
+    intersect: Path | None = None
     name: str | None = None
 
     def check(self) -> None:
@@ -69,6 +89,11 @@ class SegmentRequest(
         self._growing.check()
         for point in self.grow:
             parse_point(point)
+        for _, file in self._others():
+            if not file.exists():
+                raise FileNotFoundError(f"{file} does not exist; allowed: a file with segments")
+        if self.threshold in PRESETS:
+            return
         if self.threshold is not None:
             parse_threshold(str(self.threshold))
 
@@ -81,7 +106,15 @@ class SegmentRequest(
         made, warnings = self._found(volume, progress)
         for kind, amount in self._changes():
             progress(kind.replace("-", " "), None)
-            made = [changed_shape(one, kind, amount=amount) for one in made]
+            if kind == "joint":
+                made = smoothed_together(made, deviation=amount)
+            else:
+                made = [changed_shape(one, kind, amount=amount) for one in made]
+        for kind, file in self._others():
+            progress(f"{kind} with {file.name}", None)
+            other, told = self._all_of(file, volume, progress)
+            warnings = (*warnings, *told)
+            made = [changed_shape(one, kind, other=other) for one in made]
         if self.name is not None:
             for one in made:
                 one.name = self.name if len(made) == 1 else f"{self.name}, {one.name}"
@@ -112,11 +145,35 @@ class SegmentRequest(
             return grown_from_seeds(volume, seeds, progress=progress), read.warnings
         if self.otsu is not None:
             return otsu(volume, classes=self.otsu), ()
-        bounds = parse_threshold(None if self.threshold is None else str(self.threshold))
+        bounds = self._bounds(volume)
         if bounds is not None:
             return [volume.threshold(*bounds, name="threshold")], ()
         points = [parse_point(point) for point in self.grow]
         return [grown(volume, points, growing=self._growing, progress=progress)], ()
+
+    def _bounds(self, volume: Volume) -> tuple[float, float | None] | None:
+        if isinstance(self.threshold, str) and self.threshold in PRESETS:
+            return preset_range(self.threshold, unit=volume.unit)
+        return parse_threshold(None if self.threshold is None else str(self.threshold))
+
+    def _others(self) -> Iterator[tuple[ShapeKind, Path]]:
+        """Lists what is done with segments of files."""
+        if self.unite is not None:
+            yield "unite", self.unite
+        if self.subtract is not None:
+            yield "subtract", self.subtract
+        if self.intersect is not None:
+            yield "intersect", self.intersect
+
+    @staticmethod
+    def _all_of(file: Path, volume: Volume, progress: Progress) -> tuple[Segment, tuple[str, ...]]:
+        """Returns all segments of a file as one."""
+        from palpate.labels import read_labels
+
+        read = read_labels(file, volume, progress=progress)
+        masks = [each.segment.mask() != 0 for each in read.labels]
+        union = np.logical_or.reduce(masks) if masks else np.zeros(volume.shape, bool)
+        return volume.segment(union, name=file.name), read.warnings
 
     def _changes(self) -> Iterator[tuple[ShapeKind, float]]:
         """Lists what is to be done with the shape, in order."""
@@ -128,12 +185,18 @@ class SegmentRequest(
             yield "fill-holes", 0.0
         if self.between_slices:
             yield "between-slices", 0.0
-        if self.smooth is not None:
-            yield "smooth", self.smooth
-        if self.margin is not None:
-            yield ("grow", self.margin) if self.margin >= 0.0 else ("shrink", -self.margin)
-        if self.hollow is not None:
-            yield "hollow-inside", self.hollow
+        lengths: tuple[tuple[ShapeKind, float | None], ...] = (
+            ("smooth", self.smooth),
+            ("median", self.median),
+            ("joint", self.joint),
+            ("open", self.opening),
+            ("close", self.closing),
+            ("shrink" if (self.margin or 0.0) < 0.0 else "grow", self.margin),
+            ("hollow-outside" if (self.hollow or 0.0) < 0.0 else "hollow-inside", self.hollow),
+        )
+        for kind, length in lengths:
+            if length is not None:
+                yield kind, abs(length) if kind in SIGNED else length
 
 
 def parse_point(given: str) -> tuple[float, float, float]:

@@ -11,6 +11,7 @@ import numpy as np
 
 from palpate import mask_shape
 from palpate.errors import OptionError
+from palpate.joint_smoothing import smooth_together
 from palpate.mask_shape import Mask
 from palpate.otsu import otsu
 from palpate.painted_slices import between_slices
@@ -21,7 +22,15 @@ from palpate.segment import Segment
 from palpate.volume import Volume
 from palpate.watershed import grown_from_seeds
 
-__all__ = ["Growing", "ShapeKind", "changed_shape", "grown", "grown_from_seeds", "otsu"]
+__all__ = [
+    "Growing",
+    "ShapeKind",
+    "changed_shape",
+    "grown",
+    "grown_from_seeds",
+    "otsu",
+    "smoothed_together",
+]
 
 LOGIC: dict[str, Callable[[Mask, Mask], Mask]] = {
     "unite": np.logical_or,
@@ -83,9 +92,10 @@ def changed_shape(
     if kind in LOGIC:
         changed = LOGIC[kind](mask, _mask_of(other, segment))
     elif kind in LENGTHS:
-        if not 0.0 < amount <= LONGEST:
-            raise OptionError(f"{amount:g} mm given; allowed: more than 0, up to {LONGEST:g} mm")
+        _check_length(amount)
         changed = LENGTHS[kind](mask, volume.spacing, amount)
+    elif kind == "joint":
+        return smoothed_together([segment], deviation=amount)[0]
     elif kind == "fill-holes":
         changed = mask_shape.filled(mask)
     elif kind == "between-slices":
@@ -100,6 +110,35 @@ def changed_shape(
         changed = mask_shape.keep_largest(mask, int(amount))
     result = volume.segment(changed, name=segment.name)
     return result.as_object() if segment.has_own_grid else result
+
+
+def smoothed_together(segments: Sequence[Segment], *, deviation: float) -> list[Segment]:
+    """Returns segments smoothed together, so that neighbours still meet; names stay.
+
+    Args:
+        segments: On one grid, without common voxels.
+        deviation: Of the Gaussian [mm].
+
+    Raises:
+        OptionError: The deviation is out of range, two share voxels or stand on different grids.
+    """
+    _check_length(deviation)
+    first = segments[0]
+    masks = [first.mask() != 0, *(_mask_of(other, first) for other in segments[1:])]
+    volume = first.volume
+    smoothed = [
+        volume.segment(mask, name=segment.name)
+        for mask, segment in zip(
+            smooth_together(masks, volume.spacing, deviation), segments, strict=True
+        )
+    ]
+    own = [each.as_object() for each in smoothed] if first.has_own_grid else smoothed
+    return list(own)
+
+
+def _check_length(amount: float) -> None:
+    if not 0.0 < amount <= LONGEST:
+        raise OptionError(f"{amount:g} mm given; allowed: more than 0, up to {LONGEST:g} mm")
 
 
 def _mask_of(other: Segment | None, segment: Segment) -> Mask:

@@ -18,7 +18,7 @@ from palpate.errors import PalpateError
 from palpate.export import Kind, export_scene
 from palpate.server_segments import ShownSegments
 
-__all__ = ["MOST_EXPORT_BYTES", "export_response"]
+__all__ = ["MOST_EXPORT_BYTES", "export_response", "file_name"]
 
 MOST_EXPORT_BYTES = 1 << 12
 """Of what a page asks for."""
@@ -73,7 +73,8 @@ def _write(
     segments: ShownSegments, values: NDArray[np.int16], wanted: WantedExport, *, folder: Path
 ) -> tuple[Path, list[str]]:
     scene, notes = segments.scene(values)
-    name = _name(scene.volume.name, shared=wanted.kind == "dicom" and not wanted.keep_identity)
+    shared = wanted.kind == "dicom" and not wanted.keep_identity
+    name = "shared" if shared else file_name(scene.volume.name)
     ending = ENDINGS[wanted.kind]
     target = folder / f"{name}{ending}"
     if wanted.kind == "labels":
@@ -88,10 +89,10 @@ def _write(
     return Path(packed), notes
 
 
-def _name(scan: str, *, shared: bool) -> str:
-    """Returns a name for the file; that of a scan may name the patient."""
+def file_name(scan: str) -> str:
+    """Returns a name for a file of a scan; that of a scan may name the patient."""
     plain = re.sub(r"[^\w.-]+", "-", scan, flags=re.ASCII).strip("-.")[:60]
-    return "shared" if shared or not plain else plain
+    return plain or "shared"
 
 
 def _refusal(reason: str) -> Response:

@@ -6,6 +6,7 @@ from palpate import protocol
 from palpate.package_version import package_version
 from palpate.server_matter import models, presets
 from palpate.session import Session
+from palpate.threshold_presets import PRESETS
 from palpate.volume import Volume
 
 __all__ = ["hello_of", "scan_of"]
@@ -36,6 +37,7 @@ def scan_of(volume: Volume) -> protocol.Scan:
     histogram = volume.histogram
     return protocol.Scan(
         name=volume.name,
+        title=volume.title,
         modality=volume.modality,
         unit=volume.unit,
         dimensions=volume.dimensions,
@@ -51,6 +53,19 @@ def scan_of(volume: Volume) -> protocol.Scan:
         ),
         soft_tissue=volume.anchors.soft_tissue,
         bone=volume.anchors.bone,
+        presets=_presets(volume),
         orientation_known=volume.traits.orientation_known,
         warnings=list(volume.warnings),
     )
+
+
+def _presets(volume: Volume) -> list[protocol.ThresholdPreset]:
+    """Lists ranges of tissues, as far as the scan's values go; none where they are no HU."""
+    if volume.unit != "HU":
+        return []
+    lowest, highest = volume.range
+    ranges = (
+        (name, max(low, lowest), highest if high is None else min(high, highest))
+        for name, (low, high) in PRESETS.items()
+    )
+    return [protocol.ThresholdPreset(*each) for each in ranges if each[1] < each[2]]

@@ -1,17 +1,17 @@
 """What pages open scans with: the list of a place's scans, files that are dropped, and the opening.
 
-Routes below ``/api/library``. A place is a path of this machine, which its person may read anyway,
-or an upload. What is found is kept until more recent finds push it out.
+Routes below ``/api/library``. Files of scans that were dropped or came from a server go when their
+scan is closed.
 """
 
 from __future__ import annotations
 
-from base64 import b64encode
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from itertools import count
+from contextlib import ExitStack
+from dataclasses import replace
 from pathlib import Path
-from typing import Any, NoReturn, TypeVar
+from tempfile import TemporaryDirectory
+from typing import Any, TypeVar
 
 import msgspec
 from anyio import from_thread
@@ -21,13 +21,15 @@ from starlette.responses import PlainTextResponse, Response
 from starlette.routing import Route, Router
 from starlette.types import ASGIApp, Receive, Scope, Send
 
-from palpate.errors import OptionError, PalpateError
-from palpate.io_browse import Choice, browsed, previews
-from palpate.io_preview import png_of
+from palpate.errors import OptionError, PalpateError, SeriesChoiceError
+from palpate.io import read
+from palpate.io_dicomweb_address import is_web_address
 from palpate.opening import is_scene, opening
 from palpate.progress import Progress
 from palpate.recent import Recent, forget_recent, note_recent, recent_scans
-from palpate.server_job import Job, Tell
+from palpate.second_scan import placed
+from palpate.server_finds import Finds, Place, WantedFind, WantedScan, path_of
+from palpate.server_job import Job
 from palpate.server_open_scan import OpenScan
 from palpate.server_upload import (
     MOST_UPLOAD_BYTES,
@@ -39,42 +41,19 @@ from palpate.server_workbench import Workbench
 
 __all__ = ["Library"]
 
-MOST_FINDS = 8
 MOST_BODY_BYTES = 1 << 24
 """Of a list of files that will come: 50 000 names."""
 
 PASSING = "its files are a copy that goes when it is closed: a saved scene has the scan in it"
-"""Said of a scan that was dropped."""
+"""Said of a scan that was dropped, or came from a server."""
 
 Wanted = TypeVar("Wanted")
 
+Files = TemporaryDirectory[str]
+"""Of a scan, for as long as it is open."""
 
-class WantedFind(msgspec.Struct, frozen=True):
-    """Where scans are looked for: one of both."""
-
-    path: str | None = None
-    upload: int | None = None
-
-
-class WantedScan(msgspec.Struct, frozen=True):
-    """What is to be opened: a choice of a find, or a path."""
-
-    find: int | None = None
-    choice: int = 0
-    path: str | None = None
-    series: str | None = None
-
-
-class ListedScan(msgspec.Struct, frozen=True):
-    """A scan in a list."""
-
-    patient: str
-    study: str
-    name: str
-    modality: str
-    size: tuple[int, ...]
-    spacing: tuple[float, ...] | None
-    refused: str | None
+Show = Callable[[Place, Files | None, Progress], None]
+"""Shows a scan, whose files are its own or stay where they are."""
 
 
 class About(msgspec.Struct, frozen=True):
@@ -94,23 +73,6 @@ class About(msgspec.Struct, frozen=True):
     most_bytes: int = MOST_UPLOAD_BYTES
 
 
-@dataclass(frozen=True)
-class Place:
-    """Where a scan is, or where scans are looked for."""
-
-    path: Path
-    upload: int | None = None
-    series: str | None = None
-
-
-@dataclass(frozen=True)
-class Find:
-    """What was found at a place."""
-
-    choices: list[Choice]
-    upload: int | None
-
-
 class Library:
     """Finds scans and puts them on a workbench."""
 
@@ -118,8 +80,7 @@ class Library:
         """Opens scans on a workbench."""
         self._workbench = workbench
         self._uploads = Uploads()
-        self._finds: dict[int, Find] = {}
-        self._numbers = count(1)
+        self._finds = Finds()
         self._routes = Router(
             [
                 Route("/", _answered(self._about)),
@@ -182,48 +143,42 @@ class Library:
         if wanted.upload is not None:
             place = Place(self._uploads.of(wanted.upload).path, wanted.upload)
         else:
-            place = Place(_path_of(wanted.path or ""))
-        return Job(lambda progress, tell: self._look(place, progress, tell))
-
-    def _look(self, place: Place, progress: Progress, tell: Tell) -> None:
-        if is_scene(place.path):
-            choice = Choice(path=place.path, name=place.path.stem, size=(), picture=_no_picture)
-            self._tell_find(Find([choice], place.upload), tell)
-            return
-        with browsed(place.path, progress=progress) as choices:
-            self._tell_find(Find(choices, place.upload), tell)
-            # a single one needs no choice
-            for number, picture in previews(choices) if len(choices) > 1 else ():
-                progress("drawing slices", None)
-                png = b64encode(png_of(picture)).decode("ascii")
-                tell({"kind": "picture", "choice": number, "png": png})
-
-    def _tell_find(self, find: Find, tell: Tell) -> None:
-        number = next(self._numbers)
-        self._finds[number] = find
-        while len(self._finds) > MOST_FINDS:
-            del self._finds[min(self._finds)]
-        tell({"kind": "found", "find": number, "scans": [_listed(one) for one in find.choices]})
+            given = wanted.path or ""
+            if is_web_address(given):
+                return Job(lambda progress, tell: self._finds.look_at_web(given, progress, tell))
+            place = Place(path_of(given))
+        return Job(lambda progress, tell: self._finds.look(place, progress, tell))
 
     async def _open(self, request: Request) -> ASGIApp:
         if self._workbench.fixed:
             raise OptionError("this scan is recorded; allowed: palpate open for another one")
         wanted = await _body(request, WantedScan)
-        place = self._chosen(wanted)
-        return Job(lambda progress, _: self._exchange(place, progress))
+        place = self._finds.chosen(wanted)
+        show = self._add if wanted.beside else self._exchange
+        return Job(lambda progress, _: self._bring(place, show, progress))
 
-    def _chosen(self, wanted: WantedScan) -> Place:
-        if wanted.path is not None:
-            return Place(_path_of(wanted.path), series=wanted.series)
-        find = self._finds.get(wanted.find or 0)
-        if find is None or not 0 <= wanted.choice < len(find.choices):
-            raise OptionError("that list is gone; allowed: look for scans again")
-        choice = find.choices[wanted.choice]
-        if choice.refused is not None:
-            raise OptionError(choice.refused)
-        return Place(choice.path, find.upload, choice.series)
+    def _bring(self, place: Place, show: Show, progress: Progress) -> None:
+        """Shows a scan, after its files have come from where they are."""
+        if place.fetch is None:
+            show(place, None, progress)
+            return
+        with ExitStack() as unless_shown:
+            files = TemporaryDirectory(prefix="palpate-")
+            unless_shown.callback(files.cleanup)
+            folder = Path(files.name) / "scan"
+            folder.mkdir()
+            place.fetch(folder, progress)
+            try:
+                show(replace(place, path=folder), files, progress)
+            except SeriesChoiceError:
+                raise OptionError(
+                    "this series holds several volumes, such as times; allowed: palpate import "
+                    "--dicomweb brings it into a folder, whose volumes are listed here"
+                ) from None
+            unless_shown.pop_all()
 
-    def _exchange(self, place: Place, progress: Progress) -> None:
+    def _exchange(self, place: Place, fetched: Files | None, progress: Progress) -> None:
+        """Shows a scan in place of the one that is open."""
         read = opening(place.path, series=place.series, progress=progress)
         # from here on it cannot be taken back
         progress("starting", None)
@@ -236,51 +191,41 @@ class Library:
                 saved=read.saved,
                 tell=self._workbench.tell,
             )
-            if place.upload is None:
-                note_recent(read.scene.volume, place.path if read.saved is not None else None)
-            else:
+            if place.upload is not None:
                 opened.files = self._uploads.take_out(place.upload)
+            elif fetched is not None:
+                opened.files = fetched
+            else:
+                note_recent(read.scene.volume, place.path if read.saved is not None else None)
             return opened
 
         for sentence in read.told:
             self._workbench.tell(sentence)
-        if place.upload is not None:
-            volume = read.scene.volume
-            warnings = (*volume.warnings, PASSING)
-            volume.traits = replace(volume.traits, warnings=warnings)
+        volume = read.scene.volume
+        passes = place.upload is not None or fetched is not None
+        warnings = (*volume.warnings, PASSING) if passes else volume.warnings
+        volume.traits = replace(volume.traits, warnings=warnings, given=place.given)
         try:
             from_thread.run(self._workbench.exchange, begin)
         except (PalpateError, OSError, RuntimeError) as error:
             self._workbench.tell(f"The scan was not opened: {error}")
             raise
 
-
-def _listed(choice: Choice) -> ListedScan:
-    return ListedScan(
-        patient=choice.patient,
-        study=choice.study,
-        name=choice.name,
-        modality=choice.modality,
-        size=choice.size,
-        spacing=choice.spacing,
-        refused=choice.refused,
-    )
-
-
-def _no_picture() -> NoReturn:
-    raise OptionError("a scene has no picture")
-
-
-def _path_of(given: str) -> Path:
-    """Returns the path that a person has typed.
-
-    Raises:
-        OptionError: It is empty, or none.
-    """
-    text = given.strip().strip("\"'")
-    if not text or "\0" in text:
-        raise OptionError("no path given; allowed: that of a folder or file on this machine")
-    return Path(text).expanduser()
+    def _add(self, place: Place, fetched: Files | None, progress: Progress) -> None:
+        """Shows a scan with the one that is open."""
+        opened = from_thread.run(self._workbench.settled)
+        if opened is None:
+            raise OptionError("no scan is open; allowed: open one first")
+        if is_scene(place.path):
+            raise OptionError("a scene was chosen; allowed: a scan")
+        volume = read(place.path, series=place.series, progress=progress)
+        files = fetched if place.upload is None else self._uploads.take_out(place.upload)
+        if files is None:
+            note_recent(volume)
+        else:
+            # they go with it: a saved scene has to hold it
+            volume.source = None
+        opened.show_second(placed(opened.session.scene.volume, volume), files=files)
 
 
 async def _body(request: Request, kind: type[Wanted]) -> Wanted:

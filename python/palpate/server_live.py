@@ -26,9 +26,11 @@ from palpate.server_gap import GapWatch
 from palpate.server_matter import asked_material, parts_of
 from palpate.server_needle import ToldNeedle
 from palpate.server_outbox import Missed, Outbox
+from palpate.server_outlines import Outlines
 from palpate.server_paint import Painter
 from palpate.server_picture import ToldPicture, labels_anew
 from palpate.server_recording import Recorder
+from palpate.server_registration import Registering
 from palpate.server_second import second_message
 from palpate.server_segment_work import SegmentWork
 from palpate.server_segments import ShownSegments
@@ -80,12 +82,14 @@ class Live:
         self._segment_work = SegmentWork(session, self.segments, self._from_threads.put)
         self._presses: Outbox | None = None
         self._painter = Painter(session)
+        self._outlines = Outlines(session.scene.volume)
         self._paces: dict[Outbox, int] = {}
         self._needle = ToldNeedle(session)
         self._parts_for: set[Outbox] = set()
         self._gaps = GapWatch(session, self._from_threads.put)
         self._scene_of_now: object = None
         self._second = second_message(session.scene.second, version=0)
+        self.registering = Registering(session, show=self.show_second, tell=self._from_threads.put)
 
     async def run(self) -> None:
         """Tells all pages what is, until it is cancelled or the session ends by itself."""
@@ -99,6 +103,7 @@ class Live:
         finally:
             worker.cancel()
             self._segment_work.stop()
+            self.registering.stop()
             segment_worker.cancel()
             gaps.cancel()
             changes.cancel()
@@ -112,6 +117,7 @@ class Live:
         outbox.tell(self.segments.message)
         if self._second.scan is not None:
             outbox.tell(self._second)
+            outbox.tell(self.registering.message)
         if self.journal is not None:
             outbox.tell(protocol.Recovery(_offer_of(self.journal)))
             if self.journal.problem is not None:
@@ -152,7 +158,10 @@ class Live:
         version = self._second.version + (0 if same else 1)
         scene.second = second
         self._second = second_message(second, version=version)
+        if self.journal is not None:
+            self.journal.note_second(second)
         self._from_threads.put(self._second)
+        self.registering.follow(second)
 
     async def send_away(self) -> None:
         """Has all pages load themselves anew: another scan takes the place of this one."""
@@ -256,7 +265,7 @@ class Live:
         """Does what a page asks; tells that page where it cannot be done."""
         try:
             message = protocol.decode_from_page(packed)
-            if self._begin(message):
+            if self._begin(message) or self._outlines.take(message, outbox):
                 return
             match message:
                 case protocol.Hand(target):
@@ -288,7 +297,7 @@ class Live:
         if isinstance(message, protocol.Threshold):
             self._thresholds.ask(message)
             return True
-        return self._segment_work.take(message)
+        return self._segment_work.take(message) or self.registering.take(message)
 
     def _following_tick(self) -> int:
         """Returns the first tick that follows all that the session was told until now."""
@@ -319,6 +328,8 @@ class Live:
                 self._painter.paint(message, outbox)
             case protocol.EndPaint(keep):
                 self._painter.end(keep=keep)
+            case protocol.FillOutline():
+                self._painter.fill(message)
             case protocol.NewSegment(name):
                 self.segments.add_empty(name)
             case _:
@@ -332,12 +343,8 @@ class Live:
                 self.session.view(right=right, up=up)
             case protocol.Clutch(on):
                 self.session.clutch(on=on)
-            case protocol.Tool(kind, radius, segment_ids, names):
-                chosen = None if kind == "none" else kind
-                tissues = [TISSUES[name].met_by(2.0 * radius) for name in names]
-                self.session.set_tool(
-                    chosen, radius=radius, segment_ids=segment_ids, tissues=tissues
-                )
+            case protocol.Tool():
+                self._take_tool(message)
             case protocol.WithdrawNeedle():
                 self.session.withdraw_needle()
             case protocol.Undo():
@@ -348,6 +355,16 @@ class Live:
                 self.session.redo()
             case _:
                 self._do_to_session(message)
+
+    def _take_tool(self, wanted: protocol.Tool) -> None:
+        self.session.set_tool(
+            None if wanted.kind == "none" else wanted.kind,
+            radius=wanted.radius,
+            segment_ids=wanted.segments,
+            tissues=[TISSUES[name].met_by(2.0 * wanted.radius) for name in wanted.tissues],
+            depth=wanted.depth,
+            overlaps=wanted.overlaps,
+        )
 
     def _do_to_session(self, message: protocol.FromPage) -> None:
         match message:
@@ -421,6 +438,10 @@ class Live:
             return
         self.journal.decide(bring_back=bring_back)
         self._restore_looks()
+        if self.journal.second is not None:
+            self.show_second(self.journal.second)
+        if self.journal.lost_second is not None:
+            self._from_threads.put(protocol.Notice(level="warning", text=self.journal.lost_second))
         self._from_threads.put(protocol.Recovery(None))
         if self.journal.problem is not None:
             self._from_threads.put(protocol.Notice(level="warning", text=self.journal.problem))
@@ -448,7 +469,9 @@ def _offer_of(journal: Journal) -> protocol.Offer | None:
     if offer is None:
         return None
     when = offer.when.isoformat(timespec="seconds")
-    return protocol.Offer(steps=offer.steps, when=when, lost_bytes=offer.lost_bytes)
+    return protocol.Offer(
+        steps=offer.steps, when=when, lost_bytes=offer.lost_bytes, second=offer.second
+    )
 
 
 async def _receive(websocket: WebSocket) -> bytes:

@@ -6,7 +6,7 @@ An ASGI application below ``/api``; ``server_workbench`` holds it and exchanges 
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 from contextlib import suppress
 from datetime import datetime
 from pathlib import Path
@@ -25,12 +25,14 @@ from palpate.errors import OptionError
 from palpate.journal import Journal
 from palpate.scene import Scene
 from palpate.scene_file import SavedScene
+from palpate.second_scan import SecondScan
 from palpate.server_data import parse_step, voxels_response
 from palpate.server_export import export_response
 from palpate.server_hello import hello_of
 from palpate.server_live import Live
 from palpate.server_recording import Recorder
 from palpate.server_scene import scene_response, view_response
+from palpate.server_second import second_routes
 from palpate.session import Session, SessionOptions
 
 __all__ = ["OpenScan"]
@@ -62,6 +64,7 @@ class OpenScan:
         self.recorder = Recorder(session) if recorder is None else recorder
         self.files: TemporaryDirectory[str] | None = None
         """Where its files were put for as long as it is open; None where they stay."""
+        self._second_files: TemporaryDirectory[str] | None = None
         self._tell = tell
         looks = None if saved is None else saved.looks
         self.live = Live(session, hello_of(session), self.recorder, journal=journal, looks=looks)
@@ -102,6 +105,7 @@ class OpenScan:
             journal = Journal(session, tell=tell) if journalled else None
             if journal is not None:
                 journal.start(recover=recover)
+                scene.second = journal.second or scene.second
             return cls(session, journal=journal, run=run, saved=saved, tell=tell)
         except BaseException:
             session.stop()
@@ -122,6 +126,15 @@ class OpenScan:
     def keeps_changes(self) -> bool:
         """Whether changes are kept on disk."""
         return self.journal is not None and self.journal.problem is None
+
+    def show_second(
+        self, second: SecondScan, *, files: TemporaryDirectory[str] | None = None
+    ) -> None:
+        """Shows another scan with this one; ``files`` are its own for as long as it is open."""
+        old, self._second_files = self._second_files, files
+        self.live.show_second(second)
+        if old is not None:
+            old.cleanup()
 
     async def start(self) -> None:
         """Begins to tell pages what is."""
@@ -147,8 +160,9 @@ class OpenScan:
             self.session.stop()
             if self.journal is not None:
                 self.journal.close()
-            if self.files is not None:
-                self.files.cleanup()
+            for files in (self.files, self._second_files):
+                if files is not None:
+                    files.cleanup()
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answers a request below ``/api``."""
@@ -183,7 +197,7 @@ def _data_routes(opened: OpenScan, *, run: Path | None, saved: SavedScene | None
     async def second(request: Request) -> Response:
         shown = live.session.scene.second
         if shown is None:
-            reason = "there is no second scan; allowed: after palpate open SCAN --with SECOND"
+            reason = "there is no second scan; allowed: after one was added"
             return PlainTextResponse(reason, status_code=404)
         return await _voxels(request, lambda: shown.volume.array)
 
@@ -211,13 +225,23 @@ def _data_routes(opened: OpenScan, *, run: Path | None, saved: SavedScene | None
     return [
         Route("/volume", volume),
         Route("/labels", labels),
-        Route("/second", second),
+        Route("/second", second, methods=["GET"]),
+        *second_routes(live.session.scene, live.show_second),
+        Route("/registration", _registration_of(live), methods=["POST"]),
         Route("/recording", recording),
         Route("/scenario", scenario),
         Route("/scene", scene, methods=["POST"]),
         Route("/export", export, methods=["POST"]),
         Route("/view", view),
     ]
+
+
+def _registration_of(live: Live) -> Callable[[Request], Awaitable[Response]]:
+    async def registration(request: Request) -> Response:
+        body = await request.body()
+        return await run_in_threadpool(live.registering.saved, body)
+
+    return registration
 
 
 async def _voxels(request: Request, array: Callable[[], NDArray[Any]]) -> Response:

@@ -41,6 +41,18 @@ class Painter:
             brush = Brush(radius=wanted.radius, normal=wanted.normal, values=wanted.values)
             stroke.along(brush, wanted.points)
 
+    def fill(self, wanted: protocol.FillOutline) -> None:
+        """Paints what an outline encloses; a stroke that is on ends.
+
+        Raises:
+            OptionError: It cannot be painted.
+        """
+        with self._lock:
+            self._end(keep=True)
+            stroke = PaintedStroke(self._session, wanted.id, erases=wanted.erases)
+            stroke.inside(wanted.points, normal=wanted.normal, values=wanted.values)
+            stroke.finish()
+
     def end(self, *, keep: bool = True) -> None:
         """Ends the stroke, where there is one."""
         with self._lock:

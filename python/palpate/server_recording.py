@@ -59,7 +59,7 @@ class Recorder:
     @property
     def file_name(self) -> str:
         """What to call it where it is kept."""
-        name = re.sub(r"[^\w.-]+", "-", self._session.scene.volume.name).strip("-.")
+        name = re.sub(r"[^\w.-]+", "-", self._session.scene.volume.title).strip("-.")
         return f"{name[:60] or 'session'}{ENDING}"
 
     def start(self) -> None:

@@ -47,7 +47,7 @@ def scene_response(
         return _refusal(f"this is no view: {error}")
     folder = TemporaryDirectory(prefix="palpate-")
     try:
-        name = re.sub(r"[^\w.-]+", "-", session.scene.volume.name).strip("-.")[:60] or "scene"
+        name = re.sub(r"[^\w.-]+", "-", session.scene.volume.title).strip("-.")[:60] or "scene"
         path = Path(folder.name) / f"{name}{ENDING}"
         copy = wanted.copy or passing
         save_scene(path, session, looks=segments.kept(), view=wanted.view, copy=copy)

@@ -15,7 +15,14 @@ import numpy as np
 from palpate import protocol
 from palpate.errors import OptionError, PalpateError
 from palpate.segment import Segment
-from palpate.segmentation import Growing, changed_shape, grown, grown_from_seeds, otsu
+from palpate.segmentation import (
+    Growing,
+    changed_shape,
+    grown,
+    grown_from_seeds,
+    otsu,
+    smoothed_together,
+)
 from palpate.server_segments import ShownSegments
 from palpate.session import Session
 
@@ -139,6 +146,9 @@ class SegmentWork:
     ) -> None:
         before = self._now(wanted.id)
         progress(f"changing the shape of {before.name}", None)
+        if wanted.kind == "joint":
+            self._smooth_together(wanted, progress)
+            return
         other = None if wanted.other is None else self._now(wanted.other)
         if other is not None and wanted.other is not None:
             self._check_unmoved(wanted.id, wanted.other)
@@ -155,6 +165,42 @@ class SegmentWork:
             raise OptionError(f"{before.name} was changed meanwhile; allowed: to try again")
         else:
             self._session.replace_segment(wanted.id, after)
+
+    def _smooth_together(
+        self, wanted: protocol.ChangeShape, progress: Callable[[str, float | None], None]
+    ) -> None:
+        """Smooths a segment together with all that are shown and stand with it."""
+        ids = [wanted.id, *self._shown_beside(wanted.id)]
+        before = [self._now(segment_id) for segment_id in ids]
+        progress(f"smoothing {len(ids)} segments together", None)
+        after = smoothed_together(before, deviation=wanted.amount)
+        progress(f"smoothing {len(ids)} segments together", None)
+        for old, new in zip(before, after, strict=True):
+            if new.voxel_count == 0:
+                raise OptionError(
+                    f"nothing would be left of {old.name}; allowed: a smaller deviation, or to "
+                    "hide it meanwhile"
+                )
+        for segment_id, old in zip(ids, before, strict=True):
+            if not np.array_equal(old.mask(), self._now(segment_id).mask()):
+                raise OptionError(f"{old.name} was changed meanwhile; allowed: to try again")
+        for segment_id, new in zip(ids, after, strict=True):
+            self._session.replace_segment(segment_id, new)
+        if len(ids) > 1:
+            text = f"{len(ids)} segments were smoothed: undo takes them back one by one."
+            self._tell(protocol.Notice(level="info", text=text))
+
+    def _shown_beside(self, segment_id: int) -> list[int]:
+        states = {state["id"]: state for state in self._session.segments()}
+        own = states.pop(segment_id, None)
+        return [
+            other
+            for other, state in states.items()
+            if own is not None
+            and state["voxels"] > 0
+            and self._segments.is_shown(other)
+            and (state["pose"], state["grid"]) == (own["pose"], own["grid"])
+        ]
 
     def _now(self, segment_id: int) -> Segment:
         return self._session.segment(segment_id, name=self._segments.name_of(segment_id))

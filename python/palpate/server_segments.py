@@ -134,6 +134,10 @@ class ShownSegments:
         volume = self._session.scene.volume
         self.add(volume.segment(np.zeros(volume.shape, np.uint8), name=name))
 
+    def is_shown(self, segment_id: int) -> bool:
+        """Returns whether pages show a segment."""
+        return self._look_of(segment_id).visible
+
     def name_of(self, segment_id: int) -> str:
         """Returns what pages call a segment."""
         return self._look_of(segment_id).name

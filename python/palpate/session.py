@@ -364,11 +364,13 @@ class Session:
 
     def set_tool(
         self,
-        kind: Literal["eraser", "adder", "drill", "needle"] | None,
+        kind: Literal["eraser", "adder", "drill", "needle", "painter"] | None,
         *,
         radius: float = 1.0,
         segment_ids: Sequence[int] = (),
         tissues: Sequence[Tissue] = (),
+        depth: float | None = None,
+        overlaps: bool = False,
     ) -> None:
         """Chooses the tool for the next strokes; a stroke that is on ends.
 
@@ -376,16 +378,19 @@ class Session:
         solid, the drill removes matter by the work that touch does on it. Where the scan's unit
         is not HU, the drill takes the same work for each mm³, that of cortical bone, and leaves
         the scan's lowest value behind. The needle changes nothing: it goes into the segments, and
-        they are no obstacle for it until it is out.
+        they are no obstacle for it until it is out. The painter gives what is touched of the
+        segments to the first of them; what is solid stays so.
 
         Args:
             kind: Which tool; None empties the hand.
             radius: Of the tool's ball [mm].
             segment_ids: Segments that it may change, or go into.
             tissues: What each of them is for the needle.
+            depth: How deep below the surface the painter paints [mm]; None is all of its ball.
+            overlaps: Whether what is painted stays in the segments that have it, too.
 
         Raises:
-            OptionError: The radius does not fit the scan's voxels, or there is no such segment.
+            OptionError: Radius or depth do not fit the voxels, or there is no such segment.
         """
         with _given():
             if kind is None:
@@ -400,6 +405,7 @@ class Session:
                 air=AIR if is_density else volume.range[0],
                 energy=None if is_density else CORTICAL_ENERGY,
                 tissues=[astuple(tissue) for tissue in tissues],
+                paint=(depth, overlaps),
             )
 
     def needle_events(self) -> list[NeedleEvent]:

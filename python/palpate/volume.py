@@ -31,6 +31,11 @@ class VolumeTraits:
     """What is known of a scan beside its values and its place."""
 
     name: str = "scan"
+    """What a person calls it: its description, or the name of its file or folder."""
+    description: str = ""
+    """What its files call it; "" where they do not."""
+    given: bool = True
+    """Whether a person gave the path that it may be named by, and did not find or drop it."""
     modality: str = ""
     """As DICOM names it, such as "CT"; "" where the file does not tell."""
     unit: str = ""
@@ -112,6 +117,16 @@ class Volume:
     def name(self) -> str:
         """What a person calls the scan."""
         return self.traits.name
+
+    @property
+    def title(self) -> str:
+        """What windows and new files may be called.
+
+        Names of files that nobody gave may be those of patients: they are left out.
+        """
+        if self.traits.given and not self.traits.description:
+            return self.name
+        return " ".join(filter(None, (self.modality, self.traits.description))) or "scan"
 
     @property
     def modality(self) -> str:

@@ -387,7 +387,7 @@ impl PySession {
 
     /// Chooses the tool for the next strokes by its name; none empties the hand.
     #[pyo3(signature = (kind, *, radius = 0.0, segment_ids = Vec::new(), air = None,
-        energy = None, tissues = Vec::new()))]
+        energy = None, tissues = Vec::new(), paint = (None, false)))]
     #[expect(
         clippy::too_many_arguments,
         reason = "the binding takes one type per argument"
@@ -401,9 +401,10 @@ impl PySession {
         air: Option<f64>,
         energy: Option<f64>,
         tissues: Vec<[f64; 8]>,
+        paint: (Option<f64>, bool),
     ) -> Result<(), CoreError> {
         let settings =
-            kind.map(|kind| tool_settings(kind, radius, segment_ids, air, energy, tissues));
+            kind.map(|kind| tool_settings(kind, radius, segment_ids, air, energy, tissues, paint));
         let settings = settings.transpose()?;
         Ok(py.detach(|| self.session.set_tool(settings))?)
     }

@@ -4,6 +4,7 @@ use palpate_engine::frame::Frame;
 use palpate_engine::needle::NeedleNow;
 use palpate_haptics::needle::events::NeedleEvent;
 use palpate_tools::drill::DrillSettings;
+use palpate_tools::painter::PaintSettings;
 use palpate_tools::specific_energy::SpecificEnergy;
 use palpate_tools::tool::{ToolKind, ToolSettings};
 use palpate_volume::edit::SegmentId;
@@ -17,7 +18,7 @@ use crate::frame::dictionary;
 use crate::scenario::Figures;
 
 /// A tool by its name; `energy` is the drill's work per volume, none that of bone by HU; `tissues` are
-/// those of a needle.
+/// those of a needle, `paint` the depth of a painter and whether segments may overlap.
 pub fn tool_settings(
     kind: &str,
     radius: f64,
@@ -25,6 +26,7 @@ pub fn tool_settings(
     air: Option<f64>,
     energy: Option<f64>,
     tissues: Vec<Figures>,
+    (depth, overlaps): (Option<f64>, bool),
 ) -> Result<ToolSettings, CoreError> {
     Ok(ToolSettings {
         kind: ToolKind::from_name(kind)?,
@@ -32,6 +34,7 @@ pub fn tool_settings(
         segments: segments.into_iter().map(SegmentId).collect(),
         drill: drill_settings(air, energy),
         tissues: tissues.into_iter().map(Tissue::of_figures).collect(),
+        paint: PaintSettings { depth, overlaps },
         spared: SegmentSet::EMPTY,
     })
 }

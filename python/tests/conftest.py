@@ -152,6 +152,18 @@ class RunningServer:
     def base(self) -> str:
         return f"http://127.0.0.1:{self.access.port}"
 
+    def ask(self, method: str, path: str, content: bytes | None = None) -> httpx.Response:
+        """Asks in any way, with the token as a cookie."""
+        sent = {"Cookie": f"{self.access.cookie}={self.access.token}"}
+        return httpx.request(
+            method,
+            f"{self.base}{path}",
+            headers=sent,
+            content=content,
+            trust_env=False,
+            timeout=PATIENCE,
+        )
+
     def get(self, path: str, **headers: str) -> httpx.Response:
         """Asks with the token as a cookie, unless headers say otherwise."""
         sent = {"Cookie": f"{self.access.cookie}={self.access.token}"}

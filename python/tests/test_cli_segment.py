@@ -11,6 +11,8 @@ import SimpleITK
 from palpate.cli import run
 from palpate.io import read
 from palpate.labels import read_labels
+from palpate.segment_request import SegmentRequest
+from palpate.volume import Volume, VolumeTraits
 
 SPACING = (1.0, 1.5, 2.0)
 
@@ -73,6 +75,62 @@ def test_a_region_grows_from_a_point_of_the_patient(scan: Path, tmp_path: Path) 
     ball = read(scan).array == 600
     both = np.count_nonzero(mask & ball)
     assert 2.0 * both / (np.count_nonzero(mask) + np.count_nonzero(ball)) > 0.85
+
+
+def test_other_segments_of_files_are_added_taken_away_or_kept(scan: Path, tmp_path: Path) -> None:
+    values = read(scan).array
+    soft = tmp_path / "soft.nii.gz"
+    assert segment(scan, "--threshold", "200,400", "-o", soft) == 0
+    for option, expected in [
+        ("--unite", values > 0),
+        ("--subtract", values == 600),
+        ("--intersect", values == 300),
+    ]:
+        out = tmp_path / f"{option}.mha"
+        low = "500" if option == "--unite" else "200"
+        assert segment(scan, "--threshold", low, option, soft, "-o", out) == 0
+        mask = SimpleITK.GetArrayFromImage(SimpleITK.ReadImage(str(out))) != 0
+        np.testing.assert_array_equal(mask, expected)
+
+
+def test_presets_are_ranges_of_tissues_in_hu_alone(
+    write_image: Any, tmp_path: Path, capsys: Any
+) -> None:
+    values = np.zeros((10, 10, 10), np.int16)
+    values[2:8, 2:8, 2:5] = 300
+    values[2:8, 2:8, 5:8] = 100
+    path = write_image(values, "ct.mha", spacing=SPACING)
+    out = tmp_path / "bone.mha"
+    assert segment(path, "--threshold", "bone", "-o", out) == 2
+    assert "not known to be HU" in capsys.readouterr().err
+    volume = Volume(values, spacing=SPACING, traits=VolumeTraits(unit="HU"))
+    for name, value in (("bone", 300), ("muscle", 100)):
+        request = SegmentRequest(threshold=name)
+        request.check()
+        ((found,), _) = request.make(volume)
+        known = (values == value) | ((values == 0) & (name == "muscle"))
+        np.testing.assert_array_equal(found.mask() != 0, known)
+    assert segment(path, "--threshold", "marrow", "-o", out) == 2
+
+
+def test_the_sign_of_a_shell_tells_its_side_and_smoothing_takes_specks(
+    scan: Path, tmp_path: Path
+) -> None:
+    ball = read(scan).array == 600
+    masks = {}
+    options = {"in": ["--hollow", "3"], "out": ["--hollow", "-3"], "median": ["--median", "1.2"]}
+    options |= {"opening": ["--opening", "3"], "closing": ["--closing", "3"]}
+    for name, option in options.items():
+        out = tmp_path / f"{name}.mha"
+        assert segment(scan, "--threshold", "500", *option, "-o", out) == 0
+        masks[name] = SimpleITK.GetArrayFromImage(SimpleITK.ReadImage(str(out))) != 0
+    assert (masks["in"] & ball).any()
+    assert not (masks["in"] & ~ball).any()
+    assert (masks["out"] & ~ball).any()
+    assert not (masks["out"] & ball).any()
+    assert not (masks["opening"] & ~ball).any()
+    assert (masks["closing"] | ~ball).all()
+    assert np.count_nonzero(masks["median"] ^ ball) < 0.2 * np.count_nonzero(ball)
 
 
 @pytest.mark.parametrize(

@@ -18,7 +18,7 @@ from palpate.errors import OptionError
 from palpate.export import Kind, export_scene
 from palpate.export_dicom_contours import outlines
 from palpate.io import read
-from palpate.labels_contours import _filled_slice
+from palpate.polygon_fill import fill_polygons
 from palpate.scene import Scene
 from palpate.terminology import Code, Terminology, terminology_of_name
 from pydicom import dcmread
@@ -175,7 +175,7 @@ def test_segments_that_overlap_are_kept_or_refused(folder: Path, tmp_path: Path)
 def test_outlines_enclose_just_the_voxels_of_a_mask(seed: int) -> None:
     mask = (np.random.default_rng(seed).random((9, 12)) < 0.2 + 0.15 * seed).astype(np.uint8)
     loops = outlines(mask)
-    np.testing.assert_array_equal(_filled_slice(loops, mask.shape), mask)
+    np.testing.assert_array_equal(fill_polygons(loops, mask.shape), mask)
     assert all(len(loop) >= 4 for loop in loops)
 
 

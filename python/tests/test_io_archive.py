@@ -11,6 +11,7 @@ import palpate
 import pytest
 from palpate import io_archive
 from palpate.errors import VolumeFormatError
+from palpate.io_browse import browsed
 
 
 def archive_of(folder: Path, *, under: str = "STUDY/") -> Path:
@@ -102,3 +103,94 @@ def test_an_archive_without_images_is_refused(tmp_path: Path) -> None:
         archive.writestr("notes.txt", "taken on Monday")
     with pytest.raises(VolumeFormatError, match=r"notes\.zip holds no DICOM images"):
         palpate.read(path)
+
+
+# --- image files ------------------------------------------------------------------------
+
+
+def packed(target: Path, *files: Path, below: Path) -> Path:
+    with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as archive:
+        for file in files:
+            archive.write(file, file.relative_to(below).as_posix())
+    return target
+
+
+@pytest.mark.parametrize("name", ["ct.nii.gz", "ct.nii", "ct.nrrd", "ct.mha", "ct.mhd", "ct.nhdr"])
+def test_an_image_file_is_read_out_of_an_archive(
+    write_image: Any, small_values: Any, tmp_path: Path, name: str
+) -> None:
+    path = write_image(small_values, name, spacing=(1.0, 2.0, 3.0))
+    files = [file for file in tmp_path.iterdir() if file.is_file()]
+    archive = packed(tmp_path / "study.zip", *files, below=tmp_path.parent)
+    expected, volume = palpate.read(path), palpate.read(archive)
+    np.testing.assert_array_equal(volume.array, expected.array)
+    np.testing.assert_array_equal(volume.patient_from_grid, expected.patient_from_grid)
+    assert volume.name == "ct"
+
+
+def test_one_of_several_image_files_is_chosen_by_its_name(
+    write_image: Any, small_values: Any, tmp_path: Path
+) -> None:
+    files = [write_image(small_values + n, f"{n}.nii.gz") for n in (1, 2)]
+    archive = packed(tmp_path / "study.zip", *files, below=tmp_path)
+    with pytest.raises(VolumeFormatError, match=r"holds 2 image files; .* 1\.nii\.gz, 2\.nii\.gz"):
+        palpate.read(archive)
+    with pytest.raises(VolumeFormatError, match=r"none is '3\.nii\.gz'"):
+        palpate.read(archive, series="3.nii.gz")
+    with browsed(archive) as choices:
+        assert [(one.path, one.series, one.size) for one in choices] == [
+            (archive, f"{n}.nii.gz", (7, 6, 5)) for n in (1, 2)
+        ]
+        assert all(one.picture().size > 1 for one in choices)
+    volume = palpate.read(archive, series="2.nii.gz")
+    np.testing.assert_array_equal(volume.array, small_values + 2)
+    assert volume.source is not None
+    assert dict(volume.source.options) == {"series": "2.nii.gz"}
+
+
+def test_dicom_goes_before_image_files_unless_one_is_named(
+    write_series: Any, write_image: Any, small_values: Any, tmp_path: Path
+) -> None:
+    folder = write_series()
+    mask = write_image(small_values, "mask.nii.gz")
+    archive = packed(tmp_path / "study.zip", *folder.iterdir(), mask, below=tmp_path)
+    assert palpate.read(archive).dimensions == (4, 3, 4)
+    assert palpate.read(archive, series="mask.nii.gz").dimensions == (7, 6, 5)
+
+
+@pytest.mark.parametrize(
+    ("field", "said"),
+    [
+        ("ElementDataFile = /etc/passwd", "names voxels in '/etc/passwd'; allowed: in the same"),
+        ("ElementDataFile = ../secret.raw", "names voxels in '../secret.raw'"),
+        ("ElementDataFile = slice%d.raw 1 9 1", "names voxels in 'slice%d"),
+        ("ElementDataFile = LIST", "names voxels in 'LIST'"),
+    ],
+)
+def test_a_header_in_an_archive_names_no_file_elsewhere(
+    tmp_path: Path, field: str, said: str
+) -> None:
+    path = tmp_path / "scan.mhd"
+    path.write_text(
+        f"ObjectType = Image\nNDims = 3\nDimSize = 4 4 4\nElementType = MET_UCHAR\n{field}\n"
+    )
+    archive = packed(tmp_path / "study.zip", path, below=tmp_path)
+    with pytest.raises(VolumeFormatError) as caught:
+        palpate.read(archive)
+    assert said in str(caught.value)
+    with browsed(archive) as (choice,):
+        assert said in str(choice.refused)
+    # it is named as what it is for the person, not as where it was unpacked
+    assert str(caught.value).startswith(f"{archive}: scan.mhd")
+
+
+def test_names_that_lead_elsewhere_or_stand_in_the_way_do_no_harm(
+    write_series: Any, tmp_path: Path
+) -> None:
+    slices = [file.read_bytes() for file in sorted(write_series().iterdir())]
+    names = ["../a", "/b", "C:\\c", "same", "SAME", "x" * 250, ".hidden", "a/./../../d"]
+    archive = tmp_path / "odd.zip"
+    with zipfile.ZipFile(archive, "w") as packing:
+        for number, content in enumerate(slices * 2):
+            packing.writestr(names[number], content)
+    assert palpate.read(archive).dimensions == (4, 3, 4)

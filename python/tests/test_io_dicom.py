@@ -164,6 +164,12 @@ def test_colour_slices_are_refused(write_series: Any) -> None:
     assert "3 numbers per pixel" in refused(folder)
 
 
+def test_slices_coloured_by_a_table_are_refused(write_series: Any) -> None:
+    folder = write_series(PhotometricInterpretation="PALETTE COLOR")
+    with pytest.raises(VolumeFormatError, match="as colour images have; allowed: one intensity"):
+        palpate.read(folder)
+
+
 def test_a_truncated_slice_is_refused(write_series: Any) -> None:
     folder = write_series()
     path = sorted(folder.iterdir())[2]

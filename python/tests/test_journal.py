@@ -15,8 +15,12 @@ from typing import Any
 import msgspec
 import numpy as np
 import pytest
-from palpate.journal import Journal, scan_hash, state_folder
+import SimpleITK
+from palpate.io import read
+from palpate.journal import Journal, state_folder
+from palpate.scan_hash import scan_hash
 from palpate.scene import Scene
+from palpate.second_scan import SecondScan
 from palpate.session import Session, SessionOptions
 from palpate.volume import Volume
 
@@ -327,3 +331,43 @@ def test_a_note_that_is_none_is_told_of_and_the_voxels_are_back(left: Path, tmp_
         page.send(msgspec.to_builtins({"type": "recover", "bring_back": True}))
         page.receive("notice", until=lambda m: "names and colours" in m["text"])
         assert server.session.frame()["can_undo"]
+
+
+def test_a_second_scan_that_a_page_added_is_brought_back(tmp_path: Path) -> None:
+    page_folder = write_page(tmp_path / "page")
+    file = tmp_path / "second.mha"
+    SimpleITK.WriteImage(SimpleITK.Image([5, 6, 7], SimpleITK.sitkInt16), str(file))
+    place = np.eye(4)
+    place[0, 3] = 12.5
+    state = tmp_path / "state"
+    with running(make_ball(), page_folder, state=state) as server, server.page():
+        assert server.live is not None
+        server.live.show_second(SecondScan(read(file), place))
+    with running(make_ball(), page_folder, state=state) as server, server.page() as page:
+        offer = page.receive("recovery")["offer"]
+        assert (offer["steps"], offer["second"]) == (0, "second")
+        page.send({"type": "recover", "bring_back": True})
+        told = page.receive("second_scan")
+        assert told["scan"]["dimensions"] == [5, 6, 7]
+        assert told["second_from_first"] == place.ravel().tolist()
+    file.unlink()
+    with running(make_ball(), page_folder, state=state) as server, server.page() as page:
+        assert page.receive("recovery")["offer"]["second"] == "second"
+        page.send({"type": "recover", "bring_back": True})
+        notice = page.receive("notice", until=lambda m: m["level"] == "warning")
+        assert "second scan was not brought back" in notice["text"]
+    # it was told once
+    with running(make_ball(), page_folder, state=state) as server, server.page() as page:
+        assert page.receive("recovery")["offer"] is None
+
+
+def test_a_second_scan_that_was_taken_away_is_not_offered(tmp_path: Path) -> None:
+    file = tmp_path / "second.mha"
+    SimpleITK.WriteImage(SimpleITK.Image([5, 6, 7], SimpleITK.sitkInt16), str(file))
+    with Session(make_ball(), options=STILL) as session:
+        journal, _ = begun(session, tmp_path)
+        journal.note_second(SecondScan(read(file)))
+        journal.note_second(None)
+    journal.close()
+    with Session(make_ball(), options=STILL) as session:
+        assert begun(session, tmp_path)[0].offer is None

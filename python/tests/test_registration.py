@@ -10,8 +10,11 @@ import pytest
 import SimpleITK
 from numpy.typing import NDArray
 from palpate import OptionError, RegistrationError, SearchOptions, Volume, register
+from palpate.registration import metric_for
+from palpate.registration_compared import Compared, Measured
 from palpate.registration_options import Kind, Metric, Pairs
-from palpate.registration_search import Measured, Search
+from palpate.registration_search import Search
+from palpate.volume import VolumeTraits
 
 Points = NDArray[np.float64]
 
@@ -19,7 +22,7 @@ SHAPE = (26, 30, 34)
 SPACING = (2.5, 2.5, 3.0)
 ORIGIN = (-40.0, -35.0, 100.0)
 QUICK = SearchOptions(
-    samples=8000, bent_samples=8000, iterations=60, bent_iterations=20, knots=25.0
+    samples=8000, bent_samples=1500, iterations=60, bent_iterations=80, knots=25.0
 )
 MIDDLE = np.array([2.0, 2.0, 138.0])
 
@@ -145,6 +148,43 @@ def test_a_bent_transform_follows_what_an_affine_one_cannot() -> None:
     assert errors["bspline"] < 0.5 * errors["affine"]
 
 
+def test_a_matrix_is_a_start_and_what_it_scales_is_kept(fixed: Volume) -> None:
+    matrix = turned(70.0, shift=(6.0, -3.0, 4.0), scale=1.08)
+    moving = moving_of(matrix)
+    near = turned(67.0, shift=(4.0, -2.0, 4.0), scale=1.08)
+    found = register(fixed, moving, kind="affine", metric="correlation", start=near, options=QUICK)
+    assert found.start == "matrix"
+    assert [level.stage for level in found.curve] == ["affine", "affine"]
+    apart = found.points(places()) - taken(matrix, places())
+    assert np.linalg.norm(apart, axis=1).max() < 0.5
+    # a rigid search takes the turn and the shift of it
+    rigid = register(fixed, moving, metric="correlation", start=near, options=QUICK).matrix
+    assert rigid is not None
+    np.testing.assert_allclose(rigid[:3, :3] @ rigid[:3, :3].T, np.eye(3), atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("start", "said"),
+    [
+        (np.eye(3), r"a start of shape \[3, 3\] given"),
+        (np.diag([1.0, 1.0, -1.0, 1.0]), "neither flattens nor mirrors"),
+        (np.full((4, 4), np.nan), "neither flattens nor mirrors"),
+    ],
+)
+def test_a_matrix_that_is_no_place_is_refused(fixed: Volume, start: Points, said: str) -> None:
+    with pytest.raises(OptionError, match=said):
+        register(fixed, fixed, start=start)
+
+
+def test_scans_by_ct_are_compared_by_correlation(fixed: Volume) -> None:
+    ct, mr = (
+        Volume(fixed.array, spacing=SPACING, traits=VolumeTraits(modality=name))
+        for name in ("CT", "MR")
+    )
+    assert metric_for(ct, ct) == "correlation"
+    assert metric_for(ct, mr) == metric_for(mr, mr) == "mutual-information"
+
+
 def pairs_of(matrix: Points) -> Pairs:
     points = places()
     return points.tolist(), taken(matrix, points).tolist()
@@ -201,8 +241,8 @@ def test_the_same_scans_give_the_same_transform(fixed: Volume) -> None:
 
 @pytest.mark.parametrize("metric", ["correlation", "mean-squares"])
 def test_scans_that_lie_right_already_stay_so(fixed: Volume, metric: Metric) -> None:
-    few = SearchOptions(samples=1000, iterations=5)
-    found = register(fixed, fixed, kind="affine", metric=metric, options=few)
+    few = SearchOptions(samples=1000, iterations=5, bent_samples=500, bent_iterations=30)
+    found = register(fixed, fixed, kind="bspline", metric=metric, options=few)
     assert found.after <= found.before
     np.testing.assert_allclose(found.points(places()), places(), atol=0.1)
 
@@ -263,23 +303,22 @@ def test_it_stops_when_a_person_stops_it(
     assert capfd.readouterr().err == ""
 
 
-def test_scans_that_do_not_overlap_are_refused(fixed: Volume) -> None:
+@pytest.mark.parametrize("metric", ["mutual-information", "correlation", "mean-squares"])
+def test_scans_that_do_not_overlap_are_refused(fixed: Volume, metric: Metric) -> None:
     far = moving_of(turned(0.0, shift=(0.0, 0.0, 0.0)), origin=(900.0, 0.0, 0.0))
     with pytest.raises(RegistrationError, match="do not overlap enough"):
-        register(fixed, far, start="geometry", options=QUICK)
+        register(fixed, far, metric=metric, start="geometry", options=QUICK)
 
 
 def test_an_end_worse_than_the_start_is_refused_with_the_curve(fixed: Volume) -> None:
     arrays = (fixed.array, moving_of(turned(5.0, shift=(3.0, 3.0, 0.0))).array)
     still, other = (SimpleITK.GetImageFromArray(array.astype(np.float32)) for array in arrays)
     search = Search(
-        (still, other),
-        masks=(None, None),
-        metric="mean-squares",
+        Compared((still, other), (None, None), metric="mean-squares", bins=32),
         options=SearchOptions(samples=1000, iterations=5),
         progress=lambda *_: None,
     )
-    search.run(search.guess("geometry", None), "rigid")
+    search.run(SimpleITK.Euler3DTransform(), "rigid")
     good = Measured(100.0, 0.9)
     few_of_all = 0.005 * float(np.var(arrays[0]))
     search.check(good, Measured(100.0 + few_of_all, 0.9))
@@ -302,7 +341,7 @@ LINE = [[0.0, 0.0, 0.0], [1.0, 1.0, 1.0], [2.0, 2.0, 2.0]]
     ("choice", "said"),
     [
         ({"kind": "elastic"}, "kind 'elastic' given; allowed: rigid, affine, bspline"),
-        ({"metric": "ssd"}, "allowed: mutual-information, correlation, mean-squares"),
+        ({"metric": "ssd"}, "allowed: automatic, mutual-information, correlation, mean-squares"),
         ({"start": "middle"}, "allowed: geometry, centre, moments, landmarks"),
         ({"start": "landmarks"}, "start from landmarks, but none given"),
         ({"landmarks": (LINE, LINE)}, "3 landmarks given, or all on one line"),

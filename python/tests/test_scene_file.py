@@ -19,6 +19,7 @@ from palpate.journal import Journal
 from palpate.material import Material
 from palpate.scene import Scene
 from palpate.scene_file import kept_changes, open_scene, save_scene
+from palpate.second_scan import SecondScan
 from palpate.session import Session, SessionOptions
 from palpate.volume import Volume
 
@@ -225,3 +226,67 @@ def test_a_damaged_scene_names_what_is_kept_of_its_scan(scan: Path, tmp_path: Pa
         journal.close()
     assert found is not None
     assert found[0] == str(scan)
+
+
+def with_second(scan: Path, second: Path) -> Scene:
+    """A scan with another one beside it."""
+    place = np.eye(4)
+    place[:3, 3] = (3.0, -2.0, 1.0)
+    scene = Scene(read(scan))
+    scene.second = SecondScan(read(second), place)
+    return scene
+
+
+@pytest.fixture
+def other(scan: Path) -> Path:
+    """A second scan beside the first one's file."""
+    image = SimpleITK.GetImageFromArray(np.arange(60, dtype=np.int16).reshape(3, 4, 5))
+    path = scan.with_name("other.mha")
+    SimpleITK.WriteImage(image, str(path))
+    return path
+
+
+@pytest.mark.parametrize("copy", [False, True], ids=["linked", "copied"])
+def test_a_second_scan_comes_back_where_it_was(
+    scan: Path, other: Path, tmp_path: Path, *, copy: bool
+) -> None:
+    path = tmp_path / "scene.palpate"
+    with Session(with_second(scan, other), options=STANDING) as session:
+        save_scene(path, session, copy=copy)
+    if copy:
+        shutil.rmtree(scan.parent)
+    saved = open_scene(path)
+    second = saved.scene().second
+    assert second is not None
+    assert second.volume.name == "other"
+    np.testing.assert_array_equal(second.second_from_first[:3, 3], (3.0, -2.0, 1.0))
+    np.testing.assert_array_equal(second.volume.array.ravel(), np.arange(60))
+    assert saved.told == saved.volume.warnings
+
+
+def test_a_scene_without_its_second_scan_is_opened_and_says_so(
+    scan: Path, other: Path, tmp_path: Path
+) -> None:
+    path = tmp_path / "scene.palpate"
+    with Session(with_second(scan, other), options=STANDING) as session:
+        save_scene(path, session)
+    other.unlink()
+    saved = open_scene(path)
+    assert saved.scene().second is None
+    (told,) = [sentence for sentence in saved.told if sentence not in saved.volume.warnings]
+    assert "the second scan is not shown" in told
+    assert "'other' is not there any more" in told
+
+
+def test_a_second_scan_of_no_file_goes_into_the_scene(scan: Path, tmp_path: Path) -> None:
+    path = tmp_path / "scene.palpate"
+    scene = Scene(read(scan))
+    scene.second = SecondScan(Volume(np.ones((2, 3, 4), np.int16), spacing=(1.0, 1.0, 1.0)))
+    with Session(scene, options=STANDING) as session:
+        save_scene(path, session)
+    with zipfile.ZipFile(path) as archive:
+        assert archive.getinfo("second.i16").file_size == 48
+        assert "scan.i16" not in archive.namelist()
+    second = open_scene(path).second
+    assert second is not None
+    assert second.volume.array.sum() == 24

@@ -97,3 +97,52 @@ def test_pages_are_told_of_a_second_scan_and_where_it_goes(server: Any) -> None:
         gone = page.receive("second_scan")
         assert gone["scan"] is None
         assert gone["version"] > told["version"]
+
+
+def transform_file(transform: Any, folder: Path) -> bytes:
+    path = folder / "t.tfm"
+    SimpleITK.WriteTransform(transform, str(path))
+    return path.read_bytes()
+
+
+def test_a_page_lays_the_second_scan_elsewhere_and_takes_it_away(
+    server: Any, tmp_path: Path
+) -> None:
+    rigid = SimpleITK.Euler3DTransform((0.0, 0.0, 0.0), 0.1, 0.0, 0.0, (7.0, 0.0, 0.0))
+    bent = SimpleITK.BSplineTransformInitializer(
+        SimpleITK.Image([9, 9, 9], SimpleITK.sitkInt16), [3, 3, 3], 3
+    )
+    moved = "/api/second/transform?name=turn.tfm"
+    with server.page() as page:
+        refused = server.ask("PUT", moved, transform_file(rigid, tmp_path))
+        assert (refused.status_code, refused.text[:24]) == (400, "there is no second scan;")
+        second = slopes()
+        server.live.show_second(SecondScan(second))
+        told = page.receive("second_scan")
+        assert not told["is_moved"]
+
+        assert server.ask("PUT", moved, transform_file(rigid, tmp_path)).status_code == 204
+        told = page.receive("second_scan")
+        assert told["is_moved"]
+        point = np.array(told["second_from_first"]).reshape(4, 4) @ [1.0, 2.0, 3.0, 1.0]
+        np.testing.assert_allclose(point[:3], rigid.TransformPoint((1.0, 2.0, 3.0)))
+
+        # what bends is laid on the first scan's grid, and can be laid as it was again
+        assert server.ask("PUT", moved, transform_file(bent, tmp_path)).status_code == 204
+        told = page.receive("second_scan")
+        assert told["is_moved"]
+        assert tuple(told["scan"]["dimensions"]) == server.session.scene.volume.dimensions
+        assert server.ask("DELETE", "/api/second/transform").status_code == 204
+        told = page.receive("second_scan")
+        assert (told["is_moved"], told["scan"]["dimensions"]) == (False, [9, 9, 9])
+
+        for name, content, reason in (
+            ("turn.tfm", b"nothing", "turn.tfm cannot be read as a transform"),
+            ("turn.png", b"", "'turn.png' given; allowed: .tfm"),
+        ):
+            refused = server.ask("PUT", f"/api/second/transform?name={name}", content)
+            assert refused.status_code == 400
+            assert refused.text.startswith(reason)
+        assert server.ask("DELETE", "/api/second").status_code == 204
+        assert page.receive("second_scan")["scan"] is None
+        assert server.get("/api/second").status_code == 404

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from palpate import mask_shape
 from palpate.errors import EmptySegmentError, OptionError
 from palpate.io import read
-from palpate.segmentation import Growing, changed_shape, grown, otsu
+from palpate.segmentation import Growing, changed_shape, grown, otsu, smoothed_together
 from palpate.volume import Volume, VolumeTraits
 
 Mask = NDArray[np.bool_]
@@ -116,6 +116,35 @@ def test_a_hollow_ball_is_a_shell(thickness: float, radii: tuple[float, float]) 
     expected = of_radius(outer) - of_radius(inner)
     assert volume_of(shell) == pytest.approx(expected, rel=0.15)
     assert not (shell & BALL).any() if thickness < 0.0 else not (shell & ~BALL).any()
+
+
+def test_segments_that_are_smoothed_together_still_meet() -> None:
+    z, y, x = np.indices((24, 40, 40))
+    off = np.sqrt((x - 20) ** 2 + (y - 20) ** 2 + (2 * (z - 12)) ** 2)
+    # three parts of a ball that meet along its axis, with jagged borders
+    jagged = np.arctan2(y - 20.5, x - 20.5) + 0.2 * ((z % 4) < 2)
+    part = np.floor((jagged + np.pi) / (2.0 * np.pi / 3.0)).astype(int) % 3
+    masks = [(off < 15) & (part == number) for number in range(3)]
+    volume = Volume(np.zeros(off.shape, np.int16), spacing=(1.0, 1.0, 2.0))
+    segments = [volume.segment(mask, name=name) for mask, name in zip(masks, "abc", strict=True)]
+    smoothed = smoothed_together(segments, deviation=2.0)
+    assert [each.name for each in smoothed] == ["a", "b", "c"]
+    together = [each.mask() != 0 for each in smoothed]
+    core = off < 11
+    np.testing.assert_array_equal(sum(each.astype(int) for each in together)[core], 1)
+    # their borders jag less from slice to slice
+    jags = [
+        sum(np.count_nonzero(np.diff(each.astype(np.int8), axis=0)[core[1:]]) for each in parts)
+        for parts in (masks, together)
+    ]
+    assert jags[1] < 0.6 * jags[0]
+    # one by one they leave a gap where they meet
+    alone = [mask_shape.smooth(mask, volume.spacing, 2.0) for mask in masks]
+    assert not np.logical_or.reduce(alone)[core].all()
+    with pytest.raises(OptionError, match="share voxels"):
+        smoothed_together([segments[0], segments[0]], deviation=2.0)
+    with pytest.raises(OptionError, match="0 mm given"):
+        smoothed_together(segments, deviation=0.0)
 
 
 @pytest.mark.parametrize(("work", "size"), [(mask_shape.smooth, 2.0), (mask_shape.median, 3.0)])

@@ -15,6 +15,7 @@ import numpy as np
 import palpate
 import pytest
 import SimpleITK
+from orthanc import orthanc
 from palpate import server_upload
 from palpate.recent import recent_scans
 from palpate.server_security import Access
@@ -285,3 +286,96 @@ def test_the_library_needs_the_token(client: Client) -> None:
     for method, route in (("GET", "/"), ("POST", "/find"), ("PUT", "/uploads/1/0")):
         answer = httpx.request(method, base + route, trust_env=False, timeout=PATIENCE)
         assert answer.status_code == 403
+
+
+@pytest.mark.data
+def test_a_series_of_a_server_is_listed_and_opened(client: Client, data_folder: Path) -> None:
+    head, small = (data_folder / "dcmqi_seg" / name for name in ("ct-3slice", "23x38x3/image"))
+    with orthanc() as server:
+        server.store([*head.iterdir(), *small.iterdir()])
+        found, *pictures, last = client.job("find", {"path": server.dicomweb})
+        assert last == {"kind": "done"}
+        sizes = [tuple(one["size"]) for one in found["scans"]]
+        assert set(sizes) == {(512, 512, 3), (23, 38, 3)}
+        assert {each["choice"] for each in pictures} == {0, 1}
+        wanted = {"find": found["find"], "choice": sizes.index((512, 512, 3))}
+        assert client.job("open", wanted) == [{"kind": "done"}]
+    voxels = np.frombuffer(client.ask("GET", "volume").content, "<i2").reshape(3, 512, 512)
+    np.testing.assert_array_equal(voxels, palpate.read(head).array)
+    opened = client.workbench.opened
+    assert opened is not None
+    assert any("a copy that goes" in each for each in opened.session.scene.volume.warnings)
+    # its files are not there later: nothing to open again
+    assert client.about()["recent"] == []
+    # the server is gone by now, and the open scan stays
+    (failed,) = client.job("find", {"path": server.dicomweb})
+    assert failed["reason"].startswith("no server answers at http://127.0.0.1:")
+    (failed,) = client.job("open", wanted)
+    assert failed["kind"] == "failed"
+    assert client.about()["scan"] == "scan"
+
+
+def test_a_second_scan_is_shown_with_the_open_one(
+    client: Client, study: Path, tmp_path: Path
+) -> None:
+    refused = client.job("open", {"path": str(study), "beside": True})
+    assert refused[-1]["reason"].startswith("no scan is open")
+    found = client.job("find", {"path": str(study)})[0]
+    thin = next(i for i, one in enumerate(found["scans"]) if one["name"] == "thin")
+    client.job("open", {"find": found["find"], "choice": thin})
+    opened = client.workbench.opened
+    assert opened is not None
+    assert client.job("open", {"find": found["find"], "choice": thin, "beside": True}) == [
+        {"kind": "done"}
+    ]
+    # the same scan is open, with the same segments
+    assert client.workbench.opened is opened
+    second = opened.session.scene.second
+    assert second is not None
+    assert second.volume.dimensions == (4, 3, 4)
+
+    # one that was dropped has its files as long as it is shown
+    path = tmp_path / "dropped.mha"
+    SimpleITK.WriteImage(SimpleITK.Image([5, 6, 7], SimpleITK.sitkInt16), str(path))
+    upload = client.upload({"dropped.mha": path.read_bytes()})
+    dropped = client.job("find", {"upload": upload})[0]
+    client.job("open", {"find": dropped["find"], "beside": True})
+    second = opened.session.scene.second
+    assert second is not None
+    assert (second.volume.dimensions, second.volume.source) == ((5, 6, 7), None)
+
+    scene = tmp_path / "scene.palpate"
+    scene.write_bytes(client.ask("POST", "scene", {"view": {}}).content)
+    refused = client.job("open", {"path": str(scene), "beside": True})
+    assert refused[-1]["reason"].startswith("a scene was chosen")
+
+
+def test_a_windows_title_names_no_file_that_was_not_given(
+    client: Client, study: Path, write_image: Any
+) -> None:
+    values = np.full((4, 5, 6), 7, np.int16)
+    path: Path = write_image(values, "DOE_JOHN.nrrd")
+    folder = path.parent / "found"
+    folder.mkdir()
+    path.rename(folder / path.name)
+    path = folder / path.name
+
+    def title() -> str:
+        assert client.workbench.opened is not None
+        return client.workbench.opened.session.scene.volume.title
+
+    # dropped, and found in a folder
+    upload = client.upload({path.name: path.read_bytes()})
+    for place in ({"upload": upload}, {"path": str(folder)}):
+        found = client.job("find", place)[0]
+        client.job("open", {"find": found["find"], "choice": 0})
+        assert (client.about()["scan"], title()) == ("DOE_JOHN", "scan")
+    # given by its path, at first and again
+    found = client.job("find", {"path": str(path)})[0]
+    client.job("open", {"find": found["find"], "choice": 0})
+    assert title() == "DOE_JOHN"
+    client.job("open", {"path": str(path)})
+    assert title() == "DOE_JOHN"
+    # what the files themselves say of the scan
+    client.job("open", {"path": str(study), "series": "1.2.3"})
+    assert title() == "CT thin"

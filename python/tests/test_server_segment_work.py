@@ -33,6 +33,27 @@ def test_a_region_grows_and_undo_takes_it_away(server: Any) -> None:
         page.receive("segments", until=lambda m: len(m["segments"]) == 1)
 
 
+def test_shown_segments_are_smoothed_together(server: Any) -> None:
+    session = server.session
+    ball = session.segment(1).mask()
+    halves = [ball.copy(), ball.copy()]
+    halves[0][:, :, 20:] = 0
+    halves[1][:, :, :20] = 0
+    volume = session.scene.volume
+    session.replace_segment(1, volume.segment(halves[0], name="left"))
+    session.add_segment(volume.segment(halves[1], name="right"))
+    with server.page() as page:
+        page.receive("segments", until=lambda m: len(m["segments"]) == 2)
+        page.send(SHAPE | {"kind": "joint", "amount": 2.0})
+        page.receive("notice", until=lambda m: "2 segments were smoothed" in m["text"])
+        now = [session.segment(number).mask().astype(int) for number in (1, 2)]
+        assert all((each != half).any() for each, half in zip(now, halves, strict=True))
+        assert (now[0] + now[1] <= 1).all()
+        assert (now[0] + now[1])[20, 20, 14:27].all()
+        page.send(SHAPE | {"kind": "joint", "amount": 60.0})
+        page.receive("notice", until=lambda m: "nothing would be left" in m["text"])
+
+
 def test_a_shape_changes_and_undo_brings_it_back(server: Any) -> None:
     before = server.session.segment(1).mask()
     with server.page() as page:

@@ -59,6 +59,31 @@ def test_an_adder_fills_where_the_probe_went(ball_scene: Scene) -> None:
         assert after[32, 20, 20] == 1
 
 
+@pytest.mark.parametrize("depth", [None, 1.6])
+@pytest.mark.parametrize("overlaps", [False, True])
+def test_a_painter_gives_what_is_touched_and_nothing_else_changes(
+    ball_scene: Scene, depth: float | None, *, overlaps: bool
+) -> None:
+    volume = ball_scene.volume
+    ball_scene.add(volume.segment(np.zeros(volume.shape, np.uint8), name="painted"))
+    painted = 2
+    with Session(ball_scene, options=ABOVE) as session:
+        ball = session.segment(1).mask()
+        session.set_tool(
+            "painter", radius=3.0, segment_ids=[painted, 1], depth=depth, overlaps=overlaps
+        )
+        tool = press(session, depth=4.0)
+        own, rest = session.segment(painted).mask(), session.segment(1).mask()
+        assert tool["voxels"] == int(own.sum()) > 10
+        np.testing.assert_array_equal(own | rest, ball)
+        np.testing.assert_array_equal(rest, ball if overlaps else ball & ~own.astype(bool))
+        # the top of the ball is at 28 mm
+        lowest = int(np.flatnonzero(own.any(axis=(1, 2)))[0])
+        assert lowest >= (26 if depth else 24)
+        assert session.undo()
+        assert session.segment(painted).mask().sum() == 0
+
+
 def test_the_drill_spends_the_work_of_bone_and_leaves_air(ball_scene: Scene) -> None:
     with Session(ball_scene, options=ABOVE) as session:
         session.settings()
@@ -127,7 +152,13 @@ def test_the_drill_leaves_the_lowest_value_where_the_unit_is_unknown(ball_scene:
         ("drill", {"radius": 40.0, "segment_ids": [1]}, "allowed: above 0 to 16 mm"),
         ("adder", {"radius": 2.0, "segment_ids": []}, "no segment given"),
         ("adder", {"radius": 2.0, "segment_ids": [7]}, "7"),
-        ("saw", {"radius": 2.0, "segment_ids": [1]}, "allowed: eraser, adder, drill"),
+        ("painter", {"radius": 2.0, "segment_ids": [1]}, "1 segment given to the painter"),
+        ("painter", {"radius": 2.0, "segment_ids": [1, 2], "depth": 9.0}, "0 to 8 mm, or none"),
+        (
+            "saw",
+            {"radius": 2.0, "segment_ids": [1]},
+            "allowed: eraser, adder, drill, needle, painter",
+        ),
     ],
 )
 def test_tools_that_cannot_be_are_refused(

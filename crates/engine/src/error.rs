@@ -72,6 +72,12 @@ pub enum SessionError {
          whose matter it removes"
     )]
     NothingToDrill,
+    /// The painter has nothing to take voxels from.
+    #[error(
+        "all segments to be painted stand elsewhere than the one to paint with, or on another \
+         grid; allowed: segments that stand together as in the scan"
+    )]
+    NothingToPaint,
     /// A plane that is none.
     #[error("plane through {point} with normal {normal} given; allowed: finite, normal not zero")]
     Plane {

@@ -118,6 +118,9 @@ impl ToolStroke {
         if settings.kind != ToolKind::Needle {
             settings.segments.retain(|id| stands_there(*id));
         }
+        if settings.kind == ToolKind::Painter && settings.segments.len() < 2 && chosen > 1 {
+            return Err(SessionError::NothingToPaint);
+        }
         let all = scene.segments().map(|(id, ..)| id);
         settings.spared = all.filter(|id| !stands_there(*id)).collect();
         self.pressed = Some(Pressed {
@@ -159,7 +162,9 @@ impl ToolStroke {
         let (from, before) = pressed.last.unwrap_or((probe.point, probe.time));
         pressed.last = Some((probe.point, probe.time));
         let is_obstacle = |id: &SegmentId| scene.properties_of(*id).touchable;
-        let has_body = pressed.kind == ToolKind::Drill || pressed.segments.iter().any(is_obstacle);
+        // what drill and painter reach follows from where the body touches
+        let by_touch = matches!(pressed.kind, ToolKind::Drill | ToolKind::Painter);
+        let has_body = by_touch || pressed.segments.iter().any(is_obstacle);
         let input = ToolInput {
             from,
             to: probe.point,

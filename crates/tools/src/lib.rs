@@ -1,4 +1,4 @@
-//! Tools that change voxels with the probe: eraser, adder, drill; strokes of them, and undo.
+//! Tools that change voxels with the probe: eraser, adder, painter, drill; strokes of them, and undo.
 //!
 //! A tool sees the voxels and where the probe went, and gives an edit. Nobody here applies
 //! it: whoever owns the voxels does, keeps the inverse in a [`stroke::Stroke`], and the
@@ -21,8 +21,10 @@ pub mod journal_reader;
 mod journal_record;
 mod measure;
 mod needle;
+pub mod painter;
 pub mod specific_energy;
 pub mod stroke;
+mod surface_layer;
 mod sweep;
 pub mod tool;
 pub mod undo;

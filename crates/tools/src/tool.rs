@@ -17,6 +17,7 @@ use crate::adder::Adder;
 use crate::drill::{Drill, DrillSettings, MAX_BURR_IN_VOXELS};
 use crate::eraser::Eraser;
 use crate::needle::Needle;
+use crate::painter::{PaintSettings, Painter};
 
 /// Radius of a tool, at most [mm].
 pub const MAX_RADIUS: f64 = 50.0;
@@ -112,11 +113,19 @@ pub enum ToolKind {
     Drill,
     /// Goes into tissue and changes no voxel.
     Needle,
+    /// Gives voxels that are touched to a segment.
+    Painter,
 }
 
 impl ToolKind {
     /// All of them.
-    pub const ALL: [Self; 4] = [Self::Eraser, Self::Adder, Self::Drill, Self::Needle];
+    pub const ALL: [Self; 5] = [
+        Self::Eraser,
+        Self::Adder,
+        Self::Drill,
+        Self::Needle,
+        Self::Painter,
+    ];
 
     /// As users write it.
     #[must_use]
@@ -126,6 +135,7 @@ impl ToolKind {
             Self::Adder => "adder",
             Self::Drill => "drill",
             Self::Needle => "needle",
+            Self::Painter => "painter",
         }
     }
 
@@ -150,7 +160,7 @@ pub(crate) fn grid_of<'a>(voxels: &'a Voxels, segments: &[SegmentId]) -> &'a Gri
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum ToolError {
     /// There is no such tool.
-    #[error("tool {0:?} given; allowed: eraser, adder, drill, needle")]
+    #[error("tool {0:?} given; allowed: eraser, adder, drill, needle, painter")]
     UnknownTool(String),
     /// Not a radius, or too large.
     #[error("radius {given} mm given; allowed: above 0 to {allowed} mm")]
@@ -170,6 +180,21 @@ pub enum ToolError {
         /// What may be given.
         allowed: &'static str,
     },
+    /// Not a depth, or too deep.
+    #[error(
+        "depth {given} mm given; allowed: above 0 to {allowed} mm, or none for all of the ball"
+    )]
+    Depth {
+        /// As given [mm].
+        given: f64,
+        /// The largest one for these voxels [mm].
+        allowed: f64,
+    },
+    /// A painter needs a segment to paint with, and others to paint.
+    #[error(
+        "{0} segment given to the painter; allowed: one to paint with, and those to be painted"
+    )]
+    NothingToPaint(usize),
     /// A tissue that is none.
     #[error(transparent)]
     Tissue(#[from] TissueError),
@@ -196,12 +221,15 @@ pub struct ToolSettings {
     /// Radius of its ball [mm].
     pub radius: f64,
     /// Segments that it changes, all of one grid; for the drill, those of the scan that it cuts;
-    /// for the needle, those that it can puncture.
+    /// for the needle, those that it can puncture; the painter gives the first one voxels of the
+    /// others.
     pub segments: Vec<SegmentId>,
     /// How the drill works; other tools pass it over.
     pub drill: DrillSettings,
     /// What each of the segments is for the needle; other tools pass it over.
     pub tissues: Vec<Tissue>,
+    /// How the painter works; other tools pass it over.
+    pub paint: PaintSettings,
     /// Segments that lose nothing to the drill, since they were moved elsewhere.
     pub spared: SegmentSet,
 }
@@ -216,6 +244,7 @@ impl ToolSettings {
             segments,
             drill: DrillSettings::default(),
             tissues: Vec::new(),
+            paint: PaintSettings::default(),
             spared: SegmentSet::EMPTY,
         }
     }
@@ -233,6 +262,7 @@ impl ToolSettings {
             ToolKind::Adder => Box::new(Adder::new(self.radius, segments)),
             ToolKind::Drill => Box::new(Drill::new(self.radius, segments, self.drill, self.spared)),
             ToolKind::Needle => Box::new(Needle::default()),
+            ToolKind::Painter => Box::new(Painter::new(self.radius, segments, self.paint)),
         })
     }
 
@@ -245,9 +275,18 @@ impl ToolSettings {
         Ok(())
     }
 
+    fn check_painted(&self) -> Result<(), ToolError> {
+        let first = self.segments.first();
+        let others = self.segments.iter().filter(|id| Some(*id) != first);
+        match others.count() {
+            0 => Err(ToolError::NothingToPaint(self.segments.len())),
+            _ => Ok(()),
+        }
+    }
+
     fn check(&self, grid: &Grid) -> Result<(), ToolError> {
         let in_voxels = match self.kind {
-            ToolKind::Eraser | ToolKind::Adder => MAX_RADIUS_IN_VOXELS,
+            ToolKind::Eraser | ToolKind::Adder | ToolKind::Painter => MAX_RADIUS_IN_VOXELS,
             ToolKind::Drill => MAX_BURR_IN_VOXELS,
             // what it is drawn with: it does not act on touch
             ToolKind::Needle => f64::INFINITY,
@@ -268,6 +307,10 @@ impl ToolSettings {
         }
         if self.kind == ToolKind::Needle {
             self.check_tissues()?;
+        }
+        if self.kind == ToolKind::Painter {
+            self.check_painted()?;
+            self.paint.check(grid)?;
         }
         Ok(())
     }

@@ -10,6 +10,7 @@ OPEN_CASE = "DICOM series, 275 slices of 512×512"
 
 OPEN_ROWS = (
     Goal(OPEN_CASE, "command to first picture", "picture", 1.0, "s", 5.0, "lower"),
+    Goal(OPEN_CASE, "command to the picture of all of it", "whole", 1.0, "s", None, "lower"),
     Goal(OPEN_CASE, "command to address of the page", "served", 1.0, "s", None, "lower"),
     Goal(OPEN_CASE, "reading", "read", 1.0, "s", None, "lower"),
     Goal(OPEN_CASE, "reading by SimpleITK", "itk", 1.0, "s", None, "lower"),

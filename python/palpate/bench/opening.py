@@ -46,16 +46,16 @@ def measure(*, slices: int = SLICES, runs: int = RUNS, progress: Progress = sile
         MissingDataError: The chest is not there.
     """
     chromium()
-    times: dict[str, list[float]] = {"picture": [], "served": [], "read": [], "itk": []}
+    names = ("served", "picture", "whole", "read", "itk")
+    times: dict[str, list[float]] = {name: [] for name in names}
     with TemporaryDirectory() as made:
         folder = Path(made)
         progress(f"writing {slices} slices", None)
         write_series(read(data_file(LIDC)), folder, slices=slices)
         for run in range(runs):
             progress("opening and reading", run / runs)
-            served_after, shown_after = _first_picture(folder)
-            times["served"].append(served_after)
-            times["picture"].append(shown_after)
+            for name, taken in zip(names, _pictures(folder), strict=False):
+                times[name].append(taken)
             began = time.perf_counter()
             volume = read(folder)
             times["read"].append(time.perf_counter() - began)
@@ -71,14 +71,16 @@ def rows_of(times: dict[str, list[float]], memory: int) -> list[Row]:
     return [row_of(goal, report) for goal in OPEN_ROWS]
 
 
-def _first_picture(folder: Path) -> tuple[float, float]:
-    """Returns after how long the page is served, and its picture is there [s]."""
+def _pictures(folder: Path) -> tuple[float, float, float]:
+    """Returns after how long the page is served, has a picture, and has that of all slices [s]."""
     with opened(None, **SIZE) as page:
         began = time.perf_counter()
         with served(folder) as url:
             served_after = time.perf_counter() - began
-            page.go(url)
-            return served_after, time.perf_counter() - began
+            page.glimpse(url)
+            shown_after = time.perf_counter() - began
+            page.wait("window.palpate?.ready === true")
+            return served_after, shown_after, time.perf_counter() - began
 
 
 def _itk_reads(folder: Path, expected: Volume) -> float:

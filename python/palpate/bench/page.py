@@ -92,9 +92,14 @@ class Page:
             time.sleep(0.03)
 
     def go(self, url: str) -> None:
-        """Opens an address and waits until the picture is there."""
-        self._ask("Page.navigate", url=url)
+        """Opens an address and waits until the picture of all of the scan is there."""
+        self.glimpse(url)
         self.wait("window.palpate?.ready === true")
+
+    def glimpse(self, url: str) -> None:
+        """Opens an address and waits until a picture is there, of a large scan a coarse one."""
+        self._ask("Page.navigate", url=url)
+        self.wait("typeof window.palpate?.firstPicture === 'number'")
 
     def before(self, script: str) -> None:
         """Runs a script in pages that are opened from now on, before any of their own."""

@@ -21,17 +21,26 @@ export interface BrickRanges {
 }
 
 /** Finds the range of every brick; reads each voxel about twice. */
-export function brickRanges({ dimensions, values }: StoredVolume): BrickRanges {
+export function brickRanges(volume: StoredVolume): BrickRanges {
+  const ranges = noRanges(volume.dimensions);
+  widenRanges(ranges, volume, 0, volume.dimensions[2]);
+  return ranges;
+}
+
+/** Ranges of bricks that hold nothing yet. */
+export function noRanges(dimensions: Vec3): BrickRanges {
   const counts = dimensions.map((n) => Math.ceil(n / brickEdge)) as unknown as Vec3;
   const total = counts[0] * counts[1] * counts[2];
-  const low = new Uint16Array(total).fill(65535);
-  const high = new Uint16Array(total);
-  const [width, height, depth] = dimensions;
+  return { counts, low: new Uint16Array(total).fill(65535), high: new Uint16Array(total) };
+}
 
+/** Takes planes of voxels, from `from` up to, but without, `to`, into the ranges. */
+export function widenRanges({ counts, low, high }: BrickRanges, { dimensions, values }: StoredVolume, from: number, to: number): void {
+  const [width, height] = dimensions;
   // one row of voxels at a time, into every brick row whose interpolation reads it
   const rowLow = new Uint16Array(counts[0]);
   const rowHigh = new Uint16Array(counts[0]);
-  for (let z = 0; z < depth; ++z) {
+  for (let z = from; z < to; ++z) {
     for (let y = 0; y < height; ++y) {
       rangesOfRow(values, width * (y + height * z), width, rowLow, rowHigh);
       for (const bz of bricksReading(z, counts[2])) {
@@ -46,7 +55,6 @@ export function brickRanges({ dimensions, values }: StoredVolume): BrickRanges {
       }
     }
   }
-  return { counts, low, high };
 }
 
 function rangesOfRow(values: Uint16Array, start: number, width: number, low: Uint16Array, high: Uint16Array): void {
@@ -159,7 +167,8 @@ function spreadAlong(values: Uint8Array, counts: Vec3, stride: number, size: num
 
 function nearestOnLine(line: Uint8Array, i: number): number {
   let best = line[i] ?? 255;
-  for (let away = 1; away < best; ++away) {
+  const farthest = Math.max(i, line.length - 1 - i);
+  for (let away = 1; away < best && away <= farthest; ++away) {
     const before = i - away >= 0 ? (line[i - away] ?? 255) : 255;
     const after = i + away < line.length ? (line[i + away] ?? 255) : 255;
     best = Math.min(best, Math.max(away, Math.min(before, after)));

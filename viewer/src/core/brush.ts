@@ -4,9 +4,13 @@
 import type { Scan, Segment } from "./protocol";
 import type { Vec3 } from "./vector";
 
+/** How a slice is painted: by a stroke of a brush, or by an outline whose inside is painted. */
+export type PaintWay = "brush" | "wire" | "level";
+
 /** What is remembered of a brush. */
 export interface BrushHabits {
   readonly erases: boolean;
+  readonly way: PaintWay;
   readonly radius: number;
   /** A ball instead of a disc in the slice. */
   readonly ball: boolean;

@@ -62,7 +62,7 @@ export function greyOf(value: number, { window, level }: WindowLevel): number {
 }
 
 /** Whether values from `low` to `high` are seen at all: monotone in grey, so the ends tell. */
-export function seenInGrey(optics: Optics, low: number, high: number): boolean {
+export function seenInGrey(optics: Pick<Optics, "blend" | "window" | "isoValue">, low: number, high: number): boolean {
   switch (optics.blend) {
     case "mip":
       return Math.max(greyOf(low, optics.window), greyOf(high, optics.window)) > 0;
@@ -95,6 +95,11 @@ function valueAt(place: number, { softTissue, bone }: Anchors): number {
   return softTissue + place * (bone - softTissue);
 }
 
+/** Value of fat, from which on there is tissue and no cushion: with CT values about -130 HU. */
+export function firstTissue(anchors: Anchors): number {
+  return valueAt(-0.8, anchors);
+}
+
 /** @param brightest value that hardly any voxel exceeds */
 export function firstChoice(anchors: Anchors, brightest: number): OpticsChoice {
   const fromTo = (low: number, high: number): WindowLevel => ({ window: high - low, level: (low + high) / 2 });
@@ -119,9 +124,8 @@ export function opticsOf(choice: OpticsChoice, anchors: Anchors): Optics {
     density: isGrey(blend) || blend === "iso" ? 1 : densities[blend],
     window: isGrey(blend) ? windows[blend] : windows.average,
     isoValue: choice.isoValue,
-    // fat and all that is denser, but no cushion: with CT values about -130 HU. A slab is inside of the
-    // body: there all counts, lungs too
-    tissueFrom: slab > 0 ? -1e9 : valueAt(-0.8, anchors),
+    // a slab is inside of the body: there all counts, lungs too
+    tissueFrom: slab > 0 ? -1e9 : firstTissue(anchors),
     slab: slab > 0 ? slab : null,
   };
 }

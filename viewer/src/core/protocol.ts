@@ -1,7 +1,7 @@
 /**
  * Messages between engine and page, and the check of what arrives.
  *
- * Generated from `python/palpate/protocol.py` by `python -m palpate.protocol_typescript`;
+ * Generated from `python/palpate/protocol*.py` by `python -m palpate.protocol_typescript`;
  * change it there. Each message is one msgpack map with a `type`. Points and vectors are
  * (x, y, z) in the scene frame, LPS [mm]; forces [N]; stiffness [N/mm]; times [s].
  */
@@ -14,6 +14,9 @@ export type Coordinate = number;
 
 /** x, y, z in the scene frame, LPS [mm]; forces [N]. */
 export type Vector = readonly [Coordinate, Coordinate, Coordinate];
+
+/** The same place in two scans. */
+export type PointPair = readonly [Vector, Vector];
 
 /** A value of the scan, in its unit; the bounds keep NaN and infinity out. */
 export type Value = number;
@@ -46,10 +49,22 @@ export type SurfaceSource = "intensities" | "bits";
 export type SmoothingDegree = number;
 
 /** How the shape of a segment is changed; see `segmentation.changed_shape`. */
-export type ShapeKind = "keep-largest" | "drop-small" | "fill-holes" | "between-slices" | "grow" | "shrink" | "smooth" | "median" | "open" | "close" | "hollow-inside" | "hollow-outside" | "unite" | "subtract" | "intersect";
+export type ShapeKind = "keep-largest" | "drop-small" | "fill-holes" | "between-slices" | "grow" | "shrink" | "smooth" | "median" | "joint" | "open" | "close" | "hollow-inside" | "hollow-outside" | "unite" | "subtract" | "intersect";
+
+/** How freely a scan is moved: turned and shifted; scaled and sheared too; bent as well. */
+export type RegistrationKind = "rigid" | "affine" | "bspline";
+
+/** What tells that two scans are alike; automatic goes by their modalities. */
+export type RegistrationMetric = "automatic" | "mutual-information" | "correlation" | "mean-squares";
+
+/**
+ * Where a search begins: where the second scan stands; middles of the grids or of what is bright;
+ * pairs of points.
+ */
+export type RegistrationStart = "as-it-stands" | "centre" | "moments" | "landmarks";
 
 /** What the probe does to voxels while it is pressed; none leaves them as they are. */
-export type ToolKind = "none" | "eraser" | "adder" | "drill" | "needle";
+export type ToolKind = "none" | "eraser" | "adder" | "drill" | "needle" | "painter";
 
 /** What a segment is for a needle; bone is none of them, since no needle punctures it. */
 export type TissueName = "skin" | "fat" | "muscle" | "liver";
@@ -82,15 +97,24 @@ export interface Histogram {
   readonly counts: readonly number[];
 }
 
+/** A range of values that stands for a tissue. */
+export interface ThresholdPreset {
+  readonly name: string;
+  readonly low: Value;
+  readonly high: Value;
+}
+
 /**
  * The scan on display; its values come by HTTP from `/api/volume`.
  *
  * `value = slope * stored + intercept`. `patient_from_grid` is row-major, shape
  * [4, 4]; grid coordinates are in voxels, voxel (i, j, k) covers [i, i+1) on each axis.
- * `unit` is "HU" only where it is known, else "".
+ * `unit` is "HU" only where it is known, else "". `title` is for windows: it names no file
+ * that a person has not given by its path.
  */
 export interface Scan {
   readonly name: string;
+  readonly title: string;
   readonly modality: string;
   readonly unit: string;
   readonly dimensions: readonly [number, number, number];
@@ -102,6 +126,7 @@ export interface Scan {
   readonly histogram: Histogram;
   readonly soft_tissue: Value;
   readonly bone: Value;
+  readonly presets: readonly ThresholdPreset[];
   readonly orientation_known: boolean;
   readonly warnings: readonly string[];
 }
@@ -497,12 +522,14 @@ export interface SettingsChanged {
 /**
  * Changes of this scan that an earlier session left: how many, when the last (ISO 8601).
  *
- * `lost_bytes` at the end of their file are not whole.
+ * `lost_bytes` at the end of their file are not whole. `second`: name of the second scan that
+ * was shown.
  */
 export interface Offer {
   readonly steps: number;
   readonly when: string;
   readonly lost_bytes: number;
+  readonly second: string | null;
 }
 
 /** What can be brought back; null once somebody has decided, or where there is nothing. */
@@ -530,6 +557,19 @@ export interface Gap {
   readonly minimum: number | null;
   readonly mean: number | null;
   readonly overlap: number | null;
+}
+
+/**
+ * The answer to a `Wire` or `TraceLevel` of this number, to the page that asked.
+ *
+ * A level's outline is closed, its last point joined to the first. Without points there is none,
+ * for the reason that `problem` tells.
+ */
+export interface Outline {
+  readonly type: "outline";
+  readonly number: number;
+  readonly points: readonly Vector[];
+  readonly problem: string | null;
 }
 
 /**
@@ -574,12 +614,55 @@ export interface SegmentWork {
  *
  * `second_from_first` maps points of the first scan to the second's, row-major, shape [4, 4],
  * patient of each [mm]; its values come from `/api/second` and are others with each `version`.
+ * It `is_moved` where a transform holds it elsewhere than its own place in the patient says.
  */
 export interface SecondScan {
   readonly type: "second_scan";
   readonly scan: Scan | null;
   readonly second_from_first: readonly number[];
+  readonly is_moved: boolean;
   readonly version: number;
+}
+
+/** The metric after each step on one level of a registration; made small. */
+export interface RegistrationLevel {
+  readonly name: string;
+  readonly values: readonly number[];
+}
+
+/**
+ * What a registration has found: the metric before and after, and how far points move [mm].
+ *
+ * `overlap` is the share of the first scan that the second covers in the end.
+ */
+export interface FoundRegistration {
+  readonly kind: RegistrationKind;
+  readonly metric: RegistrationMetric;
+  readonly before: number;
+  readonly after: number;
+  readonly overlap: Share;
+  readonly moved_mean: number;
+  readonly moved_most: number;
+}
+
+/**
+ * How far the registration of the second scan is, and what the last one has found.
+ *
+ * `doing` and `share` are null where none runs, `failure` says why the last one changed
+ * nothing; `curve` is that of the one that runs or ran last. `steps` counts registrations that
+ * can be taken back, `undone` those that can be made again. `shown` tells whether the second
+ * scan stands as before or after `found`.
+ */
+export interface Registration {
+  readonly type: "registration";
+  readonly doing: string | null;
+  readonly share: Share | null;
+  readonly curve: readonly RegistrationLevel[];
+  readonly failure: string | null;
+  readonly found: FoundRegistration | null;
+  readonly shown: "before" | "after";
+  readonly steps: number;
+  readonly undone: number;
 }
 
 /**
@@ -678,6 +761,41 @@ export interface StopSegmentWork {
   readonly type: "stop_segment_work";
 }
 
+/**
+ * Finds where the second scan lies in the first; it then stands there, and undo takes it back.
+ *
+ * Each of `pairs` is a point of the first scan and the same place in the second, in the patient
+ * of each.
+ */
+export interface Register {
+  readonly type: "register";
+  readonly kind: RegistrationKind;
+  readonly metric: RegistrationMetric;
+  readonly start: RegistrationStart;
+  readonly pairs: readonly PointPair[];
+}
+
+/** Stops the registration that runs; nothing is changed then. */
+export interface StopRegistration {
+  readonly type: "stop_registration";
+}
+
+/** Shows the second scan as before the last registration, or as after it; no step of undo. */
+export interface ShowRegistration {
+  readonly type: "show_registration";
+  readonly which: "before" | "after";
+}
+
+/** Takes the last registration back. */
+export interface UndoRegistration {
+  readonly type: "undo_registration";
+}
+
+/** Makes the registration again that was taken back last. */
+export interface RedoRegistration {
+  readonly type: "redo_registration";
+}
+
 /** Makes a segment without voxels, to be painted; undo takes it away. */
 export interface NewSegment {
   readonly type: "new_segment";
@@ -704,6 +822,37 @@ export interface Paint {
 export interface EndPaint {
   readonly type: "end_paint";
   readonly keep: boolean;
+}
+
+/** Asks for the path along edges of a slice from one point to another; see `Outline`. */
+export interface Wire {
+  readonly type: "wire";
+  readonly number: number;
+  readonly begin: Vector;
+  readonly end: Vector;
+  readonly normal: Vector;
+}
+
+/** Asks for the outline of the value at a point of a slice, through it; see `Outline`. */
+export interface TraceLevel {
+  readonly type: "trace_level";
+  readonly number: number;
+  readonly point: Vector;
+  readonly normal: Vector;
+}
+
+/**
+ * Paints what an outline in a slice encloses, or takes it away: one step of undo.
+ *
+ * Only voxels with such `values` are changed, where these are given.
+ */
+export interface FillOutline {
+  readonly type: "fill_outline";
+  readonly id: SegmentId;
+  readonly erases: boolean;
+  readonly points: readonly Vector[];
+  readonly normal: Vector;
+  readonly values: readonly [Value, Value] | null;
 }
 
 /** Changes how a segment looks and whether it can be touched. */
@@ -853,7 +1002,9 @@ export interface Fence {
 /**
  * Chooses the tool for the next strokes: the radius of its ball [mm], and what it changes.
  *
- * Of a needle the radius is its own, and `tissues` say what each of its segments is.
+ * Of a needle the radius is its own, and `tissues` say what each of its segments is. A painter
+ * gives what is touched of the segments to the first of them, so `depth` below the surface [mm],
+ * or in all of its ball; what is painted stays in its segment, too, where it `overlaps`.
  */
 export interface Tool {
   readonly type: "tool";
@@ -861,6 +1012,8 @@ export interface Tool {
   readonly radius: number;
   readonly segments: readonly SegmentId[];
   readonly tissues: readonly TissueName[];
+  readonly depth: number | null;
+  readonly overlaps: boolean;
 }
 
 /** Takes the needle out on the way that it went in. */
@@ -901,10 +1054,12 @@ export type ToPage =
   | Recovery
   | Notice
   | Gap
+  | Outline
   | CutPreview
   | NeedleEvents
   | SegmentWork
   | SecondScan
+  | Registration
   | Passed;
 
 /** A message of the page. */
@@ -919,9 +1074,17 @@ export type FromPage =
   | GrowSeeds
   | ChangeShape
   | StopSegmentWork
+  | Register
+  | StopRegistration
+  | ShowRegistration
+  | UndoRegistration
+  | RedoRegistration
   | NewSegment
   | Paint
   | EndPaint
+  | Wire
+  | TraceLevel
+  | FillOutline
   | SegmentProperties
   | SegmentFeel
   | SetMaterial
@@ -1101,7 +1264,11 @@ const isSurfaceSource = oneOf("intensities", "bits");
 
 const isSmoothingDegree = whole({ ge: 0, le: 12 });
 
-const isToolKind = oneOf("none", "eraser", "adder", "drill", "needle");
+const isRegistrationKind = oneOf("rigid", "affine", "bspline");
+
+const isRegistrationMetric = oneOf("automatic", "mutual-information", "correlation", "mean-squares");
+
+const isToolKind = oneOf("none", "eraser", "adder", "drill", "needle", "painter");
 
 const isNeedleEventKind = oneOf("punctured", "crossed", "stopped", "withdrawn");
 
@@ -1121,8 +1288,15 @@ const isHistogram = record({
   counts: list(whole()),
 });
 
+const isThresholdPreset = record({
+  name: text(),
+  low: isValue,
+  high: isValue,
+});
+
 const isScan = record({
   name: text(),
+  title: text(),
   modality: text(),
   unit: text(),
   dimensions: tuple(whole(), whole(), whole()),
@@ -1134,6 +1308,7 @@ const isScan = record({
   histogram: isHistogram,
   soft_tissue: isValue,
   bone: isValue,
+  presets: list(isThresholdPreset),
   orientation_known: flag,
   warnings: list(text()),
 });
@@ -1395,6 +1570,7 @@ const isOffer = record({
   steps: whole(),
   when: text(),
   lost_bytes: whole(),
+  second: nullable(text()),
 });
 
 const isRecovery = record({
@@ -1415,6 +1591,13 @@ const isGap = record({
   minimum: nullable(real()),
   mean: nullable(real()),
   overlap: nullable(real()),
+});
+
+const isOutline = record({
+  type: oneOf("outline"),
+  number: whole(),
+  points: list(isVector),
+  problem: nullable(text()),
 });
 
 const isCutPreview = record({
@@ -1446,7 +1629,35 @@ const isSecondScan = record({
   type: oneOf("second_scan"),
   scan: nullable(isScan),
   second_from_first: list(real()),
+  is_moved: flag,
   version: whole(),
+});
+
+const isRegistrationLevel = record({
+  name: text(),
+  values: list(real()),
+});
+
+const isFoundRegistration = record({
+  kind: isRegistrationKind,
+  metric: isRegistrationMetric,
+  before: real(),
+  after: real(),
+  overlap: isShare,
+  moved_mean: real(),
+  moved_most: real(),
+});
+
+const isRegistration = record({
+  type: oneOf("registration"),
+  doing: nullable(text()),
+  share: nullable(isShare),
+  curve: list(isRegistrationLevel),
+  failure: nullable(text()),
+  found: nullable(isFoundRegistration),
+  shown: oneOf("before", "after"),
+  steps: whole(),
+  undone: whole(),
 });
 
 const isPassed = record({
@@ -1465,9 +1676,11 @@ const TO_PAGE: ReadonlyMap<string, Check> = new Map([
   ["recovery", isRecovery],
   ["notice", isNotice],
   ["gap", isGap],
+  ["outline", isOutline],
   ["cut_preview", isCutPreview],
   ["needle_events", isNeedleEvents],
   ["segment_work", isSegmentWork],
   ["second_scan", isSecondScan],
+  ["registration", isRegistration],
   ["passed", isPassed],
 ]);

@@ -3,6 +3,7 @@
  * Frames: grid of each scan; patient of each [mm]. Points of the first are taken to the second's.
  */
 import { affineFromRows, columnMajor, composed, type Affine } from "./affine";
+import type { GreyBlend } from "./optics";
 import type { SecondScan } from "./protocol";
 import type { ScanFrame } from "./scan_volume";
 import type { TransferFunction } from "./transfer_function";
@@ -12,7 +13,7 @@ import type { WindowLevel } from "./window_level";
 export const fusions = ["blend", "checkerboard", "flicker"] as const;
 export type Fusion = (typeof fusions)[number];
 
-/** Colours of the second scan in slices, from black to white. In the order of `shaders/second.glsl`. */
+/** Colours of the second scan in slices, from black to white. In the order of `shaders/second_grey.glsl`. */
 export const tints = ["warm", "cool", "grey"] as const;
 export type Tint = (typeof tints)[number];
 
@@ -25,11 +26,16 @@ export interface SecondLook {
   readonly density: number;
   /** Gradient [value per mm] of a full boundary. */
   readonly edgeGradient: number;
+  /** Value of its iso-surface, and from which on there is tissue. */
+  readonly isoValue: number;
+  readonly tissueFrom: number;
+  /** Where a ray has one value. */
+  readonly windows: Readonly<Record<GreyBlend, WindowLevel>>;
   /** In slices. */
   readonly window: WindowLevel;
   readonly fusion: Fusion;
   readonly tint: Tint;
-  /** Share of the second scan, 0..1. */
+  /** Share of the second scan, 0..1, in slices, by one value of a ray, and of its iso-surface. */
   readonly opacity: number;
   /** Edge of a square of the checkerboard [mm]. */
   readonly square: number;

@@ -60,6 +60,13 @@ export const shapeChoices: readonly ShapeChoice[] = [
     withOther: false,
   },
   {
+    kind: "joint",
+    name: "Smooth with all shown",
+    does: "Rounds the borders of all shown segments together: neighbours still meet",
+    amount: lengthOf("Deviation", 2),
+    withOther: false,
+  },
+  {
     kind: "open",
     name: "Remove bridges",
     does: "Takes away what a ball does not fit into (opening)",

@@ -20,3 +20,15 @@ export function subsamplingStep(dimensions: Vec3, limits: VolumeLimits): number 
     }
   }
 }
+
+/** Scans with more values are shown coarsely first: to bring all of them takes seconds. */
+const quicklyBrought = 2 ** 25;
+/** Values of what is shown first. */
+const preview = 2 ** 22;
+
+/** The step of the coarse scan that is shown first; null where all of it, at `step`, comes quickly enough. */
+export function previewStep(dimensions: Vec3, step: number): number | null {
+  const [x, y, z] = storedDimensions(dimensions, step);
+  const edge = Math.max(...dimensions);
+  return x * y * z <= quicklyBrought ? null : subsamplingStep(dimensions, { edge, values: preview });
+}

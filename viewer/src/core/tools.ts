@@ -19,6 +19,7 @@ export const toolChoices: readonly ToolChoice[] = [
   { kind: "none", name: "Feel", key: "h", does: "the probe changes nothing" },
   { kind: "eraser", name: "Eraser", key: "e", does: "takes voxels out of a segment" },
   { kind: "adder", name: "Adder", key: "a", does: "adds voxels to a segment" },
+  { kind: "painter", name: "Paint", key: "w", does: "gives what you touch to a segment" },
   { kind: "drill", name: "Drill", key: "d", does: "removes matter by the work of your hand" },
   { kind: "needle", name: "Needle", key: "i", does: "goes into tissue where you push" },
 ];
@@ -27,6 +28,7 @@ export const toolChoices: readonly ToolChoice[] = [
 export const toolColours: Readonly<Record<ToolName, string>> = {
   eraser: "#ff7d74",
   adder: "#a9e06c",
+  painter: "#ffc95c",
   drill: "#c9a2ff",
   needle: "#d8dee6",
 };
@@ -35,10 +37,10 @@ export const toolColours: Readonly<Record<ToolName, string>> = {
 export type Works = "touched" | "touchable" | number;
 
 /** Radius of a tool at most, and of a burr [smallest voxel sides], as the engine has them. */
-const mostInVoxels: Readonly<Record<ToolName, number>> = { eraser: 32, adder: 32, drill: 16, needle: 4 };
+const mostInVoxels: Readonly<Record<ToolName, number>> = { eraser: 32, adder: 32, painter: 32, drill: 16, needle: 4 };
 /** Larger ones are hard to see past. */
-const largest: Readonly<Record<ToolName, number>> = { eraser: 25, adder: 25, drill: 10, needle: 2 };
-const usual: Readonly<Record<ToolName, number>> = { eraser: 4, adder: 4, drill: 2, needle: 0.455 };
+const largest: Readonly<Record<ToolName, number>> = { eraser: 25, adder: 25, painter: 25, drill: 10, needle: 2 };
+const usual: Readonly<Record<ToolName, number>> = { eraser: 4, adder: 4, painter: 5, drill: 2, needle: 0.455 };
 
 export interface RadiusRange {
   readonly min: number;
@@ -63,8 +65,23 @@ export function fittingRadius(kind: ToolName, spacing: Vec3, wanted: number | nu
   return Math.min(max, Math.max(min, wanted ?? usual[kind]));
 }
 
+/** A painted layer is no deeper than this [smallest voxel sides], as the engine has it. */
+const deepestInVoxels = 8;
+
+/** Depths of a painted layer that are offered: from one that holds the voxels at the surface [mm]. */
+export function depthRange(spacing: Vec3): RadiusRange {
+  const max = deepestInVoxels * Math.min(...spacing);
+  const half = Math.ceil(5 * Math.max(...spacing)) / 10;
+  return { min: Math.min(half, max), max };
+}
+
+export function fittingDepth(spacing: Vec3, wanted: number): number {
+  const { min, max } = depthRange(spacing);
+  return Math.min(max, Math.max(min, wanted));
+}
+
 /**
- * The segments that a stroke works on.
+ * The segments that a stroke works on; of a painter, those that it paints.
  *
  * @param touched the segment that is touched now, or was last; 0 before the first.
  */
@@ -76,8 +93,8 @@ export function segmentsOf(kind: ToolName, works: Works, segments: readonly Segm
   if (typeof works === "number" && has(works)) {
     return [works];
   }
-  // matter knows no segments: a burr cuts all that it meets
-  if (works === "touchable" || kind === "drill") {
+  // matter knows no segments: a burr cuts all that it meets, a painter paints it
+  if (works === "touchable" || kind === "drill" || kind === "painter") {
     return touchable;
   }
   return has(touched) ? [touched] : touchable.slice(0, 1);

@@ -28,8 +28,10 @@ export class EmptySpace {
 
   /** Bricks that hold voxels of segments that are no threshold; null where there are none. */
   setLabelled(labelled: Uint8Array | null): void {
-    this.labelled = labelled;
-    this.fill();
+    if (labelled !== this.labelled) {
+      this.labelled = labelled;
+      this.fill();
+    }
   }
 
   /** Values or labels of a box have changed, their bricks with them; what follows is uploaded. */

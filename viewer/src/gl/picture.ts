@@ -119,6 +119,7 @@ export class Picture {
     this.field?.dispose();
     this.field = new FieldTexture(volume, this.options.format ?? fieldFormatFor(this.options.support));
     this.ready = false;
+    this.refiner.drawnPieces = 0;
     this.marcher.setField(this.field, bricks);
     this.slices.follow(volume.frame);
     this.surfaces.setFrame(volume.frame);
@@ -218,7 +219,9 @@ export class Picture {
 
   /** Which slices are seen beside the 3-D view. */
   setSlices(shown: readonly ShownSlice[]): void {
-    this.slices.show(shown);
+    if (this.slices.show(shown)) {
+      this.screenStale = true;
+    }
   }
 
   setSliceLook(look: SliceLook): void {

@@ -132,6 +132,7 @@ export class RayMarcher {
       u.rangeColours.value[i]?.set(...range.colour);
     });
     this.empty.setDrawn(drawnBy(look, rescale));
+    this.second.setBlend(optics.blend);
     this.slab = optics.slab;
     this.setSlab();
     if (optics.blend !== this.mode || lit !== this.light.isUsed) {

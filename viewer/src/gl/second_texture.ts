@@ -1,16 +1,17 @@
 /**
  * The second scan on the GPU: its values in a texture of their own, and how it is shown. Keep in sync with
- * `shaders/second.glsl` and `shaders/second_tissue.glsl`.
+ * `shaders/second*.glsl`.
  */
 import * as THREE from "three";
 import type { Affine } from "../core/affine";
 import { brickEdge, distanceToFilled, filledBricks, type BrickRanges } from "../core/bricks";
-import { DrawnValues } from "../core/drawn_values";
+import { DrawnValues, type Drawn } from "../core/drawn_values";
+import { greyOf, isGrey, seenInGrey, usesTransferFunction, type Blend } from "../core/optics";
 import type { ScanFrame, ScanVolume } from "../core/scan_volume";
 import { fusions, sharesFromGrid, tints, type SecondLook } from "../core/second_scan";
-import { biasedOf, type Rescale } from "../core/stored_values";
-import { domainOf } from "../core/transfer_function";
-import { greyOf } from "../core/optics";
+import { biasedOf, physical, type Rescale } from "../core/stored_values";
+import { domainOf, sample } from "../core/transfer_function";
+import type { WindowLevel } from "../core/window_level";
 import { FieldTexture, type FieldFormat } from "./field_texture";
 import { byteTexture, transferTextures } from "./lookup_textures";
 
@@ -28,6 +29,7 @@ export class SecondTexture {
     secondTexture: { value: null as THREE.Texture | null },
     secondFromGrid: { value: new THREE.Matrix4() },
     secondGrey: { value: new THREE.Vector2() },
+    secondRayGrey: { value: new THREE.Vector2() },
     secondFusion: { value: 0 },
     secondTint: { value: 0 },
     secondOpacity: { value: 0 },
@@ -37,6 +39,9 @@ export class SecondTexture {
     secondScale: { value: new THREE.Vector2() },
     secondDensity: { value: 1 },
     secondEdge: { value: 1 },
+    secondTissueFrom: { value: 0 },
+    secondIso: { value: new THREE.Vector2() },
+    secondIsoColour: { value: new THREE.Vector3() },
     secondBricks: { value: null as THREE.Texture | null },
     secondBrickScale: { value: new THREE.Vector3() },
     secondTextureScale: { value: new THREE.Vector3(1, 1, 1) },
@@ -47,6 +52,9 @@ export class SecondTexture {
   private field: FieldTexture | null = null;
   private shown: ShownSecond | null = null;
   private ready = false;
+  private mode: Blend = "shaded";
+  /** Of what is drawn in which bricks. */
+  private filledBy = "";
 
   /** Shows another one, or the same in another way or elsewhere; null shows none. */
   set(shown: ShownSecond | null): void {
@@ -60,6 +68,16 @@ export class SecondTexture {
     this.shown = shown;
     if (shown !== null) {
       this.setLook(shown.look, shown.volume.frame.rescale);
+    }
+    this.fill();
+  }
+
+  /** Follows the way in which values along a ray become one colour. */
+  setBlend(blend: Blend): void {
+    this.mode = blend;
+    if (this.shown !== null) {
+      this.setLook(this.shown.look, this.shown.volume.frame.rescale);
+      this.fill();
     }
   }
 
@@ -107,12 +125,14 @@ export class SecondTexture {
     secondTransfer.value?.dispose();
     secondBricks.value = null;
     secondTransfer.value = null;
+    this.filledBy = "";
   }
 
   private setLook(look: SecondLook, rescale: Rescale): void {
     const u = this.uniforms;
-    const zero = greyOf(rescale.intercept - 32768 * rescale.slope, look.window);
-    u.secondGrey.value.set(rescale.slope / Math.max(look.window.window, 1e-6), zero);
+    const window = windowOf(look, this.mode);
+    u.secondGrey.value.set(...greyScale(look.window, rescale));
+    u.secondRayGrey.value.set(...greyScale(window, rescale));
     u.secondFusion.value = fusions.indexOf(look.fusion);
     u.secondTint.value = tints.indexOf(look.tint);
     u.secondOpacity.value = look.opacity;
@@ -120,9 +140,30 @@ export class SecondTexture {
     u.secondTurn.value = look.turn === "second" ? 1 : 0;
     u.secondDensity.value = look.density;
     u.secondEdge.value = look.edgeGradient / Math.max(Math.abs(rescale.slope), 1e-12);
+    u.secondTissueFrom.value = greyOf(look.tissueFrom, window);
+    u.secondIso.value.set(rescale.slope, physical(0, rescale) - look.isoValue);
+    u.secondIsoColour.value.set(...sample(look.transferFunction.points, look.isoValue).colour);
   }
 
-  private setTransferFunction({ volume, bricks, look }: ShownSecond): void {
+  /** Tells the shader which bricks hold something that is drawn in this mode. */
+  private fill(): void {
+    if (this.shown === null) {
+      return;
+    }
+    const { bricks, look, volume } = this.shown;
+    const { isoValue, transferFunction } = look;
+    const values = [this.mode, windowOf(look, this.mode), isoValue];
+    const key = JSON.stringify(usesTransferFunction(this.mode) ? transferFunction : values);
+    if (key !== this.filledBy) {
+      this.filledBy = key;
+      const drawn = drawnOf(look, this.mode, volume.frame.rescale);
+      const filled = filledBricks(bricks, (from, to) => drawn.any(from, to));
+      this.uniforms.secondBricks.value?.dispose();
+      this.uniforms.secondBricks.value = byteTexture(distanceToFilled(filled, bricks.counts), bricks.counts);
+    }
+  }
+
+  private setTransferFunction({ volume, look }: ShownSecond): void {
     const u = this.uniforms;
     const { rescale } = volume.frame;
     const { values, integrals } = transferTextures(look.transferFunction);
@@ -131,10 +172,6 @@ export class SecondTexture {
     u.secondTransfer.value = values;
     const [low = 0, high = 1] = domainOf(look.transferFunction).map((value) => biasedOf(value, rescale));
     u.secondScale.value.set(1 / (high - low), -low / (high - low));
-    const drawn = new DrawnValues(look.transferFunction, rescale);
-    const filled = filledBricks(bricks, (from, to) => drawn.any(from, to));
-    u.secondBricks.value?.dispose();
-    u.secondBricks.value = byteTexture(distanceToFilled(filled, bricks.counts), bricks.counts);
     const [x, y, z] = volume.dimensions;
     u.secondBrickScale.value.set(x / brickEdge, y / brickEdge, z / brickEdge);
     // texel centres stand at half numbers: see core/scan_volume.ts
@@ -144,4 +181,24 @@ export class SecondTexture {
     u.secondTextureScale.value.set(across / (x * step), down / (y * step), deep / (z * step));
     u.secondTextureOffset.value.set(first / x, first / y, first / z);
   }
+}
+
+/** The window where a ray has one value; any where it has not. */
+function windowOf({ windows }: SecondLook, blend: Blend): WindowLevel {
+  return isGrey(blend) ? windows[blend] : windows.mip;
+}
+
+/** Share of a window per biased value, and at 0. */
+function greyScale(window: WindowLevel, rescale: Rescale): [number, number] {
+  return [rescale.slope / Math.max(window.window, 1e-6), greyOf(physical(0, rescale), window)];
+}
+
+/** Which of its values are drawn. */
+function drawnOf(look: SecondLook, blend: Blend, rescale: Rescale): Drawn {
+  if (usesTransferFunction(blend)) {
+    return new DrawnValues(look.transferFunction, rescale);
+  }
+  const { isoValue } = look;
+  const window = windowOf(look, blend);
+  return { any: (low, high) => seenInGrey({ blend, window, isoValue }, physical(low, rescale), physical(high, rescale)) };
 }

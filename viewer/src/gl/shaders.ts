@@ -29,6 +29,8 @@ import pathVert from "./shaders/path.vert?raw";
 import projection from "./shaders/projection.glsl?raw";
 import ray from "./shaders/ray.glsl?raw";
 import second from "./shaders/second.glsl?raw";
+import secondGrey from "./shaders/second_grey.glsl?raw";
+import secondRay from "./shaders/second_ray.glsl?raw";
 import secondSlice from "./shaders/second_slice.glsl?raw";
 import secondTissue from "./shaders/second_tissue.glsl?raw";
 import segments from "./shaders/segments.glsl?raw";
@@ -48,27 +50,29 @@ function joined(...parts: readonly string[]): string {
 
 // the ray caster has one `seenAlong` for each family of blend modes
 const alongRays = `
+${secondRay}
 #if BLEND <= EMISSION
 ${transfer}
 ${solid}
-${second}
 ${secondTissue}
 ${tissue}
 #elif BLEND <= AVERAGE
+${secondGrey}
 ${projection}
 #else
+${secondGrey}
 ${solid}
 ${iso}
 #endif`;
 
 export const shaders = {
   fullscreen: joined(fullscreenVert),
-  march: joined(blends, displaced, field, segments, surfaces, light, lightVolume, clip, bricks, ray, openness, alongRays, marchFrag),
+  march: joined(blends, displaced, field, segments, surfaces, light, lightVolume, clip, bricks, second, ray, openness, alongRays, marchFrag),
   cellOpacity: joined(blends, displaced, field, segments, clip, bricks, transfer, cells, cellOpacity),
   cellLight: joined(displaced, field, segments, bricks, cells, cellLight),
   composite: joined(compositeFrag),
   anaglyph: joined(anaglyphFrag),
-  slice: joined(displaced, field, segments, second, secondSlice, sliceFrag),
+  slice: joined(displaced, field, segments, second, secondGrey, secondSlice, sliceFrag),
   gauge: { vertex: joined(gaugeVert), fragment: joined(gaugeFrag) },
   marker: { vertex: joined(markerVert), fragment: joined(markerFrag) },
   surface: { vertex: joined(displaced, surfaceVert), fragment: joined(displaced, field, clip, ownSegment, light, lightVolume, openness, surfaceFrag) },

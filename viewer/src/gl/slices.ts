@@ -90,14 +90,21 @@ export class Slices {
     this.changed();
   }
 
-  /** Which slices are seen, and where; those that are the same object as before are not drawn again. */
-  show(shown: readonly ShownSlice[]): void {
+  /**
+   * Which slices are seen, and where; those that are the same object as before are not drawn again.
+   *
+   * @returns whether any stands elsewhere than before, so that something else is to be seen where it was.
+   */
+  show(shown: readonly ShownSlice[]): boolean {
+    const places = (slices: readonly ShownSlice[]): string => JSON.stringify(slices.map(({ rect }) => rect));
+    const elsewhere = places(shown) !== places(this.shown);
     for (const slice of shown) {
       if (!this.shown.includes(slice)) {
         this.stale.add(slice.name);
       }
     }
     this.shown = shown;
+    return elsewhere;
   }
 
   setLook(look: SliceLook): void {

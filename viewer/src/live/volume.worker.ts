@@ -1,7 +1,7 @@
 /**
  * Downloads voxels and prepares them for the picture, off the page's thread.
  */
-import { brickRanges, labelledBricks } from "../core/bricks";
+import { labelledBricks, noRanges, widenRanges } from "../core/bricks";
 import { biasInPlace } from "../core/stored_values";
 import type { VolumeAnswer, VolumeRequest } from "./volume_messages";
 
@@ -9,8 +9,12 @@ function tell(answer: VolumeAnswer, transfer: Transferable[] = []): void {
   postMessage(answer, { transfer });
 }
 
-/** Receives exactly `size` bytes, with progress. */
-async function download(url: string, size: number): Promise<Uint8Array<ArrayBuffer>> {
+/** Receives exactly `size` bytes, with progress; `took` is told how many are there by now. */
+async function download(
+  url: string,
+  size: number,
+  took: (bytes: Uint8Array<ArrayBuffer>, received: number) => void = () => undefined,
+): Promise<Uint8Array<ArrayBuffer>> {
   const response = await fetch(url, { cache: "no-store" });
   if (!response.ok || response.body === null) {
     throw new Error(`the engine answered ${String(response.status)} ${response.statusText}`);
@@ -27,6 +31,7 @@ async function download(url: string, size: number): Promise<Uint8Array<ArrayBuff
     }
     bytes.set(value, received);
     received += value.length;
+    took(bytes, received);
     tell({ kind: "progress", share: received / size });
   }
   if (received < size) {
@@ -43,9 +48,20 @@ async function answer({ kind, url, dimensions }: VolumeRequest): Promise<void> {
     tell({ kind: "labels", labels }, [ids.buffer]);
     return;
   }
-  const values = new Uint16Array((await download(url, 2 * voxels)).buffer);
-  biasInPlace(values);
-  const bricks = brickRanges({ dimensions, values });
+  const bricks = noRanges(dimensions);
+  const plane = dimensions[0] * dimensions[1];
+  let done = 0;
+  // planes that are whole are worked on while the next ones are on their way
+  const bytes = await download(url, 2 * voxels, ({ buffer }, received) => {
+    const whole = Math.floor(received / (2 * plane));
+    if (whole > done) {
+      const values = new Uint16Array(buffer);
+      biasInPlace(values.subarray(plane * done, plane * whole));
+      widenRanges(bricks, { dimensions, values }, done, whole);
+      done = whole;
+    }
+  });
+  const values = new Uint16Array(bytes.buffer);
   tell({ kind: "values", values, bricks }, [values.buffer]);
 }
 

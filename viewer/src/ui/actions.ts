@@ -44,6 +44,7 @@ export interface Doors {
   /** What concerns the page as a whole. */
   readonly page: {
     readonly open: () => void;
+    readonly second: () => void;
     readonly save: () => void;
     readonly help: () => void;
     readonly palette: () => void;
@@ -207,6 +208,7 @@ function work({ undo, theme, page }: Doors): readonly Action[] {
     { group, name: "Undo", keys: ["Ctrl+Z"], run: () => { undo.undo(); } },
     { group, name: "Redo", keys: ["Ctrl+Shift+Z", "Ctrl+Y"], run: () => { undo.redo(); } },
     { group, name: "Open another scan", keys: ["Ctrl+O"], run: page.open },
+    { group, name: "Add a second scan", keys: [], run: page.second },
     { group, name: "Save the scene", keys: ["Ctrl+S"], run: page.save },
     { group, name: "All actions and their keys", keys: ["Ctrl+K"], run: page.palette },
     { group, name: "Help: mouse and keys", keys: ["?"], run: page.help },

@@ -29,6 +29,8 @@ export interface BenchScene {
 }
 
 export interface BenchDoor {
+  /** When the picture of all of the scan stood on the screen [ms since the page was opened], or null. */
+  readonly wholePicture: number | null;
   /** Pictures and strips that the GPU has drawn to the end. */
   readonly pieces: number;
   /** Turns the view about the body's long axis [rad]. */
@@ -41,6 +43,9 @@ export interface BenchDoor {
 
 export function benchDoor(stage: Stage): BenchDoor {
   return {
+    get wholePicture() {
+      return stage.wholePicture;
+    },
     get pieces() {
       return stage.drawn?.pieces ?? 0;
     },

@@ -5,13 +5,14 @@
 import { brushRange, canBePainted, firstValues, fittingBrush, paintedName, resizedBrush, type BrushHabits } from "../core/brush";
 import type { Scan, Segment } from "../core/protocol";
 import type { Vec3 } from "../core/vector";
+import { OutlineControl } from "./outline_control.svelte";
 import { recall, remember } from "./remembered";
 import type { Session } from "./session.svelte";
 
 /** As many points as one message holds. */
 const mostPoints = 64;
 
-const usual: BrushHabits = { erases: false, radius: 5, ball: false, within: false, low: 0, high: 0 };
+const usual: BrushHabits = { erases: false, way: "brush", radius: 5, ball: false, within: false, low: 0, high: 0 };
 
 export class BrushControl {
   /** Whether slices are painted where the left button is held. */
@@ -23,6 +24,10 @@ export class BrushControl {
   private chosen = $state.raw<number | null>(null);
   /** The name of a segment that was asked for, and is chosen once it is there. */
   private awaited = $state.raw<string | null>(null);
+  /** The segments that there were when it was asked for. */
+  private before: readonly Segment[] = [];
+  /** The live wire, or a level: what is painted where no stroke is. */
+  readonly outline: OutlineControl;
   private readonly session: Session;
   /** Way that the engine was not told yet, its first point the last one told. */
   private way: Vec3[] = [];
@@ -31,6 +36,7 @@ export class BrushControl {
 
   constructor(session: Session) {
     this.session = session;
+    this.outline = new OutlineControl(session, this);
   }
 
   /** Segments that can be painted. */
@@ -42,6 +48,17 @@ export class BrushControl {
     const found = segments.find(({ name }) => name === awaited) ?? segments.find(({ id }) => id === chosen);
     return found ?? segments[0] ?? null;
   });
+
+  /** Whether a person has said which segment is painted, by choosing it or by a new one. */
+  readonly hasChosen = $derived.by((): boolean => {
+    const { segments, awaited, chosen } = this;
+    return segments.some(({ id, name }) => id === chosen || name === awaited);
+  });
+
+  /** Whether a new segment was asked for and is not there yet. */
+  get awaits(): boolean {
+    return this.awaited !== null && !this.hasChosen && this.session.segments === this.before;
+  }
 
   /** Whether a press in a slice paints. */
   readonly ready = $derived.by((): boolean => this.armed && this.segment !== null);
@@ -63,6 +80,9 @@ export class BrushControl {
   }
 
   change(part: Partial<BrushHabits>): void {
+    if (part.way !== undefined) {
+      this.outline.cancel();
+    }
     this.habits = { ...this.habits, ...part };
     remember("brush", this.habits);
     if (this.session.scan !== null) {
@@ -88,12 +108,24 @@ export class BrushControl {
     const name = paintedName(this.session.segments.map((segment) => segment.name));
     this.session.send({ type: "new_segment", name });
     this.awaited = name;
+    this.before = this.session.segments;
   }
 
   /** Takes the brush, or puts it away. */
   arm(on: boolean): void {
     this.end();
+    this.outline.cancel();
     this.armed = on;
+  }
+
+  get erases(): boolean {
+    return this.habits.erases;
+  }
+
+  /** The values that alone are changed; null where all are. */
+  get values(): [number, number] | null {
+    const { within, low, high } = this.habits;
+    return within ? [Math.min(low, high), Math.max(low, high)] : null;
   }
 
   /** Begins a stroke at a point of the slice with this normal. */
@@ -132,9 +164,9 @@ export class BrushControl {
     return this.leave(false);
   }
 
-  /** Takes the stroke back, or puts the brush away where none is on. */
+  /** Takes the stroke or the outline back, or puts the brush away where none is on. */
   escape(): void {
-    if (!this.cancel()) {
+    if (!this.cancel() && !this.outline.cancel()) {
       this.arm(false);
     }
   }
@@ -157,7 +189,7 @@ export class BrushControl {
 
   /** Tells the engine of the way; its last point begins the next one. */
   private tell(): void {
-    const { erases, ball, within, low, high } = this.habits;
+    const { erases, ball } = this.habits;
     while (this.worked !== null) {
       const points = this.way.slice(0, mostPoints);
       this.session.send({
@@ -167,7 +199,7 @@ export class BrushControl {
         points,
         radius: this.radius,
         normal: ball ? null : this.normal,
-        values: within ? [Math.min(low, high), Math.max(low, high)] : null,
+        values: this.values,
       });
       this.way = this.way.slice(points.length - 1);
       if (this.way.length < 2) {

@@ -24,6 +24,7 @@ export const gestures: Readonly<Record<Group, readonly HelpRow[]>> = {
     { keys: "Ctrl + wheel, + \u2212", does: "nearer, farther" },
     { keys: "Middle drag, Ctrl + left drag", does: "move the slice" },
     { keys: "Double-click, Shift + move", does: "bring the probe there, move the hand in the slice" },
+    { keys: "Wire: Enter, Backspace", does: "close it, take its last point back" },
   ],
   Touch: [
     { keys: "Double-click", does: "bring the probe to what is seen there; an object says its name" },

@@ -19,11 +19,16 @@ export class Library {
   about = $state.raw<About | null | undefined>(null);
   /** Whether the page for opening lies over the open scan. */
   shown = $state.raw(false);
+  /** What is opened comes beside the open scan, and not in its place. */
+  beside = $state.raw(false);
   work = $state.raw<Work | null>(null);
   failure = $state.raw<string | null>(null);
   found = $state.raw<Found | null>(null);
   /** Pictures of the scans that were found, by their places in the list. */
   pictures = $state.raw<Readonly<Record<number, string>>>({});
+
+  /** Whether a scan is being opened: another one cannot be chosen meanwhile. */
+  opening = $state.raw(false);
 
   private asking: AbortController | null = null;
 
@@ -39,7 +44,12 @@ export class Library {
   }
 
   /** Shows the page for opening over the open scan. */
-  async show(): Promise<void> {
+  async show({ beside = false } = {}): Promise<void> {
+    if (beside !== this.beside) {
+      this.leaveList();
+      this.failure = null;
+      this.beside = beside;
+    }
     this.shown = true;
     const told = this.about?.told ?? [];
     await this.look();
@@ -126,8 +136,19 @@ export class Library {
   }
 
   private async exchange(wanted: object, signal: AbortSignal): Promise<void> {
-    await work("open", wanted, { token: this.token, signal }, this.take.bind(this));
-    this.reload();
+    const { beside } = this;
+    this.opening = true;
+    try {
+      await work("open", beside ? { ...wanted, beside } : wanted, { token: this.token, signal }, this.take.bind(this));
+    } finally {
+      this.opening = false;
+    }
+    if (beside) {
+      this.leaveList();
+      this.hide();
+    } else {
+      this.reload();
+    }
   }
 
   private take(line: JobLine): void {

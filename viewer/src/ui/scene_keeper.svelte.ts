@@ -52,6 +52,7 @@ export class SceneKeeper {
   async open(scan: Scan): Promise<void> {
     const view = await this.view();
     bring(scan.name, view["remembered"]);
+    this.stage.second.again();
     await this.stage.open(scan);
     const camera = saneCamera(view["camera"]);
     if (camera !== null) {

@@ -1,9 +1,10 @@
 /**
- * The second scan on the page: its values, and how a person wants it shown; remembered by its name.
+ * The second scan on the page: its values, and how a person wants it shown; remembered for the first scan.
  */
 import { transferFunctionOfCurve } from "../core/curve";
 import { curveOfPreset, presets } from "../core/curve_presets";
 import { valueAbove } from "../core/histogram";
+import { firstChoice, firstTissue, type OpticsChoice } from "../core/optics";
 import type { Scan, SecondScan } from "../core/protocol";
 import { frameOf } from "../core/scan_volume";
 import { fusions, placeOf, tints, type Fusion, type SecondLook, type Tint } from "../core/second_scan";
@@ -11,6 +12,7 @@ import { subsamplingStep } from "../core/subsampling";
 import { Unchanged } from "../core/unchanged";
 import { firstWindow, type WindowLevel } from "../core/window_level";
 import type { ShownSecond } from "../gl/second_texture";
+import { moveSecond, removeSecond } from "../live/second_requests";
 import { downloadVolume, type DownloadedScan } from "../live/volume_download";
 import { recall, remember } from "./remembered";
 
@@ -20,6 +22,11 @@ export interface SecondChoice {
   readonly inSlices: boolean;
   readonly preset: string;
   readonly density: number;
+  /** Value of its iso-surface. */
+  readonly iso: number;
+  /** Of the modes that show one value of each ray. */
+  readonly windows: OpticsChoice["windows"];
+  /** Of slices. */
   readonly window: number;
   readonly level: number;
   readonly fusion: Fusion;
@@ -39,6 +46,8 @@ const fewVoxels = 2e-4;
 
 interface Outside {
   readonly token: string;
+  /** Name of the first scan. */
+  readonly first: () => string;
   /** Largest scan that the GPU takes. */
   readonly limits: { readonly edge: number; readonly values: number };
   readonly complain: (text: string) => void;
@@ -50,6 +59,10 @@ export class SecondControl {
   choice = $state.raw<SecondChoice | null>(null);
   /** Share that has arrived; null where all has. */
   progress = $state.raw<number | null>(null);
+  /** The scan that slices show alone for now; null where they show both as was chosen. */
+  only = $state.raw<SecondLook["turn"] | null>(null);
+  /** The engine is laying it elsewhere. */
+  busy = $state.raw(false);
   private held = $state.raw<DownloadedScan | null>(null);
   private turn = $state.raw<SecondLook["turn"]>("second");
   private timer: ReturnType<typeof setInterval> | null = null;
@@ -73,7 +86,7 @@ export class SecondControl {
 
   /** All that is shown of it; null before it is here. */
   readonly shown = $derived.by((): ShownSecond | null => {
-    const { choice, held, told, turn } = this;
+    const { choice, held, told, turn, only } = this;
     const place = told === null ? null : placeOf(told);
     const scan = told?.scan ?? null;
     if (choice === null || held === null || scan === null || place === null) {
@@ -87,23 +100,54 @@ export class SecondControl {
     }
     const transferFunction = this.sameFunction.of(transferFunctionOfCurve(curve), JSON.stringify(curve));
     const edgeGradient = edgeShare * Math.abs(anchors.bone - anchors.softTissue);
-    const { inView, inSlices, density, window, level, fusion, tint, opacity, square } = choice;
+    const { inView, inSlices, density, iso, windows, window, level, fusion, tint, opacity, square } = choice;
     const inSlice = { inSlices, window: { window, level }, fusion, tint, opacity, square, turn };
-    return { ...held, place, look: { inView, transferFunction, density, edgeGradient, ...inSlice } };
+    const surface = { isoValue: iso, tissueFrom: firstTissue(anchors), windows };
+    const alone = only === null ? {} : ({ inSlices: true, fusion: "flicker", turn: only } as const);
+    return { ...held, place, look: { inView, transferFunction, density, edgeGradient, ...surface, ...inSlice, ...alone } };
   });
+
+  /** Lays it where a transform's file says; null: as its own file does. */
+  async moveBy(transform: File | null): Promise<void> {
+    await this.ask(moveSecond(this.outside.token, transform));
+  }
+
+  async remove(): Promise<void> {
+    await this.ask(removeSecond(this.outside.token));
+  }
 
   change(part: Partial<SecondChoice>): void {
     const scan = this.told?.scan ?? null;
     if (this.choice !== null && scan !== null) {
       this.choice = { ...this.choice, ...part };
-      remember(`second.${scan.name}`, this.choice);
+      remember(`second.${this.outside.first()}`, { ...this.choice, of: scan.name });
       this.follow();
+    }
+  }
+
+  /** Shows it as was remembered meanwhile. */
+  again(): void {
+    const scan = this.told?.scan ?? null;
+    if (scan !== null) {
+      this.choice = choiceFor(scan, this.outside.first());
+      this.follow();
+    }
+  }
+
+  private async ask(answer: Promise<void>): Promise<void> {
+    this.busy = true;
+    try {
+      await answer;
+    } catch (error) {
+      this.outside.complain(error instanceof Error ? error.message : String(error));
+    } finally {
+      this.busy = false;
     }
   }
 
   private async open(scan: Scan, version: number): Promise<void> {
     const frame = frameOf(scan);
-    this.choice = choiceFor(scan);
+    this.choice = choiceFor(scan, this.outside.first());
     this.held = null;
     this.progress = 0;
     const still = (): boolean => this.told?.version === version;
@@ -136,15 +180,18 @@ export class SecondControl {
   }
 }
 
-/** As it was shown last, else as fits it. */
-function choiceFor(scan: Scan): SecondChoice {
+/** As it was shown last with this first scan, else as fits it. */
+function choiceFor(scan: Scan, first: string): SecondChoice {
   const { window, level }: WindowLevel = firstWindow(scan);
-  const first: SecondChoice = {
+  const { windows } = firstChoice({ softTissue: scan.soft_tissue, bone: scan.bone }, valueAbove(scan.histogram, fewVoxels));
+  const fitting: SecondChoice = {
     inView: true,
     inSlices: true,
     preset: scan.unit === "HU" ? "CT-Bone" : "MR-Default",
     // the first scan is seen through it
     density: 0.4,
+    iso: scan.bone,
+    windows,
     window,
     level,
     fusion: "blend",
@@ -152,7 +199,7 @@ function choiceFor(scan: Scan): SecondChoice {
     opacity: 0.6,
     square: 20,
   };
-  const kept = recall(`second.${scan.name}`, first);
-  const known = fusions.includes(kept.fusion) && tints.includes(kept.tint) && presets.some(({ name }) => name === kept.preset);
-  return known ? kept : first;
+  const { of, ...kept } = recall(`second.${first}`, { ...fitting, of: "" });
+  const known = of === scan.name && fusions.includes(kept.fusion) && tints.includes(kept.tint) && presets.some(({ name }) => name === kept.preset);
+  return known ? kept : fitting;
 }

@@ -17,6 +17,8 @@ import {
   type NeedleEvent,
   type Notice,
   type Offer,
+  type Outline,
+  type Registration,
   type Scan,
   type SecondScan,
   type Segment,
@@ -88,6 +90,8 @@ export class Session {
   private readonly link: Connection;
   private listeners: readonly ((state: State) => void)[] = [];
   private secondListeners: readonly ((second: SecondScan) => void)[] = [];
+  private registrationListeners: readonly ((registration: Registration) => void)[] = [];
+  private outlineListener: (outline: Outline) => void = () => undefined;
   private editListeners: readonly ((changed: Changed, arrived: number) => void)[] = [];
   /** Settings are shown as the engine holds them, and are kept for the next visit. */
   settingsHold = false;
@@ -136,6 +140,16 @@ export class Session {
   /** Calls back with what is told of a second scan. */
   onSecond(listener: (second: SecondScan) => void): void {
     this.secondListeners = [...this.secondListeners, listener];
+  }
+
+  /** Calls back with what is told of the second scan's registration. */
+  onRegistration(listener: (registration: Registration) => void): void {
+    this.registrationListeners = [...this.registrationListeners, listener];
+  }
+
+  /** Calls back with outlines that were asked for. */
+  onOutline(listener: (outline: Outline) => void): void {
+    this.outlineListener = listener;
   }
 
   /** Calls back with every edit that arrives, and when it did. */
@@ -240,6 +254,11 @@ export class Session {
           listener(message);
         }
         break;
+      case "registration":
+        for (const listener of this.registrationListeners) {
+          listener(message);
+        }
+        break;
       case "recovery":
         this.offer = message.offer;
         break;
@@ -256,6 +275,9 @@ export class Session {
         break;
       case "gap":
         this.gap = message;
+        break;
+      case "outline":
+        this.outlineListener(message);
         break;
       case "cut_preview":
         this.cutPreview = message;

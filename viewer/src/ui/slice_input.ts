@@ -1,5 +1,8 @@
 /**
- * The mouse over a slice: with the brush left drag paints, and Shift + wheel, [ and ] change its radius. Else left drag moves the crosshair, a click says what is there, sets a point of a mark or grows a region, right drag sets window and level, middle or
+ * The mouse over a slice: with the brush left drag paints, and Shift + wheel, [ and ] change its radius; with the
+ * live wire a click sets a point, a double click or Enter closes it, Backspace takes a point back; a level is painted
+ * by a click. Else left drag moves the crosshair, a click says what is there, sets a point of a mark or of a pair, or
+ * grows a region, right drag sets window and level, middle or
  * Ctrl + left drag moves the picture, the wheel goes through the slices and zooms with Ctrl. Shift + move,
  * or any move in touch mode, leads the hand in the plane; a double click brings the probe there.
  * With the focus, arrows up and down go through the slices, + and − zoom.
@@ -9,6 +12,7 @@ import { pointOnSlice, type SliceName, type SlicePlane } from "../core/slice_pla
 import { addScaled, type Vec3 } from "../core/vector";
 import type { HandControl } from "./hand_control.svelte";
 import { clickReach, wheelPixels } from "./pointer_input";
+import type { OutlineControl } from "./outline_control.svelte";
 import type { SliceControl } from "./slice_control.svelte";
 import type { Stage } from "./stage.svelte";
 
@@ -62,11 +66,12 @@ export class SliceInput {
     on("pointerleave", () => {
       this.last = null;
       this.pointed(null);
+      this.outline?.leave();
     });
     on("click", this.click.bind(this));
     on("dblclick", (event) => {
       const point = this.pointAt(event);
-      if (point !== null && !this.marked && !this.brushes) {
+      if (this.outline?.close() !== true && point !== null && !this.marked && !this.brushes) {
         this.stage.readOut.close();
         this.hand.place(point);
       }
@@ -105,19 +110,19 @@ export class SliceInput {
     } else if (event.button === 1 || event.ctrlKey) {
       this.drag = "pan";
       event.preventDefault();
-    } else if (event.button === 0 && this.brushes) {
+    } else if (event.button === 0 && this.brushes && this.outline === null) {
       const { plane } = this;
       const point = this.pointAt(event);
       if (plane !== null && point !== null) {
         this.drag = "paint";
         this.stage.brush.begin(point, plane.toward);
       }
-    } else if (event.button === 0 && !this.leads(event) && !this.marking) {
+    } else if (event.button === 0 && !this.leads(event) && !this.marking && this.outline === null) {
       this.drag = "crosshair";
       this.moveCrosshair(event);
     }
     this.last = [event.clientX, event.clientY];
-    this.pressed = event.button === 0 && (this.drag === "crosshair" || this.marking) ? this.last : null;
+    this.pressed = event.button === 0 && (this.drag === "crosshair" || this.marking || this.outlines(event)) ? this.last : null;
   }
 
   private move(event: PointerEvent): void {
@@ -142,6 +147,16 @@ export class SliceInput {
       this.slices.pan(this.name, x, y);
     } else if (this.leads(event)) {
       this.leadHand(x, y);
+    } else {
+      this.show(event);
+    }
+  }
+
+  /** Shows where an outline would go. */
+  private show(event: PointerEvent): void {
+    const [{ plane }, point] = [this, this.pointAt(event)];
+    if (plane !== null && point !== null) {
+      this.outline?.point(this.name, point, plane.toward);
     }
   }
 
@@ -162,12 +177,16 @@ export class SliceInput {
       return;
     }
     this.pressed = null;
-    const { growing, marks, readOut } = this.stage;
-    this.marked = marks.placing !== null;
-    if (this.marked) {
+    const { growing, marks, readOut, registration } = this.stage;
+    this.marked = this.marking;
+    if (registration.placing !== null) {
+      registration.put(point);
+    } else if (this.marked) {
       marks.put(point);
     } else if (growing.armed) {
       growing.from(point);
+    } else if (this.outline !== null) {
+      this.outline.click(this.name, point, this.plane?.toward ?? [0, 0, 1]);
     } else {
       const name = this.stage.segmentAt(point)?.name ?? null;
       readOut.show({ pane: this.name, point, value: this.stage.valueAt(point), name });
@@ -175,12 +194,23 @@ export class SliceInput {
   }
 
   private get marking(): boolean {
-    return this.stage.marks.placing !== null;
+    return this.stage.marks.placing !== null || this.stage.registration.placing !== null;
   }
 
   /** Whether the left button paints: what waits for a click comes first. */
   private get brushes(): boolean {
     return this.stage.brush.ready && !this.marking && !this.stage.growing.armed;
+  }
+
+  /** What draws outlines by clicks; null where the left button does something else. */
+  private get outline(): OutlineControl | null {
+    const { habits, outline } = this.stage.brush;
+    return this.brushes && habits.way !== "brush" ? outline : null;
+  }
+
+  /** Whether a press may be a click that draws an outline. */
+  private outlines(event: MouseEvent): boolean {
+    return this.outline !== null && this.drag === null && !event.ctrlKey;
   }
 
   /** Whether moves of the mouse lead the hand. */
@@ -227,6 +257,15 @@ export class SliceInput {
     const slices = { ArrowUp: 1, ArrowDown: -1, PageUp: 10, PageDown: -10 }[event.key];
     const size = this.brushes ? { "[": -1, "]": 1 }[event.key] : undefined;
     const factor = { "+": 1 / zoomStep, "=": 1 / zoomStep, "-": zoomStep }[event.key];
+    const drawn = this.outline !== null ? { Enter: "close", Backspace: "back" }[event.key] : undefined;
+    if (drawn !== undefined) {
+      const does = drawn === "close" ? this.outline?.close() : this.outline?.back();
+      if (does === true) {
+        event.preventDefault();
+        event.stopPropagation();
+      }
+      return;
+    }
     if (event.ctrlKey || event.metaKey || (slices === undefined && factor === undefined && size === undefined)) {
       return;
     }

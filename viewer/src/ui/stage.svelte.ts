@@ -26,6 +26,7 @@ import type { Look } from "../core/look";
 import { PathTrail } from "../core/path_trail";
 import { valueInVoxel } from "../core/field";
 import type { Panes } from "../core/picture_layout";
+import type { Fusion } from "../core/second_scan";
 import { unmoved } from "../core/object_pose";
 import { surfaceCrossings } from "../core/pick_patches";
 import { pickSurface, type Picked } from "../core/pick_surface";
@@ -34,7 +35,7 @@ import { frameOf, type ScanVolume } from "../core/scan_volume";
 import { drawnAsSurface, drawnFromVoxels, drawnKey, LastRanges, rangesInside, showable, shownRanges } from "../core/shown_segments";
 import { toolColours } from "../core/tools";
 import { biasedRange } from "../core/stored_values";
-import { subsamplingStep } from "../core/subsampling";
+import { previewStep, subsamplingStep } from "../core/subsampling";
 import { Unchanged } from "../core/unchanged";
 import type { Vec3 } from "../core/vector";
 import type { GpuSupport } from "../gl/gpu_support";
@@ -51,6 +52,7 @@ import { LookControl } from "./look_control.svelte";
 import { PageSteps } from "./page_steps.svelte";
 import { Player, type ShownTouch } from "./player.svelte";
 import { ReadOut } from "./read_out.svelte";
+import { RegistrationControl } from "./registration_control.svelte";
 import { recall, remember } from "./remembered";
 import type { Session } from "./session.svelte";
 import { SecondControl } from "./second_control.svelte";
@@ -109,13 +111,19 @@ export class Stage {
   readonly readOut = new ReadOut();
   /** A second scan that is shown with the first. */
   readonly second: SecondControl;
-  /** Steps of marks and clipping, in their order. */
+  /** How it is brought to the first. */
+  readonly registration: RegistrationControl;
+  /** Steps of marks, clipping and registration, in their order. */
   readonly steps: PageSteps;
   /** Points, distances and angles that a person has set. */
   readonly marks: MarkControl;
   framesPerSecond = $state.raw(0);
-  /** When the first picture stood on the screen [ms since the page was opened]. */
+  /** When the first picture stood on the screen, of a large scan a coarse one [ms since the page was opened]. */
   firstPicture = $state.raw<number | null>(null);
+  /** When that of all of the scan did. */
+  wholePicture = $state.raw<number | null>(null);
+  /** A coarse picture stands for the scan that is on its way. */
+  previewed = $state.raw(false);
 
   drawingSuspended = false;
 
@@ -136,6 +144,10 @@ export class Stage {
   private frames = 0;
   private countedAt = 0;
   private request = 0;
+  /** Called once the coarse picture stands on the screen. */
+  private previewShown: (() => void) | null = null;
+  /** The view of it, unless a person turns it. */
+  private previewCamera: Camera | null = null;
 
   constructor(
     private readonly session: Session,
@@ -155,12 +167,20 @@ export class Stage {
     this.player = new Player(session);
     this.second = new SecondControl({
       token,
+      first: () => session.scan?.name ?? "",
       limits: { edge: support.largestEdge, values: mostValues },
       complain: (text) => {
         session.notify("error", text);
       },
     });
-    session.onSecond((told) => void this.second.take(told));
+    this.registration = new RegistrationControl(session, this.second, { steps: this.steps, token });
+    session.onSecond((told) => {
+      this.registration.follow(told.scan?.name ?? null);
+      void this.second.take(told);
+    });
+    session.onRegistration((told) => {
+      this.registration.take(told);
+    });
     this.handed = new HandedViews(this, support.software);
     this.edits = new ShownEdits({
       complain: (text) => {
@@ -191,7 +211,27 @@ export class Stage {
   /** Takes the brush and shows slices to paint in, or puts it away. */
   toggleBrush(): void {
     this.brush.arm(!this.brush.armed);
-    if (this.brush.armed && this.slices.habits.layout === "view") {
+    if (this.brush.armed) {
+      this.showSlices();
+    }
+  }
+
+  /** Waits for clicks on pairs of points, and shows slices to set them in. */
+  placePairs(): void {
+    this.marks.cancel();
+    this.growing.armed = false;
+    this.registration.startPair();
+    this.showSlices();
+  }
+
+  /** Shows both scans by a fusion in slices. */
+  compare(fusion: Fusion): void {
+    this.second.change({ inSlices: true, fusion });
+    this.showSlices();
+  }
+
+  private showSlices(): void {
+    if (this.slices.habits.layout === "view") {
       this.slices.change({ layout: "four" });
     }
   }
@@ -261,6 +301,10 @@ export class Stage {
     this.marks.open(scan);
     this.readOut.close();
     try {
+      await this.showCoarsely(scan, step, request);
+      if (request !== this.request) {
+        return;
+      }
       const { volume, bricks } = await downloadVolume(scanFrame, step, this.token, (share) => {
         this.progress = request === this.request ? 0.9 * share : this.progress;
       });
@@ -272,6 +316,32 @@ export class Stage {
         this.failure = messageOf(error);
       }
     }
+  }
+
+  /** Shows a large scan coarsely while all of it is on its way; what else the page does waits for that. */
+  private async showCoarsely(scan: Scan, step: number, request: number): Promise<void> {
+    this.previewed = false;
+    this.previewCamera = null;
+    const scanFrame = frameOf(scan);
+    const coarse = previewStep(scanFrame.dimensions, step);
+    // what is not seen is not drawn
+    if (coarse === null || document.hidden) {
+      return;
+    }
+    const { volume, bricks } = await downloadVolume(scanFrame, coarse, this.token, () => undefined);
+    const { picture, look } = this;
+    if (request !== this.request || picture === null || look === null) {
+      return;
+    }
+    this.measure(volume, bricks, scan);
+    this.resetView();
+    this.previewCamera = this.camera;
+    picture.setScan(volume, bricks);
+    picture.setLook(look);
+    picture.setSegments(this.segments, this.looks.inside);
+    await new Promise<void>((shown) => {
+      this.previewShown = shown;
+    });
   }
 
   /** Segments as the picture can show them now. */
@@ -465,14 +535,21 @@ export class Stage {
   private show(volume: ScanVolume, bricks: BrickRanges, scan: Scan): void {
     this.volume = volume;
     this.bricks = bricks;
+    this.measure(volume, bricks, scan);
+    if (this.previewCamera === null || this.camera === this.previewCamera) {
+      this.resetView();
+    }
+    this.fillPicture();
+    this.showLabels(this.session.segments, this.session.labels);
+  }
+
+  /** Finds where the body stands in the scan. */
+  private measure(volume: ScanVolume, bricks: BrickRanges, scan: Scan): void {
     const air = scan.soft_tissue - 1.5 * (scan.bone - scan.soft_tissue);
     const [low, high] = biasedRange(air, Math.max(scan.range[1], air), volume.frame.rescale);
     const { frame: scanFrame, step } = volume;
     const hull = contentHull(bricks, step, scanFrame.spacing, (from, to) => from <= high && low <= to);
     this.extent = extentOf(hull.map((point) => transformPoint(scanFrame.sceneFromGrid, point)));
-    this.resetView();
-    this.fillPicture();
-    this.showLabels(this.session.segments, this.session.labels);
   }
 
   /** Makes the picture, also anew after the graphics were reset. */
@@ -482,6 +559,7 @@ export class Stage {
     }
     this.picture?.dispose();
     this.picture = null;
+    this.endPreview();
     try {
       this.picture = new Picture(this.canvas, { support: this.support, mostPixelRatio: this.support.software ? 1 : 2 });
     } catch (error) {
@@ -594,14 +672,27 @@ export class Stage {
     }
   }
 
+  /** What waits for the coarse picture goes on. */
+  private endPreview(): void {
+    this.previewShown?.();
+    this.previewShown = null;
+  }
+
   private followUpload(picture: Picture): void {
+    if (this.previewShown !== null && picture.hasPicture) {
+      this.firstPicture ??= performance.now();
+      this.previewed = true;
+      this.endPreview();
+    }
     if (this.progress === null || this.volume === null) {
       return;
     }
     this.progress = 0.9 + 0.1 * picture.uploaded;
     if (picture.hasPicture) {
       this.progress = null;
-      this.firstPicture ??= performance.now();
+      this.previewed = false;
+      this.wholePicture ??= performance.now();
+      this.firstPicture ??= this.wholePicture;
     }
   }
 
@@ -618,6 +709,7 @@ export class Stage {
 const toolPaints = {
   eraser: srgbFromHex(toolColours.eraser),
   adder: srgbFromHex(toolColours.adder),
+  painter: srgbFromHex(toolColours.painter),
   drill: srgbFromHex(toolColours.drill),
   needle: srgbFromHex(toolColours.needle),
 } as const;

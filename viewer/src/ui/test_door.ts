@@ -5,7 +5,7 @@ import type { Letter } from "../core/anatomy";
 import { pixelSizeAt, type Camera } from "../core/camera";
 import type { Mark } from "../core/measure";
 import type { Picked } from "../core/pick_surface";
-import { decodeToPage, type Scan, type SecondScan, type Settings, type State } from "../core/protocol";
+import { decodeToPage, type Registration, type Scan, type SecondScan, type Settings, type State } from "../core/protocol";
 import type { Vec3 } from "../core/vector";
 import { benchDoor, type BenchDoor } from "./bench_door";
 import type { ShownSlice } from "../gl/slices";
@@ -17,9 +17,9 @@ import type { EditTimes } from "./shown_edits.svelte";
 import type { Stage } from "./stage.svelte";
 
 export interface TestDoor {
-  /** When the first picture stood on the screen [ms since the page was opened], or null. */
+  /** When the first picture stood on the screen [ms since the page was opened], or null; it may be coarse. */
   readonly firstPicture: number | null;
-  /** The picture is there and the engine is connected. */
+  /** The picture of all of the scan is there and the engine is connected. */
   readonly ready: boolean;
   /** The picture is as fine as it gets. */
   readonly finished: boolean;
@@ -77,6 +77,8 @@ export interface TestDoor {
   readonly bench: BenchDoor;
   /** The second scan, as the engine has told; null where there is none. */
   readonly second: SecondScan | null;
+  /** How far its registration is; null before the engine has told. */
+  readonly registration: Registration | null;
   /** Points, distances and angles that were set. */
   readonly marks: readonly Mark[];
 }
@@ -93,7 +95,7 @@ export function openTestDoor(session: Session, stage: Stage, hand: HandControl, 
       return stage.firstPicture;
     },
     get ready() {
-      return stage.firstPicture !== null && session.connection.kind === "open" && session.latest !== null;
+      return stage.wholePicture !== null && session.connection.kind === "open" && session.latest !== null;
     },
     get finished() {
       return stage.quality?.finished ?? false;
@@ -171,6 +173,7 @@ export function openTestDoor(session: Session, stage: Stage, hand: HandControl, 
     get second() {
       return stage.second.told;
     },
+    get registration() { return stage.registration.told; },
     get marks() {
       return stage.marks.all;
     },

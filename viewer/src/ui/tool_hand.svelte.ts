@@ -6,6 +6,7 @@ import type { Segment, State, TissueName, ToolKind } from "../core/protocol";
 import { fittingRadius, segmentsOf, type ToolName, type Works } from "../core/tools";
 import { recall, remember } from "./remembered";
 import type { Session } from "./session.svelte";
+import type { TouchPaint } from "./touch_paint.svelte";
 
 type Radii = Partial<Record<ToolName, number>>;
 
@@ -22,12 +23,20 @@ export class ToolHand {
   private touched = 0;
   /** What the engine was told last, as text. */
   private told = "";
+  /** What is to be done once there is a segment to paint with. */
+  private waiting: "tool" | "stroke" | null = null;
   /** The probe's radius before it took that of the burr [mm]; null where it has its own. */
   private ownRadius: number | null = null;
 
-  constructor(private readonly session: Session) {
+  constructor(
+    private readonly session: Session,
+    readonly paint: TouchPaint,
+  ) {
     session.onState((state) => {
       this.follow(state);
+    });
+    paint.onChange(() => {
+      this.tell();
     });
   }
 
@@ -42,7 +51,9 @@ export class ToolHand {
   choose(kind: ToolKind): void {
     this.release();
     this.kind = kind;
-    this.tell();
+    if (this.isPrepared("tool")) {
+      this.tell();
+    }
     this.fitProbe();
   }
 
@@ -76,18 +87,28 @@ export class ToolHand {
     if (this.kind === "none") {
       return false;
     }
-    if (!this.pressed && this.tell()) {
+    if (!this.pressed && this.isPrepared("stroke") && this.tell()) {
       this.pressed = true;
+      if (this.kind === "painter") {
+        this.paint.makeTouchable();
+      }
       this.session.send({ type: "stroke", on: true });
     }
     return true;
   }
 
   release(): void {
+    this.waiting &&= "tool";
     if (this.pressed) {
       this.pressed = false;
       this.session.send({ type: "stroke", on: false });
     }
+  }
+
+  /** Whether there is what the tool needs; else that comes first, and then what is wanted. */
+  private isPrepared(wanted: "tool" | "stroke"): boolean {
+    this.waiting = this.kind === "painter" && !this.paint.prepare() ? wanted : null;
+    return this.waiting === null;
   }
 
   /** Tells the engine what is chosen, where it does not know; false where there is nothing to work on. */
@@ -98,10 +119,11 @@ export class ToolHand {
       this.session.notify("info", nothingToWorkOn(kind));
       return false;
     }
-    const text = JSON.stringify([this.session.greetings, kind, radius, segments, tissues]);
+    const how = kind === "painter" ? this.paint.how : { depth: null, overlaps: false };
+    const text = JSON.stringify([this.session.greetings, kind, radius, segments, tissues, how]);
     if (text !== this.told) {
       this.told = text;
-      this.session.send({ type: "tool", kind, radius: kind === "none" ? 1 : radius, segments, tissues });
+      this.session.send({ type: "tool", kind, radius: kind === "none" ? 1 : radius, segments, tissues, ...how });
     }
     return true;
   }
@@ -112,6 +134,9 @@ export class ToolHand {
     const { segments } = this.session;
     if (kind === "none") {
       return [[], []];
+    }
+    if (kind === "painter") {
+      return [[...this.paint.worked(works)], []];
     }
     if (kind !== "needle") {
       return [[...segmentsOf(kind, works, segments, touched)], []];
@@ -147,11 +172,25 @@ export class ToolHand {
     if (state.touched !== 0) {
       this.touched = state.touched;
     }
+    const { waiting } = this;
+    if (waiting !== null && this.paint.ready) {
+      this.waiting = null;
+      if (waiting === "stroke") {
+        this.press();
+      } else {
+        this.tell();
+      }
+    }
   }
 }
 
 function nothingToWorkOn(kind: ToolKind): string {
-  return kind === "needle"
-    ? "Nothing here is soft for the needle: choose a tissue for a segment that can be touched."
-    : "There is no segment to work on: add one by a threshold.";
+  switch (kind) {
+    case "needle":
+      return "Nothing here is soft for the needle: choose a tissue for a segment that can be touched.";
+    case "painter":
+      return "There is nothing to paint: it takes a segment that can be touched, and another one to paint with.";
+    default:
+      return "There is no segment to work on: add one by a threshold.";
+  }
 }

@@ -3,7 +3,7 @@ import { withDrill } from "../../src/core/contact_sound";
 import { formatMoment } from "../../src/core/format";
 import type { Segment } from "../../src/core/protocol";
 import { LastRanges } from "../../src/core/shown_segments";
-import { fittingRadius, formatLoad, formatRemoved, loadShare, radiusRange, segmentsOf } from "../../src/core/tools";
+import { depthRange, fittingDepth, fittingRadius, formatLoad, formatRemoved, loadShare, radiusRange, segmentsOf } from "../../src/core/tools";
 
 function segment(id: number, touchable = true, range: Segment["range"] = null): Segment {
   return {
@@ -63,6 +63,13 @@ test("radii reach a voxel from everywhere and stay within what the engine takes"
   // where not even that fits, the largest that does
   const { min, max } = radiusRange("eraser", [0.05, 5, 5]);
   expect(min).toBe(max);
+});
+
+test("a painter paints all that can be touched, no deeper than the engine does", () => {
+  expect(segmentsOf("painter", "touched", all, 5)).toEqual([2, 5]);
+  expect(segmentsOf("painter", 5, all, 2)).toEqual([5]);
+  expect(depthRange([0.5, 0.5, 2])).toEqual({ min: 1, max: 4 });
+  expect([0.1, 3, 9].map((depth) => fittingDepth([0.5, 0.5, 2], depth))).toEqual([1, 3, 4]);
 });
 
 test("what was removed, and the load, are told in units that can be read", () => {

@@ -8,6 +8,7 @@ export function scanOf(dimensions: Vec3, spacing: Vec3, origin: Vec3 = [0, 0, 0]
   const [x, y, z] = spacing;
   return {
     name: "test",
+    title: "test",
     modality: "CT",
     unit: "HU",
     dimensions,
@@ -17,6 +18,7 @@ export function scanOf(dimensions: Vec3, spacing: Vec3, origin: Vec3 = [0, 0, 0]
     intercept: 0,
     range: [-1024, 3071],
     histogram: { low: -1024, high: 3071, counts: [1] },
+    presets: [],
     soft_tissue: 40,
     bone: 250,
     orientation_known: true,

@@ -5,6 +5,7 @@
 import { afterAll, beforeAll, expect, test } from "vitest";
 import { transformPoint, transformVector, type Affine } from "../../src/core/affine";
 import { rayThrough } from "../../src/core/camera";
+import { linearFromSrgb } from "../../src/core/colour";
 import { throughBox } from "../../src/core/pick_surface";
 import { frameOf } from "../../src/core/scan_volume";
 import { scale, type Vec3 } from "../../src/core/vector";
@@ -30,7 +31,7 @@ function second(test: SecondTest): Promise<MarchResult[]> {
 
 const first = frameOf(scanOf([48, 48, 48], [1, 1, 1]));
 
-/** Lengths of the rays in the first scan, and in what of it the second fills, up to `end` of its voxels along x [mm]. */
+/** Lengths of the rays in the first scan and in the second, up to `end` of its voxels along x [mm]. */
 function lengths(result: MarchResult, place: Affine, end = 40): { readonly first: number; readonly second: number }[] {
   const inFirst = raysOf(result, first);
   return inFirst.map(({ span }, i) => {
@@ -39,8 +40,8 @@ function lengths(result: MarchResult, place: Affine, end = 40): { readonly first
     // voxels of 0.5 mm
     const origin: Vec3 = scale(transformPoint(place, ray.origin), 2);
     const other = throughBox(origin, scale(transformVector(place, ray.direction), 2), [end, 40, 40]);
-    const both = span === null || other === null ? 0 : Math.max(0, Math.min(span[1], other[1]) - Math.max(span[0], other[0]));
-    return { first: span === null ? 0 : span[1] - span[0], second: both };
+    const length = (part: readonly [number, number] | null): number => (part === null ? 0 : Math.max(0, part[1] - part[0]));
+    return { first: length(span), second: length(other) };
   });
 }
 
@@ -51,11 +52,15 @@ function alike(drawn: readonly number[], expected: readonly number[], within: nu
 
 const turned: Affine = [0.8, -0.6, 0, 6, 0.6, 0.8, 0, -24, 0, 0, 1, -10];
 const straight: Affine = [1, 0, 0, -6, 0, 1, 0, -6, 0, 0, 1, -20];
+/** Half out of the first scan's face toward the viewer, and wholly before it. */
+const outward: Affine = [1, 0, 0, -6, 0, 1, 0, 10, 0, 0, 1, -20];
+const before: Affine = [1, 0, 0, -14, 0, 1, 0, 25, 0, 0, 1, -14];
+const places = [turned, straight, outward, before];
 
-test.each([1, 2])("a second scan absorbs where its matrix puts it, and follows it; subsampled by %d", async (step) => {
+test.each([1, 2])("a second scan absorbs where its matrix puts it, also beside the first, and follows it; subsampled by %d", async (step) => {
   const extinction = 0.06;
-  const results = await second({ places: [turned, straight], blend: "composite", first: 0, second: extinction, step });
-  [turned, straight].forEach((place, i) => {
+  const results = await second({ places, blend: "composite", first: 0, second: extinction, step });
+  places.forEach((place, i) => {
     const result = results[i];
     if (result === undefined) {
       throw new Error("no picture");
@@ -70,16 +75,61 @@ test.each([1, 2])("a second scan absorbs where its matrix puts it, and follows i
   });
 });
 
-test("both absorb where both are, each with its own colour", async () => {
-  const [result] = await second({ places: [straight], blend: "composite", first: 0.02, second: 0.06 });
-  if (result === undefined) {
+test("both absorb where they are, each with its own colour", async () => {
+  const results = await second({ places, blend: "composite", first: 0.02, second: 0.06 });
+  places.forEach((place, i) => {
+    const result = results[i];
+    if (result === undefined) {
+      throw new Error("no picture");
+    }
+    const expected = lengths(result, place).map((length) => 1 - Math.exp(-0.02 * length.first - 0.06 * length.second));
+    expect(alike(channel(result, 3), expected, 0.02)).toBeGreaterThan(0.995);
+    const middle = 4 * (edge / 2 + edge * (edge / 2));
+    expect(result.pixels[middle]).toBeGreaterThan(0.1);
+    expect(result.pixels[middle + 2]).toBeGreaterThan(0.1);
+  });
+});
+
+test.each(["mip", "minip", "average"] as const)("in mode %s each scan has its value, the second over the first", async (blend) => {
+  // of values that are all alike: the first's share of its window is 0.65, the second's 0.5
+  const results = await second({ places, blend, first: 0.02, second: 0.06, opacity: 0.4 });
+  places.forEach((place, i) => {
+    const result = results[i];
+    if (result === undefined) {
+      throw new Error("no picture");
+    }
+    const share = lengths(result, place).map((length) => {
+      const first = length.first > 0 ? 0.65 : 0;
+      return length.second > 0 ? 0.6 * first + 0.4 * 0.5 : first;
+    });
+    expect(new Set(share).size).toBeGreaterThan(2);
+    expect(alike(channel(result, 3), share, 0.01)).toBeGreaterThan(0.97);
+    expect(alike(channel(result, 0), share.map((s) => linearFromSrgb([s, s, s])[0]), 0.01)).toBeGreaterThan(0.97);
+  });
+});
+
+test("its iso-surface is seen through before that of the first, and hidden behind it", async () => {
+  const all = [before, outward, straight];
+  const [shown, out, hidden] = await second({ places: all, blend: "iso", first: 0.02, second: 0.06, opacity: 0.4, isoValue: 50 });
+  const [alone] = await second({ places: [before], blend: "iso", first: 0, second: 0.06, opacity: 0.4, isoValue: 50 });
+  if (shown === undefined || out === undefined || hidden === undefined || alone === undefined) {
     throw new Error("no picture");
   }
-  const expected = lengths(result, straight).map((length) => 1 - Math.exp(-0.02 * length.first - 0.06 * length.second));
-  expect(alike(channel(result, 3), expected, 0.02)).toBeGreaterThan(0.995);
-  const middle = 4 * (edge / 2 + edge * (edge / 2));
-  expect(result.pixels[middle]).toBeGreaterThan(0.1);
-  expect(result.pixels[middle + 2]).toBeGreaterThan(0.1);
+  expect(alike(channel(alone, 3), lengths(alone, before).map((length) => (length.second > 0 ? 0.4 : 0)), 0.01)).toBeGreaterThan(0.98);
+  const opaque = lengths(shown, before).map((length) => (length.first > 0 ? 1 : length.second > 0 ? 0.4 : 0));
+  expect(alike(channel(shown, 3), opaque, 0.01)).toBeGreaterThan(0.98);
+  // its colour is blue, that of the first red
+  const blue = (result: MarchResult, place: Affine): number[] => {
+    const met = lengths(result, place).map((length) => length.first > 0 && length.second > 0);
+    return channel(result, 2).filter((_, i) => met[i] === true);
+  };
+  for (const [result, place] of [[shown, before], [out, outward]] as const) {
+    const seen = blue(result, place);
+    expect(seen.filter((light) => light > 0.1).length / seen.length).toBeGreaterThan(0.95);
+  }
+  // a highlight of the first is white
+  const seen = blue(hidden, straight);
+  expect(seen.filter((light) => light < 0.1).length / seen.length).toBeGreaterThan(0.95);
 });
 
 test("what is empty of the second scan is leapt over, and nothing else", async () => {

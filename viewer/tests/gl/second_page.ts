@@ -25,6 +25,10 @@ export interface SecondTest {
   /** Half of the second scan holds nothing. */
   readonly half?: boolean;
   readonly step?: number;
+  /** Share of the second scan where a ray has one value, and of its iso-surface. */
+  readonly opacity?: number;
+  /** Value of the first scan's iso-surface. */
+  readonly isoValue?: number;
 }
 
 const edge = 96;
@@ -56,22 +60,26 @@ export function second(test: SecondTest): MarchResult[] {
     ranges: [],
     edgeGradient: 40,
     lighting: { ...firstLighting, edges: 0 },
-    optics: { ...shadedOptics, blend: test.blend },
+    optics: { ...shadedOptics, blend: test.blend, isoValue: test.isoValue ?? shadedOptics.isoValue },
   });
   const extent = extentOf([0, 1, 2, 3, 4, 5, 6, 7].map((i) => [i & 1 ? size : 0, i & 2 ? size : 0, i & 4 ? size : 0]));
   const camera = lookFrom("A", extent, { width: edge, height: edge });
   marcher.setCamera(camera, extent, 1);
   const other = volumeOf(scanOf([40, 40, 40], [0.5, 0.5, 0.5]), ([x]) => (test.half === true && x > 20 ? air : inside), test.step ?? 1);
+  const grey = { window: 400, level: inside };
   const look: SecondLook = {
     inView: true,
     inSlices: true,
     transferFunction: everywhere(test.second, [0, 0, 1]),
     density: 1,
     edgeGradient: 40,
+    isoValue: 0,
+    tissueFrom: -300,
+    windows: { mip: grey, minip: grey, average: grey },
     window: { window: 400, level: 40 },
     fusion: "blend",
-    tint: "warm",
-    opacity: 1,
+    tint: "grey",
+    opacity: test.opacity ?? 1,
     square: 20,
     turn: "second",
   };

@@ -1,7 +1,7 @@
 /** The brush in a person's hand: what the engine is told of a stroke, and when. */
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import { brushRange, canBePainted, firstValues, fittingBrush, paintedName, resizedBrush } from "../../src/core/brush";
-import type { FromPage, Scan } from "../../src/core/protocol";
+import type { FromPage, Outline, Scan } from "../../src/core/protocol";
 import { BrushControl } from "../../src/ui/brush_control.svelte";
 import type { Session } from "../../src/ui/session.svelte";
 
@@ -26,14 +26,20 @@ afterEach(() => {
   vi.unstubAllGlobals();
 });
 
+let answer: (outline: Outline) => void = () => undefined;
+
 function taken(): BrushControl {
   const segments = [
     { id: 3, name: "plate", grid: [1], pose: null },
     { id: 4, name: "liver", grid: null, pose: null },
     { id: 5, name: "spleen", grid: null, pose: null },
   ];
+  const notify = (): void => undefined;
+  const onOutline = (listener: (outline: Outline) => void): void => {
+    answer = listener;
+  };
   const send = (message: FromPage): unknown => sent.push(message);
-  const brush = new BrushControl({ scan, segments, send } as unknown as Session);
+  const brush = new BrushControl({ scan, segments, send, onOutline, notify, greetings: 1 } as unknown as Session);
   brush.open(scan);
   brush.arm(true);
   return brush;
@@ -117,4 +123,75 @@ test("what stands elsewhere than the scan's voxels cannot be painted, and new na
   expect(canBePainted({ grid: null, pose: still })).toBe(true);
   expect(canBePainted({ grid: null, pose: [...still.slice(0, 3), 5, ...still.slice(4)] })).toBe(false);
   expect(paintedName(["Painted 1", "Bone"])).toBe("Painted 2");
+});
+
+/** The number of what was asked for last. */
+function lastNumber(): number {
+  const last = sent.at(-1);
+  return last !== undefined && "number" in last ? last.number : NaN;
+}
+
+test("a wire goes from click to click, takes points back, and what it encloses is painted once it is closed", () => {
+  const brush = taken();
+  const { outline } = brush;
+  brush.change({ way: "wire", within: true, low: 10, high: 20 });
+  outline.click("axial", [0, 0, 0], up);
+  expect(sent).toHaveLength(0);
+  outline.point("axial", [5, 0, 0], up);
+  expect(sent.at(-1)).toMatchObject({ type: "wire", begin: [0, 0, 0], end: [5, 0, 0], normal: up });
+  // while an answer is awaited, only the newest pointer waits, and clicks in their turn
+  outline.point("axial", [6, 0, 0], up);
+  outline.point("axial", [7, 0, 0], up);
+  outline.click("axial", [8, 0, 0], up);
+  expect(sent).toHaveLength(1);
+  answer({ type: "outline", number: lastNumber(), points: [[0, 0, 0], [5, 0, 0]], problem: null });
+  expect(outline.preview).toHaveLength(2);
+  expect(sent.at(-1)).toMatchObject({ end: [8, 0, 0] });
+  answer({ type: "outline", number: lastNumber(), points: [[0, 0, 0], [4, 1, 0], [8, 0, 0]], problem: null });
+  expect(outline.pieces).toHaveLength(1);
+  outline.click("axial", [8, 8, 0], up);
+  expect(sent.at(-1)).toMatchObject({ begin: [8, 0, 0], end: [8, 8, 0] });
+  answer({ type: "outline", number: lastNumber(), points: [[8, 0, 0], [8, 8, 0]], problem: null });
+  expect(outline.back()).toBe(true);
+  expect(outline.pieces).toHaveLength(1);
+  expect(outline.close()).toBe(true);
+  expect(sent.at(-1)).toMatchObject({ begin: [8, 0, 0], end: [0, 0, 0] });
+  answer({ type: "outline", number: lastNumber(), points: [[8, 0, 0], [4, 4, 0], [0, 0, 0]], problem: null });
+  expect(sent.at(-1)).toMatchObject({
+    type: "fill_outline",
+    id: 4,
+    points: [[0, 0, 0], [4, 1, 0], [8, 0, 0], [4, 4, 0], [0, 0, 0]],
+    values: [10, 20],
+  });
+  expect(outline.drawing).toBe(false);
+});
+
+test("Esc cancels a wire first, and a point of another slice begins a new one", () => {
+  const brush = taken();
+  const { outline } = brush;
+  brush.change({ way: "wire" });
+  outline.click("axial", [0, 0, 0], up);
+  outline.click("axial", [0, 0, 9], up);
+  expect(outline.first).toEqual([0, 0, 9]);
+  expect(sent).toHaveLength(0);
+  brush.escape();
+  expect([outline.drawing, brush.armed]).toEqual([false, true]);
+  expect(outline.close()).toBe(false);
+  expect(outline.back()).toBe(false);
+});
+
+test("a level is shown under the pointer and painted by a click", () => {
+  const brush = taken();
+  const { outline } = brush;
+  const points = [[0, 0, 0], [1, 0, 0], [1, 1, 0]] as const;
+  brush.change({ way: "level", erases: true });
+  outline.point("axial", [1, 0, 0], up);
+  expect(sent.at(-1)).toMatchObject({ type: "trace_level", point: [1, 0, 0] });
+  answer({ type: "outline", number: lastNumber(), points: [...points], problem: null });
+  expect(outline.preview).toEqual(points);
+  outline.leave();
+  expect(outline.preview).toEqual([]);
+  outline.click("axial", [1, 0, 0], up);
+  answer({ type: "outline", number: lastNumber(), points: [...points], problem: null });
+  expect(sent.at(-1)).toMatchObject({ type: "fill_outline", erases: true, points, normal: up });
 });

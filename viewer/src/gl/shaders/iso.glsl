@@ -1,4 +1,5 @@
-// The surface where the scan has one value, found to 1/32 of a step, and solid segments beside it.
+// The surface where the scan has one value, found to 1/32 of a step, and solid segments beside it. That of
+// a second scan is seen through as its opacity says.
 // Source: Hadwiger et al., "Real-time ray-casting and advanced shading of discrete isosurfaces",
 // Computer Graphics Forum 24 (2005).
 
@@ -13,8 +14,74 @@ bool enclosed(vec3 grid, out int segment) {
   return segment == isoSegment || segment > 0;
 }
 
+#ifdef SECOND
+// what its value is above that of its surface: x per biased value, y at 0
+uniform vec2 secondIso;
+uniform vec3 secondIsoColour;
+
+// Where a ray meets something, and whether it is cut open there.
+struct Meeting {
+  float at;
+  bool cut;
+};
+
+bool enclosedBySecond(vec3 grid) {
+  return secondBiased(placeOnSecond(grid)) * secondIso.x + secondIso.y >= 0.0;
+}
+
+Meeting meetSecond(Ray ray) {
+  float last = ray.other.x;
+  float t = last + ray.start * stepLength;
+  for (int i = 0; i < 8192; ++i) {
+    if (last >= ray.other.y) {
+      break;
+    }
+    t = min(t, ray.other.y);
+    vec3 grid = ray.origin + ray.inGrid * t;
+    float leap = stepsOverSecond(ray, grid);
+    if (leap > 0.0) {
+      t += leap;
+      last = t - stepLength;
+      continue;
+    }
+    if (!enclosedBySecond(grid)) {
+      last = t;
+      t += stepLength;
+      continue;
+    }
+    bool cut = last <= ray.other.x && enclosedBySecond(ray.origin + ray.inGrid * last);
+    float end = cut ? last : t;
+    for (int j = 0; j < refinements && !cut; ++j) {
+      float middle = 0.5 * (last + end);
+      bool inside = enclosedBySecond(ray.origin + ray.inGrid * middle);
+      end = inside ? middle : end;
+      last = inside ? last : middle;
+    }
+    return Meeting(end, cut);
+  }
+  return Meeting(farAway, false);
+}
+
+// Lets the light of its surface in, where that lies before `t`.
+void passSecond(Ray ray, Meeting surface, float t, inout Layers layers, inout Seen seen) {
+  if (surface.at >= t) {
+    return;
+  }
+  passLayers(layers, surface.at, seen.light, seen.clarity, seen.depth);
+  vec3 grid = ray.origin + ray.inGrid * surface.at;
+  vec3 toEye = -ray.direction;
+  vec3 normal = surface.cut ? facing(ray.otherFace, toEye, toEye) : facing(secondGradient(grid), toEye, toEye);
+  seen.light += seen.clarity * secondOpacity * litSurface(secondIsoColour, normal, toEye, 1.0, lightOnSecond(grid, normal));
+  seen.clarity *= 1.0 - secondOpacity;
+  seen.depth = seen.depth < 0.0 && seen.clarity < 0.5 ? surface.at : seen.depth;
+}
+#endif
+
 Seen seenAlong(Ray ray, inout Layers layers) {
   Seen seen = Seen(vec3(0.0), 1.0, -1.0);
+#ifdef SECOND
+  Meeting other = meetSecond(ray);
+#endif
   float last = ray.span.x;
   float t = last + ray.start * stepLength;
   for (int i = 0; i < 8192; ++i) {
@@ -47,6 +114,10 @@ Seen seenAlong(Ray ray, inout Layers layers) {
         last = middle;
       }
     }
+#ifdef SECOND
+    passSecond(ray, other, end, layers, seen);
+    other.at = farAway;
+#endif
     passLayers(layers, end, seen.light, seen.clarity, seen.depth);
     vec3 grid = ray.origin + ray.inGrid * end;
     vec3 toEye = -ray.direction;
@@ -60,5 +131,8 @@ Seen seenAlong(Ray ray, inout Layers layers) {
     seen.depth = seen.depth < 0.0 ? end : seen.depth;
     break;
   }
+#ifdef SECOND
+  passSecond(ray, other, farAway, layers, seen);
+#endif
   return seen;
 }

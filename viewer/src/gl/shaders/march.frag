@@ -10,6 +10,9 @@ void main() {
   Ray ray = rayOfPixel();
   Layers layers = layersOnRay(ray.stretch);
   ray.span.y = min(ray.span.y, layers.end);
+#ifdef SECOND
+  ray.other.y = min(ray.other.y, layers.end);
+#endif
   Seen seen = seenAlong(ray, layers);
   if (seen.clarity > clearEnough) {
     passLayers(layers, farAway, seen.light, seen.clarity, seen.depth);

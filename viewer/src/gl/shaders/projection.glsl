@@ -1,27 +1,44 @@
 // One value of all along a ray, as grey by window and level: the largest (MIP), the least (MinIP) or
 // the mean. The last two count from the first to the last tissue on the ray: air around the body
-// would hide all of it.
+// would hide all of it. A second scan has a value of its own, by its own window, in its colour over that.
 // Source: Wallis et al., "Three-dimensional display in nuclear medicine", IEEE TMI 8 (1989) for MIP.
 
 // share of the window from which on there is tissue
 uniform float tissueFrom;
+#ifdef SECOND
+uniform float secondTissueFrom;
+// share of its window at a biased value: x per value, y at 0
+uniform vec2 secondRayGrey;
+#endif
 
-vec3 linearFromGrey(float share) {
-  float s = clamp(share, 0.0, 1.0);
-  return vec3(s <= 0.04045 ? s / 12.92 : pow((s + 0.055) / 1.055, 2.4));
+// no share of a window
+const float none = 1e9;
+
+vec3 linearFromScreen(vec3 colour) {
+  vec3 c = clamp(colour, 0.0, 1.0);
+  return mix(pow((c + 0.055) / 1.055, vec3(2.4)), c / 12.92, lessThanEqual(c, vec3(0.04045)));
+}
+
+// Share of the window at a place; -none where nothing counts.
+float shareAt(vec3 grid, bool second) {
+#ifdef SECOND
+  if (second) {
+    return secondBiased(placeOnSecond(grid)) * secondRayGrey.x + secondRayGrey.y;
+  }
+#endif
+  float value = biasedAt(grid);
+  return segmentAt(grid, value) < 0 ? -none : value * grey.x + grey.y;
 }
 
 #if BLEND == MIP
 // The largest value beside a sample: a thin bone lies between two of them.
-float refinedMost(Ray ray, float place, float most) {
+float refinedMost(Ray ray, vec2 span, bool second, float place, float most) {
   float reach = 0.5 * stepLength;
   for (int i = 0; i < 4 && most > 0.0 && most < 1.0; ++i) {
     for (int side = -1; side <= 1; side += 2) {
       float t = place + float(side) * reach;
-      vec3 grid = ray.origin + ray.inGrid * t;
-      float value = biasedAt(grid);
-      float share = value * grey.x + grey.y;
-      if (share > most && ray.span.x <= t && t <= ray.span.y && segmentAt(grid, value) >= 0) {
+      float share = shareAt(ray.origin + ray.inGrid * t, second);
+      if (share > most && span.x <= t && t <= span.y) {
         most = share;
         place = t;
       }
@@ -32,8 +49,13 @@ float refinedMost(Ray ray, float place, float most) {
 }
 #endif
 
-Seen seenAlong(Ray ray, inout Layers layers) {
-  const float none = 1e9;
+// The share of one scan; -none where none of it counts.
+float shareAlong(Ray ray, vec2 span, bool second) {
+  float from = tissueFrom;
+#ifdef SECOND
+  // a slab is inside of the body: there all counts
+  from = !second ? from : slab.y < farAway ? -none : secondTissueFrom;
+#endif
   float most = -none;
   float place = 0.0;
   // of what counts, and of what counts as soon as tissue comes after it
@@ -41,23 +63,26 @@ Seen seenAlong(Ray ray, inout Layers layers) {
   float leastWaiting = none;
   vec2 sum = vec2(0.0);
   vec2 sumWaiting = vec2(0.0);
-  float t = ray.span.x + ray.start * stepLength;
+  float t = span.x + ray.start * stepLength;
   for (int i = 0; i < 8192; ++i) {
-    if (t >= ray.span.y) {
+    if (t >= span.y) {
       break;
     }
     vec3 grid = ray.origin + ray.inGrid * t;
+#ifdef SECOND
+    float leap = second ? stepsOverSecond(ray, grid) : stepsOverEmpty(ray, grid, t);
+#else
     float leap = stepsOverEmpty(ray, grid, t);
+#endif
     float before = t;
     t += leap > 0.0 ? leap : stepLength;
     if (leap > 0.0) {
       continue;
     }
-    float value = biasedAt(grid);
-    if (segmentAt(grid, value) < 0) {
+    float share = shareAt(grid, second);
+    if (share == -none) {
       continue;
     }
-    float share = value * grey.x + grey.y;
 #if BLEND == MIP
     if (share > most) {
       most = share;
@@ -67,7 +92,7 @@ Seen seenAlong(Ray ray, inout Layers layers) {
       break;
     }
 #else
-    bool tissue = share >= tissueFrom;
+    bool tissue = share >= from;
     if (tissue || least < none) {
       leastWaiting = min(leastWaiting, share);
       sumWaiting += vec2(share, 1.0);
@@ -81,12 +106,26 @@ Seen seenAlong(Ray ray, inout Layers layers) {
 #endif
   }
 #if BLEND == MIP
-  float share = refinedMost(ray, place, most);
+  return refinedMost(ray, span, second, place, most);
 #elif BLEND == MINIP
-  float share = least < none ? least : 0.0;
+  return least < none ? least : -none;
 #else
-  float share = sum.y > 0.0 ? sum.x / sum.y : 0.0;
+  return sum.y > 0.0 ? sum.x / sum.y : -none;
+#endif
+}
+
+Seen seenAlong(Ray ray, inout Layers layers) {
+  vec3 shown = vec3(clamp(shareAlong(ray, ray.span, false), 0.0, 1.0));
+#ifdef SECOND
+  float other = shareAlong(ray, ray.other, true);
+#if BLEND == MIP
+  // black may have been leapt over
+  const float least = 0.0;
+#else
+  const float least = -none;
+#endif
+  shown = other > least ? blended(shown, clamp(other, 0.0, 1.0)) : shown;
 #endif
   // black is as clear as air: the page's own ground shows through
-  return Seen(linearFromGrey(share), 1.0 - clamp(share, 0.0, 1.0), -1.0);
+  return Seen(linearFromScreen(shown), 1.0 - max(max(shown.r, shown.g), shown.b), -1.0);
 }

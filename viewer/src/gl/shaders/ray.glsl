@@ -29,6 +29,11 @@ struct Ray {
   // from where to where it is followed [mm], and the normal of the face through which it enters
   vec2 span;
   vec3 face;
+#ifdef SECOND
+  // the same of the second scan, which reaches beyond the first
+  vec2 other;
+  vec3 otherFace;
+#endif
   // where it is among matter that stands beside its voxels [mm]
   vec2 displaced;
   // share of a step before the first sample
@@ -111,8 +116,13 @@ float noise(vec2 pixel) {
   return fract(52.9829189 * fract(dot(pixel, vec2(0.06711056, 0.00583715))));
 }
 
-// Leaves of a ray what no plane cuts away: what is kept is convex.
-void clipRay(inout Ray ray) {
+// Leaves of a stretch of a ray what is looked at and what no plane cuts away: what is kept is convex.
+void keep(Ray ray, inout vec2 span, inout vec3 face) {
+  if (slab.x * ray.stretch > span.x) {
+    span.x = slab.x * ray.stretch;
+    face = -ray.direction;
+  }
+  span.y = min(span.y, slab.y * ray.stretch);
   for (int i = 0; i < CLIP_PLANES; ++i) {
     if (i >= clipCount) {
       break;
@@ -120,15 +130,15 @@ void clipRay(inout Ray ray) {
     float before = dot(clipPlanes[i], vec4(ray.origin, 1.0));
     float rise = dot(clipPlanes[i].xyz, ray.inGrid);
     if (abs(rise) < 1e-7) {
-      ray.span.y = before > 0.0 ? 0.0 : ray.span.y;
+      span.y = before > 0.0 ? 0.0 : span.y;
       continue;
     }
     float t = -before / rise;
     if (rise > 0.0) {
-      ray.span.y = min(ray.span.y, t);
-    } else if (t > ray.span.x) {
-      ray.span.x = t;
-      ray.face = clipPlanes[i].xyz / spacing;
+      span.y = min(span.y, t);
+    } else if (t > span.x) {
+      span.x = t;
+      face = clipPlanes[i].xyz / spacing;
     }
   }
 }
@@ -143,12 +153,13 @@ Ray rayOfPixel() {
   ray.direction = toPixel / ray.stretch;
   ray.inGrid = ray.direction / spacing;
   ray.span = throughBox(vec3(0.0), dimensions, ray.origin, ray.inGrid, ray.face);
-  if (slab.x * ray.stretch > ray.span.x) {
-    ray.span.x = slab.x * ray.stretch;
-    ray.face = -ray.direction;
-  }
-  ray.span.y = min(ray.span.y, slab.y * ray.stretch);
-  clipRay(ray);
+  keep(ray, ray.span, ray.face);
+#ifdef SECOND
+  mat3 turn = mat3(secondFromGrid);
+  ray.other = throughBox(vec3(0.0), vec3(1.0), placeOnSecond(ray.origin), turn * ray.inGrid, ray.otherFace);
+  ray.otherFace = normalize((ray.otherFace * turn) / spacing);
+  keep(ray, ray.other, ray.otherFace);
+#endif
   ray.displaced = throughDisplaced(ray.origin, ray.inGrid);
   ray.start = jitter > 0.5 ? noise(gl_FragCoord.xy + 5.588238 * shift.z) : 0.5;
   return ray;

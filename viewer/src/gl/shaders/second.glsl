@@ -8,6 +8,7 @@ uniform mat4 secondFromGrid;
 // texture = share * scale + offset; holds the subsampling
 uniform vec3 secondTextureScale;
 uniform vec3 secondTextureOffset;
+
 vec3 placeOnSecond(vec3 grid) {
   return (secondFromGrid * vec4(grid, 1.0)).xyz;
 }

@@ -64,8 +64,45 @@ bool addTissue(Ray ray, vec2 interval, vec4 tissue, bool dividable, inout Layers
   return true;
 }
 
+#ifdef SECOND
+// Goes where the second scan is and the first is not.
+void passSecond(Ray ray, vec2 span, inout Layers layers, inout Seen seen) {
+  float last = span.x;
+  float t = last + ray.start * stepLength;
+  bool wasEmpty = true;
+  int fine = 0;
+  for (int i = 0; i < 8192; ++i) {
+    if (last >= span.y || seen.clarity <= clearEnough) {
+      break;
+    }
+    t = min(t, span.y);
+    float leap = stepsOverSecond(ray, ray.origin + ray.inGrid * t);
+    if (leap > 0.0 && wasEmpty) {
+      t += leap;
+      last = t - stepLength;
+      fine = 0;
+      continue;
+    }
+    bool dividable = fine == 0 && t - last > 0.3 * stepLength;
+    if (!addTissue(ray, vec2(last, t), vec4(0.0), dividable, layers, seen)) {
+      fine = quarters;
+      t = last + 0.25 * stepLength;
+      continue;
+    }
+    wasEmpty = leap > 0.0;
+    last = t;
+    fine = max(0, fine - 1);
+    t += fine > 0 ? 0.25 * stepLength : stepLength;
+  }
+}
+#endif
+
 Seen seenAlong(Ray ray, inout Layers layers) {
   Seen seen = Seen(vec3(0.0), 1.0, -1.0);
+#ifdef SECOND
+  vec2 first = ray.span.y > ray.span.x ? ray.span : vec2(farAway);
+  passSecond(ray, vec2(ray.other.x, min(ray.other.y, first.x)), layers, seen);
+#endif
   // up to here the ray is done, and the value there
   float last = ray.span.x;
   float front = unknown;
@@ -79,8 +116,7 @@ Seen seenAlong(Ray ray, inout Layers layers) {
     vec3 grid = ray.origin + ray.inGrid * t;
     float leap = stepsOverEmpty(ray, grid, t);
 #ifdef SECOND
-    float other = secondEmptyAhead(grid, ray.inGrid);
-    leap = min(leap, other > 0.0 ? max(1.0, ceil(other / stepLength)) * stepLength : 0.0);
+    leap = min(leap, stepsOverSecond(ray, grid));
     const bool beside = true;
 #else
     const bool beside = false;
@@ -147,5 +183,8 @@ Seen seenAlong(Ray ray, inout Layers layers) {
     fine = max(0, fine - 1);
     t += fine > 0 ? 0.25 * stepLength : stepLength;
   }
+#ifdef SECOND
+  passSecond(ray, vec2(max(ray.other.x, first.y), ray.other.y), layers, seen);
+#endif
   return seen;
 }

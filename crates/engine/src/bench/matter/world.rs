@@ -5,12 +5,10 @@
 
 use glam::{DMat3, DVec3, IVec3, UVec3};
 use palpate_deform::material::preset;
-use palpate_tools::drill::DrillSettings;
 use palpate_tools::tool::{ToolKind, ToolSettings};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
 use palpate_volume::intensities::Intensities;
-use palpate_volume::matter::SegmentSet;
 use palpate_volume::segment::Segment;
 use palpate_volume::tissue::Tissue;
 use palpate_volume::voxel_box::VoxelBox;
@@ -142,14 +140,8 @@ impl World {
 
 /// A drill of 2 mm that takes everything.
 pub fn drill() -> ToolSettings {
-    ToolSettings {
-        kind: ToolKind::Drill,
-        radius: 2.0,
-        segments: vec![SKIN_ID, SOFT_ID, BONE_ID],
-        drill: DrillSettings::default(),
-        tissues: Vec::new(),
-        spared: SegmentSet::EMPTY,
-    }
+    let segments = vec![SKIN_ID, SOFT_ID, BONE_ID];
+    ToolSettings::new(ToolKind::Drill, 2.0, segments)
 }
 
 /// A needle that bone stops.

@@ -1,0 +1,65 @@
+"""Image files in archives: which one is meant, and its reading."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from palpate.errors import SeriesChoiceError, VolumeFormatError
+from palpate.io_dicom import MOST_FILES, series_in
+from palpate.io_file import check_own_voxels, image_files, read_file
+from palpate.progress import Progress
+from palpate.raw_scan import RawScan
+
+__all__ = ["image_of", "read_unpacked"]
+
+MOST_NAMED = 12
+"""Files named in one message."""
+
+
+def image_of(folder: Path, wanted: str | None, *, called: Path, progress: Progress) -> Path | None:
+    """Returns the image file that is meant in an unpacked archive; None where DICOM is.
+
+    DICOM goes before image files, unless one of them is ``wanted`` by its name.
+
+    Raises:
+        SeriesChoiceError: There are several, and no DICOM, or not the one asked for.
+    """
+    images = {
+        path.relative_to(folder).as_posix(): path for path in image_files(folder, among=MOST_FILES)
+    }
+    if wanted in images:
+        return images[wanted]
+    if not images or _holds_dicom(folder, progress):
+        return None
+    if wanted is None and len(images) == 1:
+        return next(iter(images.values()))
+    more = len(images) - MOST_NAMED
+    named = ", ".join([*images][:MOST_NAMED]) + (f" and {more} more" if more > 0 else "")
+    asked = "" if wanted is None else f", and none is {wanted!r}"
+    raise SeriesChoiceError(
+        f"{called} holds {len(images)} image files{asked}; choose one with --series NAME: {named}"
+    )
+
+
+def _holds_dicom(folder: Path, progress: Progress) -> bool:
+    try:
+        series_in(folder, progress=progress)
+    except VolumeFormatError:
+        return False
+    return True
+
+
+def read_unpacked(
+    image: Path, folder: Path, *, called: Path, max_voxels: int, progress: Progress
+) -> RawScan:
+    """Reads an image file of an unpacked archive; messages name it as one of the archive.
+
+    Raises:
+        VolumeFormatError: It is no volume, is damaged, has too many voxels, or names files
+            elsewhere.
+    """
+    try:
+        check_own_voxels(image)
+        return read_file(image, max_voxels=max_voxels, progress=progress)
+    except VolumeFormatError as error:
+        raise VolumeFormatError(str(error).replace(f"{folder}/", f"{called}: ")) from None

@@ -1,0 +1,154 @@
+"""Messages on matter that gives way: materials, models, and what they answer."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import msgspec
+
+from palpate.protocol_types import Message, ModelName, Name, NodeCount, SegmentId, Vector
+
+__all__ = [
+    "Boxes",
+    "Constants",
+    "DeformationModel",
+    "Displaced",
+    "MaterialPreset",
+    "MatterParts",
+    "MatterState",
+    "SegmentMaterial",
+    "SetDeformation",
+    "SetMaterial",
+    "ShowParts",
+]
+
+
+class Constants(msgspec.Struct, frozen=True):
+    """What matter is: ``young`` [Pa], ``poisson``, ``density`` [kg/m³], Coulomb ``friction``.
+
+    Bonds break at ``breaking_strain``; null where none does.
+    """
+
+    young: Annotated[float, msgspec.Meta(ge=1.0, le=2e12)]
+    poisson: Annotated[float, msgspec.Meta(gt=-1.0, lt=0.5)]
+    density: Annotated[float, msgspec.Meta(ge=0.1, le=23_000.0)]
+    breaking_strain: Annotated[float, msgspec.Meta(gt=0.0, le=1e6)] | None
+    friction: Annotated[float, msgspec.Meta(ge=0.0, le=10.0)]
+
+
+class SegmentMaterial(msgspec.Struct, frozen=True):
+    """What a segment is made of: constants from ``low`` to ``high`` as they follow HU, or both.
+
+    ``preset`` is its name; null where somebody chose the constants.
+    """
+
+    preset: Name | None
+    low: Constants
+    high: Constants
+
+
+class MaterialPreset(msgspec.Struct, frozen=True):
+    """A material with a name, and where its constants are from.
+
+    One that ``needs_hounsfield`` is for CT only: its constants go from ``low`` to ``high``.
+    """
+
+    name: Name
+    source: str
+    needs_hounsfield: bool
+    low: Constants
+    high: Constants
+
+
+class Boxes(msgspec.Struct, frozen=True):
+    """Boxes that a model can have, by the nodes or cells along each edge; these are odd."""
+
+    least: int
+    usual: int
+    most: int
+
+
+class DeformationModel(msgspec.Struct, frozen=True):
+    """A model by which matter gives way; ``boxes`` is null where it takes all matter."""
+
+    name: ModelName
+    boxes: Boxes | None
+
+
+class MatterState(msgspec.Struct, frozen=True):
+    """Matter that gives way: ``model`` is the one at work, null where all is hard.
+
+    ``edge`` counts nodes or cells along each edge of its box, null for as many as usual.
+    ``force`` is that of the matter on the tool [N, scene], ``answers`` counts the model's answers.
+    While the next one is ``late``, matter is as hard as its voxels. ``nodes`` take part in the
+    last answer; since the start ``bonds_broken`` bonds broke, which took ``work_broken`` [mJ].
+    """
+
+    model: ModelName | None
+    edge: int | None
+    force: Vector
+    answers: int
+    late: bool
+    nodes: int
+    bonds_broken: int
+    work_broken: Annotated[float, msgspec.Meta(ge=0.0)]
+
+
+class Displaced(msgspec.Struct, frozen=True):
+    """Where matter stands beside the voxels that show it, at the nodes of a box.
+
+    Node (i, j, k) is at ``origin + step * (i, j, k)`` [grid], and ``size`` counts nodes along each
+    axis, 0 where all matter stands in its voxels. ``moved`` holds how far the matter of each node
+    stands from it as little-endian float16: x, y, z along the axes of the grid [mm] and a zero,
+    nodes with x fastest.
+    """
+
+    origin: Vector
+    step: Vector
+    size: tuple[NodeCount, NodeCount, NodeCount]
+    moved: bytes
+
+
+class MatterParts(Message, frozen=True, tag="matter_parts"):
+    """The nodes or particles of the model at work, where this page asked for them; latest wins.
+
+    ``places`` are x, y, z as little-endian uint16 each: place = origin + number / 65535 * size
+    [scene]. ``strains`` are an int8 each: strain = number / 127 * 0.5, less than zero where matter
+    is pressed. ``apart`` is the distance of neighbours at rest [mm].
+    """
+
+    origin: Vector
+    size: Vector
+    apart: Annotated[float, msgspec.Meta(gt=0.0)]
+    places: bytes
+    strains: bytes
+
+
+class SetMaterial(Message, frozen=True, tag="set_material"):
+    """Tells what a segment is made of, by name or by constants; with neither it is hard.
+
+    Undo takes it back where it is ``undoable``: what a page asks for by itself is not.
+    """
+
+    id: SegmentId
+    preset: Name | None
+    constants: Constants | None
+    undoable: bool
+
+
+class SetDeformation(Message, frozen=True, tag="set_deformation"):
+    """Chooses the model by which matter gives way, null makes all hard, and the edge of its box.
+
+    The edge counts nodes or cells; null is as many as usual. Undo takes the choice back where it is
+    ``undoable``.
+    """
+
+    model: ModelName | None
+    edge: Annotated[int, msgspec.Meta(ge=1, le=1001)] | None
+    undoable: bool
+
+
+class ShowParts(Message, frozen=True, tag="show_parts"):
+    """Has this page told the nodes or particles of the model, or no more."""
+
+    on: bool

@@ -1,0 +1,185 @@
+"""What is found where pages look for scans: lists with pictures, and the place of what is chosen.
+
+A place is a path of this machine, which its person may read anyway, an upload, or the address of a
+DICOMweb service. What is found is kept until more recent finds push it out.
+"""
+
+from __future__ import annotations
+
+from base64 import b64encode
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
+from itertools import count
+from pathlib import Path
+from typing import NoReturn
+
+import msgspec
+
+from palpate.errors import OptionError
+from palpate.io_browse import Choice, Fetch, browsed, previews
+from palpate.io_browse_web import MOST_PICTURED, browsed_web
+from palpate.io_preview import png_of
+from palpate.opening import is_scene
+from palpate.progress import Progress
+from palpate.server_job import Tell
+
+__all__ = ["Finds", "Place", "WantedFind", "WantedScan", "path_of"]
+
+MOST_FINDS = 8
+
+
+class WantedFind(msgspec.Struct, frozen=True):
+    """Where scans are looked for: one of both."""
+
+    path: str | None = None
+    """Or an address of the web."""
+    upload: int | None = None
+
+
+class WantedScan(msgspec.Struct, frozen=True):
+    """What is to be opened: a choice of a find, or a path."""
+
+    find: int | None = None
+    choice: int = 0
+    path: str | None = None
+    series: str | None = None
+    beside: bool = False
+    """Whether it is shown with the open scan, and not in its place."""
+
+
+class ListedScan(msgspec.Struct, frozen=True):
+    """A scan in a list."""
+
+    patient: str
+    study: str
+    name: str
+    modality: str
+    size: tuple[int, ...]
+    spacing: tuple[float, ...] | None
+    refused: str | None
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where a scan is, or where scans are looked for."""
+
+    path: Path
+    upload: int | None = None
+    series: str | None = None
+    fetch: Fetch | None = None
+    """Brings its files here first."""
+    given: bool = False
+    """Whether a person gave this very path."""
+
+
+@dataclass(frozen=True)
+class Find:
+    """What was found at a place."""
+
+    choices: list[Choice]
+    upload: int | None = None
+    path: Path | None = None
+    """The path that a person gave."""
+
+
+class Finds:
+    """Lists of scans that pages can choose from."""
+
+    def __init__(self) -> None:
+        """Begins without any."""
+        self._finds: dict[int, Find] = {}
+        self._numbers = count(1)
+
+    def look(self, place: Place, progress: Progress, tell: Tell) -> None:
+        """Tells the scans at a place of this machine, then their pictures.
+
+        Raises:
+            FileNotFoundError: There is no such place.
+            VolumeFormatError: It holds no scan.
+        """
+        if is_scene(place.path):
+            choice = Choice(path=place.path, name=place.path.stem, size=(), picture=_no_picture)
+            self._tell_find(Find([choice], place.upload, place.path), tell)
+            return
+        found = browsed(place.path, progress=progress)
+        self._tell_found(found, tell, progress, place=place)
+
+    def look_at_web(self, address: str, progress: Progress, tell: Tell) -> None:
+        """Tells the scans of a DICOMweb service, then pictures of the first of them.
+
+        Raises:
+            OptionError: It is no address.
+            DicomWebError: The server is not there, refuses, or has none.
+        """
+        found = browsed_web(address, progress=progress)
+        self._tell_found(found, tell, progress, pictured=MOST_PICTURED)
+
+    def _tell_found(
+        self,
+        found: AbstractContextManager[list[Choice]],
+        tell: Tell,
+        progress: Progress,
+        *,
+        place: Place | None = None,
+        pictured: int | None = None,
+    ) -> None:
+        upload, path = (None, None) if place is None else (place.upload, place.path)
+        with found as choices:
+            self._tell_find(Find(choices, upload, path), tell)
+            # a single one needs no choice
+            for number, picture in previews(choices[:pictured]) if len(choices) > 1 else ():
+                progress("drawing slices", None)
+                png = b64encode(png_of(picture)).decode("ascii")
+                tell({"kind": "picture", "choice": number, "png": png})
+
+    def _tell_find(self, find: Find, tell: Tell) -> None:
+        number = next(self._numbers)
+        self._finds[number] = find
+        while len(self._finds) > MOST_FINDS:
+            del self._finds[min(self._finds)]
+        tell({"kind": "found", "find": number, "scans": [_listed(one) for one in find.choices]})
+
+    def chosen(self, wanted: WantedScan) -> Place:
+        """Returns where the scan is that a page wants.
+
+        Raises:
+            OptionError: It cannot be opened, or its list is gone.
+        """
+        if wanted.path is not None:
+            return Place(path_of(wanted.path), series=wanted.series, given=True)
+        find = self._finds.get(wanted.find or 0)
+        if find is None or not 0 <= wanted.choice < len(find.choices):
+            raise OptionError("that list is gone; allowed: look for scans again")
+        choice = find.choices[wanted.choice]
+        if choice.refused is not None:
+            raise OptionError(choice.refused)
+        given = find.upload is None and choice.fetch is None and choice.path == find.path
+        return Place(choice.path, find.upload, choice.series, choice.fetch, given)
+
+
+def _listed(choice: Choice) -> ListedScan:
+    return ListedScan(
+        patient=choice.patient,
+        study=choice.study,
+        name=choice.name,
+        modality=choice.modality,
+        size=choice.size,
+        spacing=choice.spacing,
+        refused=choice.refused,
+    )
+
+
+def _no_picture() -> NoReturn:
+    raise OptionError("a scene has no picture")
+
+
+def path_of(given: str) -> Path:
+    """Returns the path that a person has typed.
+
+    Raises:
+        OptionError: It is empty, or none.
+    """
+    text = given.strip().strip("\"'")
+    if not text or "\0" in text:
+        raise OptionError("no path given; allowed: that of a folder or file on this machine")
+    return Path(text).expanduser()

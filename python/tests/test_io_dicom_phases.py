@@ -1,0 +1,130 @@
+"""Several volumes in one series: offered one by one."""
+
+from __future__ import annotations
+
+from copy import deepcopy
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import palpate
+import pytest
+from palpate.errors import SeriesChoiceError, VolumeFormatError
+from palpate.io import list_series
+from palpate.io_browse import browsed
+from pydicom import dcmread
+from pydicom.dataset import Dataset, FileDataset
+from pydicom.sequence import Sequence
+
+PLACES = [(0.0, 0.0, 2.5 * k) for k in range(4)]
+
+
+def series_of(write_series: Any, *values: dict[str, Any], **changes: Any) -> Path:
+    """Writes a stack of slices for each of these values, all in one series."""
+    for number, one in enumerate(values):
+        folder: Path = write_series(
+            uid="1.2.3",
+            prefix=f"{number}-",
+            positions=PLACES,
+            description="liver",
+            scale=(1.0, 1000.0 * number),
+            **changes,
+            **one,
+        )
+    return folder
+
+
+@pytest.mark.parametrize(
+    ("values", "told"),
+    [
+        ([{"TemporalPositionIdentifier": n} for n in (10, 9)], ["time 9", "time 10"]),
+        ([{"EchoTime": t} for t in (2.4, 4.8)], ["echo of 2.4 ms", "echo of 4.8 ms"]),
+        ([{"DiffusionBValue": b} for b in (0.0, 800.0)], ["b = 0 s/mm²", "b = 800 s/mm²"]),
+        ([{"AcquisitionNumber": n} for n in (1, 2)], ["acquisition 1", "acquisition 2"]),
+        (
+            [{"ImageType": ["ORIGINAL", "PRIMARY", kind]} for kind in ("FAT", "WATER")],
+            ["ORIGINAL PRIMARY FAT", "ORIGINAL PRIMARY WATER"],
+        ),
+        (
+            [{"EchoTime": t, "TemporalPositionIdentifier": n} for t in (1, 2) for n in (1, 2)],
+            [f"time {n}, echo of {t} ms" for n in (1, 2) for t in ("1", "2")],
+        ),
+    ],
+)
+def test_phases_are_listed_and_read_one_by_one(
+    write_series: Any, values: list[dict[str, Any]], told: list[str]
+) -> None:
+    folder = series_of(write_series, *values)
+    listed = list_series(folder)
+    assert [one.description for one in listed] == [f"liver, {words}" for words in told]
+    assert {one.slices for one in listed} == {4}
+    with pytest.raises(SeriesChoiceError, match=f"holds {len(told)} series; choose one"):
+        palpate.read(folder)
+    seen = set()
+    for number, words in enumerate(told, 1):
+        volume = palpate.read(folder, series=str(number))
+        assert volume.name == f"liver, {words}"
+        assert volume.dimensions == (4, 3, 4)
+        by_name = palpate.read(folder, series=volume.name)
+        np.testing.assert_array_equal(by_name.array, volume.array)
+        seen.add(int(volume.array[0, 0, 0]))
+    assert seen == {1000 * number for number in range(len(told))}
+    # the page lists them too, each with what reads it
+    with browsed(folder) as choices:
+        assert [(one.name, one.series, one.refused) for one in choices] == [
+            (f"liver, {words}", str(number), None) for number, words in enumerate(told, 1)
+        ]
+
+
+def test_slices_that_nothing_tells_apart_are_refused_as_before(write_series: Any) -> None:
+    folder = series_of(write_series, {}, {})
+    with pytest.raises(VolumeFormatError, match="4 slices at the place of another"):
+        palpate.read(folder)
+
+
+def test_one_volume_whose_slices_differ_is_not_parted(write_series: Any) -> None:
+    def differ(number: int, dataset: FileDataset) -> None:
+        dataset.AcquisitionNumber = number
+        dataset.AcquisitionTime = f"12000{number}"
+
+    folder = write_series(each=differ)
+    assert len(list_series(folder)) == 1
+
+
+def enhanced(data_folder: Path, target: Path) -> None:
+    """Writes the frames of a file twice, as two times of the same places."""
+    dataset = dcmread(data_folder / "pydicom_transfer_syntaxes" / "eCT_Supplemental.dcm")
+    frames = [*dataset.PerFrameFunctionalGroupsSequence]
+    pixels = dataset.pixel_array
+    groups = []
+    # the frames of both times take turns
+    for frame in frames:
+        for time in (1, 2):
+            copy = deepcopy(frame)
+            content = Dataset()
+            content.TemporalPositionIndex = time
+            copy.FrameContentSequence = Sequence([content])
+            groups.append(copy)
+    dataset.PerFrameFunctionalGroupsSequence = Sequence(groups)
+    dataset.NumberOfFrames = 2 * len(frames)
+    both = np.stack([pixels, pixels[:, ::-1]], axis=1)
+    dataset.PixelData = both.reshape(-1, *pixels.shape[1:]).tobytes()
+    dataset.save_as(target)
+
+
+@pytest.mark.data
+def test_times_in_one_file_of_many_frames_are_told_apart(data_folder: Path, tmp_path: Path) -> None:
+    path = tmp_path / "times.dcm"
+    enhanced(data_folder, path)
+    expected = palpate.read(data_folder / "pydicom_transfer_syntaxes" / "eCT_Supplemental.dcm")
+    with pytest.raises(SeriesChoiceError, match=r"times\.dcm holds 2 series; choose one"):
+        palpate.read(path)
+    first, second = (palpate.read(path, series=number) for number in ("1", "2"))
+    np.testing.assert_array_equal(first.array, expected.array)
+    np.testing.assert_array_equal(second.array, expected.array[:, ::-1])
+    np.testing.assert_array_equal(first.patient_from_grid, expected.patient_from_grid)
+    assert second.name.endswith("time 2")
+    with browsed(path) as choices:
+        assert [one.series for one in choices] == ["1", "2"]
+        small = [choice.picture() for choice in choices]
+        assert not np.array_equal(small[0], small[1])

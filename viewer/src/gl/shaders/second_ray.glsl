@@ -1,0 +1,54 @@
+// The second scan in the way of a ray: what of it is empty, its gradient, and the light that reaches it.
+
+#ifdef SECOND
+uniform sampler3D secondBricks;
+// place in its texture -> its bricks
+uniform vec3 secondBrickScale;
+
+// Gradient of its biased value along the first scan's axes [per mm], from a tetrahedron of half a voxel.
+vec3 secondGradient(vec3 grid) {
+  vec3 reach = 0.75 * sampleStep;
+  vec3 sum = vec3(0.0);
+  for (int i = 0; i < 4; ++i) {
+    vec3 corner = vec3(i < 2 ? 1.0 : -1.0, (i & 1) == 0 ? 1.0 : -1.0, i == 0 || i == 3 ? 1.0 : -1.0);
+    sum += corner * secondBiased(placeOnSecond(grid + corner * reach));
+  }
+  return sum / (4.0 * reach * spacing);
+}
+
+// Light is known where the first scan is, and nothing shades what lies beside it.
+vec2 lightOnSecond(vec3 grid, vec3 away) {
+  bool within = all(greaterThanEqual(grid, vec3(0.0))) && all(lessThanEqual(grid, dimensions));
+  return within ? lightAt(grid, away) : vec2(1.0);
+}
+
+// Length along a ray in which nothing of it is drawn [mm]; 0 where something is.
+float secondEmptyAhead(vec3 grid, vec3 inGrid) {
+  vec3 face;
+  vec3 place = placeOnSecond(grid);
+  vec3 speed = mat3(secondFromGrid) * inGrid;
+  vec2 within = throughBox(vec3(0.0), vec3(1.0), place, speed, face);
+  if (within.y <= within.x) {
+    return farAway;
+  }
+  if (within.x > 0.0) {
+    return within.x;
+  }
+  vec3 inBricks = (place * secondTextureScale + secondTextureOffset) * secondBrickScale;
+  vec3 brick = floor(clamp(inBricks, vec3(0.0), vec3(textureSize(secondBricks, 0)) - 0.5));
+  float reach = floor(texelFetch(secondBricks, ivec3(brick), 0).r * 255.0 + 0.5);
+  if (reach == 0.0) {
+    return 0.0;
+  }
+  speed *= secondTextureScale * secondBrickScale;
+  vec3 ahead = mix(inBricks - brick + (reach - 1.0), brick + reach - inBricks, step(0.0, speed));
+  vec3 lengths = ahead / max(abs(speed), 1e-9);
+  return max(min(min(lengths.x, lengths.y), lengths.z), 0.0);
+}
+
+// Length of whole steps over what is empty of it from here; 0 where it is not.
+float stepsOverSecond(Ray ray, vec3 grid) {
+  float leap = secondEmptyAhead(grid, ray.inGrid);
+  return leap > 0.0 ? max(1.0, ceil(leap / stepLength)) * stepLength : 0.0;
+}
+#endif

@@ -1,0 +1,24 @@
+/** Asks the engine to lay the second scan elsewhere, or to show none any more. */
+import { apiAddress } from "./connection";
+
+/** Lays it where a transform's file says; null: as its own file does. Throws why it was refused. */
+export async function moveSecond(token: string, transform: File | null): Promise<void> {
+  const place = new URL(apiAddress("/api/second/transform", token));
+  if (transform === null) {
+    await asked(place, { method: "DELETE" });
+  } else {
+    place.searchParams.set("name", transform.name);
+    await asked(place, { method: "PUT", body: transform });
+  }
+}
+
+export async function removeSecond(token: string): Promise<void> {
+  await asked(new URL(apiAddress("/api/second", token)), { method: "DELETE" });
+}
+
+async function asked(place: URL, wanted: RequestInit): Promise<void> {
+  const answer = await fetch(place, wanted);
+  if (!answer.ok) {
+    throw new Error(await answer.text());
+  }
+}

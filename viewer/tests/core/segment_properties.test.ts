@@ -1,0 +1,57 @@
+import { describe, expect, it } from "vitest";
+import type { Segment } from "../../src/core/protocol";
+import { changedForAll, changedProperties, commonWay, named, shownAlone } from "../../src/core/segment_properties";
+
+const bone: Segment = {
+  id: 1,
+  name: "Bone",
+  colour: [1, 1, 1],
+  visible: true,
+  touchable: true,
+  range: null,
+  made_by: null,
+  voxels: 8,
+  volume_ml: 1,
+  pending: false,
+  feel: { stiffness: null, friction_static: null, friction_kinetic: null },
+  material: null,
+  pose: null,
+  bounds: null,
+  grid: null,
+  shown_as: "volume",
+  opacity: 1,
+  smoothing: 4,
+  surface_from: "bits",
+  wireframe: false,
+};
+const leftLung: Segment = { ...bone, id: 2, name: "lung upper lobe left", shown_as: "surface" };
+const rightLung: Segment = { ...bone, id: 3, name: "lung upper lobe right", visible: false };
+const all = [bone, leftLung, rightLung];
+const seen = (messages: ReturnType<typeof shownAlone>): unknown => messages.map(({ id, visible }) => [id, visible]);
+
+describe("properties of segments", () => {
+  it("changes what is asked and nothing else", () => {
+    const changed = changedProperties(leftLung, { opacity: 0.5 });
+    expect(changed).toMatchObject({ type: "segment_properties", id: 2, opacity: 0.5, shown_as: "surface", visible: true });
+    expect(Object.keys(changed)).not.toContain("voxels");
+  });
+
+  it("asks for all only of those that differ", () => {
+    expect(changedForAll(all, { shown_as: "surface" }).map(({ id }) => id)).toEqual([1, 3]);
+    expect(commonWay(all)).toBeNull();
+    expect(commonWay([bone, rightLung])).toBe("volume");
+    expect(commonWay([])).toBeNull();
+  });
+
+  it("shows one alone, and all again where it is alone", () => {
+    expect(seen(shownAlone(all, 3))).toEqual([[1, false], [2, false], [3, true]]);
+    const alone = all.map((segment) => ({ ...segment, visible: segment.id === 3 }));
+    expect(seen(shownAlone(alone, 3))).toEqual([[1, true], [2, true]]);
+  });
+
+  it("finds by words in any order", () => {
+    expect(named(all, "left LUNG").map(({ id }) => id)).toEqual([2]);
+    expect(named(all, "  ")).toHaveLength(3);
+    expect(named(all, "liver")).toEqual([]);
+  });
+});
