@@ -24,6 +24,7 @@ mod contact_law;
 mod inelastic;
 mod lattice_model;
 mod layout;
+mod measured;
 mod moduli;
 mod moving_box;
 mod node_contacts;

@@ -275,3 +275,45 @@ fn a_tip_finer_than_the_particles_are_apart_is_felt_anywhere() {
         assert!(most > 0.0, "{aside} mm aside");
     }
 }
+
+/// Thin walls never come to rest by themselves; without a tool they must stay, all the same.
+#[test]
+fn matter_that_nobody_touches_stays_where_it_is() {
+    let size = UVec3::splat(48);
+    let (voxels, mut materials) = block(size);
+    let grid = *voxels.grid();
+    let mut voxels = Voxels::new(grid, voxels.intensities().clone()).expect("the same grid");
+    let shell = |v: glam::IVec3| {
+        let far = (v.as_dvec3() + 0.5).distance(DVec3::splat(24.0));
+        (14.0..18.0).contains(&far)
+    };
+    let segment = voxels.add_segment(Segment::from_fn(size, shell));
+    materials.segments[0].segment = segment.expect("its grid");
+    let mut model = GlobalModel::global_lj(GlobalSettings::default());
+    let away = ToolState {
+        position: DVec3::new(24.0, 24.0, 47.0),
+        shape: ToolShape::Ball(2.0),
+        ..ball(0.0)
+    };
+    for _ in 0..5 {
+        let answer = advance(&mut model, &mut voxels, &materials, away, 80);
+        assert_eq!(answer.report.moved_voxels, 0);
+        assert_eq!(force(&answer), DVec3::ZERO);
+    }
+    let farthest = model.particles().map(|(_, moved)| moved.length());
+    let farthest = farthest.fold(0.0, f64::max);
+    assert!(
+        model.particles().count() > 1000 && farthest < 1e-6,
+        "{farthest} mm"
+    );
+    // pressed, it moves there alone
+    let pressed = ToolState {
+        position: DVec3::new(24.0, 24.0, 42.0),
+        ..away
+    };
+    let pushed = advance(&mut model, &mut voxels, &materials, pressed, 80);
+    assert!(force(&pushed).z > 0.0);
+    let far = model.particles().filter(|(place, _)| place.z < 20.0);
+    let far = far.map(|(_, moved)| moved.length()).fold(0.0, f64::max);
+    assert!(far < 0.1, "{far} mm");
+}

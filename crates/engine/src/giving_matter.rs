@@ -9,6 +9,7 @@ use palpate_volume::edit::SegmentId;
 use palpate_volume::matter::SegmentSet;
 use palpate_volume::segment::Segment;
 
+use crate::rigid_matter::Regions;
 use crate::scene::Scene;
 
 /// How regions of segments take part, and the materials of the last job, for the next ones until
@@ -29,15 +30,21 @@ impl GivingMatter {
 
     /// How regions of a segment take part.
     #[must_use]
-    pub fn regions(&self, id: SegmentId) -> &[(Region, Treatment)] {
+    pub fn regions(&self, id: SegmentId) -> &Regions {
         self.regions.get(&id).map_or(&[], Vec::as_slice)
     }
 
-    /// Segments with regions, each with whether these hang on the voxels of others.
-    pub fn with_regions(&self) -> impl Iterator<Item = (SegmentId, bool)> {
-        let shares = |(region, _): &(Region, Treatment)| matches!(region, Region::Shared(_));
+    /// Segments with regions, and these.
+    pub fn with_regions(&self) -> impl Iterator<Item = (SegmentId, &Regions)> {
         let regions = self.regions.iter();
-        regions.map(move |(id, regions)| (*id, regions.iter().any(shares)))
+        regions.map(|(id, regions)| (*id, regions.as_slice()))
+    }
+
+    /// Whether a region is shared with a segment.
+    #[must_use]
+    pub fn is_shared(&self, id: SegmentId) -> bool {
+        let mut regions = self.regions.values().flatten();
+        regions.any(|(region, _)| *region == Region::Shared(id))
     }
 
     /// Forgets the regions of segments that are no more.

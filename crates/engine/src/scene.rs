@@ -13,7 +13,9 @@ use crate::touchable::{MovedPart, Part};
 use crate::union_shares::SharedBits;
 use glam::DAffine3;
 use palpate_deform::material::MaterialLaw;
+use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::bits::Bits;
+use palpate_volume::brick_grid::BrickSwap;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::matter::SegmentSet;
 use palpate_volume::segment::Segment;
@@ -234,10 +236,19 @@ impl Scene {
         !is_same
     }
 
-    /// Whether a segment that gives way is hard anywhere.
+    /// Puts bricks of where a segment that gives way is hard in the place of those that were there.
+    pub fn change_rigid(&mut self, id: SegmentId, mut swaps: Vec<BrickSwap<BitBrick>>) {
+        if let Some(rigid) = self.rigid.get_mut(&id) {
+            for swap in &mut swaps {
+                rigid.swap(swap);
+            }
+        }
+    }
+
+    /// Where a segment that gives way is hard; none where it is so nowhere.
     #[must_use]
-    pub fn knows_rigid(&self, id: SegmentId) -> bool {
-        self.rigid.contains_key(&id)
+    pub fn rigid(&self, id: SegmentId) -> Option<&Bits> {
+        self.rigid.get(&id)
     }
 
     /// Whether the probe is stopped by a segment where the scan has it: not where it was moved

@@ -30,6 +30,7 @@ use crate::mask_shares::MaskShares;
 use crate::moved_poses::CurrentPoses;
 use crate::needle::{NeedleNow, NeedleWatch};
 use crate::placement::{REACH, free_point};
+use crate::rigid_matter::SharedNews;
 use crate::scene::{Scene, Step, ThresholdRange, TouchChange};
 use crate::scene_news::SceneNews;
 use crate::settings::Settings;
@@ -41,6 +42,7 @@ mod deformation;
 mod displaced;
 mod objects;
 pub mod recovery;
+mod regions;
 mod segments;
 mod steps;
 mod telling;
@@ -133,7 +135,8 @@ pub struct Simulation {
     dragged: Option<SegmentId>,
     clutched: bool,
     deformation: Deformation,
-    /// Edge of its box, where it is not the usual one.
+    /// What was changed of segments that regions are shared with.
+    shared_news: SharedNews,
     /// As the picture was told it last.
     displaced: Option<Arc<Displaced>>,
     /// Works out the shares of masks.
@@ -174,6 +177,7 @@ impl Simulation {
             dragged: None,
             clutched: false,
             deformation,
+            shared_news: SharedNews::default(),
             displaced: None,
             shares,
             file: None,

@@ -3,12 +3,13 @@
 use std::cell::Cell;
 use std::time::Instant;
 
-use glam::{DMat3, DVec3, IVec3};
+use glam::{DMat3, IVec3};
 use palpate_volume::material::LocalContact;
 use palpate_volume::matter::Matter;
 
 use super::bond_memory::BondMemory;
 use super::inelastic::{Breaking, InelasticSettings};
+use super::measured::measured;
 use super::moduli::POISSON_RANGE;
 use super::moving_box::{MovingBox, grid_mm};
 use super::nodes::Lattice;
@@ -36,12 +37,6 @@ const STIFFNESS_SHARE: u32 = 4;
 /// is found; what is left is for the voxels.
 const RELAXED: f64 = 0.65;
 const STIFFNESS_FOUND: f64 = 0.88;
-/// A tool that has moved by so much has measured its stiffness [spacings]; where that is less than this
-/// share of what was told, it counts.
-const MEASURED_WAY: f64 = 0.01;
-const MEASURED_SHARE: f64 = 0.7;
-/// Of what was told, at least.
-const LEAST_SHARE: f64 = 0.02;
 /// Strain of one bond whose force counts where no tool feels more.
 const SMALL_STRAIN: f64 = 0.01;
 
@@ -309,13 +304,8 @@ impl LatticeModel {
                 self.relaxer
                     .stiffness(&mut matter.lattice, &tools, which, (most, &is_late));
             let force = matter.grid.direction() * felt.force;
-            let measured = measured(&self.told, tool, force, matter.lattice.spacing());
-            let stiffness = match measured {
-                Some(measured) if measured < MEASURED_SHARE * stiffness => {
-                    measured.max(LEAST_SHARE * stiffness)
-                }
-                _ => stiffness,
-            };
+            let spacing = matter.lattice.spacing();
+            let stiffness = measured(&self.told, tool, force, spacing).of(stiffness);
             let told = answer.contacts.iter_mut().find(|told| told.tool == tool.id);
             if let Some(told) = told {
                 told.contact = matter.contact(tool, &felt, stiffness);
@@ -395,17 +385,6 @@ impl DeformationModel for LatticeModel {
         self.seen = None;
         self.told.clear();
     }
-}
-
-/// How much the force on a tool [N, patient] has grown along itself since the last answer, for the way
-/// that it has gone against it [N/mm]; none where it was not felt then or has hardly moved. Where
-/// matter of very different stiffness comes to rest slowly, the linear problem finds it too stiff.
-fn measured(told: &[ToolContact], tool: &ToolState, force: DVec3, spacing: f64) -> Option<f64> {
-    let last = told.iter().find(|told| told.tool == tool.id)?.contact?;
-    let normal = force.try_normalize()?;
-    let way = (last.position - tool.position).dot(normal);
-    let grown = (force - last.force).dot(normal);
-    (way > MEASURED_WAY * spacing).then(|| grown / way)
 }
 
 impl Seen {

@@ -83,6 +83,18 @@ impl<L: LocalLaw> ParticleBody<L> {
         self
     }
 
+    /// Has particles be at home, and at rest, where they stand: what force is left there is taken off
+    /// from now on, or those that have not come to rest would creep without being touched.
+    pub fn settle(&mut self) {
+        self.system.evaluate();
+        let particles = &mut self.system.particles;
+        for (site, home) in particles.sites.iter().zip(&mut particles.homes) {
+            *home = site.position();
+        }
+        particles.left.clone_from(&particles.forces);
+        particles.velocities.fill(DVec3::ZERO);
+    }
+
     /// Where each particle is at rest and where it stands, in the patient.
     pub fn parts(&self) -> ModelParts {
         let spacing = self.grid.spacing();
@@ -237,12 +249,14 @@ impl<L: LocalLaw> ParticleBody<L> {
                 forces,
                 homes,
                 masses,
+                left,
                 ..
             } = particles;
-            for (((site, force), home), stiffness) in
+            let homes = homes.iter().zip(left);
+            for (((site, force), (home, left)), stiffness) in
                 sites.iter().zip(forces).zip(homes).zip(masses)
             {
-                *force -= self.binding * *stiffness * (site.position() - *home);
+                *force -= *left + self.binding * *stiffness * (site.position() - *home);
             }
         }
         let push = |(_, tool): &(u32, ParticleTool)| self.tool_law.push(tool, particles);

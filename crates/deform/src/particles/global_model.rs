@@ -9,6 +9,8 @@
 //!
 //! Frame: mm along the axes of the grid. Source: thesis 5.26.
 
+use std::time::Instant;
+
 use glam::{DVec3, IVec3, UVec3};
 use palpate_volume::edit::Edit;
 use palpate_volume::grid::Grid;
@@ -40,6 +42,8 @@ const SEEN: f64 = 0.03;
 /// Voxels that follow along each axis, at most, around the first tool, or around the particle that
 /// has moved farthest: all of a large segment would not fit into memory.
 const FOLLOWING: i32 = 96;
+/// Share of the time after which particles are as far at rest as they come.
+const RELAXED: f64 = 0.6;
 /// Half axis of a tool, at least: a thinner one would slip between particles [a].
 const THINNEST: f64 = 0.5;
 
@@ -120,6 +124,7 @@ impl GlobalModel {
 
 impl DeformationModel for GlobalModel {
     fn advance(&mut self, input: &ModelInput<'_>) -> ModelAnswer {
+        let began = Instant::now();
         let grid = input.voxels.grid();
         self.state.take_if(|state| state.body.grid != *grid);
         // particles are made of matter at rest
@@ -135,7 +140,9 @@ impl DeformationModel for GlobalModel {
             tool.widen(THINNEST * state.body.scale.equilibrium);
         }
         state.follow_edits(input.voxels, input.materials, ledger);
-        let relaxed = state.body.relax(&tools, &input.budget, None);
+        // the rest of the time is for the voxels
+        let budget = input.budget.until(began, RELAXED);
+        let relaxed = state.body.relax(&tools, &budget, None);
         let mut answer = ModelAnswer {
             contacts: state.body.contacts(input.tools, &tools, &relaxed.felt),
             report: relaxed.report,
@@ -213,11 +220,7 @@ impl GlobalState {
         state.fill(settings, input, &region);
         state.body.relax(&[], &Budget::iterations(SETTLING), None);
         // where they rest is home, and springs hold them there
-        let particles = &mut state.body.system.particles;
-        for (site, home) in particles.sites.iter().zip(&mut particles.homes) {
-            *home = site.position();
-        }
-        particles.velocities.fill(DVec3::ZERO);
+        state.body.settle();
         state.body = state.body.bound(settings.binding, length);
         state
     }

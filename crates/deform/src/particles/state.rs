@@ -82,6 +82,8 @@ pub struct Particles {
     pub masses: Vec<f64>,
     /// Where each was put when it was taken from the pool: its initial position.
     pub homes: Vec<DVec3>,
+    /// Taken off the force of each that is bound to its initial position: what was left there.
+    pub left: Vec<DVec3>,
     /// Along which axes it moves: 1, or 0 where it stands still whatever pushes it.
     pub free: Vec<DVec3>,
     /// What each was made of.
@@ -97,6 +99,7 @@ impl Particles {
             forces: Vec::with_capacity(capacity),
             masses: Vec::with_capacity(capacity),
             homes: Vec::with_capacity(capacity),
+            left: Vec::with_capacity(capacity),
             free: Vec::with_capacity(capacity),
             origins: Vec::with_capacity(capacity),
         }
@@ -128,6 +131,7 @@ impl Particles {
         self.forces.push(DVec3::ZERO);
         self.masses.push(mass);
         self.homes.push(home);
+        self.left.push(DVec3::ZERO);
         self.free.push(DVec3::ONE);
         self.origins.push(origin);
     }
@@ -146,6 +150,7 @@ impl Particles {
             self.forces[kept] = self.forces[index];
             self.masses[kept] = self.masses[index];
             self.homes[kept] = self.homes[index];
+            self.left[kept] = self.left[index];
             self.free[kept] = self.free[index];
             self.origins[kept] = self.origins[index];
             kept += 1;
@@ -165,6 +170,7 @@ impl Particles {
         self.forces.truncate(length);
         self.masses.truncate(length);
         self.homes.truncate(length);
+        self.left.truncate(length);
         self.free.truncate(length);
         self.origins.truncate(length);
     }

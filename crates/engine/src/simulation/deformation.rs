@@ -1,6 +1,6 @@
 //! Matter that gives way under the probe.
 
-use palpate_deform::material::{MaterialLaw, Region, Treatment};
+use palpate_deform::material::MaterialLaw;
 use palpate_deform::model::{DeformationModel, DisplacementField, ModelEvent, model_from_name};
 use palpate_tools::journal_entry::Action;
 use palpate_volume::edit::SegmentId;
@@ -11,8 +11,7 @@ use crate::deformation::DeformationNow;
 use crate::error::SessionError;
 use crate::frame::Notice;
 use crate::handover::{GivingWay, ServoCommand};
-use crate::rigid_matter::rigid_mask;
-use crate::scene::{ModelChoice, Step, TouchChange};
+use crate::scene::{ModelChoice, Step};
 use crate::scene_news::SceneNews;
 
 impl Simulation {
@@ -99,58 +98,6 @@ impl Simulation {
     #[must_use]
     pub fn material(&self, id: SegmentId) -> Option<MaterialLaw> {
         self.scene.properties_of(id).law
-    }
-
-    /// Tells how regions of a segment with a material take part: of several that hold a voxel the
-    /// last counts, and what is in none gives way. This changes no voxel and is not undone.
-    ///
-    /// # Errors
-    /// Where there is no such segment, or none that a region is shared with.
-    pub fn set_regions(
-        &mut self,
-        id: SegmentId,
-        regions: Vec<(Region, Treatment)>,
-    ) -> Result<(), SessionError> {
-        let shared = regions.iter().filter_map(|(region, _)| match region {
-            Region::Shared(other) => Some(*other),
-            Region::Whole | Region::Within(_) => None,
-        });
-        for id in shared.chain([id]) {
-            if self.voxels().segment(id).is_none() {
-                return Err(VoxelsError::UnknownSegment(id.0).into());
-            }
-        }
-        self.deformation.change_matter().set_regions(id, regions);
-        self.follow_regions(&[id]);
-        self.segments_version += 1;
-        self.publish();
-        Ok(())
-    }
-
-    /// Has touch follow what is rigid of these segments.
-    fn follow_regions(&mut self, ids: &[SegmentId]) {
-        for id in ids {
-            let regions = self.deformation.matter().regions(*id);
-            let rigid = rigid_mask(self.voxels(), regions);
-            if self.scene.know_rigid(*id, rigid) {
-                self.send_change(&TouchChange::All(vec![*id]));
-            }
-        }
-    }
-
-    /// The same after a change of voxels or segments, with which shared regions go.
-    pub(super) fn follow_shared_regions(&mut self) {
-        let regions = self.deformation.matter().with_regions();
-        // one that was removed and came back is known no more
-        let changed = regions.filter(|(id, shared)| *shared || !self.scene.knows_rigid(*id));
-        let ids: Vec<_> = changed.map(|(id, _)| id).collect();
-        self.follow_regions(&ids);
-    }
-
-    /// How regions of a segment take part.
-    #[must_use]
-    pub fn regions(&self, id: SegmentId) -> &[(Region, Treatment)] {
-        self.deformation.matter().regions(id)
     }
 
     /// How the deformation goes.

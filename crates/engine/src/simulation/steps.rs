@@ -85,6 +85,7 @@ impl Simulation {
         let (inverse, change) = self.scene.perform(step)?;
         self.send_change(&change);
         self.follow_matter(&inverse);
+        self.note_shared(&inverse);
         self.segments_version += 1;
         let news = SceneNews::of(&inverse, &self.scene, &self.labelled);
         let anew = news.iter().filter(|news| news.needs_labels()).count();

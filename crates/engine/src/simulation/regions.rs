@@ -1,0 +1,182 @@
+//! Regions of segments that give way: which of them do not, and how touch follows these.
+
+use palpate_deform::material::{Region, Treatment};
+use palpate_volume::edit::SegmentId;
+use palpate_volume::voxels::VoxelsError;
+
+use super::Simulation;
+use crate::error::SessionError;
+use crate::rigid_matter::{Regions, SharedChange, changed_bricks, rigid_mask};
+use crate::scene::{Step, TouchChange};
+
+impl Simulation {
+    /// Tells how regions of a segment with a material take part: of several that hold a voxel the
+    /// last counts, and what is in none gives way. This changes no voxel and is not undone.
+    ///
+    /// # Errors
+    /// Where there is no such segment, or none that a region is shared with.
+    pub fn set_regions(
+        &mut self,
+        id: SegmentId,
+        regions: Vec<(Region, Treatment)>,
+    ) -> Result<(), SessionError> {
+        let shared = regions.iter().filter_map(|(region, _)| match region {
+            Region::Shared(other) => Some(*other),
+            Region::Whole | Region::Within(_) => None,
+        });
+        for id in shared.chain([id]) {
+            if self.voxels().segment(id).is_none() {
+                return Err(VoxelsError::UnknownSegment(id.0).into());
+            }
+        }
+        self.deformation.change_matter().set_regions(id, regions);
+        self.follow_regions(&[id]);
+        self.segments_version += 1;
+        self.publish();
+        Ok(())
+    }
+
+    /// Has touch follow what is rigid of these segments.
+    fn follow_regions(&mut self, ids: &[SegmentId]) {
+        for id in ids {
+            let regions = self.deformation.matter().regions(*id);
+            let rigid = rigid_mask(self.voxels(), regions);
+            if self.scene.know_rigid(*id, rigid) {
+                self.send_change(&TouchChange::All(vec![*id]));
+            }
+        }
+    }
+
+    /// The same after a change of voxels or segments, with which shared regions go.
+    pub(super) fn follow_shared_regions(&mut self) {
+        let news = std::mem::take(&mut self.shared_news);
+        let (mut anew, mut parts) = (Vec::new(), Vec::new());
+        for (id, regions) in self.deformation.matter().with_regions() {
+            match (self.scene.rigid(id), news.within(regions)) {
+                // one that was removed and came back is known no more
+                (None, _) | (_, SharedChange::All) => anew.push(id),
+                (Some(mask), SharedChange::Bricks(bricks)) => {
+                    parts.push((id, changed_bricks(mask, self.voxels(), regions, &bricks)));
+                }
+            }
+        }
+        self.follow_regions(&anew);
+        parts.retain(|(_, swaps)| !swaps.is_empty());
+        for (id, swaps) in parts {
+            self.scene.change_rigid(id, swaps);
+            self.send_change(&TouchChange::All(vec![id]));
+        }
+    }
+
+    /// Takes note of a step that was performed, told by its inverse: regions may be shared with what
+    /// it changed.
+    pub(super) fn note_shared(&mut self, inverse: &Step) {
+        let matter = self.deformation.matter();
+        self.shared_news.note(inverse, |id| matter.is_shared(id));
+    }
+
+    /// How regions of a segment take part.
+    #[must_use]
+    pub fn regions(&self, id: SegmentId) -> &Regions {
+        self.deformation.matter().regions(id)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bench::matter::rig::Rig;
+    use crate::bench::matter::world::{BONE_ID, SKIN_ID, SOFT_ID, World};
+    use crate::bench::random::Random;
+    use crate::rigid_matter::SharedNews;
+    use glam::IVec3;
+    use palpate_volume::segment::Segment;
+    use palpate_volume::voxel_box::VoxelBox;
+
+    /// Soft matter that is rigid where bone is, and in a corner, but not where skin is.
+    fn rig() -> Rig {
+        let world = World::new(0, &mut Random::of_stream(3, 0));
+        let mut rig = world.rig("lattice").unwrap();
+        let corner = VoxelBox::new(IVec3::ZERO, IVec3::new(13, 11, 7));
+        let regions = vec![
+            (Region::Shared(BONE_ID), Treatment::Rigid),
+            (Region::Within(corner), Treatment::Rigid),
+            (Region::Shared(SKIN_ID), Treatment::Deformable),
+        ];
+        rig.simulation.set_regions(SOFT_ID, regions).unwrap();
+        rig
+    }
+
+    /// The mask that is kept is the one that is worked out as a whole.
+    fn check(simulation: &Simulation) -> u32 {
+        let whole = rigid_mask(simulation.voxels(), simulation.regions(SOFT_ID)).unwrap();
+        let kept = simulation.scene.rigid(SOFT_ID).unwrap();
+        assert!(kept.difference(&whole).is_empty());
+        let bricks = whole.bricks().entries().iter().flatten();
+        bricks.map(|brick| brick.count()).sum()
+    }
+
+    fn paint(simulation: &mut Simulation, id: SegmentId, region: &VoxelBox, solid: bool) {
+        let voxels = simulation.voxels();
+        let edit = voxels.label_edit(id, region, |_, _| solid).unwrap();
+        simulation.change(Step::of_edit(edit)).unwrap();
+    }
+
+    #[test]
+    fn a_mask_that_follows_edits_is_the_one_worked_out_anew() {
+        let Rig { mut simulation, .. } = rig();
+        let first = check(&simulation);
+        let mut random = Random::of_stream(5, 1);
+        let size = simulation.voxels().grid().dimensions().as_dvec3();
+        let (mut counts, mut way_back) = (vec![first], 0);
+        for number in 0..60 {
+            let low = random.in_box(glam::DVec3::ZERO, size).as_ivec3();
+            let region = VoxelBox::new(low, low + 1 + number % 9);
+            let id = [BONE_ID, SKIN_ID, SOFT_ID][number as usize % 3];
+            let region = region.intersect(&simulation.voxels().grid().bounds());
+            paint(&mut simulation, id, &region, number % 4 < 2);
+            counts.push(check(&simulation));
+            if number % 5 == 4 {
+                assert!(simulation.undo().unwrap());
+                check(&simulation);
+                way_back += 1;
+            }
+        }
+        counts.dedup();
+        assert!(counts.len() > 12 && way_back == 12, "{counts:?}");
+        while simulation.undo().unwrap() {
+            check(&simulation);
+        }
+        assert_eq!(check(&simulation), first);
+        // whole segments go, and come back
+        simulation.remove_segment(BONE_ID).unwrap();
+        assert!(check(&simulation) < first / 2);
+        simulation.undo().unwrap();
+        assert_eq!(check(&simulation), first);
+        let none = Segment::from_fn(simulation.voxels().grid().dimensions(), |_| false);
+        simulation.replace_segment(BONE_ID, none, None).unwrap();
+        assert!(check(&simulation) < first / 2);
+    }
+
+    #[test]
+    fn an_edit_of_a_shared_segment_asks_for_its_own_bricks_only() {
+        let Rig { mut simulation, .. } = rig();
+        let voxel = VoxelBox::of_voxel(IVec3::new(20, 20, 20));
+        let bricks = |simulation: &Simulation, id| {
+            let edit = simulation.voxels().label_edit(id, &voxel, |_, was| !was);
+            let mut news = SharedNews::default();
+            news.note(&Step::of_edit(edit.unwrap()), |id| {
+                simulation.deformation.matter().is_shared(id)
+            });
+            match news.within(simulation.regions(SOFT_ID)) {
+                SharedChange::Bricks(bricks) => bricks.len(),
+                SharedChange::All => panic!("of one voxel"),
+            }
+        };
+        assert_eq!(bricks(&simulation, BONE_ID), 1);
+        assert_eq!(bricks(&simulation, SOFT_ID), 0);
+        // nothing is left of what was looked at
+        paint(&mut simulation, BONE_ID, &voxel, true);
+        assert_eq!(simulation.shared_news, SharedNews::default());
+    }
+}
