@@ -1,7 +1,7 @@
 """Ranges of Hounsfield units that stand for tissues, as programs for segmentation offer them.
 
-Tissues overlap in CT: a range is where to begin, not what is found. Values are those that
-Materialise Mimics has for adults, and for lung those usual in studies of aeration.
+Tissues overlap in CT, and values depend on the scanner's voltage and filter: a range is where to
+begin, not what is found. They are the customary ones for adults, of no single source.
 """
 
 from __future__ import annotations
