@@ -182,6 +182,10 @@ bench-edit: setup chromium ## measure edits at the page with SCANS=PATH: applied
 	$(call say,edits at the page)
 	CHROMIUM="$$(scripts/chromium.sh)" $(BIN)/palpate bench edit $(firstword $(SCANS))
 
+.PHONY: pictures
+pictures: setup chromium ## take the pictures of the page that the docs show
+	PYTHONPATH=tests/support $(BIN)/python scripts/take_pictures.py $(or $(PALPATE_DATA),../shared/data) docs/images
+
 .PHONY: bench-page
 bench-page: setup chromium ## measure the page with SCANS="PATH ...": first picture, late ticks, memory
 	$(call say,page)
