@@ -133,6 +133,28 @@ def test_a_cut_makes_another_object(page: Browser) -> None:
     assert page.complaints == []
 
 
+def test_all_segments_are_drawn_otherwise_hidden_and_found_at_once(page: Browser) -> None:
+    rows = "document.querySelectorAll('li[data-testid^=segment-]').length"
+    count = page.read(rows)
+    assert count >= 2
+    page.do("click", testid="all-as-surface")
+    drawn = "Object.values(window.palpate.triangles).filter((triangles) => triangles > 0).length"
+    page.wait(f"{drawn} === {count}")
+    seen = (
+        "[...document.querySelectorAll('[data-testid^=visible-]')]"
+        ".filter((eye) => eye.getAttribute('aria-pressed') === 'true').length"
+    )
+    assert page.read(seen) == count
+    for left in (0, count):
+        page.do("click", testid="all-visible")
+        page.wait(f"{seen} === {left}")
+    name = page.read("document.querySelector('li[data-testid=segment-1] .text').textContent")
+    page.do("fill", testid="find-segment", text=name.upper())
+    page.wait(f"{rows} === 1")
+    page.do("fill", testid="find-segment", text="")
+    page.wait(f"{rows} === {count}")
+
+
 def gap_is(page: Browser, expected: float, *, within: float) -> None:
     """Waits until the minimum that the page shows is that [mm]: it is measured beside all else."""
     page.shows("gap", f"Math.abs(parseFloat(text) - {expected}) <= {within}")
