@@ -101,8 +101,8 @@ def remote_series(address: WebAddress, *, progress: Progress = silent) -> list[R
     """
     with asking(address, MOST_LIST_BYTES) as budget:
         progress(f"asking {address} for series", None)
-        client = client_of(address, budget)
-        listed = [_series_of(found, address) for found in _search(client, address)]
+        with client_of(address, budget) as client:
+            listed = [_series_of(found, address) for found in _search(client, address)]
         images = [one for one in listed if one.modality not in DERIVED_OBJECTS]
         if not images:
             what = "images" if listed else "series that fit"
@@ -196,7 +196,8 @@ def fetch_series(
     """
     with asking(address, MOST_BYTES) as budget:
         progress("asking for the list of files", None)
-        files = _files_of(client_of(address, budget), one)
+        with client_of(address, budget) as client:
+            files = _files_of(client, one)
         expected = _room_for(files, folder)
         said = f"fetching {len(files)} files" + (
             "" if expected is None else f", {expected / 2**20:.0f} MiB before compression"
@@ -223,8 +224,7 @@ def fetch_middle(address: WebAddress, one: RemoteSeries, folder: Path) -> Path:
     Raises:
         DicomWebError: The server does not send it.
     """
-    with asking(address, MOST_BYTES) as budget:
-        client = client_of(address, budget)
+    with asking(address, MOST_BYTES) as budget, client_of(address, budget) as client:
         middle = (one.files or 1) // 2
         listed = list_of(client.search_for_instances(one.study, one.uid, limit=1, offset=middle))
         path = folder / one.uid

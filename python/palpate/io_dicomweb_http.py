@@ -10,7 +10,7 @@ import struct
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from threading import Event, Lock, local
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -91,8 +91,9 @@ class _Counted:
         self._body.release_conn()
 
 
-def client_of(address: WebAddress, budget: Budget) -> DICOMwebClient:
-    """Makes a client for one thread."""
+@contextmanager
+def client_of(address: WebAddress, budget: Budget) -> Iterator[DICOMwebClient]:
+    """Gives a client for one thread; leaving closes its connections."""
     from dicomweb_client.web import DICOMwebClient
     from requests import PreparedRequest, Response, Session
     from requests.adapters import HTTPAdapter
@@ -102,11 +103,14 @@ def client_of(address: WebAddress, budget: Budget) -> DICOMwebClient:
         def send(self, request: PreparedRequest, *_: Any, **options: Any) -> Response:  # noqa: ANN401  # as the library has it
             # the client names the host without its port
             request.headers.pop("Host", None)
+            # one that was not read to its end keeps its connection even when the session closes
+            latest.close()
             answer = super().send(request, **(options | {"stream": True, "timeout": PATIENCE}))
             answer.raw = _Counted(answer.raw, budget)
+            latest.callback(answer.raw.close)
             return answer
 
-    session = Session()
+    session, latest = Session(), ExitStack()
     session.max_redirects = MOST_REDIRECTS
     # no proxy leads back to this machine
     session.trust_env = not address.local
@@ -125,7 +129,8 @@ def client_of(address: WebAddress, budget: Budget) -> DICOMwebClient:
     client = DICOMwebClient(address.service, session=session)
     # it would try again whatever fails, for half a minute
     client.set_http_retry_params(retry=False)
-    return client
+    with session, latest:
+        yield client
 
 
 @contextmanager
@@ -214,10 +219,10 @@ def pool_of(
 
     def worked(one: Wanted) -> Made:
         if not hasattr(own, "client"):
-            own.client = client_of(*asked)
+            own.client = clients.enter_context(client_of(*asked))
         return work(own.client, one)
 
-    with ThreadPoolExecutor(min(MOST_THREADS, max(1, len(wanted)))) as pool:
+    with ExitStack() as clients, ThreadPoolExecutor(min(MOST_THREADS, max(1, len(wanted)))) as pool:
         try:
             yield [pool.submit(worked, one) for one in wanted]
         except BaseException:
