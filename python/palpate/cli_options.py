@@ -20,6 +20,7 @@ __all__ = [
     "Port",
     "Rate",
     "Raw",
+    "Resample",
     "Scan",
     "ScanOrNone",
     "Segments",
@@ -71,6 +72,12 @@ Threshold = Annotated[
 Segments = Annotated[
     Path | None,
     typer.Option(help="Label map, .seg.nrrd, DICOM SEG or RTSTRUCT, or a folder of masks."),
+]
+Resample = Annotated[
+    bool,
+    typer.Option(
+        "--resample", help="Segments of another grid are laid on the scan's: nearest voxels."
+    ),
 ]
 With = Annotated[
     Path | None, typer.Option("--with", help="Second scan, shown with the first: CT and MR.")

@@ -18,6 +18,7 @@ from palpate.cli_options import (
     Port,
     Rate,
     Raw,
+    Resample,
     ScanOrNone,
     Segments,
     Series,
@@ -44,6 +45,7 @@ def open_scan(  # noqa: PLR0913  # one per option of the command line
     max_voxels: MaxVoxels = 1024**3,
     threshold: Threshold = None,
     segments: Segments = None,
+    resample: Resample = False,
     second: With = None,
     transform: Transform = None,
     mesh: Mesh = None,
@@ -115,7 +117,9 @@ def open_scan(  # noqa: PLR0913  # one per option of the command line
                 max_voxels=max_voxels,
                 progress=display,
             )
-            scene = scene_of(volume, bounds=bounds, label_map=segments, progress=display)
+            scene = scene_of(
+                volume, bounds=bounds, label_map=segments, resample=resample, progress=display
+            )
             add_second(scene, second, transform, progress=display)
             if mesh is not None:
                 add_mesh(scene, mesh, frame=mesh_frame, unit=mesh_unit, spacing=mesh_spacing)
