@@ -32,7 +32,7 @@ export class ImageControl {
   readonly filming = filmType() !== null;
 
   sizeOf(magnification: number): Viewport {
-    return imageSize(this.stage.viewport, window.devicePixelRatio, magnification);
+    return imageSize(this.stage.view.viewport, window.devicePixelRatio, magnification);
   }
 
   fits(magnification: number): boolean {
@@ -99,7 +99,7 @@ export class ImageControl {
 
   /** Does a job from the present view; one that was cancelled leaves nothing. */
   private async work(name: string, act: (camera: Camera, signal: AbortSignal) => Promise<void>): Promise<void> {
-    const { camera } = this.stage;
+    const { camera } = this.stage.view;
     if (this.job !== null || camera === null) {
       return;
     }
