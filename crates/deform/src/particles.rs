@@ -9,6 +9,7 @@ pub mod bench;
 mod body;
 pub mod calibration;
 mod cells;
+mod contact_laws;
 pub mod elasticity;
 mod global_matter;
 pub mod global_model;
