@@ -11,6 +11,8 @@ pub mod calibration;
 mod cells;
 mod contact_laws;
 pub mod elasticity;
+mod following;
+mod global_field;
 mod global_matter;
 pub mod global_model;
 mod lanes;
