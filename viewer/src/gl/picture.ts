@@ -57,6 +57,8 @@ export class Picture {
   suspended = false;
   private field: FieldTexture | null = null;
   private ready = false;
+  /** The GPU has the programs for a first picture, or cannot have them before it. */
+  private prepared = false;
   private gives = false;
   private view: { readonly camera: Camera; readonly extent: Extent } | null = null;
   /** The whole canvas [CSS pixels]. */
@@ -91,6 +93,18 @@ export class Picture {
       this.aimEye(eye);
     });
     this.pane = new ViewPane(this.renderer, this.compositor, (eye) => this.refiner.pictureOf(eye));
+    const programs = [this.refiner.prepare(this.format), this.compositor.prepare(this.renderer)];
+    void Promise.allSettled(programs).then(() => {
+      this.prepared = true;
+    });
+  }
+
+  get isPrepared(): boolean {
+    return this.prepared;
+  }
+
+  private get format(): FieldFormat {
+    return this.options.format ?? fieldFormatFor(this.options.support);
   }
 
   /** Share of the scan that is on the GPU. */
@@ -118,7 +132,7 @@ export class Picture {
 
   setScan(volume: ScanVolume, bricks: BrickRanges): void {
     this.field?.dispose();
-    this.field = new FieldTexture(volume, this.options.format ?? fieldFormatFor(this.options.support));
+    this.field = new FieldTexture(volume, this.format);
     this.ready = false;
     this.refiner.drawnPieces = 0;
     this.marcher.setField(this.field, bricks);
@@ -263,7 +277,7 @@ export class Picture {
       this.ready = this.field.uploadSlab(this.renderer);
       return;
     }
-    if (!this.ready || this.view === null || this.suspended || this.snapping) {
+    if (!this.ready || !this.prepared || this.view === null || this.suspended || this.snapping) {
       return;
     }
     if (this.marcher.second.isAwaited) {

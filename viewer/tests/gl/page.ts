@@ -560,7 +560,38 @@ async function cancelled(test: MarchTest): Promise<string> {
   return "not cancelled";
 }
 
-const glTests = { march, light, second, screen, show, snapshot, cancelled, resizedMiddle, edit, drawnTriangles, coarseLevel };
+/** How many programs are linked before there is a scan, and from then until its first picture stands. */
+async function programs(test: MarchTest): Promise<readonly [number, number]> {
+  const { prototype } = WebGL2RenderingContext;
+  const { linkProgram } = prototype;
+  let links = 0;
+  prototype.linkProgram = function (program): void {
+    links += 1;
+    linkProgram.call(this, program);
+  };
+  const { picture } = pictureOf(false);
+  try {
+    while (!picture.isPrepared) {
+      await new Promise((resolve) => setTimeout(resolve, 5));
+    }
+    const before = links;
+    const volume = fieldOf(test);
+    const extent = outlineOf(test);
+    picture.setScan(volume, bricksOf(volume, true));
+    picture.setLook(lookOf(test));
+    picture.setCamera(viewOf(test, extent), extent);
+    while (!picture.hasPicture) {
+      picture.advance(performance.now());
+      await new Promise((resolve) => setTimeout(resolve, 5));
+    }
+    return [before, links - before];
+  } finally {
+    prototype.linkProgram = linkProgram;
+    picture.dispose();
+  }
+}
+
+const glTests = { programs, march, light, second, screen, show, snapshot, cancelled, resizedMiddle, edit, drawnTriangles, coarseLevel };
 
 declare global {
   interface Window {
