@@ -2,7 +2,7 @@
  * What stands at a place of the picture: the segment or tissue that a ray meets first, and what a voxel is.
  */
 import { transformPoint } from "../core/affine";
-import { rayThrough, type Ray } from "../core/camera";
+import { pixelSizeAt, project, rayThrough, type Ray } from "../core/camera";
 import { valueInVoxel } from "../core/field";
 import type { Look } from "../core/look";
 import { unmoved } from "../core/object_pose";
@@ -10,13 +10,14 @@ import { surfaceCrossings } from "../core/pick_patches";
 import { pickSurface, type Picked } from "../core/pick_surface";
 import type { Segment } from "../core/protocol";
 import { drawnAsSurface, drawnFromVoxels } from "../core/shown_segments";
-import type { Vec3 } from "../core/vector";
+import { dot, subtract, type Vec3 } from "../core/vector";
 import type { ClipControl } from "./clip_control.svelte";
 import type { LookControl } from "./look_control.svelte";
 import type { ScanLoader } from "./scan_loader.svelte";
 import type { Session } from "./session.svelte";
 import type { ShownEdits } from "./shown_edits.svelte";
 import type { StereoControl } from "./stereo_control.svelte";
+import type { ViewControl } from "./view_control.svelte";
 
 /** What is drawn. */
 interface Drawn {
@@ -27,7 +28,11 @@ interface Drawn {
   readonly edits: ShownEdits;
   readonly clips: ClipControl;
   readonly stereo: StereoControl;
+  readonly view: ViewControl;
 }
+
+/** What lies in a surface is not hidden by it [CSS pixels]; as far as marks are drawn before it. */
+const lift = 6;
 
 export class Picker {
   constructor(
@@ -65,6 +70,18 @@ export class Picker {
     // an edited threshold is where its labels are
     const ranges = look.ranges.filter((range) => range.label === 0 && range.tinted !== true);
     return pickSurface(volume, { ...look, ranges }, ray, { crossings: surfaceCrossings(surfaces, ray), labelAt, clip: clips.cutting });
+  }
+
+  /** Whether something stands before a point of the scene, seen from between the eyes. */
+  hides(point: Vec3): boolean {
+    const { camera, viewport } = this.drawn.view;
+    const place = camera && project(camera, point, viewport);
+    if (camera === null || place === null) {
+      return false;
+    }
+    const ray = rayThrough(camera, ...place, viewport);
+    const found = this.along(ray);
+    return found !== null && dot(subtract(point, found.point), ray.direction) > lift * pixelSizeAt(camera, point, viewport);
   }
 
   /** Value of the scan at a point of the scene; null outside of it and before it is here. */

@@ -28,6 +28,7 @@ import { GrowControl } from "./grow_control.svelte";
 import { HandedViews } from "./handed_views";
 import { LookControl } from "./look_control.svelte";
 import { MarkControl } from "./mark_control.svelte";
+import { MarkSight } from "./mark_sight.svelte";
 import { ObjectControl } from "./object_control.svelte";
 import { PageSteps } from "./page_steps.svelte";
 import { Picker } from "./picker";
@@ -84,6 +85,8 @@ export class Stage {
   readonly steps: PageSteps;
   /** Points, distances and angles that a person has set. */
   readonly marks: MarkControl;
+  /** Which of them something stands before. */
+  readonly sight: MarkSight;
   /** What is where in the picture. */
   readonly picker: Picker;
   readonly frameRate = new FrameRate();
@@ -126,6 +129,7 @@ export class Stage {
     this.player = new Player(session);
     this.touch = new TouchMarks(session, this.player, support.software);
     this.picker = new Picker(this, session);
+    this.sight = new MarkSight(this.marks, this.picker.hides.bind(this.picker));
     this.second = new SecondControl({
       token,
       first: () => session.scan?.name ?? "",
@@ -433,6 +437,7 @@ export class Stage {
     }
     picture.advance(now);
     this.loader.follow(picture);
+    this.sight.follow(picture.quality.finished);
   }
 
   /** Hands edits to the GPU as they come: all of one before anything is drawn again. */
