@@ -29,7 +29,7 @@ from palpate.progress import Progress
 from palpate.recent import Recent, forget_recent, note_recent, recent_scans
 from palpate.second_scan import placed
 from palpate.server_finds import Finds, Place, WantedFind, WantedScan, path_of
-from palpate.server_job import Job
+from palpate.server_job import Job, Tell
 from palpate.server_open_scan import OpenScan
 from palpate.server_upload import (
     MOST_UPLOAD_BYTES,
@@ -155,10 +155,13 @@ class Library:
         wanted = await _body(request, WantedScan)
         place = self._finds.chosen(wanted)
         show = self._add if wanted.beside else self._exchange
-        return Job(lambda progress, _: self._bring(place, show, progress))
+        return Job(lambda progress, tell: self._bring(place, show, progress=progress, tell=tell))
 
-    def _bring(self, place: Place, show: Show, progress: Progress) -> None:
-        """Shows a scan, after its files have come from where they are."""
+    def _bring(self, place: Place, show: Show, *, progress: Progress, tell: Tell) -> None:
+        """Shows a scan, after its files have come from where they are.
+
+        Where they hold several volumes, such as times, these are told instead, to choose from.
+        """
         if place.fetch is None:
             show(place, None, progress)
             return
@@ -171,14 +174,16 @@ class Library:
             try:
                 show(replace(place, path=folder), files, progress)
             except SeriesChoiceError:
-                raise OptionError(
-                    "this series holds several volumes, such as times; allowed: palpate import "
-                    "--dicomweb brings it into a folder, whose volumes are listed here"
-                ) from None
+                unless_shown.pop_all()
+                kept = self._uploads.keep(files)
+                self._finds.look(Place(folder, kept), progress, tell)
             unless_shown.pop_all()
 
     def _exchange(self, place: Place, fetched: Files | None, progress: Progress) -> None:
         """Shows a scan in place of the one that is open."""
+        if place.upload is not None:
+            # its files may be those of a scan by now
+            self._uploads.of(place.upload)
         read = opening(place.path, series=place.series, progress=progress)
         # from here on it cannot be taken back
         progress("starting", None)

@@ -41,7 +41,8 @@ export class SceneKeeper {
     }
     this.saving = true;
     try {
-      const { camera, slices } = this.stage;
+      const { slices } = this.stage;
+      const { camera } = this.stage.view;
       const view = { camera, crosshair: slices.crosshair, remembered: keptOf(scan.name) };
       await fetchFile("/api/scene", this.token, { view, copy: this.withScan }, "scene.palpate");
     } catch (error) {
@@ -60,7 +61,7 @@ export class SceneKeeper {
     await this.stage.open(scan);
     const camera = saneCamera(view["camera"]);
     if (camera !== null) {
-      this.stage.camera = camera;
+      this.stage.view.camera = camera;
     }
     const crosshair = view["crosshair"];
     if (isPoint(crosshair)) {
