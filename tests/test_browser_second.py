@@ -110,6 +110,17 @@ def test_slices_show_the_second_scan_where_its_transform_puts_it(
 
 
 @pytest.mark.data
+def test_a_click_says_the_values_of_both_scans(lungs: Browser, data_folder: Path) -> None:
+    second = SimpleITK.ReadImage(str(data_folder / "elastix_lung_pair" / "3DCT_lung_followup.mha"))
+    lungs.do("clickAt", testid="slice-axial", x=0.45, y=0.5)
+    lungs.do("click", testid="picked-cross")
+    there = TURN.TransformPoint(lungs.read("window.palpate.crosshair"))
+    expected = second.GetPixel(second.TransformPhysicalPointToIndex(there))
+    assert float(lungs.text("picked-second").removesuffix(" HU")) == pytest.approx(expected)
+    lungs.do("press", key="Escape")
+
+
+@pytest.mark.data
 def test_the_view_shows_it_too_and_follows_another_transform(lungs: Browser) -> None:
     lungs.do("choose", testid="second-preset", value="CT-Lung")
     shown = lungs.picture(OUTPUT / "second_view.png")

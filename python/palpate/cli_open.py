@@ -136,7 +136,8 @@ def add_labels(scene: Scene, path: Path, *, resample: bool, progress: Progress) 
     """Adds the segments of a file or folder, and says what was changed or left out."""
     found = read_labels(path, scene.volume, resample=resample, progress=progress)
     for label in found.labels:
-        scene.add(label.segment, colour=label.colour)
+        # smooth bodies are read at a glance; until its surface is made, one is drawn from voxels
+        scene.add(label.segment, colour=label.colour, shown_as="surface")
     for warning in found.warnings:
         warn(f"{path.name}: {warning}")
 

@@ -11,9 +11,12 @@ import palpate
 import pytest
 import SimpleITK
 from numpy.typing import NDArray
+from palpate.cli_open import add_labels
 from palpate.errors import OptionError, PalpateError, VolumeFormatError
 from palpate.labels_dicom import colour_of_lab
 from palpate.labels_map import colour_of_name
+from palpate.progress import silent
+from palpate.scene import Scene
 from palpate.volume import Volume
 from pydicom import dcmread
 from pydicom.dataset import Dataset, FileDataset, FileMetaDataset
@@ -42,6 +45,14 @@ def some_labels() -> NDArray[np.uint8]:
 
 
 # --- label maps ---------------------------------------------------------------------------
+
+
+def test_segments_of_an_opened_map_begin_as_surfaces(scan: Volume, tmp_path: Path) -> None:
+    path = tmp_path / "labels.nrrd"
+    SimpleITK.WriteImage(image_of(some_labels()), str(path))
+    scene = Scene(scan)
+    add_labels(scene, path, resample=False, progress=silent)
+    assert [segment.shown_as for segment in scene] == ["surface"] * 3
 
 
 def test_a_label_map_gives_its_labels(scan: Volume, tmp_path: Path) -> None:

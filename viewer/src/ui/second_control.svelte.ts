@@ -1,8 +1,10 @@
 /**
  * The second scan on the page: its values, and how a person wants it shown; remembered for the first scan.
  */
+import { transformPoint } from "../core/affine";
 import { transferFunctionOfCurve } from "../core/curve";
 import { curveOfPreset, presets } from "../core/curve_presets";
+import { valueInVoxel } from "../core/field";
 import { valueAbove } from "../core/histogram";
 import { firstChoice, firstTissue, type OpticsChoice } from "../core/optics";
 import type { Scan, SecondScan } from "../core/protocol";
@@ -10,6 +12,7 @@ import { frameOf } from "../core/scan_volume";
 import { fusions, placeOf, tints, type Fusion, type SecondLook, type Tint } from "../core/second_scan";
 import { subsamplingStep } from "../core/subsampling";
 import { Unchanged } from "../core/unchanged";
+import type { Vec3 } from "../core/vector";
 import { firstWindow, type WindowLevel } from "../core/window_level";
 import type { ShownSecond } from "../gl/second_texture";
 import { moveSecond, removeSecond } from "../live/second_requests";
@@ -108,6 +111,12 @@ export class SecondControl {
     const alone = only === null ? {} : ({ inSlices: true, fusion: "flicker", turn: only } as const);
     return { ...held, place, look: { inView, viewFusion, transferFunction, density, edgeGradient, ...surface, ...inSlice, ...alone } };
   });
+
+  /** Its value at a point of the first scan's scene; null outside of it and before it is here. */
+  valueAt(point: Vec3): number | null {
+    const { shown } = this;
+    return shown && valueInVoxel(shown.volume, transformPoint(shown.volume.frame.gridFromScene, transformPoint(shown.place, point)));
+  }
 
   /** Lays it where a transform's file says; null: as its own file does. */
   async moveBy(transform: File | null): Promise<void> {
