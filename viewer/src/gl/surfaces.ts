@@ -48,6 +48,8 @@ export class Surfaces {
       upDirection: { value: new THREE.Vector3() },
       clipPlanes: { value: Array.from({ length: mostPlanes }, () => new THREE.Vector4()) },
       clipCount: { value: 0 },
+      sceneFromCube: { value: new THREE.Matrix4() },
+      layerSize: { value: new THREE.Vector2() },
       peeled: { value: 0 },
       depthBefore: { value: null as THREE.Texture | null },
       depthOpaque: { value: null as THREE.Texture | null },
@@ -133,6 +135,8 @@ export class Surfaces {
       mesh.compile(this.defines);
     }
     const camera = shifted(this.camera, picture, shift);
+    shared.sceneFromCube.value.multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse).invert();
+    shared.layerSize.value.set(layers.opaque.width, layers.opaque.height);
     this.drawLayer(renderer, layers.opaque, camera, shown.filter((mesh) => !mesh.translucent));
     shared.depthOpaque.value = layers.opaque.target.depthTexture;
     shared.peeled.value = 0;

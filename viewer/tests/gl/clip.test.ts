@@ -135,6 +135,33 @@ test("a cut surface is closed by a flat face in its colour where the scan has it
   expect(inside).toBeGreaterThan(500);
 });
 
+test.each([false, true])("a cut translucent surface is closed too: its cut face lies over what is seen through it; orthographic %s", async (orthographic) => {
+  const lighting = { occlusion: 0, shadow: 0 };
+  const ball = { field: "ball", spacing: [1, 1, 1], from: "A", stepsPerVoxel: 1, extinction: 0, lighting, orthographic } as const;
+  const look = { colour: [0.7, 0, 0] as const, opacity: 0.4 };
+  const cut = async (range: readonly [number, number] | null): Promise<number[]> =>
+    show({ scan: { ...ball, clip: [front] }, surfaces: [{ centre: middle, radius: 14, sectors: 4, look: { ...look, range } }] });
+  const [closed, hollow] = [await cut([0, 3000]), await cut(null)];
+  const result = await march({ ...ball });
+  const light = keyLight(result.camera);
+  let inside = 0;
+  raysOf(result, frame).forEach(({ origin, direction }, i) => {
+    const hit = addScaled(origin, direction, keptSpan([front], { origin, direction })[0]);
+    const away = Math.hypot(...subtract(hit, middle));
+    const seen = (pixels: readonly number[]): number => (pixels[4 * i] ?? 0) / 255;
+    if (away < 13) {
+      inside += 1;
+      const [red] = litSurface(linearFromSrgb([0.7, 0, 0]), [0, -1, 0], scale(direction, -1), result.camera.up, light);
+      const [behind] = linearFromSrgb([seen(hollow), 0, 0]);
+      const expected = 0.4 * red + 0.6 * behind;
+      expect(Math.abs(1.055 * expected ** (1 / 2.4) - 0.055 - seen(closed))).toBeLessThan(4 / 255);
+    } else if (away > 15) {
+      expect(seen(closed)).toBe(seen(hollow));
+    }
+  });
+  expect(inside).toBeGreaterThan(500);
+});
+
 /** Seen nearly from its edge, so that it takes whole rays. */
 const aside: Plane = { normal: normalize([0.9, -0.2, 0.4]), offset: dot(normalize([0.9, -0.2, 0.4]), [26, 20, 27]) };
 

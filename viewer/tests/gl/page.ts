@@ -30,6 +30,7 @@ import { ThreeCamera } from "../../src/gl/three_camera";
 import { ShownEdits } from "../../src/ui/shown_edits.svelte";
 import { ballSurface } from "../core/ball_surface";
 import { scanOf, segment, volumeOf } from "../core/volumes";
+import { hasNorm16, reading } from "./formats_page";
 import { light } from "./light_page";
 import { marble } from "./marble";
 import { second } from "./second_page";
@@ -591,7 +592,7 @@ async function programs(test: MarchTest): Promise<readonly [number, number]> {
   }
 }
 
-const glTests = { programs, march, light, second, screen, show, snapshot, cancelled, resizedMiddle, edit, drawnTriangles, coarseLevel };
+const glTests = { programs, march, light, second, reading, hasNorm16, screen, show, snapshot, cancelled, resizedMiddle, edit, drawnTriangles, coarseLevel };
 
 declare global {
   interface Window {

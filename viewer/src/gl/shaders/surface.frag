@@ -29,49 +29,61 @@ const float sameDepth = 2e-7;
 #endif
 
 // what clip planes open is closed: where the scan has the segment, its cut face covers what is behind
-#if defined(CLIPPED) && !defined(TRANSLUCENT)
-#define CAPPED
+#ifdef CLIPPED
 uniform mat4 viewMatrix;
 uniform mat4 projectionMatrix;
 uniform mat4 gridFromPosed;
+// from the cube of the camera's projection, and how large that is drawn [pixels]
+uniform mat4 sceneFromCube;
+uniform vec2 layerSize;
 
-// Where the way from a kept point to the eye comes to the first plane, and that plane's normal; false where
-// it meets none.
-bool meetsPlane(vec3 point, vec3 toEye, out vec3 place, out vec3 face) {
-  float first = 1.0;
+// The cut face in a pixel: told by the pixel alone, so that all triangles in it find the same one.
+struct Cap {
+  vec3 place;
+  // of the plane, toward what is cut away
+  vec3 normal;
+  float depth;
+};
+
+// Where the ray of a pixel comes to what is kept; false where it never does, or begins in it.
+bool entersKept(out Cap cap) {
+  vec2 pixel = gl_FragCoord.xy / layerSize * 2.0 - 1.0;
+  vec4 near = sceneFromCube * vec4(pixel, -1.0, 1.0);
+  vec4 far = sceneFromCube * vec4(pixel, 1.0, 1.0);
+  vec3 begin = near.xyz / near.w;
+  vec3 way = far.xyz / far.w - begin;
+  float enter = 0.0;
+  float leave = 1.0;
   for (int i = 0; i < CLIP_PLANES; ++i) {
     if (i >= clipCount) {
       break;
     }
-    float rise = dot(clipPlanes[i].xyz, toEye);
-    float away = -dot(clipPlanes[i], vec4(point, 1.0)) / max(rise, 1e-9);
-    if (rise > 0.0 && away < first) {
-      first = away;
-      face = clipPlanes[i].xyz;
+    float rise = dot(clipPlanes[i].xyz, way);
+    float t = -dot(clipPlanes[i], vec4(begin, 1.0)) / rise;
+    if (rise < 0.0 && t > enter) {
+      enter = t;
+      cap.normal = clipPlanes[i].xyz;
     }
+    leave = rise > 0.0 ? min(leave, t) : leave;
   }
-  place = point + first * toEye;
-  return first < 1.0;
+  cap.place = begin + enter * way;
+  return enter > 0.0 && enter < leave;
 }
 
-// The cut face in the way to a point; false where there is none.
-bool drawCap(vec3 point) {
-  vec3 place;
-  vec3 face;
-  // in an orthographic view the eye is far away
-  if (bare > 0.5 || !meetsPlane(point, eye.w > 0.5 ? eye.xyz - point : 1e5 * eye.xyz, place, face)) {
+bool findCap(out Cap cap) {
+  if (bare > 0.5 || !entersKept(cap) || !insideSegment((gridFromPosed * vec4(cap.place - 0.01 * cap.normal, 1.0)).xyz, 0)) {
     return false;
   }
-  vec3 within = (gridFromPosed * vec4(place - 0.01 * face, 1.0)).xyz;
-  if (!insideSegment(within, 0)) {
-    return false;
-  }
-  vec3 toEye = normalize(eye.xyz - eye.w * place);
-  vec2 light = lightAt((gridFromScene * vec4(place, 1.0)).xyz, mat3(gridFromScene) * face * spacing);
-  picture = vec4(litSurface(colour, face, toEye, 1.0, light) * opacity, opacity);
-  vec4 projected = projectionMatrix * viewMatrix * vec4(place, 1.0);
-  gl_FragDepth = 0.5 * projected.z / projected.w + 0.5;
+  vec4 projected = projectionMatrix * viewMatrix * vec4(cap.place, 1.0);
+  cap.depth = 0.5 * projected.z / projected.w + 0.5;
   return true;
+}
+
+void drawCap(Cap cap) {
+  vec3 toEye = normalize(eye.xyz - eye.w * cap.place);
+  vec2 light = lightAt((gridFromScene * vec4(cap.place, 1.0)).xyz, mat3(gridFromScene) * cap.normal * spacing);
+  picture = vec4(litSurface(colour, cap.normal, toEye, 1.0, light) * opacity, opacity);
+  gl_FragDepth = cap.depth;
 }
 #endif
 
@@ -84,19 +96,26 @@ void main() {
   if (isCutAway(posed)) {
     discard;
   }
-#ifdef CAPPED
-  if (drawCap(posed)) {
+#ifdef TRANSLUCENT
+  ivec2 pixel = ivec2(gl_FragCoord.xy);
+  float before = peeled > 0.5 ? texelFetch(depthBefore, pixel, 0).r + sameDepth : -1.0;
+  float behind = texelFetch(depthOpaque, pixel, 0).r;
+#else
+  const float before = -1.0;
+  const float behind = 2.0;
+#endif
+#ifdef CLIPPED
+  Cap cap;
+  // it lies before all of the surface that is kept
+  if (findCap(cap) && cap.depth > before && cap.depth < behind) {
+    drawCap(cap);
     return;
   }
   gl_FragDepth = gl_FragCoord.z;
 #endif
-#ifdef TRANSLUCENT
-  ivec2 pixel = ivec2(gl_FragCoord.xy);
-  bool before = peeled > 0.5 && gl_FragCoord.z <= texelFetch(depthBefore, pixel, 0).r + sameDepth;
-  if (before || gl_FragCoord.z >= texelFetch(depthOpaque, pixel, 0).r) {
+  if (gl_FragCoord.z <= before || gl_FragCoord.z >= behind) {
     discard;
   }
-#endif
   vec3 toEye = normalize(eye.xyz - eye.w * posed);
   vec3 normal = unit(posedNormal, toEye);
   float open = bare > 0.5 ? 1.0 : openness(grid, unit(gridNormal, vec3(0.0, 0.0, 1.0)), 0);

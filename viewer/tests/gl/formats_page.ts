@@ -1,0 +1,58 @@
+/**
+ * Runs in the browser: what shaders read of a scan that holds each of the 65 536 stored values once.
+ */
+import * as THREE from "three";
+import { FieldTexture, type FieldFormat } from "../../src/gl/field_texture";
+import { FullscreenPass } from "../../src/gl/fullscreen_pass";
+import { gpuSupport } from "../../src/gl/gpu_support";
+import { RayMarcher } from "../../src/gl/ray_marcher";
+import displaced from "../../src/gl/shaders/displaced.glsl?raw";
+import field from "../../src/gl/shaders/field.glsl?raw";
+import { scanOf, volumeOf } from "../core/volumes";
+
+const edge = 256;
+
+const reader = `precision highp float;
+precision highp sampler3D;
+${displaced}
+${field}
+uniform vec3 aside;
+layout(location = 0) out vec4 value;
+void main() {
+  value = vec4(biasedAt(vec3(gl_FragCoord.xy, 0.5) + aside));
+}`;
+
+export interface Reading {
+  readonly format: FieldFormat;
+  /** Away from the middles of the voxels along x [voxels]. */
+  readonly aside: number;
+}
+
+/** Biased values as `field.glsl` reads them, x fastest; value x + 256 y stands in voxel (x, y). */
+export function reading({ format, aside }: Reading): number[] {
+  const renderer = new THREE.WebGLRenderer({ canvas: document.createElement("canvas") });
+  renderer.autoClear = false;
+  const volume = volumeOf(scanOf([edge, edge, 1], [1, 1, 1]), ([x, y]) => Math.floor(x) + edge * Math.floor(y) - 32768);
+  const texture = new FieldTexture(volume, format);
+  while (!texture.uploadSlab(renderer));
+  const marcher = new RayMarcher();
+  marcher.setField(texture, volume.bricks);
+  const pass = new FullscreenPass(reader, { ...marcher.fieldUniforms, aside: { value: new THREE.Vector3(aside, 0, 0) } });
+  pass.material.defines = { ...marcher.fieldDefines };
+  const target = new THREE.WebGLRenderTarget(edge, edge, { type: THREE.FloatType, depthBuffer: false });
+  pass.draw(renderer, target);
+  const texels = new Float32Array(4 * edge * edge);
+  renderer.readRenderTargetPixels(target, 0, 0, edge, edge, texels);
+  const error = renderer.getContext().getError();
+  renderer.dispose();
+  renderer.forceContextLoss();
+  if (error !== 0) {
+    throw new Error(`the GPU refused ${format} with ${String(error)}`);
+  }
+  return Array.from({ length: edge * edge }, (_, i) => texels[4 * i] ?? NaN);
+}
+
+/** Whether this GPU has 16-bit textures of its own. */
+export function hasNorm16(): boolean {
+  return gpuSupport()?.norm16 === true;
+}
