@@ -10,6 +10,9 @@ import numpy as np
 import pytest
 import SimpleITK
 from browser import ROOT, Browser, browser, palpate
+from orthanc import orthanc
+from pydicom import dcmread
+from pydicom.uid import generate_uid
 
 pytestmark = [pytest.mark.browser, pytest.mark.data]
 
@@ -43,6 +46,7 @@ def test_a_page_without_a_scan_lists_takes_and_exchanges_scans(
         page.wait("document.querySelector('aside').textContent.includes('ts files are a copy')")
         chosen_over_the_scan(page, study / "thin")
         archive_dropped(page, study / "thin", tmp_path / "study.zip")
+        segments_from_a_file(page, data_folder / "dcmqi_seg" / "liver.dcm")
         assert [text for text in page.complaints if "400" not in text] == []
         assert command.stop() == 0
 
@@ -70,6 +74,23 @@ def chosen_from_a_list(page: Browser, study: Path) -> None:
     assert page.read("window.palpate.scan.dimensions") == [512, 512, 3]
 
 
+def segments_from_a_file(page: Browser, path: Path) -> None:
+    """Adds the segment of a DICOM SEG to the open scan, and takes it back."""
+    count = "document.querySelectorAll('[data-testid^=visible-]').length"
+    before = page.read(count)
+    page.do("click", testid="segments-from-file")
+    page.do("screenshot", path=str(OUTPUT / "open-segments.png"))
+    assert page.do("axe")["value"] == []
+    page.do("fill", testid="open-path", text=str(path.parent / "ct-3slice"))
+    page.do("click", testid="open-look")
+    page.shows("open-failure", "text.includes('holds no masks')")
+    page.do("fill", testid="open-path", text=str(path))
+    page.do("click", testid="open-look")
+    page.wait(f"{count} === {before + 1} && document.querySelector('dialog') === null")
+    page.do("press", key="Control+z")
+    page.wait(f"{count} === {before}")
+
+
 def chosen_over_the_scan(page: Browser, folder: Path) -> None:
     """Opens a folder by the chooser, over the open scan."""
     page.do("click", testid="open-scan")
@@ -91,6 +112,64 @@ def archive_dropped(page: Browser, folder: Path, archive: Path) -> None:
     page.do("drop", paths=[str(archive)])
     page.wait(f"{READY} && window.before === undefined", seconds=120.0)
     assert page.read("window.palpate.scan.dimensions") == [512, 512, 3]
+
+
+def test_a_servers_scans_are_listed_seen_and_opened(data_folder: Path, tmp_path: Path) -> None:
+    head = data_folder / "dcmqi_seg" / "ct-3slice"
+    times = two_times(head, tmp_path / "times")
+    with (
+        orthanc() as server,
+        palpate("open", state=tmp_path / "state") as command,
+        browser() as page,
+    ):
+        server.store([*head.iterdir(), *times.iterdir()])
+        page.do("open", url=command.url, **SIZE)
+        page.do("fill", testid="open-path", text="http://127.0.0.1:1/dicom-web")
+        page.do("click", testid="open-look")
+        page.shows("open-failure", "text.startsWith('No server answers')")
+        page.do("fill", testid="open-path", text=server.dicomweb)
+        page.do("click", testid="open-look")
+        page.wait(f"{PICTURES}.length === 2")
+        assert "512 × 512 × 3" in page.text("series-list")
+        page.do("screenshot", path=str(OUTPUT / "open-server.png"))
+        page.do("click", testid=place_of(page, "two times"))
+        # one series, two volumes: these are offered once they are here
+        page.wait(
+            f"document.querySelector('[data-testid=series-list]')?.textContent.includes('time 2')"
+            f" && {PICTURES}.length === 2"
+        )
+        page.do("screenshot", path=str(OUTPUT / "open-volumes.png"))
+        assert page.do("axe")["value"] == []
+        page.do("click", testid=place_of(page, "two times, time 2"))
+        exchanged(page, "two times, time 2")
+        assert page.read("window.palpate.scan.dimensions") == [512, 512, 3]
+        assert page.picture(OUTPUT / "open-server-scan.png").std() > 0.02
+        assert [text for text in page.complaints if "400" not in text] == []
+        assert command.stop() == 0
+
+
+PICTURES = "document.querySelectorAll('[data-testid=series-list] img')"
+
+
+def place_of(page: Browser, name: str) -> str:
+    """Returns the test id of a scan in the list by its name."""
+    names = page.read(
+        "[...document.querySelectorAll('[data-testid=series-list] .name')].map(e => e.textContent)"
+    )
+    return f"series-{names.index(name)}"
+
+
+def two_times(folder: Path, target: Path) -> Path:
+    """Writes the slices of a folder as two times of one series."""
+    target.mkdir()
+    series = generate_uid()
+    for number, path in enumerate([*folder.iterdir()] * 2):
+        image = dcmread(path)
+        image.SOPInstanceUID = image.file_meta.MediaStorageSOPInstanceUID = generate_uid()
+        image.SeriesInstanceUID, image.SeriesDescription = series, "two times"
+        image.TemporalPositionIdentifier = 1 + number // 3
+        image.save_as(target / f"{number}.dcm")
+    return target
 
 
 def test_a_large_scan_is_seen_coarsely_until_all_of_it_is_there(tmp_path: Path) -> None:

@@ -289,6 +289,40 @@ def test_the_library_needs_the_token(client: Client) -> None:
 
 
 @pytest.mark.data
+def test_volumes_of_a_servers_series_are_listed_once_they_are_here(
+    client: Client, write_series: Any
+) -> None:
+    for time in (1, 2):
+        folder = write_series(
+            "times",
+            prefix=f"{time}-",
+            uid="1.2.840.77",
+            scale=(1.0, 1000.0 * time),
+            PatientID="7",
+            StudyInstanceUID="1.2.840.7",
+            TemporalPositionIdentifier=time,
+        )
+    with orthanc() as server:
+        server.store(folder.iterdir())
+        found = client.job("find", {"path": server.dicomweb})[0]
+        assert len(found["scans"]) == 1
+        told, *pictures, last = client.job("open", {"find": found["find"], "choice": 0})
+    assert last == {"kind": "done"}
+    assert client.about()["scan"] is None
+    assert [one["name"] for one in told["scans"]] == ["abdomen, time 1", "abdomen, time 2"]
+    assert {each["choice"] for each in pictures} == {0, 1}
+    # the server is gone by now: the files are here
+    assert client.job("open", {"find": told["find"], "choice": 1}) == [{"kind": "done"}]
+    assert client.about()["scan"] == "abdomen, time 2"
+    voxels = np.frombuffer(client.ask("GET", "volume").content, "<i2")
+    np.testing.assert_array_equal(voxels, palpate.read(folder, series="2").array.ravel())
+    # they belong to that scan now, and go with it
+    (failed,) = client.job("open", {"find": told["find"], "choice": 0})
+    assert "is gone; allowed: give the files again" in failed["reason"]
+    assert client.about()["scan"] == "abdomen, time 2"
+
+
+@pytest.mark.data
 def test_a_series_of_a_server_is_listed_and_opened(client: Client, data_folder: Path) -> None:
     head, small = (data_folder / "dcmqi_seg" / name for name in ("ct-3slice", "23x38x3/image"))
     with orthanc() as server:
@@ -348,6 +382,55 @@ def test_a_second_scan_is_shown_with_the_open_one(
     scene.write_bytes(client.ask("POST", "scene", {"view": {}}).content)
     refused = client.job("open", {"path": str(scene), "beside": True})
     assert refused[-1]["reason"].startswith("a scene was chosen")
+
+
+def test_segments_of_files_are_added_to_the_open_scan(
+    client: Client, study: Path, tmp_path: Path
+) -> None:
+    volume = palpate.read(study, series="1.2.3")
+    labels = np.zeros(volume.shape, np.uint8)
+    labels[1:3, :2, 1:], labels[3] = 1, 7
+    image = SimpleITK.GetImageFromArray(labels)
+    image.SetSpacing(volume.spacing)
+    image.SetOrigin(volume.origin)
+    path = tmp_path / "organs.nii.gz"
+    SimpleITK.WriteImage(image, str(path))
+    table = b"id,structure\n1,liver\n7,aorta\n"
+    (refused,) = client.job("segments", {"path": str(path)})
+    assert refused["reason"].startswith("no scan is open")
+    client.job("open", {"path": str(study), "series": "1.2.3"})
+    opened = client.workbench.opened
+    assert opened is not None
+    session, shown = opened.session, opened.live.segments
+    before = [state["id"] for state in session.segments()]
+
+    def added() -> list[tuple[str, int]]:
+        states = [state for state in session.segments() if state["id"] not in before]
+        return sorted((shown.name_of(state["id"]), state["voxels"]) for state in states)
+
+    assert client.job("segments", {"path": str(path)}) == [{"kind": "done"}]
+    assert added() == [("label 1", 12), ("label 7", 12)]
+    for _ in range(2):
+        assert session.undo()
+    assert added() == []
+    # one that was dropped with its table; nothing of it stays
+    upload = client.upload({"organs.nii.gz": path.read_bytes(), "organs.csv": table})
+    assert client.job("segments", {"upload": upload}) == [{"kind": "done"}]
+    assert added() == [("aorta", 12), ("liver", 12)]
+    assert client.ask("POST", "library/segments", {"upload": upload}).status_code == 400
+    for _ in range(2):
+        session.undo()
+
+    image.SetSpacing([2.0 * length for length in volume.spacing])
+    SimpleITK.WriteImage(image, str(path))
+    (refused,) = client.job("segments", {"path": str(path)})
+    assert "lies on another grid than the scan" in refused["reason"]
+    assert added() == []
+    assert client.job("segments", {"path": str(path), "resample": True}) == [{"kind": "done"}]
+    assert [name for name, _ in added()] == ["label 1"]
+    wrongs: list[Any] = [{}, {"path": " "}, {"upload": 99}, {"path": str(path), "upload": upload}]
+    for wrong in wrongs:
+        assert client.ask("POST", "library/segments", wrong).status_code == 400
 
 
 def test_a_windows_title_names_no_file_that_was_not_given(

@@ -21,7 +21,7 @@ export async function forgetRecent(token: string): Promise<void> {
 
 /** Has the engine work, and calls back with each line; leaving it cancels. Throws why it failed. */
 export async function work(
-  route: "find" | "open",
+  route: "find" | "open" | "segments",
   wanted: object,
   { token, signal }: Asking,
   told: (line: JobLine) => void,

@@ -21,6 +21,10 @@ export class Library {
   shown = $state.raw(false);
   /** What is opened comes beside the open scan, and not in its place. */
   beside = $state.raw(false);
+  /** What is given holds segments of the open scan. */
+  segments = $state.raw(false);
+  /** Whether segments may lie on another grid than the scan. */
+  resample = $state.raw(false);
   work = $state.raw<Work | null>(null);
   failure = $state.raw<string | null>(null);
   found = $state.raw<Found | null>(null);
@@ -44,11 +48,12 @@ export class Library {
   }
 
   /** Shows the page for opening over the open scan. */
-  async show({ beside = false } = {}): Promise<void> {
-    if (beside !== this.beside) {
+  async show({ beside = false, segments = false } = {}): Promise<void> {
+    if (beside !== this.beside || segments !== this.segments) {
       this.leaveList();
       this.failure = null;
       this.beside = beside;
+      this.segments = segments;
     }
     this.shown = true;
     const told = this.about?.told ?? [];
@@ -76,6 +81,7 @@ export class Library {
     this.asking?.abort();
     this.asking = null;
     this.work = null;
+    this.opening = false;
   }
 
   /** Back from the list. */
@@ -125,7 +131,13 @@ export class Library {
     await this.look();
   }
 
+  /** Lists the scans of a place, or adds its segments to the open scan. */
   private async find(place: object, signal: AbortSignal): Promise<void> {
+    if (this.segments) {
+      await work("segments", { ...place, resample: this.resample }, { token: this.token, signal }, this.take.bind(this));
+      this.hide();
+      return;
+    }
     this.found = null;
     this.pictures = {};
     await work("find", place, { token: this.token, signal }, this.take.bind(this));
@@ -136,12 +148,19 @@ export class Library {
   }
 
   private async exchange(wanted: object, signal: AbortSignal): Promise<void> {
-    const { beside } = this;
+    const { beside, found } = this;
     this.opening = true;
     try {
       await work("open", beside ? { ...wanted, beside } : wanted, { token: this.token, signal }, this.take.bind(this));
     } finally {
-      this.opening = false;
+      // else another one is being opened by now, or none
+      if (!signal.aborted) {
+        this.opening = false;
+      }
+    }
+    // a server's series may hold several volumes, such as times: they were listed instead
+    if (this.found !== found) {
+      return;
     }
     if (beside) {
       this.leaveList();
@@ -158,6 +177,9 @@ export class Library {
         break;
       case "found":
         this.found = line;
+        this.pictures = {};
+        // what is listed can be chosen while its pictures are on their way
+        this.opening = false;
         break;
       case "picture":
         this.pictures = { ...this.pictures, [line.choice]: `data:image/png;base64,${line.png}` };
@@ -189,6 +211,14 @@ export class Library {
       }
     }
   }
+}
+
+/** What the page for opening is called. */
+export function titleOf({ beside, segments }: Pick<Library, "beside" | "segments">): string {
+  if (segments) {
+    return "Add segments";
+  }
+  return beside ? "Add a second scan" : "Open a scan";
 }
 
 /** The engine's sentences begin small, as on the command line. */
