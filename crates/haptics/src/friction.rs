@@ -103,6 +103,7 @@ impl Friction {
     /// the way over which coefficients and normals change; the smallest spacing suits.
     ///
     /// Without contact, and for a point that is none, it is the device itself.
+    #[inline]
     pub fn target(&self, device: DVec3, slip_length: f64, state: &mut FrictionState) -> DVec3 {
         let Some(held) = &mut state.held else {
             return device;
@@ -122,6 +123,7 @@ impl Friction {
     }
 
     /// Follows a move of the hand by `way`, which is this `share` of the slip length.
+    #[inline]
     fn follow(&self, held: &mut Held, moved: DVec3, way: f64, share: f64) {
         // the surface as the hand finds it, before the contact model has looked
         held.normal = turned(held.normal, held.measured, share);
@@ -165,6 +167,7 @@ impl Friction {
 impl FrictionState {
     /// Takes what the contact model found for a target: the contact point [mm], or none
     /// without contact, where the anchor is forgotten.
+    #[inline]
     pub fn remember(&mut self, friction: &Friction, target: DVec3, contact: Option<DVec3>) {
         let Some(point) = contact else {
             self.held = None;

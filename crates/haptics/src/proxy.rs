@@ -9,9 +9,9 @@
 //! Source: Zilles & Salisbury, "A constraint-based god-object method for haptic display",
 //! IROS 1995.
 
-use crate::voxel_distance::{nearest_point, voxel_of};
+use crate::voxel_distance::nearest_point;
 use glam::{DVec3, IVec3};
-use palpate_volume::walk::COORDINATE_LIMIT;
+use palpate_volume::walk::{COORDINATE_LIMIT, voxel_of};
 use serde::{Deserialize, Serialize};
 
 /// Where the proxy is.

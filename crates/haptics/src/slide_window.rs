@@ -5,10 +5,11 @@
 //! toward it, and never further than [`BEHIND`] voxels past the voxels between proxy and
 //! device.
 
-use crate::voxel_distance::{squared_along, voxel_of};
+use crate::voxel_distance::squared_along;
 use glam::{DVec3, IVec3};
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::occupancy::Occupancy;
+use palpate_volume::walk::voxel_of;
 
 /// Voxels that the window reaches away from the device. Two let the proxy climb the steps
 /// of voxel stairs that hold it up; each more would also let it reach holes further away.

@@ -252,6 +252,7 @@ impl Smoother {
     }
 
     /// The way there as far as one tick may go.
+    #[inline]
     fn limited(&self, grid: &Grid, device: DVec3, target: DVec3, state: &SmoothState) -> DVec3 {
         let Some(last) = state.last else {
             return target.clamp_length_max(self.largest_change * grid.smallest_spacing());

@@ -19,9 +19,9 @@
 use crate::coupling::MAX_STIFFNESS;
 use crate::friction::{Friction, FrictionError};
 use crate::scene::{Solid, TouchScene};
-use crate::voxel_distance::voxel_of;
 use glam::{DVec3, IVec3};
 use palpate_volume::occupancy::Occupancy;
+use palpate_volume::walk::voxel_of;
 use serde::{Deserialize, Serialize};
 
 /// What a segment feels like.
@@ -249,6 +249,7 @@ impl SurfaceBlend {
     /// none without contact, which is forgotten: a new contact begins as it is, without depth.
     ///
     /// `depth` [mm] is that of the contact, `h` [mm] the smallest spacing, > 0.
+    #[inline]
     pub fn follow(&mut self, wanted: Option<Feel>, way: f64, depth: f64, h: f64) -> Option<Feel> {
         let Some(wanted) = wanted else {
             *self = Self::default();

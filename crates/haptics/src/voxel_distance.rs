@@ -51,12 +51,3 @@ pub(crate) fn squared_distance(voxel: IVec3, target: DVec3, spacing: DVec3) -> f
     let along = |axis: usize| squared_along(voxel[axis], target[axis], spacing[axis]);
     along(0) + along(1) + along(2)
 }
-
-/// The voxel that holds a point, which has to be within reach of traversals; quicker than
-/// what the processors of all targets have an instruction for.
-#[inline]
-pub(crate) fn voxel_of(point: DVec3) -> IVec3 {
-    let toward_zero = point.as_ivec3();
-    let above = toward_zero.as_dvec3().cmpgt(point);
-    toward_zero.wrapping_sub(IVec3::new(above.x.into(), above.y.into(), above.z.into()))
-}

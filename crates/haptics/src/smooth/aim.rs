@@ -11,9 +11,9 @@
 use super::cache::Source;
 use super::cell_shape::CellShape;
 use crate::ball_probe::MAX_BODIES;
-use crate::voxel_distance::voxel_of;
 use glam::{DVec3, IVec3};
 use palpate_volume::occupancy::Occupancy;
+use palpate_volume::walk::voxel_of;
 
 /// Where a body is looked at.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -18,13 +18,13 @@ use super::cell_shape::{CELLS, CellShape};
 use super::cell_shares::CellShares;
 use super::field::{Field, FieldSample, Kernel};
 use super::spline::{Nodes, Place, Width};
-use super::tents::{Cells, unit_of};
+use super::tents::{Cells, ChangesOfRows, unit_of};
 use super::window::{Window, counts};
-use crate::voxel_distance::voxel_of;
 use crate::wide::widest;
 use glam::{DVec3, IVec3, Vec3A};
 use palpate_volume::occupancy::Occupancy;
 use palpate_volume::voxel_box::VoxelBox;
+use palpate_volume::walk::voxel_of;
 
 /// A blurred window.
 #[derive(Clone, Debug)]
@@ -84,9 +84,11 @@ impl BlurField {
         let mut cells = Cells::of_counts(&counts(&self.window), unit);
         if let Some((source, known)) = known {
             known.keep(source, self.shape);
-            known.look_at(occupancy, &self.window, |row, changes| {
-                cells.add(row, changes, full);
+            let mut changes = ChangesOfRows::NONE;
+            known.look_at(occupancy, &self.window, |row, of_row| {
+                changes.set(row, of_row);
             });
+            cells.add(&changes, full);
         }
         let scale = 1.0 / (64.0 * f32::from(full));
         blur(&cells, scale, &mut self.nodes);

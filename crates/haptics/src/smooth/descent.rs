@@ -88,8 +88,18 @@ pub(crate) fn descend<F: Field>(
     // one field, as nearly always
     match fields.only() {
         Some(only) => Search::new(smoother, [Some(only)], query).find(query),
-        None => Search::new(smoother, fields.all(), query).find(query),
+        None => descend_on_all(smoother, fields, query),
     }
+}
+
+/// The same on several; apart, so that the search on one stays short.
+#[inline(never)]
+fn descend_on_all<F: Field>(
+    smoother: &Smoother,
+    fields: &NearFields<'_, F>,
+    query: &Query,
+) -> Found {
+    Search::new(smoother, fields.all(), query).find(query)
 }
 
 /// The search; its frame has its origin in the proxy, mm along the axes of the world's grid.

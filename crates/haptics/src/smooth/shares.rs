@@ -77,10 +77,10 @@ impl Around {
         let layer = nx * ny;
         // from the one below to the one above
         let first = (z - 1) * layer + y * nx + x;
-        let values = scan.values().get(first..)?.get(..=2 * layer)?;
-        let [before_x, here, after_x] = *values.get(layer - 1..)?.first_chunk()?;
+        let values = scan.values().get(first..=first + 2 * layer)?;
+        let [before_x, here, after_x] = *values.get(layer - 1..layer + 2)?.first_chunk()?;
         let [before_y, after_y] = [*values.get(layer - nx)?, *values.get(layer + nx)?];
-        let [before_z, after_z] = [values[0], *values.last()?];
+        let [before_z, after_z] = [*values.first()?, *values.last()?];
         Some([
             here, before_x, after_x, before_y, after_y, before_z, after_z,
         ])

@@ -87,6 +87,27 @@ impl Changes {
     }
 }
 
+/// What is to be added to the cells of all rows: nothing, until told.
+#[derive(Clone, Debug)]
+pub(super) struct ChangesOfRows {
+    even: [u64; 64],
+    odd: [u64; 64],
+}
+
+impl ChangesOfRows {
+    /// Nothing.
+    pub(super) const NONE: Self = Self {
+        even: [0; 64],
+        odd: [0; 64],
+    };
+
+    /// Sets those of a row.
+    #[inline]
+    pub(super) fn set(&mut self, row: usize, changes: Changes) {
+        (self.even[row & 63], self.odd[row & 63]) = (changes.even, changes.odd);
+    }
+}
+
 /// Four numbers of 16 bits, so many places on.
 #[inline]
 fn moved(numbers: u64, places: i32) -> u64 {
@@ -99,11 +120,14 @@ fn moved(numbers: u64, places: i32) -> u64 {
 }
 
 /// Four numbers and changes of them, each sum from nothing to the number of `full`.
-#[inline]
+#[inline(always)]
 fn sum(numbers: u64, changes: u64, full: u64) -> u64 {
-    /// All bits of those numbers that have the bit.
+    /// All bits of those numbers that have the bit; without a multiplication, so that several
+    /// words go at once.
+    #[inline(always)]
     fn with_bit(numbers: u64) -> u64 {
-        (numbers >> BIT & EACH) * 0xffff
+        let ones = numbers >> BIT & EACH;
+        (ones << 16).wrapping_sub(ones)
     }
     // the bit keeps numbers above zero, and is gone where they would be below
     let bits = EACH << BIT;
@@ -129,12 +153,19 @@ impl Cells {
         }
     }
 
-    /// Adds to the cells of a row, but leaves each from nothing to `full`.
-    #[inline]
-    pub(super) fn add(&mut self, row: usize, changes: Changes, full: u16) {
-        let (row, full) = (row & 63, u64::from(full) * EACH);
-        self.even[row] = sum(self.even[row], changes.even, full);
-        self.odd[row] = sum(self.odd[row], changes.odd, full);
+    /// Adds to the cells, but leaves each from nothing to `full`.
+    #[inline(always)]
+    pub(super) fn add(&mut self, changes: &ChangesOfRows, full: u16) {
+        let full = u64::from(full) * EACH;
+        let sides = [
+            (&mut self.even, &changes.even),
+            (&mut self.odd, &changes.odd),
+        ];
+        for (words, changes) in sides {
+            for (word, change) in words.iter_mut().zip(changes) {
+                *word = sum(*word, *change, full);
+            }
+        }
     }
 
     /// The sums ¼, ½, ¼ along x, four times too large.
@@ -185,30 +216,40 @@ fn numbers(word: u64) -> [u16; 4] {
 /// So many tents along y and z.
 #[inline(always)]
 fn across<const TENTS: usize>(rows: &mut Blurred) {
-    for layer in 0..8 {
-        column::<TENTS>(rows, 8 * layer, 1);
+    for layer in rows.as_chunks_mut::<8>().0 {
+        let column = tents::<1, TENTS>(layer.map(|row| [row]));
+        *layer = column.map(|[row]| row);
     }
-    for y in 0..8 {
-        column::<TENTS>(rows, y, 8);
+    // two rows side by side fill the widest registers
+    let (pairs, _) = rows.as_chunks_mut::<2>();
+    for y in 0..4 {
+        let place = |z: usize| (4 * z + y) & 31;
+        let column = tents::<2, TENTS>(std::array::from_fn(|z| pairs[place(z)]));
+        for (z, row) in column.into_iter().enumerate() {
+            pairs[place(z)] = row;
+        }
     }
 }
 
-/// So many tents over eight rows.
+/// So many tents over a column of eight, each of some rows side by side; it stays in registers.
 #[inline(always)]
-fn column<const TENTS: usize>(rows: &mut Blurred, first: usize, step: usize) {
-    let place = |i: usize| (first + i * step) & 63;
+fn tents<const ROWS: usize, const TENTS: usize>(
+    mut column: [[[u16; 8]; ROWS]; 8],
+) -> [[[u16; 8]; ROWS]; 8] {
     for _ in 0..TENTS {
-        let mut here = rows[place(0)];
-        let mut before = here;
+        let mut before = column[0];
         for i in 0..8 {
-            let after = rows[place((i + 1).min(7))];
-            let row = &mut rows[place(i)];
-            for lane in 0..8 {
-                row[lane] = mean(mean(before[lane], after[lane]), here[lane]);
+            let [here, after] = [column[i], column[(i + 1).min(7)]];
+            for row in 0..ROWS {
+                for lane in 0..8 {
+                    let sides = mean(before[row][lane], after[row][lane]);
+                    column[i][row][lane] = mean(sides, here[row][lane]);
+                }
             }
-            (before, here) = (here, after);
+            before = here;
         }
     }
+    column
 }
 
 /// Rounded up.
@@ -259,7 +300,9 @@ mod tests {
                 };
                 let mut changes = Changes::default();
                 (0..8).for_each(|x| changes.set(x as u32, change[x]));
-                sums.add(9, changes, full);
+                let mut of_rows = ChangesOfRows::NONE;
+                of_rows.set(9, changes);
+                sums.add(&of_rows, full);
                 for x in 0..8 {
                     let word = if x % 2 == 0 { sums.even } else { sums.odd };
                     let number = (word[9] >> (8 * (x & 6)) & FIRST) as i32;

@@ -258,19 +258,56 @@ fn side_by_side<const WORDS: usize>(words: [u64; WORDS]) -> [u64; WORDS] {
 /// The bytes of two words, one of each by turns.
 #[inline(always)]
 fn mixed_bytes(a: u64, b: u64) -> [u64; 2] {
-    let apart = |word: u64| (word | word << 8) & 0x00ff_00ff_00ff_00ff;
-    mixed(a, b, 8, |four| {
-        apart((four | four << 16) & 0x0000_ffff_0000_ffff)
-    })
+    #[cfg(target_arch = "x86_64")]
+    {
+        use std::arch::x86_64::{_mm_cvtsi64_si128, _mm_unpacklo_epi8};
+        // SAFETY: every such machine has these instructions
+        let mixed = unsafe {
+            let [a, b] = [a, b].map(|word| _mm_cvtsi64_si128(word as i64));
+            _mm_unpacklo_epi8(a, b)
+        };
+        halves(mixed)
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    {
+        let apart = |word: u64| (word | word << 8) & 0x00ff_00ff_00ff_00ff;
+        mixed(a, b, 8, |four| {
+            apart((four | four << 16) & 0x0000_ffff_0000_ffff)
+        })
+    }
 }
 
 /// The pairs of bytes of two words.
 #[inline(always)]
 fn mixed_pairs(a: u64, b: u64) -> [u64; 2] {
+    #[cfg(target_arch = "x86_64")]
+    {
+        use std::arch::x86_64::{_mm_cvtsi64_si128, _mm_unpacklo_epi16};
+        // SAFETY: every such machine has these instructions
+        let mixed = unsafe {
+            let [a, b] = [a, b].map(|word| _mm_cvtsi64_si128(word as i64));
+            _mm_unpacklo_epi16(a, b)
+        };
+        halves(mixed)
+    }
+    #[cfg(not(target_arch = "x86_64"))]
     mixed(a, b, 16, |four| (four | four << 16) & 0x0000_ffff_0000_ffff)
 }
 
+/// The two words of a register.
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+fn halves(register: std::arch::x86_64::__m128i) -> [u64; 2] {
+    use std::arch::x86_64::{_mm_cvtsi128_si64, _mm_unpackhi_epi64};
+    // SAFETY: every such machine has these instructions
+    unsafe {
+        let upper = _mm_unpackhi_epi64(register, register);
+        [register, upper].map(|half| _mm_cvtsi128_si64(half) as u64)
+    }
+}
+
 /// The lower halves of two words, then the upper ones; each taken apart by so many bits.
+#[cfg(not(target_arch = "x86_64"))]
 #[inline(always)]
 fn mixed(a: u64, b: u64, bits: u32, apart: impl Fn(u64) -> u64) -> [u64; 2] {
     [0, 32].map(|half| {

@@ -63,6 +63,7 @@ impl Felt {
 
 impl<O, M, S> Tick<'_, O, M, S> {
     /// In the scene; from differences, so that rounding stays relative to them.
+    #[inline]
     pub(super) fn output(&self, state: &TickState, contact: &Contact, felt: &Felt) -> TickOutput {
         let grid = self.scene.grid;
         let to_scene = |vector: DVec3| grid.direction() * vector;
