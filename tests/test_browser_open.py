@@ -11,6 +11,9 @@ import numpy as np
 import pytest
 import SimpleITK
 from browser import ROOT, Browser, browser, palpate
+from orthanc import orthanc
+from pydicom import dcmread
+from pydicom.uid import generate_uid
 
 pytestmark = [pytest.mark.browser, pytest.mark.data]
 
@@ -117,6 +120,64 @@ def projections_dropped(page: Browser, path: Path) -> None:
     page.do("click", testid="not-projected")
     exchanged(page, "ball_proj")
     assert page.read("window.palpate.scan.dimensions") == [40, 24, 36]
+
+
+def test_a_servers_scans_are_listed_seen_and_opened(data_folder: Path, tmp_path: Path) -> None:
+    head = data_folder / "dcmqi_seg" / "ct-3slice"
+    times = two_times(head, tmp_path / "times")
+    with (
+        orthanc() as server,
+        palpate("open", state=tmp_path / "state") as command,
+        browser() as page,
+    ):
+        server.store([*head.iterdir(), *times.iterdir()])
+        page.do("open", url=command.url, **SIZE)
+        page.do("fill", testid="open-path", text="http://127.0.0.1:1/dicom-web")
+        page.do("click", testid="open-look")
+        page.shows("open-failure", "text.startsWith('No server answers')")
+        page.do("fill", testid="open-path", text=server.dicomweb)
+        page.do("click", testid="open-look")
+        page.wait(f"{PICTURES}.length === 2")
+        assert "512 × 512 × 3" in page.text("series-list")
+        page.do("screenshot", path=str(OUTPUT / "open-server.png"))
+        page.do("click", testid=place_of(page, "two times"))
+        # one series, two volumes: these are offered once they are here
+        page.wait(
+            f"document.querySelector('[data-testid=series-list]')?.textContent.includes('time 2')"
+            f" && {PICTURES}.length === 2"
+        )
+        page.do("screenshot", path=str(OUTPUT / "open-volumes.png"))
+        assert page.do("axe")["value"] == []
+        page.do("click", testid=place_of(page, "two times, time 2"))
+        exchanged(page, "two times, time 2")
+        assert page.read("window.palpate.scan.dimensions") == [512, 512, 3]
+        assert page.picture(OUTPUT / "open-server-scan.png").std() > 0.02
+        assert [text for text in page.complaints if "400" not in text] == []
+        assert command.stop() == 0
+
+
+PICTURES = "document.querySelectorAll('[data-testid=series-list] img')"
+
+
+def place_of(page: Browser, name: str) -> str:
+    """Returns the test id of a scan in the list by its name."""
+    names = page.read(
+        "[...document.querySelectorAll('[data-testid=series-list] .name')].map(e => e.textContent)"
+    )
+    return f"series-{names.index(name)}"
+
+
+def two_times(folder: Path, target: Path) -> Path:
+    """Writes the slices of a folder as two times of one series."""
+    target.mkdir()
+    series = generate_uid()
+    for number, path in enumerate([*folder.iterdir()] * 2):
+        image = dcmread(path)
+        image.SOPInstanceUID = image.file_meta.MediaStorageSOPInstanceUID = generate_uid()
+        image.SeriesInstanceUID, image.SeriesDescription = series, "two times"
+        image.TemporalPositionIdentifier = 1 + number // 3
+        image.save_as(target / f"{number}.dcm")
+    return target
 
 
 def test_a_large_scan_is_seen_coarsely_until_all_of_it_is_there(tmp_path: Path) -> None:

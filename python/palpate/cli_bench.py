@@ -1,4 +1,4 @@
-"""``palpate bench deform``, ``session``, ``truth-cube`` of soft matter; ``open``, ``render``."""
+"""``palpate bench deform``, ``session``, ``truth-cube`` of soft matter; ``open`` and others."""
 
 from __future__ import annotations
 
@@ -7,21 +7,23 @@ from typing import Annotated
 
 import typer
 
+from palpate.cli_options import Plot
 from palpate.console import Display, quiet_libraries, warn
 
 __all__ = [
     "bench_deform",
+    "bench_edit",
     "bench_open",
     "bench_register",
     "bench_render",
     "bench_segment",
     "bench_session",
+    "bench_surface",
     "bench_truth_cube",
     "stress_in_matter",
 ]
 
 Json = Annotated[Path | None, typer.Option("--json", help="Write the figures to this file.")]
-Plot = Annotated[Path | None, typer.Option(help="Draw the figures: .png, .svg or .pdf.")]
 
 
 def bench_deform(
@@ -177,6 +179,39 @@ def bench_truth_cube(*, json_file: Json = None, plot: Plot = None) -> None:
         write_rows("truth-cube", rows, json_file)
     if plot is not None:
         plot_truth_cube(Cube.load(), moved, plot)
+
+
+def bench_edit(
+    scan: Annotated[
+        Path | None, typer.Argument(help="A scan with bone; by default CThead.", metavar="PATH")
+    ] = None,
+    *,
+    seconds: Annotated[float, typer.Option(help="How long to erase in each case.")] = 8.0,
+    json_file: Json = None,
+) -> None:
+    """Measure how long edits take to a page's GPU; needs an installed Chromium."""
+    from palpate.bench.edit import measure
+    from palpate.bench.report import print_rows, write_rows
+
+    with quiet_libraries(), Display() as display:
+        rows = measure(scan, seconds=seconds, progress=display)
+    print_rows("edit", rows)
+    if json_file is not None:
+        write_rows("edit", rows, json_file)
+
+
+def bench_surface(*, json_file: Json = None) -> None:
+    """Measure how fast surfaces are made and follow edits, beside VTK."""
+    from palpate.bench.report import print_rows, write_rows
+    from palpate.bench.surface import measure
+
+    with quiet_libraries(), Display() as display:
+        rows, missing = measure(display)
+    print_rows("surface", rows)
+    for sentence in missing:
+        warn(f"not measured: {sentence} is not there; allowed: PALPATE_DATA with it")
+    if json_file is not None:
+        write_rows("surface", rows, json_file)
 
 
 def stress_in_matter(

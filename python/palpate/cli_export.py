@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from palpate.cli_options import Resample
 from palpate.console import Display, quiet_libraries, warn
 
 __all__ = ["export"]
@@ -58,6 +59,7 @@ def export(  # noqa: PLR0913  # one per option of the command line
         Path | None,
         typer.Option(help="Label map, .seg.nrrd, DICOM SEG or RTSTRUCT, or a folder of masks."),
     ] = None,
+    resample: Resample = False,
     threshold: Annotated[
         str | None, typer.Option(help="Values of a segment.", metavar="LOW[,HIGH]")
     ] = None,
@@ -111,7 +113,9 @@ def export(  # noqa: PLR0913  # one per option of the command line
             )
             for warning in volume.warnings:
                 warn(warning)
-            scene = wanted_scene(volume, bounds=bounds, label_map=segments, progress=display)
+            scene = wanted_scene(
+                volume, bounds=bounds, label_map=segments, resample=resample, progress=display
+            )
         told = export_scene(
             scene, out, kind=known, only=only, keep_identity=keep_identity, progress=display
         )

@@ -1,94 +1,237 @@
-"""The command ``palpate import``: scans of a DICOMweb server, listed and brought here."""
+"""The command ``palpate import``: what files or a server hold, and a scan of them in one file."""
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from palpate.cli_options import Fill, MaxVoxels, Orientation, Raw, Resample, Series, Unit, VoxelSize
 from palpate.console import Display, quiet_libraries
 
 if TYPE_CHECKING:
+    from palpate.cli_import_run import Reading, Writing
+    from palpate.io_browse import Choice
     from palpate.io_dicomweb import RemoteSeries
+    from palpate.io_dicomweb_address import WebAddress
+    from palpate.volume import Volume
 
 __all__ = ["EXAMPLES", "import_scan"]
 
 EXAMPLES = """\b
 Examples:
+  palpate import ct/                                (what is there)
+  palpate import study.zip --series 2 -o ct.nii.gz
+  palpate import slices/*.dcm -o ct.nrrd
+  palpate import ct/ --segments seg.dcm -o ct.nrrd  (and ct.seg.nrrd)
+  palpate import ct/ --segments seg.dcm -o ct.palpate
+  palpate import raw/ --raw 256x256,int16,big --voxel-size 1,1,2 -o h.mha
   palpate import --dicomweb http://127.0.0.1:8042/dicom-web
-  palpate import --dicomweb http://127.0.0.1:8042/dicom-web --series 2 -o ct
-  palpate import --dicomweb https://name:password@host/dicom-web --study 1.2.3
+  palpate import --dicomweb http://host/dicom-web --series 2 -o ct.nii.gz
+  palpate import --dicomweb https://name:password@host/dicom-web -o ct
   palpate import --dicomweb 'https://host/dicom-web/studies?PatientID=12345'
-  palpate open ct
+
+Without --output it says what there is: the scans to choose from, or of a single one its size and
+what was resampled, missing or left out. Files appear when they are whole.
 """
 
 
-def import_scan(
+def import_scan(  # noqa: PLR0913  # one per option of the command line
+    paths: Annotated[
+        list[Path] | None,
+        typer.Argument(
+            help="DICOM folder, files or zip archive; NIfTI, NRRD, MetaImage or MINC file; "
+            "pictures.",
+            metavar="PATH",
+        ),
+    ] = None,
     *,
     dicomweb: Annotated[
-        str,
+        str | None,
         typer.Option(
-            help="Address of the service; it may go on with /studies/UID/series/UID, or with what "
-            "is searched for.",
+            help="Address of a server instead; it may go on with /studies/UID/series/UID, or with "
+            "what is searched for.",
             metavar="URL",
         ),
-    ],
-    study: Annotated[str | None, typer.Option(help="UID of the study.")] = None,
-    series: Annotated[
-        str | None, typer.Option(help="The series: its UID, description or number in the list.")
     ] = None,
-    out: Annotated[
-        Path | None,
+    study: Annotated[str | None, typer.Option(help="Of --dicomweb: UID of the study.")] = None,
+    series: Series = None,
+    volume: Annotated[
+        str | None,
         typer.Option(
-            "--out",
-            "-o",
-            help="New folder for its files; without it series are listed.",
-            metavar="FOLDER",
+            help="Of --dicomweb: number of the volume, where a series holds several, as times."
         ),
     ] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "--output",
+            "--out",
+            "-o",
+            help="New .nii.gz, .nii, .nrrd or .mha; a .palpate scene with the scan in it; or of "
+            "--dicomweb a new folder for its files.",
+            metavar="OUT",
+        ),
+    ] = None,
+    segments: Annotated[
+        Path | None,
+        typer.Option(
+            help="Label map, .seg.nrrd, DICOM SEG or RTSTRUCT, or a folder of masks: written into "
+            "the scene, or beside the scan as .seg.nrrd."
+        ),
+    ] = None,
+    resample: Resample = False,
+    orientation: Orientation = None,
+    unit: Unit = None,
+    fill: Fill = None,
+    raw: Raw = None,
+    voxel_size: VoxelSize = None,
+    max_voxels: MaxVoxels = 1024**3,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """List the scans of a DICOMweb server, or bring one here."""
-    from palpate.io_dicomweb import choose_remote, fetch_series, remote_series
+    """Say which scans files or a DICOMweb server hold, and bring one here."""
+    from palpate.cli_import_run import Reading, Writing, check_target
+    from palpate.cli_open import parse_voxel_size
+    from palpate.errors import OptionError
     from palpate.io_dicomweb_address import WebAddress
-    from palpate.whole_file import whole_folder
 
+    given = paths or []
+    if (dicomweb is None) == (not given):
+        what = "no place" if dicomweb is None else "a path and --dicomweb"
+        raise OptionError(f"{what} given; allowed: PATH…, or --dicomweb URL")
+    if dicomweb is None and not study is volume is None:
+        raise OptionError("--study or --volume given; allowed: with --dicomweb only")
+    if segments is not None and not segments.exists():
+        raise FileNotFoundError(f"{segments} does not exist; allowed: a file with segments")
+    target = None if output is None else check_target(output, paths=given, segments=segments)
+    if segments is not None and target in {None, "folder"}:
+        raise OptionError("--segments given; allowed: with --output FILE")
+    reading = Reading(
+        series=series if dicomweb is None else volume,
+        orientation=orientation,
+        unit=unit,
+        fill=fill,
+        raw=raw,
+        voxel_size=parse_voxel_size(voxel_size),
+        max_voxels=max_voxels,
+    )
+    writing = None
+    if output is not None and target is not None:
+        writing = Writing(out=output, target=target, segments=segments, resample=resample)
+    if dicomweb is None:
+        _import_files(given, reading, writing, as_json=as_json)
+        return
+    if target in {None, "folder"} and reading != Reading():
+        raise OptionError("options of reading given; allowed: with --output FILE")
     address = WebAddress.of(dicomweb, study=study)
+    if writing is not None and writing.target == "folder":
+        _import_folder(address, series, writing.out, as_json=as_json)
+    else:
+        _import_remote(address, series, reading=reading, writing=writing, as_json=as_json)
+
+
+def _import_files(
+    paths: list[Path], reading: Reading, writing: Writing | None, *, as_json: bool
+) -> None:
+    from palpate.cli_import_run import read_or_list, write_import
+
+    files: list[dict[str, Any]] = []
+    with quiet_libraries(), Display() as display:
+        found = read_or_list(paths, reading, choose=writing is not None, progress=display)
+        if writing is not None and not isinstance(found, list):
+            files = write_import(found, writing, progress=display)
+    if isinstance(found, list):
+        _tell_list([_of_choice(*each) for each in enumerate(found, 1)], as_json=as_json)
+    else:
+        _tell_scan(found, files, as_json=as_json)
+
+
+def _import_remote(
+    address: WebAddress,
+    series: str | None,
+    *,
+    reading: Reading,
+    writing: Writing | None,
+    as_json: bool,
+) -> None:
+    from palpate.cli_import_run import read_remote, write_import
+    from palpate.io_dicomweb import choose_remote, remote_series
+
     with quiet_libraries(), Display() as display:
         listed = remote_series(address, progress=display)
-        chosen = None if out is None and series is None else choose_remote(address, listed, series)
-        files = 0
-        if chosen is not None and out is not None:
-            with whole_folder(out) as folder:
-                files = fetch_series(address, chosen, folder, progress=display)
-    if chosen is None or out is None:
-        _tell_list(listed if chosen is None else [chosen], as_json=as_json)
+        if writing is not None or series is not None:
+            listed = [choose_remote(address, listed, series)]
+        if writing is not None:
+            volume = read_remote(address, listed[0], reading, progress=display)
+            files = write_import(volume, writing, progress=display)
+    if writing is None:
+        _tell_list([_of_remote(*each) for each in enumerate(listed, 1)], as_json=as_json)
     else:
-        _tell_fetched(chosen, out, files, as_json=as_json)
+        _tell_scan(volume, files, as_json=as_json)
 
 
-def _tell_list(listed: list[RemoteSeries], *, as_json: bool) -> None:
+def _import_folder(address: WebAddress, series: str | None, out: Path, *, as_json: bool) -> None:
+    from palpate.cli_import_run import bring
+    from palpate.io_dicomweb import choose_remote, remote_series
+
+    with quiet_libraries(), Display() as display:
+        listed = remote_series(address, progress=display)
+        one = choose_remote(address, listed, series)
+        brought = bring(address, one, out, progress=display)
+    if as_json:
+        _print_json(brought)
+        return
+    then = f"palpate open {out} shows them"
+    if brought["volumes"] > 1:
+        then = f"palpate import {out} lists their {brought['volumes']} volumes"
+    size = brought["bytes"] / 2**20
+    typer.echo(f"{brought['files']} files, {size:.1f} MiB, are in {out}: {then}")
+
+
+# --- what is said -----------------------------------------------------------------------
+
+
+def _tell_list(rows: list[dict[str, Any]], *, as_json: bool) -> None:
     from palpate.cli_series import print_series
 
-    found = [_described(number, one) for number, one in enumerate(listed, 1)]
     if as_json:
-        _print_json(found)
+        _print_json(rows)
     else:
-        print_series(found)
+        print_series(rows)
 
 
-def _tell_fetched(one: RemoteSeries, out: Path, files: int, *, as_json: bool) -> None:
-    size = sum(path.stat().st_size for path in out.iterdir())
+def _tell_scan(volume: Volume, files: list[dict[str, Any]], *, as_json: bool) -> None:
+    from palpate.info import describe, print_table
+
     if as_json:
-        _print_json({"folder": str(out), "uid": one.uid, "files": files, "bytes": size})
-    else:
-        typer.echo(
-            f"{files} files, {size / 2**20:.1f} MiB, are in {out}: palpate open {out} shows them"
-        )
+        _print_json(describe(volume) | {"written": files})
+        return
+    print_table(volume)
+    for file in files:
+        typer.echo(f"{file['file']}: {file['bytes'] / 2**20:.1f} MiB, {file['holds']}")
 
 
-def _described(number: int, one: RemoteSeries) -> dict[str, Any]:
+def _of_choice(number: int, one: Choice) -> dict[str, Any]:
+    columns, rows, slices = one.size or (None, None, None)
+    return {
+        "number": number,
+        "patient": one.patient,
+        "study": one.study,
+        "series": one.name,
+        "modality": one.modality,
+        "slices": slices,
+        "columns": columns,
+        "rows": rows,
+        "spacing_mm": None if one.spacing is None else list(one.spacing),
+        "bytes": 2 * math.prod(one.size) if one.size else None,
+        "uid": one.uid,
+        "refused": one.refused,
+    }
+
+
+def _of_remote(number: int, one: RemoteSeries) -> dict[str, Any]:
     columns, rows, slices = one.size or (None, None, None)
     return {
         "number": number,

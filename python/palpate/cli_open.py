@@ -87,7 +87,12 @@ def parse_voxel_size(given: str | None) -> tuple[float, float, float] | None:
 
 
 def wanted_scene(
-    volume: Volume, *, bounds: Bounds | None, label_map: Path | None, progress: Progress
+    volume: Volume,
+    *,
+    bounds: Bounds | None,
+    label_map: Path | None,
+    resample: bool = False,
+    progress: Progress,
 ) -> Scene:
     """Returns a scan with the segments asked for, and no others.
 
@@ -100,12 +105,17 @@ def wanted_scene(
     if bounds is not None:
         scene.add(volume.threshold(*bounds, name="threshold"))
     if label_map is not None:
-        add_labels(scene, label_map, progress)
+        add_labels(scene, label_map, resample=resample, progress=progress)
     return scene
 
 
 def scene_of(
-    volume: Volume, *, bounds: Bounds | None, label_map: Path | None, progress: Progress
+    volume: Volume,
+    *,
+    bounds: Bounds | None,
+    label_map: Path | None,
+    resample: bool = False,
+    progress: Progress,
 ) -> Scene:
     """Returns a scene with the segments asked for, or with the one offered as bone.
 
@@ -114,15 +124,17 @@ def scene_of(
         VolumeFormatError: The label map cannot be read.
         OptionError: The label map does not fit the scan.
     """
-    scene = wanted_scene(volume, bounds=bounds, label_map=label_map, progress=progress)
+    scene = wanted_scene(
+        volume, bounds=bounds, label_map=label_map, resample=resample, progress=progress
+    )
     if bounds is None and label_map is None and (told := offer_bone(scene)) is not None:
         warn(told)
     return scene
 
 
-def add_labels(scene: Scene, path: Path, progress: Progress) -> None:
+def add_labels(scene: Scene, path: Path, *, resample: bool, progress: Progress) -> None:
     """Adds the segments of a file or folder, and says what was changed or left out."""
-    found = read_labels(path, scene.volume, progress=progress)
+    found = read_labels(path, scene.volume, resample=resample, progress=progress)
     for label in found.labels:
         scene.add(label.segment, colour=label.colour)
     for warning in found.warnings:

@@ -51,7 +51,10 @@ def describe(number: int, one: Series) -> dict[str, Any]:
 
 
 def print_series(found: list[dict[str, Any]]) -> None:
-    """Prints series as a table; a size that is not known is left out."""
+    """Prints series as a table; a size that is not known is left out.
+
+    A series that is ``refused`` says why below it.
+    """
     from rich.console import Console
     from rich.table import Table
     from rich.text import Text
@@ -64,4 +67,9 @@ def print_series(found: list[dict[str, Any]]) -> None:
         size = "" if None in edges else " x ".join(map(str, edges))
         cells = (one["number"], one["patient"], one["study"], one["series"], one["modality"], size)
         table.add_row(*(Text(str(cell)) for cell in cells))
-    Console().print(table)
+    console = Console()
+    console.print(table)
+    for one in found:
+        if one.get("refused"):
+            said = f"{one['number']} cannot be read: {one['refused']}"
+            console.print(said, markup=False, highlight=False)

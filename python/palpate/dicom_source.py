@@ -16,8 +16,9 @@ import numpy as np
 
 from palpate.errors import OptionError
 from palpate.io_archive import is_archive, unpacked
-from palpate.io_dicom import choose_series, is_dicom, series_in, volumes_of
+from palpate.io_dicom import volumes_of
 from palpate.io_dicom_header import Header, damage_told, frame_of
+from palpate.io_dicom_series import choose_series, is_dicom, series_in
 from palpate.progress import Progress
 from palpate.volume import Volume
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from os import PathLike
 from pathlib import Path
 
@@ -9,8 +10,9 @@ import numpy as np
 
 from palpate.errors import OptionError, PalpateError, VolumeFormatError
 from palpate.io_archive import is_archive, unpacked
-from palpate.io_dicom import is_dicom, read_dicom_file, read_dicom_folder, series_in
+from palpate.io_dicom import read_dicom_file, read_dicom_files, read_dicom_folder
 from palpate.io_dicom_header import Series
+from palpate.io_dicom_series import called_of, is_dicom, series_among, series_in
 from palpate.io_file import read_file
 from palpate.io_packed import image_of, read_unpacked
 from palpate.io_raw import RawLayout, holds_pictures, is_picture, read_pictures, read_raw
@@ -22,12 +24,14 @@ from palpate.volume import Source, Volume, VolumeTraits
 
 __all__ = ["list_series", "read"]
 
+Place = str | PathLike[str]
+
 UNITS = ("HU",)
 """Units that a person can say a scan has."""
 
 
 def read(
-    path: str | PathLike[str],
+    path: Place | Sequence[Place],
     *,
     series: str | None = None,
     orientation: str | None = None,
@@ -43,8 +47,10 @@ def read(
     Args:
         path: A folder with a DICOM series, a zip archive of one, or a DICOM file with all its
             slices; a NIfTI, NRRD, MetaImage or MINC file; a folder of pictures; raw voxels.
+            Several are the DICOM files, or folders of them, of one scan.
         series: Series to take where the folder holds several: its UID, its description, or its
-            number in the list that the error shows; of an archive also the name of an image file.
+            number in the list that the error shows; also the name of an image file in a folder or
+            an archive.
         orientation: Sides toward which the file's x, y and z run, such as "LPS", where the file
             does not tell or is wrong.
         unit: "HU" where the values are known to be.
@@ -61,9 +67,13 @@ def read(
         SeriesChoiceError: The folder holds several series, or not the one asked for.
         OptionError: An option has a value that is not allowed.
     """
-    source = Path(path)
+    places = _places(path)
+    source = called_of(places)
     _check_options(source, series=series, unit=unit, max_voxels=max_voxels)
-    if raw is not None or _is_pictures(source, sized=voxel_size is not None):
+    if len(places) > 1:
+        _refuse_bare(raw, voxel_size)
+        scan = read_dicom_files(places, series=series, max_voxels=max_voxels, progress=progress)
+    elif raw is not None or _is_pictures(source, sized=voxel_size is not None):
         layout = None if raw is None else RawLayout.of(raw)
         scan = _read_bare(
             source, layout, voxel=voxel_size, max_voxels=max_voxels, progress=progress
@@ -119,18 +129,22 @@ def read(
         "voxel_size": voxel_size,
     }
     given = {name: option for name, option in options.items() if option is not None}
-    volume.source = Source(source.resolve(), given)
+    # several files have no place of their own to be read from again
+    volume.source = Source(source.resolve(), given) if len(places) == 1 else None
     return volume
 
 
-def list_series(path: str | PathLike[str], *, progress: Progress = silent) -> list[Series]:
-    """Lists the scans in a DICOM folder or zip archive, the longest first.
+def list_series(path: Place | Sequence[Place], *, progress: Progress = silent) -> list[Series]:
+    """Lists the scans in a DICOM folder, a zip archive or several DICOM files, the longest first.
 
     Raises:
         FileNotFoundError: ``path`` does not exist.
         VolumeFormatError: It is neither, or holds no scan.
     """
-    source = Path(path)
+    places = _places(path)
+    if len(places) > 1:
+        return series_among(places, progress=progress)[0]
+    source = places[0]
     if not source.exists():
         raise FileNotFoundError(f"{source} does not exist; allowed: an existing file or folder")
     if is_archive(source):
@@ -139,6 +153,20 @@ def list_series(path: str | PathLike[str], *, progress: Progress = silent) -> li
     if not source.is_dir():
         raise VolumeFormatError(f"{source} is one file; allowed: a DICOM folder or zip archive")
     return series_in(source, progress=progress)[0]
+
+
+def _places(path: Place | Sequence[Place]) -> list[Path]:
+    places = [Path(path)] if isinstance(path, str | PathLike) else [Path(one) for one in path]
+    if not places:
+        raise OptionError("no path given; allowed: one, or several DICOM files")
+    return places
+
+
+def _refuse_bare(raw: str | None, voxel: tuple[float, float, float] | None) -> None:
+    if raw is not None or voxel is not None:
+        raise OptionError(
+            "a layout or voxel size given for several files; allowed: for one file or folder"
+        )
 
 
 def _check_options(source: Path, *, series: str | None, unit: str | None, max_voxels: int) -> None:
@@ -157,6 +185,9 @@ def _check_options(source: Path, *, series: str | None, unit: str | None, max_vo
 
 def _read(source: Path, *, series: str | None, max_voxels: int, progress: Progress) -> RawScan:
     if source.is_dir():
+        image = image_of(source, series, called=source, progress=progress)
+        if image is not None:
+            return read_file(image, max_voxels=max_voxels, progress=progress)
         return read_dicom_folder(source, series=series, max_voxels=max_voxels, progress=progress)
     if is_archive(source):
         with unpacked(source, progress) as folder:

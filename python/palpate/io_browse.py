@@ -17,14 +17,15 @@ from numpy.typing import NDArray
 
 from palpate.errors import PalpateError, VolumeFormatError
 from palpate.io_archive import is_archive, unpacked
-from palpate.io_dicom import MOST_FILES, is_dicom, plan_of, series_in, volumes_of
+from palpate.io_dicom import plan_of, volumes_of
 from palpate.io_dicom_header import Series
 from palpate.io_dicom_pixels import read_slice
+from palpate.io_dicom_series import MOST_FILES, called_of, is_dicom, series_among, series_in
 from palpate.io_file import check_own_voxels, header_of, image_files, middle_of
 from palpate.io_preview import preview
 from palpate.progress import Progress, silent
 
-__all__ = ["Choice", "browsed", "previews"]
+__all__ = ["Choice", "browsed", "choices_among", "previews"]
 
 MOST_IMAGES = 200
 """Image files of one folder that are listed."""
@@ -48,6 +49,8 @@ class Choice:
     study: str = ""
     name: str
     modality: str = ""
+    uid: str = ""
+    """Of its series; volumes of one series share it."""
     size: tuple[int, ...]
     """Voxels along x, y, z."""
     spacing: tuple[float, ...] | None = None
@@ -99,6 +102,17 @@ def previews(
                     continue
         finally:
             pool.shutdown(wait=True, cancel_futures=True)
+
+
+def choices_among(paths: Sequence[Path], *, progress: Progress = silent) -> list[Choice]:
+    """Lists the scans in several DICOM files and folders together.
+
+    Raises:
+        FileNotFoundError: One of them does not exist.
+        OptionError: One of them is neither a folder nor a DICOM file.
+        VolumeFormatError: They hold no scan.
+    """
+    return _series(called_of(paths), series_among(paths, progress=progress)[0])
 
 
 # --- DICOM --------------------------------------------------------------------------------
@@ -163,6 +177,7 @@ def _of_series(path: Path, one: Series, series: str | None) -> Choice:
         study=first.study_told,
         name=one.description,
         modality=one.modality,
+        uid=one.uid,
         size=size,
         spacing=spacing,
         refused=refused,

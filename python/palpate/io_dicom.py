@@ -1,4 +1,4 @@
-"""Reading of DICOM: a folder with the slices of a series, or one file with all of them.
+"""Reading of DICOM: a folder or files with the slices of a series, or one file with all of them.
 
 Headers are read first, and say where the slices lie and what is wrong with them; then pixels
 are decoded, several files at a time, and laid on a right grid where the stack is none.
@@ -8,46 +8,33 @@ Frame: LPS [mm].
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import islice
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.errors import SeriesChoiceError, VolumeFormatError
+from palpate.errors import VolumeFormatError
 from palpate.io_dicom_geometry import Grid, Stack, grid_of, stack_of
-from palpate.io_dicom_header import Header, Series, find_series, read_header
+from palpate.io_dicom_header import Header, Series, read_header
 from palpate.io_dicom_phases import phases_of
 from palpate.io_dicom_pixels import read_slices
 from palpate.io_dicom_resample import resample
+from palpate.io_dicom_series import called_of, choose_series, series_among, series_in
 from palpate.progress import Progress
 from palpate.raw_scan import RawScan, check_shape
 from palpate.stored import Scale
 
-MOST_LISTED = 12
-"""Series named in one message."""
-MOST_FILES = 50_000
-"""Files looked at in one folder: ten of the largest studies, and not a whole disc."""
-
 __all__ = [
-    "MOST_FILES",
     "Plan",
-    "choose_series",
-    "is_dicom",
     "plan_of",
     "read_dicom_file",
+    "read_dicom_files",
     "read_dicom_folder",
-    "series_in",
     "volumes_of",
 ]
-
-
-def is_dicom(path: Path) -> bool:
-    """Says whether a file carries the mark of DICOM (PS3.10, 7.1)."""
-    with path.open("rb") as file:
-        return file.read(132)[128:] == b"DICM"
 
 
 def read_dicom_folder(
@@ -66,52 +53,49 @@ def read_dicom_folder(
         SeriesChoiceError: There are several series, or not the one asked for.
         VolumeFormatError: There is none, or it is no stack of slices.
     """
-    found, damaged = series_in(folder, called=called, progress=progress)
-    folder = called or folder
-    chosen, warnings = choose_series(folder, found, series)
-    what = f"{folder} (series {chosen.uid})" if chosen.uid else str(folder)
+    found = series_in(folder, called=called, progress=progress)
+    return _read_chosen(
+        called or folder, found, series=series, max_voxels=max_voxels, progress=progress
+    )
+
+
+def read_dicom_files(
+    paths: Sequence[Path], *, series: str | None, max_voxels: int, progress: Progress
+) -> RawScan:
+    """Reads the series in several files and folders, or the one asked for of several.
+
+    Raises:
+        FileNotFoundError: One of them does not exist.
+        OptionError: One of them is neither.
+        SeriesChoiceError: There are several series, or not the one asked for.
+        VolumeFormatError: There is none, or it is no stack of slices.
+    """
+    found = series_among(paths, progress=progress)
+    return _read_chosen(
+        called_of(paths), found, series=series, max_voxels=max_voxels, progress=progress
+    )
+
+
+def _read_chosen(
+    called: Path,
+    found: tuple[list[Series], list[Path]],
+    *,
+    series: str | None,
+    max_voxels: int,
+    progress: Progress,
+) -> RawScan:
+    listed, damaged = found
+    chosen, warnings = choose_series(called, listed, series)
+    what = f"{called} (series {chosen.uid})" if chosen.uid else str(called)
     scan = _read_series(what, chosen, max_voxels=max_voxels, progress=progress)
     scan.description = chosen.description
-    scan.name = chosen.description or folder.name.removesuffix(".zip")
+    scan.name = chosen.description or called.name.removesuffix(".zip")
     scan.warnings[:0] = warnings
     if damaged:
         scan.warnings.append(
             f"{len(damaged)} files are damaged and were left out, such as {damaged[0].name}"
         )
     return scan
-
-
-def series_in(
-    folder: Path, *, called: Path | None = None, progress: Progress
-) -> tuple[list[Series], list[Path]]:
-    """Lists the series of scans in a folder and those below, the longest first, and damaged files.
-
-    Raises:
-        VolumeFormatError: There is none.
-    """
-    files, folder = _files_below(folder), called or folder
-    if not files:
-        raise VolumeFormatError(
-            f"{folder} is an empty folder; allowed: a folder with the files of a DICOM series"
-        )
-    found, damaged = find_series(files, progress)
-    if not found:
-        raise VolumeFormatError(
-            f"{folder} holds no DICOM images ({len(files)} files looked at); "
-            "allowed: a folder with the files of a DICOM series"
-        )
-    return found, damaged
-
-
-def _files_below(folder: Path) -> list[Path]:
-    """Lists the files of a folder and of those below it, as archives and discs nest them."""
-    files = (path for path in folder.rglob("*") if path.is_file())
-    listed = list(islice(files, MOST_FILES + 1))
-    if len(listed) > MOST_FILES:
-        raise VolumeFormatError(
-            f"{folder} holds more than {MOST_FILES} files; allowed: the folder of one study"
-        )
-    return listed
 
 
 def read_dicom_file(
@@ -142,43 +126,6 @@ def volumes_of(path: Path) -> list[Series]:
             f"{path} is a DICOM file without an image of a scan; allowed: CT, MR and other scans"
         )
     return phases_of(Series(header.series, header.description, header.modality, (header,)))
-
-
-def choose_series(
-    folder: Path, found: list[Series], wanted: str | None
-) -> tuple[Series, list[str]]:
-    """Returns the series to read, and what to say about those left out.
-
-    Raises:
-        SeriesChoiceError: There are several, or not the one asked for.
-    """
-    listed = _listed(found)
-    if wanted is not None:
-        chosen = [series for series in found if wanted in (series.uid, series.description)]
-        if wanted.isdecimal() and 1 <= int(wanted) <= len(found):
-            chosen = chosen or [found[int(wanted) - 1]]
-        if len(chosen) == 1:
-            return chosen[0], []
-        raise SeriesChoiceError(
-            f"{folder} holds {len(chosen) or 'no'} series {wanted!r}; "
-            f"allowed with --series: a number, UID or description of {listed}"
-        )
-
-    # a scout of one or two slices beside a scan leaves no doubt which one is meant
-    volumes = [series for series in found if series.slices > 2]
-    if len(found) > 1 and len(volumes) != 1:
-        raise SeriesChoiceError(
-            f"{folder} holds {len(found)} series; choose one with --series NUMBER or UID: {listed}"
-        )
-    chosen_one = volumes[0] if volumes else found[0]
-    left_out = [f"left out series {series}" for series in found if series is not chosen_one]
-    return chosen_one, left_out
-
-
-def _listed(found: list[Series]) -> str:
-    rows = [f"[{number}] {series}" for number, series in enumerate(found, 1)]
-    more = len(rows) - MOST_LISTED
-    return "; ".join(rows[:MOST_LISTED]) + (f"; and {more} more" if more > 0 else "")
 
 
 @dataclass(frozen=True)

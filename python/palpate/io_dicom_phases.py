@@ -35,6 +35,7 @@ class Element:
     keyword: str
     group: str
     in_group: str
+    """Through sequences within the group, with dots between."""
 
 
 ELEMENTS = (
@@ -45,13 +46,24 @@ ELEMENTS = (
     Element("echo {}", "EchoNumbers", "", ""),
     Element("b = {} s/mm²", "DiffusionBValue", "MRDiffusionSequence", "DiffusionBValue"),
     Element(
+        "direction {}",
+        "DiffusionGradientOrientation",
+        "MRDiffusionSequence",
+        "DiffusionGradientDirectionSequence.DiffusionGradientOrientation",
+    ),
+    Element(
         "{} % of the cycle",
         "NominalPercentageOfCardiacPhase",
         "CardiacSynchronizationSequence",
         "NominalPercentageOfCardiacPhase",
     ),
-    Element("{} ms after the trigger", "TriggerTime", "", ""),
-    Element("inversion time {} ms", "InversionTime", "MRInversionSequence", "InversionTimes"),
+    Element(
+        "{} ms after the trigger",
+        "TriggerTime",
+        "CardiacSynchronizationSequence",
+        "NominalCardiacTriggerDelayTime",
+    ),
+    Element("inversion time {} ms", "InversionTime", "MRModifierSequence", "InversionTimes"),
     Element("{}", "ImageType", "MRImageFrameTypeSequence", "FrameType"),
     Element(
         "acquisition {}", "AcquisitionNumber", "FrameContentSequence", "FrameAcquisitionNumber"
@@ -73,18 +85,27 @@ def phase_of(dataset: Dataset, groups: Sequence[Dataset]) -> tuple[str, ...]:
 def _value(dataset: Dataset, groups: Sequence[Dataset], element: Element) -> str:
     for group in groups:
         if element.group and group.get(element.group):
-            value = group[element.group][0].get(element.in_group)
-            return "" if value is None else _told(value)
-    value = dataset.get(element.keyword)
-    return "" if value is None else _told(value)
+            return _told(_within(group[element.group][0], element.in_group))
+    return _told(dataset.get(element.keyword))
+
+
+def _within(group: Dataset, way: str) -> object:
+    *sequences, keyword = way.split(".")
+    for name in sequences:
+        if not group.get(name):
+            return None
+        group = group[name][0]
+    return group.get(keyword)
 
 
 def _told(value: object) -> str:
+    if value is None:
+        return ""
     if isinstance(value, float):
         return f"{value:g}"
     if isinstance(value, str | bytes) or not isinstance(value, Sequence):
         return str(value)
-    return " ".join(map(str, value))
+    return " ".join(map(_told, value))
 
 
 def phases_of(series: Series) -> list[Series]:
@@ -138,8 +159,9 @@ def _number(value: str) -> float:
 
 
 def _words(chosen: tuple[int, ...], values: tuple[str, ...]) -> str:
-    told = (ELEMENTS[i].words.format(value) for i, value in zip(chosen, values, strict=True))
-    return ", ".join(told)
+    pairs = zip(chosen, values, strict=True)
+    # such as the one without a direction
+    return ", ".join(ELEMENTS[i].words.format(value) for i, value in pairs if value) or "others"
 
 
 def _part(series: Series, words: str, slices: Sequence[tuple[Header, int]]) -> Series:

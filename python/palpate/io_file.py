@@ -5,6 +5,7 @@ Frame: SimpleITK turns what each format says into LPS [mm]; nothing else here tu
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -99,7 +100,7 @@ def read_file(path: Path, *, max_voxels: int, progress: Progress) -> RawScan:
         progress(f"checking {path.name}", None)
         check_payload(path, metadata, format_name)
 
-    progress(f"reading {path.name}", None)
+    progress(f"reading {path.name}, {math.prod(reader.GetSize()) * 2 / 2**20:.0f} MiB", None)
     image = _read(path, reader)
     values = simpleitk().GetArrayFromImage(image)
     if format_name == "nifti":

@@ -1,11 +1,11 @@
-"""Image files in archives: which one is meant, and its reading."""
+"""Image files in archives and folders: which one is meant, and its reading."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
 from palpate.errors import SeriesChoiceError, VolumeFormatError
-from palpate.io_dicom import MOST_FILES, series_in
+from palpate.io_dicom_series import MOST_FILES, series_in
 from palpate.io_file import check_own_voxels, image_files, read_file
 from palpate.progress import Progress
 from palpate.raw_scan import RawScan
@@ -17,9 +17,10 @@ MOST_NAMED = 12
 
 
 def image_of(folder: Path, wanted: str | None, *, called: Path, progress: Progress) -> Path | None:
-    """Returns the image file that is meant in an unpacked archive; None where DICOM is.
+    """Returns the image file that is meant in a folder or unpacked archive; None where DICOM is.
 
-    DICOM goes before image files, unless one of them is ``wanted`` by its name.
+    DICOM goes before image files, unless one of them is ``wanted``: by its name, or by its number
+    in the list of all, DICOM first.
 
     Raises:
         SeriesChoiceError: There are several, and no DICOM, or not the one asked for.
@@ -29,7 +30,14 @@ def image_of(folder: Path, wanted: str | None, *, called: Path, progress: Progre
     }
     if wanted in images:
         return images[wanted]
-    if not images or _holds_dicom(folder, progress):
+    if not images:
+        return None
+    # numbers go on after those of the series
+    series = _count_of_series(folder, progress)
+    number = int(wanted) - series if wanted is not None and wanted.isdecimal() else 0
+    if 1 <= number <= len(images):
+        return [*images.values()][number - 1]
+    if series > 0:
         return None
     if wanted is None and len(images) == 1:
         return next(iter(images.values()))
@@ -41,12 +49,11 @@ def image_of(folder: Path, wanted: str | None, *, called: Path, progress: Progre
     )
 
 
-def _holds_dicom(folder: Path, progress: Progress) -> bool:
+def _count_of_series(folder: Path, progress: Progress) -> int:
     try:
-        series_in(folder, progress=progress)
+        return len(series_in(folder, progress=progress)[0])
     except VolumeFormatError:
-        return False
-    return True
+        return 0
 
 
 def read_unpacked(

@@ -6,8 +6,8 @@ from os import PathLike
 from pathlib import Path
 
 from palpate.errors import OptionError
-from palpate.io_dicom import is_dicom
 from palpate.io_dicom_header import damage_told
+from palpate.io_dicom_series import is_dicom
 from palpate.labels_contours import read_rtstruct
 from palpate.labels_dicom import read_seg
 from palpate.labels_grid import Label, Labels
@@ -18,12 +18,13 @@ from palpate.volume import Volume
 
 __all__ = ["Label", "Labels", "read_labels"]
 
-MEANINGS = {"SEG": read_seg, "RTSTRUCT": read_rtstruct}
-"""Reader of each modality."""
-
 
 def read_labels(
-    path: str | PathLike[str], volume: Volume, *, progress: Progress = silent
+    path: str | PathLike[str],
+    volume: Volume,
+    *,
+    resample: bool = False,
+    progress: Progress = silent,
 ) -> Labels:
     """Reads segments that belong to a scan, with names and colours where the file tells them.
 
@@ -32,6 +33,8 @@ def read_labels(
             mask for each structure.
         volume: The scan. Its grid is that of the segments, but for its extent and for axes that
             run the other way.
+        resample: Whether they may lie on any grid: each voxel of the scan takes what is at its
+            centre, and a warning says so.
         progress: Told how far the reading is.
 
     Raises:
@@ -42,28 +45,29 @@ def read_labels(
     source = Path(path)
     if not source.exists():
         raise FileNotFoundError(f"{source} does not exist; allowed: an existing file or folder")
-    found = _read(source, volume, progress)
+    found = _read(source, volume, resample=resample, progress=progress)
     if not found.labels:
         why = "; ".join(found.warnings) or "no labels"
         raise OptionError(f"{source} holds no segments ({why}); allowed: files with segments")
     return found
 
 
-def _read(source: Path, volume: Volume, progress: Progress) -> Labels:
+def _read(source: Path, volume: Volume, *, resample: bool, progress: Progress) -> Labels:
     if source.is_dir():
-        return read_mask_folder(source, volume, progress=progress)
+        return read_mask_folder(source, volume, resample=resample, progress=progress)
     if is_dicom(source):
         modality = _modality(source)
-        reader = MEANINGS.get(modality)
-        if reader is None:
-            raise OptionError(
-                f"{source} is DICOM of modality {modality or 'unknown'}; allowed: SEG or RTSTRUCT"
-            )
         with damage_told(source):
-            return reader(source, volume, progress=progress)
+            if modality == "SEG":
+                return read_seg(source, volume, resample=resample, progress=progress)
+            if modality == "RTSTRUCT":
+                return read_rtstruct(source, volume, progress=progress)
+        raise OptionError(
+            f"{source} is DICOM of modality {modality or 'unknown'}; allowed: SEG or RTSTRUCT"
+        )
     if is_segmentation(source):
-        return read_seg_nrrd(source, volume, progress=progress)
-    return read_label_map(source, volume, progress=progress)
+        return read_seg_nrrd(source, volume, resample=resample, progress=progress)
+    return read_label_map(source, volume, resample=resample, progress=progress)
 
 
 def _modality(path: Path) -> str:

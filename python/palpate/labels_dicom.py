@@ -15,10 +15,19 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.errors import VolumeFormatError
+from palpate.errors import OptionError, VolumeFormatError
 from palpate.io_dicom_header import Frame, damage_told, frame_of
 from palpate.io_dicom_pixels import stored_pixels
-from palpate.labels_grid import Colour, Label, Labels, Placement, patient_from_grid, placement
+from palpate.labels_grid import (
+    RESAMPLED,
+    Colour,
+    Label,
+    Labels,
+    Place,
+    Resampling,
+    patient_from_grid,
+    placement,
+)
 from palpate.progress import Progress
 from palpate.terminology import Code, Terminology
 from palpate.volume import Volume
@@ -42,7 +51,7 @@ class _Told:
     terminology: Terminology | None
 
 
-def read_seg(path: Path, volume: Volume, *, progress: Progress) -> Labels:
+def read_seg(path: Path, volume: Volume, *, resample: bool = False, progress: Progress) -> Labels:
     """Reads the segments of a file, each as a part of the scan.
 
     Raises:
@@ -60,7 +69,7 @@ def read_seg(path: Path, volume: Volume, *, progress: Progress) -> Labels:
     progress(f"reading {count} frames", None)
     shape = (count, int(dataset.Rows), int(dataset.Columns))
     stored = stored_pixels(path, shape=shape)
-    places = [_place(path, frame, shape, volume=volume) for frame in frames]
+    places = _places(path, frames, shape, volume=volume, resample=resample)
 
     kind = str(dataset.get("SegmentationType") or "BINARY")
     most = int(dataset.get("MaximumFractionalValue") or 255)
@@ -83,6 +92,7 @@ def read_seg(path: Path, volume: Volume, *, progress: Progress) -> Labels:
     said = ["fractions of voxels are cut at 50 %"] if kind == "FRACTIONAL" else []
     said += [f"{empty} segments are empty"] if empty else []
     said += [f"{outside} voxels of segments lie outside the scan"] if outside else []
+    said += [RESAMPLED] if any(isinstance(place, Resampling) for place in places) else []
     return Labels(tuple(made), tuple(said))
 
 
@@ -95,8 +105,39 @@ def _solid(pixels: NDArray[Any], *, kind: str, number: int, most: int) -> NDArra
     return solid.astype(np.uint8)
 
 
-def _place(path: Path, frame: Frame, shape: tuple[int, ...], *, volume: Volume) -> Placement:
-    """Returns how a frame lies in the scan, as one slice as thick as the scan's."""
+def _places(
+    path: Path, frames: list[Frame], shape: tuple[int, ...], *, volume: Volume, resample: bool
+) -> list[Place]:
+    """Returns how each frame lies in the scan."""
+    try:
+        return [_place(path, frame, shape, volume=volume) for frame in frames]
+    except OptionError:
+        if not resample:
+            raise
+    step = _step(frames, volume)
+    return [_place(path, frame, shape, volume=volume, step=step) for frame in frames]
+
+
+def _step(frames: list[Frame], volume: Volume) -> float:
+    """Returns how far slices are apart [mm]: the nearest two of them, or those of the scan."""
+    across, down = np.reshape(frames[0].orientation or (), (2, 3))
+    heights = np.array([frame.position for frame in frames]) @ np.cross(across, down)
+    steps = np.diff(np.unique(heights.round(3)))
+    return float(steps.min()) if steps.size else min(volume.spacing)
+
+
+def _place(
+    path: Path,
+    frame: Frame,
+    shape: tuple[int, ...],
+    *,
+    volume: Volume,
+    step: float | None = None,
+) -> Place:
+    """Returns how a frame lies in the scan, as one slice as thick as the scan's.
+
+    Where a ``step`` is given it is as thick as that, and may lie on any grid.
+    """
     if frame.position is None or frame.orientation is None or frame.pixel_spacing is None:
         raise VolumeFormatError(
             f"{path} does not say where its frames lie; allowed: with position, orientation and "
@@ -106,9 +147,12 @@ def _place(path: Path, frame: Frame, shape: tuple[int, ...], *, volume: Volume) 
     normal = np.cross(across, down)
     # the scan's axis along the normal
     along = int(np.argmax(np.abs(volume.direction.T @ normal)))
-    spacing = (frame.pixel_spacing[1], frame.pixel_spacing[0], volume.spacing[along])
+    thick = volume.spacing[along] if step is None else step
+    spacing = (frame.pixel_spacing[1], frame.pixel_spacing[0], thick)
     grid = patient_from_grid(spacing, frame.position, np.column_stack([across, down, normal]))
-    return placement(f"segmentation {path}", grid, (1, *shape[1:]), volume=volume)
+    return placement(
+        f"segmentation {path}", grid, (1, *shape[1:]), volume=volume, resample=step is not None
+    )
 
 
 def _number(dataset: Dataset, index: int) -> int | None:

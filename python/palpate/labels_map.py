@@ -10,6 +10,7 @@ from __future__ import annotations
 import csv
 import gzip
 import re
+from collections.abc import Sequence
 from pathlib import Path
 from typing import IO
 
@@ -18,7 +19,15 @@ from numpy.typing import NDArray
 
 from palpate.errors import OptionError
 from palpate.io import read
-from palpate.labels_grid import Colour, Label, Labels, placement
+from palpate.labels_grid import (
+    RESAMPLED,
+    Colour,
+    Label,
+    Labels,
+    Placement,
+    Resampling,
+    placement,
+)
 from palpate.progress import Progress
 from palpate.volume import Volume
 
@@ -61,7 +70,9 @@ def colour_of_name(name: str) -> Colour | None:
     return next(found, None)
 
 
-def read_label_map(path: Path, volume: Volume, *, progress: Progress) -> Labels:
+def read_label_map(
+    path: Path, volume: Volume, *, resample: bool = False, progress: Progress
+) -> Labels:
     """Reads an image of labels.
 
     Raises:
@@ -69,9 +80,11 @@ def read_label_map(path: Path, volume: Volume, *, progress: Progress) -> Labels:
         OptionError: It lies on another grid than the scan, or holds no labels.
     """
     given = read(path, progress=progress)
-    labels = _on_grid(path, given, volume)
+    labels, resampled = _on_grid(path, given, volume, resample=resample)
     size, whole = (" x ".join(map(str, one.dimensions)) for one in (given, volume))
     said = () if size == whole else (f"the map has {size} voxels, the scan {whole}",)
+    if resampled:
+        said = (*said, RESAMPLED)
     counts = _stored_counts(labels)
     values = {stored: labels.value_of(stored) for stored in counts if labels.value_of(stored)}
     if len(values) > MOST_LABELS:
@@ -89,7 +102,9 @@ def read_label_map(path: Path, volume: Volume, *, progress: Progress) -> Labels:
     return Labels(tuple(made), said)
 
 
-def read_mask_folder(folder: Path, volume: Volume, *, progress: Progress) -> Labels:
+def read_mask_folder(
+    folder: Path, volume: Volume, *, resample: bool = False, progress: Progress
+) -> Labels:
     """Reads a folder with one mask for each structure, as TotalSegmentator writes it.
 
     Raises:
@@ -102,10 +117,11 @@ def read_mask_folder(folder: Path, volume: Volume, *, progress: Progress) -> Lab
             f"{folder} holds no masks; allowed: a folder with a NIfTI, NRRD or MetaImage file for "
             "each structure"
         )
-    made, empty = [], 0
+    made, empty, resampled = [], 0, False
     for done, path in enumerate(files):
         progress(f"reading {len(files)} masks", done / len(files))
-        mask = _on_grid(path, read(path), volume)
+        mask, other_grid = _on_grid(path, read(path), volume, resample=resample)
+        resampled = resampled or other_grid
         if mask.range[1] <= 0.0:
             empty += 1
             continue
@@ -114,24 +130,41 @@ def read_mask_folder(folder: Path, volume: Volume, *, progress: Progress) -> Lab
         # anything above 0, whatever number a program writes
         part = mask.threshold(max(mask.slope / 2.0, 1e-9)).part_of(volume, name=name)
         made.append(Label(part, colour_of_name(name)))
-    return Labels(tuple(made), (f"{empty} masks are empty",) if empty else ())
+    said = [f"{empty} masks are empty"] if empty else []
+    said += [RESAMPLED] if resampled else []
+    return Labels(tuple(made), tuple(said))
 
 
-def _on_grid(path: Path, labels: Volume, volume: Volume) -> Volume:
-    """Returns labels on the grid of the scan; as they are where that is theirs."""
-    place = placement(f"label map {path}", labels.patient_from_grid, labels.shape, volume=volume)
-    if place.order == (0, 1, 2) and not place.turned and labels.shape == volume.shape:
-        return labels
+def _on_grid(path: Path, labels: Volume, volume: Volume, *, resample: bool) -> tuple[Volume, bool]:
+    """Returns labels on the grid of the scan, as they are where that is theirs.
+
+    Also says whether they were resampled.
+    """
+    place = placement(
+        f"label map {path}",
+        labels.patient_from_grid,
+        labels.shape,
+        volume=volume,
+        resample=resample,
+    )
+    resampled = isinstance(place, Resampling)
+    if not isinstance(place, Resampling) and _is_same(place, labels.shape, volume.shape):
+        return labels, resampled
     nothing = round(-labels.intercept / labels.slope)
     stored = np.zeros(volume.shape, np.int16)
     place.lay((labels.array - np.int16(nothing)).astype(np.int16), stored)
-    return Volume(
+    laid = Volume(
         stored,
         spacing=volume.spacing,
         origin=volume.origin,
         direction=volume.direction,
         slope=labels.slope,
     )
+    return laid, resampled
+
+
+def _is_same(place: Placement, shape: Sequence[int], scan: Sequence[int]) -> bool:
+    return place.order == (0, 1, 2) and not place.turned and tuple(shape) == tuple(scan)
 
 
 def _stored_counts(volume: Volume) -> list[int]:

@@ -13,7 +13,15 @@ import numpy as np
 
 from palpate.errors import OptionError, VolumeFormatError
 from palpate.io_payload import check_payload, nrrd_header
-from palpate.labels_grid import Colour, Label, Labels, patient_from_grid, placement
+from palpate.labels_grid import (
+    RESAMPLED,
+    Colour,
+    Label,
+    Labels,
+    Resampling,
+    patient_from_grid,
+    placement,
+)
 from palpate.progress import Progress
 from palpate.simpleitk import reason_of, simpleitk
 from palpate.terminology import Terminology
@@ -30,7 +38,9 @@ def is_segmentation(path: Path) -> bool:
     return any(re.fullmatch(r"segment\d+_.*", name) for name in fields)
 
 
-def read_seg_nrrd(path: Path, volume: Volume, *, progress: Progress) -> Labels:
+def read_seg_nrrd(
+    path: Path, volume: Volume, *, resample: bool = False, progress: Progress
+) -> Labels:
     """Reads the segments of a file, each as a part of the scan.
 
     Raises:
@@ -54,7 +64,9 @@ def read_seg_nrrd(path: Path, volume: Volume, *, progress: Progress) -> Labels:
     layers = voxels[..., None] if voxels.ndim == 3 else voxels
     direction = np.reshape(image.GetDirection(), (3, 3))
     grid = patient_from_grid(image.GetSpacing(), image.GetOrigin(), direction)
-    place = placement(f"segmentation {path}", grid, layers.shape[:3], volume=volume)
+    place = placement(
+        f"segmentation {path}", grid, layers.shape[:3], volume=volume, resample=resample
+    )
 
     fields = {key: image.GetMetaData(key) for key in image.GetMetaDataKeys()}
     numbers = sorted(
@@ -81,6 +93,7 @@ def read_seg_nrrd(path: Path, volume: Volume, *, progress: Progress) -> Labels:
             empty += 1
     told = [f"{empty} segments are empty"] if empty else []
     told += [f"{outside} voxels of segments lie outside the scan"] if outside else []
+    told += [RESAMPLED] if isinstance(place, Resampling) else []
     return Labels(tuple(made), tuple(told))
 
 

@@ -161,7 +161,7 @@ class Library:
         wanted = await _body(request, WantedScan)
         place = self._finds.chosen(wanted)
         show = self._add if wanted.beside else self._exchange
-        return Job(lambda progress, _: self._bring(place, show, progress))
+        return Job(lambda progress, tell: self._bring(place, show, progress=progress, tell=tell))
 
     def _check_free(self) -> None:
         if self._workbench.fixed:
@@ -190,8 +190,11 @@ class Library:
 
         return Job(work)
 
-    def _bring(self, place: Place, show: Show, progress: Progress) -> None:
-        """Shows a scan, after its files have come from where they are."""
+    def _bring(self, place: Place, show: Show, *, progress: Progress, tell: Tell) -> None:
+        """Shows a scan, after its files have come from where they are.
+
+        Where they hold several volumes, such as times, these are told instead, to choose from.
+        """
         if place.fetch is None:
             show(place, None, progress)
             return
@@ -204,14 +207,16 @@ class Library:
             try:
                 show(replace(place, path=folder), files, progress)
             except SeriesChoiceError:
-                raise OptionError(
-                    "this series holds several volumes, such as times; allowed: palpate import "
-                    "--dicomweb brings it into a folder, whose volumes are listed here"
-                ) from None
+                unless_shown.pop_all()
+                kept = self._uploads.keep(files)
+                self._finds.look(Place(folder, kept), progress, tell)
             unless_shown.pop_all()
 
     def _exchange(self, place: Place, fetched: Files | None, progress: Progress) -> None:
         """Shows a scan in place of the one that is open."""
+        if place.upload is not None:
+            # its files may be those of a scan by now
+            self._uploads.of(place.upload)
         if place.make is None:
             read = opening(place.path, series=place.series, progress=progress)
         else:

@@ -1,5 +1,7 @@
 """Files that are dropped into the page: into a folder of our own, for as long as they are needed.
 
+Files that a server sent wait there too, where one of several volumes is still to be chosen.
+
 What will come is told first and bounded; each file then brings exactly as many bytes as were told.
 Folders are kept, since series lie in them; a name that leads elsewhere is refused.
 """
@@ -100,6 +102,16 @@ class Upload:
         self._missing.discard(number)
 
 
+class Whole(Upload):
+    """Files that are there already, in a folder of their own."""
+
+    def __init__(self, folder: TemporaryDirectory[str]) -> None:
+        """Takes the folder."""
+        self.folder = folder
+        self.files = []
+        self._missing = set()
+
+
 class Uploads:
     """Those that wait to be opened."""
 
@@ -114,7 +126,13 @@ class Uploads:
         Raises:
             OptionError: They are too many, too large, or a name cannot be.
         """
-        upload = Upload(wanted)
+        return self._wait_for(Upload(wanted))
+
+    def keep(self, folder: TemporaryDirectory[str]) -> int:
+        """Takes files that have come another way; returns a number, as for an upload."""
+        return self._wait_for(Whole(folder))
+
+    def _wait_for(self, upload: Upload) -> int:
         number = next(self._numbers)
         self._waiting[number] = upload
         while len(self._waiting) > MOST_UPLOADS:

@@ -91,39 +91,96 @@ def test_one_volume_whose_slices_differ_is_not_parted(write_series: Any) -> None
     assert len(list_series(folder)) == 1
 
 
-def enhanced(data_folder: Path, target: Path) -> None:
-    """Writes the frames of a file twice, as two times of the same places."""
-    dataset = dcmread(data_folder / "pydicom_transfer_syntaxes" / "eCT_Supplemental.dcm")
+FRAMES = Path("pydicom_transfer_syntaxes", "eCT_Supplemental.dcm")
+
+
+def item(**values: Any) -> Dataset:
+    """Returns the only item of a functional group."""
+    made = Dataset()
+    for name, value in values.items():
+        setattr(made, name, value)
+    return made
+
+
+def directed(*direction: float) -> Dataset:
+    """Returns a diffusion with a gradient in such a direction; in none where none is given."""
+    if not direction:
+        return item(DiffusionBValue=0.0)
+    along = Sequence([item(DiffusionGradientOrientation=list(direction))])
+    return item(DiffusionBValue=800.0, DiffusionGradientDirectionSequence=along)
+
+
+def enhanced(source: Path, target: Path, group: str, *items: Dataset) -> None:
+    """Writes the frames of a file again for each of these items of a functional group."""
+    dataset = dcmread(source)
     frames = [*dataset.PerFrameFunctionalGroupsSequence]
     pixels = dataset.pixel_array
     groups = []
-    # the frames of both times take turns
+    # the frames of all of them take turns
     for frame in frames:
-        for time in (1, 2):
+        for each in items:
             copy = deepcopy(frame)
-            content = Dataset()
-            content.TemporalPositionIndex = time
-            copy.FrameContentSequence = Sequence([content])
+            setattr(copy, group, Sequence([each]))
             groups.append(copy)
     dataset.PerFrameFunctionalGroupsSequence = Sequence(groups)
-    dataset.NumberOfFrames = 2 * len(frames)
-    both = np.stack([pixels, pixels[:, ::-1]], axis=1)
-    dataset.PixelData = both.reshape(-1, *pixels.shape[1:]).tobytes()
+    dataset.NumberOfFrames = len(groups)
+    # each is turned up and down against the one before
+    turned = [pixels[:, :: 1 - 2 * (number % 2)] for number in range(len(items))]
+    dataset.PixelData = np.stack(turned, axis=1).reshape(-1, *pixels.shape[1:]).tobytes()
     dataset.save_as(target)
 
 
 @pytest.mark.data
-def test_times_in_one_file_of_many_frames_are_told_apart(data_folder: Path, tmp_path: Path) -> None:
-    path = tmp_path / "times.dcm"
-    enhanced(data_folder, path)
-    expected = palpate.read(data_folder / "pydicom_transfer_syntaxes" / "eCT_Supplemental.dcm")
-    with pytest.raises(SeriesChoiceError, match=r"times\.dcm holds 2 series; choose one"):
+@pytest.mark.parametrize(
+    ("group", "items", "told"),
+    [
+        (
+            "FrameContentSequence",
+            [item(TemporalPositionIndex=number) for number in (1, 2)],
+            ["time 1", "time 2"],
+        ),
+        (
+            "MREchoSequence",
+            [item(EffectiveEchoTime=time) for time in (2.4, 10.8)],
+            ["echo of 2.4 ms", "echo of 10.8 ms"],
+        ),
+        (
+            "MRDiffusionSequence",
+            [item(DiffusionBValue=value) for value in (0.0, 800.0)],
+            ["b = 0 s/mm²", "b = 800 s/mm²"],
+        ),
+        ("MRDiffusionSequence", [directed(), directed(0, 1, 0)], ["b = 0 s/mm²", "b = 800 s/mm²"]),
+        (
+            "MRDiffusionSequence",
+            [directed(0, 0, 1), directed(0, 0.6, 0.8)],
+            ["direction 0 0 1", "direction 0 0.6 0.8"],
+        ),
+        (
+            "MRModifierSequence",
+            [item(InversionTimes=[time]) for time in (150.0, 900.0)],
+            ["inversion time 150 ms", "inversion time 900 ms"],
+        ),
+        (
+            "CardiacSynchronizationSequence",
+            [item(NominalCardiacTriggerDelayTime=time) for time in (0.0, 42.0)],
+            ["0 ms after the trigger", "42 ms after the trigger"],
+        ),
+    ],
+)
+def test_volumes_in_one_file_of_many_frames_are_told_apart(
+    data_folder: Path, tmp_path: Path, group: str, items: list[Dataset], told: list[str]
+) -> None:
+    path = tmp_path / "frames.dcm"
+    enhanced(data_folder / FRAMES, path, group, *items)
+    expected = palpate.read(data_folder / FRAMES)
+    with pytest.raises(SeriesChoiceError, match=r"frames\.dcm holds 2 series; choose one"):
         palpate.read(path)
     first, second = (palpate.read(path, series=number) for number in ("1", "2"))
     np.testing.assert_array_equal(first.array, expected.array)
     np.testing.assert_array_equal(second.array, expected.array[:, ::-1])
     np.testing.assert_array_equal(first.patient_from_grid, expected.patient_from_grid)
-    assert second.name.endswith("time 2")
+    for one, words in zip((first, second), told, strict=True):
+        assert one.name.endswith(words)
     with browsed(path) as choices:
         assert [one.series for one in choices] == ["1", "2"]
         small = [choice.picture() for choice in choices]

@@ -138,6 +138,65 @@ def test_the_command_lists_and_brings(
 
 
 @pytest.mark.data
+def test_the_command_writes_a_series_as_one_file(
+    server: Orthanc, data_folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    expected = palpate.read(data_folder / "dcmqi_seg" / "ct-3slice")
+    out = tmp_path / "ct.nii.gz"
+    wanted = ["import", "--dicomweb", server.dicomweb, "--series", expected.traits.series]
+    assert run([*wanted, "-o", str(out), "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert (told["dimensions"], told["unit"]) == ([512, 512, 3], "HU")
+    assert [each["file"] for each in told["written"]] == [str(out)]
+    np.testing.assert_array_equal(palpate.read(out).array, expected.array)
+    assert list(tmp_path.iterdir()) == [out]
+
+
+def times_on(server: Orthanc, write_series: Any) -> None:
+    """Stores a series of two times."""
+    for time in (1, 2):
+        folder = write_series(
+            "times",
+            uid="1.2.840.77",
+            prefix=f"{time}-",
+            description="heart",
+            scale=(1.0, 1000.0 * time),
+            Modality="PT",
+            PatientID="7",
+            StudyInstanceUID="1.2.840.7",
+            TemporalPositionIdentifier=time,
+        )
+    server.store(folder.iterdir())
+
+
+@pytest.mark.data
+def test_one_of_several_volumes_of_a_series_is_chosen(
+    server: Orthanc, write_series: Any, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    times_on(server, write_series)
+    out = tmp_path / "heart.nrrd"
+    wanted = ["import", "--dicomweb", server.dicomweb, "--series", "1.2.840.77"]
+    assert run([*wanted, "-o", str(out)]) == 2
+    assert (
+        "series 1.2.840.77 holds 2 volumes; choose one with --volume NUMBER: [1] heart, time 1; "
+        "[2] heart, time 2" in capsys.readouterr().err
+    )
+    assert run([*wanted, "-o", str(out), "--volume", "3"]) == 2
+    assert "holds 2 volumes, and none is '3'" in capsys.readouterr().err
+    assert not out.exists()
+    assert run([*wanted, "-o", str(out), "--volume", "2"]) == 0
+    assert palpate.read(out).array.min() == 2000
+    capsys.readouterr()
+    # all of them come into a folder, which is then like any other
+    folder = tmp_path / "heart"
+    assert run([*wanted, "-o", str(folder)]) == 0
+    assert f"palpate import {folder} lists their 2 volumes" in capsys.readouterr().out
+    assert run(["import", str(folder), "--json"]) == 0
+    listed = json.loads(capsys.readouterr().out)
+    assert [one["series"] for one in listed] == ["heart, time 1", "heart, time 2"]
+
+
+@pytest.mark.data
 def test_a_search_in_the_address_narrows_the_list(server: Orthanc) -> None:
     everything = remote_series(WebAddress.of(server.dicomweb))
     uid = everything[0].uid

@@ -88,6 +88,75 @@ def test_a_map_on_another_grid_is_refused(
         palpate.read_labels(tmp_path / "other.nrrd", scan)
 
 
+@pytest.mark.parametrize("kind", ["map.nrrd", "map.seg.nrrd", "folder"])
+def test_a_map_on_another_grid_is_resampled_where_that_is_asked_for(
+    tmp_path: Path, kind: str
+) -> None:
+    # a ball, on a scan's grid and on a finer one that is turned and shifted against it
+    scan = Volume(np.zeros((30, 32, 34), np.int16), spacing=(1.0, 1.1, 1.2), origin=(5.0, 6.0, 7.0))
+    middle, radius = np.array([22.0, 23.0, 24.0]), 9.0
+    turn = np.array([[0.8, -0.6, 0.0], [0.6, 0.8, 0.0], [0.0, 0.0, 1.0]])
+    corner = middle - turn @ (20.0, 20.0, 20.0)
+    z, y, x = np.mgrid[0:40, 0:40, 0:40]
+    ball = ((x - 20.0) ** 2 + (y - 20.0) ** 2 + (z - 20.0) ** 2 <= radius**2).astype(np.uint8)
+    image = SimpleITK.GetImageFromArray(3 * ball)
+    image.SetDirection(turn.ravel().tolist())
+    image.SetOrigin(corner.tolist())
+    path = tmp_path / kind
+    if kind == "folder":
+        path.mkdir()
+        SimpleITK.WriteImage(image, str(path / "ball.nii.gz"))
+    else:
+        if kind == "map.seg.nrrd":
+            for name, value in (("Name", "ball"), ("LabelValue", "3"), ("Layer", "0")):
+                image.SetMetaData(f"Segment0_{name}", value)
+        SimpleITK.WriteImage(image, str(path))
+    with pytest.raises(OptionError, match="asked to be resampled"):
+        palpate.read_labels(path, scan)
+    found = palpate.read_labels(path, scan, resample=True)
+    assert "it lies on another grid" in found.warnings[-1]
+    (label,) = found.labels
+    z, y, x = np.indices(scan.shape)
+    places = np.stack([x, y, z], axis=-1) * scan.spacing + scan.origin
+    away = np.linalg.norm(places - middle, axis=-1)
+    got = label.segment.mask() != 0
+    # half a diagonal of a voxel of the map is what the nearest one may be off
+    assert got[away < radius - 0.9].all()
+    assert not got[away > radius + 0.9].any()
+
+
+def test_what_is_resampled_beyond_the_scan_is_counted(tmp_path: Path) -> None:
+    scan = Volume(np.zeros((4, 4, 4), np.int16), spacing=(1.0, 1.0, 1.0))
+    labels = np.zeros((2, 2, 8), np.uint8)
+    labels[0, 0, :] = 1
+    image = SimpleITK.GetImageFromArray(labels)
+    image.SetSpacing((0.8, 1.7, 1.7))
+    image.SetMetaData("Segment0_Name", "rod")
+    SimpleITK.WriteImage(image, str(tmp_path / "rod.seg.nrrd"))
+    found = palpate.read_labels(tmp_path / "rod.seg.nrrd", scan, resample=True)
+    # centres at 0, 0.8, …, 5.6 mm; the scan ends at 3.5 mm
+    assert found.warnings[0] == "3 voxels of segments lie outside the scan"
+    (label,) = found.labels
+    assert label.segment.mask()[0, 0].tolist() == [1, 1, 1, 1]
+
+
+@pytest.mark.data
+def test_frames_of_another_grid_are_resampled(data_folder: Path) -> None:
+    folder = data_folder / "dcmqi_seg"
+    scan = palpate.read(folder / "ct-3slice")
+    (expected,) = palpate.read_labels(folder / "liver.dcm", scan).labels
+    # every second voxel of the scan's slices: their centres lie on those of the whole scan
+    part = np.ascontiguousarray(scan.array[:, ::2, ::2])
+    x, y, z = scan.spacing
+    coarse = Volume(part, spacing=(2 * x, 2 * y, z), origin=scan.origin, direction=scan.direction)
+    with pytest.raises(OptionError, match="another grid"):
+        palpate.read_labels(folder / "liver.dcm", coarse)
+    found = palpate.read_labels(folder / "liver.dcm", coarse, resample=True)
+    assert "it lies on another grid" in found.warnings[-1]
+    mask = expected.segment.mask()[:, ::2, ::2]
+    np.testing.assert_array_equal(found.labels[0].segment.mask() != 0, mask != 0)
+
+
 def test_a_scan_is_no_label_map(tmp_path: Path) -> None:
     values = np.arange(512, dtype=np.int16).reshape(8, 8, 8)
     scan = Volume(np.zeros((8, 8, 8), np.int16), spacing=SPACING, origin=ORIGIN)

@@ -242,6 +242,40 @@ def test_the_library_needs_the_token(client: LibraryClient) -> None:
 
 
 @pytest.mark.data
+def test_volumes_of_a_servers_series_are_listed_once_they_are_here(
+    client: LibraryClient, write_series: Any
+) -> None:
+    for time in (1, 2):
+        folder = write_series(
+            "times",
+            prefix=f"{time}-",
+            uid="1.2.840.77",
+            scale=(1.0, 1000.0 * time),
+            PatientID="7",
+            StudyInstanceUID="1.2.840.7",
+            TemporalPositionIdentifier=time,
+        )
+    with orthanc() as server:
+        server.store(folder.iterdir())
+        found = client.job("find", {"path": server.dicomweb})[0]
+        assert len(found["scans"]) == 1
+        told, *pictures, last = client.job("open", {"find": found["find"], "choice": 0})
+    assert last == {"kind": "done"}
+    assert client.about()["scan"] is None
+    assert [one["name"] for one in told["scans"]] == ["abdomen, time 1", "abdomen, time 2"]
+    assert {each["choice"] for each in pictures} == {0, 1}
+    # the server is gone by now: the files are here
+    assert client.job("open", {"find": told["find"], "choice": 1}) == [{"kind": "done"}]
+    assert client.about()["scan"] == "abdomen, time 2"
+    voxels = np.frombuffer(client.ask("GET", "volume").content, "<i2")
+    np.testing.assert_array_equal(voxels, palpate.read(folder, series="2").array.ravel())
+    # they belong to that scan now, and go with it
+    (failed,) = client.job("open", {"find": told["find"], "choice": 0})
+    assert "is gone; allowed: give the files again" in failed["reason"]
+    assert client.about()["scan"] == "abdomen, time 2"
+
+
+@pytest.mark.data
 def test_a_series_of_a_server_is_listed_and_opened(
     client: LibraryClient, data_folder: Path
 ) -> None:

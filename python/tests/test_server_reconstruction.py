@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 import SimpleITK
+from palpate.reconstruction import reconstruct
+from palpate.scanner import Scanner
 from projected_phantom import SIZE, VOXEL, flat, projected, scanner_of, truth
 
 from .conftest import LibraryClient
@@ -17,6 +19,13 @@ from .conftest import LibraryClient
 needs_rtk = pytest.mark.skipif(
     find_spec("itk") is None, reason="RTK is not installed: pip install 'palpate[reconstruct]'"
 )
+
+
+@pytest.fixture(scope="module")
+def rtk() -> None:
+    """RTK's modules, loaded: that takes as long as the disk needs, and requests have limits."""
+    scanner = Scanner(beam="parallel", angles=range(0, 360, 45), pixel=(1.0, 1.0))
+    reconstruct(np.zeros((8, 2, 4)), scanner)
 
 
 @pytest.fixture
@@ -35,6 +44,7 @@ def asked(found: dict[str, Any], **changes: Any) -> dict[str, Any]:
 
 
 @needs_rtk
+@pytest.mark.usefixtures("rtk")
 def test_projections_are_recognised_asked_about_and_opened_as_a_scan(
     client: LibraryClient, projections: Path
 ) -> None:
@@ -74,6 +84,7 @@ def test_projections_are_recognised_asked_about_and_opened_as_a_scan(
 
 
 @needs_rtk
+@pytest.mark.usefixtures("rtk")
 def test_what_was_dropped_goes_when_its_scan_is_made(
     client: LibraryClient, projections: Path
 ) -> None:

@@ -20,3 +20,4 @@ pub mod particles;
 pub mod potential;
 pub mod pressed_block;
 mod rest_matter;
+mod seen;

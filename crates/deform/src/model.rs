@@ -218,6 +218,8 @@ pub struct Effort {
     pub evaluations: u64,
     /// Voxels that were looked at for whether they follow.
     pub looked_at: u64,
+    /// Of these, voxels that were worked out anew; a model that does so with all leaves it zero.
+    pub followed: u64,
 }
 
 /// What a model answers.

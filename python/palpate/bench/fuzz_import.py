@@ -30,7 +30,7 @@ from numpy.typing import NDArray
 from palpate.errors import OptionError, PalpateError
 from palpate.io import read
 from palpate.io_browse import browsed, previews
-from palpate.io_dicom import is_dicom
+from palpate.io_dicom_series import is_dicom
 from palpate.io_file import FORMATS
 from palpate.labels import read_labels
 from palpate.mesh_io import read_mesh

@@ -15,10 +15,18 @@ export const usualModel = "lattice";
 
 const modelNames: Readonly<Record<string, string>> = {
   lattice: "Lattice",
-  "fcc-lj": "Particles, FCC (thesis 5.8)",
-  "cuboid-lj": "Particles, cuboid (thesis 5.18)",
-  "global-lj": "Particles, whole segment (thesis 5.26)",
+  "fcc-lj": "Particles, FCC",
+  "cuboid-lj": "Particles, cuboid",
+  "global-lj": "Particles, whole segment",
 };
+
+/** Models of the thesis' particles: they have no bonds that could break. */
+const ofParticles: ReadonlySet<string> = new Set(["fcc-lj", "cuboid-lj", "global-lj"]);
+
+/** Whether a model is made of particles, and not of bonded nodes. */
+export function isOfParticles(model: string): boolean {
+  return ofParticles.has(model);
+}
 
 /** The name of a model, as a person reads it. */
 export function modelName(model: string): string {

@@ -29,10 +29,10 @@ export class Anaglyph {
     }
   }
 
-  /** @param corner lower left of the pane on the screen [device pixels]. */
-  draw(renderer: THREE.WebGLRenderer, corner: readonly [number, number]): void {
+  /** @param corner lower left of the pane on the screen, or in what it is drawn into instead [device pixels]. */
+  draw(renderer: THREE.WebGLRenderer, corner: readonly [number, number], into: THREE.WebGLRenderTarget | null = null): void {
     this.uniforms.corner.value.set(...corner);
-    this.pass.draw(renderer, null);
+    this.pass.draw(renderer, into);
   }
 
   dispose(): void {

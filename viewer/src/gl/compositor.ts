@@ -41,6 +41,10 @@ export class Compositor {
     this.uniforms.bend.value = on ? 1 : 0;
   }
 
+  async prepare(renderer: THREE.WebGLRenderer): Promise<void> {
+    await this.pass.prepare(renderer);
+  }
+
   draw(renderer: THREE.WebGLRenderer, source: PictureTarget, { corner, into, transparent = false }: Composition): void {
     const u = this.uniforms;
     const { target, width, height } = source;

@@ -4,6 +4,9 @@
 import * as THREE from "three";
 import { shaders } from "./shaders";
 
+/** Between two looks whether a shader is compiled. */
+const pollMilliseconds = 10;
+
 export type Uniforms = Record<string, THREE.IUniform>;
 
 export class FullscreenPass {
@@ -25,6 +28,19 @@ export class FullscreenPass {
     triangle.setAttribute("position", new THREE.Float32BufferAttribute([-1, -1, 0, 3, -1, 0, -1, 3, 0], 3));
     this.mesh = new THREE.Mesh(triangle, this.material);
     this.mesh.frustumCulled = false;
+  }
+
+  /** Has the GPU compile the shader, and waits for that without holding the page up (KHR_parallel_shader_compile). */
+  async prepare(renderer: THREE.WebGLRenderer): Promise<void> {
+    renderer.compile(this.mesh, this.camera);
+    const isReady = (): boolean => {
+      // disposed meanwhile, it has none
+      const { currentProgram } = renderer.properties.get(this.material) as { currentProgram?: { isReady: () => boolean } };
+      return currentProgram?.isReady() ?? true;
+    };
+    while (!isReady()) {
+      await new Promise((resolve) => setTimeout(resolve, pollMilliseconds));
+    }
   }
 
   /** Draws into the target, of a 3-D one into a layer, or onto the screen. */

@@ -15,6 +15,7 @@ import type { ScanVolume } from "../core/scan_volume";
 import { drawnFromVoxels, type InsideModes } from "../core/shown_segments";
 import { eyeCamera, eyesOf, viewportOf, type Stereo } from "../core/stereo";
 import type { SurfaceChange } from "../core/surface_patches";
+import type { Vec3 } from "../core/vector";
 import type { Box, LabelVolume } from "../core/voxel_change";
 import { Compositor } from "./compositor";
 import { FieldTexture, fieldFormatFor, type FieldFormat } from "./field_texture";
@@ -56,6 +57,8 @@ export class Picture {
   suspended = false;
   private field: FieldTexture | null = null;
   private ready = false;
+  /** The GPU has the programs for a first picture, or cannot have them before it. */
+  private prepared = false;
   private gives = false;
   private view: { readonly camera: Camera; readonly extent: Extent } | null = null;
   /** The whole canvas [CSS pixels]. */
@@ -90,6 +93,18 @@ export class Picture {
       this.aimEye(eye);
     });
     this.pane = new ViewPane(this.renderer, this.compositor, (eye) => this.refiner.pictureOf(eye));
+    const programs = [this.refiner.prepare(this.format), this.compositor.prepare(this.renderer)];
+    void Promise.allSettled(programs).then(() => {
+      this.prepared = true;
+    });
+  }
+
+  get isPrepared(): boolean {
+    return this.prepared;
+  }
+
+  private get format(): FieldFormat {
+    return this.options.format ?? fieldFormatFor(this.options.support);
   }
 
   /** Share of the scan that is on the GPU. */
@@ -117,7 +132,7 @@ export class Picture {
 
   setScan(volume: ScanVolume, bricks: BrickRanges): void {
     this.field?.dispose();
-    this.field = new FieldTexture(volume, this.options.format ?? fieldFormatFor(this.options.support));
+    this.field = new FieldTexture(volume, this.format);
     this.ready = false;
     this.refiner.drawnPieces = 0;
     this.marcher.setField(this.field, bricks);
@@ -213,6 +228,11 @@ export class Picture {
     this.refiner.restart();
   }
 
+  /** Points of each mark that is shown, in their order; scene [mm]. */
+  setMarks(lines: readonly (readonly Vec3[])[]): void {
+    this.pane.setMarks(lines);
+  }
+
   setMarkers(state: MarkerState): void {
     this.pane.setMarkers(state);
   }
@@ -257,7 +277,7 @@ export class Picture {
       this.ready = this.field.uploadSlab(this.renderer);
       return;
     }
-    if (!this.ready || this.view === null || this.suspended || this.snapping) {
+    if (!this.ready || !this.prepared || this.view === null || this.suspended || this.snapping) {
       return;
     }
     if (this.marcher.second.isAwaited) {
@@ -283,7 +303,7 @@ export class Picture {
   }
 
   /**
-   * Draws a view of the scan and its surfaces into a canvas; the screen stays as it is meanwhile.
+   * Draws a view of the scan and its surfaces into a canvas, for one eye or for two; the screen stays as it is meanwhile.
    *
    * @throws where there is no picture yet, a snapshot is drawn already or the wish is aborted.
    */
@@ -292,10 +312,15 @@ export class Picture {
       throw new Error("the picture is not ready");
     }
     const { software, halfFloatTarget: halfFloat } = this.options.support;
-    const snapshot = new Snapshot(this.renderer, this.marcher, this.surfaces, this.compositor, { software, halfFloat });
+    const { camera, size, stereo } = wish;
+    const { extent } = this.view;
+    const eyes = eyesOf(stereo, size);
+    const seen = viewportOf(stereo, size);
+    const snapshot = new Snapshot(this.renderer, this.marcher, this.surfaces, this.compositor, { software, halfFloat }, (eye) => {
+      this.aim(eyeCamera(camera, eyes[eye]?.aside ?? 0), extent, seen.width / seen.height, eye);
+    });
     this.snapping = true;
     try {
-      this.aim(wish.camera, this.view.extent, wish.size.width / wish.size.height);
       await snapshot.draw(context, { ...wish, signal: AbortSignal.any([wish.signal, this.closing.signal]) });
     } finally {
       snapshot.dispose();

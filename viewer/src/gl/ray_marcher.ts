@@ -19,7 +19,7 @@ import { dot, multiply, scale, type Vec3 } from "../core/vector";
 import type { Box } from "../core/voxel_change";
 import { DisplacedTexture } from "./displaced_texture";
 import { EmptySpace } from "./empty_space";
-import type { FieldTexture } from "./field_texture";
+import type { FieldFormat, FieldTexture } from "./field_texture";
 import { FullscreenPass } from "./fullscreen_pass";
 import { keyLight } from "./key_light";
 import { transferTextures } from "./lookup_textures";
@@ -42,6 +42,8 @@ export interface Labels {
   readonly texture: THREE.Data3DTexture;
   readonly bricks: Uint8Array;
 }
+
+const formatDefines: Readonly<Record<FieldFormat, string>> = { rg8: "FIELD_RG8", r16: "FIELD_R16", r32f: "FIELD_R32F" };
 
 /** Shift within the pixel [texels], and the number of the noise pattern. */
 export type Shift = readonly [number, number, number];
@@ -78,6 +80,28 @@ export class RayMarcher {
     this.pass = new FullscreenPass(shaders.march, { ...this.uniforms, ...this.light.uniforms, ...this.second.uniforms });
   }
 
+  /**
+   * Has the GPU ready, before there is a scan, the program that most looks need: to make it takes longer than
+   * the scan is on its way. Draws a pixel of nothing, since some of the work is done with the first drawing.
+   *
+   * @param target of the kind that pictures are drawn into.
+   */
+  async prepare(renderer: THREE.WebGLRenderer, target: PictureTarget, format: FieldFormat): Promise<void> {
+    this.format = formatDefines[format];
+    const { material } = this.pass;
+    material.defines = this.variant;
+    await this.pass.prepare(renderer);
+    if (this.frame === null) {
+      const u = this.uniforms;
+      // a scan behind the eye, which no ray comes to
+      u.dimensions.value.setScalar(1);
+      u.spacing.value.setScalar(1);
+      u.eye.value.set(0, 0, 2);
+      u.forward.value.set(0, 0, 1);
+      this.pass.draw(renderer, target.target);
+    }
+  }
+
   /** Shows another scan. */
   setField(field: FieldTexture, bricks: BrickRanges): void {
     const { frame, dimensions, step } = field.volume;
@@ -98,7 +122,7 @@ export class RayMarcher {
     u.textureOffset.value.set(...scale(inverted(dimensions), first));
     u.brickScale.value.setScalar(1 / (step * brickEdge));
     u.brickOffset.value.setScalar(first / brickEdge);
-    this.format = { rg8: "FIELD_RG8", r16: "FIELD_R16", r32f: "FIELD_R32F" }[field.format];
+    this.format = formatDefines[field.format];
     this.second.format = field.format;
     this.second.stand(frame);
     this.setClip(this.clip);
@@ -282,7 +306,9 @@ export class RayMarcher {
 
   /** The same for surfaces of triangles, which are lit as what this one draws. */
   get surfaceDefines(): Readonly<Record<string, string>> {
-    return { ...this.fieldDefines, ...(this.light.isUsed ? { LIGHT_VOLUME: "" } : {}) };
+    // as most looks have it, as long as there is none
+    const lit = this.frame === null || this.light.isUsed;
+    return { ...this.fieldDefines, ...(lit ? { LIGHT_VOLUME: "" } : {}) };
   }
 
   /** Draws rows of a level of the picture. */
@@ -323,11 +349,18 @@ export class RayMarcher {
   /** Chooses the shader's variant. */
   private compile(): void {
     const { material } = this.pass;
-    const surfaces = this.layers < 0 ? { LAYERS: "0" } : { SURFACES: "", LAYERS: String(this.layers) };
-    const blend = { BLEND: String(blends.indexOf(this.mode)) };
-    material.defines = { ...this.textureDefines, ...surfaces, ...blend };
+    material.defines = this.variant;
     material.needsUpdate = true;
-    this.light.compile({ ...this.fieldDefines, ...blend });
+    this.light.compile({ ...this.fieldDefines, ...this.blendDefine });
+  }
+
+  private get variant(): Record<string, string> {
+    const surfaces = this.layers < 0 ? { LAYERS: "0" } : { SURFACES: "", LAYERS: String(this.layers) };
+    return { ...this.textureDefines, ...surfaces, ...this.blendDefine };
+  }
+
+  private get blendDefine(): Readonly<Record<string, string>> {
+    return { BLEND: String(blends.indexOf(this.mode)) };
   }
 
   private setTransferFunction(transferFunction: TransferFunction, rescale: Rescale): void {

@@ -8,6 +8,7 @@
 import type * as THREE from "three";
 import { halton } from "../core/halton";
 import { levelsAfter, Pace } from "../core/pace";
+import type { FieldFormat } from "./field_texture";
 import type { GpuClock } from "./gpu_clock";
 import { PictureTarget } from "./picture_target";
 import type { RayMarcher, Shift } from "./ray_marcher";
@@ -108,6 +109,13 @@ export class Refiner {
   restart(): void {
     this.stale = true;
     this.levels = [];
+  }
+
+  /** Has the GPU ready what the first picture will be drawn with. */
+  async prepare(format: FieldFormat): Promise<void> {
+    const pixel = new PictureTarget(this.options.halfFloat);
+    await this.marcher.prepare(this.renderer, pixel, format);
+    pixel.dispose();
   }
 
   /** Draws the next piece; true where what is on display has changed. */

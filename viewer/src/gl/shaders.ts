@@ -18,6 +18,8 @@ import iso from "./shaders/iso.glsl?raw";
 import light from "./shaders/light.glsl?raw";
 import lightVolume from "./shaders/light_volume.glsl?raw";
 import marchFrag from "./shaders/march.frag?raw";
+import markFrag from "./shaders/mark.frag?raw";
+import markVert from "./shaders/mark.vert?raw";
 import markerFrag from "./shaders/marker.frag?raw";
 import markerVert from "./shaders/marker.vert?raw";
 import openness from "./shaders/openness.glsl?raw";
@@ -74,6 +76,7 @@ export const shaders = {
   anaglyph: joined(anaglyphFrag),
   slice: joined(displaced, field, segments, second, secondGrey, secondSlice, sliceFrag),
   gauge: { vertex: joined(gaugeVert), fragment: joined(gaugeFrag) },
+  mark: { vertex: joined(markVert), fragment: joined(markFrag) },
   marker: { vertex: joined(markerVert), fragment: joined(markerFrag) },
   surface: { vertex: joined(displaced, surfaceVert), fragment: joined(displaced, field, clip, ownSegment, light, lightVolume, openness, surfaceFrag) },
   parts: { vertex: joined(partsVert), fragment: joined(partsFrag) },

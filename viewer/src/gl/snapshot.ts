@@ -1,11 +1,15 @@
 /**
  * Draws a view as a picture of any size, tile by tile, so that neither the GPU's textures nor the time
- * of a frame limits it. Nothing in it is random: the same view is the same picture on every machine.
+ * of a frame limits it, for one eye or for two. Nothing in it is random: the same view is the same picture on every
+ * machine.
  */
 import * as THREE from "three";
 import type { Camera, Viewport } from "../core/camera";
 import { halton } from "../core/halton";
 import { tilesOf, type Tile } from "../core/image_size";
+import type { Rect } from "../core/picture_layout";
+import { eyesOf, type Stereo } from "../core/stereo";
+import { Anaglyph } from "./anaglyph";
 import type { Compositor } from "./compositor";
 import { PictureTarget } from "./picture_target";
 import type { RayMarcher, Shift } from "./ray_marcher";
@@ -13,7 +17,10 @@ import { mostLayers } from "./surface_layers";
 import type { Surfaces } from "./surfaces";
 
 export interface SnapshotWish {
+  /** As seen from between the eyes. */
   readonly camera: Camera;
+  /** Whether it is a picture for each eye, and where they go. */
+  readonly stereo: Stereo;
   /** Of the whole picture [pixels]. */
   readonly size: Viewport;
   /** Without the page's background. */
@@ -21,6 +28,14 @@ export interface SnapshotWish {
   readonly signal: AbortSignal;
   /** Told the share that is done, 0..1. */
   readonly progress?: (share: number) => void;
+}
+
+/** A tile of what one eye sees, or two whose pictures are mixed. */
+interface Part {
+  readonly tile: Tile;
+  readonly eyes: readonly number[];
+  /** Where their whole picture goes [pixels from the upper left]. */
+  readonly rect: Rect;
 }
 
 /** Edge of a tile [pixels], pictures within a pixel that are averaged, steps per voxel edge. */
@@ -35,14 +50,17 @@ const lightLayers = 8;
 export class Snapshot {
   private readonly drawn: PictureTarget;
   private readonly shown = new THREE.WebGLRenderTarget(1, 1, { generateMipmaps: false });
+  private readonly anaglyph = new Anaglyph();
   private readonly quality;
 
+  /** @param aim turns ray caster and surfaces to what an eye sees. */
   constructor(
     private readonly renderer: THREE.WebGLRenderer,
     private readonly marcher: RayMarcher,
     private readonly surfaces: Surfaces,
     private readonly compositor: Compositor,
     { software, halfFloat }: { readonly software: boolean; readonly halfFloat: boolean },
+    private readonly aim: (eye: number) => void,
   ) {
     this.drawn = new PictureTarget(halfFloat);
     // without half floats an average would be one of rounded bytes
@@ -55,18 +73,20 @@ export class Snapshot {
    * @throws the signal's reason where it is aborted.
    */
   async draw(context: CanvasRenderingContext2D, wish: SnapshotWish): Promise<void> {
-    const { signal, size, progress } = wish;
-    const tiles = tilesOf(size, this.quality.tile);
+    const { signal, progress } = wish;
+    const parts = partsOf(wish, this.quality.tile);
+    this.aim(0);
     while (this.marcher.light.pending) {
       signal.throwIfAborted();
       this.marcher.light.advance(this.renderer, lightLayers);
       await new Promise((resolve) => setTimeout(resolve));
     }
-    for (const [i, tile] of tiles.entries()) {
+    for (const [i, part] of parts.entries()) {
       signal.throwIfAborted();
-      this.drawTile(tile, wish);
-      context.putImageData(this.read(tile), tile.x, size.height - tile.y - tile.height);
-      progress?.((i + 1) / tiles.length);
+      this.drawPart(part, wish);
+      const { tile, rect } = part;
+      context.putImageData(this.read(tile), rect.x + tile.x, rect.y + rect.height - tile.y - tile.height);
+      progress?.((i + 1) / parts.length);
       // the page stays fluent
       await new Promise((resolve) => setTimeout(resolve));
     }
@@ -76,16 +96,34 @@ export class Snapshot {
   dispose(): void {
     this.drawn.dispose();
     this.shown.dispose();
+    this.anaglyph.dispose();
   }
 
-  private drawTile(tile: Tile, { size, transparent }: SnapshotWish): void {
+  private drawPart({ tile, eyes, rect }: Part, { transparent }: SnapshotWish): void {
+    const { anaglyph, drawn, renderer, shown } = this;
+    const { width, height } = tile;
+    if (drawn.target.width !== width || drawn.target.height !== height) {
+      drawn.resize(width, height);
+      shown.setSize(width, height);
+    }
+    drawn.tile = { width: rect.width, height: rect.height, x: tile.x, y: tile.y };
+    if (eyes.length > 1) {
+      anaglyph.resize(width, height);
+    }
+    for (const eye of eyes) {
+      this.aim(eye);
+      this.drawTile(tile);
+      const into = eyes.length > 1 ? anaglyph.eyes[eye === 0 ? 0 : 1] : shown;
+      this.compositor.draw(renderer, drawn, { into, corner: [0, 0], transparent });
+    }
+    if (eyes.length > 1) {
+      anaglyph.draw(renderer, [0, 0], shown);
+    }
+  }
+
+  private drawTile(tile: Tile): void {
     const { averaged, stepsPerVoxel } = this.quality;
     const { drawn, marcher, renderer, surfaces } = this;
-    if (drawn.target.width !== tile.width || drawn.target.height !== tile.height) {
-      drawn.resize(tile.width, tile.height);
-      this.shown.setSize(tile.width, tile.height);
-    }
-    drawn.tile = { ...size, x: tile.x, y: tile.y };
     drawn.useLevel(1);
     drawn.useRows(0, tile.height);
     for (let count = 1; count <= averaged; ++count) {
@@ -95,7 +133,6 @@ export class Snapshot {
       marcher.draw(renderer, drawn, { stepsPerVoxel, jitter: false }, shift);
     }
     marcher.blend = null;
-    this.compositor.draw(renderer, drawn, { into: this.shown, corner: [0, 0], transparent });
   }
 
   /** The tile as a canvas takes it: rows from the top, colours not multiplied by opacity. */
@@ -108,4 +145,11 @@ export class Snapshot {
     }
     return image;
   }
+}
+
+/** Pictures that are mixed are drawn tile by tile, the others one after the other. */
+function partsOf({ size, stereo }: SnapshotWish, edge: number): readonly Part[] {
+  const eyes = eyesOf(stereo, size).map(({ rect }, eye) => ({ rect, eyes: [eye] }));
+  const pictures = stereo.mode === "anaglyph" ? eyes.slice(0, 1).map(({ rect }) => ({ rect, eyes: [0, 1] })) : eyes;
+  return pictures.flatMap((picture) => tilesOf(picture.rect, edge).map((tile) => ({ ...picture, tile })));
 }

@@ -1,12 +1,14 @@
 /**
- * The pane of the 3-D view on the screen: what each eye sees of the scan, and over it the markers.
+ * The pane of the 3-D view on the screen: what each eye sees of the scan, and over it marks and the markers of touch.
  */
 import * as THREE from "three";
 import { project, type Camera } from "../core/camera";
 import type { Rect } from "../core/picture_layout";
-import { eyesOf, firstStereo, type Stereo } from "../core/stereo";
+import { eyesOf, firstStereo, viewportOf, type Stereo } from "../core/stereo";
+import type { Vec3 } from "../core/vector";
 import { Anaglyph } from "./anaglyph";
 import type { Composition, Compositor } from "./compositor";
+import { MarkStrokes } from "./mark_strokes";
 import { markerMargin, Markers, type MarkerState } from "./markers";
 import type { PictureTarget } from "./picture_target";
 import { ThreeCamera } from "./three_camera";
@@ -22,10 +24,13 @@ export class ViewPane {
   stale = true;
   private readonly cameras = [new ThreeCamera(), new ThreeCamera()] as const;
   private readonly anaglyph = new Anaglyph();
+  private readonly marks = new MarkStrokes();
   private readonly markers = new Markers();
   private markersShown = false;
   /** Where markers were drawn last [CSS pixels from the upper left of the pane]. */
   private marked: THREE.Box2 | null = null;
+  /** Marks stand elsewhere than they were drawn. */
+  private marksStale = false;
 
   constructor(
     private readonly renderer: THREE.WebGLRenderer,
@@ -43,6 +48,13 @@ export class ViewPane {
     this.anaglyph.forget();
   }
 
+  /** Points of each mark, in their order; scene [mm]. */
+  setMarks(lines: readonly (readonly Vec3[])[]): void {
+    this.marks.show(lines);
+    this.marksStale = true;
+    this.stale = true;
+  }
+
   setMarkers(state: MarkerState): void {
     this.stale = this.markers.update(state) || this.stale;
     this.markersShown = true;
@@ -57,11 +69,12 @@ export class ViewPane {
   drawMarkers(keepsScreen: boolean): void {
     const before = this.marked;
     const now = this.markedBox();
-    this.drawPart(keepsScreen && before !== null && now !== null ? now.clone().union(before) : null);
+    this.drawPart(keepsScreen && !this.marksStale && before !== null && now !== null ? now.clone().union(before) : null);
   }
 
   dispose(): void {
     this.anaglyph.dispose();
+    this.marks.dispose();
     this.markers.dispose();
   }
 
@@ -79,12 +92,15 @@ export class ViewPane {
     renderer.setScissorTest(false);
     this.marked = this.markedBox();
     this.stale = false;
+    this.marksStale = false;
   }
 
   private drawEye(eye: number, where: Composition): void {
+    const { camera } = this.cameraOf(eye);
     this.compositor.draw(this.renderer, this.pictureOf(eye), where);
+    this.marks.draw(this.renderer, camera, viewportOf(this.stereo, this.rect).height);
     if (this.markersShown) {
-      this.renderer.render(this.markers.scene, this.cameraOf(eye).camera);
+      this.renderer.render(this.markers.scene, camera);
     }
   }
 

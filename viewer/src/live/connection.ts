@@ -2,6 +2,7 @@
  * The page's end of the connection to the engine; opens it again by itself when it is lost.
  */
 import type { FromPage, ToPage } from "../core/protocol";
+import { takeWorker } from "./early_workers";
 import type { FromConnection, ToConnection } from "./connection_messages";
 
 export type ConnectionState =
@@ -27,7 +28,7 @@ const firstRetry = 400;
 const slowestRetry = 4000;
 
 export class Connection {
-  private readonly worker = new Worker(new URL("./connection.worker.ts", import.meta.url), { type: "module" });
+  private readonly worker = takeWorker("connection");
   private retry = firstRetry;
 
   constructor(

@@ -5,6 +5,7 @@ import type { BrickRanges } from "../core/bricks";
 import { storedDimensions, type ScanFrame, type ScanVolume } from "../core/scan_volume";
 import type { LabelVolume } from "../core/voxel_change";
 import { apiAddress } from "./connection";
+import { takeWorker } from "./early_workers";
 import type { VolumeAnswer, VolumeRequest } from "./volume_messages";
 
 export interface DownloadedScan {
@@ -42,7 +43,7 @@ export async function downloadLabels({ frame, step }: ScanVolume, token: string)
 
 /** Asks a worker of its own; fails where it fails. */
 function ask(request: VolumeRequest, progress: (share: number) => void): Promise<VolumeAnswer> {
-  const worker = new Worker(new URL("./volume.worker.ts", import.meta.url), { type: "module" });
+  const worker = takeWorker("volume");
   const answer = new Promise<VolumeAnswer>((resolve, reject) => {
     worker.onmessage = (event: MessageEvent<VolumeAnswer>) => {
       const message = event.data;

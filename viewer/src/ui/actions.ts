@@ -69,20 +69,20 @@ export function actionsOf(doors: Doors): readonly Action[] {
 function look({ stage }: Doors): readonly Action[] {
   const group = "Look";
   return [
-    { group, name: "Show all", keys: ["F"], run: () => { stage.frameAll(); } },
+    { group, name: "Show all", keys: ["F"], run: () => { stage.view.frameAll(); } },
     { group, name: "Bring the probe to the middle", keys: ["C"], run: () => { stage.centreOnProbe(); } },
-    { group, name: "Back to the first view", keys: ["R"], run: () => { stage.resetView(); } },
+    { group, name: "Back to the first view", keys: ["R"], run: () => { stage.view.reset(); } },
     ...views.map(([letter, name], i) => ({
       group,
       name: `Look from ${name}`,
       keys: [String(i + 1)],
-      run: () => { stage.lookFrom(letter); },
+      run: () => { stage.view.lookFrom(letter); },
     }) as const),
     {
       group,
       name: "Orthographic, or in perspective",
       keys: ["O"],
-      run: () => { stage.orthographic = !stage.orthographic; },
+      run: () => { stage.view.orthographic = !stage.view.orthographic; },
     },
     { group, name: "Stereo: red–cyan, side by side, top–bottom, off", keys: ["Shift+S"], run: () => { stage.stereo.next(); } },
     ...stereoModes.map((mode) => ({
@@ -127,8 +127,8 @@ function touch({ session, stage, hand, page }: Doors): readonly Action[] {
     }
   };
   const turn = (direction: number) => (): void => {
-    if (stage.camera !== null) {
-      stage.objects.turn(stage.camera.back, direction * turnStep);
+    if (stage.view.camera !== null) {
+      stage.objects.turn(stage.view.camera.back, direction * turnStep);
     }
   };
   const holds = (): boolean => stage.objects.holds;
@@ -139,8 +139,8 @@ function touch({ session, stage, hand, page }: Doors): readonly Action[] {
     { group, name: "A smaller probe", keys: ["-"], ready, run: change(({ probe_radius }) => ({ probe_radius: larger(probe_radius, -1) })) },
     { group, name: "A larger probe", keys: ["+", "="], ready, run: change(({ probe_radius }) => ({ probe_radius: larger(probe_radius, 1) })) },
     { group, name: "Smooth surface, or the voxels' stairs", keys: ["V"], ready, run: change(({ smoothing }) => ({ smoothing: smoothing === "off" ? "intensities" : "off" })) },
-    { group, name: "Show or hide the contact normal", keys: ["N"], run: () => { stage.mark({ normal: !stage.shown.normal }); } },
-    { group, name: "Show or hide the path of the probe", keys: ["P"], run: () => { stage.mark({ path: !stage.shown.path }); } },
+    { group, name: "Show or hide the contact normal", keys: ["N"], run: () => { stage.touch.change({ normal: !stage.touch.shown.normal }); } },
+    { group, name: "Show or hide the path of the probe", keys: ["P"], run: () => { stage.touch.change({ path: !stage.touch.shown.path }); } },
     { group, name: "Held: the hand moves without the probe (clutch)", keys: ["K"], run: () => { hand.clutch(true); }, end: () => { hand.clutch(false); } },
     {
       group,

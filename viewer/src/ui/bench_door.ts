@@ -44,21 +44,22 @@ export interface BenchDoor {
 export function benchDoor(stage: Stage): BenchDoor {
   return {
     get wholePicture() {
-      return stage.wholePicture;
+      return stage.loader.wholePicture;
     },
     get pieces() {
       return stage.drawn?.pieces ?? 0;
     },
     turn: (angle) => {
-      stage.camera = stage.camera && orbit(stage.camera, angle, 0);
+      stage.view.camera = stage.view.camera && orbit(stage.view.camera, angle, 0);
     },
     draw: (wish) => stage.drawn?.drawTimed(wish) ?? null,
     scene: () => sceneOf(stage),
   };
 }
 
-function sceneOf({ camera, held, look }: Stage): BenchScene | null {
-  if (camera === null || held === null || look === null || held.step !== 1) {
+function sceneOf({ view: { camera }, loader, look }: Stage): BenchScene | null {
+  const held = loader.held?.volume;
+  if (camera === null || held === undefined || look === null || held.step !== 1) {
     return null;
   }
   const { frame, values } = held;

@@ -113,9 +113,9 @@ export class GamepadInput {
     if (right !== 0 || down !== 0 || away !== 0) {
       this.hand.move(right * seconds, down * seconds, away * seconds);
     }
-    const { camera } = this.stage;
+    const { camera } = this.stage.view;
     if (camera !== null && (turn[0] !== 0 || turn[1] !== 0)) {
-      this.stage.camera = orbit(camera, turn[0] * seconds, turn[1] * seconds);
+      this.stage.view.camera = orbit(camera, turn[0] * seconds, turn[1] * seconds);
     }
   }
 
@@ -143,7 +143,7 @@ export class GamepadInput {
     } else if (index === button.east) {
       this.stage.centreOnProbe();
     } else if (index === button.west) {
-      this.stage.resetView();
+      this.stage.view.reset();
     }
   }
 

@@ -33,7 +33,7 @@ export class HandControl {
 
   /** Moves the hand by pixels to the right, downward, and away from the viewer. */
   move(right: number, down: number, away: number): void {
-    const { camera, viewport } = this.stage;
+    const { camera, viewport } = this.stage.view;
     if (camera !== null) {
       this.lead((from, probe) => {
         const sideways = moveInView(from, probe, right, down, camera, viewport);

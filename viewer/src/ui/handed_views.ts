@@ -1,11 +1,13 @@
 /**
- * Hands slices, clip planes and the second scan to the picture as they change, and knows whether it has them.
+ * Hands slices, clip planes, marks and the second scan to the picture as they change, and knows whether it has them.
  */
 import type { Plane } from "../core/clip";
+import type { Vec3 } from "../core/vector";
 import type { Picture } from "../gl/picture";
 import type { ShownSecond } from "../gl/second_texture";
 import type { ShownSlice, SliceLook } from "../gl/slices";
 import type { ClipControl } from "./clip_control.svelte";
+import type { MarkControl } from "./mark_control.svelte";
 import type { SecondControl } from "./second_control.svelte";
 import type { SliceControl } from "./slice_control.svelte";
 
@@ -15,11 +17,13 @@ const slicePause = 60;
 interface Views {
   readonly slices: SliceControl;
   readonly clips: ClipControl;
+  readonly marks: MarkControl;
   readonly second: SecondControl;
 }
 
 export class HandedViews {
   private clip: readonly Plane[] | null = null;
+  private marks: readonly (readonly Vec3[])[] | null = null;
   private slices: readonly ShownSlice[] | null = null;
   private sliceLook: SliceLook | null = null;
   private second: ShownSecond | null = null;
@@ -34,6 +38,7 @@ export class HandedViews {
   /** A new picture has nothing yet. */
   forget(): void {
     this.clip = null;
+    this.marks = null;
     this.slices = null;
     this.sliceLook = null;
     this.second = null;
@@ -41,18 +46,22 @@ export class HandedViews {
 
   /** Whether the picture has all that is to be seen. */
   get isWhole(): boolean {
-    const { clips, second, slices } = this.views;
+    const { clips, marks, second, slices } = this.views;
     const sliced = slices.shown === this.slices && slices.look === this.sliceLook;
-    return sliced && clips.cutting === this.clip && second.shown === this.second && second.progress === null;
+    return sliced && clips.cutting === this.clip && marks.lines === this.marks && second.shown === this.second && second.progress === null;
   }
 
   /** @param scan whether the picture has the first scan: it tells in which form values go to the GPU. */
   hand(picture: Picture, now: number, scan: boolean): void {
     this.handSlices(picture, now);
-    const { clips, second } = this.views;
+    const { clips, marks, second } = this.views;
     if (clips.cutting !== this.clip) {
       this.clip = clips.cutting;
       picture.setClip(this.clip);
+    }
+    if (marks.lines !== this.marks) {
+      this.marks = marks.lines;
+      picture.setMarks(this.marks);
     }
     if (scan && second.shown !== this.second) {
       this.second = second.shown;

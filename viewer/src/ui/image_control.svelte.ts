@@ -2,7 +2,7 @@
  * Pictures and films of the 3-D view as files: drawn anew at the size that is asked for, one at a time.
  */
 import type { Camera, Viewport } from "../core/camera";
-import { fitsIntoCanvas, imageSize } from "../core/image_size";
+import { evenSize, fitsIntoCanvas, imageSize } from "../core/image_size";
 import { turntable } from "../core/turntable";
 import { keep } from "./download";
 import { Film, filmType } from "./film";
@@ -32,7 +32,9 @@ export class ImageControl {
   readonly filming = filmType() !== null;
 
   sizeOf(magnification: number): Viewport {
-    return imageSize(this.stage.viewport, window.devicePixelRatio, magnification);
+    const { slices, stereo } = this.stage;
+    const size = imageSize(slices.panes.view, window.devicePixelRatio, magnification);
+    return stereo.choice.mode === "off" ? size : evenSize(size);
   }
 
   fits(magnification: number): boolean {
@@ -54,7 +56,7 @@ export class ImageControl {
     const { transparent } = this.choice;
     await this.work("Drawing the picture", async (camera, signal) => {
       const context = contextOf(size);
-      await this.stage.snapshot(context, { camera, size, transparent, signal, progress: this.tell.bind(this) });
+      await this.stage.snapshot(context, { camera, size, stereo: this.stage.stereo.choice, transparent, signal, progress: this.tell.bind(this) });
       const blob = await new Promise<Blob | null>((resolve) => {
         context.canvas.toBlob(resolve, "image/png");
       });
@@ -69,16 +71,15 @@ export class ImageControl {
   async saveFilm(): Promise<void> {
     const { seconds, turns } = this.choice;
     const pace = framesPerSecond[this.stage.software ? "software" : "gpu"];
-    const { width, height } = this.sizeOf(1);
-    // films have even sizes
-    const size = { width: width - (width % 2), height: height - (height % 2) };
+    const size = evenSize(this.sizeOf(1));
+    const stereo = this.stage.stereo.choice;
     await this.work("Filming", async (start, signal) => {
       const film = new Film(size, pace);
       try {
         const context = contextOf(size);
         const cameras = turntable(start, { seconds, turns, framesPerSecond: pace });
         for (const [i, camera] of cameras.entries()) {
-          await this.stage.snapshot(context, { camera, size, transparent: false, signal });
+          await this.stage.snapshot(context, { camera, size, stereo, transparent: false, signal });
           await film.add(context.canvas);
           this.tell((i + 1) / cameras.length);
         }
@@ -99,7 +100,7 @@ export class ImageControl {
 
   /** Does a job from the present view; one that was cancelled leaves nothing. */
   private async work(name: string, act: (camera: Camera, signal: AbortSignal) => Promise<void>): Promise<void> {
-    const { camera } = this.stage;
+    const { camera } = this.stage.view;
     if (this.job !== null || camera === null) {
       return;
     }

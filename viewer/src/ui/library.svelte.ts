@@ -83,6 +83,7 @@ export class Library {
     this.asking?.abort();
     this.asking = null;
     this.work = null;
+    this.opening = false;
   }
 
   /** Back from the list. */
@@ -165,12 +166,19 @@ export class Library {
   }
 
   private async exchange(wanted: object, signal: AbortSignal, how: "open" | "reconstruct" = "open"): Promise<void> {
-    const { beside } = this;
+    const { beside, found } = this;
     this.opening = true;
     try {
       await work(how, beside ? { ...wanted, beside } : wanted, { token: this.token, signal }, this.take.bind(this));
     } finally {
-      this.opening = false;
+      // else another one is being opened by now, or none
+      if (!signal.aborted) {
+        this.opening = false;
+      }
+    }
+    // a server's series may hold several volumes, such as times: they were listed instead
+    if (this.found !== found) {
+      return;
     }
     if (beside) {
       this.leaveList();
@@ -187,6 +195,9 @@ export class Library {
         break;
       case "found":
         this.found = line;
+        this.pictures = {};
+        // what is listed can be chosen while its pictures are on their way
+        this.opening = false;
         break;
       case "projections":
         this.projections = line;

@@ -41,6 +41,12 @@ export class MarkControl {
     return this.history.now;
   }
 
+  /** Points of each mark that is seen, and of what is being set. */
+  readonly lines = $derived.by((): readonly (readonly Vec3[])[] => {
+    const seen = this.history.now.filter(({ visible }) => visible).map(({ points }) => points);
+    return this.placing === null ? seen : [...seen, this.placing.points];
+  });
+
   /** Waits for the points of a mark. */
   start(kind: MarkKind): void {
     this.placing = { kind, points: [] };

@@ -34,7 +34,7 @@ export function viewPane(stage: Stage, { camera, viewport, rect, stretch }: Show
       }
       const to = [x * right, y * down] as const;
       const ray = rayThrough(camera, ...to, viewport);
-      return stage.pickAlong(ray)?.point ?? add(point, alongView(camera, to[0] - from[0], to[1] - from[1], point, viewport));
+      return stage.picker.along(ray)?.point ?? add(point, alongView(camera, to[0] - from[0], to[1] - from[1], point, viewport));
     },
   };
 }

@@ -100,7 +100,7 @@ export class PointerInput {
     if (this.pressed !== null && Math.hypot(event.clientX - this.pressed[0], event.clientY - this.pressed[1]) >= clickReach) {
       this.pressed = null;
     }
-    const { camera, viewport } = this.stage;
+    const { camera, viewport } = this.stage.view;
     if (camera === null || (x === 0 && y === 0)) {
       return;
     }
@@ -114,9 +114,9 @@ export class PointerInput {
     }
     const doing = this.drag === "orbit" && event.shiftKey ? "hand" : this.drag;
     if (doing === "orbit") {
-      this.stage.camera = orbit(camera, x * turnSpeed, y * turnSpeed);
+      this.stage.view.camera = orbit(camera, x * turnSpeed, y * turnSpeed);
     } else if (doing === "pan") {
-      this.stage.camera = pan(camera, x, y, viewport);
+      this.stage.view.camera = pan(camera, x, y, viewport);
     } else if (doing === "hand" || doing === "tool" || event.shiftKey || this.hand.touchMode) {
       this.hand.move(x, y, 0);
     }
@@ -146,13 +146,14 @@ export class PointerInput {
   private wheel(event: WheelEvent): void {
     event.preventDefault();
     const turned = wheelPixels(event);
-    const { camera, content, objects } = this.stage;
+    const { objects, view } = this.stage;
+    const { camera, content } = view;
     if (event.altKey && camera !== null && objects.holds) {
       objects.turn(camera.back, turned * turnSpeed * 0.1);
     } else if (this.drag === "hand" || this.drag === "tool" || event.shiftKey || (this.hand.touchMode && this.drag === null && !event.ctrlKey)) {
       this.hand.move(0, 0, -turned * depthSpeed);
     } else if (camera !== null && content !== null) {
-      this.stage.camera = zoom(camera, Math.exp(turned * zoomSpeed), content);
+      this.stage.view.camera = zoom(camera, Math.exp(turned * zoomSpeed), content);
     }
   }
 
@@ -162,8 +163,9 @@ export class PointerInput {
       return;
     }
     this.pressed = null;
-    const { camera, growing, marks, readOut } = this.stage;
-    const picked = this.stage.pick(event.offsetX, event.offsetY);
+    const { growing, marks, readOut } = this.stage;
+    const { camera } = this.stage.view;
+    const picked = this.stage.picker.at(event.offsetX, event.offsetY);
     this.marked = marks.placing !== null;
     if (picked === null) {
       readOut.close();
@@ -189,8 +191,8 @@ export class PointerInput {
     if (this.tool.kind !== "none" && (event.shiftKey || this.hand.touchMode)) {
       return;
     }
-    const picked = this.stage.pick(event.offsetX, event.offsetY);
-    const { camera } = this.stage;
+    const picked = this.stage.picker.at(event.offsetX, event.offsetY);
+    const { camera } = this.stage.view;
     if (picked === null || camera === null) {
       this.stage.readOut.close();
       this.session.notify("info", "Nothing is drawn there: double-click on the scan to bring the probe to it.");

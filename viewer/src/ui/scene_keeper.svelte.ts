@@ -15,14 +15,18 @@ export class SceneKeeper {
   /** The scan goes into the file, which then stands alone. */
   withScan = $state.raw(recall("scene", { withScan: false }).withScan);
 
-  /** The view of the opened scene was asked for: a page takes it once. */
-  private asked = false;
+  /** The view of the opened scene, on its way from the beginning on: a page takes it once. */
+  private asked: Promise<Response> | null;
 
   constructor(
     private readonly session: Session,
     private readonly stage: Stage,
     private readonly token: string,
-  ) {}
+  ) {
+    this.asked = fetch(apiAddress("/api/view", this.token));
+    // who takes it is told
+    this.asked.catch(() => undefined);
+  }
 
   chooseWithScan(on: boolean): void {
     this.withScan = on;
@@ -37,7 +41,8 @@ export class SceneKeeper {
     }
     this.saving = true;
     try {
-      const { camera, slices } = this.stage;
+      const { slices } = this.stage;
+      const { camera } = this.stage.view;
       const view = { camera, crosshair: slices.crosshair, remembered: keptOf(scan.name) };
       await fetchFile("/api/scene", this.token, { view, copy: this.withScan }, "scene.palpate");
     } catch (error) {
@@ -56,7 +61,7 @@ export class SceneKeeper {
     await this.stage.open(scan);
     const camera = saneCamera(view["camera"]);
     if (camera !== null) {
-      this.stage.camera = camera;
+      this.stage.view.camera = camera;
     }
     const crosshair = view["crosshair"];
     if (isPoint(crosshair)) {
@@ -65,11 +70,12 @@ export class SceneKeeper {
   }
 
   private async view(): Promise<Record<string, unknown>> {
-    if (this.asked) {
+    const { asked } = this;
+    if (asked === null) {
       return {};
     }
-    this.asked = true;
-    const answer = await fetch(apiAddress("/api/view", this.token));
+    this.asked = null;
+    const answer = await asked;
     const told: unknown = answer.status === 200 ? await answer.json() : {};
     return typeof told === "object" && told !== null ? { ...told } : {};
   }

@@ -188,8 +188,8 @@ export class SliceInput {
     } else if (this.outline !== null) {
       this.outline.click(this.name, point, this.plane?.toward ?? [0, 0, 1]);
     } else {
-      const name = this.stage.segmentAt(point)?.name ?? null;
-      readOut.show({ pane: this.name, point, value: this.stage.valueAt(point), name });
+      const name = this.stage.picker.segmentAt(point)?.name ?? null;
+      readOut.show({ pane: this.name, point, value: this.stage.picker.valueAt(point), name });
     }
   }
 

@@ -92,10 +92,10 @@ declare global {
 export function openTestDoor(session: Session, stage: Stage, hand: HandControl, hearing: Hearing): void {
   window.palpate = {
     get firstPicture() {
-      return stage.firstPicture;
+      return stage.loader.firstPicture;
     },
     get ready() {
-      return stage.wholePicture !== null && session.connection.kind === "open" && session.latest !== null;
+      return stage.loader.wholePicture !== null && session.connection.kind === "open" && session.latest !== null;
     },
     get finished() {
       return stage.quality?.finished ?? false;
@@ -123,7 +123,7 @@ export function openTestDoor(session: Session, stage: Stage, hand: HandControl, 
       return stage.player.shown;
     },
     get camera() {
-      return stage.camera;
+      return stage.view.camera;
     },
     get slices() {
       return stage.slices.shown;
@@ -152,9 +152,9 @@ export function openTestDoor(session: Session, stage: Stage, hand: HandControl, 
     get scan() {
       return session.scan;
     },
-    pixelSizeAt: (point) => (stage.camera === null ? NaN : pixelSizeAt(stage.camera, point, stage.viewport)),
+    pixelSizeAt: (point) => (stage.view.camera === null ? NaN : pixelSizeAt(stage.view.camera, point, stage.view.viewport)),
     get middle() {
-      return [stage.viewport.width / 2, stage.viewport.height / 2] as const;
+      return [stage.view.viewport.width / 2, stage.view.viewport.height / 2] as const;
     },
     get displaced() {
       return stage.edits.displaced?.size ?? null;
@@ -167,8 +167,8 @@ export function openTestDoor(session: Session, stage: Stage, hand: HandControl, 
     },
     place: (point) => { hand.place(point); },
     hand: (point) => { hand.goTo(point); },
-    setView: (direction) => { stage.lookFrom(direction); },
-    pick: (x, y) => stage.pick(x, y),
+    setView: (direction) => { stage.view.lookFrom(direction); },
+    pick: (x, y) => stage.picker.at(x, y),
     bench: benchDoor(stage),
     get second() {
       return stage.second.told;

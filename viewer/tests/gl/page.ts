@@ -11,7 +11,7 @@ import { decodeDisplaced, type Displaced } from "../../src/core/displaced";
 import { firstLighting, type Lighting, type Look } from "../../src/core/look";
 import type { ScanVolume } from "../../src/core/scan_volume";
 import { shadedOptics, type Optics } from "../../src/core/optics";
-import type { Stereo } from "../../src/core/stereo";
+import { firstStereo, type Stereo } from "../../src/core/stereo";
 import { PathTrail } from "../../src/core/path_trail";
 import type { TransferFunction } from "../../src/core/transfer_function";
 import type { Changed, Segment, SegmentSurface } from "../../src/core/protocol";
@@ -199,6 +199,8 @@ export interface ScreenTest {
   /** Matter stands beside its voxels; "none" where a model is at work and nothing has moved. */
   readonly displaced?: DisplacedTest | "none";
   readonly stereo?: Stereo;
+  /** Points of each mark. */
+  readonly marks?: readonly (readonly Vec3[])[];
   /** How far behind the scan's middle the camera's target lies [mm]. */
   readonly behind?: number;
 }
@@ -278,7 +280,7 @@ async function finished({ picture, gl }: ReturnType<typeof pictureOf>): Promise<
   return [...bytes];
 }
 
-async function show({ scan: test, markers, jitter = false, surfaces = [], displaced, stereo, behind = 0 }: ScreenTest): Promise<number[]> {
+async function show({ scan: test, markers, jitter = false, surfaces = [], displaced, stereo, behind = 0, marks = [] }: ScreenTest): Promise<number[]> {
   const drawn = pictureOf(jitter);
   const { picture } = drawn;
   const volume = fieldOf(test);
@@ -300,6 +302,7 @@ async function show({ scan: test, markers, jitter = false, surfaces = [], displa
   if (markers !== undefined) {
     picture.setMarkers({ ...stillMarkers(extent.centre), ...markers, trail: trailThrough(markers.way ?? []) });
   }
+  picture.setMarks(marks);
   const pixels = await finished(drawn);
   picture.dispose();
   return pixels;
@@ -497,7 +500,7 @@ function coarseLevel(test: MarchTest, balls: readonly SurfaceTest[], divisor: nu
 
 /** A saved picture of a size, and the same pixels of the screen before and after; RGBA bytes, rows from the top. */
 async function snapshot(
-  { scan: test, surfaces = [] }: ScreenTest,
+  { scan: test, surfaces = [], stereo = firstStereo, behind = 0 }: ScreenTest,
   size: { readonly width: number; readonly height: number },
   transparent: boolean,
 ): Promise<{ readonly saved: number[]; readonly camera: Camera; readonly extent: Extent; readonly before: number[]; readonly after: number[]; readonly shares: number[] }> {
@@ -505,7 +508,8 @@ async function snapshot(
   const { picture } = drawn;
   const volume = fieldOf(test);
   const extent = outlineOf(test);
-  const camera = viewOf(test, extent);
+  const view = viewOf(test, extent);
+  const camera = { ...view, target: addScaled(view.target, view.back, -behind), distance: view.distance + behind };
   picture.setScan(volume, bricksOf(volume, true));
   picture.setLook(lookOf(test));
   picture.setCamera(camera, extent);
@@ -517,7 +521,7 @@ async function snapshot(
   }
   const shares: number[] = [];
   const { signal } = new AbortController();
-  await picture.snapshot(context, { camera, size, transparent, signal, progress: (share) => shares.push(share) });
+  await picture.snapshot(context, { camera, size, stereo, transparent, signal, progress: (share) => shares.push(share) });
   const saved = [...context.getImageData(0, 0, size.width, size.height).data];
   const after = await finished(drawn);
   picture.dispose();
@@ -546,7 +550,7 @@ async function cancelled(test: MarchTest): Promise<string> {
   };
   try {
     if (context !== null) {
-      await picture.snapshot(context, { camera, size: { width: 400, height: 400 }, transparent: false, signal: aborter.signal, progress });
+      await picture.snapshot(context, { camera, size: { width: 400, height: 400 }, stereo: firstStereo, transparent: false, signal: aborter.signal, progress });
     }
   } catch (error) {
     return `${error instanceof Error ? error.message : String(error)} after ${String(shares.length)}`;
@@ -556,7 +560,38 @@ async function cancelled(test: MarchTest): Promise<string> {
   return "not cancelled";
 }
 
-const glTests = { march, light, second, screen, show, snapshot, cancelled, resizedMiddle, edit, drawnTriangles, coarseLevel };
+/** How many programs are linked before there is a scan, and from then until its first picture stands. */
+async function programs(test: MarchTest): Promise<readonly [number, number]> {
+  const { prototype } = WebGL2RenderingContext;
+  const { linkProgram } = prototype;
+  let links = 0;
+  prototype.linkProgram = function (program): void {
+    links += 1;
+    linkProgram.call(this, program);
+  };
+  const { picture } = pictureOf(false);
+  try {
+    while (!picture.isPrepared) {
+      await new Promise((resolve) => setTimeout(resolve, 5));
+    }
+    const before = links;
+    const volume = fieldOf(test);
+    const extent = outlineOf(test);
+    picture.setScan(volume, bricksOf(volume, true));
+    picture.setLook(lookOf(test));
+    picture.setCamera(viewOf(test, extent), extent);
+    while (!picture.hasPicture) {
+      picture.advance(performance.now());
+      await new Promise((resolve) => setTimeout(resolve, 5));
+    }
+    return [before, links - before];
+  } finally {
+    prototype.linkProgram = linkProgram;
+    picture.dispose();
+  }
+}
+
+const glTests = { programs, march, light, second, screen, show, snapshot, cancelled, resizedMiddle, edit, drawnTriangles, coarseLevel };
 
 declare global {
   interface Window {

@@ -306,3 +306,9 @@ test("several jittered pictures average to the plain one", async () => {
   expect(mean(differences)).toBeLessThan(2);
   expect(mean(plain.map((value, i) => value - (averaged[i] ?? 0)))).toBeLessThan(0.5);
 });
+
+test("the programs of a first picture are there before the scan: nothing is compiled while it is awaited", async () => {
+  const [before, after] = await browser.page.evaluate((t) => window.glTests?.programs(t) ?? Promise.reject(new Error("no page")), { ...ball, softTissue: 0.5 });
+  expect(before).toBeGreaterThan(0);
+  expect(after).toBe(0);
+});

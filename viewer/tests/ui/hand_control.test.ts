@@ -40,7 +40,7 @@ function setUp() {
     },
     whenTold: (told: () => void) => waiting.push(told),
   };
-  const hand = new HandControl(session as unknown as Session, { camera, viewport, player: { release: () => undefined } } as unknown as Stage);
+  const hand = new HandControl(session as unknown as Session, { view: { camera, viewport }, player: { release: () => undefined } } as unknown as Stage);
   return {
     hand,
     asked,

@@ -3,9 +3,8 @@
 use std::cell::Cell;
 use std::time::Instant;
 
-use glam::{DMat3, IVec3};
+use glam::DMat3;
 use palpate_volume::material::LocalContact;
-use palpate_volume::matter::Matter;
 
 use super::bond_memory::BondMemory;
 use super::inelastic::{Breaking, InelasticSettings};
@@ -21,7 +20,8 @@ use crate::model::{
     Budget, DeformationModel, ModelAnswer, ModelEvent, ModelInput, ModelParts, ToolContact,
     ToolState,
 };
-use crate::rest_matter::{Ledger, matter_of};
+use crate::rest_matter::Ledger;
+use crate::seen::Seen;
 
 /// How far the tool may be from the middle of the box before the box follows [nodes].
 const LEASH: i32 = 2;
@@ -95,14 +95,6 @@ pub struct LatticeModel {
     told: Vec<ToolContact>,
 }
 
-/// The voxels as they were after the last answer.
-#[derive(Clone, Copy, Debug)]
-struct Seen {
-    edit_number: u64,
-    /// One of the voxels that the answer's edit changes, and what to.
-    wrote: Option<(IVec3, Matter)>,
-}
-
 impl LatticeModel {
     /// With settings of its own.
     ///
@@ -172,11 +164,8 @@ impl LatticeModel {
     /// stands is gone where it is at rest too.
     fn follow_edits(&mut self, input: &ModelInput<'_>) -> u64 {
         let voxels = input.voxels;
-        let seen = self.seen.replace(Seen {
-            edit_number: voxels.edit_number(),
-            wrote: None,
-        });
-        if seen.is_some_and(|seen| seen.explains(input)) {
+        let seen = self.seen.replace(Seen::now(voxels));
+        if seen.is_some_and(|seen| seen.explains(voxels)) {
             return 0;
         }
         match seen {
@@ -216,7 +205,7 @@ impl LatticeModel {
         answer.report.effort.looked_at = looked_at;
         answer.edit = self.ledger.write(input.voxels, &wanted);
         if let Some(seen) = &mut self.seen {
-            seen.wrote = self.ledger.last_written();
+            seen.note(&self.ledger);
         }
         if let Some(field) = field {
             let least = SEEN * field.spacing;
@@ -384,16 +373,6 @@ impl DeformationModel for LatticeModel {
         self.memory = BondMemory::default();
         self.seen = None;
         self.told.clear();
-    }
-}
-
-impl Seen {
-    /// Whether the voxels are as they were, or the last answer's edit is all that changed.
-    fn explains(&self, input: &ModelInput<'_>) -> bool {
-        let number = input.voxels.edit_number();
-        let is_written = |(voxel, matter)| matter_of(input.voxels, voxel) == Some(matter);
-        number == self.edit_number
-            || (number == self.edit_number + 1 && self.wrote.is_some_and(is_written))
     }
 }
 

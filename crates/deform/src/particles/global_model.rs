@@ -11,39 +11,38 @@
 
 use std::time::Instant;
 
-use glam::{DVec3, IVec3, UVec3};
+use glam::{DVec3, IVec3};
 use palpate_volume::edit::Edit;
-use palpate_volume::grid::Grid;
-use palpate_volume::matter::Matter;
 use palpate_volume::voxel_box::VoxelBox;
 use palpate_volume::voxels::Voxels;
 
 use super::body::ParticleBody;
 use super::calibration::{Calibration, LatticeKind, LatticeScale};
+use super::following::{FollowRule, Following};
+use super::global_field::{GlobalField, SEEN};
 use super::global_matter::{extent, matter_around};
 use super::lattices::FCC_BASIS;
 use super::local_model::Motion;
 use super::pair_laws::FadedLaw;
 use super::tool_push::ParticleTool;
-use crate::displacement::Displacement;
 use crate::material::{Materials, Treatment};
 use crate::model::{
-    Budget, DeformationModel, ModelAnswer, ModelEvent, ModelInput, ModelParts, ModelReport,
+    Budget, DeformationModel, Effort, ModelAnswer, ModelEvent, ModelInput, ModelParts, ModelReport,
     ToolContact, ToolState,
 };
 use crate::rest_matter::{Ledger, Wanted, solid_of};
+use crate::seen::Seen;
 
 /// Steps in which particles come to rest before the first call is answered.
 const SETTLING: u32 = 200;
 /// Farthest displacement that is looked for [a].
 const FARTHEST: f64 = 3.0;
-/// Displacement that is seen [smallest voxel side].
-const SEEN: f64 = 0.03;
-/// Voxels that follow along each axis, at most, around the first tool, or around the particle that
-/// has moved farthest: all of a large segment would not fit into memory.
-const FOLLOWING: i32 = 96;
+/// Voxels that one answer gives back after a reset, at most.
+const GIVEN_BACK: usize = 8192;
 /// Share of the time after which particles are as far at rest as they come.
 const RELAXED: f64 = 0.6;
+/// Share of the time after which no other voxels follow: the rest is for what the picture is told.
+const FOLLOWED: f64 = 0.8;
 /// Half axis of a tool, at least: a thinner one would slip between particles [a].
 const THINNEST: f64 = 0.5;
 
@@ -103,7 +102,8 @@ pub struct GlobalModel {
 #[derive(Debug)]
 struct GlobalState {
     body: ParticleBody<FadedLaw>,
-    seen_edit: u64,
+    following: Following,
+    seen: Seen,
 }
 
 impl GlobalModel {
@@ -154,10 +154,14 @@ impl DeformationModel for GlobalModel {
             answer.events.push(ModelEvent::Reset);
         }
         let first = tools.first().map(|(_, tool)| tool.centre);
-        let field = state.displacement(&self.settings, first);
-        answer.edit = state.write_back(input, &self.settings, field.as_ref(), ledger);
+        let (field, middle) = GlobalField::of(&state.body, &self.settings, first);
+        let effort = &mut answer.report.effort;
+        effort.evaluations = u64::from(answer.report.iterations) + 1;
+        let moved = (field.as_ref(), middle);
+        let task = (input, &self.settings, input.budget.until(began, FOLLOWED));
+        answer.edit = state.write_back(task, moved, (&mut *ledger, effort));
         answer.report.moved_voxels = ledger.len() as u32;
-        let field = field.map(|field| field.on_nodes(grid));
+        let field = field.map(|field| field.on_nodes(middle));
         answer.displacement =
             field.and_then(|field| field.told(input.voxels, ledger, SEEN * field.spacing));
         answer
@@ -174,13 +178,17 @@ impl DeformationModel for GlobalModel {
 }
 
 impl GlobalModel {
-    /// Voxels back to what they are at rest, before anything else.
+    /// Voxels back to what they are at rest, before anything else, as many as an answer has the
+    /// time for.
     fn give_back(&mut self, input: &ModelInput<'_>) -> ModelAnswer {
         let voxels = input.voxels;
         let mut wanted = Wanted::new();
         self.ledger.take_overruled(voxels);
         self.ledger
             .give_back_outside(voxels, &VoxelBox::EMPTY, &mut wanted);
+        if let Some(first_left) = wanted.keys().nth(GIVEN_BACK).copied() {
+            wanted.split_off(&first_left);
+        }
         let edit = self.ledger.write(voxels, &wanted);
         let none = |tool: &ToolState| ToolContact {
             tool: tool.id,
@@ -215,7 +223,8 @@ impl GlobalState {
         let length = length.max(scale.cell).min(20.0 * scale.cell);
         let mut state = Self {
             body: body.bound(0.0, length),
-            seen_edit: input.voxels.edit_number(),
+            following: Following::default(),
+            seen: Seen::now(input.voxels),
         };
         state.fill(settings, input, &region);
         state.body.relax(&[], &Budget::iterations(SETTLING), None);
@@ -266,10 +275,11 @@ impl GlobalState {
 
     /// Gives back particles whose own voxel somebody else has emptied.
     fn follow_edits(&mut self, voxels: &Voxels, materials: &Materials, ledger: &mut Ledger) {
-        if self.seen_edit == voxels.edit_number() {
+        let seen = std::mem::replace(&mut self.seen, Seen::now(voxels));
+        if seen.is_followed(voxels) {
             return;
         }
-        self.seen_edit = voxels.edit_number();
+        self.following.forget();
         ledger.take_overruled(voxels);
         let origins = &self.body.system.particles.origins;
         let mut gone = Vec::with_capacity(origins.len());
@@ -281,136 +291,26 @@ impl GlobalState {
         self.body.system.particles.give_back(|_, index| gone[index]);
     }
 
-    /// How far the voxels around moved particles have moved, near a tool; none where none has.
-    fn displacement(&self, settings: &GlobalSettings, tool: Option<DVec3>) -> Option<Field> {
-        let (grid, scale) = (&self.body.grid, &self.body.scale);
-        let spacing = grid.spacing();
-        let reach = settings.owned_radius * scale.equilibrium;
-        let least = (settings.threshold * grid.smallest_spacing()).powi(2);
-        let around = |home: DVec3| {
-            let low = ((home - reach) / spacing).floor().as_ivec3();
-            VoxelBox::new(low, ((home + reach) / spacing).ceil().as_ivec3() + 1)
-        };
-        let moved: Vec<_> = self.body.places().collect();
-        let homes = || moved.iter().map(|(place, moved)| (*place - *moved, *moved));
-        let by_way = |a: &(DVec3, DVec3), b: &(DVec3, DVec3)| {
-            a.1.length_squared().total_cmp(&b.1.length_squared())
-        };
-        let farthest = || homes().max_by(by_way).map(|(home, _)| home);
-        let middle = tool.or_else(farthest)? / spacing;
-        let near = VoxelBox::of_voxel(middle.floor().as_ivec3()).dilate(FOLLOWING / 2);
-        let boxes = homes().filter(|(_, moved)| moved.length_squared() > least);
-        let region = boxes
-            .map(|(home, _)| around(home))
-            .reduce(|a, b| a.union(&b))?;
-        let region = region.intersect(&near).intersect(&grid.bounds());
-        if region.is_empty() {
-            return None;
-        }
-
-        // the mean of the particles near, by (1 − r²/d²)²
-        let mut sums = vec![(DVec3::ZERO, 0.0); region.voxel_count() as usize];
-        let size = region.size().as_ivec3();
-        for (home, moved) in homes() {
-            for voxel in around(home).intersect(&region).voxels() {
-                let apart = (voxel.as_dvec3() + 0.5) * spacing - home;
-                let share = 1.0 - apart.length_squared() / reach.powi(2);
-                if share > 0.0 {
-                    let offset = voxel - region.min;
-                    let sum =
-                        &mut sums[(offset.x + size.x * (offset.y + size.y * offset.z)) as usize];
-                    sum.0 += share * share * moved;
-                    sum.1 += share * share;
-                }
-            }
-        }
-        let mean = |(sum, weight): (DVec3, f64)| {
-            if weight > 0.0 {
-                sum / weight
-            } else {
-                DVec3::ZERO
-            }
-        };
-        Some(Field {
-            region,
-            moved: sums.into_iter().map(mean).collect(),
-        })
-    }
-
-    /// The edit by which voxels read what stood where they came from. What does not give way stays
-    /// where it is.
+    /// The edit by which voxels read what stood where they came from.
     fn write_back(
-        &self,
-        input: &ModelInput<'_>,
-        settings: &GlobalSettings,
-        field: Option<&Field>,
-        ledger: &mut Ledger,
+        &mut self,
+        (input, settings, budget): (&ModelInput<'_>, &GlobalSettings, Budget),
+        (field, middle): (Option<&GlobalField>, IVec3),
+        (ledger, effort): (&mut Ledger, &mut Effort),
     ) -> Option<Edit> {
-        let voxels = input.voxels;
-        let gives = |voxel: IVec3, matter: &Matter| {
-            let solid = solid_of(voxels, input.materials, voxel, matter);
-            solid.is_some_and(|(_, treatment)| treatment == Treatment::Deformable)
+        let intensities = input.voxels.intensities();
+        let air = (settings.air - intensities.intercept()) / intensities.slope();
+        let rule = FollowRule {
+            input,
+            budget,
+            field,
+            least: settings.threshold * self.body.grid.smallest_spacing(),
+            air: air.round() as i16,
         };
-        let spacing = self.body.grid.spacing();
-        let least = (settings.threshold * self.body.grid.smallest_spacing()).powi(2);
-        let air = (settings.air - voxels.intensities().intercept()) / voxels.intensities().slope();
-        let nothing = Matter {
-            stored: air.round() as i16,
-            segments: Default::default(),
-        };
-        let mut wanted = Wanted::new();
-
-        // what was changed and is no longer moved goes back to rest
-        ledger.give_back_outside(voxels, &VoxelBox::EMPTY, &mut wanted);
-        if let Some(field) = field {
-            for (voxel, moved) in field.region.voxels().zip(&field.moved) {
-                if moved.length_squared() <= least {
-                    continue;
-                }
-                let come = (*moved / spacing).round();
-                let from = voxel - come.as_ivec3();
-                let (Some(rest), Some(source)) =
-                    (ledger.rest(voxels, voxel), ledger.rest(voxels, from))
-                else {
-                    continue;
-                };
-                let is_held =
-                    |at, matter: &Matter| !matter.segments.is_empty() && !gives(at, matter);
-                if is_held(voxel, &rest) || is_held(from, &source) {
-                    continue;
-                }
-                let matter = match (rest.segments.is_empty(), source.segments.is_empty()) {
-                    (_, false) => (source, Some(come)),
-                    (false, true) => (nothing, None),
-                    (true, true) => (rest, None),
-                };
-                wanted.insert(voxel.to_array(), matter);
-            }
-        }
-        ledger.write(voxels, &wanted)
-    }
-}
-
-/// Displacements of the voxels of a region, x fastest [mm along the axes of the grid].
-struct Field {
-    region: VoxelBox,
-    moved: Vec<DVec3>,
-}
-
-impl Field {
-    /// On cubic nodes between which the smallest voxel side lies.
-    fn on_nodes(&self, grid: &Grid) -> Displacement {
-        let (spacing, side) = (grid.spacing(), grid.smallest_spacing());
-        let first = (self.region.min.as_dvec3() + 0.5) * spacing;
-        let last = (self.region.max.as_dvec3() - 0.5) * spacing;
-        let size = ((last - first) / side).round().as_uvec3() + UVec3::ONE;
-        let voxels = self.region.size().as_ivec3();
-        let at = |node: IVec3| {
-            let offset = ((node.as_dvec3() * side) / spacing).round().as_ivec3();
-            let offset = offset.clamp(IVec3::ZERO, voxels - 1);
-            Some(self.moved[(offset.x + voxels.x * (offset.y + voxels.y * offset.z)) as usize])
-        };
-        let nodes = VoxelBox::of_dimensions(size).voxels().map(at).collect();
-        Displacement::new(first, side, size, nodes)
+        let edit = self
+            .following
+            .advance(&rule, middle, (&mut *ledger, effort));
+        self.seen.note(ledger);
+        edit
     }
 }

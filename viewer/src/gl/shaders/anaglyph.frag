@@ -1,6 +1,6 @@
 // Two pictures (sRGB), one for each eye, as one for glasses of red and cyan: the colours that come nearest
 // through the glasses to those of both pictures, by least squares in linear light; each eye's share is
-// clipped before both are added.
+// clipped before both are added. Where a picture is transparent the glass before it sees black.
 // Source: Dubois, "Conversion of a stereo pair to anaglyph with the least-squares projection method" (2009).
 
 layout(location = 0) out vec4 screen;
@@ -24,8 +24,11 @@ vec3 srgbFromLinear(vec3 c) {
 
 void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy - corner);
-  vec3 left = linearFromSrgb(texelFetch(leftEye, pixel, 0).rgb);
-  vec3 right = linearFromSrgb(texelFetch(rightEye, pixel, 0).rgb);
+  vec4 leftSeen = texelFetch(leftEye, pixel, 0);
+  vec4 rightSeen = texelFetch(rightEye, pixel, 0);
+  vec3 left = linearFromSrgb(leftSeen.rgb) * leftSeen.a;
+  vec3 right = linearFromSrgb(rightSeen.rgb) * rightSeen.a;
   vec3 mixed = clamp(fromLeft * left, 0.0, 1.0) + clamp(fromRight * right, 0.0, 1.0);
-  screen = vec4(srgbFromLinear(min(mixed, 1.0)), 1.0);
+  float opacity = max(leftSeen.a, rightSeen.a);
+  screen = vec4(srgbFromLinear(min(mixed / max(opacity, 1e-4), 1.0)), opacity);
 }

@@ -26,6 +26,8 @@ use crate::touchable::Touchable;
 pub const DT: f64 = 1e-3;
 /// How far around the probe voxels are kept [voxels]: a change pushes it by 7 at most.
 const REACH: i32 = 8;
+/// Voxels around the world that are kept too: outside all is free, and a way may lead through there.
+const RIM: i32 = 1;
 /// What the force may grow by beside the hand's own way [smallest spacings].
 const STEP: f64 = 0.1;
 /// The least that bone pushes with from a voxel deep on [springs as long as the smallest spacing].
@@ -53,6 +55,7 @@ pub struct Watch {
     radius: f64,
     visit_bound: u32,
     stiffness: f64,
+    /// What is solid in the world, which begins at [`RIM`].
     dense: Dense,
     /// What was bone, but for what was drilled.
     bone: Dense,
@@ -77,7 +80,7 @@ impl Watch {
             // hard stops what soft matter leads
             visit_bound: 3 * Exact { limits }.visit_bound(),
             stiffness: Settings::default().stiffness,
-            dense: Dense::from_fn(size, |voxel| solid.is_solid(voxel)),
+            dense: Dense::from_fn(size + 2 * RIM, |voxel| solid.is_solid(voxel - RIM)),
             bone: Dense::from_fn(size, |voxel| world.is_bone(voxel)),
             finder: Finder::default(),
             last: None,
@@ -114,11 +117,11 @@ impl Watch {
         };
         let ends = [last.proxy, record.proxy].map(|point| self.voxel(point));
         let Self { dense, finder, .. } = self;
-        let is_free = |voxel| !dense.is_solid(voxel) || !solid.is_solid(voxel);
-        // outside all is free: what is there stands beside the voxel at the border, if that is free
-        let inside = ends.map(|voxel| voxel.clamp(IVec3::ZERO, dense.size() - 1));
-        let is_way = ends[0] == ends[1]
-            || is_free(inside[0]) && finder.is_way(dense, inside, REACH, is_free);
+        let is_free = |voxel| !dense.is_solid(voxel) || !solid.is_solid(voxel - RIM);
+        // what is farther outside stands in the rim
+        let kept = ends.map(|voxel| (voxel + RIM).clamp(IVec3::ZERO, dense.size() - 1));
+        let is_way =
+            ends[0] == ends[1] || is_free(kept[0]) && finder.is_way(dense, kept, REACH, is_free);
         hold(is_way, Guarantee::CrossesNoWall, || {
             format!("from {} to {}", ends[0], ends[1])
         })
@@ -129,10 +132,10 @@ impl Watch {
         let middle = self.voxel(told.record.proxy);
         for voxel in VoxelBox::new(middle - REACH, middle + REACH + 1).voxels() {
             let now = told.solid.is_solid(voxel);
-            if self.dense.is_solid(voxel) == now || self.dense.index(voxel).is_none() {
+            if self.dense.is_solid(voxel + RIM) == now {
                 continue;
             }
-            self.dense.set(voxel, now);
+            self.dense.set(voxel + RIM, now);
             self.bits += 1;
             if !now && self.bone.is_solid(voxel) {
                 hold(told.drill, Guarantee::HardHolds, || {
@@ -166,7 +169,7 @@ impl Watch {
 
     /// Guarantee 1.
     fn stays_out(&self, record: &TickRecord) -> Result<(), Violation> {
-        let point = record.proxy / self.spacing;
+        let point = record.proxy / self.spacing + f64::from(RIM);
         let is_in = self.dense.is_solid(point.floor().as_ivec3());
         let touches = || self.dense.is_near(point, point, self.spacing, self.radius);
         let is_out = !(is_in || (self.radius > 0.0 && touches()));
@@ -213,5 +216,77 @@ impl Watch {
         hold(is_safe, Guarantee::SafeForce, || {
             format!("{sent} N sent after {last} N")
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use palpate_volume::segment::Segment;
+
+    use super::*;
+    use crate::bench::random::Random;
+
+    /// The first violation of a probe that goes along these voxels of a world that is solid where
+    /// the rule says so, one in each tick, without a force.
+    fn along(voxels: &[[i32; 3]], solid: impl Fn(IVec3) -> bool + Sync) -> Option<Guarantee> {
+        let world = World::new(0, &mut Random::of_stream(7, 0));
+        let segment = Segment::from_fn(world.dimensions(), solid);
+        let solid = segment.occupancy();
+        let mut watch = Watch::new(&world, solid);
+        let broken = voxels.iter().find_map(|voxel| {
+            let place = (IVec3::from_array(*voxel).as_dvec3() + 0.5) * world.spacing;
+            let record = TickRecord {
+                // far from the bone of the world, which would have to push
+                device: DVec3::splat(-100.0),
+                proxy: place,
+                ..TickRecord::default()
+            };
+            let told = Told {
+                record: &record,
+                solid,
+                sent: DVec3::ZERO,
+                needle: false,
+                drill: false,
+            };
+            watch.after_tick(&told).err()
+        });
+        broken.map(|violation| violation.guarantee)
+    }
+
+    /// A wall along the whole side of the world, with a room behind it.
+    fn wall(voxel: IVec3) -> bool {
+        (0..3).contains(&voxel.x)
+    }
+
+    #[test]
+    fn outside_of_the_world_all_is_free() {
+        let corner = |voxel: IVec3| voxel.x < 3 && voxel.z < 20;
+        // over the corner, far out, down along the wall, and back
+        let way = [
+            [1, 20, 20],
+            [-1, 20, 20],
+            [-4, 20, 21],
+            [-1, 20, 19],
+            [-1, 20, 15],
+            [-1, 20, 19],
+            [0, 20, 20],
+        ];
+        assert_eq!(along(&way, corner), None);
+        // on any side
+        let free = |_: IVec3| false;
+        assert_eq!(along(&[[20, 39, 20], [20, 41, 20]], free), None);
+        assert_eq!(along(&[[20, 20, 35], [20, 20, 36]], free), None);
+        assert_eq!(along(&[[39, 0, 0], [40, -1, -1], [39, 0, 0]], free), None);
+    }
+
+    #[test]
+    fn a_wall_at_the_side_of_the_world_is_no_way_in_or_out() {
+        let through = Some(Guarantee::CrossesNoWall);
+        assert_eq!(along(&[[-1, 20, 20], [3, 20, 20]], wall), through);
+        assert_eq!(along(&[[3, 20, 20], [-1, 20, 20]], wall), through);
+        assert!(along(&[[-1, 20, 20], [0, 20, 20]], wall).is_some());
+        // where it ends, there is a way around
+        let low = |voxel: IVec3| wall(voxel) && voxel.z < 22;
+        assert_eq!(along(&[[-1, 20, 20], [3, 20, 20]], low), None);
     }
 }

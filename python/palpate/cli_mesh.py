@@ -1,0 +1,95 @@
+"""The commands of ``palpate surface``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from palpate.cli_options import (
+    Fill,
+    MaxVoxels,
+    Orientation,
+    Scan,
+    Segments,
+    Series,
+    Threshold,
+    Unit,
+)
+from palpate.console import Display, quiet_libraries
+
+__all__ = ["surface"]
+
+surface = typer.Typer(help="Meshes of segments, and voxels of meshes.", no_args_is_help=True)
+
+
+@surface.command("export")
+def surface_export(  # noqa: PLR0913  # one per option of the command line
+    path: Scan,
+    file: Annotated[Path, typer.Argument(help="New .stl, .ply, .obj or .glb.", metavar="FILE")],
+    *,
+    segment: Annotated[str | None, typer.Option(help="Its name, where there are several.")] = None,
+    smoothing: Annotated[
+        int | None, typer.Option(help="Degree, 0 to 12; 0 shows the voxels as they are.")
+    ] = None,
+    step: Annotated[int | None, typer.Option(help="Edge of a cell: 1, 2 or 4 voxels.")] = None,
+    source: Annotated[
+        str,
+        typer.Option("--from", help="intensities (of a threshold) or bits, which have stairs."),
+    ] = "intensities",
+    series: Series = None,
+    orientation: Orientation = None,
+    unit: Unit = None,
+    fill: Fill = None,
+    max_voxels: MaxVoxels = 1024**3,
+    threshold: Threshold = None,
+    segments: Segments = None,
+) -> None:
+    """Write the surface of a segment to a file, in the patient (LPS)."""
+    from palpate.cli_open import parse_threshold, scene_of
+    from palpate.cli_surface import check_target, choose_segment, export_surface
+    from palpate.io import read
+
+    check_target(file)
+    bounds = parse_threshold(threshold)
+    with quiet_libraries(), Display() as display:
+        volume = read(
+            path,
+            series=series,
+            orientation=orientation,
+            unit=unit,
+            fill=fill,
+            max_voxels=max_voxels,
+            progress=display,
+        )
+        scene = scene_of(volume, bounds=bounds, label_map=segments, progress=display)
+    chosen = choose_segment(scene, segment)
+    export_surface(chosen, file, step=step, smoothing=smoothing, source=source)
+
+
+@surface.command("voxels")
+def surface_voxels(
+    mesh: Annotated[Path, typer.Argument(help=".stl, .ply, .obj or .glb.", metavar="MESH")],
+    file: Annotated[Path, typer.Argument(help="New .nrrd, .nii.gz or .mha.", metavar="FILE")],
+    *,
+    spacing: Annotated[float | None, typer.Option(help="Edge of a voxel [mm].")] = None,
+    like: Annotated[Path | None, typer.Option(help="Scan whose grid is taken.")] = None,
+    frame: Annotated[str | None, typer.Option(help="Of the mesh: LPS or RAS.")] = None,
+    unit: Annotated[str | None, typer.Option(help="Of the mesh: mm or m.")] = None,
+    close: Annotated[bool, typer.Option("--close", help="Close its holes.")] = False,
+    shell: Annotated[bool, typer.Option("--shell", help="Only its surface.")] = False,
+) -> None:
+    """Make a label map of what a mesh encloses."""
+    from palpate.cli_surface import MASK_SUFFIXES, check_target, mesh_file, write_voxels
+    from palpate.errors import OptionError
+    from palpate.io import read
+
+    check_target(file, MASK_SUFFIXES)
+    if (spacing is None) == (like is None):
+        raise OptionError("one grid is needed; allowed: --spacing MM, or --like SCAN")
+    with quiet_libraries(), Display() as display:
+        given = mesh_file(mesh, frame=frame, unit=unit, close=close)
+        grid = spacing if like is None else read(like, progress=display)
+    assert grid is not None  # noqa: S101  # one of both is given
+    write_voxels(given, file, grid=grid, shell=shell)
