@@ -47,6 +47,7 @@ def test_a_page_without_a_scan_lists_takes_and_exchanges_scans(
         page.wait("document.querySelector('aside').textContent.includes('ts files are a copy')")
         chosen_over_the_scan(page, study / "thin")
         archive_dropped(page, study / "thin", tmp_path / "study.zip")
+        segments_from_a_file(page, data_folder / "dcmqi_seg" / "liver.dcm")
         projections_dropped(page, tmp_path / "ball_proj.nrrd")
         assert [text for text in page.complaints if "400" not in text] == []
         assert command.stop() == 0
@@ -73,6 +74,23 @@ def chosen_from_a_list(page: Browser, study: Path) -> None:
     # the list names the patient, and nothing else does
     assert "JANCT000" not in page.read("document.title + document.body.textContent")
     assert page.read("window.palpate.scan.dimensions") == [512, 512, 3]
+
+
+def segments_from_a_file(page: Browser, path: Path) -> None:
+    """Adds the segment of a DICOM SEG to the open scan, and takes it back."""
+    count = "document.querySelectorAll('[data-testid^=visible-]').length"
+    before = page.read(count)
+    page.do("click", testid="segments-from-file")
+    page.do("screenshot", path=str(OUTPUT / "open-segments.png"))
+    assert page.do("axe")["value"] == []
+    page.do("fill", testid="open-path", text=str(path.parent / "ct-3slice"))
+    page.do("click", testid="open-look")
+    page.shows("open-failure", "text.includes('holds no masks')")
+    page.do("fill", testid="open-path", text=str(path))
+    page.do("click", testid="open-look")
+    page.wait(f"{count} === {before + 1} && document.querySelector('dialog') === null")
+    page.do("press", key="Control+z")
+    page.wait(f"{count} === {before}")
 
 
 def chosen_over_the_scan(page: Browser, folder: Path) -> None:

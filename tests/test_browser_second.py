@@ -110,6 +110,17 @@ def test_slices_show_the_second_scan_where_its_transform_puts_it(
 
 
 @pytest.mark.data
+def test_a_click_says_the_values_of_both_scans(lungs: Browser, data_folder: Path) -> None:
+    second = SimpleITK.ReadImage(str(data_folder / "elastix_lung_pair" / "3DCT_lung_followup.mha"))
+    lungs.do("clickAt", testid="slice-axial", x=0.45, y=0.5)
+    lungs.do("click", testid="picked-cross")
+    there = TURN.TransformPoint(lungs.read("window.palpate.crosshair"))
+    expected = second.GetPixel(second.TransformPhysicalPointToIndex(there))
+    assert float(lungs.text("picked-second").removesuffix(" HU")) == pytest.approx(expected)
+    lungs.do("press", key="Escape")
+
+
+@pytest.mark.data
 def test_the_view_shows_it_too_and_follows_another_transform(lungs: Browser) -> None:
     lungs.do("choose", testid="second-preset", value="CT-Lung")
     shown = lungs.picture(OUTPUT / "second_view.png")
@@ -117,6 +128,12 @@ def test_the_view_shows_it_too_and_follows_another_transform(lungs: Browser) -> 
     without = lungs.picture(OUTPUT / "second_view_without.png")
     assert np.abs(shown - without).mean() > 0.5 / 255
     lungs.do("click", testid="second-view")
+    # cells of one and the other are neither both at once nor the first alone
+    lungs.do("choose", testid="second-view-fusion", value="checkerboard")
+    lungs.do("slide", testid="second-square", value=60)
+    cells = lungs.picture(OUTPUT / "second_view_cells.png")
+    assert min(np.abs(cells - other).mean() for other in (shown, without)) > 0.3 / 255
+    lungs.do("choose", testid="second-view-fusion", value="blend")
     lungs.finish()
     before, _ = axial(lungs)
 
@@ -164,4 +181,16 @@ def test_a_page_takes_it_away_adds_it_moves_it_and_projects_it(
     warm = (shown[..., 0] - shown[..., 2] > 0.2) & beside
     assert warm.mean() > 0.01
     lungs.do("click", testid="second-view")
+
+    # squares of the view by turns: the first alone, and the second in its colours
+    lungs.do("choose", testid="second-view-fusion", value="checkerboard")
+    lungs.do("slide", testid="second-square", value=40)
+    squares = lungs.picture(OUTPUT / "second_mip_squares.png")
+    both = (shown[..., 0] - shown[..., 2] > 0.2) & ~beside
+    first = np.abs(squares - without).max(axis=2) < 3 / 255
+    second = squares[..., 0] - squares[..., 2] > 0.2
+    assert 0.25 < first[both].mean() < 0.75
+    assert 0.25 < second[both].mean() < 0.75
+    assert (first | second)[both].mean() > 0.9
+    lungs.do("choose", testid="second-view-fusion", value="blend")
     lungs.do("choose", testid="blend", value="shaded")

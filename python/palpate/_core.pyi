@@ -299,6 +299,9 @@ class Session:
     ) -> None:
         """Tells how regions of a segment take part: treatment, box of voxels, other segment."""
 
+    def set_force_source(self, source: str) -> None:
+        """Chooses what a tool feels of matter that gives way: ``matter`` or ``voxels``."""
+
     def deformation(self) -> dict[str, Any]:
         """How the deformation goes."""
 

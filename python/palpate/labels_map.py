@@ -31,7 +31,7 @@ from palpate.labels_grid import (
 from palpate.progress import Progress
 from palpate.volume import Volume
 
-__all__ = ["colour_of_name", "read_label_map", "read_mask_folder"]
+__all__ = ["ENDINGS", "colour_of_name", "read_label_map", "read_mask_folder"]
 
 MOST_LABELS = 255
 """More values than this are intensities, not labels."""

@@ -12,6 +12,7 @@ from palpate import _core
 
 __all__ = [
     "Boxes",
+    "ForceSource",
     "LinearMaterial",
     "Material",
     "Preset",
@@ -24,6 +25,9 @@ __all__ = [
 
 Treatment = Literal["deformable", "rigid", "empty"]
 """How matter takes part: it gives, stays where it is, or is as if it were not there."""
+
+ForceSource = Literal["matter", "voxels"]
+"""What a tool feels of matter that gives way: its own force, or its voxels until they move."""
 
 
 class Material(NamedTuple):

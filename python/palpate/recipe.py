@@ -18,6 +18,7 @@ from typing import Literal
 import msgspec
 import yaml
 
+from palpate.cli_open import parse_voxel_size
 from palpate.cli_surface import check_target
 from palpate.errors import OptionError, PalpateError
 from palpate.export import Kind, check_export, kind_of
@@ -37,13 +38,15 @@ class Step(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
 
 
 class ImportStep(Step, frozen=True, kw_only=True):
-    """The scan, as for ``palpate open``."""
+    """The scan, as for ``palpate import``."""
 
     path: Path
     series: str | int | None = None
     orientation: str | None = None
     unit: str | None = None
     fill: float | None = None
+    raw: str | None = None
+    voxel_size: str | None = None
 
 
 class RegisterStep(Step, frozen=True, kw_only=True):
@@ -183,6 +186,8 @@ def _check(recipe: Recipe, source: Source) -> None:
     """Refuses what could not be done, whatever the scan is like."""
     if not recipe.scan.path.exists():
         raise source.wrong("$.import.path", f"{recipe.scan.path} does not exist")
+    with source.at("$.import.voxel-size"):
+        parse_voxel_size(recipe.scan.voxel_size)
     if recipe.register is not None:
         _check_register(recipe.register, source)
     if not recipe.segment:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from palpate.cli_open import parse_voxel_size
 from palpate.cli_surface import choose_segment
 from palpate.errors import OptionError
 from palpate.export import export_scene
@@ -41,6 +42,8 @@ def run_recipe(
         orientation=step.orientation,
         unit=step.unit,
         fill=step.fill,
+        raw=step.raw,
+        voxel_size=parse_voxel_size(step.voxel_size),
         progress=progress,
     )
     told = list(volume.warnings)

@@ -11,7 +11,7 @@ from palpate.second_scan import SecondScan
 from palpate.segment import Segment
 from palpate.volume import Volume
 
-__all__ = ["PALETTE", "Scene", "SceneSegment"]
+__all__ = ["MOST_SEGMENTS", "PALETTE", "Scene", "SceneSegment"]
 
 Colour = tuple[float, float, float]
 

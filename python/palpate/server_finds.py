@@ -27,7 +27,7 @@ from palpate.server_job import Tell
 from palpate.server_reconstruction import told_of
 from palpate.volume import Volume
 
-__all__ = ["Finds", "Place", "WantedFind", "WantedScan", "path_of"]
+__all__ = ["Finds", "Place", "WantedFind", "WantedScan", "WantedSegments", "path_of"]
 
 MOST_FINDS = 8
 
@@ -51,6 +51,15 @@ class WantedScan(msgspec.Struct, frozen=True):
     series: str | None = None
     beside: bool = False
     """Whether it is shown with the open scan, and not in its place."""
+
+
+class WantedSegments(msgspec.Struct, frozen=True):
+    """Where segments are that are to be added to the open scan: one of both."""
+
+    path: str | None = None
+    upload: int | None = None
+    resample: bool = False
+    """Whether they may lie on another grid."""
 
 
 class ListedScan(msgspec.Struct, frozen=True):

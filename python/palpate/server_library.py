@@ -1,5 +1,7 @@
 """What pages open scans with: the list of a place's scans, files that are dropped, and the opening.
 
+Segments of files come to the open scan here too.
+
 Routes below ``/api/library``. Files of scans that were dropped or came from a server go when their
 scan is closed.
 """
@@ -24,12 +26,14 @@ from starlette.types import ASGIApp, Receive, Scope, Send
 from palpate.errors import OptionError, PalpateError, SeriesChoiceError
 from palpate.io import read
 from palpate.io_dicomweb_address import is_web_address
+from palpate.labels import read_labels
 from palpate.opening import is_scene, opening, opening_of
 from palpate.progress import Progress
 from palpate.recent import Recent, forget_recent, note_recent, recent_scans
 from palpate.second_scan import placed
-from palpate.server_finds import Finds, Place, WantedFind, WantedScan, path_of
+from palpate.server_finds import Finds, Place, WantedFind, WantedScan, WantedSegments, path_of
 from palpate.server_job import Job, Tell
+from palpate.server_labels import add_labels, labels_in
 from palpate.server_open_scan import OpenScan
 from palpate.server_reconstruction import WantedReconstruction, grid_told, made_of
 from palpate.server_upload import (
@@ -91,6 +95,7 @@ class Library:
                 Route("/open", _answered(self._open), methods=["POST"]),
                 Route("/reconstruct", _answered(self._reconstruct), methods=["POST"]),
                 Route("/reconstruct/grid", _answered(self._grid), methods=["POST"]),
+                Route("/segments", _answered(self._segments), methods=["POST"]),
                 Route("/uploads", _answered(self._begin_upload), methods=["POST"]),
                 Route("/uploads/{upload:int}", _answered(self._drop_upload), methods=["DELETE"]),
                 Route("/uploads/{upload:int}/{file:int}", _answered(self._take), methods=["PUT"]),
@@ -273,6 +278,33 @@ class Library:
             # they go with it: a saved scene has to hold it
             volume.source = None
         opened.show_second(placed(opened.session.scene.volume, volume), files=files)
+
+    # --- segments of the open scan ---------------------------------------------------------
+
+    async def _segments(self, request: Request) -> ASGIApp:
+        wanted = await _body(request, WantedSegments)
+        if (wanted.path is None) == (wanted.upload is None):
+            raise OptionError("one place is needed; allowed: a path, or an upload")
+        if wanted.upload is None:
+            path = path_of(wanted.path or "")
+        else:
+            path = labels_in(self._uploads.of(wanted.upload).path)
+        return Job(lambda progress, _: self._add_segments(path, wanted, progress))
+
+    def _add_segments(self, path: Path, wanted: WantedSegments, progress: Progress) -> None:
+        """Adds the segments of a file or folder to the open scan."""
+        try:
+            opened = from_thread.run(self._workbench.settled)
+            if opened is None:
+                raise OptionError("no scan is open; allowed: open one first")
+            volume = opened.session.scene.volume
+            found = read_labels(path, volume, resample=wanted.resample, progress=progress)
+            # from here on it cannot be taken back
+            progress("adding segments", None)
+            add_labels(opened.live, found)
+        finally:
+            if wanted.upload is not None:
+                self._uploads.drop(wanted.upload)
 
 
 async def _body(request: Request, kind: type[Wanted]) -> Wanted:

@@ -10,6 +10,7 @@ import asyncio
 from collections.abc import AsyncIterator
 from contextlib import suppress
 from queue import SimpleQueue
+from typing import Literal
 
 import msgspec
 import numpy as np
@@ -148,6 +149,10 @@ class Live:
             if self._presses is outbox:
                 # nobody is left to release the tool
                 await asyncio.to_thread(self._release)
+
+    def notify(self, level: Literal["info", "warning"], text: str) -> None:
+        """Tells all pages a sentence; for any thread."""
+        self._from_threads.put(protocol.Notice(level=level, text=text))
 
     def show_second(self, second: SecondScan | None) -> None:
         """Shows another scan with the first, or the same one elsewhere; from any thread."""

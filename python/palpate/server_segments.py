@@ -123,10 +123,10 @@ class ShownSegments:
         self._set_look(wanted.id, replace(self._look_of(wanted.id), name=wanted.name))
         self.keep()
 
-    def add(self, segment: Segment) -> None:
-        """Adds a segment under its name, in a colour of its own."""
+    def add(self, segment: Segment, *, colour: tuple[float, float, float] | None = None) -> None:
+        """Adds a segment under its name, in a colour of its own where none is given."""
         segment_id = self._session.add_segment(segment)
-        self._set_look(segment_id, Look(segment.name, _colour_of(segment_id)))
+        self._set_look(segment_id, Look(segment.name, colour or _colour_of(segment_id)))
         self.keep()
 
     def add_empty(self, name: str) -> None:

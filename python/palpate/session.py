@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from palpate import _core
 from palpate.errors import OptionError
 from palpate.gap import Gap
-from palpate.material import LinearMaterial, Material, Region
+from palpate.material import ForceSource, LinearMaterial, Material, Region
 from palpate.needle import NeedleEvent, Tissue
 from palpate.package_version import package_version
 from palpate.painted_cut import PaintedCut
@@ -490,16 +490,30 @@ class Session:
                 segment_id, [(each.treatment, each.box, each.shared_with) for each in regions]
             )
 
+    def set_force_source(self, source: ForceSource) -> None:
+        """Chooses what a tool feels of matter that gives way.
+
+        Args:
+            source: ``"matter"`` (at first) is the model's own contact force; ``"voxels"`` are hard
+                until the model has moved them away, as in the thesis (5.23).
+
+        Raises:
+            OptionError: It is neither.
+        """
+        with _given():
+            self._internal.set_force_source(source)
+
     def deformation(self) -> dict[str, Any]:
         """Returns how the deformation goes.
 
         Returns:
             ``model`` (None where nothing gives way), ``edge`` of its box (None for the usual
-            one), ``force`` on the tool [N, scene], ``answers`` so far, ``slips`` (of these, those
-            in which particles slipped), whether the next one is ``late`` (then matter is as hard
-            as its voxels); of the last answer ``iterations``, ``residual`` (what is left of
-            unbalanced force, as a share of the contact's), ``nodes`` and ``moved_voxels`` (not as
-            at rest); ``bonds_broken`` and ``work_broken`` [N·mm] since the start.
+            one), ``force_source``, ``force`` of the matter on the tool [N, scene], felt or not,
+            ``answers`` so far, ``slips`` (of these, those in which particles slipped), whether
+            the next one is ``late`` (then matter is as hard as its voxels); of the last answer
+            ``iterations``, ``residual`` (what is left of unbalanced force, as a share of the
+            contact's), ``nodes`` and ``moved_voxels`` (not as at rest); ``bonds_broken`` and
+            ``work_broken`` [N·mm] since the start.
         """
         return self._internal.deformation()
 

@@ -4,7 +4,7 @@ use palpate_deform::material::{
     MaterialError, MaterialLaw, PRESETS, Preset, Region, Solid, SolidSi, Treatment, preset,
 };
 use palpate_deform::model::{MODELS, Registered};
-use palpate_engine::deformation::DeformationNow;
+use palpate_engine::deformation::{DeformationNow, ForceSource};
 use palpate_engine::matter_view::ShownParts;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::voxel_box::VoxelBox;
@@ -162,6 +162,26 @@ pub fn deformation_models() -> Vec<ModelTuple> {
         .collect()
 }
 
+/// What a tool can feel of matter that gives way, by name.
+const FORCE_SOURCES: [(&str, ForceSource); 2] = [
+    ("matter", ForceSource::Matter),
+    ("voxels", ForceSource::Voxels),
+];
+
+/// What a tool is to feel, by its name.
+pub fn force_source(name: &str) -> Result<ForceSource, CoreError> {
+    let known = FORCE_SOURCES.iter().find(|(known, _)| *known == name);
+    known.map(|(_, source)| *source).ok_or_else(|| {
+        let names = FORCE_SOURCES.map(|(name, _)| name).join(", ");
+        CoreError::value(format!("force source {name:?} given; allowed: {names}"))
+    })
+}
+
+fn source_name(source: ForceSource) -> &'static str {
+    let known = FORCE_SOURCES.iter().find(|(_, known)| *known == source);
+    known.map_or("matter", |(name, _)| name)
+}
+
 /// How the deformation goes.
 pub fn deformation_dict<'py>(
     py: Python<'py>,
@@ -170,6 +190,7 @@ pub fn deformation_dict<'py>(
     dictionary!(py,
         "model": now.model,
         "edge": now.edge,
+        "force_source": source_name(now.source),
         "force": now.force.to_array(),
         "answers": now.answers,
         "late": now.late,

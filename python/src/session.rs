@@ -23,8 +23,8 @@ use crate::device::{device_named, path_samples};
 use crate::errors::CoreError;
 use crate::frame::{frame_dict, lateness_dict, segment_dict};
 use crate::material::{
-    LinearTuple, RegionTuple, SolidTuple, constant_material, deformation_dict, linear_material,
-    material_named, parts_dict, region,
+    LinearTuple, RegionTuple, SolidTuple, constant_material, deformation_dict, force_source,
+    linear_material, material_named, parts_dict, region,
 };
 use crate::painted::{GivenLine, painted};
 use crate::picture::change_dict;
@@ -450,6 +450,12 @@ impl PySession {
     ) -> Result<(), CoreError> {
         let regions = regions.into_iter().map(region).collect::<Result<_, _>>()?;
         Ok(py.detach(|| self.session.set_regions(SegmentId(segment_id), regions))?)
+    }
+
+    /// Chooses what a tool feels of matter that gives way, by name.
+    fn set_force_source(&self, py: Python<'_>, source: &str) -> Result<(), CoreError> {
+        let source = force_source(source)?;
+        Ok(py.detach(|| self.session.set_force_source(source))?)
     }
 
     fn deformation<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {

@@ -82,6 +82,16 @@ def test_without_a_model_or_a_material_matter_is_hard() -> None:
     assert np.array_equal(pressed(None, "lattice").forces, hard)
 
 
+def test_what_is_felt_of_soft_matter_can_be_chosen() -> None:
+    with Session(scene(), device=ScriptedPath((24.0, 24.0, 30.0)), options=OFFLINE) as session:
+        assert session.deformation()["force_source"] == "matter"
+        session.set_force_source("voxels")
+        assert session.deformation()["force_source"] == "voxels"
+        with pytest.raises(OptionError, match='"skin" given; allowed: matter, voxels'):
+            session.set_force_source("skin")  # type: ignore[arg-type]
+        assert session.deformation()["force_source"] == "voxels"
+
+
 def test_a_dent_comes_back_and_parts_can_be_rigid() -> None:
     rigid = Region("rigid", box=((0, 0, 0), (48, 48, int(TOP) - 2)))
     path = ScriptedPath((24.3, 24.4, 30.0))

@@ -100,6 +100,25 @@ def test_a_whole_pipeline_runs_and_its_files_are_read_again(folder: Path, capsys
     assert tinted.max() > tinted.min()
 
 
+def test_raw_voxels_are_imported_with_their_layout(folder: Path, capsys: Any) -> None:
+    scan = read(folder / "scan.mha")
+    (folder / "scan.raw").write_bytes(scan.array.astype(">i2").tobytes())
+    text = """
+import:
+  path: scan.raw
+  raw: 60x32x30,int16,big
+  voxel-size: 1,1.5,{depth}
+segment:
+  - threshold: 200
+    name: all
+"""
+    assert run(["run", str(written(folder, text.format(depth="2")))]) == 0
+    made = scan.threshold(200.0)
+    assert f"all: {made.volume_ml:.1f} ml" in capsys.readouterr().out
+    assert run(["run", str(written(folder, text.format(depth="deep")))]) == 2
+    assert "recipe.yaml, line 5: voxel size '1,1.5,deep' given" in capsys.readouterr().err
+
+
 def test_another_scan_is_brought_to_the_first_one_and_segments_are_made_of_it(
     folder: Path, write_image: Any, capsys: Any
 ) -> None:

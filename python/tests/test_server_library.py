@@ -339,6 +339,55 @@ def test_a_second_scan_is_shown_with_the_open_one(
     assert refused[-1]["reason"].startswith("a scene was chosen")
 
 
+def test_segments_of_files_are_added_to_the_open_scan(
+    client: LibraryClient, study: Path, tmp_path: Path
+) -> None:
+    volume = palpate.read(study, series="1.2.3")
+    labels = np.zeros(volume.shape, np.uint8)
+    labels[1:3, :2, 1:], labels[3] = 1, 7
+    image = SimpleITK.GetImageFromArray(labels)
+    image.SetSpacing(volume.spacing)
+    image.SetOrigin(volume.origin)
+    path = tmp_path / "organs.nii.gz"
+    SimpleITK.WriteImage(image, str(path))
+    table = b"id,structure\n1,liver\n7,aorta\n"
+    (refused,) = client.job("segments", {"path": str(path)})
+    assert refused["reason"].startswith("no scan is open")
+    client.job("open", {"path": str(study), "series": "1.2.3"})
+    opened = client.workbench.opened
+    assert opened is not None
+    session, shown = opened.session, opened.live.segments
+    before = [state["id"] for state in session.segments()]
+
+    def added() -> list[tuple[str, int]]:
+        states = [state for state in session.segments() if state["id"] not in before]
+        return sorted((shown.name_of(state["id"]), state["voxels"]) for state in states)
+
+    assert client.job("segments", {"path": str(path)}) == [{"kind": "done"}]
+    assert added() == [("label 1", 12), ("label 7", 12)]
+    for _ in range(2):
+        assert session.undo()
+    assert added() == []
+    # one that was dropped with its table; nothing of it stays
+    upload = client.upload({"organs.nii.gz": path.read_bytes(), "organs.csv": table})
+    assert client.job("segments", {"upload": upload}) == [{"kind": "done"}]
+    assert added() == [("aorta", 12), ("liver", 12)]
+    assert client.ask("POST", "library/segments", {"upload": upload}).status_code == 400
+    for _ in range(2):
+        session.undo()
+
+    image.SetSpacing([2.0 * length for length in volume.spacing])
+    SimpleITK.WriteImage(image, str(path))
+    (refused,) = client.job("segments", {"path": str(path)})
+    assert "lies on another grid than the scan" in refused["reason"]
+    assert added() == []
+    assert client.job("segments", {"path": str(path), "resample": True}) == [{"kind": "done"}]
+    assert [name for name, _ in added()] == ["label 1"]
+    wrongs: list[Any] = [{}, {"path": " "}, {"upload": 99}, {"path": str(path), "upload": upload}]
+    for wrong in wrongs:
+        assert client.ask("POST", "library/segments", wrong).status_code == 400
+
+
 def test_a_windows_title_names_no_file_that_was_not_given(
     client: LibraryClient, study: Path, write_image: Any
 ) -> None:

@@ -30,6 +30,16 @@ const REACH: f64 = 30.0;
 /// A model and the name that it goes by.
 pub type NamedModel = (&'static str, Box<dyn DeformationModel>);
 
+/// What a tool feels of matter that gives way.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ForceSource {
+    /// The model's own contact force.
+    #[default]
+    Matter,
+    /// Its voxels, as hard as any, until the model has moved them away (thesis 5.23).
+    Voxels,
+}
+
 /// The deformation as the picture shows it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DeformationNow {
@@ -37,7 +47,9 @@ pub struct DeformationNow {
     pub model: Option<&'static str>,
     /// Nodes or cells along each edge of its box; none for as many as usual.
     pub edge: Option<u32>,
-    /// Force on the tool [N].
+    /// What the tool feels.
+    pub source: ForceSource,
+    /// Force of the matter on the tool [N], felt or not.
     pub force: DVec3,
     /// Answers so far.
     pub answers: u64,
@@ -150,6 +162,11 @@ impl Deformation {
         &mut self.matter
     }
 
+    /// Chooses what the tool feels from the next answer on.
+    pub fn set_force_source(&mut self, source: ForceSource) {
+        self.now.source = source;
+    }
+
     /// Displacements are forgotten: matter is another one.
     pub fn forget_displacements(&mut self) {
         self.reset = true;
@@ -234,19 +251,35 @@ impl Deformation {
         if edit.is_none() && !is_current {
             self.known = None;
         }
-        Outcome {
-            edit,
-            giving_way: Some(GivingWay {
+        let giving_way = match self.now.source {
+            ForceSource::Matter => GivingWay {
                 segments: asked.segments,
                 contact: Some(contact.unwrap_or_else(|| nothing_at(asked.tool))),
-            }),
+            },
+            ForceSource::Voxels => GivingWay::default(),
+        };
+        Outcome {
+            edit,
+            giving_way: Some(giving_way),
             displacement: answer.displacement,
             events: answer.events,
         }
     }
 
+    /// Where matter meets the tool. What stands on its voxels alone would press nothing: as the
+    /// thesis' probe pushes what is near it, it then reaches by a voxel to where the hand presses.
+    fn tool(&self, status: &ServoStatus, voxel: f64) -> DVec3 {
+        match self.now.source {
+            ForceSource::Matter => status.tool,
+            ForceSource::Voxels => {
+                status.tool + (status.device - status.tool).clamp_length_max(voxel)
+            }
+        }
+    }
+
     fn ask(&mut self, scene: &Scene, status: &ServoStatus) {
-        let tool = status.tool;
+        let smallest = scene.voxels().grid().smallest_spacing();
+        let tool = self.tool(status, smallest);
         let leaves = self.next.is_some();
         let segments = match leaves {
             true => SegmentSet::default(),
@@ -265,7 +298,6 @@ impl Deformation {
         } else {
             ModelVoxels::Anew(Box::new(scene.voxels().clone()))
         };
-        let smallest = scene.voxels().grid().smallest_spacing();
         let job = DeformationJob {
             model: self.new_model.take(),
             reset: std::mem::take(&mut self.reset),

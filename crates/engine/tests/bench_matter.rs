@@ -32,6 +32,15 @@ fn work_in_matter_that_gives_way_breaks_no_promise() {
     assert!(report.settled >= 1, "{report:?}");
 }
 
+/// There the hand rests 18 mm from a probe over which matter has closed: the spring goes over to
+/// what is hard for as long as that takes.
+#[test]
+fn a_hand_far_from_a_caught_probe_comes_to_rest() {
+    let report = run("lattice", 5, 0, 2_400).unwrap();
+    assert_eq!(report.violation, None);
+    assert!(report.rests >= 1, "{report:?}");
+}
+
 #[test]
 fn a_run_is_made_again_by_its_number() {
     let one = run("lattice", 5, 1, 2_000).unwrap();

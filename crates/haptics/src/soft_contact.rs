@@ -33,7 +33,7 @@ use crate::tick::TickOutput;
 /// From when on an answer counts no more [s].
 pub const STALE_SECS: f64 = 0.1;
 /// How far the spring's end goes over in a tick, beside the hand's way [smallest spacings].
-pub(crate) const STEP: f64 = 0.02;
+pub const STEP: f64 = 0.02;
 
 /// What a tick tells of the contact.
 #[derive(Clone, Copy, Debug, PartialEq)]

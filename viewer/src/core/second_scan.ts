@@ -9,7 +9,7 @@ import type { ScanFrame } from "./scan_volume";
 import type { TransferFunction } from "./transfer_function";
 import type { WindowLevel } from "./window_level";
 
-/** How slices show two scans: one through the other, in squares by turns, or one after the other. */
+/** How two scans are shown: one through the other, in squares or cells by turns, or one after the other. */
 export const fusions = ["blend", "checkerboard", "flicker"] as const;
 export type Fusion = (typeof fusions)[number];
 
@@ -21,6 +21,7 @@ export interface SecondLook {
   readonly inView: boolean;
   readonly inSlices: boolean;
   /** In the 3-D view. */
+  readonly viewFusion: Fusion;
   readonly transferFunction: TransferFunction;
   /** Factor on its extinction. */
   readonly density: number;
@@ -37,7 +38,7 @@ export interface SecondLook {
   readonly tint: Tint;
   /** Share of the second scan, 0..1, in slices, by one value of a ray, and of its iso-surface. */
   readonly opacity: number;
-  /** Edge of a square of the checkerboard [mm]. */
+  /** Edge of a square or a cell of the checkerboard [mm]. */
   readonly square: number;
   /** Of two that flicker the one that is seen now. */
   readonly turn: "first" | "second";

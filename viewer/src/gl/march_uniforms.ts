@@ -37,6 +37,7 @@ export function marchUniforms() {
     upward: { value: vector() },
     parallel: { value: 0 },
     nearFar: { value: new THREE.Vector2() },
+    middleDepth: { value: 1 },
     clipPlanes: { value: Array.from({ length: mostPlanes }, () => new THREE.Vector4()) },
     clipCount: { value: 0 },
     stepLength: { value: 1 },

@@ -26,7 +26,7 @@ import { labelColours } from "./lookup_textures";
 import type { MarkerState } from "./markers";
 import { RayMarcher } from "./ray_marcher";
 import { Refiner } from "./refiner";
-import type { ShownSecond } from "./second_texture";
+import { sameInView, type ShownSecond } from "./second_texture";
 import { Snapshot, type SnapshotWish } from "./snapshot";
 import { Slices, type ShownSlice, type SliceLook } from "./slices";
 import { Surfaces } from "./surfaces";
@@ -68,6 +68,7 @@ export class Picture {
   private snapping = false;
   private readonly closing = new AbortController();
   private labels: LabelTexture | null = null;
+  private second: ShownSecond | null = null;
   private colours: THREE.DataTexture | null = null;
 
   constructor(canvas: HTMLCanvasElement, options: PictureOptions) {
@@ -160,7 +161,10 @@ export class Picture {
   setSecond(shown: ShownSecond | null): void {
     this.marcher.setSecond(shown);
     this.slices.follow(this.field?.volume.frame ?? null);
-    this.refiner.restart();
+    if (!sameInView(shown, this.second)) {
+      this.refiner.restart();
+    }
+    this.second = shown;
   }
 
   /** How segments are shown, from their voxels and as surfaces. */

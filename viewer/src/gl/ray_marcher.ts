@@ -269,6 +269,7 @@ export class RayMarcher {
     u.nearFar.value.set(near, far);
     u.parallel.value = camera.parallel === null ? 0 : 1;
     this.distance = depthOf(camera, camera.target);
+    u.middleDepth.value = this.distance;
     this.setSlab();
   }
 

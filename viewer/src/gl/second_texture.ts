@@ -31,6 +31,7 @@ export class SecondTexture {
     secondGrey: { value: new THREE.Vector2() },
     secondRayGrey: { value: new THREE.Vector2() },
     secondFusion: { value: 0 },
+    secondViewFusion: { value: 0 },
     secondTint: { value: 0 },
     secondOpacity: { value: 0 },
     secondSquare: { value: 1 },
@@ -134,6 +135,7 @@ export class SecondTexture {
     u.secondGrey.value.set(...greyScale(look.window, rescale));
     u.secondRayGrey.value.set(...greyScale(window, rescale));
     u.secondFusion.value = fusions.indexOf(look.fusion);
+    u.secondViewFusion.value = fusions.indexOf(look.viewFusion);
     u.secondTint.value = tints.indexOf(look.tint);
     u.secondOpacity.value = look.opacity;
     u.secondSquare.value = look.square;
@@ -186,6 +188,16 @@ export class SecondTexture {
 /** The window where a ray has one value; any where it has not. */
 function windowOf({ windows }: SecondLook, blend: Blend): WindowLevel {
   return isGrey(blend) ? windows[blend] : windows.mip;
+}
+
+/** Whether the 3-D view stays as it is: slices alone may show a second scan in another way, or the other of two. */
+export function sameInView(one: ShownSecond | null, other: ShownSecond | null): boolean {
+  const key = (shown: ShownSecond | null): string => {
+    const { look, place } = shown ?? { look: null, place: null };
+    const slices = { inSlices: null, window: null, fusion: null, turn: look?.viewFusion === "flicker" ? look.turn : null };
+    return JSON.stringify([place, look?.inView === true ? { ...look, ...slices } : null]);
+  };
+  return one?.volume === other?.volume && key(one) === key(other);
 }
 
 /** Share of a window per biased value, and at 0. */

@@ -45,6 +45,7 @@ export interface Doors {
   readonly page: {
     readonly open: () => void;
     readonly second: () => void;
+    readonly segments: () => void;
     readonly save: () => void;
     readonly help: () => void;
     readonly palette: () => void;
@@ -209,6 +210,7 @@ function work({ undo, theme, page }: Doors): readonly Action[] {
     { group, name: "Redo", keys: ["Ctrl+Shift+Z", "Ctrl+Y"], run: () => { undo.redo(); } },
     { group, name: "Open another scan", keys: ["Ctrl+O"], run: page.open },
     { group, name: "Add a second scan", keys: [], run: page.second },
+    { group, name: "Add segments from a file", keys: [], run: page.segments },
     { group, name: "Save the scene", keys: ["Ctrl+S"], run: page.save },
     { group, name: "All actions and their keys", keys: ["Ctrl+K"], run: page.palette },
     { group, name: "Help: mouse and keys", keys: ["?"], run: page.help },

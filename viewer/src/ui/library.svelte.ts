@@ -22,6 +22,10 @@ export class Library {
   shown = $state.raw(false);
   /** What is opened comes beside the open scan, and not in its place. */
   beside = $state.raw(false);
+  /** What is given holds segments of the open scan. */
+  segments = $state.raw(false);
+  /** Whether segments may lie on another grid than the scan. */
+  resample = $state.raw(false);
   work = $state.raw<Work | null>(null);
   failure = $state.raw<string | null>(null);
   found = $state.raw<Found | null>(null);
@@ -51,11 +55,12 @@ export class Library {
   }
 
   /** Shows the page for opening over the open scan. */
-  async show({ beside = false } = {}): Promise<void> {
-    if (beside !== this.beside) {
+  async show({ beside = false, segments = false } = {}): Promise<void> {
+    if (beside !== this.beside || segments !== this.segments) {
       this.leaveList();
       this.failure = null;
       this.beside = beside;
+      this.segments = segments;
     }
     this.shown = true;
     const told = this.about?.told ?? [];
@@ -155,7 +160,13 @@ export class Library {
     await this.look();
   }
 
+  /** Lists the scans of a place, or adds its segments to the open scan. */
   private async find(place: object, signal: AbortSignal, taken_as = this.projected ? "projections" : "anything"): Promise<void> {
+    if (this.segments) {
+      await work("segments", { ...place, resample: this.resample }, { token: this.token, signal }, this.take.bind(this));
+      this.hide();
+      return;
+    }
     this.clear();
     this.place = place;
     await work("find", { ...place, taken_as }, { token: this.token, signal }, this.take.bind(this));
@@ -232,6 +243,14 @@ export class Library {
       }
     }
   }
+}
+
+/** What the page for opening is called. */
+export function titleOf({ beside, segments }: Pick<Library, "beside" | "segments">): string {
+  if (segments) {
+    return "Add segments";
+  }
+  return beside ? "Add a second scan" : "Open a scan";
 }
 
 /** The engine's sentences begin small, as on the command line. */

@@ -59,8 +59,8 @@ export function valueText(value: number | null, unit: string): string {
   return value === null ? "" : `${formatValue(Math.round(value * 100) / 100)}${unit === "" ? "" : ` ${unit}`}`;
 }
 
-/** A reading as a line of text. */
-export function readingText({ name, value, point }: Reading, unit: string): string {
-  const parts = [name ?? "scan", valueText(value, unit), `LPS ${formatPoint(point)} mm`];
+/** A reading as a line of text. @param second what a second scan has there. */
+export function readingText({ name, value, point }: Reading, unit: string, second = ""): string {
+  const parts = [name ?? "scan", valueText(value, unit), second === "" ? "" : `second scan ${second}`, `LPS ${formatPoint(point)} mm`];
   return parts.filter((part) => part !== "").join(", ");
 }

@@ -1,8 +1,10 @@
 /**
  * The second scan on the page: its values, and how a person wants it shown; remembered for the first scan.
  */
+import { transformPoint } from "../core/affine";
 import { transferFunctionOfCurve } from "../core/curve";
 import { curveOfPreset, presets } from "../core/curve_presets";
+import { valueInVoxel } from "../core/field";
 import { valueAbove } from "../core/histogram";
 import { firstChoice, firstTissue, type OpticsChoice } from "../core/optics";
 import type { Scan, SecondScan } from "../core/protocol";
@@ -10,6 +12,7 @@ import { frameOf } from "../core/scan_volume";
 import { fusions, placeOf, tints, type Fusion, type SecondLook, type Tint } from "../core/second_scan";
 import { subsamplingStep } from "../core/subsampling";
 import { Unchanged } from "../core/unchanged";
+import type { Vec3 } from "../core/vector";
 import { firstWindow, type WindowLevel } from "../core/window_level";
 import type { ShownSecond } from "../gl/second_texture";
 import { moveSecond, removeSecond } from "../live/second_requests";
@@ -20,6 +23,8 @@ import { recall, remember } from "./remembered";
 export interface SecondChoice {
   readonly inView: boolean;
   readonly inSlices: boolean;
+  /** Of the 3-D view. */
+  readonly viewFusion: Fusion;
   readonly preset: string;
   readonly density: number;
   /** Value of its iso-surface. */
@@ -100,12 +105,18 @@ export class SecondControl {
     }
     const transferFunction = this.sameFunction.of(transferFunctionOfCurve(curve), JSON.stringify(curve));
     const edgeGradient = edgeShare * Math.abs(anchors.bone - anchors.softTissue);
-    const { inView, inSlices, density, iso, windows, window, level, fusion, tint, opacity, square } = choice;
+    const { inView, viewFusion, inSlices, density, iso, windows, window, level, fusion, tint, opacity, square } = choice;
     const inSlice = { inSlices, window: { window, level }, fusion, tint, opacity, square, turn };
     const surface = { isoValue: iso, tissueFrom: firstTissue(anchors), windows };
     const alone = only === null ? {} : ({ inSlices: true, fusion: "flicker", turn: only } as const);
-    return { ...held, place, look: { inView, transferFunction, density, edgeGradient, ...surface, ...inSlice, ...alone } };
+    return { ...held, place, look: { inView, viewFusion, transferFunction, density, edgeGradient, ...surface, ...inSlice, ...alone } };
   });
+
+  /** Its value at a point of the first scan's scene; null outside of it and before it is here. */
+  valueAt(point: Vec3): number | null {
+    const { shown } = this;
+    return shown && valueInVoxel(shown.volume, transformPoint(shown.volume.frame.gridFromScene, transformPoint(shown.place, point)));
+  }
 
   /** Lays it where a transform's file says; null: as its own file does. */
   async moveBy(transform: File | null): Promise<void> {
@@ -167,7 +178,9 @@ export class SecondControl {
 
   /** Lets two scans take turns where they are to. */
   private follow(): void {
-    const flickers = this.told !== null && this.choice?.fusion === "flicker" && this.choice.inSlices;
+    const { choice } = this;
+    const isFlickering = (choice?.inSlices === true && choice.fusion === "flicker") || (choice?.inView === true && choice.viewFusion === "flicker");
+    const flickers = this.told !== null && isFlickering;
     if (flickers && this.timer === null) {
       this.timer = setInterval(() => {
         this.turn = this.turn === "second" ? "first" : "second";
@@ -186,6 +199,7 @@ function choiceFor(scan: Scan, first: string): SecondChoice {
   const { windows } = firstChoice({ softTissue: scan.soft_tissue, bone: scan.bone }, valueAbove(scan.histogram, fewVoxels));
   const fitting: SecondChoice = {
     inView: true,
+    viewFusion: "blend",
     inSlices: true,
     preset: scan.unit === "HU" ? "CT-Bone" : "MR-Default",
     // the first scan is seen through it
@@ -200,6 +214,6 @@ function choiceFor(scan: Scan, first: string): SecondChoice {
     square: 20,
   };
   const { of, ...kept } = recall(`second.${first}`, { ...fitting, of: "" });
-  const known = of === scan.name && fusions.includes(kept.fusion) && tints.includes(kept.tint) && presets.some(({ name }) => name === kept.preset);
+  const known = of === scan.name && fusions.includes(kept.fusion) && fusions.includes(kept.viewFusion) && tints.includes(kept.tint) && presets.some(({ name }) => name === kept.preset);
   return known ? kept : fitting;
 }

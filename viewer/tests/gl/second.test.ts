@@ -141,3 +141,113 @@ test("what is empty of the second scan is leapt over, and nothing else", async (
   expect(Math.max(...expected)).toBeGreaterThan(0.5);
   expect(alike(channel(result, 3), expected, 0.03)).toBeGreaterThan(0.99);
 });
+
+/** What a step along a ray is in, from the viewer on: of the first scan, of the second, of none. */
+interface Part {
+  readonly first: boolean;
+  readonly second: boolean;
+}
+
+const fine = 0.2;
+
+/** The parts of each pixel's ray, `fine` mm each, where cells of 7 mm show the one or the other. */
+function partsInCells(result: MarchResult, place: Affine): Part[][] {
+  return raysOf(result, first).map(({ origin, direction }, i) => {
+    const [x, y] = [i % edge, edge - 1 - Math.floor(i / edge)];
+    const ray = rayThrough(result.camera, x + 0.5, y + 0.5, { width: edge, height: edge });
+    const [there, thither] = [transformPoint(place, ray.origin), transformVector(place, ray.direction)];
+    const spans = [throughBox(origin, direction, [48, 48, 48]), throughBox(there, thither, [20, 20, 20])];
+    const ends = spans.flatMap((span) => span ?? []);
+    const parts: Part[] = [];
+    for (let t = Math.min(...ends) + fine / 2; t < Math.max(...ends); t += fine) {
+      const [inFirst, inSecond] = spans.map((span) => span !== null && span[0] <= t && t <= span[1]);
+      const cells = origin.map((from, axis) => Math.floor((from + t * (direction[axis] ?? 0)) / 7));
+      const turn = inSecond === true && (((cells[0] ?? 0) + (cells[1] ?? 0) + (cells[2] ?? 0)) & 1) === 1;
+      parts.push({ first: inFirst === true && !turn, second: turn });
+    }
+    return parts;
+  });
+}
+
+test("in a checkerboard each cell holds one of both, also beside the first", async () => {
+  const extinctions = { first: 0.05, second: 0.08 };
+  const both = [turned, outward];
+  const results = await second({ places: both, blend: "composite", ...extinctions, viewFusion: "checkerboard", square: 7 });
+  const blended = await second({ places: both, blend: "composite", ...extinctions });
+  both.forEach((place, i) => {
+    const [result, other] = [results[i], blended[i]];
+    if (result === undefined || other === undefined) {
+      throw new Error("no picture");
+    }
+    const expected = partsInCells(result, place).map((parts) => {
+      let [red, blue, clarity] = [0, 0, 1];
+      for (const part of parts) {
+        const passed = Math.exp(-fine * (part.first ? extinctions.first : part.second ? extinctions.second : 0));
+        red += part.first ? clarity * (1 - passed) : 0;
+        blue += part.second ? clarity * (1 - passed) : 0;
+        clarity *= passed;
+      }
+      return { red, blue };
+    });
+    // an interval of 0.25 mm belongs to one cell
+    expect(alike(channel(result, 0), expected.map(({ red }) => red), 0.03)).toBeGreaterThan(0.985);
+    expect(alike(channel(result, 2), expected.map(({ blue }) => blue), 0.03)).toBeGreaterThan(0.985);
+    expect(alike(channel(other, 2), expected.map(({ blue }) => blue), 0.03)).toBeLessThan(0.95);
+    expect(Math.max(...expected.map(({ blue }) => blue))).toBeGreaterThan(0.1);
+  });
+});
+
+test("a checkerboard of iso-surfaces shows the body that a ray meets first in a cell of its own", async () => {
+  const all = [turned, outward];
+  const results = await second({ places: all, blend: "iso", first: 0.02, second: 0.06, opacity: 0.4, isoValue: 50, viewFusion: "checkerboard", square: 7 });
+  all.forEach((place, i) => {
+    const result = results[i];
+    if (result === undefined) {
+      throw new Error("no picture");
+    }
+    const colours = { first: 0, second: 2 } as const;
+    const met = partsInCells(result, place).map((parts) => parts.find((part) => part.first || part.second));
+    const counts = { first: 0, second: 0, wrong: 0 };
+    met.forEach((part, pixel) => {
+      const light = result.pixels.slice(4 * pixel, 4 * pixel + 4);
+      const shown = part === undefined ? null : part.second ? "second" : "first";
+      const other = shown === "first" ? colours.second : colours.first;
+      const right = shown === null ? light[3] === 0 : light[3] === 1 && (light[colours[shown]] ?? 0) > (light[other] ?? 0);
+      counts[shown ?? "first"] += shown === null ? 0 : 1;
+      counts.wrong += right ? 0 : 1;
+    });
+    expect(counts.wrong).toBeLessThan(0.02 * edge * edge);
+    expect(counts.first).toBeGreaterThan(500);
+    expect(i === 0 || counts.second > 300).toBe(true);
+  });
+});
+
+test.each(["mip", "average"] as const)("in mode %s squares of the view show the one or the other", async (blend) => {
+  const results = await second({ places: [straight], blend, first: 0.02, second: 0.06, viewFusion: "checkerboard", square: 7 });
+  const [result] = results;
+  if (result === undefined) {
+    throw new Error("no picture");
+  }
+  const half = Math.tan(result.camera.field / 2) * result.camera.distance;
+  const share = lengths(result, straight).map((length, i) => {
+    const at = (pixel: number): number => Math.floor((((pixel + 0.5) / edge) * 2 - 1) * (half / 7));
+    const odd = ((at(i % edge) + at(Math.floor(i / edge))) & 1) === 1;
+    return odd && length.second > 0 ? 0.5 : length.first > 0 ? 0.65 : 0;
+  });
+  expect(new Set(share).size).toBe(3);
+  expect(alike(channel(result, 3), share, 0.01)).toBeGreaterThan(0.97);
+});
+
+test("of two that flicker one is seen, and the first where there is no second", async () => {
+  const whole = { places: [straight], blend: "composite", first: 0.05, second: 0.08, viewFusion: "flicker" } as const;
+  const [one] = await second({ ...whole, turn: "first" });
+  const [other] = await second({ ...whole, turn: "second" });
+  if (one === undefined || other === undefined) {
+    throw new Error("no picture");
+  }
+  const expected = lengths(one, straight);
+  expect(Math.max(...channel(one, 2))).toBeLessThan(0.002);
+  expect(alike(channel(one, 3), expected.map((length) => 1 - Math.exp(-0.05 * length.first)), 0.02)).toBeGreaterThan(0.995);
+  const both = expected.map((length) => 1 - Math.exp(-0.05 * (length.first - length.second) - 0.08 * length.second));
+  expect(alike(channel(other, 3), both, 0.02)).toBeGreaterThan(0.995);
+});

@@ -27,6 +27,10 @@ export interface SecondTest {
   readonly step?: number;
   /** Share of the second scan where a ray has one value, and of its iso-surface. */
   readonly opacity?: number;
+  /** How the view shows both, in cells of which edge [mm], and whose turn it is. */
+  readonly viewFusion?: SecondLook["viewFusion"];
+  readonly square?: number;
+  readonly turn?: SecondLook["turn"];
   /** Value of the first scan's iso-surface. */
   readonly isoValue?: number;
 }
@@ -69,6 +73,7 @@ export function second(test: SecondTest): MarchResult[] {
   const grey = { window: 400, level: inside };
   const look: SecondLook = {
     inView: true,
+    viewFusion: test.viewFusion ?? "blend",
     inSlices: true,
     transferFunction: everywhere(test.second, [0, 0, 1]),
     density: 1,
@@ -80,8 +85,8 @@ export function second(test: SecondTest): MarchResult[] {
     fusion: "blend",
     tint: "grey",
     opacity: test.opacity ?? 1,
-    square: 20,
-    turn: "second",
+    square: test.square ?? 20,
+    turn: test.turn ?? "second",
   };
   const target = new PictureTarget(true);
   target.resize(edge, edge);

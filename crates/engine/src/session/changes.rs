@@ -9,7 +9,7 @@ use palpate_tools::tool::ToolSettings;
 use palpate_volume::edit::SegmentId;
 
 use super::{Session, lock};
-use crate::deformation::DeformationNow;
+use crate::deformation::{DeformationNow, ForceSource};
 use crate::error::SessionError;
 use crate::matter_view::ShownParts;
 use crate::needle::NeedleReport;
@@ -88,6 +88,14 @@ impl Session {
         regions: Vec<(Region, Treatment)>,
     ) -> Result<(), SessionError> {
         self.ask(move |simulation| simulation.set_regions(id, regions))?
+    }
+
+    /// Chooses what a tool feels of matter that gives way.
+    ///
+    /// # Errors
+    /// Where the session has ended.
+    pub fn set_force_source(&self, source: ForceSource) -> Result<(), SessionError> {
+        self.ask(move |simulation| simulation.set_force_source(source))
     }
 
     /// How the deformation goes.

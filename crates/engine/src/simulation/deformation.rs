@@ -7,7 +7,7 @@ use palpate_volume::edit::SegmentId;
 use palpate_volume::voxels::VoxelsError;
 
 use super::Simulation;
-use crate::deformation::DeformationNow;
+use crate::deformation::{DeformationNow, ForceSource};
 use crate::error::SessionError;
 use crate::frame::Notice;
 use crate::handover::{GivingWay, ServoCommand};
@@ -107,6 +107,12 @@ impl Simulation {
             edge: self.scene.model().and_then(|choice| choice.edge),
             ..self.deformation.now()
         }
+    }
+
+    /// Chooses what a tool feels of matter that gives way. This is not undone.
+    pub fn set_force_source(&mut self, source: ForceSource) {
+        self.deformation.set_force_source(source);
+        self.publish();
     }
 
     /// Takes the model's answer as soon as it has come, between two passes, and asks again.

@@ -6,6 +6,7 @@ use palpate_deform::model::{
     DeformationModel, DisplacementField, ModelAnswer, ModelInput, ModelReport, ToolContact,
     ToolShape,
 };
+use palpate_engine::deformation::ForceSource;
 use palpate_engine::handover::TickRecord;
 use palpate_engine::scene_news::SceneNews;
 use palpate_engine::surfaces::DisplacedNow;
@@ -118,6 +119,34 @@ fn soft_matter_pushes_as_its_model_says_and_moves_out_of_the_way() {
     assert_eq!(soft_voxels(&rig), all);
     let now = rig.simulation.deformation();
     assert!(now.answers > 100 && now.model == Some("floor"));
+}
+
+/// The thesis' own force (5.23): of a border that is rigid until the voxels have moved.
+#[test]
+fn the_voxels_alone_can_be_felt_until_matter_has_moved_them() {
+    let mut rig = rig();
+    rig.simulation.set_force_source(ForceSource::Voxels);
+    let all = soft_voxels(&rig);
+    go(&mut rig, 30.0, 20.5, 500);
+    let mut felt = 0;
+    for step in 0..100 {
+        let from = 20.5 - 0.035 * f64::from(step);
+        let now = go(&mut rig, from, from - 0.035, 10);
+        // nothing but the coupling to where voxels hold the probe
+        assert!((now.force.length() - now.depth).abs() < 1e-6);
+        felt += u32::from(now.force != DVec3::ZERO);
+    }
+    let rest = go(&mut rig, 17.0, 17.0, 1000);
+    assert!(felt > 5, "{felt} forces");
+    assert_eq!(rest.force, DVec3::ZERO);
+    assert!(soft_voxels(&rig) < all);
+    assert_eq!(rig.violations(), 0);
+    // the matter itself is felt as soon as it is chosen
+    rig.simulation.set_force_source(ForceSource::Matter);
+    let soft = go(&mut rig, 17.0, 17.0, 1000);
+    let expected = 3.0 * STIFFNESS / (1.0 + STIFFNESS);
+    assert!((soft.force.z - expected).abs() < 1e-6, "{}", soft.force);
+    assert_eq!(rig.simulation.deformation().source, ForceSource::Matter);
 }
 
 #[test]

@@ -7,10 +7,13 @@ uniform vec3 isoColour;
 
 bool enclosed(vec3 grid, out int segment) {
   float value = biasedAt(grid);
-  segment = segmentAt(grid, value);
+  segment = seenSegmentAt(grid, value);
   if (segment >= 0 && !isSolid(segment)) {
     segment = value * grey.x + grey.y >= 0.0 ? isoSegment : 0;
   }
+#ifdef SECOND
+  segment = isSecondsTurn(grid) ? 0 : segment;
+#endif
   return segment == isoSegment || segment > 0;
 }
 
@@ -19,14 +22,36 @@ bool enclosed(vec3 grid, out int segment) {
 uniform vec2 secondIso;
 uniform vec3 secondIsoColour;
 
-// Where a ray meets something, and whether it is cut open there.
+// Where a ray meets something, and whether it is cut open there, and through which face.
 struct Meeting {
   float at;
   bool cut;
+  vec3 face;
 };
 
-bool enclosedBySecond(vec3 grid) {
+bool insideSecond(vec3 grid) {
   return secondBiased(placeOnSecond(grid)) * secondIso.x + secondIso.y >= 0.0;
+}
+
+bool enclosedBySecond(vec3 grid) {
+  return showsSecond(grid) && insideSecond(grid);
+}
+
+// Whether a cell's side cuts the first scan's body, or the second's, where a ray enters it.
+bool opensCell(Ray ray, vec3 grid, bool second, inout vec3 side) {
+  vec3 before;
+  vec3 face;
+  if (!cameFromNextCell(ray, grid, before, face)) {
+    return false;
+  }
+  float value = biasedAt(before);
+  int there = segmentAt(before, value);
+  bool inFirst = there >= 0 && (isSolid(there) || value * grey.x + grey.y >= 0.0);
+  if (second ? !insideSecond(before) : !inFirst) {
+    return false;
+  }
+  side = face;
+  return true;
 }
 
 Meeting meetSecond(Ray ray) {
@@ -57,9 +82,11 @@ Meeting meetSecond(Ray ray) {
       end = inside ? middle : end;
       last = inside ? last : middle;
     }
-    return Meeting(end, cut);
+    vec3 face = ray.otherFace;
+    cut = cut || opensCell(ray, ray.origin + ray.inGrid * end, true, face);
+    return Meeting(end, cut, face);
   }
-  return Meeting(farAway, false);
+  return Meeting(farAway, false, vec3(0.0));
 }
 
 // Lets the light of its surface in, where that lies before `t`.
@@ -70,9 +97,11 @@ void passSecond(Ray ray, Meeting surface, float t, inout Layers layers, inout Se
   passLayers(layers, surface.at, seen.light, seen.clarity, seen.depth);
   vec3 grid = ray.origin + ray.inGrid * surface.at;
   vec3 toEye = -ray.direction;
-  vec3 normal = surface.cut ? facing(ray.otherFace, toEye, toEye) : facing(secondGradient(grid), toEye, toEye);
-  seen.light += seen.clarity * secondOpacity * litSurface(secondIsoColour, normal, toEye, 1.0, lightOnSecond(grid, normal));
-  seen.clarity *= 1.0 - secondOpacity;
+  vec3 normal = facing(surface.cut ? surface.face : secondGradient(grid), toEye, toEye);
+  // in cells of its own it hides nothing of the first
+  float opacity = secondViewFusion == 0 ? secondOpacity : 1.0;
+  seen.light += seen.clarity * opacity * litSurface(secondIsoColour, normal, toEye, 1.0, lightOnSecond(grid, normal));
+  seen.clarity *= 1.0 - opacity;
   seen.depth = seen.depth < 0.0 && seen.clarity < 0.5 ? surface.at : seen.depth;
 }
 #endif
@@ -120,6 +149,9 @@ Seen seenAlong(Ray ray, inout Layers layers) {
 #endif
     passLayers(layers, end, seen.light, seen.clarity, seen.depth);
     vec3 grid = ray.origin + ray.inGrid * end;
+#ifdef SECOND
+    cut = cut || opensCell(ray, grid, false, ray.face);
+#endif
     vec3 toEye = -ray.direction;
     if (segment == isoSegment) {
       vec3 normal = cut ? ray.face : facing(gradientAt(grid), toEye, toEye);

@@ -9,6 +9,18 @@ uniform float tissueFrom;
 uniform float secondTissueFrom;
 // share of its window at a biased value: x per value, y at 0
 uniform vec2 secondRayGrey;
+// depth of the middle of the view [mm]
+uniform float middleDepth;
+
+// Whether a ray shows the second scan alone: in squares of the plane through the middle of the view, or in time.
+bool isSecondsRay(Ray ray) {
+  if (secondViewFusion == 0 || ray.other.y <= ray.other.x) {
+    return false;
+  }
+  vec2 place = (gl_FragCoord.xy + shift.xy) / pictureSize * 2.0 - 1.0;
+  vec2 inPlane = place * vec2(length(across), length(upward)) * (parallel > 0.5 ? 1.0 : middleDepth);
+  return secondViewFusion == 1 ? isOdd(vec3(inPlane / secondSquare, 0.0)) : secondTurn > 0.5;
+}
 #endif
 
 // no share of a window
@@ -124,7 +136,11 @@ Seen seenAlong(Ray ray, inout Layers layers) {
 #else
   const float least = -none;
 #endif
-  shown = other > least ? blended(shown, clamp(other, 0.0, 1.0)) : shown;
+  if (isSecondsRay(ray)) {
+    shown = tinted(clamp(other, 0.0, 1.0));
+  } else if (secondViewFusion == 0 && other > least) {
+    shown = blended(shown, clamp(other, 0.0, 1.0));
+  }
 #endif
   // black is as clear as air: the page's own ground shows through
   return Seen(linearFromScreen(shown), 1.0 - max(max(shown.r, shown.g), shown.b), -1.0);

@@ -8,6 +8,16 @@ uniform mat4 secondFromGrid;
 // texture = share * scale + offset; holds the subsampling
 uniform vec3 secondTextureScale;
 uniform vec3 secondTextureOffset;
+// edge of a square or a cell in which one of both is seen [mm], and 1 while the second one of two that
+// flicker is
+uniform float secondSquare;
+uniform float secondTurn;
+
+// Whether the second of two has its turn at a place that is counted in squares or cells.
+bool isOdd(vec3 place) {
+  vec3 cell = floor(place);
+  return mod(cell.x + cell.y + cell.z, 2.0) > 0.5;
+}
 
 vec3 placeOnSecond(vec3 grid) {
   return (secondFromGrid * vec4(grid, 1.0)).xyz;

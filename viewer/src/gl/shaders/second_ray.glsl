@@ -4,6 +4,38 @@
 uniform sampler3D secondBricks;
 // place in its texture -> its bricks
 uniform vec3 secondBrickScale;
+// number of one of `fusions` (core/second_scan.ts), in which the view shows both
+uniform int secondViewFusion;
+
+// Cells of a checkerboard run along the first scan's axes, from its corner.
+vec3 inCells(vec3 grid) {
+  return grid * spacing / secondSquare;
+}
+
+// Whether a place shows the second scan and nothing of the first: by turns in cells, or in time.
+bool isSecondsTurn(vec3 grid) {
+  if (secondViewFusion == 0 || !isOnSecond(placeOnSecond(grid))) {
+    return false;
+  }
+  return secondViewFusion == 1 ? isOdd(inCells(grid)) : secondTurn > 0.5;
+}
+
+// Whether it shows the second scan, alone or with the first.
+bool showsSecond(vec3 grid) {
+  return secondViewFusion == 0 || isSecondsTurn(grid);
+}
+
+// The place a little before on the ray, where that lies in the next cell; `face` gets the side between.
+bool cameFromNextCell(Ray ray, vec3 grid, out vec3 before, out vec3 face) {
+  before = grid - ray.inGrid * (0.1 * stepLength);
+  vec3 crossed = abs(floor(inCells(grid)) - floor(inCells(before)));
+  face = -sign(ray.direction) * crossed;
+  if (secondViewFusion != 1 || face == vec3(0.0)) {
+    return false;
+  }
+  face = normalize(face);
+  return true;
+}
 
 // Gradient of its biased value along the first scan's axes [per mm], from a tetrahedron of half a voxel.
 vec3 secondGradient(vec3 grid) {
@@ -51,4 +83,11 @@ float stepsOverSecond(Ray ray, vec3 grid) {
   float leap = secondEmptyAhead(grid, ray.inGrid);
   return leap > 0.0 ? max(1.0, ceil(leap / stepLength)) * stepLength : 0.0;
 }
+
+// The segment that is seen at a place: none where the second scan has its turn.
+int seenSegmentAt(vec3 grid, float value) {
+  return isSecondsTurn(grid) ? 0 : segmentAt(grid, value);
+}
+#else
+#define seenSegmentAt segmentAt
 #endif

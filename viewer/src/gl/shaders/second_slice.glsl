@@ -5,9 +5,6 @@
 uniform vec2 secondGrey;
 // number of one of `fusions` (core/second_scan.ts)
 uniform int secondFusion;
-// edge of a square [mm], and 1 while the second one of two that flicker is seen
-uniform float secondSquare;
-uniform float secondTurn;
 
 // `place`: in the slice [mm].
 vec3 fused(vec3 first, vec3 grid, vec2 place) {
@@ -19,8 +16,7 @@ vec3 fused(vec3 first, vec3 grid, vec2 place) {
   if (secondFusion == 0) {
     return blended(first, share);
   }
-  vec2 square = floor(place / secondSquare);
-  bool second = secondFusion == 1 ? mod(square.x + square.y, 2.0) > 0.5 : secondTurn > 0.5;
+  bool second = secondFusion == 1 ? isOdd(vec3(place / secondSquare, 0.0)) : secondTurn > 0.5;
   return second ? tinted(share) : first;
 }
 #endif

@@ -20,7 +20,7 @@ vec4 secondTissueAt(float value) {
 // What there is of it: colour as it is lit, extinction [1/mm].
 vec4 litSecond(vec3 grid, vec3 toEye) {
   vec3 place = placeOnSecond(grid);
-  if (!isOnSecond(place)) {
+  if (!isOnSecond(place) || !showsSecond(grid)) {
     return vec4(0.0);
   }
   vec4 tissue = secondTissueAt(secondBiased(place));

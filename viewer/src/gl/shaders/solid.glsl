@@ -8,7 +8,7 @@ float refinedEntry(Ray ray, float before, float inside, inout int segment) {
   for (int i = 0; i < refinements; ++i) {
     float middle = 0.5 * (before + inside);
     vec3 grid = ray.origin + ray.inGrid * middle;
-    int here = segmentAt(grid, biasedAt(grid));
+    int here = seenSegmentAt(grid, biasedAt(grid));
     if (isSolid(here)) {
       inside = middle;
       segment = here;
@@ -18,6 +18,19 @@ float refinedEntry(Ray ray, float before, float inside, inout int segment) {
   }
   return inside;
 }
+
+#ifdef SECOND
+// Whether a cell's side cuts a solid segment where a ray enters it; that is the face of the cut then.
+bool cutByCell(inout Ray ray, vec3 grid) {
+  vec3 before;
+  vec3 face;
+  if (!cameFromNextCell(ray, grid, before, face) || !isSolid(segmentAt(before, biasedAt(before)))) {
+    return false;
+  }
+  ray.face = face;
+  return true;
+}
+#endif
 
 #ifdef LABELS
 // Outward normal of a label, from the share of its voxels around the point.

@@ -34,9 +34,11 @@ bool addTissue(Ray ray, vec2 interval, vec4 tissue, bool dividable, inout Layers
   float middle = 0.5 * (interval.x + interval.y);
   vec3 grid = ray.origin + ray.inGrid * middle;
   vec3 toEye = -ray.direction;
-  vec4 seenHere = litFirst(grid, toEye, tissue);
 #ifdef SECOND
-  seenHere = mixed(seenHere, litSecond(grid, toEye));
+  tissue.a = isSecondsTurn(grid) ? 0.0 : tissue.a;
+  vec4 seenHere = mixed(litFirst(grid, toEye, tissue), litSecond(grid, toEye));
+#else
+  vec4 seenHere = litFirst(grid, toEye, tissue);
 #endif
   float extinction = seenHere.a;
 #if BLEND == SHADED || BLEND == COMPOSITE
@@ -129,7 +131,7 @@ Seen seenAlong(Ray ray, inout Layers layers) {
     }
 
     float value = biasedAt(grid);
-    int segment = segmentAt(grid, value);
+    int segment = seenSegmentAt(grid, value);
     if (segment < 0) {
       // what is left out has no skin either
       front = value;
@@ -145,10 +147,13 @@ Seen seenAlong(Ray ray, inout Layers layers) {
     bool cut = false;
     if (solid) {
       vec3 before = ray.origin + ray.inGrid * last;
-      cut = last <= ray.span.x && isSolid(segmentAt(before, first));
+      cut = last <= ray.span.x && isSolid(seenSegmentAt(before, first));
       end = cut ? last : refinedEntry(ray, last, t, segment);
       grid = ray.origin + ray.inGrid * end;
       value = biasedAt(grid);
+#ifdef SECOND
+      cut = cut || cutByCell(ray, grid);
+#endif
     }
 #else
     const bool solid = false;

@@ -15,6 +15,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use glam::DVec3;
 use palpate_device::{DeviceLimits, DeviceState, HapticDevice};
 use palpate_haptics::safety::SafetySettings;
+use palpate_haptics::soft_contact;
 use rayon::prelude::*;
 
 use super::rig::{LIMITS, Rig};
@@ -34,7 +35,8 @@ const SPEED: f64 = 20.0;
 const FAST: f64 = 200.0;
 /// How far from the sides it works [mm].
 const MARGIN: f64 = 6.0;
-/// Ticks at rest after which nothing may change, and for which it is looked at.
+/// Ticks at rest after which nothing may change, beside those in which the spring's end goes over
+/// from an answer that has become too old, and ticks for which it is looked at.
 const REST: u32 = 1000;
 const STILL: u32 = 8;
 /// Passes within which touch follows everything, with the probe out of the way.
@@ -276,7 +278,10 @@ impl Run {
         let place = self.place();
         self.come_down(place, 3.0)?;
         self.frozen = true;
-        self.wait(REST)?;
+        // long where matter has closed over the probe and the hand has gone on
+        let spacing = self.rig.simulation.voxels().grid().spacing().min_element();
+        let way = self.last.proxy.distance(self.hand) / spacing;
+        self.wait(REST + (way / soft_contact::STEP).ceil() as u32)?;
         let before = self.last;
         for _ in 0..STILL {
             self.tick_at(self.hand)?;

@@ -1,0 +1,42 @@
+"""Segments of files, added to the open scan."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from palpate.errors import OptionError
+from palpate.labels import Labels
+from palpate.labels_map import ENDINGS
+from palpate.scene import MOST_SEGMENTS
+from palpate.server_live import Live
+
+__all__ = ["add_labels", "labels_in"]
+
+
+def add_labels(live: Live, found: Labels) -> None:
+    """Adds segments to a session, and tells all pages; for any thread.
+
+    Raises:
+        OptionError: They are too many.
+    """
+    room, count = MOST_SEGMENTS - len(live.session.segments()), len(found.labels)
+    if count > room:
+        raise OptionError(f"{count} segments given; allowed: {room} more")
+    for label in found.labels:
+        live.segments.add(label.segment, colour=label.colour)
+    for warning in found.warnings:
+        live.notify("warning", f"{warning[:1].upper()}{warning[1:]}.")
+    one = count == 1
+    live.notify(
+        "info",
+        f"{'One segment was' if one else f'{count} segments were'} added: "
+        f"undo takes {'it back' if one else 'them back one by one'}.",
+    )
+
+
+def labels_in(place: Path) -> Path:
+    """Returns what of a drop holds labels: the only image where there is one, beside its table."""
+    if not place.is_dir():
+        return place
+    images = [path for path in place.iterdir() if path.name.lower().endswith(ENDINGS)]
+    return images[0] if len(images) == 1 else place
