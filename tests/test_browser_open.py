@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 import zipfile
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -47,6 +48,7 @@ def test_a_page_without_a_scan_lists_takes_and_exchanges_scans(
         chosen_over_the_scan(page, study / "thin")
         archive_dropped(page, study / "thin", tmp_path / "study.zip")
         segments_from_a_file(page, data_folder / "dcmqi_seg" / "liver.dcm")
+        projections_dropped(page, tmp_path / "ball_proj.nrrd")
         assert [text for text in page.complaints if "400" not in text] == []
         assert command.stop() == 0
 
@@ -112,6 +114,30 @@ def archive_dropped(page: Browser, folder: Path, archive: Path) -> None:
     page.do("drop", paths=[str(archive)])
     page.wait(f"{READY} && window.before === undefined", seconds=120.0)
     assert page.read("window.palpate.scan.dimensions") == [512, 512, 3]
+
+
+def projections_dropped(page: Browser, path: Path) -> None:
+    """Drops projections of a ball, answers what they do not tell, opens them as a scan."""
+    v, u = np.indices((24, 40)) * 2.0 - np.array([23.0, 39.0])[:, None, None]
+    through = 2.0 * np.sqrt(np.maximum(0.0, 18.0**2 - u * u - v * v))
+    images = np.repeat((0.0206 * through)[None], 36, axis=0).astype(np.float32)
+    stack = SimpleITK.GetImageFromArray(images)
+    stack.SetSpacing((2.0, 2.0, 1.0))
+    SimpleITK.WriteImage(stack, str(path))
+    page.do("drop", paths=[str(path)])
+    page.wait("document.querySelector('[data-testid=reconstruct-card]') !== null")
+    page.shows("reconstruct-grid", "text.includes('40 × 40 × 24 voxels of 1.302')")
+    page.do("choose", testid="project-beam", value="parallel")
+    page.shows("reconstruct-grid", "text.includes('40 × 40 × 24 voxels of 2 × 2 × 2 mm')")
+    page.do("screenshot", path=str(OUTPUT / "open-projections.png"))
+    assert page.do("axe")["value"] == []
+    # what the work does is tested without a page: loading RTK alone takes a minute
+    missing = page.read("document.querySelector('[data-testid=reconstruct-missing]') !== null")
+    assert missing == (find_spec("itk") is None)
+    assert page.read("document.querySelector('[data-testid=reconstruct]').disabled") == missing
+    page.do("click", testid="not-projected")
+    exchanged(page, "ball_proj")
+    assert page.read("window.palpate.scan.dimensions") == [40, 24, 36]
 
 
 def test_a_servers_scans_are_listed_seen_and_opened(data_folder: Path, tmp_path: Path) -> None:

@@ -123,7 +123,7 @@ def bench_render(
 
 
 def bench_register(*, json_file: Json = None) -> None:
-    """Measure how far landmarks of a lung are apart after registration, beside elastix."""
+    """Measure registration: landmarks of a lung beside elastix, CT with a stand-in for MR."""
     from palpate.bench.haptics_data import MissingDataError
     from palpate.bench.registration import measure
     from palpate.bench.report import print_rows, write_rows

@@ -10,14 +10,14 @@ import typer
 from palpate.console import Display, quiet_libraries
 
 if TYPE_CHECKING:
-    from palpate.reconstruction import Beam
+    from palpate.scanner import Beam
 
 __all__ = ["EXAMPLES", "reconstruct"]
 
 EXAMPLES = """\b
 Examples:
   palpate reconstruct cone.nrrd -o scan.nii.gz --beam cone --arc 360 --pixel 0.8,0.8
-    --source-axis 1000 --source-detector 1536 --size 256,256,200 --voxel 1,1,1
+    --source-axis 1000 --source-detector 1536
   palpate reconstruct sinograms.tif -o scan.nii.gz --beam parallel --arc 180 --sinograms
     --pixel 1.2,2.5 --size 256,256,64 --voxel 1.2,1.2,2.5 --hann 0.8
 
@@ -36,8 +36,14 @@ def reconstruct(  # noqa: PLR0913  # one per option of the command line
     ],
     beam: Annotated[str, typer.Option(help="parallel or cone (a source on a circle).")],
     pixel: Annotated[str, typer.Option(help="Of the detector [mm].", metavar="U,V")],
-    size: Annotated[str, typer.Option(help="Voxels of the scan.", metavar="X,Y,Z")],
-    voxel: Annotated[str, typer.Option(help="Their edges [mm].", metavar="X,Y,Z")],
+    size: Annotated[
+        str | None,
+        typer.Option(help="Voxels of the scan; by default all that is seen.", metavar="X,Y,Z"),
+    ] = None,
+    voxel: Annotated[
+        str | None,
+        typer.Option(help="Their edges [mm]; by default those of pixels.", metavar="X,Y,Z"),
+    ] = None,
     arc: Annotated[float, typer.Option(help="That the projections cover [degrees].")] = 360.0,
     first_angle: Annotated[float, typer.Option(help="Of the gantry [degrees].")] = 0.0,
     source_axis: Annotated[float, typer.Option(help="Cone: source to axis [mm].")] = 0.0,
@@ -57,43 +63,45 @@ def reconstruct(  # noqa: PLR0913  # one per option of the command line
     ] = 0.0,
 ) -> None:
     """Make a scan out of projections."""
-    import numpy as np
-
     from palpate.cli_surface import check_target
     from palpate.export_image import IMAGE_SUFFIXES, write_scan
-    from palpate.projections import integrals_of, read_projections
-    from palpate.reconstruction import WATER, Scanner
-    from palpate.reconstruction import reconstruct as make
+    from palpate.reconstruction import WATER
+    from palpate.reconstruction_request import ReconstructionRequest, reconstruct_file
 
     check_target(out, IMAGE_SUFFIXES)
     u, v = _numbers(pixel, 2, "pixel")
     shift_u, shift_v = _numbers(offset, 2, "offset")
-    x, y, z = _numbers(voxel, 3, "voxel")
-    columns, rows, slices = (round(count) for count in _numbers(size, 3, "size"))
+    request = ReconstructionRequest(
+        beam=cast("Beam", beam),
+        pixel=(u, v),
+        arc=arc,
+        first_angle=first_angle,
+        offset=(shift_u, shift_v),
+        source_to_axis=source_axis,
+        source_to_detector=source_detector,
+        sinograms=sinograms,
+        intensities=intensities,
+        size=None if size is None else _size(size),
+        voxel=None if voxel is None else _lengths(voxel),
+        water=WATER if water is None else water,
+        hann=hann,
+    )
     with quiet_libraries(), Display() as display:
-        images = read_projections(projections, sinograms=sinograms, progress=display)
-        if intensities is not None:
-            images = integrals_of(images, intensities)
-        scanner = Scanner(
-            beam=cast("Beam", beam),
-            angles=(first_angle + arc / len(images) * np.arange(len(images))).tolist(),
-            pixel=(u, v),
-            offset=(shift_u, shift_v),
-            source_to_axis=source_axis,
-            source_to_detector=source_detector,
-        )
-        volume = make(
-            images,
-            scanner,
-            size=(columns, rows, slices),
-            voxel=(x, y, z),
-            water=WATER if water is None else water,
-            hann=hann,
-            progress=display,
-        )
+        volume = reconstruct_file(projections, request, progress=display)
         write_scan(volume, out)
     low, high = volume.range
-    typer.echo(f"{out}: {columns} x {rows} x {slices} voxels, {low:.0f} to {high:.0f} HU")
+    size_told = " x ".join(map(str, volume.dimensions))
+    typer.echo(f"{out}: {size_told} voxels, {low:.0f} to {high:.0f} HU")
+
+
+def _size(given: str) -> tuple[int, int, int]:
+    x, y, z = (round(count) for count in _numbers(given, 3, "size"))
+    return x, y, z
+
+
+def _lengths(given: str) -> tuple[float, float, float]:
+    x, y, z = _numbers(given, 3, "voxel")
+    return x, y, z
 
 
 def _numbers(given: str, count: int, name: str) -> list[float]:

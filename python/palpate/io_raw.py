@@ -23,7 +23,14 @@ from palpate.progress import Progress
 from palpate.raw_scan import RawScan, check_shape
 from palpate.simpleitk import reason_of, simpleitk
 
-__all__ = ["RawLayout", "holds_pictures", "is_picture", "read_pictures", "read_raw"]
+__all__ = [
+    "RawLayout",
+    "holds_pictures",
+    "in_order",
+    "is_picture",
+    "read_pictures",
+    "read_raw",
+]
 
 TYPES = ("int8", "uint8", "int16", "uint16", "int32", "uint32", "float32", "float64")
 PICTURES = (".png", ".tif", ".tiff", ".bmp", ".jpg", ".jpeg")
@@ -75,7 +82,7 @@ def read_raw(
         VolumeFormatError: The files do not hold what the layout says.
     """
     spacing = _asked(path, voxel)
-    files = _in_order(path.iterdir()) if path.is_dir() else [path]
+    files = in_order(path.iterdir()) if path.is_dir() else [path]
     if not files:
         raise VolumeFormatError(f"{path} is an empty folder; allowed: a folder of raw slices")
     pixels = layout.columns * layout.rows
@@ -117,7 +124,7 @@ def is_picture(path: Path) -> bool:
 
 def holds_pictures(folder: Path) -> bool:
     """Says whether a folder is a stack of pictures, beside hidden files and notes."""
-    names = [path for path in _in_order(folder.iterdir()) if path.suffix.lower() != ".txt"]
+    names = [path for path in in_order(folder.iterdir()) if path.suffix.lower() != ".txt"]
     return bool(names) and all(is_picture(path) for path in names)
 
 
@@ -133,7 +140,7 @@ def read_pictures(
     spacing = _asked(path, voxel)
     files = [path]
     if path.is_dir():
-        files = [file for file in _in_order(path.iterdir()) if is_picture(file)]
+        files = [file for file in in_order(path.iterdir()) if is_picture(file)]
     parts: list[NDArray[Any]] = []
     for number, file in enumerate(files):
         progress(f"reading {len(files)} pictures", number / len(files))
@@ -182,7 +189,7 @@ def _asked(path: Path, voxel: Size | None) -> Size:
     return voxel
 
 
-def _in_order(paths: Iterable[Path]) -> Sequence[Path]:
+def in_order(paths: Iterable[Path]) -> Sequence[Path]:
     """Lists files by name, numbers in it as numbers, without hidden ones."""
     files = [path for path in paths if path.is_file() and not path.name.startswith(".")]
     return sorted(files, key=_by_number)

@@ -10,8 +10,9 @@ from palpate.io import read
 from palpate.progress import Progress, silent
 from palpate.scene import Scene
 from palpate.scene_file import ENDING, SavedScene, open_scene
+from palpate.volume import Volume
 
-__all__ = ["Opening", "is_scene", "offer_bone", "opening"]
+__all__ = ["Opening", "is_scene", "offer_bone", "opening", "opening_of"]
 
 
 @dataclass(frozen=True)
@@ -35,7 +36,12 @@ def opening(path: Path, *, series: str | None = None, progress: Progress = silen
     if is_scene(path):
         saved = open_scene(path, progress=progress)
         return Opening(saved.scene(), saved, saved.told)
-    scene = Scene(read(path, series=series, progress=progress))
+    return opening_of(read(path, series=series, progress=progress))
+
+
+def opening_of(volume: Volume) -> Opening:
+    """Returns a scan as it is opened."""
+    scene = Scene(volume)
     told = offer_bone(scene)
     return Opening(scene, None, () if told is None else (told,))
 

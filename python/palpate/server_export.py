@@ -2,23 +2,19 @@
 
 from __future__ import annotations
 
-import re
 import shutil
 from pathlib import Path
-from tempfile import TemporaryDirectory
-from urllib.parse import quote
 
 import msgspec
 import numpy as np
 from numpy.typing import NDArray
-from starlette.background import BackgroundTask
-from starlette.responses import FileResponse, PlainTextResponse, Response
+from starlette.responses import Response
 
-from palpate.errors import PalpateError
 from palpate.export import Kind, export_scene
+from palpate.server_file import file_name, file_response
 from palpate.server_segments import ShownSegments
 
-__all__ = ["MOST_EXPORT_BYTES", "export_response", "file_name"]
+__all__ = ["MOST_EXPORT_BYTES", "export_response"]
 
 MOST_EXPORT_BYTES = 1 << 12
 """Of what a page asks for."""
@@ -43,30 +39,12 @@ class WantedExport(msgspec.Struct, frozen=True):
 
 
 def export_response(segments: ShownSegments, values: NDArray[np.int16], body: bytes) -> Response:
-    """Writes what a page asks for and answers with the file, or with why it was not written.
+    """Writes what a page asks for and answers with the file, or with why it was not written."""
 
-    What was left out or lost stands in the header ``X-Palpate-Notes``, a line each, in percent
-    encoding.
-    """
-    if len(body) > MOST_EXPORT_BYTES:
-        return _refusal(f"{len(body)} bytes given; allowed: {MOST_EXPORT_BYTES}")
-    try:
-        wanted = msgspec.json.decode(body, type=WantedExport)
-    except msgspec.DecodeError as error:
-        return _refusal(f"this is no export: {error}")
-    folder = TemporaryDirectory(prefix="palpate-")
-    try:
-        path, notes = _write(segments, values, wanted, folder=Path(folder.name))
-    except (PalpateError, OSError, RuntimeError, MemoryError) as error:
-        folder.cleanup()
-        return _refusal(str(error) or "not enough memory")
-    return FileResponse(
-        path,
-        media_type="application/octet-stream",
-        filename=path.name,
-        headers={"X-Palpate-Notes": quote("\n".join(notes)[:1000])},
-        background=BackgroundTask(folder.cleanup),
-    )
+    def write(wanted: WantedExport, folder: Path) -> tuple[Path, list[str]]:
+        return _write(segments, values, wanted, folder=folder)
+
+    return file_response(body, WantedExport, write, most_bytes=MOST_EXPORT_BYTES, called="export")
 
 
 def _write(
@@ -87,13 +65,3 @@ def _write(
         return target, notes
     packed = shutil.make_archive(str(folder / name), "zip", folder / name)
     return Path(packed), notes
-
-
-def file_name(scan: str) -> str:
-    """Returns a name for a file of a scan; that of a scan may name the patient."""
-    plain = re.sub(r"[^\w.-]+", "-", scan, flags=re.ASCII).strip("-.")[:60]
-    return plain or "shared"
-
-
-def _refusal(reason: str) -> Response:
-    return PlainTextResponse(reason, status_code=400)

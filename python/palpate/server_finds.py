@@ -7,11 +7,12 @@ DICOMweb service. What is found is kept until more recent finds push it out.
 from __future__ import annotations
 
 from base64 import b64encode
+from collections.abc import Callable
 from contextlib import AbstractContextManager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import count
 from pathlib import Path
-from typing import NoReturn
+from typing import Literal, NoReturn
 
 import msgspec
 
@@ -21,7 +22,10 @@ from palpate.io_browse_web import MOST_PICTURED, browsed_web
 from palpate.io_preview import png_of
 from palpate.opening import is_scene
 from palpate.progress import Progress
+from palpate.projections import ProjectionStack, are_projections, stack_at
 from palpate.server_job import Tell
+from palpate.server_reconstruction import told_of
+from palpate.volume import Volume
 
 __all__ = ["Finds", "Place", "WantedFind", "WantedScan", "WantedSegments", "path_of"]
 
@@ -34,6 +38,8 @@ class WantedFind(msgspec.Struct, frozen=True):
     path: str | None = None
     """Or an address of the web."""
     upload: int | None = None
+    taken_as: Literal["anything", "scan", "projections"] = "anything"
+    """What it is; as anything, what looks like projections is taken as such."""
 
 
 class WantedScan(msgspec.Struct, frozen=True):
@@ -79,6 +85,8 @@ class Place:
     """Brings its files here first."""
     given: bool = False
     """Whether a person gave this very path."""
+    make: Callable[[Progress], Volume] | None = None
+    """Makes the scan of what is there; None where it is read."""
 
 
 @dataclass(frozen=True)
@@ -89,6 +97,8 @@ class Find:
     upload: int | None = None
     path: Path | None = None
     """The path that a person gave."""
+    stack: ProjectionStack | None = None
+    """What is there, where it is projections and no scan."""
 
 
 class Finds:
@@ -99,13 +109,24 @@ class Finds:
         self._finds: dict[int, Find] = {}
         self._numbers = count(1)
 
-    def look(self, place: Place, progress: Progress, tell: Tell) -> None:
-        """Tells the scans at a place of this machine, then their pictures.
+    def look(
+        self, place: Place, progress: Progress, tell: Tell, *, taken_as: str = "anything"
+    ) -> None:
+        """Tells the scans at a place of this machine, then their pictures; or its projections.
 
         Raises:
             FileNotFoundError: There is no such place.
-            VolumeFormatError: It holds no scan.
+            VolumeFormatError: It holds no scan, or no projections where it is taken as such.
         """
+        likely = taken_as == "anything" and are_projections(place.path)
+        if likely or taken_as == "projections":
+            stack = stack_at(place.path)
+            if place.upload is not None and stack.path.is_dir():
+                # of our own folder
+                stack = replace(stack, name="projections")
+            number = self._keep(Find([], place.upload, place.path, stack))
+            tell({"kind": "projections", "find": number, **told_of(stack)})
+            return
         if is_scene(place.path):
             choice = Choice(path=place.path, name=place.path.stem, size=(), picture=_no_picture)
             self._tell_find(Find([choice], place.upload, place.path), tell)
@@ -141,12 +162,27 @@ class Finds:
                 png = b64encode(png_of(picture)).decode("ascii")
                 tell({"kind": "picture", "choice": number, "png": png})
 
-    def _tell_find(self, find: Find, tell: Tell) -> None:
+    def _keep(self, find: Find) -> int:
         number = next(self._numbers)
         self._finds[number] = find
         while len(self._finds) > MOST_FINDS:
             del self._finds[min(self._finds)]
+        return number
+
+    def _tell_find(self, find: Find, tell: Tell) -> None:
+        number = self._keep(find)
         tell({"kind": "found", "find": number, "scans": [_listed(one) for one in find.choices]})
+
+    def projections(self, find: int) -> tuple[ProjectionStack, int | None]:
+        """Returns the projections of a find, and their upload where they were dropped.
+
+        Raises:
+            OptionError: It is gone, or of scans.
+        """
+        found = self._finds.get(find)
+        if found is None or found.stack is None:
+            raise OptionError("those projections are gone; allowed: look for them again")
+        return found.stack, found.upload
 
     def chosen(self, wanted: WantedScan) -> Place:
         """Returns where the scan is that a page wants.

@@ -27,7 +27,7 @@ from palpate.errors import OptionError, PalpateError, SeriesChoiceError
 from palpate.io import read
 from palpate.io_dicomweb_address import is_web_address
 from palpate.labels import read_labels
-from palpate.opening import is_scene, opening
+from palpate.opening import is_scene, opening, opening_of
 from palpate.progress import Progress
 from palpate.recent import Recent, forget_recent, note_recent, recent_scans
 from palpate.second_scan import placed
@@ -35,6 +35,7 @@ from palpate.server_finds import Finds, Place, WantedFind, WantedScan, WantedSeg
 from palpate.server_job import Job, Tell
 from palpate.server_labels import add_labels, labels_in
 from palpate.server_open_scan import OpenScan
+from palpate.server_reconstruction import WantedReconstruction, grid_told, made_of
 from palpate.server_upload import (
     MOST_UPLOAD_BYTES,
     MOST_UPLOAD_FILES,
@@ -50,6 +51,8 @@ MOST_BODY_BYTES = 1 << 24
 
 PASSING = "its files are a copy that goes when it is closed: a saved scene has the scan in it"
 """Said of a scan that was dropped, or came from a server."""
+MADE = "it is in no file: a saved scene has the scan in it, and Export writes it"
+"""Said of a scan that was reconstructed."""
 
 Wanted = TypeVar("Wanted")
 
@@ -90,6 +93,8 @@ class Library:
                 Route("/", _answered(self._about)),
                 Route("/find", _answered(self._find), methods=["POST"]),
                 Route("/open", _answered(self._open), methods=["POST"]),
+                Route("/reconstruct", _answered(self._reconstruct), methods=["POST"]),
+                Route("/reconstruct/grid", _answered(self._grid), methods=["POST"]),
                 Route("/segments", _answered(self._segments), methods=["POST"]),
                 Route("/uploads", _answered(self._begin_upload), methods=["POST"]),
                 Route("/uploads/{upload:int}", _answered(self._drop_upload), methods=["DELETE"]),
@@ -152,15 +157,43 @@ class Library:
             if is_web_address(given):
                 return Job(lambda progress, tell: self._finds.look_at_web(given, progress, tell))
             place = Place(path_of(given))
-        return Job(lambda progress, tell: self._finds.look(place, progress, tell))
+        return Job(
+            lambda progress, tell: self._finds.look(place, progress, tell, taken_as=wanted.taken_as)
+        )
 
     async def _open(self, request: Request) -> ASGIApp:
-        if self._workbench.fixed:
-            raise OptionError("this scan is recorded; allowed: palpate open for another one")
+        self._check_free()
         wanted = await _body(request, WantedScan)
         place = self._finds.chosen(wanted)
         show = self._add if wanted.beside else self._exchange
         return Job(lambda progress, tell: self._bring(place, show, progress=progress, tell=tell))
+
+    def _check_free(self) -> None:
+        if self._workbench.fixed:
+            raise OptionError("this scan is recorded; allowed: palpate open for another one")
+
+    async def _grid(self, request: Request) -> ASGIApp:
+        wanted = await _body(request, WantedReconstruction)
+        stack, _ = self._finds.projections(wanted.find)
+        return _json(grid_told(stack, wanted.request))
+
+    async def _reconstruct(self, request: Request) -> ASGIApp:
+        self._check_free()
+        wanted = await _body(request, WantedReconstruction)
+        stack, upload = self._finds.projections(wanted.find)
+        place = Place(
+            stack.path,
+            given=upload is None,
+            make=lambda progress: made_of(stack, wanted.request, progress),
+        )
+        show = self._add if wanted.beside else self._exchange
+
+        def work(progress: Progress, _: Tell) -> None:
+            show(place, None, progress)
+            if upload is not None:
+                self._uploads.drop(upload)
+
+        return Job(work)
 
     def _bring(self, place: Place, show: Show, *, progress: Progress, tell: Tell) -> None:
         """Shows a scan, after its files have come from where they are.
@@ -189,7 +222,10 @@ class Library:
         if place.upload is not None:
             # its files may be those of a scan by now
             self._uploads.of(place.upload)
-        read = opening(place.path, series=place.series, progress=progress)
+        if place.make is None:
+            read = opening(place.path, series=place.series, progress=progress)
+        else:
+            read = opening_of(place.make(progress))
         # from here on it cannot be taken back
         progress("starting", None)
 
@@ -212,8 +248,11 @@ class Library:
         for sentence in read.told:
             self._workbench.tell(sentence)
         volume = read.scene.volume
-        passes = place.upload is not None or fetched is not None
-        warnings = (*volume.warnings, PASSING) if passes else volume.warnings
+        warnings = volume.warnings
+        if place.make is not None:
+            warnings = (*warnings, MADE)
+        elif place.upload is not None or fetched is not None:
+            warnings = (*warnings, PASSING)
         volume.traits = replace(volume.traits, warnings=warnings, given=place.given)
         try:
             from_thread.run(self._workbench.exchange, begin)
@@ -228,7 +267,10 @@ class Library:
             raise OptionError("no scan is open; allowed: open one first")
         if is_scene(place.path):
             raise OptionError("a scene was chosen; allowed: a scan")
-        volume = read(place.path, series=place.series, progress=progress)
+        if place.make is None:
+            volume = read(place.path, series=place.series, progress=progress)
+        else:
+            volume = place.make(progress)
         files = fetched if place.upload is None else self._uploads.take_out(place.upload)
         if files is None:
             note_recent(volume)

@@ -11,13 +11,11 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any, Literal
 
 import msgspec
 import numpy as np
-from starlette.background import BackgroundTask
-from starlette.responses import FileResponse, PlainTextResponse, Response
+from starlette.responses import Response
 
 from palpate import protocol
 from palpate.errors import OptionError, PalpateError
@@ -31,7 +29,7 @@ from palpate.registration import (
 )
 from palpate.registration_options import Curve, Pairs, Points, SearchOptions, Start
 from palpate.second_scan import SecondScan, placed
-from palpate.server_export import file_name
+from palpate.server_file import file_name, file_response, refusal
 from palpate.session import Session
 from palpate.simpleitk import simpleitk
 from palpate.volume import Volume
@@ -144,25 +142,14 @@ class Registering:
 
     def saved(self, body: bytes) -> Response:
         """Answers with a file that a page asks for, or with why there is none."""
-        if len(body) > MOST_REQUEST_BYTES:
-            return _refusal(f"{len(body)} bytes given; allowed: {MOST_REQUEST_BYTES}")
         if not self._places:
-            return _refusal("there is no second scan; allowed: after one is shown with the first")
-        try:
-            wanted = msgspec.json.decode(body, type=WantedFile)
-        except msgspec.DecodeError as error:
-            return _refusal(f"this is no file of a registration: {error}")
-        folder = TemporaryDirectory(prefix="palpate-")
-        try:
-            path = self._write(wanted, folder=Path(folder.name))
-        except (PalpateError, OSError, RuntimeError, MemoryError) as error:
-            folder.cleanup()
-            return _refusal(str(error) or "not enough memory")
-        return FileResponse(
-            path,
-            media_type="application/octet-stream",
-            filename=path.name,
-            background=BackgroundTask(folder.cleanup),
+            return refusal("there is no second scan; allowed: after one is shown with the first")
+        return file_response(
+            body,
+            WantedFile,
+            self._write,
+            most_bytes=MOST_REQUEST_BYTES,
+            called="registration's file",
         )
 
     # --- the search -----------------------------------------------------------------------
@@ -260,7 +247,7 @@ class Registering:
         )
         self._tell_pages(self.message)
 
-    def _write(self, wanted: WantedFile, *, folder: Path) -> Path:
+    def _write(self, wanted: WantedFile, folder: Path) -> tuple[Path, list[str]]:
         here, first = self._here, self._session.scene.volume
         ending = ".tfm" if wanted.what == "transform" else wanted.ending
         path = folder / f"{file_name(here.volume.title)}-to-{file_name(first.title)}{ending}"
@@ -268,7 +255,7 @@ class Registering:
             write_transform(here.transform, path)
         else:
             write_scan(resampled(here.volume, first, here.transform), path)
-        return path
+        return path, []
 
 
 def _start_of(wanted: protocol.Register, here: Place) -> tuple[Start | Points, Pairs | None]:
@@ -313,7 +300,3 @@ def _told(levels: Sequence[Any]) -> list[protocol.RegistrationLevel]:
         values = [value for value in level.values[::every] if np.isfinite(value)]
         told.append(protocol.RegistrationLevel(f"{level.stage}{coarser}", values))
     return told
-
-
-def _refusal(reason: str) -> Response:
-    return PlainTextResponse(reason, status_code=400)

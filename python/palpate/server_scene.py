@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 import msgspec
-from starlette.background import BackgroundTask
-from starlette.responses import FileResponse, PlainTextResponse, Response
+from starlette.responses import Response
 
-from palpate.errors import PalpateError
 from palpate.scene_file import ENDING, save_scene
+from palpate.server_file import file_name, file_response
 from palpate.server_segments import ShownSegments
 from palpate.session import Session
 
@@ -39,27 +36,14 @@ def scene_response(
 
     The file of a scan whose own files are ``passing`` holds the scan whether asked for or not.
     """
-    if len(body) > MOST_VIEW_BYTES:
-        return _refusal(f"{len(body)} bytes given; allowed: {MOST_VIEW_BYTES}")
-    try:
-        wanted = msgspec.json.decode(body, type=WantedScene)
-    except msgspec.DecodeError as error:
-        return _refusal(f"this is no view: {error}")
-    folder = TemporaryDirectory(prefix="palpate-")
-    try:
-        name = re.sub(r"[^\w.-]+", "-", session.scene.volume.title).strip("-.")[:60] or "scene"
-        path = Path(folder.name) / f"{name}{ENDING}"
+
+    def write(wanted: WantedScene, folder: Path) -> tuple[Path, list[str]]:
+        path = folder / f"{file_name(session.scene.volume.title, 'scene')}{ENDING}"
         copy = wanted.copy or passing
         save_scene(path, session, looks=segments.kept(), view=wanted.view, copy=copy)
-    except (PalpateError, OSError, RuntimeError) as error:
-        folder.cleanup()
-        return _refusal(f"the scene was not saved: {error}")
-    return FileResponse(
-        path,
-        media_type="application/octet-stream",
-        filename=path.name,
-        background=BackgroundTask(folder.cleanup),
-    )
+        return path, []
+
+    return file_response(body, WantedScene, write, most_bytes=MOST_VIEW_BYTES, called="view")
 
 
 def view_response(view: Mapping[str, Any] | None) -> Response:
@@ -67,7 +51,3 @@ def view_response(view: Mapping[str, Any] | None) -> Response:
     if view is None:
         return Response(status_code=204)
     return Response(msgspec.json.encode(view), media_type="application/json")
-
-
-def _refusal(reason: str) -> Response:
-    return PlainTextResponse(reason, status_code=400)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -267,3 +268,54 @@ def shared_server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningS
     """A server with a ball, for tests that leave it as it is."""
     with running(make_ball(), write_page(tmp_path_factory.mktemp("shared") / "page")) as started:
         yield started
+
+
+@dataclass
+class LibraryClient:
+    """A page that opens scans."""
+
+    access: Access
+    workbench: Workbench
+
+    def ask(self, method: str, route: str, body: Any = None) -> httpx.Response:
+        content = body if isinstance(body, bytes) else json.dumps(body).encode()
+        return httpx.request(
+            method,
+            f"http://127.0.0.1:{self.access.port}/api/{route}",
+            headers={"Cookie": f"{self.access.cookie}={self.access.token}"},
+            content=None if body is None else content,
+            trust_env=False,
+            timeout=PATIENCE,
+        )
+
+    def about(self) -> dict[str, Any]:
+        told: dict[str, Any] = self.ask("GET", "library/").json()
+        return told
+
+    def job(self, route: str, body: Any) -> list[dict[str, Any]]:
+        """Returns the lines of some work, without its progress."""
+        answer = self.ask("POST", f"library/{route}", body)
+        assert answer.status_code == 200, answer.text
+        lines = [json.loads(line) for line in answer.text.splitlines()]
+        return [line for line in lines if line["kind"] != "progress"]
+
+    def upload(self, files: dict[str, bytes]) -> int:
+        told = [{"name": name, "size": len(content)} for name, content in files.items()]
+        number = int(self.ask("POST", "library/uploads", told).json()["upload"])
+        for file, content in enumerate(files.values()):
+            assert self.ask("PUT", f"library/uploads/{number}/{file}", content).status_code == 204
+        return number
+
+
+@pytest.fixture
+def client(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[LibraryClient]:
+    """A page of a server without a scan, with a state and a temporary folder of its own."""
+    room = tmp_path / "room"
+    room.mkdir()
+    monkeypatch.setattr("tempfile.tempdir", str(room))
+    monkeypatch.setenv("PALPATE_STATE", str(tmp_path / "state"))
+    workbench = Workbench()
+    with serving(workbench, write_page(tmp_path / "page")) as access:
+        yield LibraryClient(access, workbench)
+    workbench.end()
+    assert list(room.iterdir()) == []

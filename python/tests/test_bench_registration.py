@@ -10,17 +10,33 @@ import pytest
 from palpate import OptionError, Volume
 from palpate.bench import registration
 from palpate.bench.goals import GOALS
-from palpate.bench.goals_registration import ELASTIX_CASE, registered_case
+from palpate.bench.goals_registration import (
+    ELASTIX_CASE,
+    LUNG_ROWS,
+    METRICS,
+    MODALITY_ROWS,
+    STARTS,
+    modality_case,
+    registered_case,
+)
 from palpate.cli import run
 from palpate.registration_options import KINDS
 
 
 def test_the_goal_is_ten_percent_beside_elastix() -> None:
-    table = {(row.case, row.metric): row.goal for row in GOALS["register"]}
-    assert len(table) == len(GOALS["register"]), "a row stands twice"
+    table = {(row.case, row.metric): row.goal for row in LUNG_ROWS}
+    assert len(table) == len(LUNG_ROWS), "a row stands twice"
+    assert set(LUNG_ROWS) <= set(GOALS["register"])
     goals = {key: goal for key, goal in table.items() if goal is not None}
     assert goals == {(registered_case("bspline"), "mean by elastix' mean"): 1.1}
     assert {case for case, _ in table} == {*map(registered_case, KINDS), ELASTIX_CASE}
+
+
+def test_corners_by_mutual_information_have_a_goal_for_each_start() -> None:
+    assert set(MODALITY_ROWS) <= set(GOALS["register"])
+    goals = {(row.case, row.metric): row.goal for row in MODALITY_ROWS if row.goal is not None}
+    cases = [modality_case(kind, METRICS[0], off) for kind in ("rigid", "affine") for off in STARTS]
+    assert goals == {(case, "corners apart, most"): 1.0 for case in cases}
 
 
 def test_landmarks_are_middles_of_voxels(tmp_path: Path) -> None:

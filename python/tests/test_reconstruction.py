@@ -10,96 +10,17 @@ import numpy as np
 import palpate
 import pytest
 import SimpleITK
-from numpy.typing import NDArray
 from palpate.cli import run
 from palpate.errors import OptionError, VolumeFormatError
-from palpate.projections import integrals_of, read_projections
-from palpate.reconstruction import WATER, Beam, Scanner, reconstruct
-
-Values = NDArray[np.float64]
+from palpate.projections import are_projections, integrals_of, read_projections, stack_at
+from palpate.reconstruction import reconstruct
+from palpate.reconstruction_request import ReconstructionRequest, grid_of, suggested
+from palpate.scanner import Beam, Scanner, fitted_grid
+from projected_phantom import SHAPE, SIZE, VOXEL, flat, projected, scanner_of, truth
 
 needs_rtk = pytest.mark.skipif(
     find_spec("itk") is None, reason="RTK is not installed: pip install 'palpate[reconstruct]'"
 )
-
-BODY = ((0.0, 0.0, 0.0), (42.0, 34.0, 60.0), 1.0)
-"""Middle and half axes in the patient [mm], attenuation added to that of air [of water]."""
-PARTS = (BODY, ((16.0, -10.0, 8.0), (9.0, 7.0, 8.0), 0.8), ((-18.0, 8.0, -10.0), (8.0,) * 3, -0.5))
-
-SIZE, VOXEL = (48, 44, 24), (2.0, 2.0, 2.0)
-SHAPE = (120, 40, 80)
-SCANNERS = {
-    "cone": ((2.0, 2.5), (600.0, 900.0), 360.0),
-    "parallel": ((1.3, 1.6), (0.0, 0.0), 180.0),
-}
-
-
-def scanner_of(beam: Beam) -> Scanner:
-    pixel, (near, far), arc = SCANNERS[beam]
-    return Scanner(
-        beam=beam,
-        angles=(arc / SHAPE[0] * np.arange(SHAPE[0])).tolist(),
-        pixel=pixel,
-        source_to_axis=near,
-        source_to_detector=far,
-    )
-
-
-def projected(scanner: Scanner) -> Values:
-    """Line integrals through the parts, by where rays meet each ellipsoid."""
-    _, rows, columns = SHAPE
-    u = scanner.pixel[0] * (np.arange(columns) - 0.5 * (columns - 1))
-    v = scanner.pixel[1] * (np.arange(rows) - 0.5 * (rows - 1))
-    images = []
-    for angle in np.radians(scanner.angles):
-        # the device: y is the axis; the source goes from +z toward +x
-        toward = np.array([np.sin(angle), 0.0, np.cos(angle)])
-        across = np.array([np.cos(angle), 0.0, -np.sin(angle)])
-        pixels = u[None, :, None] * across + v[:, None, None] * np.array([0.0, 1.0, 0.0])
-        if scanner.beam == "cone":
-            start = np.broadcast_to(scanner.source_to_axis * toward, pixels.shape)
-            ends = pixels + (scanner.source_to_axis - scanner.source_to_detector) * toward
-            way = ends - start
-        else:
-            start, way = pixels, np.broadcast_to(-toward, pixels.shape)
-        way = way / np.linalg.norm(way, axis=-1, keepdims=True)
-        images.append(sum(_through(part, start, way) for part in PARTS))
-    found: Values = np.array(images)
-    return found
-
-
-def _through(
-    part: tuple[tuple[float, ...], tuple[float, ...], float], start: Values, way: Values
-) -> Values:
-    (x, y, z), (a, b, c), density = part
-    # patient to device: x, z, -y
-    middle, axes = np.array([x, z, -y]), np.array([a, c, b])
-    p, d = (start - middle) / axes, way / axes
-    dd, pd, pp = (d * d).sum(-1), (p * d).sum(-1), (p * p).sum(-1)
-    root = np.maximum(pd * pd - dd * (pp - 1.0), 0.0)
-    length: Values = 2.0 * np.sqrt(root) / dd
-    return density * WATER * length
-
-
-def truth() -> Values:
-    """HU of the phantom at the middles of voxels."""
-    z, y, x = np.indices(SIZE[::-1])
-    points = (np.stack([x, y, z], axis=-1) - 0.5 * (np.array(SIZE) - 1)) * VOXEL
-    water = np.zeros(points.shape[:-1])
-    for middle, axes, density in PARTS:
-        water += density * ((((points - middle) / axes) ** 2).sum(-1) <= 1.0)
-    values: Values = 1000.0 * (water - 1.0)
-    return values
-
-
-def flat(values: Values) -> NDArray[np.bool_]:
-    """Voxels whose neighbours all have the same value: borders are as sharp as voxels are."""
-    same = np.ones(values.shape, bool)
-    for axis in range(3):
-        for step in (-2, -1, 1, 2):
-            same &= np.roll(values, step, axis=axis) == values
-    same[:4] = same[-4:] = False
-    return same
 
 
 @needs_rtk
@@ -132,6 +53,69 @@ def test_the_command_writes_a_scan_that_opens(
     here = flat(truth()) & (truth() == 0.0)
     assert abs(float(np.median(scan.array[here]))) < 15.0
     assert f"{out}: 48 x 44 x 24 voxels" in capsys.readouterr().out
+
+
+def test_what_is_not_stated_is_all_that_the_detector_sees() -> None:
+    # 80 x 1.3 mm across, 40 x 1.6 mm along the axis
+    grid = fitted_grid(SHAPE, scanner_of("parallel"))
+    assert grid.size == (80, 80, 40)
+    assert grid.voxel == (1.3, 1.3, 1.6)
+    # at the axis a pixel is two thirds as large; rays to its sides come slantwise
+    cone = fitted_grid(SHAPE, scanner_of("cone"))
+    np.testing.assert_allclose(cone.voxel, [2.0 / 1.5, 2.0 / 1.5, 2.5 / 1.5])
+    assert cone.size == (80, 80, 40)
+    assert fitted_grid(SHAPE, scanner_of("parallel"), size=(52, 52, 32)).voxel == (2.0, 2.0, 2.0)
+    assert fitted_grid(SHAPE, scanner_of("parallel"), voxel=(2.0, 2.0, 2.0)).size == (52, 52, 32)
+    fine = Scanner(beam="parallel", angles=range(360), pixel=(0.1, 0.1))
+    large = fitted_grid((360, 2048, 2048), fine)
+    assert large.size == (512, 512, 512), "no more than a usual scan has"
+    with pytest.raises(OptionError, match="2 or more along each axis"):
+        fitted_grid(SHAPE, scanner_of("parallel"), size=(0, 8, 8))
+
+
+@needs_rtk
+def test_it_tells_how_far_it_is_and_stops_when_asked() -> None:
+    scanner = scanner_of("parallel")
+    images = projected(scanner)
+    shares: list[float] = []
+
+    def progress(_: str, share: float | None, /) -> None:
+        if share is not None:
+            shares.append(share)
+        if share is not None and share > 0.5:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        reconstruct(images, scanner, size=SIZE, voxel=VOXEL, progress=progress)
+    # a few of the projections, seen from both sides, at a time
+    np.testing.assert_allclose(shares, np.arange(len(shares)) * 8 / 240)
+
+
+def test_projections_are_known_by_their_names_or_as_many_tiffs(tmp_path: Path) -> None:
+    stack = np.arange(10 * 4 * 5, dtype=np.uint16).reshape(10, 4, 5)
+    image = SimpleITK.GetImageFromArray(stack)
+    image.SetSpacing((0.4, 0.6, 1.0))
+    for name in ("head.nrrd", "head_proj.nrrd", "Sinogram-1.mha", "projected.mha", "any.tif"):
+        SimpleITK.WriteImage(image, str(tmp_path / name))
+    (tmp_path / "projections.zip").write_bytes(b"PK")
+    known = {path.name for path in tmp_path.iterdir() if are_projections(path)}
+    assert known == {"head_proj.nrrd", "Sinogram-1.mha", "any.tif"}
+    folder = tmp_path / "views"
+    folder.mkdir()
+    for number, slice_ in enumerate(stack):
+        SimpleITK.WriteImage(SimpleITK.GetImageFromArray(slice_), str(folder / f"{number}.tif"))
+        assert are_projections(folder) == (number >= 7)
+    np.testing.assert_array_equal(read_projections(folder), stack)
+
+    told = stack_at(tmp_path / "head_proj.nrrd")
+    assert (told.name, told.shape, told.pixel) == ("head_proj", (10, 4, 5), (0.4, 0.6))
+    likely = suggested(told)
+    assert (likely.beam, likely.arc, likely.intensities) == ("cone", 360.0, 65535.0)
+    likely = suggested(stack_at(tmp_path / "Sinogram-1.mha"))
+    assert (likely.beam, likely.arc, likely.sinograms) == ("parallel", 180.0, True)
+    # one image for each of four rows
+    with pytest.raises(OptionError, match="4 angles and 4 projections given"):
+        grid_of(told, ReconstructionRequest(beam="parallel", pixel=(1.0, 1.0), sinograms=True))
 
 
 def test_counts_become_line_integrals() -> None:

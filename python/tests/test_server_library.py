@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import json
 import zipfile
 from base64 import b64decode
-from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -18,61 +15,8 @@ import SimpleITK
 from orthanc import orthanc
 from palpate import server_upload
 from palpate.recent import recent_scans
-from palpate.server_security import Access
-from palpate.server_workbench import Workbench
 
-from .conftest import PATIENCE, serving, write_page
-
-
-@dataclass
-class Client:
-    """A page that opens scans."""
-
-    access: Access
-    workbench: Workbench
-
-    def ask(self, method: str, route: str, body: Any = None) -> httpx.Response:
-        content = body if isinstance(body, bytes) else json.dumps(body).encode()
-        return httpx.request(
-            method,
-            f"http://127.0.0.1:{self.access.port}/api/{route}",
-            headers={"Cookie": f"{self.access.cookie}={self.access.token}"},
-            content=None if body is None else content,
-            trust_env=False,
-            timeout=PATIENCE,
-        )
-
-    def about(self) -> dict[str, Any]:
-        told: dict[str, Any] = self.ask("GET", "library/").json()
-        return told
-
-    def job(self, route: str, body: Any) -> list[dict[str, Any]]:
-        """Returns the lines of some work, without its progress."""
-        answer = self.ask("POST", f"library/{route}", body)
-        assert answer.status_code == 200, answer.text
-        lines = [json.loads(line) for line in answer.text.splitlines()]
-        return [line for line in lines if line["kind"] != "progress"]
-
-    def upload(self, files: dict[str, bytes]) -> int:
-        told = [{"name": name, "size": len(content)} for name, content in files.items()]
-        number = int(self.ask("POST", "library/uploads", told).json()["upload"])
-        for file, content in enumerate(files.values()):
-            assert self.ask("PUT", f"library/uploads/{number}/{file}", content).status_code == 204
-        return number
-
-
-@pytest.fixture
-def client(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Client]:
-    """A page of a server without a scan, with a state and a temporary folder of its own."""
-    room = tmp_path / "room"
-    room.mkdir()
-    monkeypatch.setattr("tempfile.tempdir", str(room))
-    monkeypatch.setenv("PALPATE_STATE", str(tmp_path / "state"))
-    workbench = Workbench()
-    with serving(workbench, write_page(tmp_path / "page")) as access:
-        yield Client(access, workbench)
-    workbench.end()
-    assert list(room.iterdir()) == []
+from .conftest import PATIENCE, LibraryClient
 
 
 @pytest.fixture
@@ -93,7 +37,7 @@ def files_of(folder: Path) -> dict[str, bytes]:
 
 
 def test_a_folders_series_are_listed_with_pictures_and_what_cannot_be_opened(
-    client: Client, study: Path
+    client: LibraryClient, study: Path
 ) -> None:
     found, *pictures, last = client.job("find", {"path": str(study)})
     assert last == {"kind": "done"}
@@ -121,7 +65,7 @@ def test_a_folders_series_are_listed_with_pictures_and_what_cannot_be_opened(
     assert np.all(np.diff(picture[0].astype(int)) >= 0)
 
 
-def test_the_chosen_series_is_opened_and_remembered(client: Client, study: Path) -> None:
+def test_the_chosen_series_is_opened_and_remembered(client: LibraryClient, study: Path) -> None:
     assert client.about()["scan"] is None
     found = client.job("find", {"path": str(study)})[0]
     number = [one["name"] for one in found["scans"]].index("thick")
@@ -142,7 +86,9 @@ def test_the_chosen_series_is_opened_and_remembered(client: Client, study: Path)
     assert client.about()["recent"] == []
 
 
-def test_what_cannot_be_opened_is_told_and_the_open_scan_stays(client: Client, study: Path) -> None:
+def test_what_cannot_be_opened_is_told_and_the_open_scan_stays(
+    client: LibraryClient, study: Path
+) -> None:
     found = client.job("find", {"path": str(study)})[0]
     client.job("open", {"path": str(study), "series": "1.2.3"})
     number = [one["name"] for one in found["scans"]].index("scout")
@@ -160,7 +106,9 @@ def test_what_cannot_be_opened_is_told_and_the_open_scan_stays(client: Client, s
     assert client.about()["scan"] == "thin"
 
 
-def test_changes_of_the_scan_that_is_closed_are_kept_and_told(client: Client, study: Path) -> None:
+def test_changes_of_the_scan_that_is_closed_are_kept_and_told(
+    client: LibraryClient, study: Path
+) -> None:
     client.job("open", {"path": str(study), "series": "1.2.3"})
     opened = client.workbench.opened
     assert opened is not None
@@ -184,7 +132,7 @@ def test_changes_of_the_scan_that_is_closed_are_kept_and_told(client: Client, st
 
 
 def test_a_dropped_folder_is_listed_opened_and_gone_with_its_scan(
-    client: Client, study: Path, tmp_path: Path
+    client: LibraryClient, study: Path, tmp_path: Path
 ) -> None:
     upload = client.upload(files_of(study))
     found = client.job("find", {"upload": upload})[0]
@@ -213,7 +161,12 @@ def test_a_dropped_folder_is_listed_opened_and_gone_with_its_scan(
     "kind", ["head.nii.gz", "head.mhd", "head.nrrd", "study.zip", "one.palpate"]
 )
 def test_files_of_each_kind_can_be_dropped(
-    client: Client, write_image: Any, study: Path, tmp_path: Path, small_values: Any, kind: str
+    client: LibraryClient,
+    write_image: Any,
+    study: Path,
+    tmp_path: Path,
+    small_values: Any,
+    kind: str,
 ) -> None:
     if kind == "study.zip":
         with zipfile.ZipFile(tmp_path / kind, "w") as archive:
@@ -239,13 +192,13 @@ def test_files_of_each_kind_can_be_dropped(
     "name",
     ["../out", "a/../../out", "/etc/passwd", "a\\..\\b", "c:x", "", ".", "..", "a\n", "x" * 256],
 )
-def test_no_name_leads_out_of_the_upload(client: Client, name: str) -> None:
+def test_no_name_leads_out_of_the_upload(client: LibraryClient, name: str) -> None:
     answer = client.ask("POST", "library/uploads", [{"name": name, "size": 1}])
     assert answer.status_code == 400
     assert "leads elsewhere" in answer.text
 
 
-def test_uploads_are_bounded(client: Client, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_uploads_are_bounded(client: LibraryClient, monkeypatch: pytest.MonkeyPatch) -> None:
     def asked(*files: tuple[str, int]) -> str:
         told = [{"name": name, "size": size} for name, size in files]
         return client.ask("POST", "library/uploads", told).text
@@ -258,7 +211,7 @@ def test_uploads_are_bounded(client: Client, monkeypatch: pytest.MonkeyPatch) ->
     assert "allowed: 0 MiB" in asked(("a", 1))
 
 
-def test_a_file_brings_as_many_bytes_as_were_told(client: Client) -> None:
+def test_a_file_brings_as_many_bytes_as_were_told(client: LibraryClient) -> None:
     told = [{"name": "a", "size": 3}, {"name": "b", "size": 2}]
     number = client.ask("POST", "library/uploads", told).json()["upload"]
     place = f"library/uploads/{number}"
@@ -273,7 +226,7 @@ def test_a_file_brings_as_many_bytes_as_were_told(client: Client) -> None:
     assert "is gone" in client.ask("PUT", f"{place}/1", b"ab").text
 
 
-def test_a_dropped_bomb_is_refused(client: Client, tmp_path: Path) -> None:
+def test_a_dropped_bomb_is_refused(client: LibraryClient, tmp_path: Path) -> None:
     path = tmp_path / "bomb.zip"
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr("zeros", bytes(50 << 20))
@@ -281,7 +234,7 @@ def test_a_dropped_bomb_is_refused(client: Client, tmp_path: Path) -> None:
     assert "allowed: at most 200 times" in failed["reason"]
 
 
-def test_the_library_needs_the_token(client: Client) -> None:
+def test_the_library_needs_the_token(client: LibraryClient) -> None:
     base = f"http://127.0.0.1:{client.access.port}/api/library"
     for method, route in (("GET", "/"), ("POST", "/find"), ("PUT", "/uploads/1/0")):
         answer = httpx.request(method, base + route, trust_env=False, timeout=PATIENCE)
@@ -290,7 +243,7 @@ def test_the_library_needs_the_token(client: Client) -> None:
 
 @pytest.mark.data
 def test_volumes_of_a_servers_series_are_listed_once_they_are_here(
-    client: Client, write_series: Any
+    client: LibraryClient, write_series: Any
 ) -> None:
     for time in (1, 2):
         folder = write_series(
@@ -323,7 +276,9 @@ def test_volumes_of_a_servers_series_are_listed_once_they_are_here(
 
 
 @pytest.mark.data
-def test_a_series_of_a_server_is_listed_and_opened(client: Client, data_folder: Path) -> None:
+def test_a_series_of_a_server_is_listed_and_opened(
+    client: LibraryClient, data_folder: Path
+) -> None:
     head, small = (data_folder / "dcmqi_seg" / name for name in ("ct-3slice", "23x38x3/image"))
     with orthanc() as server:
         server.store([*head.iterdir(), *small.iterdir()])
@@ -350,7 +305,7 @@ def test_a_series_of_a_server_is_listed_and_opened(client: Client, data_folder: 
 
 
 def test_a_second_scan_is_shown_with_the_open_one(
-    client: Client, study: Path, tmp_path: Path
+    client: LibraryClient, study: Path, tmp_path: Path
 ) -> None:
     refused = client.job("open", {"path": str(study), "beside": True})
     assert refused[-1]["reason"].startswith("no scan is open")
@@ -385,7 +340,7 @@ def test_a_second_scan_is_shown_with_the_open_one(
 
 
 def test_segments_of_files_are_added_to_the_open_scan(
-    client: Client, study: Path, tmp_path: Path
+    client: LibraryClient, study: Path, tmp_path: Path
 ) -> None:
     volume = palpate.read(study, series="1.2.3")
     labels = np.zeros(volume.shape, np.uint8)
@@ -434,7 +389,7 @@ def test_segments_of_files_are_added_to_the_open_scan(
 
 
 def test_a_windows_title_names_no_file_that_was_not_given(
-    client: Client, study: Path, write_image: Any
+    client: LibraryClient, study: Path, write_image: Any
 ) -> None:
     values = np.full((4, 5, 6), 7, np.int16)
     path: Path = write_image(values, "DOE_JOHN.nrrd")

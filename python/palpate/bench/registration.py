@@ -3,7 +3,7 @@
 The pair is a lung by CT at two dates, with ten places marked in both (elastix' own test data).
 elastix runs with its own default parameter maps, affine and then B-spline, in the same process;
 both get the same files and no masks, and begin as their defaults say. Landmarks never take part
-in the search.
+in the search. CT and MR are measured by ``palpate.bench.modalities``.
 """
 
 from __future__ import annotations
@@ -17,8 +17,9 @@ from tempfile import TemporaryDirectory
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.bench.goals_registration import ELASTIX_CASE, REGISTER_ROWS, registered_case
-from palpate.bench.haptics_data import data_file
+from palpate.bench.goals_registration import ELASTIX_CASE, LUNG_ROWS, registered_case
+from palpate.bench.haptics_data import CTHEAD, data_file
+from palpate.bench.modalities import head_of, measure_modalities
 from palpate.bench.report import Row, row_of
 from palpate.errors import OptionError
 from palpate.io import read
@@ -82,6 +83,7 @@ def measure(progress: Progress = silent) -> list[Row]:
         landmarks_of(data_file(f"{FOLDER}/{name}.txt"), volume)
         for name, volume in ((FIXED, fixed), (MOVING, moving))
     )
+    head = head_of(data_file(CTHEAD))
     found: dict[str, tuple[Points, float]] = {}
     for kind in KINDS:
         begun = time.process_time()
@@ -91,7 +93,7 @@ def measure(progress: Progress = silent) -> list[Row]:
     begun = time.process_time()
     mapped = _elastix(files, here)
     found[ELASTIX_CASE] = mapped, time.process_time() - begun
-    return rows_of(found, here, there)
+    return [*rows_of(found, here, there), *measure_modalities(head, progress)]
 
 
 def rows_of(found: dict[str, tuple[Points, float]], here: Points, there: Points) -> list[Row]:
@@ -108,7 +110,7 @@ def rows_of(found: dict[str, tuple[Points, float]], here: Points, there: Points)
         }
         for case, apart in errors.items()
     }
-    return [row_of(goal, reports[goal.case]) for goal in REGISTER_ROWS]
+    return [row_of(goal, reports[goal.case]) for goal in LUNG_ROWS]
 
 
 def _elastix(files: list[Path], points: Points) -> Points:

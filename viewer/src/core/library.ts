@@ -1,6 +1,7 @@
 /**
  * What page and engine say about scans that can be opened: lists, progress, files that are dropped.
  */
+import type { Projections } from "./reconstruction";
 import type { Vec3 } from "./vector";
 
 /** A scan of a list. */
@@ -44,6 +45,7 @@ export interface About {
 export type JobLine =
   | { readonly kind: "progress"; readonly what: string; readonly share: number | null }
   | { readonly kind: "found"; readonly find: number; readonly scans: readonly ListedScan[] }
+  | ({ readonly kind: "projections" } & Projections)
   | { readonly kind: "picture"; readonly choice: number; readonly png: string }
   | { readonly kind: "done" }
   | { readonly kind: "failed"; readonly reason: string };

@@ -2,6 +2,7 @@
  * Asks the engine for scans: work that tells how far it is, and files that are brought to it.
  */
 import { Lines, type About, type GivenFile, type JobLine } from "../core/library";
+import type { ReconstructionGrid, ReconstructionRequest } from "../core/reconstruction";
 import { apiAddress } from "./connection";
 
 /** How many files are on their way at once. */
@@ -21,7 +22,7 @@ export async function forgetRecent(token: string): Promise<void> {
 
 /** Has the engine work, and calls back with each line; leaving it cancels. Throws why it failed. */
 export async function work(
-  route: "find" | "open" | "segments",
+  route: "find" | "open" | "reconstruct" | "segments",
   wanted: object,
   { token, signal }: Asking,
   told: (line: JobLine) => void,
@@ -48,6 +49,21 @@ export async function work(
       told(line);
     }
   }
+}
+
+/** Asks for the grid of the scan that projections would give. Throws why they would give none. */
+export async function askGrid(
+  wanted: { readonly find: number; readonly request: ReconstructionRequest },
+  token: string,
+): Promise<ReconstructionGrid> {
+  const answer = await fetch(apiAddress("/api/library/reconstruct/grid", token), {
+    method: "POST",
+    body: JSON.stringify(wanted),
+  });
+  if (!answer.ok) {
+    throw new Error(await answer.text());
+  }
+  return (await answer.json()) as ReconstructionGrid;
 }
 
 export interface Asking {

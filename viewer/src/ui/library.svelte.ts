@@ -1,7 +1,8 @@
 /** Opens scans: looks for them, takes those that are dropped, and has the engine show one. */
 import { formatBytes, formatCount } from "../core/format";
 import { isSingle, refusalOf, type About, type GivenFile, type JobLine, type ListedScan, type RecentScan } from "../core/library";
-import { askAbout, bring, forgetRecent, work } from "../live/library_requests";
+import type { Projections, ReconstructionGrid, ReconstructionRequest } from "../core/reconstruction";
+import { askAbout, askGrid, bring, forgetRecent, work } from "../live/library_requests";
 
 export interface Work {
   readonly what: string;
@@ -31,10 +32,16 @@ export class Library {
   /** Pictures of the scans that were found, by their places in the list. */
   pictures = $state.raw<Readonly<Record<number, string>>>({});
 
+  /** Found in the place of scans: a scan can be made of them. */
+  projections = $state.raw<Projections | null>(null);
+  /** What is given next are projections, whatever it looks like. */
+  projected = $state.raw(false);
+
   /** Whether a scan is being opened: another one cannot be chosen meanwhile. */
   opening = $state.raw(false);
 
   private asking: AbortController | null = null;
+  private place: object = {};
 
   /** @param token of this page; @param reload shows the page anew, with the scan that is open then. */
   constructor(
@@ -87,7 +94,12 @@ export class Library {
   /** Back from the list. */
   leaveList(): void {
     this.cancel();
+    this.clear();
+  }
+
+  private clear(): void {
     this.found = null;
+    this.projections = null;
     this.pictures = {};
   }
 
@@ -122,6 +134,23 @@ export class Library {
     await this.attempt((signal) => this.exchange({ find, choice }, signal));
   }
 
+  /** Opens a scan that is made of the projections that were found. */
+  async reconstruct(request: ReconstructionRequest): Promise<void> {
+    const find = this.projections?.find;
+    await this.attempt((signal) => this.exchange({ find, request }, signal, "reconstruct"));
+  }
+
+  /** The grid of the scan that would come. Throws why none would. */
+  async gridOf(find: number, request: ReconstructionRequest): Promise<ReconstructionGrid> {
+    return askGrid({ find, request }, this.token);
+  }
+
+  /** What was found is no projections: opens it as it is. */
+  async takeAsScan(): Promise<void> {
+    this.projected = false;
+    await this.attempt((signal) => this.find(this.place, signal, "scan"));
+  }
+
   async openRecent({ path, series }: RecentScan): Promise<void> {
     await this.attempt((signal) => this.exchange({ path, series }, signal));
   }
@@ -132,26 +161,26 @@ export class Library {
   }
 
   /** Lists the scans of a place, or adds its segments to the open scan. */
-  private async find(place: object, signal: AbortSignal): Promise<void> {
+  private async find(place: object, signal: AbortSignal, taken_as = this.projected ? "projections" : "anything"): Promise<void> {
     if (this.segments) {
       await work("segments", { ...place, resample: this.resample }, { token: this.token, signal }, this.take.bind(this));
       this.hide();
       return;
     }
-    this.found = null;
-    this.pictures = {};
-    await work("find", place, { token: this.token, signal }, this.take.bind(this));
+    this.clear();
+    this.place = place;
+    await work("find", { ...place, taken_as }, { token: this.token, signal }, this.take.bind(this));
     const { found } = this as { found: Found | null };
     if (found !== null && isSingle(found.scans)) {
       await this.exchange({ find: found.find, choice: 0 }, signal);
     }
   }
 
-  private async exchange(wanted: object, signal: AbortSignal): Promise<void> {
+  private async exchange(wanted: object, signal: AbortSignal, how: "open" | "reconstruct" = "open"): Promise<void> {
     const { beside, found } = this;
     this.opening = true;
     try {
-      await work("open", beside ? { ...wanted, beside } : wanted, { token: this.token, signal }, this.take.bind(this));
+      await work(how, beside ? { ...wanted, beside } : wanted, { token: this.token, signal }, this.take.bind(this));
     } finally {
       // else another one is being opened by now, or none
       if (!signal.aborted) {
@@ -180,6 +209,9 @@ export class Library {
         this.pictures = {};
         // what is listed can be chosen while its pictures are on their way
         this.opening = false;
+        break;
+      case "projections":
+        this.projections = line;
         break;
       case "picture":
         this.pictures = { ...this.pictures, [line.choice]: `data:image/png;base64,${line.png}` };

@@ -1,0 +1,234 @@
+"""``palpate bench register``: how well mutual information brings CT and MR together.
+
+There is no such pair among the scans, so the MR is a stand-in made of a head by CT: values by a
+map that goes up and down (air and bone are dark, fat is bright, soft tissue lies between), blurred,
+seen through an uneven field, with noise, on a grid of its own, turned, shifted and for an affine
+transform scaled and sheared. Where it lies is known, so the error is that of the eight corners of
+the fixed scan, from several starts that are wrong by a given length and angle. Correlation, which
+asks that values follow one another linearly, runs beside.
+
+Frames: LPS [mm]; a matrix takes points of the CT to the stand-in, shape [4, 4].
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.bench.goals_registration import METRICS, MODALITY_ROWS, STARTS, modality_case
+from palpate.bench.report import Row, row_of
+from palpate.io import read
+from palpate.progress import Progress, silent
+from palpate.registration import register
+from palpate.registration_options import Kind, Metric, RegistrationError, SearchOptions
+from palpate.simpleitk import image_on, simpleitk
+from palpate.volume import Volume, VolumeTraits
+
+__all__ = ["Apart", "Pair", "apart_from", "coarser", "head_of", "like_mr", "measure_modalities"]
+
+Points = NDArray[np.float64]
+
+TISSUES = (
+    # HU, brightness: air, fat, water, soft tissue, bone
+    *((-1000.0, 0.0), (-250.0, 20.0), (-120.0, 850.0), (-40.0, 900.0)),
+    *((0.0, 350.0), (30.0, 480.0), (70.0, 560.0)),
+    *((200.0, 240.0), (500.0, 60.0), (3000.0, 20.0)),
+)
+BLUR = 0.8
+"""Standard deviation [mm]."""
+UNEVEN = 0.35
+"""Of the field, from its mean, at most about."""
+NOISE = 30.0
+"""Of both channels, whose length is seen [brightness]."""
+SPACING = (1.9, 1.9, 3.1)
+"""Of the stand-in [mm]."""
+DIRECTIONS = 4
+"""Starts that are wrong by the same length and angle, to other sides."""
+
+
+def _turned(degrees: float, axis: Sequence[float]) -> Points:
+    """Returns a turn about an axis, shape [3, 3] (Rodrigues)."""
+    x, y, z = np.asarray(axis, np.float64) / np.linalg.norm(axis)
+    across = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    angle = np.radians(degrees)
+    turn: Points = np.eye(3) + np.sin(angle) * across + (1.0 - np.cos(angle)) * across @ across
+    return turn
+
+
+TURN, SHIFT = _turned(9.0, (1.0, -2.0, 3.0)), np.array([11.0, -7.0, 5.0])
+"""About the middle of the CT; and how that lies away [mm]."""
+SCALED = np.array([[1.04, 0.03, 0.0], [0.0, 0.96, 0.02], [0.0, 0.0, 1.03]])
+
+TRUTHS: dict[Kind, Points] = {"rigid": TURN, "affine": TURN @ SCALED}
+
+
+@dataclass(frozen=True)
+class Pair:
+    """A scan by CT, and one that is like MR."""
+
+    fixed: Volume
+    moving: Volume
+    matrix: Points
+    """Where points of the fixed scan truly lie in the moving one."""
+
+
+@dataclass(frozen=True)
+class Apart:
+    """How far corners of the fixed scan are from where they truly lie, at most [mm]."""
+
+    before: float
+    after: float
+
+
+def like_mr(ct: Volume, kind: Kind, *, seed: int = 1) -> Pair:
+    """Returns a scan [HU] beside one that is like MR of the same head, elsewhere."""
+    sitk = simpleitk()
+    middle = _middle(ct)
+    matrix = _about(middle, TRUTHS[kind], SHIFT)
+    values = ct.array.astype(np.float32) * np.float32(ct.slope) + np.float32(ct.intercept)
+    smooth = sitk.SmoothingRecursiveGaussian(image_on(ct, values), BLUR)
+    hu, brightness = np.transpose(TISSUES)
+    seen = np.interp(sitk.GetArrayFromImage(smooth), hu, brightness).astype(np.float32)
+    size = np.ceil(np.multiply(ct.dimensions, ct.spacing) / SPACING).astype(int)
+    back = sitk.AffineTransform(3)
+    inverse = np.linalg.inv(matrix)
+    back.SetMatrix(inverse[:3, :3].ravel().tolist())
+    back.SetTranslation(inverse[:3, 3].tolist())
+    origin = middle + SHIFT - 0.5 * (size - 1) * SPACING
+    there = sitk.Resample(
+        image_on(ct, seen), size.tolist(), back, sitk.sitkLinear, origin.tolist(), SPACING
+    )
+    bright = sitk.GetArrayFromImage(there) * _field((size[2], size[1], size[0]))
+    random = np.random.default_rng(seed)
+    channels = random.normal(0.0, NOISE, (2, *bright.shape))
+    noisy = np.hypot(bright + channels[0], channels[1])
+    moving = Volume(
+        np.rint(noisy).astype(np.int16),
+        spacing=SPACING,
+        origin=origin.tolist(),
+        traits=VolumeTraits(name="like MR", modality="MR"),
+    )
+    return Pair(ct, moving, matrix)
+
+
+def apart_from(  # one for each thing that is varied
+    pair: Pair,
+    *,
+    kind: Kind,
+    metric: Metric,
+    off: tuple[float, float],
+    direction: int,
+    options: SearchOptions | None = None,
+    progress: Progress = silent,
+) -> Apart:
+    """Registers from a start that is off by a length [mm] and an angle [degrees], to some side.
+
+    What is refused leaves the moving scan where it was.
+    """
+    length, degrees = off
+    random = np.random.default_rng(direction)
+    axis, way = random.normal(size=(2, 3))
+    middle = _middle(pair.fixed)
+    wrong = _about(middle, _turned(degrees, axis), length * way / np.linalg.norm(way))
+    # what is scaled and sheared is not known beforehand
+    start = _about(middle, TURN, SHIFT) @ wrong
+    corners = _corners(pair.fixed)
+    before = _most(corners, start, pair.matrix)
+    try:
+        found = register(
+            pair.fixed,
+            pair.moving,
+            kind=kind,
+            metric=metric,
+            start=start,
+            options=options,
+            progress=progress,
+        )
+    except RegistrationError:
+        return Apart(before, before)
+    return Apart(before, _most(corners, found.unbent, pair.matrix))
+
+
+def head_of(path: Path) -> Volume:
+    """Returns the head of CThead [HU], half as fine across: its file is in HU + 1024."""
+    head = read(path)
+    fine = Volume(
+        head.array,
+        spacing=head.spacing,
+        slope=head.slope,
+        intercept=head.intercept - 1024.0,
+        traits=VolumeTraits(name=head.name, modality="CT", unit="HU"),
+    )
+    return coarser(fine, (2, 2, 1))
+
+
+def measure_modalities(ct: Volume, progress: Progress = silent) -> list[Row]:
+    """Registers a scan [HU] with its stand-in for MR in all ways, and returns the errors."""
+    reports: dict[str, dict[str, float]] = {}
+    for kind in TRUTHS:
+        pair = like_mr(ct, kind)
+        for metric in METRICS:
+            for off in STARTS:
+                found = [
+                    apart_from(
+                        pair, kind=kind, metric=metric, off=off, direction=side, progress=progress
+                    )
+                    for side in range(DIRECTIONS)
+                ]
+                reports[modality_case(kind, metric, off)] = _summary(found)
+    return [row_of(goal, reports[goal.case]) for goal in MODALITY_ROWS]
+
+
+def coarser(ct: Volume, factors: tuple[int, int, int]) -> Volume:
+    """Returns a scan on a coarser grid, by so many voxels along x, y, z."""
+    sitk = simpleitk()
+    image = sitk.BinShrink(image_on(ct, ct.array), list(factors))
+    return Volume(
+        sitk.GetArrayFromImage(image),
+        spacing=image.GetSpacing(),
+        origin=image.GetOrigin(),
+        direction=ct.direction,
+        slope=ct.slope,
+        intercept=ct.intercept,
+        traits=ct.traits,
+    )
+
+
+def _summary(found: Iterable[Apart]) -> dict[str, float]:
+    before, after = np.transpose([(one.before, one.after) for one in found])
+    return {"before": float(before.mean()), "mean": float(after.mean()), "most": float(after.max())}
+
+
+def _field(shape: tuple[int, ...]) -> NDArray[np.float32]:
+    """Returns how bright a coil sees each place, about 1, shape [z, y, x]."""
+    z, y, x = np.meshgrid(*(np.linspace(-1.0, 1.0, count) for count in shape), indexing="ij")
+    field = 1.0 + UNEVEN * (0.6 * x - 0.7 * y * y + 0.5 * z * x + 0.3)
+    return field.astype(np.float32)
+
+
+def _about(middle: Points, turn: Points, shift: Points) -> Points:
+    matrix = np.eye(4)
+    matrix[:3, :3] = turn
+    matrix[:3, 3] = middle + shift - turn @ middle
+    return matrix
+
+
+def _middle(volume: Volume) -> Points:
+    middle: Points = _corners(volume).mean(axis=0)
+    return middle
+
+
+def _corners(volume: Volume) -> Points:
+    """Returns the corners of a grid, shape [8, 3] [mm]."""
+    places = np.stack(np.meshgrid(*((0.0, n) for n in volume.dimensions)), axis=-1).reshape(-1, 3)
+    corners: Points = (np.hstack([places, np.ones((8, 1))]) @ volume.patient_from_grid.T)[:, :3]
+    return corners
+
+
+def _most(points: Points, one: Points, other: Points) -> float:
+    apart = points @ (one - other)[:3, :3].T + (one - other)[:3, 3]
+    return float(np.linalg.norm(apart, axis=1).max())
