@@ -54,6 +54,10 @@ def bench_session(
         list[str] | None,
         typer.Option(help="What is touched, again for more; by default all."),
     ] = None,
+    model: Annotated[
+        list[str] | None,
+        typer.Option(help="What it is made of, none for hard; again for more; by default all."),
+    ] = None,
     json_file: Json = None,
 ) -> None:
     """Measure how often servo and deformation come around, with each model and without."""
@@ -61,7 +65,7 @@ def bench_session(
     from palpate.bench.report import print_rows, write_rows
 
     with quiet_libraries(), Display() as display:
-        rows, missing = measure(data or (), Pace(seconds), display)
+        rows, missing = measure(data or (), Pace(seconds), display, models=model or ())
     print_rows("session", rows)
     for sentence in missing:
         warn(f"not measured: {sentence} is not there; allowed: PALPATE_DATA with it")

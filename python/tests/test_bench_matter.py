@@ -143,6 +143,8 @@ def test_a_session_in_step_tells_every_figure() -> None:
 def test_wrong_grounds_and_models_are_told(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(OptionError, match="allowed: CThead bone, LIDC bone"):
         measure_session(["knee"], Pace(1))
+    with pytest.raises(OptionError, match="allowed: none, lattice, fcc-lj"):
+        measure_session([], Pace(1), models=["jelly"])
     assert run(["bench", "stress", "--deform", "jelly"]) == 2
     assert "allowed: lattice, fcc-lj, cuboid-lj, global-lj, all" in capsys.readouterr().err
     assert run(["bench", "stress", "--deform", "lattice", "--moves", "0"]) == 2

@@ -45,17 +45,15 @@ class Pace:
 
 
 def measure(
-    grounds: Sequence[str], pace: Pace, progress: Progress = silent
+    grounds: Sequence[str], pace: Pace, progress: Progress = silent, *, models: Sequence[str] = ()
 ) -> tuple[list[Row], list[str]]:
-    """Measures grounds; returns the rows, and the data sets that are not there.
+    """Measures grounds with models; returns the rows, and the data sets that are not there.
 
     Raises:
-        OptionError: A ground or the pace is not allowed.
+        OptionError: A ground, a model or the pace is not allowed.
     """
-    for ground in grounds:
-        if ground not in LOADS:
-            raise OptionError(f"data {ground!r} given; allowed: {', '.join(LOADS)}")
-    chosen = [ground for ground in LOADS if not grounds or ground in grounds]
+    chosen = _among("data", tuple(LOADS), grounds)
+    with_models = _among("model", (NO_MODEL, *MODELS), models)
     reports: dict[str, dict[str, float]] = {}
     missing = []
     for done, ground in enumerate(chosen):
@@ -65,13 +63,21 @@ def measure(
         except MissingDataError as error:
             missing.append(f"{ground}: {error}")
             continue
-        for nth, model in enumerate((NO_MODEL, *MODELS)):
+        for nth, model in enumerate(with_models):
             case = session_case(ground, model)
-            share = (done + nth / (1 + len(MODELS))) / len(chosen)
+            share = (done + nth / len(with_models)) / len(chosen)
             progress(f"{case}, {pace.seconds} s", share)
             reports[case] = figures(segment, model, pace) | _thesis(ground, model)
     rows = [row_of(goal, reports[goal.case]) for goal in SESSION_ROWS if goal.case in reports]
     return rows, missing
+
+
+def _among(what: str, allowed: Sequence[str], wanted: Sequence[str]) -> list[str]:
+    """Returns what is wanted, in the order of the tables; all of it where nothing is named."""
+    for one in wanted:
+        if one not in allowed:
+            raise OptionError(f"{what} {one!r} given; allowed: {', '.join(allowed)}")
+    return [one for one in allowed if not wanted or one in wanted]
 
 
 def figures(segment: Segment, model: str, pace: Pace) -> dict[str, float]:
