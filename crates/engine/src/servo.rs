@@ -192,6 +192,12 @@ impl ServoLoop {
         known.share(voxel, world.bits.is_solid(voxel))
     }
 
+    /// Whether friction holds the probe away from the device.
+    #[must_use]
+    pub fn is_held_by_friction(&self) -> bool {
+        self.state.touch.friction.holds()
+    }
+
     /// The needle in the hand, or none.
     #[must_use]
     pub fn needle(&self) -> &Needle {

@@ -41,6 +41,14 @@ fn a_hand_far_from_a_caught_probe_comes_to_rest() {
     assert!(report.rests >= 1, "{report:?}");
 }
 
+/// There a drill that gripped has let go of a probe in closed matter: what friction held comes back.
+#[test]
+fn what_a_drill_has_gripped_is_let_go() {
+    let report = run("lattice", 5, 17, 8_400).unwrap();
+    assert_eq!(report.violation, None);
+    assert!(report.drilled >= 1, "{report:?}");
+}
+
 #[test]
 fn a_run_is_made_again_by_its_number() {
     let one = run("lattice", 5, 1, 2_000).unwrap();

@@ -217,6 +217,12 @@ impl FrictionState {
         self.held.map_or(DVec3::ZERO, |held| held.offset)
     }
 
+    /// Whether it holds the probe away from the device, as long as it lets go of it too.
+    #[must_use]
+    pub fn holds(&self) -> bool {
+        self.held.is_some_and(|held| held.offset != DVec3::ZERO)
+    }
+
     /// Whether the probe slips over the surface.
     #[must_use]
     pub fn is_slipping(&self) -> bool {

@@ -399,6 +399,7 @@ impl Run {
             solid: self.rig.servo.servo.solid(),
             sent: lock(&self.led).sent,
             needle,
+            gripped: self.rig.servo.servo.is_held_by_friction(),
             drill: self.drill,
         })
     }

@@ -44,6 +44,9 @@ pub struct Told<'a> {
     pub sent: DVec3,
     /// Whether a needle is in: then the force is the needle's.
     pub needle: bool,
+    /// Whether friction holds the probe, as a drill's does that grips: who is let go is pushed by
+    /// more than the hand's own way.
+    pub gripped: bool,
     /// Whether a drill is in the hand: then bone goes.
     pub drill: bool,
 }
@@ -61,6 +64,7 @@ pub struct Watch {
     bone: Dense,
     finder: Finder,
     last: Option<(TickRecord, DVec3)>,
+    gripped: bool,
     /// Bits that changed around the probe.
     pub bits: u64,
     /// Ticks with the device deeper than a voxel in bone.
@@ -84,6 +88,7 @@ impl Watch {
             bone: Dense::from_fn(size, |voxel| world.is_bone(voxel)),
             finder: Finder::default(),
             last: None,
+            gripped: false,
             bits: 0,
             in_bone: 0,
         }
@@ -103,6 +108,7 @@ impl Watch {
         self.bone_pushes(told)?;
         self.sent(told.sent)?;
         self.last = Some((*record, told.sent));
+        self.gripped = told.gripped;
         Ok(())
     }
 
@@ -178,7 +184,7 @@ impl Watch {
         })
     }
 
-    /// Guarantees 3, 6 and 8, of the force before the safety stage.
+    /// Guarantees 3, 6 and 8, of the force before the safety stage; 8 is none of friction's.
     fn force(&self, told: &Told<'_>) -> Result<(), Violation> {
         let record = told.record;
         let felt = record.contact || told.needle;
@@ -199,6 +205,9 @@ impl Watch {
         let Some((last, _)) = &self.last else {
             return Ok(());
         };
+        if told.gripped || self.gripped {
+            return Ok(());
+        }
         let way = record.device.distance(last.device);
         let most = self.stiffness * (way + STEP * self.spacing.min_element()) + 1e-9;
         let grown = record.force.length() - last.force.length();
@@ -246,6 +255,7 @@ mod tests {
                 solid,
                 sent: DVec3::ZERO,
                 needle: false,
+                gripped: false,
                 drill: false,
             };
             watch.after_tick(&told).err()
