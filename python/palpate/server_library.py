@@ -68,6 +68,8 @@ class About(msgspec.Struct, frozen=True):
 
     scan: str | None
     """Name of the open scan."""
+    coming: str | None
+    """Name of what is being read, to be shown once it is."""
     changed: bool
     """Whether it has changes."""
     kept: bool
@@ -91,6 +93,7 @@ class Library:
         self._routes = Router(
             [
                 Route("/", _answered(self._about)),
+                Route("/coming", _answered(self._coming), methods=["POST"]),
                 Route("/find", _answered(self._find), methods=["POST"]),
                 Route("/open", _answered(self._open), methods=["POST"]),
                 Route("/reconstruct", _answered(self._reconstruct), methods=["POST"]),
@@ -112,18 +115,30 @@ class Library:
         self._uploads.close()
 
     async def _about(self, _: Request) -> ASGIApp:
-        opened = await self._workbench.settled()
+        coming = self._workbench.coming
+        opened = None if coming is not None else await self._workbench.settled()
         changed = opened is not None and await run_in_threadpool(lambda: opened.changed)
         return _json(
             About(
                 scan=None if opened is None else opened.name,
+                coming=None if coming is None else coming.name,
                 changed=changed,
                 kept=opened is not None and opened.keeps_changes,
                 can_open=not self._workbench.fixed,
-                told=self._workbench.take_told(),
+                # what is told of it comes with it
+                told=[] if coming is not None else self._workbench.take_told(),
                 recent=await run_in_threadpool(recent_scans),
             )
         )
+
+    async def _coming(self, _: Request) -> ASGIApp:
+        coming = self._workbench.coming
+
+        def follow(progress: Progress, _: Tell) -> None:
+            if coming is not None:
+                coming.follow(progress)
+
+        return Job(follow)
 
     async def _forget(self, _: Request) -> ASGIApp:
         await run_in_threadpool(forget_recent)

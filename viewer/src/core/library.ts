@@ -30,6 +30,8 @@ export interface RecentScan {
 export interface About {
   /** Name of the open scan. */
   readonly scan: string | null;
+  /** Name of what is being read, to be shown once it is. */
+  readonly coming: string | null;
   /** Whether it has changes, and whether those are kept on disk. */
   readonly changed: boolean;
   readonly kept: boolean;

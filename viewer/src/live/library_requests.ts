@@ -22,7 +22,7 @@ export async function forgetRecent(token: string): Promise<void> {
 
 /** Has the engine work, and calls back with each line; leaving it cancels. Throws why it failed. */
 export async function work(
-  route: "find" | "open" | "reconstruct" | "segments",
+  route: "coming" | "find" | "open" | "reconstruct" | "segments",
   wanted: object,
   { token, signal }: Asking,
   told: (line: JobLine) => void,

@@ -37,6 +37,11 @@ export class Library {
   /** What is given next are projections, whatever it looks like. */
   projected = $state.raw(false);
 
+  /** How far the engine is with the scan that it was started with; null once that is there. */
+  coming = $state.raw<Work | null>(null);
+  /** Why that cannot be shown. */
+  notComing = $state.raw<string | null>(null);
+
   /** Whether a scan is being opened: another one cannot be chosen meanwhile. */
   opening = $state.raw(false);
 
@@ -48,6 +53,30 @@ export class Library {
     private readonly token: string,
     private readonly reload: () => void = () => { window.location.reload(); },
   ) {}
+
+  /** Asks what is open, and waits for what is being read. */
+  async begin(): Promise<void> {
+    await this.look();
+    const name = this.about?.coming ?? null;
+    if (name === null) {
+      return;
+    }
+    this.coming = { what: `Reading ${name}`, share: null };
+    try {
+      await work("coming", {}, { token: this.token, signal: new AbortController().signal }, (line) => {
+        if (line.kind === "progress" && line.what !== "") {
+          this.coming = { what: sentence(line.what), share: line.share };
+        }
+      });
+    } catch (error) {
+      // an engine that is gone is told of by the connection
+      if (!(error instanceof TypeError)) {
+        this.notComing = sentence(error instanceof Error ? error.message : String(error));
+      }
+    }
+    await this.look();
+    this.coming = null;
+  }
 
   /** Asks what is open. */
   async look(): Promise<void> {

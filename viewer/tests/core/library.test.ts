@@ -3,7 +3,7 @@ import { expect, test } from "vitest";
 import { bytesOf, isSingle, Lines, refusalOf, type About, type ListedScan } from "../../src/core/library";
 
 const scan: ListedScan = { patient: "", study: "", name: "thin", modality: "CT", size: [4, 3, 5], spacing: [1, 1, 2], refused: null };
-const about: About = { scan: null, changed: false, kept: true, can_open: true, told: [], recent: [], most_files: 2, most_bytes: 10 };
+const about: About = { scan: null, coming: null, changed: false, kept: true, can_open: true, told: [], recent: [], most_files: 2, most_bytes: 10 };
 
 test("lines are whole however they come", () => {
   const lines = new Lines();
