@@ -2,13 +2,11 @@
  * What segments are made of and by which model they give way, as the page offers it: names,
  * ranges of the controls, and what of it outlives a visit. Moduli [Pa].
  */
+import { described, writtenConstants } from "./matter_constants";
 import type { Boxes, Constants, DeformationModel, MaterialPreset, SegmentMaterial } from "./protocol";
 
-/** What the sliders offer. */
-export const offeredMatter = {
-  young: { min: 500, max: 1e8 },
-  poisson: { min: 0.25, max: 0.45 },
-} as const;
+/** What the slider offers. */
+export const offeredMatter = { young: { min: 500, max: 1e8 } } as const;
 
 /** The model that is taken where a segment is made soft and none was chosen. */
 export const usualModel = "lattice";
@@ -39,6 +37,11 @@ export function presetName(preset: string): string {
   return words.charAt(0).toUpperCase() + words.slice(1);
 }
 
+/** "Thesis bone (by HU)": with what its constants follow. */
+export function presetTitle({ name, needs_hounsfield }: MaterialPreset): string {
+  return `${presetName(name)}${needs_hounsfield ? " (by HU)" : ""}`;
+}
+
 /** "5.50 kPa" */
 export function formatModulus(pascal: number): string {
   const [unit, name] = ([[1e9, "GPa"], [1e6, "MPa"], [1e3, "kPa"]] as const).find(([size]) => pascal >= 0.9995 * size) ?? [1, "Pa"];
@@ -51,11 +54,25 @@ export function constantsOf({ low, high }: SegmentMaterial): Constants | null {
   return same ? low : null;
 }
 
-/** "5.50 kPa, ν 0.45", or from one to the other where they follow HU. */
+/** "5.50 kPa, ν 0.45, 1.06 g/cm³, breaks at 34 %, friction 20 %"; from one to the other where they follow HU. */
 export function describeMaterial({ low, high }: Pick<SegmentMaterial, "low" | "high">): string {
-  const range = (write: (constants: Constants) => string): string => [...new Set([write(low), write(high)])].join(" to ");
-  return `${range(({ young }) => formatModulus(young))}, ν ${range(({ poisson }) => poisson.toFixed(2))}`;
+  return writtenConstants
+    .map((constant) => {
+      const [from = "", to] = new Set([low, high].map((constants) => (constant.key === "young" ? formatModulus(constants.young) : described(constant, constants))));
+      const range = to === undefined ? from : `${from} to ${to}`;
+      return describedAs[constant.key](range);
+    })
+    .join(", ");
 }
+
+/** How a constant stands in a sentence with the others. */
+const describedAs: Readonly<Record<keyof Constants, (range: string) => string>> = {
+  young: (range) => range,
+  poisson: (range) => `ν ${range}`,
+  density: (range) => range,
+  breaking_strain: (range) => (range === "never" ? "never breaks" : `breaks at ${range}`),
+  friction: (range) => `friction ${range}`,
+};
 
 /** Parts of names by which segments are known to be of a tissue: the first that fits. */
 const tissues: readonly (readonly [RegExp, string])[] = [

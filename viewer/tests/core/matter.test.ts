@@ -11,6 +11,7 @@ import {
   nothingRemembered,
   oddEdge,
   presetsFor,
+  presetTitle,
   recalledMatter,
   rememberedMatter,
   suggestedPreset,
@@ -43,8 +44,10 @@ test("moduli are written with three digits and the unit that fits", () => {
 
 test("a material that follows HU is told from one end to the other and has no constants to change", () => {
   const [liver, bone] = presets.map((preset) => ({ ...preset, preset: preset.name }));
-  expect(liver && describeMaterial(liver)).toBe("5.50 kPa, ν 0.45");
-  expect(bone && describeMaterial(bone)).toBe("5.00 GPa to 21.0 GPa, ν 0.30 to 0.32");
+  expect(liver && describeMaterial(liver)).toBe("5.50 kPa, ν 0.45, 1.06 g/cm³, breaks at 34 %, friction 20 %");
+  expect(bone && describeMaterial(bone)).toBe("5.00 GPa to 21.0 GPa, ν 0.3 to 0.32, 1.06 g/cm³, breaks at 34 %, friction 20 %");
+  expect(describeMaterial({ low: { ...soft, breaking_strain: null }, high: { ...soft, breaking_strain: null } })).toContain("never breaks");
+  expect(presets.map(presetTitle)).toEqual(["Liver", "Thesis bone (by HU)"]);
   expect(liver && constantsOf(liver)).toEqual(soft);
   expect(bone && constantsOf(bone)).toBeNull();
   expect(presetsFor(presets, "")).toEqual(presets.slice(0, 1));

@@ -1,0 +1,64 @@
+"""Matter that gives way, as pages ask for it: told to all of them, taken back, kept in scenes."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+CONSTANTS = {
+    "young": 7000.0,
+    "poisson": 0.3,
+    "density": 1200.0,
+    "breaking_strain": None,
+    "friction": 0.35,
+}
+
+
+def material(constants: dict[str, Any] | None, preset: str | None = None) -> dict[str, Any]:
+    """Returns the message by which a page tells what the ball is made of."""
+    told = {"type": "set_material", "id": 1, "preset": preset, "constants": constants}
+    return told | {"undoable": True}
+
+
+def ball_of(page: Any, **wanted: Any) -> Any:
+    """Waits until a page is told a ball with such properties."""
+
+    def fits(message: Any) -> bool:
+        (ball,) = message["segments"]
+        return all(ball[name] == value for name, value in wanted.items())
+
+    return page.receive("segments", until=fits)["segments"][0]
+
+
+def test_all_constants_of_a_material_reach_all_pages_and_are_undone(server: Any) -> None:
+    made = {"preset": None, "low": pytest.approx(CONSTANTS), "high": pytest.approx(CONSTANTS)}
+    with server.page() as page, server.page() as other:
+        page.send(material(None, "liver"))
+        page.send(material(CONSTANTS))
+        for each in (page, other):
+            ball_of(each, material=made)
+        other.send({"type": "undo"})
+        for each in (page, other):
+            liver = each.receive(
+                "segments", until=lambda m: (m["segments"][0]["material"] or {}).get("preset")
+            )["segments"][0]["material"]
+            assert (liver["preset"], liver["low"]["density"]) == ("liver", pytest.approx(1060.0))
+
+
+@pytest.mark.parametrize(
+    ("constants", "refused"),
+    [
+        ({"young": 0.0}, "Expected `float` >= 1.0 - at `$.constants.young`"),
+        ({"poisson": 0.5}, "Expected `float` < 0.5 - at `$.constants.poisson`"),
+        ({"breaking_strain": 0.0}, "Expected `float` > 0.0 - at `$.constants.breaking_strain`"),
+        ({"friction": -0.1}, "Expected `float` >= 0.0 - at `$.constants.friction`"),
+    ],
+)
+def test_constants_that_no_matter_has_are_refused(
+    shared_server: Any, constants: dict[str, float], refused: str
+) -> None:
+    with shared_server.page() as page:
+        page.send(material(CONSTANTS | constants))
+        assert refused in page.receive("notice")["text"]
+        assert shared_server.session.segments()[0]["material"] is None
