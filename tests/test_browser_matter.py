@@ -141,6 +141,14 @@ def test_constants_are_typed_with_their_units_and_taken_back(page: Browser) -> N
     page.shows("source-1", "text.includes('Roulot')")
     page.shows("matter-1", "text.includes('5.50 kPa, ν 0.45, 1.06 g/cm³, breaks at 34 %')")
     page.do("click", testid="constants-1")
+
+    # all of it rigid, told in a line, and taken back
+    page.do("click", testid="show-regions-1")
+    page.do("click", testid="whole-1-rigid")
+    page.shows("regions-1", "text === 'rigid'")
+    page.do("press", key="Control+z")
+    page.wait("document.querySelector('[data-testid=whole-1-deformable]').checked")
+    page.do("click", testid="show-regions-1")
     page.do("click", testid="reset-matter")
     page.wait(f"{MATTER}.model === null")
 

@@ -17,10 +17,12 @@ from palpate.protocol_matter import (
     Displaced,
     MaterialPreset,
     MatterParts,
+    MatterRegion,
     MatterState,
     SegmentMaterial,
     SetDeformation,
     SetMaterial,
+    SetRegions,
     ShowParts,
 )
 from palpate.protocol_outline import FillOutline, Outline, TraceLevel, Wire
@@ -131,6 +133,7 @@ from palpate.protocol_types import (
     SurfaceSource,
     TissueName,
     ToolKind,
+    Treatment,
     Value,
     Vector,
 )
@@ -172,6 +175,7 @@ __all__ = [
     "Index",
     "MaterialPreset",
     "MatterParts",
+    "MatterRegion",
     "MatterState",
     "Message",
     "ModelName",
@@ -220,6 +224,7 @@ __all__ = [
     "Segments",
     "SetDeformation",
     "SetMaterial",
+    "SetRegions",
     "Settings",
     "SettingsChanged",
     "ShapeKind",
@@ -243,6 +248,7 @@ __all__ = [
     "ToolKind",
     "ToolState",
     "TraceLevel",
+    "Treatment",
     "TurnGrabbed",
     "Undo",
     "UndoRegistration",
@@ -302,6 +308,7 @@ FromPage = (
     | SegmentProperties
     | SegmentFeel
     | SetMaterial
+    | SetRegions
     | SetDeformation
     | ShowParts
     | MoveSegment

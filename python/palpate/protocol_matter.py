@@ -6,7 +6,16 @@ from typing import Annotated
 
 import msgspec
 
-from palpate.protocol_types import Message, ModelName, Name, NodeCount, SegmentId, Vector
+from palpate.protocol_types import (
+    GridPlace,
+    Message,
+    ModelName,
+    Name,
+    NodeCount,
+    SegmentId,
+    Treatment,
+    Vector,
+)
 
 __all__ = [
     "Boxes",
@@ -15,10 +24,12 @@ __all__ = [
     "Displaced",
     "MaterialPreset",
     "MatterParts",
+    "MatterRegion",
     "MatterState",
     "SegmentMaterial",
     "SetDeformation",
     "SetMaterial",
+    "SetRegions",
     "ShowParts",
 ]
 
@@ -45,6 +56,18 @@ class SegmentMaterial(msgspec.Struct, frozen=True):
     preset: Name | None
     low: Constants
     high: Constants
+
+
+class MatterRegion(msgspec.Struct, frozen=True):
+    """Some of a segment that takes part in its own way; all of it where nothing else is told.
+
+    ``shared_with``: what belongs to that other segment too. ``box``: voxels (x, y, z) from the
+    first to one past the last. At most one of them is told.
+    """
+
+    treatment: Treatment
+    shared_with: SegmentId | None
+    box: tuple[GridPlace, GridPlace] | None
 
 
 class MaterialPreset(msgspec.Struct, frozen=True):
@@ -134,6 +157,16 @@ class SetMaterial(Message, frozen=True, tag="set_material"):
     preset: Name | None
     constants: Constants | None
     undoable: bool
+
+
+class SetRegions(Message, frozen=True, tag="set_regions"):
+    """Tells how regions of a segment take part: of several that hold a voxel the last counts.
+
+    What is in none gives way.
+    """
+
+    id: SegmentId
+    regions: Annotated[list[MatterRegion], msgspec.Meta(max_length=256)]
 
 
 class SetDeformation(Message, frozen=True, tag="set_deformation"):

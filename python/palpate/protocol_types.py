@@ -36,6 +36,7 @@ __all__ = [
     "SurfaceSource",
     "TissueName",
     "ToolKind",
+    "Treatment",
     "Value",
     "Vector",
 ]
@@ -120,6 +121,9 @@ TissueName = Literal["skin", "fat", "muscle", "liver"]
 NeedleEventKind = Literal["punctured", "crossed", "stopped", "withdrawn"]
 """What happens to a needle: it goes into a segment, comes into one that it has punctured or out of
 all, comes to one that stops it, or is out."""
+
+Treatment = Literal["deformable", "rigid", "empty"]
+"""How matter takes part: it gives, stays where it is, or is as if it were not there."""
 
 ModelName = Annotated[str, msgspec.Meta(min_length=1, max_length=40)]
 """A model of deformation."""

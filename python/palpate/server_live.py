@@ -24,7 +24,7 @@ from palpate.painted_cut import PaintedCut
 from palpate.second_scan import SecondScan
 from palpate.server_changes import messages_of
 from palpate.server_gap import GapWatch
-from palpate.server_matter import asked_material, parts_of
+from palpate.server_matter import asked_material, asked_regions, parts_of
 from palpate.server_needle import ToldNeedle
 from palpate.server_outbox import Missed, Outbox
 from palpate.server_outlines import Outlines
@@ -406,6 +406,8 @@ class Live:
                 self.session.set_material(
                     segment_id, asked_material(message), undoable=message.undoable
                 )
+            case protocol.SetRegions(segment_id):
+                self.session.set_regions(segment_id, asked_regions(message))
             case protocol.RemoveSegment(segment_id):
                 self.session.remove_segment(segment_id)
 

@@ -6,8 +6,7 @@ Frame: scene, LPS [mm]; forces [N] in scene axes; times [s] since the session's 
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import asdict, astuple, dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
@@ -20,7 +19,6 @@ from numpy.typing import NDArray
 from palpate import _core
 from palpate.errors import OptionError
 from palpate.gap import Gap
-from palpate.material import ForceSource, LinearMaterial, Material, Region
 from palpate.needle import NeedleEvent, Tissue
 from palpate.package_version import package_version
 from palpate.painted_cut import PaintedCut
@@ -29,16 +27,14 @@ from palpate.recording_file import FORMAT, VERSION, About, AboutScan, AboutSegme
 from palpate.scene import Scene
 from palpate.scripted_path import ScriptedPath
 from palpate.segment import Segment
+from palpate.session_matter import SessionMatter
+from palpate.session_part import Point, given, triple
 from palpate.step_groups import StepGroup, StepGroups
 from palpate.surface import Source
 from palpate.touch_settings import TouchSettings
 from palpate.volume import Volume
 
 __all__ = ["Session", "SessionOptions"]
-
-Point = Sequence[float] | NDArray[np.float64]
-"""x, y, z [scene]."""
-
 
 @dataclass(frozen=True, kw_only=True)
 class SessionOptions:
@@ -63,7 +59,7 @@ CORTICAL_ENERGY = 1300.0
 """Work of the drill per volume of cortical bone [mJ/mm³] (docs/algorithms/tools.md)."""
 
 
-class Session:
+class Session(SessionMatter):
     """A running session; leaving its ``with`` block stops it and takes the force away."""
 
     def __init__(
@@ -83,11 +79,12 @@ class Session:
         Raises:
             OptionError: An option is out of range.
         """
+        super().__init__()
         self.scene = scene
         self.options = options or SessionOptions()
         self.device = device if isinstance(device, str) else "scripted"
         path = np.ascontiguousarray(device.rows) if isinstance(device, ScriptedPath) else None
-        with _given():
+        with given():
             self._internal = _core.Session(
                 scene.volume._internal,  # noqa: SLF001  # only this class and its kin unwrap it
                 device=self.device,
@@ -140,8 +137,8 @@ class Session:
 
     def hand(self, target: Point) -> None:
         """Lets the hand of the simulated device pull to a point."""
-        with _given():
-            self._internal.hand(*_triple(target))
+        with given():
+            self._internal.hand(*triple(target))
 
     def place(self, point: Point) -> tuple[float, float, float]:
         """Puts probe, device and hand at a point, or in the free voxel nearest to it.
@@ -152,8 +149,8 @@ class Session:
         Raises:
             OptionError: There is no free voxel near.
         """
-        with _given():
-            return self._internal.place(*_triple(point))
+        with given():
+            return self._internal.place(*triple(point))
 
     def view(self, *, right: Point, up: Point) -> None:
         """Turns the device's axes to those of the view (thesis 4.7).
@@ -161,8 +158,8 @@ class Session:
         Raises:
             OptionError: The axes are not perpendicular.
         """
-        with _given():
-            self._internal.view(_triple(right), _triple(up))
+        with given():
+            self._internal.view(triple(right), triple(up))
 
     def settings(self, changes: TouchSettings | None = None) -> dict[str, Any]:
         """Changes what is given, as far as the device bears it; returns what holds.
@@ -170,7 +167,7 @@ class Session:
         Raises:
             OptionError: A setting is out of range.
         """
-        with _given():
+        with given():
             return self._internal.settings(asdict(changes or TouchSettings()))
 
     def clutch(self, *, on: bool) -> None:
@@ -179,31 +176,31 @@ class Session:
         So a device with a small workspace goes on beyond its end. Without the probe it feels
         nothing.
         """
-        with _given():
+        with given():
             self._internal.clutch(on)
 
     # --- segments -------------------------------------------------------------------------
 
     def add_segment(self, segment: Segment, *, touchable: bool = True) -> int:
         """Adds a segment and returns its number, 1..255."""
-        with _given():
+        with given():
             voxels = segment._internal  # noqa: SLF001
-            return self._internal.add_segment(voxels, touchable, segment.range)
+            return self._new(self._internal.add_segment(voxels, touchable, segment.range))
 
     def replace_segment(self, segment_id: int, segment: Segment) -> None:
         """Puts other voxels in the place of a segment's."""
-        with _given():
+        with given():
             voxels = segment._internal  # noqa: SLF001
             self._internal.replace_segment(segment_id, voxels, segment.range)
 
     def remove_segment(self, segment_id: int) -> None:
         """Removes a segment; ``undo`` brings it back."""
-        with _given():
+        with given():
             self._internal.remove_segment(segment_id)
 
     def set_touchable(self, segment_id: int, *, touchable: bool) -> None:
         """Sets whether the probe is stopped by a segment."""
-        with _given():
+        with given():
             self._internal.set_touchable(segment_id, touchable)
 
     def move_segment(
@@ -220,7 +217,7 @@ class Session:
             OptionError: The pose has scale, shear or numbers that are none, or 16 segments are
                 moved already.
         """
-        with _given():
+        with given():
             matrix = np.ascontiguousarray(pose, dtype=np.float64)
             self._internal.move_segment(segment_id, matrix, goes_on)
 
@@ -237,13 +234,13 @@ class Session:
         Raises:
             OptionError: There is no such segment, or 16 segments are moved already.
         """
-        with _given():
+        with given():
             self._internal.grab(segment_id, collides)
 
     def turn_grabbed(self, rotation: Point) -> None:
         """Turns the segment in the hand about the probe by a rotation vector [rad]."""
-        with _given():
-            self._internal.turn_grabbed(*_triple(rotation))
+        with given():
+            self._internal.turn_grabbed(*triple(rotation))
 
     def cut(self, segment_id: int, point: Point, normal: Point) -> int:
         """Parts a segment by a plane of the scene; one step of undo.
@@ -256,8 +253,8 @@ class Session:
         Raises:
             OptionError: The plane leaves all of the segment on one side.
         """
-        with _given():
-            return self._internal.cut(segment_id, _triple(point), _triple(normal))
+        with given():
+            return self._new(self._internal.cut(segment_id, triple(point), triple(normal)))
 
     def cut_along(self, segment_id: int, cut: PaintedCut) -> int:
         """Parts a segment along a line that was painted on the picture; one step of undo.
@@ -270,8 +267,8 @@ class Session:
         Raises:
             OptionError: The line is none, or leaves all of the segment on one side.
         """
-        with _given():
-            return self._internal.cut_along(segment_id, cut.given())
+        with given():
+            return self._new(self._internal.cut_along(segment_id, cut.given()))
 
     def preview_cut(self, segment_id: int, cut: PaintedCut) -> tuple[float, float]:
         """Returns the volumes of the parts that ``cut_along`` would make, larger first [ml].
@@ -279,7 +276,7 @@ class Session:
         Raises:
             OptionError: The line is none, or leaves all of the segment on one side.
         """
-        with _given():
+        with given():
             larger, smaller = self._internal.preview_cut(segment_id, cut.given())
             return larger / 1000.0, smaller / 1000.0
 
@@ -289,7 +286,7 @@ class Session:
         Raises:
             OptionError: There is no such segment, or one of them is empty.
         """
-        with _given():
+        with given():
             return Gap(*self._internal.gap(segment_id, other_id))
 
     def set_feel(
@@ -305,12 +302,12 @@ class Session:
         Raises:
             OptionError: A value is out of range.
         """
-        with _given():
+        with given():
             self._internal.set_feel(segment_id, stiffness, friction_static, friction_kinetic)
 
     def segment(self, segment_id: int, *, name: str = "segment") -> Segment:
         """Returns the voxels of a segment as they are now."""
-        with _given():
+        with given():
             internal = self._internal.segment(segment_id)
         own_grid = internal.own_grid
         volume = self.scene.volume if own_grid is None else _empty(internal.dimensions, own_grid)
@@ -357,7 +354,7 @@ class Session:
         solid: bool,
     ) -> None:
         """Makes the voxels from ``low`` up to, but without, ``high`` part of a segment or not."""
-        with _given():
+        with given():
             self._internal.fill_box(segment_id, low, high, solid)
 
     # --- tools ----------------------------------------------------------------------------
@@ -392,7 +389,7 @@ class Session:
         Raises:
             OptionError: Radius or depth do not fit the voxels, or there is no such segment.
         """
-        with _given():
+        with given():
             if kind is None:
                 self._internal.set_tool(None)
                 return
@@ -410,7 +407,7 @@ class Session:
 
     def needle_events(self) -> list[NeedleEvent]:
         """Returns what happened to the needle since it was taken in the hand, oldest first."""
-        with _given():
+        with given():
             return [NeedleEvent(*event) for event in self._internal.needle_events()]
 
     def withdraw_needle(self) -> bool:
@@ -419,115 +416,8 @@ class Session:
         Raises:
             OptionError: There is no free voxel near where it went in.
         """
-        with _given():
+        with given():
             return self._internal.withdraw_needle()
-
-    # --- matter that gives way ------------------------------------------------------------
-
-    def set_deformation(
-        self, model: str | None, *, edge: int | None = None, undoable: bool = True
-    ) -> None:
-        """Chooses the model by which matter gives way under the probe; None makes all hard.
-
-        Segments without a material stay hard (``set_material``). What the probe moves from
-        contact to release is one step of undo.
-
-        Args:
-            model: One of ``palpate.material.deformation_models()``.
-            edge: Nodes or cells along each edge of its box (``palpate.material.model_boxes``);
-                by default as many as usual.
-            undoable: Whether undo takes the choice back.
-
-        Raises:
-            OptionError: There is no such model, or it has no such box.
-        """
-        with _given():
-            self._internal.set_deformation(model, edge, undoable)
-
-    def set_material(
-        self,
-        segment_id: int,
-        material: Material | LinearMaterial | str | None,
-        *,
-        undoable: bool = True,
-    ) -> None:
-        """Tells what a segment is made of.
-
-        Args:
-            segment_id: Which one.
-            material: Constants, or a name of ``palpate.material.material_presets()``; None is
-                hard matter.
-            undoable: Whether undo takes it back.
-
-        Raises:
-            OptionError: There is no such segment or name, or no matter has such constants.
-        """
-        with _given():
-            match material:
-                case str():
-                    self._internal.set_material(segment_id, undoable, name=material)
-                case LinearMaterial(interval, low, high):
-                    self._internal.set_material(
-                        segment_id, undoable, linear=(interval, tuple(low), tuple(high))
-                    )
-                case None:
-                    self._internal.set_material(segment_id, undoable)
-                case Material():
-                    self._internal.set_material(segment_id, undoable, constant=tuple(material))
-
-    def set_regions(self, segment_id: int, regions: Sequence[Region]) -> None:
-        """Tells how regions of a segment with a material take part.
-
-        Args:
-            segment_id: Which one.
-            regions: Of several that hold a voxel the last counts; what is in none gives way.
-
-        Raises:
-            OptionError: There is no such segment, or a region or its treatment is none.
-        """
-        with _given():
-            self._internal.set_regions(
-                segment_id, [(each.treatment, each.box, each.shared_with) for each in regions]
-            )
-
-    def set_force_source(self, source: ForceSource) -> None:
-        """Chooses what a tool feels of matter that gives way.
-
-        Args:
-            source: ``"matter"`` (at first) is the model's own contact force; ``"voxels"`` are hard
-                until the model has moved them away, as in the thesis (5.23).
-
-        Raises:
-            OptionError: It is neither.
-        """
-        with _given():
-            self._internal.set_force_source(source)
-
-    def deformation(self) -> dict[str, Any]:
-        """Returns how the deformation goes.
-
-        Returns:
-            ``model`` (None where nothing gives way), ``edge`` of its box (None for the usual
-            one), ``force_source``, ``force`` of the matter on the tool [N, scene], felt or not,
-            ``answers`` so far, ``slips`` (of these, those in which particles slipped), whether
-            the next one is ``late`` (then matter is as hard as its voxels); of the last answer
-            ``iterations``, ``residual`` (what is left of unbalanced force, as a share of the
-            contact's), ``nodes`` and ``moved_voxels`` (not as at rest); ``bonds_broken`` and
-            ``work_broken`` [N·mm] since the start.
-        """
-        return self._internal.deformation()
-
-    def show_model_parts(self, *, on: bool) -> None:
-        """Has ``model_parts`` return the nodes or particles of the model, or no more."""
-        self._internal.show_model_parts(on)
-
-    def model_parts(self) -> dict[str, Any] | None:
-        """Returns the newest nodes or particles of the model with their strains.
-
-        The keys are the fields of ``protocol.MatterParts``. None where they are not shown, or
-        were returned before.
-        """
-        return self._internal.model_parts()
 
     def stroke(self, *, on: bool) -> None:
         """Begins a stroke of the chosen tool, or ends it: it is one step of undo.
@@ -535,7 +425,7 @@ class Session:
         Raises:
             OptionError: It is to begin, and no tool is chosen.
         """
-        with _given():
+        with given():
             self._internal.stroke(on)
 
     # --- the journal ----------------------------------------------------------------------
@@ -550,7 +440,7 @@ class Session:
             OptionError: The file is no journal of this scan.
             OSError: The disk refuses it, or another session writes it (BlockingIOError).
         """
-        with _given():
+        with given():
             return self._internal.look_at_journal(path, scan_hash)
 
     def begin_journal(self, path: Path, scan_hash: bytes) -> None:
@@ -559,7 +449,7 @@ class Session:
         Raises:
             OSError: The file exists already, or the disk refuses it.
         """
-        with _given():
+        with given():
             self._internal.begin_journal(path, scan_hash)
 
     def keep_state(self, path: Path, scan_hash: bytes) -> None:
@@ -568,7 +458,7 @@ class Session:
         Raises:
             OptionError: The file exists already, or the disk says no.
         """
-        with _given():
+        with given():
             self._internal.keep_state(path, scan_hash)
 
     def recover_journal(self, path: Path, scan_hash: bytes) -> tuple[int, int, list[bytes]]:
@@ -581,12 +471,12 @@ class Session:
             OptionError: A record cannot be; what came before it is there then.
             OSError: The disk refuses it, or another session writes it (BlockingIOError).
         """
-        with _given():
+        with given():
             return self._internal.recover_journal(path, scan_hash)
 
     def end_journal(self) -> None:
         """Writes what waits and closes the journal."""
-        with _given():
+        with given():
             self._internal.end_journal()
 
     def note_in_journal(self, note: bytes) -> None:
@@ -614,14 +504,14 @@ class Session:
         Raises:
             OptionError: A value is out of range, or there is no such segment.
         """
-        with _given():
+        with given():
             self._internal.show_surface(
                 segment_id, smoothing=smoothing, step=step, of_bits=source == "bits"
             )
 
     def hide_surface(self, segment_id: int) -> None:
         """Keeps no surface of a segment any more."""
-        with _given():
+        with given():
             self._internal.hide_surface(segment_id)
 
     def follow_edits(self, every: int) -> None:
@@ -665,11 +555,13 @@ class Session:
 
     def undo(self) -> bool:
         """Takes the last edit back; says whether there was one."""
-        return self._groups.undo(self._internal.undo)
+        with self._keeping_regions():
+            return self._groups.undo(self._internal.undo)
 
     def redo(self) -> bool:
         """Applies the last undone edit again; says whether there was one."""
-        return self._groups.redo(self._internal.redo)
+        with self._keeping_regions():
+            return self._groups.redo(self._internal.redo)
 
     def group_steps(self, segment_id: int, counts: Sequence[int]) -> None:
         """Has ``undo`` and ``redo`` take edits of a segment as one.
@@ -716,7 +608,7 @@ class Session:
         if self.options.real_time:
             time.sleep(seconds)
         else:
-            with _given():
+            with given():
                 self._internal.run(seconds)
 
     def run(self, seconds: float) -> Recording:
@@ -777,17 +669,3 @@ def _empty(
     values = np.zeros(dimensions[::-1], np.int16)
     axes = np.reshape(direction, (3, 3))
     return Volume(values, spacing=spacing, origin=origin, direction=axes)
-
-
-def _triple(numbers: Point) -> tuple[float, float, float]:
-    x, y, z = (float(number) for number in numbers)
-    return x, y, z
-
-
-@contextmanager
-def _given() -> Iterator[None]:
-    """Turns the engine's refusal of a value into the package's own."""
-    try:
-        yield
-    except ValueError as error:
-        raise OptionError(str(error)) from None

@@ -62,3 +62,33 @@ def test_constants_that_no_matter_has_are_refused(
         page.send(material(CONSTANTS | constants))
         assert refused in page.receive("notice")["text"]
         assert shared_server.session.segments()[0]["material"] is None
+
+
+def test_regions_reach_all_pages(server: Any) -> None:
+    rigid = {"treatment": "rigid", "shared_with": None, "box": None}
+    part = {"treatment": "empty", "shared_with": None, "box": [[10, 10, 10], [20, 20, 20]]}
+    with server.page() as page, server.page() as other:
+        page.send({"type": "set_regions", "id": 1, "regions": [rigid, part]})
+        for each in (page, other):
+            ball_of(each, regions=[rigid, part])
+        # who comes later is told too
+        with server.page() as late:
+            assert late.receive("hello")["segments"][0]["regions"] == [rigid, part]
+        other.send({"type": "set_regions", "id": 1, "regions": []})
+        ball_of(page, regions=[])
+
+
+@pytest.mark.parametrize(
+    ("region", "refused"),
+    [
+        ({"treatment": "rigid", "shared_with": 7, "box": None}, "segment 7"),
+        ({"treatment": "soft", "shared_with": None, "box": None}, "Invalid enum value 'soft'"),
+    ],
+)
+def test_what_is_no_region_is_refused(
+    shared_server: Any, region: dict[str, Any], refused: str
+) -> None:
+    with shared_server.page() as page:
+        page.send({"type": "set_regions", "id": 1, "regions": [region]})
+        assert refused in page.receive("notice")["text"]
+        assert shared_server.session.regions(1) == ()

@@ -1,6 +1,6 @@
 /**
- * What segments are made of and by which model they give way, as the page offers it: names,
- * ranges of the controls, and what of it outlives a visit. Moduli [Pa].
+ * What segments are made of and by which model they give way, as the page offers it: names, and
+ * ranges of the controls. Moduli [Pa].
  */
 import { described, writtenConstants } from "./matter_constants";
 import type { Boxes, Constants, DeformationModel, MaterialPreset, SegmentMaterial } from "./protocol";
@@ -128,71 +128,4 @@ export class AnswerRate {
     const [first, last] = [this.counts[0], this.counts.at(-1)];
     return first === undefined || last === undefined || last.time <= first.time ? 0 : (last.answers - first.answers) / (last.time - first.time);
   }
-}
-
-// --- what outlives a visit --------------------------------------------------------------
-
-/** What a person has chosen for one scan. Segments are known by their names. */
-export interface MatterMemory {
-  readonly version: number;
-  readonly model: string | null;
-  readonly edge: number | null;
-  readonly materials: readonly RememberedMaterial[];
-}
-
-export interface RememberedMaterial {
-  readonly segment: string;
-  readonly preset: string | null;
-  readonly constants: Constants | null;
-}
-
-/** Form of what is kept; another number means that nothing kept before is read. */
-const memoryVersion = 1;
-
-export const nothingRemembered: MatterMemory = { version: memoryVersion, model: null, edge: null, materials: [] };
-
-/** What to keep of segments and the model. */
-export function rememberedMatter(
-  segments: readonly { readonly name: string; readonly material: SegmentMaterial | null }[],
-  model: string | null,
-  edge: number | null,
-): MatterMemory {
-  const materials = segments.flatMap(({ name, material }): RememberedMaterial[] =>
-    material === null ? [] : [{ segment: name, preset: material.preset, constants: material.preset === null ? material.low : null }],
-  );
-  return { version: memoryVersion, model, edge, materials };
-}
-
-/** Reads what was kept; anything may have been written there. What is not offered is left out. */
-export function recalledMatter(memory: unknown, presets: readonly MaterialPreset[], models: readonly DeformationModel[]): MatterMemory {
-  const { version, model, edge, materials } = asMap(memory);
-  if (version !== memoryVersion || !Array.isArray(materials)) {
-    return nothingRemembered;
-  }
-  const known = models.find(({ name }) => name === model);
-  const boxes = known?.boxes ?? null;
-  const edgeKept = typeof edge === "number" && boxes !== null && edge === oddEdge(edge, boxes) ? edge : null;
-  const kept = materials.flatMap((each: unknown): RememberedMaterial[] => {
-    const { segment, preset, constants } = asMap(each);
-    const name = presets.find((offered) => offered.name === preset)?.name ?? null;
-    const own = isConstants(constants) ? constants : null;
-    return typeof segment === "string" && (name !== null || own !== null) ? [{ segment, preset: name, constants: own }] : [];
-  });
-  return { version: memoryVersion, model: known?.name ?? null, edge: edgeKept, materials: kept };
-}
-
-function isConstants(value: unknown): value is Constants {
-  const { young, poisson, density, breaking_strain, friction } = asMap(value);
-  const within = (number: unknown, low: number, high: number): boolean => typeof number === "number" && number >= low && number <= high;
-  return (
-    within(young, 1, 2e12) &&
-    within(poisson, -0.999, 0.4999) &&
-    within(density, 0.1, 23_000) &&
-    (breaking_strain === null || within(breaking_strain, 1e-9, 1e6)) &&
-    within(friction, 0, 10)
-  );
-}
-
-function asMap(value: unknown): Readonly<Record<string, unknown>> {
-  return typeof value === "object" && value !== null && !Array.isArray(value) ? { ...value } : {};
 }

@@ -8,12 +8,9 @@ import {
   formatModulus,
   isOfParticles,
   modelName,
-  nothingRemembered,
   oddEdge,
   presetsFor,
   presetTitle,
-  recalledMatter,
-  rememberedMatter,
   suggestedPreset,
 } from "../../src/core/matter";
 import { decodeParts } from "../../src/core/matter_parts";
@@ -80,45 +77,6 @@ test("answers are counted over the last second, and begin anew with another sess
   rate.add(0.1, 0);
   rate.add(0.2, 4);
   expect(rate.hz).toBeCloseTo(40);
-});
-
-test("what was chosen comes back, by the names of segments", () => {
-  const own = { ...soft, young: 7000 };
-  const segments = [
-    { name: "liver", material: { preset: "liver", low: soft, high: soft } },
-    { name: "lump", material: { preset: null, low: own, high: own } },
-    { name: "bone", material: null },
-  ];
-  const kept: unknown = JSON.parse(JSON.stringify(rememberedMatter(segments, "lattice", 31)));
-  expect(recalledMatter(kept, presets, models)).toEqual({
-    version: 1,
-    model: "lattice",
-    edge: 31,
-    materials: [
-      { segment: "liver", preset: "liver", constants: null },
-      { segment: "lump", preset: null, constants: own },
-    ],
-  });
-});
-
-test.each([
-  null,
-  7,
-  {},
-  { version: 2, model: "lattice", edge: null, materials: [] },
-  { version: 1, materials: "liver" },
-])("of a memory like %o nothing is recalled", (memory) => {
-  expect(recalledMatter(memory, presets, models)).toEqual(nothingRemembered);
-});
-
-test("of a memory only what is offered and can be is recalled", () => {
-  const constants = { ...soft, poisson: 0.6 };
-  const materials = [{ segment: "a", preset: "cheese" }, { segment: "b", constants }, 3, { segment: "c", preset: "liver" }];
-  expect(recalledMatter({ version: 1, model: "jelly", edge: 20, materials }, presets, models)).toEqual({
-    ...nothingRemembered,
-    materials: [{ segment: "c", preset: "liver", constants: null }],
-  });
-  expect(recalledMatter({ version: 1, model: "lattice", edge: 20, materials }, presets, models).edge).toBeNull();
 });
 
 test("displacements whose bytes do not fit are refused, and none is none", () => {
