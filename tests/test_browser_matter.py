@@ -123,7 +123,7 @@ def test_matter_a_third_of_a_voxel_beside_its_voxels_is_seen_there(
     assert is_alike(page.picture(OUTPUT / "matter_again.png"), still)
 
 
-def test_constants_are_typed_with_their_units_and_taken_back(page: Browser) -> None:
+def test_constants_regions_and_options_are_chosen_and_taken_back(page: Browser) -> None:
     page.do("choose", testid="material-1", value="liver")
     page.shows("matter-1", "text.includes('1.06 g/cm³, breaks at 34 %, friction 20 %')")
     page.do("click", testid="constants-1")
@@ -149,6 +149,20 @@ def test_constants_are_typed_with_their_units_and_taken_back(page: Browser) -> N
     page.do("press", key="Control+z")
     page.wait("document.querySelector('[data-testid=whole-1-deformable]').checked")
     page.do("click", testid="show-regions-1")
+
+    # what is felt can be chosen, and what was usual comes back
+    page.do("click", testid="matter-options")
+    page.do("click", testid="force-source-voxels")
+    page.wait(f"{MATTER}.force_source === 'voxels'")
+    page.do("press", key="Control+z")
+    page.wait(f"{MATTER}.force_source === 'matter'")
+    page.do("slide", testid="matter-box", value=15)
+    page.wait(f"{MATTER}.edge !== null")
+    page.shows("matter-box-value", "!text.includes('usual')")
+    page.do("click", testid="usual-options")
+    page.wait(f"{MATTER}.edge === null")
+    page.shows("matter-box-value", "text.includes('usual')")
+    page.do("click", testid="matter-options")
     page.do("click", testid="reset-matter")
     page.wait(f"{MATTER}.model === null")
 

@@ -21,6 +21,7 @@ from palpate.protocol_matter import (
     MatterState,
     SegmentMaterial,
     SetDeformation,
+    SetForceSource,
     SetMaterial,
     SetRegions,
     ShowParts,
@@ -111,6 +112,7 @@ from palpate.protocol_types import (
     BeforeOrAfter,
     Colour,
     Coordinate,
+    ForceSource,
     Friction,
     GridPlace,
     Index,
@@ -161,6 +163,7 @@ __all__ = [
     "Fence",
     "FillOutline",
     "FollowEdits",
+    "ForceSource",
     "FoundRegistration",
     "Friction",
     "FromPage",
@@ -223,6 +226,7 @@ __all__ = [
     "SegmentWork",
     "Segments",
     "SetDeformation",
+    "SetForceSource",
     "SetMaterial",
     "SetRegions",
     "Settings",
@@ -310,6 +314,7 @@ FromPage = (
     | SetMaterial
     | SetRegions
     | SetDeformation
+    | SetForceSource
     | ShowParts
     | MoveSegment
     | Grab

@@ -7,6 +7,7 @@ from typing import Annotated
 import msgspec
 
 from palpate.protocol_types import (
+    ForceSource,
     GridPlace,
     Message,
     ModelName,
@@ -28,6 +29,7 @@ __all__ = [
     "MatterState",
     "SegmentMaterial",
     "SetDeformation",
+    "SetForceSource",
     "SetMaterial",
     "SetRegions",
     "ShowParts",
@@ -102,13 +104,15 @@ class MatterState(msgspec.Struct, frozen=True):
     """Matter that gives way: ``model`` is the one at work, null where all is hard.
 
     ``edge`` counts nodes or cells along each edge of its box, null for as many as usual.
-    ``force`` is that of the matter on the tool [N, scene], ``answers`` counts the model's answers.
+    ``force`` is that of the matter on the tool [N, scene], felt where ``force_source`` says so;
+    ``answers`` counts the model's answers.
     While the next one is ``late``, matter is as hard as its voxels. ``nodes`` take part in the
     last answer; since the start ``bonds_broken`` bonds broke, which took ``work_broken`` [mJ].
     """
 
     model: ModelName | None
     edge: int | None
+    force_source: ForceSource
     force: Vector
     answers: int
     late: bool
@@ -179,6 +183,12 @@ class SetDeformation(Message, frozen=True, tag="set_deformation"):
     model: ModelName | None
     edge: Annotated[int, msgspec.Meta(ge=1, le=1001)] | None
     undoable: bool
+
+
+class SetForceSource(Message, frozen=True, tag="set_force_source"):
+    """Chooses what a tool feels of matter that gives way."""
+
+    source: ForceSource
 
 
 class ShowParts(Message, frozen=True, tag="show_parts"):

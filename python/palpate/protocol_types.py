@@ -14,6 +14,7 @@ __all__ = [
     "BeforeOrAfter",
     "Colour",
     "Coordinate",
+    "ForceSource",
     "Friction",
     "GridPlace",
     "Index",
@@ -124,6 +125,9 @@ all, comes to one that stops it, or is out."""
 
 Treatment = Literal["deformable", "rigid", "empty"]
 """How matter takes part: it gives, stays where it is, or is as if it were not there."""
+
+ForceSource = Literal["matter", "voxels"]
+"""What a tool feels of matter that gives way: the model's own force, or its voxels until they move."""
 
 ModelName = Annotated[str, msgspec.Meta(min_length=1, max_length=40)]
 """A model of deformation."""

@@ -7,7 +7,7 @@ from typing import Any
 import msgspec
 import numpy as np
 
-from palpate.material import Material, Region, Treatment
+from palpate.material import ForceSource, Material, Region, Treatment
 from palpate.session import Session
 
 __all__ = ["SavedMatter", "restore_matter", "saved_matter"]
@@ -35,6 +35,7 @@ class SavedMatter(msgspec.Struct, frozen=True, kw_only=True):
     edge: int | None
     regions: list[_Region] = []
     """Of all segments, for each in their order; files of before have none."""
+    force_source: ForceSource = "matter"
 
 
 def saved_matter(session: Session) -> dict[str, Any]:
@@ -52,6 +53,7 @@ def saved_matter(session: Session) -> dict[str, Any]:
         "model": model["model"],
         "edge": model["edge"],
         "regions": regions,
+        "force_source": model["force_source"],
     }
 
 
@@ -71,6 +73,7 @@ def restore_matter(session: Session, saved: SavedMatter) -> None:
         ]
         session.set_regions(segment_id, regions)
     session.set_deformation(saved.model, edge=saved.edge, undoable=False)
+    session.set_force_source(saved.force_source)
 
 
 def _material_of(state: dict[str, Any]) -> _Material | None:

@@ -383,6 +383,8 @@ class Live:
                 self._gaps.choose(pair)
             case protocol.SetDeformation(model, edge, undoable):
                 self.session.set_deformation(model, edge=edge, undoable=undoable)
+            case protocol.SetForceSource(source):
+                self.session.set_force_source(source)
             case _:
                 self._do_to_segment(message)
 

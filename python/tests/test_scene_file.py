@@ -57,6 +57,7 @@ def edited(volume: Volume) -> Session:
     session.set_material(1, "liver")
     session.set_deformation("lattice", edge=11)
     session.set_regions(1, REGIONS)
+    session.set_force_source("voxels")
     return session
 
 
@@ -95,6 +96,7 @@ def test_a_scene_comes_back_as_it_was(scan: Path, tmp_path: Path, *, copy: bool)
         assert same(state(session), before)
         assert session.deformation()["model"] == model["model"] == "lattice"
         assert session.deformation()["edge"] == 11
+        assert session.deformation()["force_source"] == "voxels"
         assert list(session.regions(1)) == REGIONS
         # what was done before it was saved is what there is
         assert not session.frame()["can_undo"]

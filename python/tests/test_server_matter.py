@@ -92,3 +92,13 @@ def test_what_is_no_region_is_refused(
         page.send({"type": "set_regions", "id": 1, "regions": [region]})
         assert refused in page.receive("notice")["text"]
         assert shared_server.session.regions(1) == ()
+
+
+def test_what_is_felt_of_matter_reaches_all_pages(server: Any) -> None:
+    with server.page() as page, server.page() as other:
+        for source in ("voxels", "matter"):
+            page.send({"type": "set_force_source", "source": source})
+            for each in (page, other):
+                each.receive("state", until=lambda m, s=source: m["matter"]["force_source"] == s)
+        page.send({"type": "set_force_source", "source": "skin"})
+        assert "Invalid enum value 'skin'" in page.receive("notice")["text"]

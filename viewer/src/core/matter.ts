@@ -3,13 +3,23 @@
  * ranges of the controls. Moduli [Pa].
  */
 import { described, writtenConstants } from "./matter_constants";
-import type { Boxes, Constants, DeformationModel, MaterialPreset, SegmentMaterial } from "./protocol";
+import type { Boxes, Constants, DeformationModel, ForceSource, MaterialPreset, SegmentMaterial } from "./protocol";
 
 /** What the slider offers. */
 export const offeredMatter = { young: { min: 500, max: 1e8 } } as const;
 
 /** The model that is taken where a segment is made soft and none was chosen. */
 export const usualModel = "lattice";
+
+/** What can be felt of matter that gives way. */
+export const forceSources: readonly { readonly value: ForceSource; readonly name: string; readonly title: string }[] = [
+  { value: "matter", name: "The model's own", title: "The contact force of the model through the spring to the hand (thesis 5.16); usual" },
+  {
+    value: "voxels",
+    name: "Border that yields",
+    title: "Voxels are hard until the model has moved them away: the rigid border of thesis 5.23. A hand that stays feels less and less",
+  },
+];
 
 const modelNames: Readonly<Record<string, string>> = {
   lattice: "Lattice",

@@ -4,13 +4,14 @@
  */
 import { oddEdge } from "./matter";
 import { treatments } from "./matter_regions";
-import type { Constants, DeformationModel, MaterialPreset, MatterRegion, Segment, Treatment } from "./protocol";
+import type { Constants, DeformationModel, ForceSource, MaterialPreset, MatterRegion, MatterState, Segment, Treatment } from "./protocol";
 
 /** What was chosen for one scan. */
 export interface MatterMemory {
   readonly version: number;
   readonly model: string | null;
   readonly edge: number | null;
+  readonly forceSource: ForceSource;
   readonly materials: readonly RememberedMaterial[];
   readonly regions: readonly RememberedRegion[];
 }
@@ -31,16 +32,20 @@ export interface RememberedRegion {
 /** Form of what is kept; another number means that nothing kept before is read. */
 const memoryVersion = 1;
 
-export const nothingRemembered: MatterMemory = { version: memoryVersion, model: null, edge: null, materials: [], regions: [] };
+export const nothingRemembered: MatterMemory = { version: memoryVersion, model: null, edge: null, forceSource: "matter", materials: [], regions: [] };
 
 type NamedSegment = Pick<Segment, "id" | "name" | "material" | "regions">;
 
 /** What to keep of segments and the model. */
-export function rememberedMatter(segments: readonly NamedSegment[], model: string | null, edge: number | null): MatterMemory {
+export function rememberedMatter(
+  segments: readonly NamedSegment[],
+  { model, edge, force_source }: Pick<MatterState, "model" | "edge" | "force_source">,
+): MatterMemory {
   const materials = segments.flatMap(({ name, material }): RememberedMaterial[] =>
     material === null ? [] : [{ segment: name, preset: material.preset, constants: material.preset === null ? material.low : null }],
   );
-  return { version: memoryVersion, model, edge, materials, regions: segments.flatMap((segment) => rememberedRegions(segment, segments)) };
+  const regions = segments.flatMap((segment) => rememberedRegions(segment, segments));
+  return { version: memoryVersion, model, edge, forceSource: force_source, materials, regions };
 }
 
 /** Those of one segment; boxes of voxels are a program's, and not kept. */
@@ -63,7 +68,7 @@ export function recalledRegions(name: string, { regions }: MatterMemory, segment
 
 /** Reads what was kept; anything may have been written there. What is not offered is left out. */
 export function recalledMatter(memory: unknown, presets: readonly MaterialPreset[], models: readonly DeformationModel[]): MatterMemory {
-  const { version, model, edge, materials, regions } = asMap(memory);
+  const { version, model, edge, forceSource, materials, regions } = asMap(memory);
   if (version !== memoryVersion || !Array.isArray(materials)) {
     return nothingRemembered;
   }
@@ -80,8 +85,9 @@ export function recalledMatter(memory: unknown, presets: readonly MaterialPreset
     version: memoryVersion,
     model: known?.name ?? null,
     edge: edgeKept,
+    // what was kept by versions before has neither this nor regions
+    forceSource: forceSource === "voxels" ? "voxels" : "matter",
     materials: kept,
-    // what was kept before there were any has none
     regions: Array.isArray(regions) ? regions.filter(isRegion) : [],
   };
 }

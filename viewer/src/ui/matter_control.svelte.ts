@@ -3,7 +3,7 @@
  */
 import { AnswerRate, usualModel } from "../core/matter";
 import { recalledMatter, recalledRegions, rememberedMatter, type MatterMemory, type RememberedMaterial } from "../core/matter_memory";
-import type { Constants, FromPage, MatterRegion, Segment, State } from "../core/protocol";
+import type { Constants, ForceSource, FromPage, MatterRegion, Segment, State } from "../core/protocol";
 import type { PageSteps, StepOwner } from "./page_steps.svelte";
 import { recall, remember } from "./remembered";
 import type { Session } from "./session.svelte";
@@ -61,6 +61,14 @@ export class MatterControl implements StepOwner {
     this.session.send({ type: "set_deformation", model, edge, undoable: true });
     this.steps.engineAsked();
     this.keepFromNowOn();
+  }
+
+  /** What a tool feels of matter that gives way. */
+  feel(source: ForceSource): void {
+    const before = this.session.latest?.matter.force_source ?? source;
+    if (before !== source) {
+      this.ask({ type: "set_force_source", source }, { type: "set_force_source", source: before });
+    }
   }
 
   /** All matter is hard again. */
@@ -151,7 +159,7 @@ export class MatterControl implements StepOwner {
   }
 
   private holds({ matter }: State): { memory: MatterMemory; text: string } {
-    const memory = rememberedMatter(this.session.segments, matter.model, matter.edge);
+    const memory = rememberedMatter(this.session.segments, matter);
     return { memory, text: JSON.stringify(memory) };
   }
 
@@ -163,7 +171,7 @@ export class MatterControl implements StepOwner {
     }
     const { presets, models } = session;
     const memory = recalledMatter(recall(this.memory, {}), presets, models);
-    const { model, edge, materials } = memory;
+    const { model, edge, forceSource, materials } = memory;
     const kept = session.segments.map((segment) => ({ id: segment.id, material: materials.find((each) => each.segment === segment.name) }));
     const known = kept.filter((each): each is { id: number; material: RememberedMaterial } => each.material !== undefined);
     for (const { id, material } of known) {
@@ -174,6 +182,9 @@ export class MatterControl implements StepOwner {
       if (regions.length > 0) {
         session.send({ type: "set_regions", id, regions });
       }
+    }
+    if (forceSource !== matter.force_source) {
+      session.send({ type: "set_force_source", source: forceSource });
     }
     if (model !== null) {
       session.send({ type: "set_deformation", model, edge, undoable: false });

@@ -16,11 +16,12 @@ test("what was chosen comes back, by the names of segments", () => {
     { id: 2, name: "lump", material: { preset: null, low: own, high: own }, regions: [] },
     { id: 3, name: "bone", material: null, regions: [] },
   ];
-  const kept: unknown = JSON.parse(JSON.stringify(rememberedMatter(segments, "lattice", 31)));
+  const kept: unknown = JSON.parse(JSON.stringify(rememberedMatter(segments, { model: "lattice", edge: 31, force_source: "voxels" })));
   expect(recalledMatter(kept, presets, models)).toEqual({
     version: 1,
     model: "lattice",
     edge: 31,
+    forceSource: "voxels",
     materials: [
       { segment: "liver", preset: "liver", constants: null },
       { segment: "lump", preset: null, constants: own },
@@ -57,7 +58,7 @@ test("regions come back where the segments are that mark them, in their order", 
     { treatment: "empty", shared_with: 9, box: null },
   ];
   const named = (id: number, name: string, its: readonly MatterRegion[] = []): Pick<Segment, "id" | "name" | "material" | "regions"> => ({ id, name, material: null, regions: its });
-  const kept: unknown = JSON.parse(JSON.stringify(rememberedMatter([named(1, "liver", regions), named(3, "lesion")], null, null)));
+  const kept: unknown = JSON.parse(JSON.stringify(rememberedMatter([named(1, "liver", regions), named(3, "lesion")], { model: null, edge: null, force_source: "matter" })));
   const memory = recalledMatter(kept, presets, models);
   expect(memory.regions).toHaveLength(2);
   // under other numbers at the next visit

@@ -1,7 +1,7 @@
 import { afterEach, expect, test, vi } from "vitest";
 import type { MatterMemory } from "../../src/core/matter_memory";
 import type { MatterParts } from "../../src/core/matter_parts";
-import type { FromPage, MatterRegion, State } from "../../src/core/protocol";
+import type { ForceSource, FromPage, MatterRegion, State } from "../../src/core/protocol";
 import { MatterControl } from "../../src/ui/matter_control.svelte";
 import { PageSteps } from "../../src/ui/page_steps.svelte";
 import type { Session } from "../../src/ui/session.svelte";
@@ -21,6 +21,7 @@ class Visit {
   readonly models = [{ name: "lattice", boxes: null }];
   latest: State | null = null;
   parts: MatterParts | null = null;
+  source: ForceSource = "matter";
   readonly steps = new PageSteps(() => 7);
   readonly control: MatterControl;
   private listener: (state: State) => void = () => undefined;
@@ -49,7 +50,7 @@ class Visit {
   /** A state of an engine that holds this. */
   holds(material: typeof liver | null, model: "lattice" | null, { time, answers } = { time: 1, answers: 0 }): void {
     this.segments = [{ id: 1, name: "Liver", material, regions: [] }];
-    this.latest = { time, matter: { model, edge: null, answers } } as State;
+    this.latest = { time, matter: { model, edge: null, force_source: this.source, answers } } as State;
     this.listener(this.latest);
   }
 
@@ -133,6 +134,26 @@ test("regions are a step of the page's undo, which a later material goes before"
   expect(visit.sent).toEqual([[rigid], [], [rigid]].map((regions) => ({ type: "set_regions", id: 1, regions })));
   visit.control.make(segment, "liver", null);
   expect(visit.steps.changedLast).toBe(false);
+});
+
+test("what is felt is a step of the page's undo, kept, and told to the next engine", () => {
+  const storage = new Map<string, string>();
+  const visit = new Visit(storage);
+  visit.holds(liver, "lattice");
+  visit.passed();
+  visit.sent.length = 0;
+  visit.control.feel("matter");
+  expect(visit.sent).toEqual([]);
+  visit.control.feel("voxels");
+  visit.steps.undo();
+  visit.steps.redo();
+  expect(visit.sent).toEqual(["voxels", "matter", "voxels"].map((source) => ({ type: "set_force_source", source })));
+  visit.source = "voxels";
+  visit.holds(liver, "lattice");
+  expect(visit.kept).toMatchObject({ forceSource: "voxels" });
+  const again = new Visit(storage);
+  again.holds(null, null);
+  expect(again.sent).toContainEqual({ type: "set_force_source", source: "voxels" });
 });
 
 test("parts that arrive after they were hidden do not stay", () => {
