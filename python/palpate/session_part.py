@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from palpate import _core
 from palpate.errors import OptionError
+from palpate.scene import Scene
 
 __all__ = ["Point", "SessionPart", "given", "triple"]
 
@@ -20,6 +21,10 @@ Point = Sequence[float] | NDArray[np.float64]
 class SessionPart:
     """Some of what a session can do: all parts of it ask the same engine."""
 
+    scene: Scene
+    """The scan and segments as they were at the start."""
+    ids: list[int]
+    """Numbers of those segments."""
     _internal: _core.Session
 
 
