@@ -71,8 +71,9 @@ class Segment(msgspec.Struct, frozen=True):
     did since; null where none did. ``pose`` takes the segment from where the scan has it to
     where it stands; null where it was not moved. ``bounds`` are the voxels that hold it, half
     open; null where it is empty. ``material`` is null where it is hard; ``regions`` are those that
-    take part in their own way. ``grid`` is the ``patient_from_grid`` of its voxels where they are not the scan's. ``opacity``,
-    ``smoothing``, ``surface_from`` and ``wireframe`` are those of its surface.
+    take part in their own way. ``grid`` is the ``patient_from_grid`` of its voxels where they are
+    not the scan's. ``opacity``, ``smoothing``, ``surface_from`` and ``wireframe`` are those of its
+    surface.
     """
 
     id: SegmentId

@@ -127,7 +127,7 @@ Treatment = Literal["deformable", "rigid", "empty"]
 """How matter takes part: it gives, stays where it is, or is as if it were not there."""
 
 ForceSource = Literal["matter", "voxels"]
-"""What a tool feels of matter that gives way: the model's own force, or its voxels until they move."""
+"""What a tool feels of matter that gives way: the model's force, or its voxels until they move."""
 
 ModelName = Annotated[str, msgspec.Meta(min_length=1, max_length=40)]
 """A model of deformation."""

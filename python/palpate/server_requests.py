@@ -110,10 +110,21 @@ class Requests:
                 self._recovery.decide(bring_back=bring_back)
             case protocol.WatchGap(pair):
                 self._gaps.choose(pair)
+            case _:
+                self._do_to_matter(message)
+
+    def _do_to_matter(self, message: protocol.FromPage) -> None:
+        match message:
             case protocol.SetDeformation(model, edge, undoable):
                 self._session.set_deformation(model, edge=edge, undoable=undoable)
             case protocol.SetForceSource(source):
                 self._session.set_force_source(source)
+            case protocol.SetMaterial(segment_id):
+                self._session.set_material(
+                    segment_id, asked_material(message), undoable=message.undoable
+                )
+            case protocol.SetRegions(segment_id):
+                self._session.set_regions(segment_id, asked_regions(message))
             case _:
                 self._do_to_segment(message)
 
@@ -133,12 +144,6 @@ class Requests:
                 self._cut_along(message)
             case protocol.SegmentFeel(segment_id, feel):
                 self._session.set_feel(segment_id, **msgspec.structs.asdict(feel))
-            case protocol.SetMaterial(segment_id):
-                self._session.set_material(
-                    segment_id, asked_material(message), undoable=message.undoable
-                )
-            case protocol.SetRegions(segment_id):
-                self._session.set_regions(segment_id, asked_regions(message))
             case protocol.RemoveSegment(segment_id):
                 self._session.remove_segment(segment_id)
 

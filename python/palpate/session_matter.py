@@ -98,10 +98,7 @@ class SessionMatter(SessionPart):
         with given():
             self._internal.set_regions(
                 segment_id,
-                [
-                    (each.treatment, each.box, each.shared_with)
-                    for each in self.regions(segment_id)
-                ],
+                [(each.treatment, each.box, each.shared_with) for each in self.regions(segment_id)],
             )
 
     @contextmanager

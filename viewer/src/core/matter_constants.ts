@@ -34,8 +34,8 @@ export const writtenConstants: readonly WrittenConstant[] = [
   },
   {
     key: "poisson",
-    label: "Poisson's ratio ν",
-    title: "How much it goes aside where it is pressed: near 0.5 it keeps its volume. The lattice takes 0.25 to 0.45, and the nearest of these beyond",
+    label: "Poisson's ν",
+    title: "Poisson's ratio: how much it goes aside where it is pressed: near 0.5 it keeps its volume. The lattice takes 0.25 to 0.45, and the nearest of these beyond",
     unit: "",
     scale: 1,
     min: -0.99,
@@ -54,8 +54,8 @@ export const writtenConstants: readonly WrittenConstant[] = [
   },
   {
     key: "breaking_strain",
-    label: "Breaking strain",
-    title: "How much longer than at first a bond of the lattice becomes before it breaks; without a number none does",
+    label: "Breaks at",
+    title: "Breaking strain: how much longer than at first a bond of the lattice becomes before it breaks; without a number none does",
     unit: "%",
     scale: 0.01,
     min: 0.1,

@@ -24,9 +24,9 @@ test("each constant is written in its unit, and read back as it was", () => {
 
 test.each([
   ["young", "0", "Modulus E: 0 given; allowed: 0.001 to 2\u2009000\u2009000\u2009000 kPa"],
-  ["poisson", "0.5", "Poisson's ratio ν: 0.5 given; allowed: -0.99 to 0.499"],
+  ["poisson", "0.5", "Poisson's ν: 0.5 given; allowed: -0.99 to 0.499"],
   ["density", "", "Density ρ: no number given; allowed: 0.0001 to 23 g/cm³"],
-  ["breaking_strain", "-3", "Breaking strain: -3 given; allowed: 0.1 to 10\u2009000 %, nothing for never"],
+  ["breaking_strain", "-3", "Breaks at: -3 given; allowed: 0.1 to 10\u2009000 %, nothing for never"],
   ["friction", "soft", "Friction: soft given; allowed: 0 to 1\u2009000 %"],
 ] as const)("%s of %o is refused with what is allowed", (key, text, refused) => {
   expect(typed(of(key), text, liver)).toEqual({ refused });
