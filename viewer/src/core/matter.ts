@@ -13,10 +13,10 @@ export const usualModel = "lattice";
 
 /** What can be felt of matter that gives way. */
 export const forceSources: readonly { readonly value: ForceSource; readonly name: string; readonly title: string }[] = [
-  { value: "matter", name: "The model's own", title: "The contact force of the model through the spring to the hand (thesis 5.16); usual" },
+  { value: "matter", name: "The model's", title: "The contact force of the model through the spring to the hand (thesis 5.16); usual" },
   {
     value: "voxels",
-    name: "Border that yields",
+    name: "The border's",
     title: "Voxels are hard until the model has moved them away: the rigid border of thesis 5.23. A hand that stays feels less and less",
   },
 ];
