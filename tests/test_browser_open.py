@@ -111,7 +111,7 @@ def segments_dropped_as_a_scan(page: Browser, path: Path) -> None:
 
 
 def directions(folder: Path, target: Path) -> Path:
-    """Writes the slices of a folder with six directions of diffusion, in one series."""
+    """Writes the slices of a folder with six directions of diffusion, and a mask of them."""
     target.mkdir()
     series = generate_uid()
     slices = sorted(path for path in folder.iterdir() if path.is_file())
@@ -121,6 +121,9 @@ def directions(folder: Path, target: Path) -> Path:
         image.SeriesInstanceUID, image.SeriesDescription = series, "diffusion"
         image.DiffusionGradientOrientation = [1.0, 0.0, float(number // 3)]
         image.save_as(target / f"{number}.dcm")
+    mask = np.zeros((3, 38, 23), np.uint8)
+    mask[:, 10:30, 5:15] = 1
+    SimpleITK.WriteImage(SimpleITK.GetImageFromArray(mask), str(target / "mask.nii.gz"))
     return target
 
 
@@ -133,9 +136,13 @@ def many_volumes_unfolded(page: Browser, folder: Path) -> None:
     assert "direction 1 0 4" not in page.text("series-list")
     page.do("click", testid="volumes-0")
     page.shows("series-4", "text.includes('direction 1 0 4')")
-    page.wait(f"{PICTURES}.length === 7")
+    page.wait(f"{PICTURES}.length === 8")
     page.do("screenshot", path=str(OUTPUT / "open-unfolded.png"))
     assert page.do("axe")["value"] == []
+    # segments beside them are said to be some
+    page.shows("series-6", "text.includes('Segments: a label map')")
+    page.do("click", testid="series-6")
+    page.shows("labels-card", "text.includes('mask.nii.gz is a label map')")
     page.do("click", testid="leave-list")
     page.do("press", key="Escape")
 

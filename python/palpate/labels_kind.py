@@ -25,8 +25,8 @@ from palpate.progress import Progress, silent
 __all__ = ["LabelsTold", "labels_in", "labels_told"]
 
 DICOM = {"SEG": "a DICOM segmentation", "RTSTRUCT": "structures of radiotherapy (RTSTRUCT)"}
-TABLES = (".csv", ".json", ".txt")
-"""Endings of what may lie beside masks."""
+BESIDE = (".csv", ".json", ".txt", ".raw", ".zraw")
+"""Endings of what may lie beside masks: tables, and voxels of their own."""
 NAMED = re.compile(r"(?i)(?:^|[^a-z])(?:seg|segmentation|labels?|labelmap|masks?|aseg)(?:[^a-z]|$)")
 HIGHEST = 255
 """Label that is usual, where no name says that it is one."""
@@ -57,6 +57,9 @@ def labels_in(place: Path) -> Path:
 def labels_told(path: Path, *, progress: Progress = silent) -> LabelsTold | None:
     """Returns what segments there are at a path; None where there is something else, or nothing."""
     place = labels_in(path)
+    if place != path and any(_is_other(file) for file in path.iterdir() if file != place):
+        # a scan may be there too
+        return None
     try:
         if place.is_dir():
             return _masks(place, progress)
@@ -80,10 +83,9 @@ def _file(path: Path, progress: Progress) -> LabelsTold | None:
 
 def _masks(folder: Path, progress: Progress) -> LabelsTold | None:
     """Returns what a folder with a mask for each structure is."""
-    files = [path for path in folder.iterdir() if not path.name.startswith(".")]
-    masks = sorted(path for path in files if path.name.lower().endswith(ENDINGS))
-    others = [path for path in files if path not in masks and path.suffix.lower() not in TABLES]
-    if len(masks) < 2 or others:
+    files = sorted(folder.iterdir())
+    masks = [path for path in files if path.name.lower().endswith(ENDINGS)]
+    if len(masks) < 2 or any(_is_other(path) for path in files if path not in masks):
         return None
     first = header_of(masks[0])
     if not first.kind.startswith("8-bit"):
@@ -95,6 +97,10 @@ def _masks(folder: Path, progress: Progress) -> LabelsTold | None:
     if not _may_be_map(middle_of(masks[0]), named=False):
         return None
     return LabelsTold(folder.name, f"a folder of {len(masks)} masks", image=False)
+
+
+def _is_other(path: Path) -> bool:
+    return not path.name.startswith(".") and path.suffix.lower() not in BESIDE
 
 
 def _is_map(path: Path, progress: Progress) -> bool:

@@ -60,10 +60,13 @@ class WantedScan(msgspec.Struct, frozen=True):
 
 
 class WantedSegments(msgspec.Struct, frozen=True):
-    """Where segments are that are to be added to the open scan: one of both."""
+    """Where segments are that are to be added to the open scan: one of these."""
 
     path: str | None = None
     upload: int | None = None
+    find: int | None = None
+    """Of a list in which they are a ``choice``."""
+    choice: int = 0
     resample: bool = False
     """Whether they may lie on another grid."""
 
@@ -80,6 +83,8 @@ class ListedScan(msgspec.Struct, frozen=True):
     size: tuple[int, ...]
     spacing: tuple[float, ...] | None
     refused: str | None
+    labels: str | None
+    """What it is where it holds segments and no scan, such as "a label map"."""
 
 
 @dataclass(frozen=True)
@@ -213,7 +218,9 @@ class Finds:
 
     def _tell_find(self, find: Find, tell: Tell) -> None:
         number = self._keep(find)
-        tell({"kind": "found", "find": number, "scans": [_listed(one) for one in find.choices]})
+        labels = [_labels_of(one) for one in find.choices]
+        scans = [_listed(*both) for both in zip(find.choices, labels, strict=True)]
+        tell({"kind": "found", "find": number, "scans": scans})
 
     def projections(self, find: int) -> tuple[ProjectionStack, int | None]:
         """Returns the projections of a find, and their upload where they were dropped.
@@ -270,7 +277,15 @@ class Finds:
         return Place(choice.path, find.upload, choice.series, choice.fetch, given)
 
 
-def _listed(choice: Choice) -> ListedScan:
+def _labels_of(choice: Choice) -> str | None:
+    """Says what an image file of a list is where it holds segments."""
+    if choice.uid or choice.fetch is not None or not choice.path.is_file():
+        return None
+    told = labels_told(choice.path)
+    return None if told is None else told.what
+
+
+def _listed(choice: Choice, labels: str | None) -> ListedScan:
     return ListedScan(
         patient=choice.patient,
         study=choice.study,
@@ -280,6 +295,7 @@ def _listed(choice: Choice) -> ListedScan:
         size=choice.size,
         spacing=choice.spacing,
         refused=choice.refused,
+        labels=labels,
     )
 
 

@@ -301,9 +301,11 @@ class Library:
 
     async def _segments(self, request: Request) -> ASGIApp:
         wanted = await body_of(request, WantedSegments)
-        if (wanted.path is None) == (wanted.upload is None):
-            raise OptionError("one place is needed; allowed: a path, or an upload")
-        if wanted.upload is None:
+        if [wanted.path, wanted.upload, wanted.find].count(None) != 2:
+            raise OptionError("one place is needed; allowed: a path, an upload, or one of a list")
+        if wanted.find is not None:
+            path = self._finds.chosen(WantedScan(find=wanted.find, choice=wanted.choice)).path
+        elif wanted.upload is None:
             path = path_of(wanted.path or "")
         else:
             path = labels_in(self._uploads.of(wanted.upload).path)

@@ -52,6 +52,7 @@ def test_a_folders_series_are_listed_with_pictures_and_what_cannot_be_opened(
         "size": [4, 3, 4],
         "spacing": [0.75, 0.5, 2.5],
         "refused": None,
+        "labels": None,
     }
     assert scans["scout"]["refused"].startswith("it is a 2-D image")
     drawn = {found["scans"][each["choice"]]["name"]: each["png"] for each in pictures}
@@ -422,6 +423,14 @@ def test_segments_in_the_place_of_a_scan_are_told_and_added_on_request(
     assert client.job("segments", wanted) == [{"kind": "done"}]
     assert len(opened.session.segments()) == before + 1
     assert client.ask("POST", "library/find", {"upload": upload}).status_code == 400
+    # in a list beside a scan they are what they are
+    image.SetOrigin(volume.origin)
+    SimpleITK.WriteImage(image, str(study / path.name))
+    listed = client.job("find", {"path": str(study)})[0]
+    kinds = [one["labels"] for one in listed["scans"]]
+    assert kinds == [None, None, None, "a label map"]
+    assert client.job("segments", {"find": listed["find"], "choice": 3}) == [{"kind": "done"}]
+    assert len(opened.session.segments()) == before + 2
 
 
 def test_a_windows_title_names_no_file_that_was_not_given(

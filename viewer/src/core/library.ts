@@ -19,6 +19,8 @@ export interface ListedScan {
   readonly spacing: Vec3 | null;
   /** Why it cannot be opened; null where it can. */
   readonly refused: string | null;
+  /** What it is where it holds segments and no scan, such as "a label map". */
+  readonly labels: string | null;
 }
 
 export interface RecentScan {
@@ -82,7 +84,7 @@ export class Lines {
 
 /** Whether there is nothing to choose: one scan, which can be opened. */
 export function isSingle(scans: readonly ListedScan[]): boolean {
-  return scans.length === 1 && scans[0]?.refused === null;
+  return scans.length === 1 && scans[0]?.refused === null && scans[0].labels === null;
 }
 
 /** Scans that are one entry of a list, by their places in it: one, or many volumes of one series. */

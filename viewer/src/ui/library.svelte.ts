@@ -150,9 +150,15 @@ export class Library {
     });
   }
 
-  /** Opens one of the scans that were found. */
+  /** Opens one of the scans that were found; of segments it is asked what to do with them. */
   async open(choice: number): Promise<void> {
     const find = this.found?.find;
+    const chosen = this.found?.scans[choice];
+    if (chosen !== undefined && chosen.labels !== null) {
+      this.place = { find, choice };
+      this.labels = { name: chosen.name, what: chosen.labels, image: true };
+      return;
+    }
     await this.attempt((signal) => this.exchange({ find, choice }, signal));
   }
 
@@ -185,7 +191,8 @@ export class Library {
   /** What was found is something else: looks at it again as that. */
   async takeAs(what: "scan" | "projections"): Promise<void> {
     this.projected = false;
-    await this.attempt((signal) => this.find(this.place, signal, what));
+    const listed = this.labels !== null && this.found !== null;
+    await this.attempt((signal) => (listed ? this.exchange(this.place, signal) : this.find(this.place, signal, what)));
   }
 
   async openRecent({ path, series, raw, voxel_size }: RecentScan): Promise<void> {

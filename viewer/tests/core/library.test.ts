@@ -2,7 +2,7 @@
 import { expect, test } from "vitest";
 import { bytesOf, entriesOf, isSingle, Lines, refusalOf, type About, type ListedScan } from "../../src/core/library";
 
-const scan: ListedScan = { patient: "", study: "", name: "thin", part: "", modality: "CT", size: [4, 3, 5], spacing: [1, 1, 2], refused: null };
+const scan: ListedScan = { patient: "", study: "", name: "thin", part: "", modality: "CT", size: [4, 3, 5], spacing: [1, 1, 2], refused: null, labels: null };
 const about: About = { scan: null, changed: false, kept: true, can_open: true, told: [], recent: [], most_files: 2, most_bytes: 10 };
 
 test("lines are whole however they come", () => {
@@ -19,6 +19,7 @@ test("one scan that can be opened needs no choice", () => {
   expect(isSingle([scan])).toBe(true);
   expect(isSingle([scan, scan])).toBe(false);
   expect(isSingle([{ ...scan, refused: "it is flat" }])).toBe(false);
+  expect(isSingle([{ ...scan, labels: "a label map" }])).toBe(false);
   expect(isSingle([])).toBe(false);
 });
 
