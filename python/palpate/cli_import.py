@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from palpate.cli_options import Fill, MaxVoxels, Orientation, Raw, Resample, Series, Unit, VoxelSize
+from palpate.cli_reading import Reading
 from palpate.console import Display, quiet_libraries
 
 if TYPE_CHECKING:
-    from palpate.cli_import_run import Reading, Writing
+    from palpate.cli_import_run import Writing
     from palpate.io_browse import Choice
     from palpate.io_dicomweb import RemoteSeries
     from palpate.io_dicomweb_address import WebAddress
@@ -95,8 +96,7 @@ def import_scan(  # noqa: PLR0913  # one per option of the command line
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Say which scans files or a DICOMweb server hold, and bring one here."""
-    from palpate.cli_import_run import Reading, Writing, check_target
-    from palpate.cli_open import parse_voxel_size
+    from palpate.cli_import_run import Writing, check_target
     from palpate.errors import OptionError
     from palpate.io_dicomweb_address import WebAddress
 
@@ -117,7 +117,7 @@ def import_scan(  # noqa: PLR0913  # one per option of the command line
         unit=unit,
         fill=fill,
         raw=raw,
-        voxel_size=parse_voxel_size(voxel_size),
+        voxel_size=voxel_size,
         max_voxels=max_voxels,
     )
     writing = None

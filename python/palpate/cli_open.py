@@ -38,7 +38,6 @@ __all__ = [
     "choose_on_page",
     "is_scene",
     "parse_threshold",
-    "parse_voxel_size",
     "saved_scene",
     "scene_of",
     "serve_page",
@@ -73,23 +72,6 @@ def parse_threshold(given: str | None) -> Bounds | None:
             f"threshold {given!r} given; allowed: LOW or LOW,HIGH, such as 250 or 250,1500"
         )
     return numbers[0], numbers[1] if len(numbers) == 2 else None
-
-
-def parse_voxel_size(given: str | None) -> tuple[float, float, float] | None:
-    """Returns the lengths that X,Y,Z stands for [mm]; None where none are given.
-
-    Raises:
-        OptionError: They are no three numbers.
-    """
-    if given is None:
-        return None
-    try:
-        x, y, z = (float(part) for part in given.split(","))
-    except ValueError:
-        raise OptionError(
-            f"voxel size {given!r} given; allowed: X,Y,Z [mm], such as 0.5,0.5,1.25"
-        ) from None
-    return x, y, z
 
 
 def wanted_scene(

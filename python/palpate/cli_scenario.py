@@ -27,14 +27,14 @@ Scan = Annotated[
 ]
 Json = Annotated[Path | None, typer.Option("--json", help="Write what was felt.", metavar="FILE")]
 Plot = Annotated[Path | None, typer.Option(help="Draw the run: .png, .svg or .pdf.")]
-Speed = Annotated[float, typer.Option(help="Of the tool [mm/s].")]
-ForceLimit = Annotated[float, typer.Option(help="Where it stops [N].")]
-BoneFrom = Annotated[float | None, typer.Option(help="Where bone begins [unit of the scan].")]
+Speed = Annotated[float, typer.Option(help="Of the tool, in mm/s.")]
+ForceLimit = Annotated[float, typer.Option(help="Where it stops, in N.")]
+BoneFrom = Annotated[float | None, typer.Option(help="Where bone begins, in the scan's unit.")]
 Labels = Annotated[
     Path | None, typer.Option("--segments", help="Label map of the scan, with the liver.")
 ]
 Liver = Annotated[int, typer.Option(help="Number of the liver in it.")]
-Depth = Annotated[float, typer.Option(help="How deep the tool goes [mm].")]
+Depth = Annotated[float, typer.Option(help="How deep the tool goes, in mm.")]
 
 
 @scenario.command("needle-skull")
@@ -75,7 +75,7 @@ def drilling(
     *,
     bone: BoneFrom = None,
     depth: Depth = 4.0,
-    radius: Annotated[float, typer.Option(help="Of the burr [mm].")] = 2.0,
+    radius: Annotated[float, typer.Option(help="Of the burr, in mm.")] = 2.0,
     speed: Speed = 0.1,
     force_limit: ForceLimit = 10.0,
     json: Json = None,
@@ -104,11 +104,15 @@ def palpation(  # noqa: PLR0913  # one per option of the command line
         str,
         typer.Option("--from", help="Side that is pressed: anterior, posterior, left, right, any."),
     ] = "anterior",
-    voxel: Annotated[float, typer.Option(help="Finer voxels are merged to about this [mm].")] = 2.0,
+    voxel: Annotated[
+        float, typer.Option(help="Finer voxels are merged to about this, in mm.")
+    ] = 2.0,
     places: Annotated[int, typer.Option(help="How many are pressed.")] = 9,
-    length: Annotated[float, typer.Option(help="From the first to the last of them [mm].")] = 40.0,
+    length: Annotated[
+        float, typer.Option(help="From the first to the last of them, in mm.")
+    ] = 40.0,
     depth: Depth = 2.5,
-    radius: Annotated[float | None, typer.Option(help="Of the ball [mm].")] = None,
+    radius: Annotated[float | None, typer.Option(help="Of the ball, in mm.")] = None,
     json: Json = None,
     plot: Plot = None,
 ) -> None:
@@ -249,4 +253,5 @@ def _print_table(run: ScenarioRun) -> None:
         for event in run.events:
             felt = (f"{event.time:.2f}", f"{event.depth:.1f}", f"{event.force:.2f}")
             table.add_row(event.kind, event.segment, *felt)
-    Console().print(table)
+    # brackets are units there, not styles
+    Console(markup=False).print(table)

@@ -8,26 +8,20 @@ import typer
 
 from palpate.cli_options import (
     Browser,
-    Fill,
-    MaxVoxels,
     Mesh,
     MeshFrame,
     MeshSpacing,
     MeshUnit,
-    Orientation,
     Port,
     Rate,
-    Raw,
     Resample,
     ScanOrNone,
     Segments,
-    Series,
     Threshold,
     Transform,
-    Unit,
-    VoxelSize,
     With,
 )
+from palpate.cli_reading import Reading, with_reading
 from palpate.console import quiet_libraries
 
 if TYPE_CHECKING:
@@ -36,16 +30,11 @@ if TYPE_CHECKING:
 __all__ = ["demo", "open_scan"]
 
 
+@with_reading
 def open_scan(  # noqa: PLR0913  # one per option of the command line
     path: ScanOrNone = None,
     *,
-    series: Series = None,
-    orientation: Orientation = None,
-    unit: Unit = None,
-    fill: Fill = None,
-    raw: Raw = None,
-    voxel_size: VoxelSize = None,
-    max_voxels: MaxVoxels = 1024**3,
+    reading: Reading,
     threshold: Threshold = None,
     segments: Segments = None,
     resample: Resample = False,
@@ -77,25 +66,20 @@ def open_scan(  # noqa: PLR0913  # one per option of the command line
         choose_on_page,
         is_scene,
         parse_threshold,
-        parse_voxel_size,
         saved_scene,
         scene_of,
         show,
     )
     from palpate.cli_surface import add_mesh
     from palpate.errors import OptionError
-    from palpate.io import read
     from palpate.opening import Opening
     from palpate.server import bind
 
     check_start(rate)
-    bounds, size = parse_threshold(threshold), parse_voxel_size(voxel_size)
+    bounds = parse_threshold(threshold)
     if path is None or is_scene(path):
-        of_scans = (
-            *(series, orientation, unit, fill, raw, size, bounds, segments, mesh),
-            *(second, transform),
-        )
-        if any(option is not None for option in of_scans):
+        of_scans = (bounds, segments, mesh, second, transform)
+        if reading != Reading() or any(option is not None for option in of_scans):
             what = "no scan is given" if path is None else f"{path} is a scene"
             raise OptionError(f"{what}: options of scans are allowed with scans only")
     if path is None:
@@ -107,17 +91,7 @@ def open_scan(  # noqa: PLR0913  # one per option of the command line
     def make(progress: Progress) -> Opening:
         if is_scene(given):
             return saved_scene(given, progress)
-        volume = read(
-            given,
-            series=series,
-            orientation=orientation,
-            unit=unit,
-            fill=fill,
-            raw=raw,
-            voxel_size=size,
-            max_voxels=max_voxels,
-            progress=progress,
-        )
+        volume = reading.read(given, progress)
         scene = scene_of(
             volume, bounds=bounds, label_map=segments, resample=resample, progress=progress
         )

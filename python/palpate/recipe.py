@@ -17,7 +17,7 @@ from pathlib import Path
 import msgspec
 import yaml
 
-from palpate.cli_open import parse_voxel_size
+from palpate.cli_reading import parse_voxel_size
 from palpate.cli_surface import check_target
 from palpate.errors import OptionError, PalpateError
 from palpate.export import check_export, kind_of

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from palpate.cli_open import parse_voxel_size
+from palpate.cli_reading import parse_voxel_size
 from palpate.cli_surface import choose_segment
 from palpate.errors import OptionError
 from palpate.export import export_scene
