@@ -24,6 +24,7 @@ from typing import Any
 import numpy as np
 
 from palpate.bench.edit import erased
+from palpate.bench.first_picture import first_picture
 from palpate.bench.goals_render import (
     EDIT_CASE,
     MODES,
@@ -36,7 +37,7 @@ from palpate.bench.goals_render import (
 )
 from palpate.bench.haptics_data import CTHEAD, LIDC, data_file
 from palpate.bench.page import Page, chromium, opened, served
-from palpate.bench.report import Row, row_of
+from palpate.bench.report import Row, rows_told
 from palpate.errors import OptionError
 from palpate.progress import Progress, silent
 
@@ -103,7 +104,7 @@ def measure(
         progress("counting what edits send", 0.0)
         report |= _counted(url, effort)
     progress("first picture", 0.1)
-    report[OPENED_CASE]["first"] = _first_picture(data_file(LIDC) if scan is None else scan)
+    report[OPENED_CASE] |= first_picture(data_file(LIDC) if scan is None else scan, **WINDOW)
     with served(path) as url:
         for done, size in enumerate(effort.sizes):
             with opened(url, **WINDOW) as page:
@@ -122,7 +123,7 @@ def measure(
 
 def rows_of(report: Report) -> list[Row]:
     """Returns the figures of all cases that were measured."""
-    return [row_of(goal, report[goal.case]) for goal in RENDER_ROWS if goal.case in report]
+    return rows_told(RENDER_ROWS, report)
 
 
 # --- what the page shows ------------------------------------------------------------------
@@ -161,20 +162,6 @@ def _show(page: Page, mode: str) -> None:
     )
     page.read(FRAMES)
     page.wait("window.palpate.finished")
-
-
-def _first_picture(scan: Path) -> float:
-    """Returns when the first picture stood on the screen after the page was opened [s].
-
-    The scan is as it was read: pages of a session that was worked in have more to draw.
-    """
-    found = []
-    with served(scan) as url:
-        for _ in range(3):
-            with opened(None, **WINDOW) as page:
-                page.glimpse(url)
-                found.append(float(page.read("window.palpate.firstPicture")) / 1e3)
-    return median(found)
 
 
 # --- times --------------------------------------------------------------------------------
