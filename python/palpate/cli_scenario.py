@@ -14,6 +14,7 @@ import typer
 from palpate.console import Display, quiet_libraries
 
 if TYPE_CHECKING:
+    from palpate.progress import Progress
     from palpate.scenario import Body
     from palpate.scenario_run import ScenarioRun
 
@@ -148,18 +149,22 @@ def play(
     """Show a run on the page, with its scan, and play it."""
     from palpate.cli_open import check_page, show
     from palpate.console import warn
+    from palpate.opening import Opening
     from palpate.scenario import scene_of_body
     from palpate.scenario_run import read_run
     from palpate.server import bind
 
     check_page()
     scan = read_run(run).scan
-    with bind(port) as listener, quiet_libraries():
-        with Display() as display:
-            body = _body((path, segments, liver, bone), display)
+
+    def make(progress: Progress) -> Opening:
+        body = _body((path, segments, liver, bone), progress)
         if body.volume.name != scan:
             warn(f"the run is of {scan}, and this scan is {body.volume.name}")
-        show(scene_of_body(body), listener, rate=1000, browser=browser, run=run)
+        return Opening(scene_of_body(body), None, ())
+
+    with bind(port) as listener, quiet_libraries():
+        show(scan, make, listener, rate=1000, browser=browser, run=run)
 
 
 ScanOptions = tuple[Path | None, Path | None, int, float | None]
@@ -200,7 +205,7 @@ def _check_files(files: Files) -> None:
             raise OptionError(f"folder {str(path.parent)!r} given; allowed: one that exists")
 
 
-def _body(scan: ScanOptions, display: Display) -> Body:
+def _body(scan: ScanOptions, progress: Progress) -> Body:
     from palpate.io import read
     from palpate.scenario import body_of_phantom, body_of_scan
 
@@ -208,8 +213,8 @@ def _body(scan: ScanOptions, display: Display) -> Body:
     if path is None:
         return body_of_phantom()
     return body_of_scan(
-        read(path, progress=display),
-        labels=None if labels is None else read(labels, progress=display),
+        read(path, progress=progress),
+        labels=None if labels is None else read(labels, progress=progress),
         liver=liver,
         bone=bone,
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -22,7 +22,10 @@ from palpate.cli_options import (
     With,
 )
 from palpate.cli_reading import Reading, with_reading
-from palpate.console import Display, quiet_libraries, warn
+from palpate.console import quiet_libraries
+
+if TYPE_CHECKING:
+    from palpate.progress import Progress
 
 __all__ = ["demo", "open_scan"]
 
@@ -63,12 +66,13 @@ def open_scan(  # noqa: PLR0913  # one per option of the command line
         choose_on_page,
         is_scene,
         parse_threshold,
+        saved_scene,
         scene_of,
         show,
-        show_saved,
     )
     from palpate.cli_surface import add_mesh
     from palpate.errors import OptionError
+    from palpate.opening import Opening
     from palpate.server import bind
 
     check_start(rate)
@@ -82,38 +86,48 @@ def open_scan(  # noqa: PLR0913  # one per option of the command line
         with bind(port) as listener, quiet_libraries():
             choose_on_page(listener, rate=rate, browser=browser, journalled=journal)
         return
-    if is_scene(path):
-        with bind(port) as listener, quiet_libraries():
-            show_saved(
-                path, listener, rate=rate, browser=browser, journalled=journal, recover=recover
-            )
-        return
+    given = path
+
+    def make(progress: Progress) -> Opening:
+        if is_scene(given):
+            return saved_scene(given, progress)
+        volume = reading.read(given, progress)
+        scene = scene_of(
+            volume, bounds=bounds, label_map=segments, resample=resample, progress=progress
+        )
+        add_second(scene, second, transform, progress=progress)
+        if mesh is not None:
+            add_mesh(scene, mesh, frame=mesh_frame, unit=mesh_unit, spacing=mesh_spacing)
+        return Opening(scene, None, tuple(volume.warnings))
+
     with bind(port) as listener, quiet_libraries():
-        with Display() as display:
-            volume = reading.read(path, display)
-            scene = scene_of(
-                volume, bounds=bounds, label_map=segments, resample=resample, progress=display
-            )
-            add_second(scene, second, transform, progress=display)
-            if mesh is not None:
-                add_mesh(scene, mesh, frame=mesh_frame, unit=mesh_unit, spacing=mesh_spacing)
-        for warning in volume.warnings:
-            warn(warning)
-        show(scene, listener, rate=rate, browser=browser, journalled=journal, recover=recover)
+        show(
+            path.name,
+            make,
+            listener,
+            rate=rate,
+            browser=browser,
+            journalled=journal,
+            recover=recover,
+        )
 
 
 def demo(*, port: Port = 0, browser: Browser = True, rate: Rate = 1000) -> None:
     """Show the built-in phantom and feel it."""
     from palpate.cli_open import check_start, scene_of, show
+    from palpate.opening import Opening
     from palpate.phantom_scan import phantom
     from palpate.server import bind
 
     check_start(rate)
+
+    def make(progress: Progress) -> Opening:
+        progress("making the phantom", None)
+        made = phantom()
+        scene = scene_of(made.volume, bounds=None, label_map=None, progress=progress)
+        # something to make soft
+        scene.add(made.part("liver"), shown_as="surface")
+        return Opening(scene, None, ())
+
     with bind(port) as listener:
-        with Display() as display:
-            display("making the phantom", None)
-            made = phantom()
-            scene = scene_of(made.volume, bounds=None, label_map=None, progress=display)
-            # something to make soft
-            scene.add(made.part("liver"), shown_as="surface")
-        show(scene, listener, rate=rate, browser=browser)
+        show("the phantom", make, listener, rate=rate, browser=browser)
