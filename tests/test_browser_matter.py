@@ -21,7 +21,8 @@ pytestmark = [pytest.mark.browser, pytest.mark.data]
 OUTPUT = ROOT / "tests" / "output"
 LIVER = 6
 """Number of the liver in the label map."""
-SIZE = {"width": 1000, "height": 700}
+SIZE = {"width": 1000, "height": 480}
+"""Low: each picture is drawn in software until it is as fine as it gets."""
 MATTER = "window.palpate.state.matter"
 ROWS = range(-130, -30)
 """Rows of pixels along which the outline is read, from the picture's middle: above the probe."""

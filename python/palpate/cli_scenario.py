@@ -82,10 +82,9 @@ def drilling(
     plot: Plot = None,
 ) -> None:
     """Drive a drill into the bone."""
-    from palpate.bench.plots import check_plot
     from palpate.scenario import run_drilling
 
-    check_plot(plot)
+    _check_files((json, plot))
     with quiet_libraries(), Display() as display:
         body = _body((path, None, 0, bone), display)
         display("drilling", None)
@@ -117,11 +116,10 @@ def palpation(  # noqa: PLR0913  # one per option of the command line
     plot: Plot = None,
 ) -> None:
     """Press soft tissue along a line that crosses bone below it."""
-    from palpate.bench.plots import check_plot
     from palpate.press_lines import SIDES
     from palpate.scenario import run_palpation
 
-    check_plot(plot)
+    _check_files((json, plot))
     with quiet_libraries(), Display() as display:
         body = _body((path, segments, liver, bone), display)
         run = run_palpation(
@@ -186,15 +184,25 @@ def _needle(
     push: Push,
     files: Files,
 ) -> None:
-    from palpate.bench.plots import check_plot
     from palpate.scenario import run_needle
 
-    check_plot(files[1])
+    _check_files(files)
     with quiet_libraries(), Display() as display:
         body = _body(scan, display)
         display(name, None)
         run = run_needle(name, body, speed=push[0], force_limit=push[1])
     _tell(run, files)
+
+
+def _check_files(files: Files) -> None:
+    """Refuses what could not be written, before anything is computed."""
+    from palpate.bench.plots import check_plot
+    from palpate.errors import OptionError
+
+    check_plot(files[1])
+    for path in files:
+        if path is not None and not path.parent.is_dir():
+            raise OptionError(f"folder {str(path.parent)!r} given; allowed: one that exists")
 
 
 def _body(scan: ScanOptions, progress: Progress) -> Body:

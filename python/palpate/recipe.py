@@ -96,7 +96,9 @@ def read_recipe(path: Path) -> Recipe:
         raise OptionError(f"{path}, line {line}: {error.problem or error.context}") from None
     except (yaml.YAMLError, UnicodeDecodeError, RecursionError) as error:
         raise OptionError(f"{path} is no YAML: {error}") from None
-    source = Source(path, dict(_lines(root, "$")) if root is not None else {})
+    if root is None:
+        raise OptionError(f"{path} is empty; allowed: a recipe, as `palpate run --help` shows one")
+    source = Source(path, dict(_lines(root, "$")))
     _refuse_twice(root, "$", source)
     folder = path.parent
 
