@@ -118,7 +118,8 @@ def client_of(address: WebAddress, budget: Budget) -> Iterator[DICOMwebClient]:
     retries = Retry(
         TRIES - 1,
         connect=0,
-        read=0,
+        # a server that kept a connection open may close it just then
+        read=1,
         status_forcelist=BUSY,
         backoff_factor=0.5,
         raise_on_status=False,

@@ -271,7 +271,12 @@ def answering(answer: Answer) -> Iterator[str]:
 
     class Handler(BaseHTTPRequestHandler):
         def do_GET(self) -> None:
-            status, kind, body = answer(self.path)
+            try:
+                status, kind, body = answer(self.path)
+            except ConnectionAbortedError:
+                # hangs up without a word
+                self.close_connection = True
+                return
             self.send_response(status)
             self.send_header("Content-Type", kind)
             self.send_header("Content-Length", str(len(body)))
@@ -301,6 +306,24 @@ def test_a_port_where_nobody_answers_is_told() -> None:
         pass
     with pytest.raises(DicomWebError, match=r"no server answers at .*; allowed: the address of"):
         remote_series(WebAddress.of(gone))
+
+
+def test_a_server_that_hangs_up_once_is_asked_again() -> None:
+    asked: list[str] = []
+
+    def answer(path: str) -> tuple[int, str, bytes]:
+        asked.append(path)
+        if len(asked) == 1:
+            raise ConnectionAbortedError
+        return 200, "application/json", b"[]"
+
+    with (
+        answering(answer) as address,
+        pytest.raises(DicomWebError, match="has no series that fit"),
+    ):
+        remote_series(WebAddress.of(address))
+    assert len(asked) == 2
+    assert asked[0] == asked[1]
 
 
 @pytest.mark.parametrize(
