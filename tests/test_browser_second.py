@@ -109,6 +109,17 @@ def test_slices_show_the_second_scan_where_its_transform_puts_it(
     assert 0.3 < same.mean() < 0.9
 
 
+def tissue(value: float, page: Browser) -> str:
+    """What a value of the second scan stands for."""
+    scan = page.read("window.palpate.second.scan")
+    soft, bone = scan["soft_tissue"], scan["bone"]
+    ends = {"air": -900, "lung": -250, "fat": -20, "fluid": 20, "soft tissue": bone}
+    if scan["unit"] == "":
+        ends = {"dark": 2 * soft - bone, "tissue": bone}
+    last = "bright tissue" if scan["unit"] == "" else "bone"
+    return next((name for name, end in ends.items() if value < end), last)
+
+
 @pytest.mark.data
 def test_a_click_says_the_values_of_both_scans(lungs: Browser, data_folder: Path) -> None:
     second = SimpleITK.ReadImage(str(data_folder / "elastix_lung_pair" / "3DCT_lung_followup.mha"))
@@ -117,23 +128,25 @@ def test_a_click_says_the_values_of_both_scans(lungs: Browser, data_folder: Path
     there = TURN.TransformPoint(lungs.read("window.palpate.crosshair"))
     expected = second.GetPixel(second.TransformPhysicalPointToIndex(there))
     assert float(lungs.text("picked-second").removesuffix(" HU")) == pytest.approx(expected)
+    assert lungs.text("picked-tissue") == f"Second scan: {tissue(expected, lungs)}"
     lungs.do("press", key="Escape")
 
 
 @pytest.mark.data
 def test_the_view_shows_it_too_and_follows_another_transform(lungs: Browser) -> None:
     lungs.do("choose", testid="second-preset", value="CT-Lung")
+    lungs.do("choose", testid="second-fusion", value="blend")
     shown = lungs.picture(OUTPUT / "second_view.png")
     lungs.do("click", testid="second-view")
     without = lungs.picture(OUTPUT / "second_view_without.png")
     assert np.abs(shown - without).mean() > 0.5 / 255
     lungs.do("click", testid="second-view")
     # cells of one and the other are neither both at once nor the first alone
-    lungs.do("choose", testid="second-view-fusion", value="checkerboard")
+    lungs.do("choose", testid="second-fusion", value="checkerboard")
     lungs.do("slide", testid="second-square", value=60)
     cells = lungs.picture(OUTPUT / "second_view_cells.png")
     assert min(np.abs(cells - other).mean() for other in (shown, without)) > 0.3 / 255
-    lungs.do("choose", testid="second-view-fusion", value="blend")
+    lungs.do("choose", testid="second-fusion", value="blend")
     lungs.finish()
     before, _ = axial(lungs)
 
@@ -149,6 +162,19 @@ def test_the_view_shows_it_too_and_follows_another_transform(lungs: Browser) -> 
     np.testing.assert_allclose(gone, without, atol=2 / 255)
     after, _ = axial(lungs)
     assert np.abs(after - before).mean() > 5 / 255
+
+
+def tells_of_the_second(page: Browser, where: NDArray[np.bool_]) -> None:
+    """A click where the second scan alone is seen tells which tissue of it that is."""
+    page.finish()
+    places = np.argwhere(where)
+    middle = np.argmin(np.linalg.norm(places - places.mean(axis=0), axis=1))
+    y, x = (places[middle] + 0.5) / where.shape
+    page.do("clickAt", testid="canvas", x=float(x), y=float(y))
+    assert page.text("picked-name") == "Outside of the first scan"
+    value = float(page.text("picked-second").removesuffix(" HU"))
+    assert page.text("picked-tissue") == f"Second scan: {tissue(value, page)}"
+    page.do("press", key="Escape")
 
 
 @pytest.mark.data
@@ -182,8 +208,10 @@ def test_a_page_takes_it_away_adds_it_moves_it_and_projects_it(
     assert warm.mean() > 0.01
     lungs.do("click", testid="second-view")
 
+    tells_of_the_second(lungs, warm)
+
     # squares of the view by turns: the first alone, and the second in its colours
-    lungs.do("choose", testid="second-view-fusion", value="checkerboard")
+    lungs.do("choose", testid="second-fusion", value="checkerboard")
     lungs.do("slide", testid="second-square", value=40)
     squares = lungs.picture(OUTPUT / "second_mip_squares.png")
     both = (shown[..., 0] - shown[..., 2] > 0.2) & ~beside
@@ -192,5 +220,5 @@ def test_a_page_takes_it_away_adds_it_moves_it_and_projects_it(
     assert 0.25 < first[both].mean() < 0.75
     assert 0.25 < second[both].mean() < 0.75
     assert (first | second)[both].mean() > 0.9
-    lungs.do("choose", testid="second-view-fusion", value="blend")
+    lungs.do("choose", testid="second-fusion", value="blend")
     lungs.do("choose", testid="blend", value="shaded")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from palpate.bench.goal import Goal
+from palpate.bench.goals_render import processor_rows
 
 __all__ = ["OPEN_CASE", "OPEN_ROWS"]
 
@@ -10,6 +11,7 @@ OPEN_CASE = "DICOM series, 275 slices of 512×512"
 
 OPEN_ROWS = (
     Goal(OPEN_CASE, "command to first picture", "picture", 1.0, "s", 5.0, "lower"),
+    *processor_rows(OPEN_CASE),
     Goal(OPEN_CASE, "command to the picture of all of it", "whole", 1.0, "s", None, "lower"),
     Goal(OPEN_CASE, "command to address of the page", "served", 1.0, "s", None, "lower"),
     Goal(OPEN_CASE, "reading", "read", 1.0, "s", None, "lower"),

@@ -13,6 +13,7 @@ __all__ = [
     "SIZES",
     "peer_case",
     "picture_case",
+    "processor_rows",
 ]
 
 MODES = ("composite", "shaded", "mip", "iso", "surfaces")
@@ -33,6 +34,14 @@ def picture_case(mode: str, size: tuple[int, int]) -> str:
 def peer_case(mode: str) -> str:
     """Returns what a comparison with vtk.js is called."""
     return f"{mode} beside vtk.js"
+
+
+def processor_rows(case: str) -> tuple[Goal, ...]:
+    """Returns the rows of a browser's processor time until its first picture."""
+    return tuple(
+        Goal(case, f"processor time until it, {name}", key, 1.0, "s", None, "lower")
+        for name, key in (("page", "page"), ("drawing", "graphics"), ("rest of browser", "rest"))
+    )
 
 
 def _picture(case: str) -> tuple[Goal, ...]:
@@ -58,6 +67,7 @@ def _beside(case: str, ratio: float | None) -> tuple[Goal, ...]:
 
 RENDER_ROWS = (
     Goal(OPENED_CASE, "first picture after the page", "first", 1.0, "s", 2.0, "lower"),
+    *processor_rows(OPENED_CASE),
     Goal(OPENED_CASE, "memory of the page's scripts", "heap", 2.0**-20, "MiB", None, "lower"),
     Goal(OPENED_CASE, "3-D textures", "textures", 2.0**-20, "MiB", None, "lower"),
     Goal(EDIT_CASE, "edits", "edits", 1.0, "", None, "higher"),

@@ -9,6 +9,8 @@ SimpleITK's reader of series, in turn, in this process; the files are in the sys
 from __future__ import annotations
 
 import time
+from collections import defaultdict
+from collections.abc import Mapping
 from pathlib import Path
 from statistics import median
 from tempfile import TemporaryDirectory
@@ -17,10 +19,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from palpate.bench.goals_open import OPEN_ROWS
+from palpate.bench.first_picture import used_until_picture
+from palpate.bench.goals_open import OPEN_CASE, OPEN_ROWS
 from palpate.bench.haptics_data import LIDC, data_file
 from palpate.bench.page import chromium, opened, served
-from palpate.bench.report import Row, row_of
+from palpate.bench.report import Row, rows_told
 from palpate.io import read
 from palpate.progress import Progress, silent
 from palpate.simpleitk import simpleitk
@@ -46,15 +49,14 @@ def measure(*, slices: int = SLICES, runs: int = RUNS, progress: Progress = sile
         MissingDataError: The chest is not there.
     """
     chromium()
-    names = ("served", "picture", "whole", "read", "itk")
-    times: dict[str, list[float]] = {name: [] for name in names}
+    times: dict[str, list[float]] = defaultdict(list)
     with TemporaryDirectory() as made:
         folder = Path(made)
         progress(f"writing {slices} slices", None)
         write_series(read(data_file(LIDC)), folder, slices=slices)
         for run in range(runs):
             progress("opening and reading", run / runs)
-            for name, taken in zip(names, _pictures(folder), strict=False):
+            for name, taken in _pictures(folder).items():
                 times[name].append(taken)
             began = time.perf_counter()
             volume = read(folder)
@@ -63,24 +65,28 @@ def measure(*, slices: int = SLICES, runs: int = RUNS, progress: Progress = sile
     return rows_of(times, volume.memory_bytes)
 
 
-def rows_of(times: dict[str, list[float]], memory: int) -> list[Row]:
+def rows_of(times: Mapping[str, list[float]], memory: int) -> list[Row]:
     """Returns the figures of times [s] and of the memory of the values [bytes]."""
     report = {name: median(taken) for name, taken in times.items()}
     report["ratio"] = report["itk"] / report["read"]
     report["bytes"] = float(memory)
-    return [row_of(goal, report) for goal in OPEN_ROWS]
+    return rows_told(OPEN_ROWS, {OPEN_CASE: report})
 
 
-def _pictures(folder: Path) -> tuple[float, float, float]:
-    """Returns after how long the page is served, has a picture, and has that of all slices [s]."""
+def _pictures(folder: Path) -> dict[str, float]:
+    """Returns after how long the page is served, has a picture, and has that of all slices [s].
+
+    Until the picture the browser's processor time is told too.
+    """
     with opened(None, **SIZE) as page:
         began = time.perf_counter()
         with served(folder) as url:
             served_after = time.perf_counter() - began
-            page.glimpse(url)
+            used = used_until_picture(page, url)
             shown_after = time.perf_counter() - began
             page.wait("window.palpate?.ready === true")
-            return served_after, shown_after, time.perf_counter() - began
+            whole_after = time.perf_counter() - began
+    return {"served": served_after, "picture": shown_after, "whole": whole_after, **used}
 
 
 def _itk_reads(folder: Path, expected: Volume) -> float:

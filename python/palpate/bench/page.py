@@ -1,7 +1,7 @@
 """A page in an installed Chromium, for benchmarks: driven through its debugging port.
 
-What is read are expressions of the page. Pictures are drawn in software, the same on every
-machine.
+What is read are expressions of the page. Its canvas is drawn by software GL where there is no GPU,
+and the page around it as Chromium does then: without GL.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import IO, Any
 
+from palpate.bench.processor_time import spent
 from palpate.errors import OptionError
 
 __all__ = ["Page", "chromium", "opened", "served"]
@@ -28,7 +29,6 @@ NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable"
 FLAGS = (
     "--headless",
     "--no-sandbox",
-    "--use-angle=swiftshader",
     "--enable-unsafe-swiftshader",
     "--disable-background-networking",
     "--disable-component-update",
@@ -59,12 +59,13 @@ def chromium() -> str:
 class Page:
     """One page of a running browser."""
 
-    def __init__(self, address: str) -> None:
-        """Connects to its debugging address."""
+    def __init__(self, address: str, browser: int) -> None:
+        """Connects to its debugging address; ``browser`` is the number of its process."""
         from websockets.sync.client import connect
 
         self._socket = connect(address, max_size=None, compression=None)
         self._number = 0
+        self._browser = browser
 
     def read(self, expression: str) -> Any:  # noqa: ANN401  # whatever it is
         """Returns the value of an expression in the page; waits for a promise.
@@ -121,6 +122,10 @@ class Page:
         self._ask("HeapProfiler.collectGarbage")
         return float(self._ask("Runtime.getHeapUsage")["usedSize"])
 
+    def spent(self) -> dict[str, float]:
+        """Returns the processor time that the browser has used until now [s]."""
+        return spent(self._browser)
+
     def close(self) -> None:
         """Ends the connection."""
         self._socket.close()
@@ -151,12 +156,13 @@ def opened(url: str | None, *, width: int, height: int) -> Iterator[Page]:
     program = chromium()
     with TemporaryDirectory(ignore_cleanup_errors=True) as profile:
         command = [program, *FLAGS, f"--user-data-dir={profile}", f"--window-size={width},{height}"]
-        with _running([*command, "about:blank"], "stderr") as (_, output):
+        with _running([*command, "about:blank"], "stderr") as (process, output):
             address = _found_in(output, r"ws://([\d.:]+)/\S+", "the browser")
             listing = f"http://{address.group(1)}/json/list"
             with urllib.request.urlopen(listing, timeout=PATIENCE) as answer:
                 pages = json.load(answer)
-            page = Page(next(one for one in pages if one["type"] == "page")["webSocketDebuggerUrl"])
+            shown = next(one for one in pages if one["type"] == "page")
+            page = Page(shown["webSocketDebuggerUrl"], process.pid)
             try:
                 if url is not None:
                     page.go(url)

@@ -9,8 +9,8 @@ own, since counting costs time.
 
 vtk.js draws the same values in the same page, with the same camera, size, transfer function and
 step, the segment as tissue. How good a picture is: its mean difference from one of the same
-renderer with eight times as many steps. For equal quality vtk.js gets the fewest steps, of 1, 2, 4
-and 8 a voxel, with which it is as near to its own reference as ours is to its own. It is no part
+renderer with eight times as many steps. For equal quality vtk.js gets the fewest steps, of 1, 2
+and 4 a voxel, with which it is as near to its own reference as ours is to its own. It is no part
 of the package: the source tree builds it (``npm run build:bench``), else nothing is compared.
 """
 
@@ -24,6 +24,7 @@ from typing import Any
 import numpy as np
 
 from palpate.bench.edit import erased
+from palpate.bench.first_picture import first_picture
 from palpate.bench.goals_render import (
     EDIT_CASE,
     MODES,
@@ -36,19 +37,19 @@ from palpate.bench.goals_render import (
 )
 from palpate.bench.haptics_data import CTHEAD, LIDC, data_file
 from palpate.bench.page import Page, chromium, opened, served
-from palpate.bench.report import Row, row_of
+from palpate.bench.report import Row, rows_told
 from palpate.errors import OptionError
 from palpate.progress import Progress, silent
 
 __all__ = ["QUICK", "Effort", "built_peer", "measure", "rows_of"]
 
-PEER_SIZE = (640, 480)
-"""Of the pictures that are compared [pixels]."""
+PEER_SIZE = (320, 240)
+"""Of the pictures that are compared [pixels]; fine ones of vtk.js take minutes in software."""
 WINDOW = {"width": 1366, "height": 768}
 """Of the browser at first [pixels]; panels beside the picture have room in it."""
 FINE = 8
 """Steps a voxel of a reference, by those of the picture that is held against it."""
-PEER_STEPS = (1, 2, 4, 8)
+PEER_STEPS = (1, 2, 4)
 """Steps a voxel that vtk.js is tried with."""
 STEP_ANGLE = 0.02
 """Turn of the view from picture to picture [rad]."""
@@ -103,7 +104,7 @@ def measure(
         progress("counting what edits send", 0.0)
         report |= _counted(url, effort)
     progress("first picture", 0.1)
-    report[OPENED_CASE]["first"] = _first_picture(data_file(LIDC) if scan is None else scan)
+    report[OPENED_CASE] |= first_picture(data_file(LIDC) if scan is None else scan, **WINDOW)
     with served(path) as url:
         for done, size in enumerate(effort.sizes):
             with opened(url, **WINDOW) as page:
@@ -122,7 +123,7 @@ def measure(
 
 def rows_of(report: Report) -> list[Row]:
     """Returns the figures of all cases that were measured."""
-    return [row_of(goal, report[goal.case]) for goal in RENDER_ROWS if goal.case in report]
+    return rows_told(RENDER_ROWS, report)
 
 
 # --- what the page shows ------------------------------------------------------------------
@@ -161,20 +162,6 @@ def _show(page: Page, mode: str) -> None:
     )
     page.read(FRAMES)
     page.wait("window.palpate.finished")
-
-
-def _first_picture(scan: Path) -> float:
-    """Returns when the first picture stood on the screen after the page was opened [s].
-
-    The scan is as it was read: pages of a session that was worked in have more to draw.
-    """
-    found = []
-    with served(scan) as url:
-        for _ in range(3):
-            with opened(None, **WINDOW) as page:
-                page.glimpse(url)
-                found.append(float(page.read("window.palpate.firstPicture")) / 1e3)
-    return median(found)
 
 
 # --- times --------------------------------------------------------------------------------

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from palpate.bench.goals import Goal
 
-__all__ = ["Row", "print_rows", "row_of", "write_rows"]
+__all__ = ["Row", "print_rows", "row_of", "rows_told", "write_rows"]
 
 
 @dataclass(frozen=True)
@@ -35,6 +35,13 @@ def row_of(goal: Goal, report: dict[str, float]) -> Row:
     """Returns the figure that a goal asks for, from the engine's report."""
     value = report[goal.key] * goal.scale
     return Row(goal.case, goal.metric, value, goal.unit, goal.goal, goal.better)
+
+
+def rows_told(goals: Iterable[Goal], report: dict[str, dict[str, float]]) -> list[Row]:
+    """Returns those of the rows of which a report, figures by case, tells."""
+    return [
+        row_of(goal, report[goal.case]) for goal in goals if goal.key in report.get(goal.case, {})
+    ]
 
 
 def write_rows(bench: str, rows: Iterable[Row], path: Path) -> None:

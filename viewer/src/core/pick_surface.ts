@@ -34,9 +34,11 @@ export interface AlsoDrawn {
   readonly labelAt: (grid: Vec3) => { readonly id: number; readonly visible: boolean } | null;
   /** Planes that cut something away. */
   readonly clip: readonly Plane[];
+  /** Whether nothing of the scan is drawn at a length along the ray [mm]. */
+  readonly isLeftOut?: (t: number) => boolean;
 }
 
-const nothingElse: AlsoDrawn = { crossings: [], labelAt: () => null, clip: [] };
+export const nothingElse: AlsoDrawn = { crossings: [], labelAt: () => null, clip: [] };
 
 /** The surface's own opacity: more opaque than clear. */
 const surfaceOpacity = 0.5;
@@ -82,6 +84,9 @@ export function pickSurface(volume: ScanVolume, look: Look, ray: Ray, also: Also
     if (surface !== null) {
       return surface;
     }
+    if (also.isLeftOut?.(t) === true) {
+      continue;
+    }
     const grid = addScaled(origin, direction, t);
     const biased = biasedAt(volume, grid);
     const segment = segmentAt(look, also, grid, biased);
@@ -110,6 +115,9 @@ function largestOnRay(
   let most = 0;
   let place: number | null = null;
   for (let t = ray.enter + ray.step / 2; t < ray.leave; t += ray.step) {
+    if (also.isLeftOut?.(t) === true) {
+      continue;
+    }
     const grid = addScaled(ray.origin, ray.direction, t);
     const biased = biasedAt(volume, grid);
     const share = greyOf(physical(biased, volume.frame.rescale), look.optics.window);

@@ -43,6 +43,20 @@ export class FullscreenPass {
     }
   }
 
+  /** Takes up a variant that another pass with the same shader has made. */
+  take(renderer: THREE.WebGLRenderer, defines: Readonly<Record<string, string>>): void {
+    const { material } = this;
+    const chosen = material.defines;
+    material.defines = { ...defines };
+    material.needsUpdate = true;
+    renderer.compile(this.mesh, this.camera);
+    if (chosen !== undefined && JSON.stringify(chosen) !== JSON.stringify(defines)) {
+      // something else is to be seen by now
+      material.defines = chosen;
+      material.needsUpdate = true;
+    }
+  }
+
   /** Draws into the target, of a 3-D one into a layer, or onto the screen. */
   draw(renderer: THREE.WebGLRenderer, target: THREE.WebGLRenderTarget | null, layer = 0): void {
     renderer.setRenderTarget(target, layer);

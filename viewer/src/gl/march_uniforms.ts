@@ -2,10 +2,15 @@
  * What the shaders of the ray caster are told: in sync with `shaders/march.frag` and what it is joined from.
  */
 import * as THREE from "three";
+import { transformPoint } from "../core/affine";
+import { brickEdge } from "../core/bricks";
+import { eyeOf, sightOf, type Camera } from "../core/camera";
 import { mostPlanes } from "../core/clip";
+import { smallestSpacing, type ScanFrame, type ScanVolume } from "../core/scan_volume";
 import { mostRanges } from "../core/shown_segments";
-import type { Vec3 } from "../core/vector";
+import { dot, scale, type Vec3 } from "../core/vector";
 import type { DisplacedTexture } from "./displaced_texture";
+import { keyLight } from "./key_light";
 
 const vector = (v: Vec3 = [0, 0, 0]): THREE.Vector3 => new THREE.Vector3(...v);
 
@@ -74,3 +79,34 @@ export type FieldUniform =
   | "labelTexture"
   | "material"
   | keyof DisplacedTexture["uniforms"];
+
+/** Where the values of a scan stand in its grid, all or every `step`-th. */
+export function standAt(u: MarchUniforms, { frame, dimensions, step }: ScanVolume): void {
+  u.dimensions.value.set(...frame.dimensions);
+  u.spacing.value.set(...frame.spacing);
+  u.sampleStep.value.setScalar(step);
+  u.slope.value = frame.rescale.slope;
+  u.surfaceLead.value = smallestSpacing(frame) * step;
+  // texel centres stand at half numbers: see core/scan_volume.ts
+  const first = 0.5 - 0.5 / step;
+  u.textureScale.value.set(...inverted(scale(dimensions, step)));
+  u.textureOffset.value.set(...scale(inverted(dimensions), first));
+  u.brickScale.value.setScalar(1 / (step * brickEdge));
+  u.brickOffset.value.setScalar(first / brickEdge);
+}
+
+/** Where rays begin, where they go, and where the lamp stands, along the grid's axes. */
+export function lookFrom(u: MarchUniforms, { axes, gridFromScene }: ScanFrame, camera: Camera, aspect: number): void {
+  const along = (v: Vec3): Vec3 => [dot(axes[0], v), dot(axes[1], v), dot(axes[2], v)];
+  const half = Math.tan(camera.field / 2) * (camera.parallel === null ? 1 : camera.distance);
+  u.eye.value.set(...transformPoint(gridFromScene, eyeOf(camera)));
+  u.forward.value.set(...along(scale(sightOf(camera), -1)));
+  u.across.value.set(...along(scale(camera.right, half * aspect)));
+  u.upward.value.set(...along(scale(camera.up, half)));
+  u.upDirection.value.set(...along(camera.up));
+  u.keyDirection.value.set(...along(keyLight(camera)));
+}
+
+function inverted(v: Vec3): Vec3 {
+  return [1 / v[0], 1 / v[1], 1 / v[2]];
+}

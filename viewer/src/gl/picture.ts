@@ -60,6 +60,8 @@ export class Picture {
   /** The GPU has the programs for a first picture, or cannot have them before it. */
   private prepared = false;
   private gives = false;
+  /** There was a picture of a scan: before it nothing else is drawn, since each program takes its time to be made. */
+  private begun = false;
   private view: { readonly camera: Camera; readonly extent: Extent } | null = null;
   /** The whole canvas [CSS pixels]. */
   private canvas: Viewport = { width: 1, height: 1 };
@@ -120,7 +122,7 @@ export class Picture {
 
   /** Divisor of the resolution on display, and whether it is final. */
   get quality(): { readonly divisor: number; readonly finished: boolean } {
-    const whole = !this.slices.isStale && !this.marcher.second.isAwaited;
+    const whole = this.begun && !this.screenStale && !this.slices.isStale && !this.marcher.second.isAwaited;
     return { divisor: this.refiner.shownDivisor, finished: this.refiner.finished && whole };
   }
 
@@ -291,7 +293,12 @@ export class Picture {
       }
       return;
     }
-    const pictureChanged = this.refiner.advance(now) || this.screenStale;
+    const drawn = this.refiner.advance(now);
+    if (!this.begun) {
+      this.begin(drawn);
+      return;
+    }
+    const pictureChanged = drawn || this.screenStale;
     if (pictureChanged || (this.slices.isStale && !this.keepsScreen)) {
       this.drawSlices();
       this.pane.draw();
@@ -325,6 +332,7 @@ export class Picture {
     });
     this.snapping = true;
     try {
+      await this.refiner.complete();
       await snapshot.draw(context, { ...wish, signal: AbortSignal.any([wish.signal, this.closing.signal]) });
     } finally {
       snapshot.dispose();
@@ -391,6 +399,17 @@ export class Picture {
   /** Whether what is not drawn again stays on the screen. */
   private get keepsScreen(): boolean {
     return this.options.support.software;
+  }
+
+  /** Draws the picture of the scan alone; once it stands all else follows. */
+  private begin(drawn: boolean): void {
+    if (drawn) {
+      this.renderer.setRenderTarget(null);
+      this.renderer.clear();
+      this.pane.drawPicture();
+    }
+    this.begun = this.hasPicture;
+    this.screenStale = this.begun;
   }
 
   /** Draws slices: those that have changed, or all where the screen forgets. */

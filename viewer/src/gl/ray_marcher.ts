@@ -2,10 +2,10 @@
  * Draws the scan: holds what `shaders/march.frag` needs and keeps it in step with the scan,
  * its look and the camera. Frame: the grid's axes, lengths in mm.
  */
-import * as THREE from "three";
-import { column, transformPoint } from "../core/affine";
-import { brickEdge, type BrickRanges } from "../core/bricks";
-import { depthOf, eyeOf, nearAndFar, sightOf, type Camera, type Extent } from "../core/camera";
+import type * as THREE from "three";
+import { column } from "../core/affine";
+import type { BrickRanges } from "../core/bricks";
+import { depthOf, nearAndFar, type Camera, type Extent } from "../core/camera";
 import type { Plane } from "../core/clip";
 import type { Displaced } from "../core/displaced";
 import { drawnBy } from "../core/drawn_values";
@@ -15,19 +15,17 @@ import { smallestSpacing, type ScanFrame } from "../core/scan_volume";
 import { mostRanges } from "../core/shown_segments";
 import { biasedOf, largest, physical, type Rescale } from "../core/stored_values";
 import { domainOf, sample, type TransferFunction } from "../core/transfer_function";
-import { dot, multiply, scale, type Vec3 } from "../core/vector";
+import { dot, multiply } from "../core/vector";
 import type { Box } from "../core/voxel_change";
 import { DisplacedTexture } from "./displaced_texture";
 import { EmptySpace } from "./empty_space";
 import type { FieldFormat, FieldTexture } from "./field_texture";
-import { FullscreenPass } from "./fullscreen_pass";
-import { keyLight } from "./key_light";
 import { transferTextures } from "./lookup_textures";
 import { LightVolume } from "./light_volume";
-import { marchUniforms, type FieldUniform, type MarchUniforms } from "./march_uniforms";
+import { MarchProgram } from "./march_program";
+import { lookFrom, marchUniforms, standAt, type FieldUniform, type MarchUniforms } from "./march_uniforms";
 import type { PictureTarget } from "./picture_target";
 import { SecondTexture, type ShownSecond } from "./second_texture";
-import { shaders } from "./shaders";
 import type { SurfaceLayers } from "./surface_layers";
 
 export interface MarchQuality {
@@ -55,7 +53,7 @@ export class RayMarcher {
   readonly light: LightVolume;
   /** A second scan that is shown with the first. */
   readonly second = new SecondTexture();
-  private readonly pass: FullscreenPass;
+  private readonly program: MarchProgram;
   private frame: ScanFrame | null = null;
   private readonly empty = new EmptySpace(this.uniforms.brickTexture);
   private labelled = false;
@@ -77,51 +75,41 @@ export class RayMarcher {
   /** @param lightCells cells along the scan's longest edge in which light is worked out. */
   constructor(lightCells = 64) {
     this.light = new LightVolume(this.uniforms, lightCells);
-    this.pass = new FullscreenPass(shaders.march, { ...this.uniforms, ...this.light.uniforms, ...this.second.uniforms });
+    this.program = new MarchProgram({ ...this.uniforms, ...this.light.uniforms, ...this.second.uniforms });
   }
 
   /**
-   * Has the GPU ready, before there is a scan, the program that most looks need: to make it takes longer than
-   * the scan is on its way. Draws a pixel of nothing, since some of the work is done with the first drawing.
+   * Has the GPU ready, before there is a scan, a light program for what most looks show: to make the whole one
+   * takes longer than the scan is on its way.
    *
    * @param target of the kind that pictures are drawn into.
    */
   async prepare(renderer: THREE.WebGLRenderer, target: PictureTarget, format: FieldFormat): Promise<void> {
     this.format = formatDefines[format];
-    const { material } = this.pass;
-    material.defines = this.variant;
-    await this.pass.prepare(renderer);
-    if (this.frame === null) {
-      const u = this.uniforms;
-      // a scan behind the eye, which no ray comes to
-      u.dimensions.value.setScalar(1);
-      u.spacing.value.setScalar(1);
-      u.eye.value.set(0, 0, 2);
-      u.forward.value.set(0, 0, 1);
-      this.pass.draw(renderer, target.target);
-    }
+    this.compile();
+    await this.program.prepareFirst(renderer, target);
+  }
+
+  /** Pictures show all that there is to see; else more roughly, until `complete`. */
+  get isWhole(): boolean {
+    return this.program.isWhole;
+  }
+
+  /** Has the GPU make what pictures are whole with, while it goes on drawing. */
+  async complete(renderer: THREE.WebGLRenderer, target: PictureTarget): Promise<void> {
+    await this.program.complete(renderer, target);
   }
 
   /** Shows another scan. */
   setField(field: FieldTexture, bricks: BrickRanges): void {
-    const { frame, dimensions, step } = field.volume;
+    const { frame, step } = field.volume;
     const u = this.uniforms;
     this.frame = frame;
     this.empty.setBricks(bricks);
     this.light.setFrame(frame);
     this.step = step;
     u.fieldTexture.value = field.texture;
-    u.dimensions.value.set(...frame.dimensions);
-    u.spacing.value.set(...frame.spacing);
-    u.sampleStep.value.setScalar(step);
-    u.slope.value = frame.rescale.slope;
-    u.surfaceLead.value = smallestSpacing(frame) * step;
-    // texel centres stand at half numbers: see core/scan_volume.ts
-    const first = 0.5 - 0.5 / step;
-    u.textureScale.value.set(...inverted(scale(dimensions, step)));
-    u.textureOffset.value.set(...scale(inverted(dimensions), first));
-    u.brickScale.value.setScalar(1 / (step * brickEdge));
-    u.brickOffset.value.setScalar(first / brickEdge);
+    standAt(u, field.volume);
     this.format = formatDefines[field.format];
     this.second.format = field.format;
     this.second.stand(frame);
@@ -254,16 +242,8 @@ export class RayMarcher {
     if (this.frame === null) {
       return;
     }
-    const { axes, gridFromScene } = this.frame;
-    const along = (v: Vec3): Vec3 => [dot(axes[0], v), dot(axes[1], v), dot(axes[2], v)];
-    const half = Math.tan(camera.field / 2) * (camera.parallel === null ? 1 : camera.distance);
     const u = this.uniforms;
-    u.eye.value.set(...transformPoint(gridFromScene, eyeOf(camera)));
-    u.forward.value.set(...along(scale(sightOf(camera), -1)));
-    u.across.value.set(...along(scale(camera.right, half * aspect)));
-    u.upward.value.set(...along(scale(camera.up, half)));
-    u.upDirection.value.set(...along(camera.up));
-    u.keyDirection.value.set(...along(keyLight(camera)));
+    lookFrom(u, this.frame, camera, aspect);
     this.light.turnKey(u.keyDirection.value);
     const { near, far } = nearAndFar(camera, extent);
     u.nearFar.value.set(near, far);
@@ -323,18 +303,12 @@ export class RayMarcher {
     u.stepLength.value = (smallestSpacing(this.frame) * this.step) / quality.stepsPerVoxel;
     u.jitter.value = quality.jitter ? 1 : 0;
     u.shift.value.set(x + shift[0], y + shift[1], shift[2]);
-    this.pass.draw(renderer, target.target);
+    this.program.draw(renderer, target);
   }
 
   /** Share with which the next drawing is blended over what the target holds; null replaces it. */
   set blend(share: number | null) {
-    const { material } = this.pass;
-    material.blending = share === null ? THREE.NoBlending : THREE.CustomBlending;
-    material.blendSrc = THREE.ConstantAlphaFactor;
-    material.blendDst = THREE.OneMinusConstantAlphaFactor;
-    material.blendAlpha = share ?? 1;
-    // the depth stays that of the first picture
-    material.depthWrite = share === null;
+    this.program.blend = share;
   }
 
   dispose(): void {
@@ -344,20 +318,25 @@ export class RayMarcher {
     this.light.dispose();
     this.second.dispose();
     this.displacements.dispose();
-    this.pass.dispose();
+    this.program.dispose();
   }
 
   /** Chooses the shader's variant. */
   private compile(): void {
-    const { material } = this.pass;
-    material.defines = this.variant;
-    material.needsUpdate = true;
+    this.program.choose(this.variant, this.lightVariant);
     this.light.compile({ ...this.fieldDefines, ...this.blendDefine });
   }
 
   private get variant(): Record<string, string> {
     const surfaces = this.layers < 0 ? { LAYERS: "0" } : { SURFACES: "", LAYERS: String(this.layers) };
     return { ...this.textureDefines, ...surfaces, ...this.blendDefine };
+  }
+
+  /** A scan alone is shown by a light program too, in modes of which most looks are. */
+  private get lightVariant(): Record<string, string> | null {
+    const alone = this.layers < 0 && !this.labelled && !this.gives && !this.withSecond;
+    const simple = alone && (this.mode === "shaded" || this.mode === "composite");
+    return simple ? { [this.format]: "", LAYERS: "0", FIRST: "", ...this.blendDefine } : null;
   }
 
   private get blendDefine(): Readonly<Record<string, string>> {
@@ -379,10 +358,6 @@ export class RayMarcher {
     const { distance, slab } = this;
     this.uniforms.slab.value.set(slab === null ? 0 : distance - slab / 2, slab === null ? 1e9 : distance + slab / 2);
   }
-}
-
-function inverted(v: Vec3): Vec3 {
-  return [1 / v[0], 1 / v[1], 1 / v[2]];
 }
 
 /** Grey per biased value and grey at 0; of the iso-surface, above 0 where it encloses. */

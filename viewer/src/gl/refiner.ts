@@ -34,8 +34,8 @@ const mostPieces = 6;
 /** And while the view moves, where the GPU draws. */
 const movingLayers = 8;
 
-/** Steps per voxel edge while the view moves and at rest; fewer where the CPU draws. */
-const steps = { gpu: { moving: 1, resting: 1.5 }, software: { moving: 0.75, resting: 1 } } as const;
+/** Steps per voxel edge while the view moves and at rest; fewer where the CPU draws. By the light program they are cheap. */
+const steps = { gpu: { light: 1.5, moving: 1, resting: 1.5 }, software: { light: 1.5, moving: 0.75, resting: 1 } } as const;
 
 export class Refiner {
   /** A picture for each eye. */
@@ -52,6 +52,7 @@ export class Refiner {
   private layers = firstLayers;
   /** Whose picture is drawn at rest. */
   private eye = 0;
+  private completing: Promise<void> | null = null;
   /** Whether rays start at random shares of a step. */
   jitter = true;
   /** Divisor of the resolution on display; 0 before the first picture. */
@@ -74,7 +75,7 @@ export class Refiner {
     this.pace = new Pace({
       frameBudget: options.software ? 70 : 24,
       stripBudget: this.stripBudget,
-      pixelCost: options.software ? 2.5e-3 : 1e-5,
+      pixelCost: options.software ? 5e-3 : 1e-5,
     });
   }
 
@@ -95,7 +96,7 @@ export class Refiner {
 
   /** The picture is as fine as it gets. */
   get finished(): boolean {
-    return !this.stale && !this.marcher.light.pending && this.levels.length === 0 && !this.averaging && !this.clock.busy;
+    return !this.stale && this.marcher.isWhole && !this.marcher.light.pending && this.levels.length === 0 && !this.averaging && !this.clock.busy;
   }
 
   resize(width: number, height: number): void {
@@ -113,9 +114,16 @@ export class Refiner {
 
   /** Has the GPU ready what the first picture will be drawn with. */
   async prepare(format: FieldFormat): Promise<void> {
-    const pixel = new PictureTarget(this.options.halfFloat);
-    await this.marcher.prepare(this.renderer, pixel, format);
-    pixel.dispose();
+    await this.onPixel(async (pixel) => {
+      await this.marcher.prepare(this.renderer, pixel, format);
+    });
+  }
+
+  /** Has the GPU ready what all others are drawn with. */
+  async complete(): Promise<void> {
+    await this.onPixel(async (pixel) => {
+      await this.marcher.complete(this.renderer, pixel);
+    });
   }
 
   /** Draws the next piece; true where what is on display has changed. */
@@ -126,6 +134,10 @@ export class Refiner {
     if (this.stale) {
       this.drawMoving(now);
       return true;
+    }
+    if (!this.marcher.isWhole) {
+      this.completing ??= this.complete();
+      return false;
     }
     if (now - this.drawnAt < settleMilliseconds) {
       return false;
@@ -147,12 +159,19 @@ export class Refiner {
     }
   }
 
+  private async onPixel(work: (pixel: PictureTarget) => Promise<void>): Promise<void> {
+    const pixel = new PictureTarget(this.options.halfFloat);
+    await work(pixel);
+    pixel.dispose();
+  }
+
   private get first(): PictureTarget {
     return this.shown[0] ?? this.working;
   }
 
   private get steps(): { readonly moving: number; readonly resting: number } {
-    return this.options.software ? steps.software : steps.gpu;
+    const { light, moving, resting } = this.options.software ? steps.software : steps.gpu;
+    return { moving: this.marcher.isWhole ? moving : light, resting };
   }
 
   /** Translucent layers while the view moves: each costs all triangles once, however coarse the picture. */

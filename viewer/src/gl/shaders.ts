@@ -10,7 +10,9 @@ import cells from "./shaders/cells.glsl?raw";
 import clip from "./shaders/clip.glsl?raw";
 import compositeFrag from "./shaders/composite.frag?raw";
 import displaced from "./shaders/displaced.glsl?raw";
+import facing from "./shaders/facing.glsl?raw";
 import field from "./shaders/field.glsl?raw";
+import first from "./shaders/first.glsl?raw";
 import fullscreenVert from "./shaders/fullscreen.vert?raw";
 import gaugeFrag from "./shaders/gauge.frag?raw";
 import gaugeVert from "./shaders/gauge.vert?raw";
@@ -50,10 +52,14 @@ function joined(...parts: readonly string[]): string {
   return [precision, ...parts].join("\n");
 }
 
-// the ray caster has one `seenAlong` for each family of blend modes
+// the ray caster has one `seenAlong` for each family of blend modes, and one that is there before all others
 const alongRays = `
 ${secondRay}
-#if BLEND <= EMISSION
+${facing}
+#if defined(FIRST)
+${transfer}
+${first}
+#elif BLEND <= EMISSION
 ${transfer}
 ${solid}
 ${secondTissue}

@@ -31,6 +31,7 @@ export class ViewPane {
   private marked: THREE.Box2 | null = null;
   /** Marks stand elsewhere than they were drawn. */
   private marksStale = false;
+  private bare = false;
 
   constructor(
     private readonly renderer: THREE.WebGLRenderer,
@@ -63,6 +64,13 @@ export class ViewPane {
   /** Draws all of it. */
   draw(): void {
     this.drawPart(null);
+  }
+
+  /** Draws what is seen of the scan, without anything over it. */
+  drawPicture(): void {
+    this.bare = true;
+    this.drawPart(null);
+    this.bare = false;
   }
 
   /** Draws again where markers were and are; all of it where the screen forgets. */
@@ -98,6 +106,9 @@ export class ViewPane {
   private drawEye(eye: number, where: Composition): void {
     const { camera } = this.cameraOf(eye);
     this.compositor.draw(this.renderer, this.pictureOf(eye), where);
+    if (this.bare) {
+      return;
+    }
     this.marks.draw(this.renderer, camera, viewportOf(this.stereo, this.rect).height);
     if (this.markersShown) {
       this.renderer.render(this.markers.scene, camera);

@@ -7,13 +7,14 @@ import { valueInVoxel } from "../core/field";
 import type { Look } from "../core/look";
 import { unmoved } from "../core/object_pose";
 import { surfaceCrossings } from "../core/pick_patches";
-import { pickSurface, type Picked } from "../core/pick_surface";
+import { pickScans, type PickedOfTwo } from "../core/pick_scans";
 import type { Segment } from "../core/protocol";
 import { drawnAsSurface, drawnFromVoxels } from "../core/shown_segments";
 import { dot, subtract, type Vec3 } from "../core/vector";
 import type { ClipControl } from "./clip_control.svelte";
 import type { LookControl } from "./look_control.svelte";
 import type { ScanLoader } from "./scan_loader.svelte";
+import type { SecondControl } from "./second_control.svelte";
 import type { Session } from "./session.svelte";
 import type { ShownEdits } from "./shown_edits.svelte";
 import type { StereoControl } from "./stereo_control.svelte";
@@ -27,6 +28,7 @@ interface Drawn {
   readonly segments: readonly Segment[];
   readonly edits: ShownEdits;
   readonly clips: ClipControl;
+  readonly second: SecondControl;
   readonly stereo: StereoControl;
   readonly view: ViewControl;
 }
@@ -41,14 +43,14 @@ export class Picker {
   ) {}
 
   /** What stands at a place of the 3-D view's pane [CSS pixels]: seen by the eye that is pointed with. */
-  at(x: number, y: number): Picked | null {
+  at(x: number, y: number): PickedOfTwo | null {
     const eye = this.drawn.stereo.at(x, y);
     return eye && this.along(rayThrough(eye.camera, ...eye.place, eye.viewport));
   }
 
   /** What a ray of the scene meets first. */
-  along(ray: Ray): Picked | null {
-    const { loader, look, looks, segments, edits, clips } = this.drawn;
+  along(ray: Ray): PickedOfTwo | null {
+    const { loader, look, looks, segments, edits, clips, second } = this.drawn;
     const volume = loader.held?.volume;
     if (volume === undefined || look === null) {
       return null;
@@ -69,7 +71,8 @@ export class Picker {
     };
     // an edited threshold is where its labels are
     const ranges = look.ranges.filter((range) => range.label === 0 && range.tinted !== true);
-    return pickSurface(volume, { ...look, ranges }, ray, { crossings: surfaceCrossings(surfaces, ray), labelAt, clip: clips.cutting });
+    const also = { crossings: surfaceCrossings(surfaces, ray), labelAt, clip: clips.cutting };
+    return pickScans(volume, { ...look, ranges }, ray, also, second.shown);
   }
 
   /** Whether something stands before a point of the scene, seen from between the eyes. */

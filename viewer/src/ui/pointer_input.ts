@@ -8,7 +8,7 @@
  * click brings the probe to it.
  */
 import { orbit, pan, zoom } from "../core/camera";
-import type { Picked } from "../core/pick_surface";
+import type { PickedOfTwo } from "../core/pick_scans";
 import { addScaled } from "../core/vector";
 import type { HandControl } from "./hand_control.svelte";
 import type { Reading } from "./read_out.svelte";
@@ -178,9 +178,13 @@ export class PointerInput {
     }
   }
 
-  private readingOf({ point, segment, value }: Picked): Reading {
+  private readingOf({ point, segment, value, scan }: PickedOfTwo): Reading {
+    const { picker } = this.stage;
+    if (scan === "second") {
+      return { pane: "view", point, value: picker.valueAt(point), name: picker.segmentAt(point)?.name ?? null, scan };
+    }
     const found = this.session.segments.find(({ id }) => id === segment);
-    return { pane: "view", point, value, name: found?.name ?? null };
+    return { pane: "view", point, value, name: found?.name ?? null, scan };
   }
 
   private bringProbe(event: MouseEvent): void {

@@ -17,6 +17,8 @@ export interface Reading {
   readonly name: string | null;
   /** The scan's value, in its unit; null outside of it. */
   readonly value: number | null;
+  /** Which of two scans is seen there. */
+  readonly scan: "first" | "second";
 }
 
 /** How long a name alone stands [ms]. */
@@ -59,8 +61,8 @@ export function valueText(value: number | null, unit: string): string {
   return value === null ? "" : `${formatValue(Math.round(value * 100) / 100)}${unit === "" ? "" : ` ${unit}`}`;
 }
 
-/** A reading as a line of text. @param second what a second scan has there. */
-export function readingText({ name, value, point }: Reading, unit: string, second = ""): string {
-  const parts = [name ?? "scan", valueText(value, unit), second === "" ? "" : `second scan ${second}`, `LPS ${formatPoint(point)} mm`];
-  return parts.filter((part) => part !== "").join(", ");
+/** What stands at a point as a line of text. @param rows names and values, first of what is seen. */
+export function readingText(rows: readonly { readonly name: string; readonly text: string }[], point: Vec3): string {
+  const parts = rows.flatMap(({ name, text }) => [name, text]);
+  return [...parts, `LPS ${formatPoint(point)} mm`].filter((part) => part !== "").join(", ");
 }

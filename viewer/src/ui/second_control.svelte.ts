@@ -23,8 +23,9 @@ import { recall, remember } from "./remembered";
 export interface SecondChoice {
   readonly inView: boolean;
   readonly inSlices: boolean;
+  /** How view and slices show both. */
+  readonly fusion: Fusion;
   /** Of the 3-D view. */
-  readonly viewFusion: Fusion;
   readonly preset: string;
   readonly density: number;
   /** Value of its iso-surface. */
@@ -34,7 +35,6 @@ export interface SecondChoice {
   /** Of slices. */
   readonly window: number;
   readonly level: number;
-  readonly fusion: Fusion;
   readonly tint: Tint;
   readonly opacity: number;
   readonly square: number;
@@ -105,11 +105,11 @@ export class SecondControl {
     }
     const transferFunction = this.sameFunction.of(transferFunctionOfCurve(curve), JSON.stringify(curve));
     const edgeGradient = edgeShare * Math.abs(anchors.bone - anchors.softTissue);
-    const { inView, viewFusion, inSlices, density, iso, windows, window, level, fusion, tint, opacity, square } = choice;
+    const { inView, inSlices, density, iso, windows, window, level, fusion, tint, opacity, square } = choice;
     const inSlice = { inSlices, window: { window, level }, fusion, tint, opacity, square, turn };
     const surface = { isoValue: iso, tissueFrom: firstTissue(anchors), windows };
     const alone = only === null ? {} : ({ inSlices: true, fusion: "flicker", turn: only } as const);
-    return { ...held, place, look: { inView, viewFusion, transferFunction, density, edgeGradient, ...surface, ...inSlice, ...alone } };
+    return { ...held, place, look: { inView, viewFusion: fusion, transferFunction, density, edgeGradient, ...surface, ...inSlice, ...alone } };
   });
 
   /** Its value at a point of the first scan's scene; null outside of it and before it is here. */
@@ -179,8 +179,8 @@ export class SecondControl {
   /** Lets two scans take turns where they are to. */
   private follow(): void {
     const { choice } = this;
-    const isFlickering = (choice?.inSlices === true && choice.fusion === "flicker") || (choice?.inView === true && choice.viewFusion === "flicker");
-    const flickers = this.told !== null && isFlickering;
+    const isSeen = choice !== null && (choice.inSlices || choice.inView);
+    const flickers = this.told !== null && isSeen && choice.fusion === "flicker";
     if (flickers && this.timer === null) {
       this.timer = setInterval(() => {
         this.turn = this.turn === "second" ? "first" : "second";
@@ -199,7 +199,6 @@ function choiceFor(scan: Scan, first: string): SecondChoice {
   const { windows } = firstChoice({ softTissue: scan.soft_tissue, bone: scan.bone }, valueAbove(scan.histogram, fewVoxels));
   const fitting: SecondChoice = {
     inView: true,
-    viewFusion: "blend",
     inSlices: true,
     preset: scan.unit === "HU" ? "CT-Bone" : "MR-Default",
     // the first scan is seen through it
@@ -214,6 +213,6 @@ function choiceFor(scan: Scan, first: string): SecondChoice {
     square: 20,
   };
   const { of, ...kept } = recall(`second.${first}`, { ...fitting, of: "" });
-  const known = of === scan.name && fusions.includes(kept.fusion) && fusions.includes(kept.viewFusion) && tints.includes(kept.tint) && presets.some(({ name }) => name === kept.preset);
+  const known = of === scan.name && fusions.includes(kept.fusion) && tints.includes(kept.tint) && presets.some(({ name }) => name === kept.preset);
   return known ? kept : fitting;
 }

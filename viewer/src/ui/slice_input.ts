@@ -189,7 +189,7 @@ export class SliceInput {
       this.outline.click(this.name, point, this.plane?.toward ?? [0, 0, 1]);
     } else {
       const name = this.stage.picker.segmentAt(point)?.name ?? null;
-      readOut.show({ pane: this.name, point, value: this.stage.picker.valueAt(point), name });
+      readOut.show({ pane: this.name, point, value: this.stage.picker.valueAt(point), name, scan: "first" });
     }
   }
 

@@ -10,7 +10,8 @@ import { linearFromSrgb } from "../../src/core/colour";
 import { keyLight } from "../../src/gl/key_light";
 import { scanOf } from "../core/volumes";
 import { openGlBrowser, type GlBrowser } from "./browser";
-import type { MarchResult, MarchTest, ScreenTest } from "./page";
+import type { MarchResult, MarchTest } from "./scenes_page";
+import type { ScreenTest } from "./screen_page";
 import { channel, litSurface, raysOf } from "./rays";
 
 const frame = frameOf(scanOf([48, 48, 48], [1, 1, 1]));

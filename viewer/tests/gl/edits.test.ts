@@ -5,7 +5,8 @@ import { afterAll, beforeAll, expect, test } from "vitest";
 import type { Vec3 } from "../../src/core/vector";
 import { ballSurface } from "../core/ball_surface";
 import { openGlBrowser, type GlBrowser } from "./browser";
-import type { EditResult, EditTest, MarchTest } from "./page";
+import type { EditResult, EditTest } from "./edit_page";
+import type { MarchTest } from "./scenes_page";
 
 let browser: GlBrowser;
 

@@ -7,7 +7,8 @@ import { extentOf, inProjection, lookFrom, project } from "../../src/core/camera
 import { eyeCamera, eyesOf, firstStereo } from "../../src/core/stereo";
 import type { Vec3 } from "../../src/core/vector";
 import { openGlBrowser, type GlBrowser } from "./browser";
-import type { MarchTest, ScreenTest } from "./page";
+import type { MarchTest } from "./scenes_page";
+import type { ScreenTest } from "./screen_page";
 
 const edge = 96;
 const pane = { width: edge, height: edge };

@@ -15,7 +15,7 @@ import { keyLight } from "../../src/gl/key_light";
 import { scanOf, volumeOf } from "../core/volumes";
 import { openGlBrowser, type GlBrowser } from "./browser";
 import { marble } from "./marble";
-import type { MarchResult, MarchTest } from "./page";
+import type { MarchResult, MarchTest } from "./scenes_page";
 import { channel, edge, litSurface, raysOf } from "./rays";
 
 const voxels = 48;

@@ -8,7 +8,8 @@ import { frameOf } from "../../src/core/scan_volume";
 import { dot, length, subtract, type Vec3 } from "../../src/core/vector";
 import { scanOf } from "../core/volumes";
 import { openGlBrowser, type GlBrowser } from "./browser";
-import type { MarchResult, MarchTest, ScreenTest, SurfaceTest } from "./page";
+import type { MarchResult, MarchTest } from "./scenes_page";
+import type { ScreenTest, SurfaceTest } from "./screen_page";
 import { channel, edge, raysOf } from "./rays";
 
 const frame = frameOf(scanOf([48, 48, 48], [1, 1, 1]));

@@ -11,7 +11,8 @@ import { frameOf } from "../../src/core/scan_volume";
 import { distance, type Vec3 } from "../../src/core/vector";
 import { scanOf } from "../core/volumes";
 import { openGlBrowser, type GlBrowser } from "./browser";
-import type { MarchResult, MarchTest, MarkerTest } from "./page";
+import type { MarchResult, MarchTest } from "./scenes_page";
+import type { MarkerTest } from "./screen_page";
 
 const edge = 96;
 const voxels = 48;
@@ -307,8 +308,16 @@ test("several jittered pictures average to the plain one", async () => {
   expect(mean(plain.map((value, i) => value - (averaged[i] ?? 0)))).toBeLessThan(0.5);
 });
 
-test("the programs of a first picture are there before the scan: nothing is compiled while it is awaited", async () => {
-  const [before, after] = await browser.page.evaluate((t) => window.glTests?.programs(t) ?? Promise.reject(new Error("no page")), { ...ball, softTissue: 0.5 });
-  expect(before).toBeGreaterThan(0);
-  expect(after).toBe(0);
+test("the programs of a first picture are there before the scan, and what it shows is what the whole one shows", async () => {
+  for (const test of [{ ...ball, softTissue: 0.5 }, { ...ball, segment: "visible" as const }]) {
+    const { links, first, whole } = await browser.page.evaluate((t) => window.glTests?.programs(t) ?? Promise.reject(new Error("no page")), test);
+    const [prepared, awaited, after] = links;
+    expect(prepared).toBeGreaterThan(0);
+    // nothing is compiled while the picture is awaited; the rest follows it
+    expect(awaited).toBe(0);
+    expect(after).toBeGreaterThan(0);
+    const off = first.map((value, i) => Math.abs(value - (whole[i] ?? 0)));
+    expect(Math.max(...whole.filter((_, i) => i % 4 === 0))).toBeGreaterThan(60);
+    expect(mean(off)).toBeLessThan(6);
+  }
 });

@@ -4,7 +4,7 @@ import { rayThrough } from "../../src/core/camera";
 import { throughBox } from "../../src/core/pick_surface";
 import type { ScanFrame } from "../../src/core/scan_volume";
 import type { Vec3 } from "../../src/core/vector";
-import type { MarchResult } from "./page";
+import type { MarchResult } from "./scenes_page";
 
 /** Pixels along each side of the picture. */
 export const edge = 96;

@@ -11,7 +11,7 @@ import { frameOf } from "../../src/core/scan_volume";
 import { scale, type Vec3 } from "../../src/core/vector";
 import { scanOf } from "../core/volumes";
 import { openGlBrowser, type GlBrowser } from "./browser";
-import type { MarchResult } from "./page";
+import type { MarchResult } from "./scenes_page";
 import { channel, edge, raysOf } from "./rays";
 import type { SecondTest } from "./second_page";
 

@@ -13,7 +13,7 @@ import { FieldTexture } from "../../src/gl/field_texture";
 import { PictureTarget } from "../../src/gl/picture_target";
 import { RayMarcher } from "../../src/gl/ray_marcher";
 import { scanOf, volumeOf } from "../core/volumes";
-import type { MarchResult } from "./page";
+import type { MarchResult } from "./scenes_page";
 
 export interface SecondTest {
   /** Points of the first scan to the second's; each of them is drawn. */

@@ -7,7 +7,8 @@ import { rayThrough, type Camera, type Viewport } from "../../src/core/camera";
 import { eyeCamera, eyesOf, firstStereo, viewportOf, type Stereo } from "../../src/core/stereo";
 import { dot, length, subtract, type Vec3 } from "../../src/core/vector";
 import { openGlBrowser, type GlBrowser } from "./browser";
-import type { MarchTest, ScreenTest } from "./page";
+import type { MarchTest } from "./scenes_page";
+import type { ScreenTest } from "./screen_page";
 
 const middle: Vec3 = [24, 24, 24];
 /** Of a tile and a bit in each direction. */

@@ -7,7 +7,8 @@ import { extentOf, lookFrom, project } from "../../src/core/camera";
 import { eyeCamera, eyesOf, firstStereo, viewportOf, type Stereo } from "../../src/core/stereo";
 import { addScaled, type Vec3 } from "../../src/core/vector";
 import { openGlBrowser, type GlBrowser } from "./browser";
-import type { MarchTest, ScreenTest } from "./page";
+import type { MarchTest } from "./scenes_page";
+import type { ScreenTest } from "./screen_page";
 
 const edge = 96;
 const pane = { width: edge, height: edge };

@@ -6,7 +6,8 @@ import { afterAll, beforeAll, expect, test } from "vitest";
 import { extentOf, lookFrom, project } from "../../src/core/camera";
 import { distance, type Vec3 } from "../../src/core/vector";
 import { openGlBrowser, type GlBrowser } from "./browser";
-import type { MarchTest, ScreenTest, SurfaceTest } from "./page";
+import type { MarchTest } from "./scenes_page";
+import type { ScreenTest, SurfaceTest } from "./screen_page";
 
 const edge = 96;
 const viewport = { width: edge, height: edge };

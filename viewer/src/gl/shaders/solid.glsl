@@ -58,13 +58,6 @@ vec3 surfaceNormal(vec3 grid, int segment) {
   return gradientAt(grid);
 }
 
-// Unit vector, turned to the viewer; `instead` where there is no direction.
-vec3 facing(vec3 vector, vec3 toEye, vec3 instead) {
-  float size = length(vector);
-  vec3 unit = size > 1e-9 ? vector / size : instead;
-  return dot(unit, toEye) < 0.0 ? -unit : unit;
-}
-
 // Light of a solid segment at a point, seen through one of the faces that cut it or not.
 vec3 lightOfSegment(Ray ray, vec3 grid, int segment, bool cut) {
   vec3 toEye = -ray.direction;

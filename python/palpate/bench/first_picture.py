@@ -1,0 +1,36 @@
+"""When a page's first picture stands, and what the browser works until then."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from pathlib import Path
+from statistics import median
+
+from palpate.bench.page import Page, opened, served
+
+__all__ = ["RUNS", "first_picture", "used_until_picture"]
+
+RUNS = 3
+"""The median counts."""
+
+
+def first_picture(scan: Path, *, width: int, height: int) -> dict[str, float]:
+    """Returns when the picture stood after the page was opened, and processor time until it [s].
+
+    The scan is as it was read: pages of a session that was worked in have more to draw.
+    """
+    found: dict[str, list[float]] = defaultdict(list)
+    with served(scan) as url:
+        for _ in range(RUNS):
+            with opened(None, width=width, height=height) as page:
+                for share, taken in used_until_picture(page, url).items():
+                    found[share].append(taken)
+                found["first"].append(float(page.read("window.palpate.firstPicture")) / 1e3)
+    return {name: median(taken) for name, taken in found.items()}
+
+
+def used_until_picture(page: Page, url: str) -> dict[str, float]:
+    """Opens an address; returns the processor time that the browser uses until its picture [s]."""
+    before = page.spent()
+    page.glimpse(url)
+    return {share: until - before[share] for share, until in page.spent().items()}

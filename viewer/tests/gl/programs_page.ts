@@ -1,0 +1,48 @@
+/**
+ * Runs in the browser: watches which programs the GPU is given for a first picture, and what it looks like.
+ */
+import { bricksOf, fieldOf, lookOf, outlineOf, viewOf, type MarchTest } from "./scenes_page";
+import { finished, pictureOf, pixelsOf } from "./screen_page";
+
+export interface ProgramsResult {
+  /** Programs that are linked before there is a scan, until its first picture stands, and after that. */
+  readonly links: readonly [number, number, number];
+  /** The first picture, and the one that is as fine as it gets; sRGB bytes, rows from the bottom. */
+  readonly first: number[];
+  readonly whole: number[];
+}
+
+export async function programs(test: MarchTest): Promise<ProgramsResult> {
+  const { prototype } = WebGL2RenderingContext;
+  const { linkProgram } = prototype;
+  let links = 0;
+  prototype.linkProgram = function (program): void {
+    links += 1;
+    linkProgram.call(this, program);
+  };
+  const drawn = pictureOf(false);
+  const { picture } = drawn;
+  const until = async (is: () => boolean): Promise<void> => {
+    while (!is()) {
+      picture.advance(performance.now());
+      await new Promise((resolve) => setTimeout(resolve, 5));
+    }
+  };
+  try {
+    await until(() => picture.isPrepared);
+    const prepared = links;
+    const volume = fieldOf(test);
+    const extent = outlineOf(test);
+    picture.setScan(volume, bricksOf(volume, true));
+    picture.setLook(lookOf(test));
+    picture.setCamera(viewOf(test, extent), extent);
+    await until(() => picture.hasPicture);
+    const awaited = links;
+    const first = pixelsOf(drawn);
+    const whole = await finished(drawn);
+    return { links: [prepared, awaited - prepared, links - awaited], first, whole };
+  } finally {
+    prototype.linkProgram = linkProgram;
+    picture.dispose();
+  }
+}

@@ -1,0 +1,184 @@
+/**
+ * Runs in the browser: the picture as the page has it, on a canvas of its own.
+ */
+import * as THREE from "three";
+import { decodeDisplaced, type Displaced } from "../../src/core/displaced";
+import { PathTrail } from "../../src/core/path_trail";
+import type { Segment } from "../../src/core/protocol";
+import type { Stereo } from "../../src/core/stereo";
+import { decodeSurface } from "../../src/core/surface_patches";
+import { addScaled, type Vec3 } from "../../src/core/vector";
+import { forEachCell, type Box } from "../../src/core/voxel_change";
+import { gpuSupport } from "../../src/gl/gpu_support";
+import type { MarkerState } from "../../src/gl/markers";
+import { Picture } from "../../src/gl/picture";
+import { ballSurface } from "../core/ball_surface";
+import { segment } from "../core/volumes";
+import { bricksOf, edge, fieldOf, lookOf, outlineOf, viewOf, type MarchTest } from "./scenes_page";
+
+/** Markers of a test, over those of a probe at rest in the middle. */
+export type MarkerTest = Omit<Partial<MarkerState>, "trail"> & { readonly way?: readonly Vec3[] };
+
+function stillMarkers(at: Vec3): Omit<MarkerState, "trail"> {
+  const show = { contactPoint: true, normal: true, ball: true, path: true };
+  const contact = { contact: false, contactPoint: at, normal: [0, 0, 0] as const };
+  return { probe: at, device: at, force: [0, 0, 0], radius: 0, ...contact, show, tool: null, parts: null, pixel: 1, fullForce: 1 };
+}
+
+/** A way of the probe through points, a tenth of a second each. */
+function trailThrough(way: readonly Vec3[]): PathTrail {
+  const trail = new PathTrail(100, 64, 0.1);
+  way.forEach((point, i) => {
+    trail.add(i / 10, point);
+  });
+  return trail;
+}
+
+/** A picture of the page on a canvas of its own, with what a test does to it. */
+export interface ScreenTest {
+  readonly scan: MarchTest;
+  readonly markers?: MarkerTest;
+  readonly jitter?: boolean;
+  /** Surfaces of balls, as segments look them. */
+  readonly surfaces?: readonly SurfaceTest[];
+  /** Matter stands beside its voxels; "none" where a model is at work and nothing has moved. */
+  readonly displaced?: DisplacedTest | "none";
+  readonly stereo?: Stereo;
+  /** Points of each mark. */
+  readonly marks?: readonly (readonly Vec3[])[];
+  /** How far behind the scan's middle the camera's target lies [mm]. */
+  readonly behind?: number;
+}
+
+/** All nodes of a box move alike [mm along the grid's axes], but for those at its border. */
+export interface DisplacedTest {
+  /** First node, and from one to the next [grid]. */
+  readonly origin: Vec3;
+  readonly step: Vec3;
+  readonly size: Vec3;
+  readonly moved: Vec3;
+}
+
+function displacedBy({ origin, step, size, moved }: DisplacedTest): Displaced {
+  const halves = moved.map((millimetres) => THREE.DataUtils.toHalfFloat(millimetres));
+  const texels = new Uint16Array(4 * size[0] * size[1] * size[2]);
+  const inside: Box = { low: [1, 1, 1], high: [size[0] - 1, size[1] - 1, size[2] - 1] };
+  forEachCell(inside, size, (i) => {
+    texels.set(halves, 4 * i);
+  });
+  const decoded = decodeDisplaced({ origin: [...origin], step: [...step], size: [...size], moved: new Uint8Array(texels.buffer) });
+  if (decoded === null) {
+    throw new Error("no displacements");
+  }
+  return decoded;
+}
+
+export interface SurfaceTest {
+  readonly centre: Vec3;
+  readonly radius: number;
+  /** Patches that the ball is cut into. */
+  readonly sectors: number;
+  /** From pole to pole. */
+  readonly rings?: number;
+  readonly look: Partial<Segment>;
+}
+
+export function showSurfaces(picture: Picture, surfaces: readonly SurfaceTest[]): void {
+  const segments = surfaces.map(({ look }, i) => ({ ...segment, shown_as: "surface" as const, id: i + 1, ...look }));
+  picture.setSegments(segments);
+  picture.changeSurfaces(
+    surfaces.map(({ centre, radius, sectors, rings }, i) => decodeSurface(ballSurface(i + 1, centre, radius, sectors, rings))),
+  );
+}
+
+/** The whole picture with markers; sRGB bytes, rows from the bottom. */
+export function screen(test: MarchTest, markers: MarkerTest | null, jitter = false): Promise<number[]> {
+  return show({ scan: test, jitter, ...(markers === null ? {} : { markers }) });
+}
+
+/** A picture on a canvas of its own, before anything stands on it. */
+export function pictureOf(jitter: boolean): { readonly picture: Picture; readonly gl: WebGL2RenderingContext } {
+  const support = gpuSupport();
+  const canvas = document.createElement("canvas");
+  if (support === null) {
+    throw new Error("no WebGL2");
+  }
+  const picture = new Picture(canvas, { support, mostPixelRatio: 1 });
+  picture.jitter = jitter;
+  picture.resize(edge, edge);
+  const gl = canvas.getContext("webgl2");
+  if (gl === null) {
+    throw new Error("no WebGL2 on the canvas");
+  }
+  return { picture, gl };
+}
+
+/** The picture once it is as fine as it gets; sRGB bytes, rows from the bottom. */
+export async function finished(drawn: ReturnType<typeof pictureOf>): Promise<number[]> {
+  const { picture } = drawn;
+  do {
+    picture.advance(performance.now());
+    await new Promise((resolve) => setTimeout(resolve, 5));
+  } while (!picture.quality.finished || !picture.hasPicture);
+  return pixelsOf(drawn);
+}
+
+/** What is on the screen; sRGB bytes, rows from the bottom. */
+export function pixelsOf({ gl }: ReturnType<typeof pictureOf>): number[] {
+  const bytes = new Uint8Array(4 * edge * edge);
+  gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+  gl.readPixels(0, 0, edge, edge, gl.RGBA, gl.UNSIGNED_BYTE, bytes);
+  return [...bytes];
+}
+
+export async function show({ scan: test, markers, jitter = false, surfaces = [], displaced, stereo, behind = 0, marks = [] }: ScreenTest): Promise<number[]> {
+  const drawn = pictureOf(jitter);
+  const { picture } = drawn;
+  const volume = fieldOf(test);
+  const extent = outlineOf(test);
+  if (stereo !== undefined) {
+    picture.setStereo(stereo);
+    picture.resize(edge, edge);
+  }
+  picture.setScan(volume, bricksOf(volume, true));
+  picture.setLook(lookOf(test));
+  const view = viewOf(test, extent);
+  picture.setCamera({ ...view, target: addScaled(view.target, view.back, -behind), distance: view.distance + behind }, extent);
+  picture.setClip(test.clip ?? []);
+  showSurfaces(picture, surfaces);
+  if (displaced !== undefined) {
+    picture.setGives(true);
+    picture.setDisplaced(displaced === "none" ? null : displacedBy(displaced));
+  }
+  if (markers !== undefined) {
+    picture.setMarkers({ ...stillMarkers(extent.centre), ...markers, trail: trailThrough(markers.way ?? []) });
+  }
+  picture.setMarks(marks);
+  const pixels = await finished(drawn);
+  picture.dispose();
+  return pixels;
+}
+
+/** The middle pixel after the canvas became smaller while the GPU was at work. */
+export async function resizedMiddle({ scan: test, surfaces = [] }: ScreenTest): Promise<number[]> {
+  const drawn = pictureOf(false);
+  const { picture, gl } = drawn;
+  const volume = fieldOf(test);
+  const extent = outlineOf(test);
+  picture.setScan(volume, bricksOf(volume, true));
+  picture.setLook(lookOf(test));
+  picture.setCamera(viewOf(test, extent), extent);
+  showSurfaces(picture, surfaces);
+  await finished(drawn);
+  picture.setCamera(viewOf(test, extent), extent);
+  picture.advance(performance.now());
+  const size = edge / 2;
+  picture.resize(size, size);
+  // what was begun is not done: the screen is drawn from a picture that is not there yet
+  picture.advance(performance.now());
+  await finished(drawn);
+  const pixel = new Uint8Array(4);
+  gl.readPixels(size / 2, size / 2, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
+  picture.dispose();
+  return [...pixel];
+}

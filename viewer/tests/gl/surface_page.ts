@@ -1,0 +1,78 @@
+/**
+ * Runs in the browser: surfaces and ray caster as the refiner drives them.
+ */
+import * as THREE from "three";
+import { brickRanges } from "../../src/core/bricks";
+import { lookFrom, type Camera } from "../../src/core/camera";
+import { decodeSurface } from "../../src/core/surface_patches";
+import type { Vec3 } from "../../src/core/vector";
+import { FieldTexture } from "../../src/gl/field_texture";
+import { PictureTarget } from "../../src/gl/picture_target";
+import { RayMarcher } from "../../src/gl/ray_marcher";
+import { Surfaces } from "../../src/gl/surfaces";
+import { ThreeCamera } from "../../src/gl/three_camera";
+import { ballSurface } from "../core/ball_surface";
+import { segment } from "../core/volumes";
+import { edge, fieldOf, lookOf, outlineOf, viewport, type MarchTest } from "./scenes_page";
+import type { SurfaceTest } from "./screen_page";
+
+/** Surfaces and ray caster as the refiner drives them, for one view of the scan. */
+function surfaceBench(test: MarchTest, balls: readonly SurfaceTest[], view: Camera) {
+  const renderer = new THREE.WebGLRenderer({ canvas: document.createElement("canvas") });
+  renderer.autoClear = false;
+  renderer.info.autoReset = false;
+  const volume = fieldOf(test);
+  const field = new FieldTexture(volume, "rg8");
+  while (!field.uploadSlab(renderer));
+  const marcher = new RayMarcher();
+  marcher.setField(field, brickRanges(volume));
+  marcher.setLook(lookOf(test));
+  const surfaces = new Surfaces(marcher, true);
+  surfaces.setFrame(volume.frame);
+  surfaces.setSegments(balls.map(({ look }, i) => ({ ...segment, shown_as: "surface", id: i + 1, ...look })));
+  surfaces.apply(
+    renderer,
+    balls.map(({ centre, radius, sectors }, i) => decodeSurface(ballSurface(i + 1, centre, radius, sectors))),
+  );
+  const extent = outlineOf(test);
+  const camera = new ThreeCamera();
+  camera.update(view, extent, 1);
+  surfaces.setCamera(view, camera.camera);
+  marcher.setCamera(view, extent, 1);
+  const picture = new PictureTarget(true);
+  picture.resize(edge, edge);
+  const close = (): void => {
+    renderer.dispose();
+    renderer.forceContextLoss();
+  };
+  return { renderer, marcher, surfaces, picture, close };
+}
+
+/** Triangles that are drawn of a ball in patches, from a camera `away` mm before `target`. */
+export function drawnTriangles(ball: SurfaceTest, target: Vec3, away: number): number {
+  const test: MarchTest = { field: "ball", spacing: [1, 1, 1], from: "A", stepsPerVoxel: 1 };
+  const view = { ...lookFrom("A", outlineOf(test), viewport), target, distance: away };
+  const { renderer, surfaces, picture, close } = surfaceBench(test, [ball], view);
+  picture.useLevel(1);
+  renderer.info.reset();
+  surfaces.draw(renderer, picture, { divisor: 1, shift: [0, 0, 0], depth: 4 });
+  const { triangles } = renderer.info.render;
+  close();
+  return triangles;
+}
+
+/** A coarse level of the picture, drawn in strips; linear RGBA, rows from the bottom. */
+export function coarseLevel(test: MarchTest, balls: readonly SurfaceTest[], divisor: number, strip: number): number[] {
+  const view = lookFrom(test.from, outlineOf(test), viewport);
+  const { renderer, marcher, surfaces, picture, close } = surfaceBench(test, balls, view);
+  picture.useLevel(divisor);
+  surfaces.draw(renderer, picture, { divisor, shift: [0, 0, 0], depth: 4 });
+  for (let row = 0; row < picture.height; row += strip) {
+    picture.useRows(row, Math.min(picture.height, row + strip));
+    marcher.draw(renderer, picture, { stepsPerVoxel: test.stepsPerVoxel, jitter: false }, [0, 0, 0]);
+  }
+  const halves = new Uint16Array(4 * picture.width * picture.height);
+  renderer.readRenderTargetPixels(picture.target, 0, 0, picture.width, picture.height, halves);
+  close();
+  return Array.from(halves, (half) => THREE.DataUtils.fromHalfFloat(half));
+}
