@@ -103,6 +103,38 @@ fn an_answer_that_rings_is_followed_by_the_next_question_at_once() {
     assert_eq!(rig.simulation.deformation().answers, answers);
 }
 
+/// Between answers and over them, where nothing breaks or slips.
+#[test]
+fn pressing_slowly_makes_no_step_in_the_force_with_any_model() {
+    for (name, depth) in [("lattice", 2.0), ("fcc-lj", 0.8), ("cuboid-lj", 0.8)] {
+        let mut rig = lattice_rig();
+        rig.simulation
+            .set_deformation(Some(name), None, false)
+            .unwrap();
+        // the ball reaches 2 mm below its middle
+        let above = TOP + 2.1;
+        go(&mut rig, 30.0, above, 200);
+        let mut forces = Vec::new();
+        for tick in 1..=1500 {
+            let z = above - (depth + 0.1) * f64::from(tick) / 1500.0;
+            forces.push(rig.tick_at(DVec3::new(20.2, 20.3, z)).force);
+            if tick % 10 == 0 {
+                rig.simulation.step();
+                rig.deformation.step();
+            }
+        }
+        let peak = forces
+            .iter()
+            .map(|force| force.length())
+            .fold(0.0, f64::max);
+        assert!(peak > 0.01, "{name}: {peak} N");
+        for pair in forces.windows(2) {
+            let step = pair[1].distance(pair[0]);
+            assert!(step < 0.1 * peak, "{name}: {pair:?} of {peak}");
+        }
+    }
+}
+
 #[test]
 fn a_point_in_a_dent_feels_the_matter_and_not_the_walls_of_its_voxels() {
     let mut rig = lattice_rig();

@@ -168,7 +168,7 @@ struct Run {
     tick: u64,
     /// Whether simulation and model stand still.
     frozen: bool,
-    /// Whether a drill is in the hand.
+    /// Whether a drill was in the hand, and touch has not followed all of it yet.
     drill: bool,
     edit_number: u64,
     /// Changes that touch did not follow at the last look.
@@ -259,7 +259,6 @@ impl Run {
             simulation.set_tool(Some(needle()))?;
             simulation.stroke(true)
         });
-        self.drill = false;
         let above = self.hand;
         self.go(above - DVec3::Z * 16.0, SPEED)?;
         self.wait(100)?;
@@ -331,7 +330,11 @@ impl Run {
             return Ok(());
         }
         self.report.settled += 1;
-        self.changes_arrived()
+        self.changes_arrived()?;
+        if std::mem::take(&mut self.drill) {
+            self.watch.bone_was_drilled(self.rig.servo.servo.solid());
+        }
+        Ok(())
     }
 
     /// Guarantee 7.

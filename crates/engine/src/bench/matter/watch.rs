@@ -47,7 +47,7 @@ pub struct Told<'a> {
     /// Whether friction holds the probe, as a drill's does that grips: who is let go is pushed by
     /// more than the hand's own way.
     pub gripped: bool,
-    /// Whether a drill is in the hand: then bone goes.
+    /// Whether a drill was in the hand, and touch has not followed all of it yet: then bone goes.
     pub drill: bool,
 }
 
@@ -110,6 +110,15 @@ impl Watch {
         self.last = Some((*record, told.sent));
         self.gripped = told.gripped;
         Ok(())
+    }
+
+    /// After a drill, once touch has followed all of it, also where the probe is not any more.
+    pub fn bone_was_drilled(&mut self, solid: &Bits) {
+        for voxel in VoxelBox::new(IVec3::ZERO, self.bone.size()).voxels() {
+            if self.bone.is_solid(voxel) && !solid.is_solid(voxel) {
+                self.bone.set(voxel, false);
+            }
+        }
     }
 
     fn voxel(&self, point: DVec3) -> IVec3 {
