@@ -21,7 +21,8 @@ pytestmark = [pytest.mark.browser, pytest.mark.data]
 OUTPUT = ROOT / "tests" / "output"
 LIVER = 6
 """Number of the liver in the label map."""
-SIZE = {"width": 1000, "height": 700}
+SIZE = {"width": 1000, "height": 480}
+"""Low: each picture is drawn in software until it is as fine as it gets."""
 MATTER = "window.palpate.state.matter"
 ROWS = range(-130, -30)
 """Rows of pixels along which the outline is read, from the picture's middle: above the probe."""
@@ -123,13 +124,57 @@ def test_matter_a_third_of_a_voxel_beside_its_voxels_is_seen_there(
     assert is_alike(page.picture(OUTPUT / "matter_again.png"), still)
 
 
+def test_constants_regions_and_options_are_chosen_and_taken_back(page: Browser) -> None:
+    page.do("choose", testid="material-1", value="liver")
+    page.shows("matter-1", "text.includes('1.06 g/cm³, breaks at 34 %, friction 20 %')")
+    page.do("click", testid="constants-1")
+    assert "Roulot" in page.text("source-1")
+    page.do("fill", testid="density-1", text="1.2")
+    page.shows("source-1", "text.includes('your own')")
+    page.do("fill", testid="breaking_strain-1", text="")
+    page.shows("matter-1", "text.includes('1.2 g/cm³, never breaks')")
+    # what cannot be is refused beside its field, and the engine is not asked
+    page.do("fill", testid="poisson-1", text="0.5")
+    assert "0.5 given; allowed: -0.99 to 0.499" in page.text("refused-1")
+    page.do("screenshot", path=str(OUTPUT / "matter_constants.png"))
+    for _ in range(2):
+        page.do("press", key="Control+z")
+    page.shows("source-1", "text.includes('Roulot')")
+    page.shows("matter-1", "text.includes('5.50 kPa, ν 0.45, 1.06 g/cm³, breaks at 34 %')")
+    page.do("click", testid="constants-1")
+
+    # all of it rigid, told in a line, and taken back
+    page.do("click", testid="show-regions-1")
+    page.do("click", testid="whole-1-rigid")
+    page.shows("regions-1", "text === 'rigid'")
+    page.do("press", key="Control+z")
+    page.wait("document.querySelector('[data-testid=whole-1-deformable]').checked")
+    page.do("click", testid="show-regions-1")
+
+    # what is felt can be chosen, and what was usual comes back
+    page.do("click", testid="matter-options")
+    page.do("click", testid="force-source-voxels")
+    page.wait(f"{MATTER}.force_source === 'voxels'")
+    page.do("press", key="Control+z")
+    page.wait(f"{MATTER}.force_source === 'matter'")
+    page.do("slide", testid="matter-box", value=15)
+    page.wait(f"{MATTER}.edge !== null")
+    page.shows("matter-box-value", "!text.includes('usual')")
+    page.do("click", testid="usual-options")
+    page.wait(f"{MATTER}.edge === null")
+    page.shows("matter-box-value", "text.includes('usual')")
+    page.do("click", testid="matter-options")
+    page.do("click", testid="reset-matter")
+    page.wait(f"{MATTER}.model === null")
+
+
 def test_a_pressed_liver_gives_way_on_the_page_and_comes_back(page: Browser) -> None:
     tell(page, NOTHING)
     still = page.picture(OUTPUT / "matter_before.png")
     start = page.read("window.palpate.pick(...window.palpate.middle)")["point"]
     page.do("choose", testid="material-1", value="liver")
     page.wait(f"{MATTER}.model === 'lattice'")
-    assert "5.50 kPa" in page.text("matter-1")
+    page.shows("matter-1", "text.includes('5.50 kPa, ν 0.45, 1.06 g/cm³, breaks at 34 %')")
     before = [start[0], start[1] - 6.0, start[2]]
     page.read(f"window.palpate.place({before})")
     page.all_done()

@@ -48,6 +48,9 @@ def test_a_page_without_a_scan_lists_takes_and_exchanges_scans(
         chosen_over_the_scan(page, study / "thin")
         archive_dropped(page, study / "thin", tmp_path / "study.zip")
         segments_from_a_file(page, data_folder / "dcmqi_seg" / "liver.dcm")
+        segments_dropped_as_a_scan(page, data_folder / "dcmqi_seg" / "liver.dcm")
+        many_volumes_unfolded(page, directions(study / "small" / "image", tmp_path / "directions"))
+        raw_slices_dropped(page, data_folder / "cthead_stanford" / "raw")
         projections_dropped(page, tmp_path / "ball_proj.nrrd")
         assert [text for text in page.complaints if "400" not in text] == []
         assert command.stop() == 0
@@ -93,6 +96,84 @@ def segments_from_a_file(page: Browser, path: Path) -> None:
     page.wait(f"{count} === {before}")
 
 
+def segments_dropped_as_a_scan(page: Browser, path: Path) -> None:
+    """Drops segments onto the open scan: they are said to be none, and added to it."""
+    count = "document.querySelectorAll('[data-testid^=visible-]').length"
+    before = page.read(count)
+    page.do("drop", paths=[str(path)])
+    page.shows("labels-card", "text.includes('liver.dcm is a DICOM segmentation')")
+    page.do("screenshot", path=str(OUTPUT / "open-labels.png"))
+    assert page.do("axe")["value"] == []
+    page.do("click", testid="labels-add")
+    page.wait(f"{count} === {before + 1} && document.querySelector('dialog') === null")
+    page.do("press", key="Control+z")
+    page.wait(f"{count} === {before}")
+
+
+def directions(folder: Path, target: Path) -> Path:
+    """Writes the slices of a folder with six directions of diffusion, and a mask of them."""
+    target.mkdir()
+    series = generate_uid()
+    slices = sorted(path for path in folder.iterdir() if path.is_file())
+    for number, path in enumerate(slices * 6):
+        image = dcmread(path)
+        image.SOPInstanceUID = image.file_meta.MediaStorageSOPInstanceUID = generate_uid()
+        image.SeriesInstanceUID, image.SeriesDescription = series, "diffusion"
+        image.DiffusionGradientOrientation = [1.0, 0.0, float(number // 3)]
+        image.save_as(target / f"{number}.dcm")
+    mask = np.zeros((3, 38, 23), np.uint8)
+    mask[:, 10:30, 5:15] = 1
+    SimpleITK.WriteImage(SimpleITK.GetImageFromArray(mask), str(target / "mask.nii.gz"))
+    return target
+
+
+def many_volumes_unfolded(page: Browser, folder: Path) -> None:
+    """Lists six volumes of one series as one entry, unfolds it, and leaves it."""
+    page.do("press", key="Control+o")
+    page.do("fill", testid="open-path", text=str(folder))
+    page.do("click", testid="open-look")
+    page.shows("volumes-0", "text.includes('6 volumes')")
+    assert "direction 1 0 4" not in page.text("series-list")
+    page.do("click", testid="volumes-0")
+    page.shows("series-4", "text.includes('direction 1 0 4')")
+    page.wait(f"{PICTURES}.length === 8")
+    page.do("screenshot", path=str(OUTPUT / "open-unfolded.png"))
+    assert page.do("axe")["value"] == []
+    # segments beside them are said to be some
+    page.shows("series-6", "text.includes('Segments: a label map')")
+    page.do("click", testid="series-6")
+    page.shows("labels-card", "text.includes('mask.nii.gz is a label map')")
+    page.do("click", testid="leave-list")
+    page.do("press", key="Escape")
+
+
+def raw_slices_dropped(page: Browser, folder: Path) -> None:
+    """Drops raw slices, tells what they do not, and opens them; the next time it is known."""
+    page.do("drop", paths=[str(folder)])
+    page.shows("bare-told", "text.includes('256 × 256 × 113 voxels, 14 MiB of memory')")
+    chosen = "(id => document.querySelector(`[data-testid=${id}]`))"
+    assert page.read(f"{chosen}('bare-order').value") == "big"
+    assert page.read(f"{chosen}('bare-open').disabled")
+    page.do("fill", testid="bare-rows", text="300")
+    page.do("press", key="Tab")
+    page.shows("bare-told", "text.includes('131072 bytes; 256 x 300 int16 asks 153600')")
+    page.do("screenshot", path=str(OUTPUT / "open-raw-refused.png"))
+    for field, text in (("rows", "256"), ("voxel-x", "1"), ("voxel-y", "1"), ("voxel-z", "2")):
+        page.do("fill", testid=f"bare-{field}", text=text)
+        page.do("press", key="Tab")
+    page.wait(f"!{chosen}('bare-open').disabled && {chosen}('bare-slice') !== null")
+    page.do("screenshot", path=str(OUTPUT / "open-raw.png"))
+    assert page.do("axe")["value"] == []
+    page.do("click", testid="bare-open")
+    exchanged(page, "raw")
+    assert page.read("window.palpate.scan.dimensions") == [256, 256, 113]
+    page.do("drop", paths=[str(folder)])
+    page.wait(f"{chosen}('bare-open')?.disabled === false")
+    assert page.read(f"{chosen}('bare-voxel-z').value") == "2"
+    page.do("click", testid="leave-list")
+    page.do("press", key="Escape")
+
+
 def chosen_over_the_scan(page: Browser, folder: Path) -> None:
     """Opens a folder by the chooser, over the open scan."""
     page.do("click", testid="open-scan")
@@ -127,14 +208,18 @@ def projections_dropped(page: Browser, path: Path) -> None:
     page.do("drop", paths=[str(path)])
     page.wait("document.querySelector('[data-testid=reconstruct-card]') !== null")
     page.shows("reconstruct-grid", "text.includes('40 × 40 × 24 voxels of 1.302')")
+    # what the work does is tested without a page: loading RTK alone takes a minute
+    missing = "document.querySelector('[data-testid=reconstruct-missing]') !== null"
+    assert page.read(missing) == (find_spec("itk") is None)
+    refused = "document.querySelector('[data-testid=reconstruct]').disabled"
+    assert page.read(refused) == page.read(missing)
     page.do("choose", testid="project-beam", value="parallel")
     page.shows("reconstruct-grid", "text.includes('40 × 40 × 24 voxels of 2 × 2 × 2 mm')")
     page.do("screenshot", path=str(OUTPUT / "open-projections.png"))
     assert page.do("axe")["value"] == []
-    # what the work does is tested without a page: loading RTK alone takes a minute
-    missing = page.read("document.querySelector('[data-testid=reconstruct-missing]') !== null")
-    assert missing == (find_spec("itk") is None)
-    assert page.read("document.querySelector('[data-testid=reconstruct]').disabled") == missing
+    # parallel beams need no library
+    assert not page.read(missing)
+    assert not page.read(refused)
     page.do("click", testid="not-projected")
     exchanged(page, "ball_proj")
     assert page.read("window.palpate.scan.dimensions") == [40, 24, 36]

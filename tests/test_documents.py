@@ -12,6 +12,10 @@ import pytest
 ROOT = Path(__file__).parent.parent
 DOCUMENTS = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
 FOLDERS = "crates|python|viewer|tests|scripts|docs|benches|examples"
+SOURCES = "rs|py|ts|svelte|glsl|frag|vert|css|mjs|js|toml"
+PYTHON = ROOT / "python"
+PLACES = [ROOT, ROOT / "crates", *ROOT.glob("crates/*/src"), PYTHON, PYTHON / "palpate"]
+"""Where paths on a page begin: at the root, or in the room that the page is about."""
 
 
 def name(document: Path) -> str:
@@ -28,15 +32,41 @@ def test_links_lead_somewhere(document: Path) -> None:
 @pytest.mark.parametrize("document", DOCUMENTS, ids=name)
 def test_files_of_the_repository_that_are_named_exist(document: Path) -> None:
     text = document.read_text(encoding="utf-8")
-    named = re.findall(rf"`((?:{FOLDERS})/[\w./-]+)`", text)
+    path = r"[\w./{},*-]+"
+    named = re.findall(rf"`((?:{FOLDERS})/{path}|{path}/{path}\.(?:{SOURCES}))`", text)
     built = {"python/palpate/viewer/", "viewer/bench/dist/"}
-    assert [path for path in named if path not in built and not (ROOT / path).exists()] == []
+    paths = [each for form in named if form not in built for each in unfolded(form)]
+    assert [each for each in paths if not any(any(place.glob(each)) for place in PLACES)] == []
 
 
-def test_every_decision_is_listed() -> None:
-    folder = ROOT / "docs" / "decisions"
-    listed = set(re.findall(r"\]\((\S+\.md)\)", (folder / "README.md").read_text(encoding="utf-8")))
-    assert listed == {page.name for page in folder.glob("*.md")} - {"README.md"}
+def unfolded(form: str) -> list[str]:
+    """Returns the paths that ``a/{b,c}.rs`` stands for."""
+    before, brace, rest = form.partition("{")
+    if not brace:
+        return [form]
+    inside, _, after = rest.partition("}")
+    return [path for part in inside.split(",") for path in unfolded(before + part + after)]
+
+
+INDICES = {"docs": ("*.md", "algorithms/*.md"), "docs/decisions": ("*.md",)}
+
+
+@pytest.mark.parametrize("index", INDICES)
+def test_every_page_is_listed_once(index: str) -> None:
+    folder = ROOT / index
+    text = (folder / "README.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| \[.+?\]\((\S+\.md)\) \|", text, re.MULTILINE)
+    pages = {str(page.relative_to(folder)) for form in INDICES[index] for page in folder.glob(form)}
+    others = {"README.md", "decisions/README.md"}
+    assert sorted(row for row in rows if row not in others) == sorted(pages - others)
+
+
+def test_every_thread_is_listed() -> None:
+    table = (ROOT / "ARCHITECTURE.md").read_text(encoding="utf-8").partition("## Threads")[2]
+    live = (ROOT / "crates" / "engine" / "src" / "live.rs").read_text(encoding="utf-8")
+    threads = re.findall(r'live\.spawn\("(\w+)"', live)
+    assert len(threads) > 5, "live.rs starts threads otherwise than this test believes"
+    assert [name for name in threads if f"\n| {name} |" not in table] == []
 
 
 def test_tests_named_for_the_promises_of_touch_exist() -> None:

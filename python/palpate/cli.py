@@ -7,6 +7,7 @@ modules are imported inside the commands, so that ``palpate --help`` is quick.
 from __future__ import annotations
 
 import sys
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -123,7 +124,13 @@ def _system(error: OSError) -> str:
     """Says what the system refused, and for which file."""
     if error.strerror is None:
         return str(error)
-    return f"{error.filename or 'the system'}: {error.strerror}; allowed: files that can be read"
+    if isinstance(error, FileNotFoundError) and error.filename is not None:
+        folder = Path(error.filename).parent
+        if not folder.is_dir():
+            return f"folder {str(folder)!r} given; allowed: one that exists"
+        return f"{error.filename} does not exist; allowed: an existing file or folder"
+    where = error.filename or "the system"
+    return f"{where}: {error.strerror}; allowed: what can be read, or written where it is new"
 
 
 def _print_version(*, asked: bool) -> None:

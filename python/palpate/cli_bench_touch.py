@@ -171,7 +171,7 @@ def bench_stress(  # one per option of the command line
 
 def bench_servo(
     *,
-    seconds: Annotated[float, typer.Option(help="Time of each case [s].")] = 10.0,
+    seconds: Annotated[float, typer.Option(help="Of each case.")] = 10.0,
     json_file: Annotated[
         Path | None, typer.Option("--json", help="Write the figures to this file.")
     ] = None,

@@ -7,7 +7,8 @@ from typing import Annotated
 
 import typer
 
-from palpate.cli_options import Resample
+from palpate.cli_options import Resample, Segments
+from palpate.cli_reading import Reading, with_reading
 from palpate.console import Display, quiet_libraries, warn
 
 __all__ = ["export"]
@@ -29,7 +30,8 @@ their references hold. --keep-identity is for the archive that has the scan.
 """
 
 
-def export(  # noqa: PLR0913  # one per option of the command line
+@with_reading
+def export(
     path: Annotated[
         Path,
         typer.Argument(
@@ -55,10 +57,7 @@ def export(  # noqa: PLR0913  # one per option of the command line
             "it); by default what the name asks for.",
         ),
     ] = None,
-    segments: Annotated[
-        Path | None,
-        typer.Option(help="Label map, .seg.nrrd, DICOM SEG or RTSTRUCT, or a folder of masks."),
-    ] = None,
+    segments: Segments = None,
     resample: Resample = False,
     threshold: Annotated[
         str | None, typer.Option(help="Values of a segment.", metavar="LOW[,HIGH]")
@@ -73,28 +72,17 @@ def export(  # noqa: PLR0913  # one per option of the command line
             help="DICOM names the patient and refers to the scan as it is in the archive.",
         ),
     ] = False,
-    series: Annotated[
-        str | None, typer.Option(help="DICOM series: its UID, description or number in the list.")
-    ] = None,
-    orientation: Annotated[
-        str | None, typer.Option(help="Sides toward which x, y, z run, such as LPS or RAS.")
-    ] = None,
-    unit: Annotated[str | None, typer.Option(help="HU, where the values are known to be.")] = None,
-    fill: Annotated[
-        float | None, typer.Option(help="Value in the place of NaN and infinity.")
-    ] = None,
-    max_voxels: Annotated[int, typer.Option(help="Largest scan that is read.")] = 1024**3,
+    reading: Reading,
 ) -> None:
     """Writes what was asked for and says what it is."""
     from palpate.cli_export_run import check_target, saved_scene, tell_export
     from palpate.cli_open import is_scene, parse_threshold, wanted_scene
     from palpate.errors import OptionError
     from palpate.export import export_scene
-    from palpate.io import read
 
     bounds = parse_threshold(threshold)
     saved = is_scene(path)
-    if saved and any(each is not None for each in (segments, bounds, series, orientation, unit)):
+    if saved and (reading != Reading() or segments is not None or bounds is not None):
         raise OptionError(f"{path} is a scene: options of scans are allowed with scans only")
     has_segments = saved or segments is not None or bounds is not None
     known = check_target(out, kind, has_segments=has_segments, keep_identity=keep_identity)
@@ -102,15 +90,7 @@ def export(  # noqa: PLR0913  # one per option of the command line
         if saved:
             scene = saved_scene(path, display)
         else:
-            volume = read(
-                path,
-                series=series,
-                orientation=orientation,
-                unit=unit,
-                fill=fill,
-                max_voxels=max_voxels,
-                progress=display,
-            )
+            volume = reading.read(path, display)
             for warning in volume.warnings:
                 warn(warning)
             scene = wanted_scene(

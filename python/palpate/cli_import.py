@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from palpate.cli_options import Fill, MaxVoxels, Orientation, Raw, Resample, Series, Unit, VoxelSize
+from palpate.cli_reading import Reading
 from palpate.console import Display, quiet_libraries
 
 if TYPE_CHECKING:
-    from palpate.cli_import_run import Reading, Writing
+    from palpate.cli_import_run import Writing
     from palpate.io_browse import Choice
     from palpate.io_dicomweb import RemoteSeries
     from palpate.io_dicomweb_address import WebAddress
@@ -89,11 +90,13 @@ def import_scan(  # noqa: PLR0913  # one per option of the command line
     raw: Raw = None,
     voxel_size: VoxelSize = None,
     max_voxels: MaxVoxels = 1024**3,
+    every: Annotated[
+        bool, typer.Option("--all", help="List each of many volumes of one series.")
+    ] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Say which scans files or a DICOMweb server hold, and bring one here."""
-    from palpate.cli_import_run import Reading, Writing, check_target
-    from palpate.cli_open import parse_voxel_size
+    from palpate.cli_import_run import Writing, check_target
     from palpate.errors import OptionError
     from palpate.io_dicomweb_address import WebAddress
 
@@ -114,14 +117,14 @@ def import_scan(  # noqa: PLR0913  # one per option of the command line
         unit=unit,
         fill=fill,
         raw=raw,
-        voxel_size=parse_voxel_size(voxel_size),
+        voxel_size=voxel_size,
         max_voxels=max_voxels,
     )
     writing = None
     if output is not None and target is not None:
         writing = Writing(out=output, target=target, segments=segments, resample=resample)
     if dicomweb is None:
-        _import_files(given, reading, writing, as_json=as_json)
+        _import_files(given, reading, writing, every=every, as_json=as_json)
         return
     if target in {None, "folder"} and reading != Reading():
         raise OptionError("options of reading given; allowed: with --output FILE")
@@ -133,7 +136,12 @@ def import_scan(  # noqa: PLR0913  # one per option of the command line
 
 
 def _import_files(
-    paths: list[Path], reading: Reading, writing: Writing | None, *, as_json: bool
+    paths: list[Path],
+    reading: Reading,
+    writing: Writing | None,
+    *,
+    every: bool,
+    as_json: bool,
 ) -> None:
     from palpate.cli_import_run import read_or_list, write_import
 
@@ -143,7 +151,8 @@ def _import_files(
         if writing is not None and not isinstance(found, list):
             files = write_import(found, writing, progress=display)
     if isinstance(found, list):
-        _tell_list([_of_choice(*each) for each in enumerate(found, 1)], as_json=as_json)
+        rows = [_of_choice(*each) for each in enumerate(found, 1)]
+        _tell_list(rows, parts=None if every else [one.part for one in found], as_json=as_json)
     else:
         _tell_scan(found, files, as_json=as_json)
 
@@ -193,13 +202,15 @@ def _import_folder(address: WebAddress, series: str | None, out: Path, *, as_jso
 # --- what is said -----------------------------------------------------------------------
 
 
-def _tell_list(rows: list[dict[str, Any]], *, as_json: bool) -> None:
-    from palpate.cli_series import print_series
+def _tell_list(
+    rows: list[dict[str, Any]], *, as_json: bool, parts: list[str] | None = None
+) -> None:
+    from palpate.cli_series import folded, print_series
 
     if as_json:
         _print_json(rows)
     else:
-        print_series(rows)
+        print_series(rows if parts is None else folded(rows, parts))
 
 
 def _tell_scan(volume: Volume, files: list[dict[str, Any]], *, as_json: bool) -> None:

@@ -9,10 +9,11 @@ from tempfile import TemporaryDirectory
 from typing import Any, Literal
 
 from palpate.cli_open import scene_of, wanted_scene
+from palpate.cli_reading import Reading
 from palpate.errors import OptionError, PalpateError, SeriesChoiceError, VolumeFormatError
 from palpate.export import export_scene
 from palpate.export_image import IMAGE_SUFFIXES
-from palpate.io import list_series, read
+from palpate.io import list_series
 from palpate.io_browse import Choice, browsed, choices_among
 from palpate.io_dicomweb import RemoteSeries, fetch_series
 from palpate.io_dicomweb_address import WebAddress
@@ -25,7 +26,6 @@ from palpate.volume import Volume
 from palpate.whole_file import whole_folder
 
 __all__ = [
-    "Reading",
     "Target",
     "Writing",
     "bring",
@@ -37,37 +37,6 @@ __all__ = [
 
 Target = Literal["image", "scene", "folder"]
 """What a name asks for."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Reading:
-    """How a scan is read: options of ``palpate.io.read``."""
-
-    series: str | None = None
-    orientation: str | None = None
-    unit: str | None = None
-    fill: float | None = None
-    raw: str | None = None
-    voxel_size: tuple[float, float, float] | None = None
-    max_voxels: int = 1024**3
-
-    def read(self, paths: Sequence[Path], progress: Progress) -> Volume:
-        """Reads the scan at these places.
-
-        Raises:
-            PalpateError: It cannot be read, or there are several.
-        """
-        return read(
-            paths,
-            series=self.series,
-            orientation=self.orientation,
-            unit=self.unit,
-            fill=self.fill,
-            raw=self.raw,
-            voxel_size=self.voxel_size,
-            max_voxels=self.max_voxels,
-            progress=progress,
-        )
 
 
 def check_target(out: Path, *, paths: Sequence[Path], segments: Path | None) -> Target:

@@ -6,42 +6,25 @@ from typing import Annotated
 
 import typer
 
-from palpate.cli_options import Fill, MaxVoxels, Orientation, Raw, Scan, Series, Unit, VoxelSize
+from palpate.cli_options import Scan
+from palpate.cli_reading import Reading, with_reading
 from palpate.console import Display, quiet_libraries
 
 __all__ = ["info"]
 
 
-def info(  # one per option of the command line
+@with_reading
+def info(
     path: Scan,
     *,
-    series: Series = None,
-    orientation: Orientation = None,
-    unit: Unit = None,
-    fill: Fill = None,
-    raw: Raw = None,
-    voxel_size: VoxelSize = None,
-    max_voxels: MaxVoxels = 1024**3,
+    reading: Reading,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
 ) -> None:
     """Tell what a scan is."""
-    from palpate.cli_open import parse_voxel_size
     from palpate.info import describe, print_table
-    from palpate.io import read
 
-    size = parse_voxel_size(voxel_size)
     with quiet_libraries(), Display() as display:
-        volume = read(
-            path,
-            series=series,
-            orientation=orientation,
-            unit=unit,
-            fill=fill,
-            raw=raw,
-            voxel_size=size,
-            max_voxels=max_voxels,
-            progress=display,
-        )
+        volume = reading.read(path, display)
     if as_json:
         import json
 

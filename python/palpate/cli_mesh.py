@@ -7,17 +7,9 @@ from typing import Annotated
 
 import typer
 
-from palpate.cli_options import (
-    Fill,
-    MaxVoxels,
-    Orientation,
-    Scan,
-    Segments,
-    Series,
-    Threshold,
-    Unit,
-)
-from palpate.console import Display, quiet_libraries
+from palpate.cli_options import Scan, Segments, Threshold
+from palpate.cli_reading import Reading, with_reading
+from palpate.console import Display, quiet_libraries, warn
 
 __all__ = ["surface"]
 
@@ -25,7 +17,8 @@ surface = typer.Typer(help="Meshes of segments, and voxels of meshes.", no_args_
 
 
 @surface.command("export")
-def surface_export(  # noqa: PLR0913  # one per option of the command line
+@with_reading
+def surface_export(
     path: Scan,
     file: Annotated[Path, typer.Argument(help="New .stl, .ply, .obj or .glb.", metavar="FILE")],
     *,
@@ -38,32 +31,21 @@ def surface_export(  # noqa: PLR0913  # one per option of the command line
         str,
         typer.Option("--from", help="intensities (of a threshold) or bits, which have stairs."),
     ] = "intensities",
-    series: Series = None,
-    orientation: Orientation = None,
-    unit: Unit = None,
-    fill: Fill = None,
-    max_voxels: MaxVoxels = 1024**3,
+    reading: Reading,
     threshold: Threshold = None,
     segments: Segments = None,
 ) -> None:
     """Write the surface of a segment to a file, in the patient (LPS)."""
     from palpate.cli_open import parse_threshold, scene_of
     from palpate.cli_surface import check_target, choose_segment, export_surface
-    from palpate.io import read
 
     check_target(file)
     bounds = parse_threshold(threshold)
     with quiet_libraries(), Display() as display:
-        volume = read(
-            path,
-            series=series,
-            orientation=orientation,
-            unit=unit,
-            fill=fill,
-            max_voxels=max_voxels,
-            progress=display,
-        )
+        volume = reading.read(path, display)
         scene = scene_of(volume, bounds=bounds, label_map=segments, progress=display)
+    for warning in volume.warnings:
+        warn(warning)
     chosen = choose_segment(scene, segment)
     export_surface(chosen, file, step=step, smoothing=smoothing, source=source)
 
@@ -73,7 +55,7 @@ def surface_voxels(
     mesh: Annotated[Path, typer.Argument(help=".stl, .ply, .obj or .glb.", metavar="MESH")],
     file: Annotated[Path, typer.Argument(help="New .nrrd, .nii.gz or .mha.", metavar="FILE")],
     *,
-    spacing: Annotated[float | None, typer.Option(help="Edge of a voxel [mm].")] = None,
+    spacing: Annotated[float | None, typer.Option(help="Edge of a voxel, in mm.")] = None,
     like: Annotated[Path | None, typer.Option(help="Scan whose grid is taken.")] = None,
     frame: Annotated[str | None, typer.Option(help="Of the mesh: LPS or RAS.")] = None,
     unit: Annotated[str | None, typer.Option(help="Of the mesh: mm or m.")] = None,

@@ -6,7 +6,9 @@ import os
 import socket
 import sys
 import webbrowser
+from collections.abc import Callable
 from pathlib import Path
+from threading import Thread
 
 import numpy as np
 import typer
@@ -15,13 +17,14 @@ from palpate.console import Display, warn
 from palpate.errors import OptionError, SceneFormatError
 from palpate.io import read
 from palpate.labels import read_labels
-from palpate.opening import is_scene, offer_bone
+from palpate.opening import Opening, is_scene, offer_bone
 from palpate.progress import Progress
 from palpate.recent import note_recent
 from palpate.scene import Scene
-from palpate.scene_file import SavedScene, kept_changes, open_scene
+from palpate.scene_file import kept_changes, open_scene
 from palpate.second_scan import placed, read_transform
 from palpate.server import PAGE, serve
+from palpate.server_coming import Coming
 from palpate.server_open_scan import OpenScan
 from palpate.server_security import Access
 from palpate.server_workbench import Workbench
@@ -35,17 +38,19 @@ __all__ = [
     "choose_on_page",
     "is_scene",
     "parse_threshold",
-    "parse_voxel_size",
+    "saved_scene",
     "scene_of",
     "serve_page",
     "show",
-    "show_saved",
     "show_workbench",
     "wanted_scene",
 ]
 
 RATES = (1000, 4000)
 """Servo rates that are offered [Hz]."""
+
+PAGE_SECONDS = 10.0
+"""How long a browser that was started is waited for, to say on the page what failed [s]."""
 
 Bounds = tuple[float, float | None]
 
@@ -67,23 +72,6 @@ def parse_threshold(given: str | None) -> Bounds | None:
             f"threshold {given!r} given; allowed: LOW or LOW,HIGH, such as 250 or 250,1500"
         )
     return numbers[0], numbers[1] if len(numbers) == 2 else None
-
-
-def parse_voxel_size(given: str | None) -> tuple[float, float, float] | None:
-    """Returns the lengths that X,Y,Z stands for [mm]; None where none are given.
-
-    Raises:
-        OptionError: They are no three numbers.
-    """
-    if given is None:
-        return None
-    try:
-        x, y, z = (float(part) for part in given.split(","))
-    except ValueError:
-        raise OptionError(
-            f"voxel size {given!r} given; allowed: X,Y,Z [mm], such as 0.5,0.5,1.25"
-        ) from None
-    return x, y, z
 
 
 def wanted_scene(
@@ -194,7 +182,8 @@ def check_page() -> None:
 
 
 def show(
-    scene: Scene,
+    name: str,
+    make: Callable[[Progress], Opening],
     listener: socket.socket,
     *,
     rate: int,
@@ -202,36 +191,53 @@ def show(
     journalled: bool | None = None,
     recover: bool | None = None,
     run: Path | None = None,
-    saved: SavedScene | None = None,
 ) -> None:
     """Serves a scene until Ctrl-C; a recording that still runs then is kept.
 
-    Options as in ``OpenScan.begin``; by default only scans that the page opens are journalled.
+    The page comes while the scene is still made. Options as in ``OpenScan.begin``; by default only
+    scans that the page opens are journalled.
+
+    Raises:
+        PalpateError: What ``make`` raises.
     """
-    workbench = Workbench(rate=rate, journalled=journalled is not False)
 
     def tell(sentence: str) -> None:
         warn(sentence)
         workbench.tell(sentence)
 
-    workbench.opened = OpenScan.begin(
-        scene,
-        rate=rate,
-        journalled=bool(journalled),
-        recover=recover,
-        run=run,
-        saved=saved,
-        tell=tell,
-    )
-    # pages ask by themselves
-    journal = workbench.opened.journal
-    if journal is not None and (offer := journal.offer) is not None:
-        warn(
-            f"{offer.steps} changes of this scan are kept from {offer.when:%d %B %Y, %H:%M}: the "
-            "page asks whether to bring them back; --recover and --no-recover answer before"
+    def begin(progress: Progress) -> OpenScan:
+        with Display() as display:
+
+            def both(what: str, share: float | None, /) -> None:
+                progress(what, share)
+                display(what, share)
+
+            made = make(both)
+        for sentence in made.told:
+            warn(sentence)
+        opened = OpenScan.begin(
+            made.scene,
+            rate=rate,
+            journalled=bool(journalled),
+            recover=recover,
+            run=run,
+            saved=made.saved,
+            tell=tell,
         )
-    note_recent(scene.volume, None if saved is None else saved.path)
+        # pages ask by themselves
+        if opened.journal is not None and (offer := opened.journal.offer) is not None:
+            warn(
+                f"{offer.steps} changes of this scan are kept from {offer.when:%d %B %Y, %H:%M}: "
+                "the page asks whether to bring them back; --recover and --no-recover answer before"
+            )
+        note_recent(made.scene.volume, None if made.saved is None else made.saved.path)
+        return opened
+
+    coming = Coming(name, begin)
+    workbench = Workbench(coming=coming, rate=rate, journalled=journalled is not False)
     show_workbench(workbench, listener, browser=browser)
+    if coming.failure is not None:
+        raise coming.failure
 
 
 def choose_on_page(listener: socket.socket, *, rate: int, browser: bool, journalled: bool) -> None:
@@ -248,34 +254,15 @@ def show_workbench(workbench: Workbench, listener: socket.socket, *, browser: bo
         workbench.end()
 
 
-def show_saved(
-    path: Path,
-    listener: socket.socket,
-    *,
-    rate: int,
-    browser: bool,
-    journalled: bool,
-    recover: bool | None,
-) -> None:
-    """Serves a scene that was saved, until Ctrl-C; options as in ``show``.
+def saved_scene(path: Path, progress: Progress) -> Opening:
+    """Returns a scene that was saved.
 
     Raises:
         SceneFormatError: It cannot be opened; what is kept of its scan's changes is named then.
     """
     try:
-        with Display() as display:
-            saved = open_scene(path, progress=display)
-        for warning in saved.told:
-            warn(warning)
-        show(
-            saved.scene(),
-            listener,
-            rate=rate,
-            browser=browser,
-            journalled=journalled,
-            recover=recover,
-            saved=saved,
-        )
+        saved = open_scene(path, progress=progress)
+        return Opening(saved.scene(), saved, saved.told)
     except SceneFormatError as error:
         kept = kept_changes(path)
         if kept is None:
@@ -297,13 +284,22 @@ def serve_page(
     """Serves a workbench until Ctrl-C, or for so long."""
     access = Access(port=listener.getsockname()[1])
 
-    def ready() -> None:
-        opened = workbench.opened
-        name = "a scan once one is chosen" if opened is None else opened.name
+    coming, opened = workbench.coming, workbench.opened
+    shown = opened if coming is None else coming
+    name = "a scan once one is chosen" if shown is None else shown.name
+
+    def announce() -> None:
+        if coming is not None and not coming.recognised():
+            return
         typer.echo(f"Palpate shows {name} at\n{access.url}\nCtrl-C stops it.")
         sys.stdout.flush()
         if browser and has_display():
+            workbench.page_seconds = PAGE_SECONDS
             webbrowser.open(access.url)
+
+    def ready() -> None:
+        # the server goes on meanwhile
+        Thread(target=announce, daemon=True).start()
 
     try:
         serve(workbench, listener, access=access, ready=ready, seconds=seconds)

@@ -62,7 +62,7 @@ Raw = Annotated[
     ),
 ]
 VoxelSize = Annotated[
-    str | None, typer.Option(help="Of raw voxels and pictures [mm].", metavar="X,Y,Z")
+    str | None, typer.Option(help="Of raw voxels and pictures, in mm.", metavar="X,Y,Z")
 ]
 Fill = Annotated[float | None, typer.Option(help="Value in the place of NaN and infinity.")]
 MaxVoxels = Annotated[int, typer.Option(help="Largest scan that is read.")]
@@ -97,7 +97,7 @@ MeshSpacing = Annotated[
     typer.Option(
         "--mesh-spacing",
         "--spacing",
-        help="Edge of the mesh's voxels [mm]; else fine enough for its thickness.",
+        help="Edge of the mesh's voxels in mm; else fine enough for its thickness.",
     ),
 ]
 Port = Annotated[int, typer.Option(help="Port of 127.0.0.1; 0 takes a free one.")]

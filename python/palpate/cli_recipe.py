@@ -33,6 +33,14 @@ A recipe, with the options of the commands under their names:
     - out: segments.seg.nrrd
   report: report.html
 
+In the place of import, reconstruct makes the scan of projections:
+
+  reconstruct:
+    path: projections.nrrd
+    beam: parallel
+    arc: 180
+    pixel: [0.8, 0.8]
+
 Files stand beside the recipe. All is checked before anything is read.
 """
 

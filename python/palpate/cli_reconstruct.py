@@ -35,21 +35,22 @@ def reconstruct(  # noqa: PLR0913  # one per option of the command line
         Path, typer.Option("--out", "-o", help="New .nii.gz, .nii, .nrrd or .mha, in HU.")
     ],
     beam: Annotated[str, typer.Option(help="parallel or cone (a source on a circle).")],
-    pixel: Annotated[str, typer.Option(help="Of the detector [mm].", metavar="U,V")],
+    pixel: Annotated[str, typer.Option(help="Of the detector, in mm.", metavar="U,V")],
     size: Annotated[
         str | None,
         typer.Option(help="Voxels of the scan; by default all that is seen.", metavar="X,Y,Z"),
     ] = None,
     voxel: Annotated[
         str | None,
-        typer.Option(help="Their edges [mm]; by default those of pixels.", metavar="X,Y,Z"),
+        typer.Option(help="Their edges in mm; by default those of pixels.", metavar="X,Y,Z"),
     ] = None,
-    arc: Annotated[float, typer.Option(help="That the projections cover [degrees].")] = 360.0,
-    first_angle: Annotated[float, typer.Option(help="Of the gantry [degrees].")] = 0.0,
-    source_axis: Annotated[float, typer.Option(help="Cone: source to axis [mm].")] = 0.0,
-    source_detector: Annotated[float, typer.Option(help="Cone: source to detector [mm].")] = 0.0,
+    arc: Annotated[float, typer.Option(help="That the projections cover, in degrees.")] = 360.0,
+    first_angle: Annotated[float, typer.Option(help="Of the gantry, in degrees.")] = 0.0,
+    source_axis: Annotated[float, typer.Option(help="Cone: source to axis, in mm.")] = 0.0,
+    source_detector: Annotated[float, typer.Option(help="Cone: source to detector, in mm.")] = 0.0,
     offset: Annotated[
-        str, typer.Option(help="Of the detector's middle from the central ray [mm].", metavar="U,V")
+        str,
+        typer.Option(help="Of the detector's middle from the central ray, in mm.", metavar="U,V"),
     ] = "0,0",
     sinograms: Annotated[
         bool, typer.Option("--sinograms", help="Images are sinograms: one for each row.")
@@ -57,7 +58,7 @@ def reconstruct(  # noqa: PLR0913  # one per option of the command line
     intensities: Annotated[
         float | None, typer.Option(help="What the detector counts without a patient.")
     ] = None,
-    water: Annotated[float | None, typer.Option(help="Attenuation of water [1/mm].")] = None,
+    water: Annotated[float | None, typer.Option(help="Attenuation of water, per mm.")] = None,
     hann: Annotated[
         float, typer.Option(help="Smooths: share of the highest frequency; 0 for none.")
     ] = 0.0,

@@ -7,25 +7,15 @@ from typing import Annotated
 
 import typer
 
-from palpate.cli_options import (
-    Browser,
-    Fill,
-    MaxVoxels,
-    Orientation,
-    Port,
-    Rate,
-    Scan,
-    Segments,
-    Series,
-    Threshold,
-    Unit,
-)
+from palpate.cli_options import Browser, Port, Rate, Scan, Segments, Threshold
+from palpate.cli_reading import Reading, with_reading
 from palpate.console import Display, quiet_libraries, warn
 
 __all__ = ["record", "replay"]
 
 
-def record(  # noqa: PLR0913  # one per option of the command line
+@with_reading
+def record(
     path: Scan,
     *,
     out: Annotated[
@@ -39,11 +29,7 @@ def record(  # noqa: PLR0913  # one per option of the command line
         Path | None,
         typer.Option(help="Path for the device, .csv or .json; then nothing is shown."),
     ] = None,
-    series: Series = None,
-    orientation: Orientation = None,
-    unit: Unit = None,
-    fill: Fill = None,
-    max_voxels: MaxVoxels = 1024**3,
+    reading: Reading,
     threshold: Threshold = None,
     segments: Segments = None,
     port: Port = 0,
@@ -53,7 +39,6 @@ def record(  # noqa: PLR0913  # one per option of the command line
     """Record a session, with every input of touch, so that it can be replayed."""
     from palpate.cli_open import check_rate, parse_threshold, scene_of
     from palpate.cli_record import check_out, check_seconds, record_page, record_script
-    from palpate.io import read
     from palpate.scripted_file import read_path
 
     check_rate(rate)
@@ -62,15 +47,7 @@ def record(  # noqa: PLR0913  # one per option of the command line
     bounds = parse_threshold(threshold)
     scripted = None if script is None else read_path(script)
     with quiet_libraries(), Display() as display:
-        volume = read(
-            path,
-            series=series,
-            orientation=orientation,
-            unit=unit,
-            fill=fill,
-            max_voxels=max_voxels,
-            progress=display,
-        )
+        volume = reading.read(path, display)
         scene = scene_of(volume, bounds=bounds, label_map=segments, progress=display)
     for warning in volume.warnings:
         warn(warning)

@@ -66,7 +66,7 @@ def register(  # noqa: PLR0913  # one per option of the command line
         ),
     ] = None,
     landmarks: Annotated[
-        Path | None, typer.Option(help=".csv with pairs of points [mm].", metavar="FILE")
+        Path | None, typer.Option(help=".csv with pairs of points, in mm.", metavar="FILE")
     ] = None,
     fixed_mask: Annotated[
         Path | None, typer.Option(help="Label map: only these voxels of FIXED count.")
@@ -75,7 +75,7 @@ def register(  # noqa: PLR0913  # one per option of the command line
         Path | None, typer.Option(help="Label map: only these voxels of MOVING count.")
     ] = None,
     knots: Annotated[
-        float | None, typer.Option(help="Between the knots of a bspline [mm].")
+        float | None, typer.Option(help="Between the knots of a bspline, in mm.")
     ] = None,
     iterations: Annotated[
         int | None, typer.Option(help="Of each stage, on each of its levels, at most.")

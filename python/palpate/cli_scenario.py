@@ -14,6 +14,7 @@ import typer
 from palpate.console import Display, quiet_libraries
 
 if TYPE_CHECKING:
+    from palpate.progress import Progress
     from palpate.scenario import Body
     from palpate.scenario_run import ScenarioRun
 
@@ -26,14 +27,14 @@ Scan = Annotated[
 ]
 Json = Annotated[Path | None, typer.Option("--json", help="Write what was felt.", metavar="FILE")]
 Plot = Annotated[Path | None, typer.Option(help="Draw the run: .png, .svg or .pdf.")]
-Speed = Annotated[float, typer.Option(help="Of the tool [mm/s].")]
-ForceLimit = Annotated[float, typer.Option(help="Where it stops [N].")]
-BoneFrom = Annotated[float | None, typer.Option(help="Where bone begins [unit of the scan].")]
+Speed = Annotated[float, typer.Option(help="Of the tool, in mm/s.")]
+ForceLimit = Annotated[float, typer.Option(help="Where it stops, in N.")]
+BoneFrom = Annotated[float | None, typer.Option(help="Where bone begins, in the scan's unit.")]
 Labels = Annotated[
     Path | None, typer.Option("--segments", help="Label map of the scan, with the liver.")
 ]
 Liver = Annotated[int, typer.Option(help="Number of the liver in it.")]
-Depth = Annotated[float, typer.Option(help="How deep the tool goes [mm].")]
+Depth = Annotated[float, typer.Option(help="How deep the tool goes, in mm.")]
 
 
 @scenario.command("needle-skull")
@@ -74,17 +75,16 @@ def drilling(
     *,
     bone: BoneFrom = None,
     depth: Depth = 4.0,
-    radius: Annotated[float, typer.Option(help="Of the burr [mm].")] = 2.0,
+    radius: Annotated[float, typer.Option(help="Of the burr, in mm.")] = 2.0,
     speed: Speed = 0.1,
     force_limit: ForceLimit = 10.0,
     json: Json = None,
     plot: Plot = None,
 ) -> None:
     """Drive a drill into the bone."""
-    from palpate.bench.plots import check_plot
     from palpate.scenario import run_drilling
 
-    check_plot(plot)
+    _check_files((json, plot))
     with quiet_libraries(), Display() as display:
         body = _body((path, None, 0, bone), display)
         display("drilling", None)
@@ -103,20 +103,23 @@ def palpation(  # noqa: PLR0913  # one per option of the command line
         str,
         typer.Option("--from", help="Side that is pressed: anterior, posterior, left, right, any."),
     ] = "anterior",
-    voxel: Annotated[float, typer.Option(help="Finer voxels are merged to about this [mm].")] = 2.0,
+    voxel: Annotated[
+        float, typer.Option(help="Finer voxels are merged to about this, in mm.")
+    ] = 2.0,
     places: Annotated[int, typer.Option(help="How many are pressed.")] = 9,
-    length: Annotated[float, typer.Option(help="From the first to the last of them [mm].")] = 40.0,
+    length: Annotated[
+        float, typer.Option(help="From the first to the last of them, in mm.")
+    ] = 40.0,
     depth: Depth = 2.5,
-    radius: Annotated[float | None, typer.Option(help="Of the ball [mm].")] = None,
+    radius: Annotated[float | None, typer.Option(help="Of the ball, in mm.")] = None,
     json: Json = None,
     plot: Plot = None,
 ) -> None:
     """Press soft tissue along a line that crosses bone below it."""
-    from palpate.bench.plots import check_plot
     from palpate.press_lines import SIDES
     from palpate.scenario import run_palpation
 
-    check_plot(plot)
+    _check_files((json, plot))
     with quiet_libraries(), Display() as display:
         body = _body((path, segments, liver, bone), display)
         run = run_palpation(
@@ -146,18 +149,22 @@ def play(
     """Show a run on the page, with its scan, and play it."""
     from palpate.cli_open import check_page, show
     from palpate.console import warn
+    from palpate.opening import Opening
     from palpate.scenario import scene_of_body
     from palpate.scenario_run import read_run
     from palpate.server import bind
 
     check_page()
     scan = read_run(run).scan
-    with bind(port) as listener, quiet_libraries():
-        with Display() as display:
-            body = _body((path, segments, liver, bone), display)
+
+    def make(progress: Progress) -> Opening:
+        body = _body((path, segments, liver, bone), progress)
         if body.volume.name != scan:
             warn(f"the run is of {scan}, and this scan is {body.volume.name}")
-        show(scene_of_body(body), listener, rate=1000, browser=browser, run=run)
+        return Opening(scene_of_body(body), None, ())
+
+    with bind(port) as listener, quiet_libraries():
+        show(scan, make, listener, rate=1000, browser=browser, run=run)
 
 
 ScanOptions = tuple[Path | None, Path | None, int, float | None]
@@ -177,10 +184,9 @@ def _needle(
     push: Push,
     files: Files,
 ) -> None:
-    from palpate.bench.plots import check_plot
     from palpate.scenario import run_needle
 
-    check_plot(files[1])
+    _check_files(files)
     with quiet_libraries(), Display() as display:
         body = _body(scan, display)
         display(name, None)
@@ -188,7 +194,18 @@ def _needle(
     _tell(run, files)
 
 
-def _body(scan: ScanOptions, display: Display) -> Body:
+def _check_files(files: Files) -> None:
+    """Refuses what could not be written, before anything is computed."""
+    from palpate.bench.plots import check_plot
+    from palpate.errors import OptionError
+
+    check_plot(files[1])
+    for path in files:
+        if path is not None and not path.parent.is_dir():
+            raise OptionError(f"folder {str(path.parent)!r} given; allowed: one that exists")
+
+
+def _body(scan: ScanOptions, progress: Progress) -> Body:
     from palpate.io import read
     from palpate.scenario import body_of_phantom, body_of_scan
 
@@ -196,8 +213,8 @@ def _body(scan: ScanOptions, display: Display) -> Body:
     if path is None:
         return body_of_phantom()
     return body_of_scan(
-        read(path, progress=display),
-        labels=None if labels is None else read(labels, progress=display),
+        read(path, progress=progress),
+        labels=None if labels is None else read(labels, progress=progress),
         liver=liver,
         bone=bone,
     )
@@ -244,4 +261,5 @@ def _print_table(run: ScenarioRun) -> None:
         for event in run.events:
             felt = (f"{event.time:.2f}", f"{event.depth:.1f}", f"{event.force:.2f}")
             table.add_row(event.kind, event.segment, *felt)
-    Console().print(table)
+    # brackets are units there, not styles
+    Console(markup=False).print(table)

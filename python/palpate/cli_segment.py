@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from palpate.cli_reading import Reading, with_reading
 from palpate.console import Display, quiet_libraries, warn
 
 __all__ = ["EXAMPLES", "segment"]
@@ -25,6 +26,7 @@ What is asked for is done in the order of the options above, whatever order they
 """
 
 
+@with_reading
 def segment(  # noqa: PLR0913  # one per option of the command line
     path: Annotated[
         Path,
@@ -35,7 +37,7 @@ def segment(  # noqa: PLR0913  # one per option of the command line
         Path,
         typer.Option("--out", "-o", help="New .seg.nrrd, .nrrd, .nii, .nii.gz or .mha."),
     ],
-    series: Annotated[str | None, typer.Option(help="DICOM series.")] = None,
+    reading: Reading,
     threshold: Annotated[
         str | None,
         typer.Option(
@@ -123,7 +125,6 @@ def segment(  # noqa: PLR0913  # one per option of the command line
     from palpate.cli_surface import check_target
     from palpate.export import export_scene
     from palpate.export_image import IMAGE_SUFFIXES
-    from palpate.io import read
     from palpate.scene import Scene
     from palpate.segment_request import SegmentRequest
 
@@ -156,7 +157,7 @@ def segment(  # noqa: PLR0913  # one per option of the command line
     )
     request.check()
     with quiet_libraries(), Display() as display:
-        volume = read(path, series=series, progress=display)
+        volume = reading.read(path, display)
         made, found_warnings = request.make(volume, progress=display)
         scene = Scene(volume)
         for one in made:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -12,12 +13,13 @@ from palpate.console import Display, quiet_libraries
 if TYPE_CHECKING:
     from palpate.io_dicom_header import Series
 
-__all__ = ["describe", "print_series", "series"]
+__all__ = ["describe", "folded", "print_series", "series"]
 
 
 def series(
     path: Annotated[Path, typer.Argument(help="DICOM folder or zip archive.", metavar="PATH")],
     *,
+    every: Annotated[bool, typer.Option("--all", help="List each of many volumes.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON list.")] = False,
 ) -> None:
     """List the scans of a DICOM folder, with what --series takes."""
@@ -31,7 +33,7 @@ def series(
 
         typer.echo(json.dumps(found, indent=2))
     else:
-        print_series(found)
+        print_series(found if every else folded(found, [one.part for one in listed]))
 
 
 def describe(number: int, one: Series) -> dict[str, Any]:
@@ -48,6 +50,28 @@ def describe(number: int, one: Series) -> dict[str, Any]:
         "rows": first.rows,
         "uid": one.uid,
     }
+
+
+def folded(found: list[dict[str, Any]], parts: Sequence[str]) -> list[dict[str, Any]]:
+    """Returns rows of a list with many volumes of one series as one, by the ``parts`` they are."""
+    from palpate.series_fold import folds
+
+    wholes = [one["series"].removesuffix(part) for one, part in zip(found, parts, strict=True)]
+    keys = [
+        (one["uid"], whole) if part else None
+        for one, whole, part in zip(found, wholes, parts, strict=True)
+    ]
+    rows = []
+    for places in folds(keys):
+        row = found[places[0]]
+        if len(places) > 1:
+            first, last = parts[places[0]], parts[places[-1]]
+            row = row | {
+                "number": f"{places[0] + 1} to {places[-1] + 1}",
+                "series": f"{wholes[places[0]]}{len(places)} volumes: {first} to {last}",
+            }
+        rows.append(row)
+    return rows
 
 
 def print_series(found: list[dict[str, Any]]) -> None:

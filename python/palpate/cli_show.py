@@ -2,47 +2,39 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from palpate.cli_options import (
     Browser,
-    Fill,
-    MaxVoxels,
     Mesh,
     MeshFrame,
     MeshSpacing,
     MeshUnit,
-    Orientation,
     Port,
     Rate,
-    Raw,
     Resample,
     ScanOrNone,
     Segments,
-    Series,
     Threshold,
     Transform,
-    Unit,
-    VoxelSize,
     With,
 )
-from palpate.console import Display, quiet_libraries, warn
+from palpate.cli_reading import Reading, with_reading
+from palpate.console import quiet_libraries
+
+if TYPE_CHECKING:
+    from palpate.progress import Progress
 
 __all__ = ["demo", "open_scan"]
 
 
+@with_reading
 def open_scan(  # noqa: PLR0913  # one per option of the command line
     path: ScanOrNone = None,
     *,
-    series: Series = None,
-    orientation: Orientation = None,
-    unit: Unit = None,
-    fill: Fill = None,
-    raw: Raw = None,
-    voxel_size: VoxelSize = None,
-    max_voxels: MaxVoxels = 1024**3,
+    reading: Reading,
     threshold: Threshold = None,
     segments: Segments = None,
     resample: Resample = False,
@@ -74,72 +66,68 @@ def open_scan(  # noqa: PLR0913  # one per option of the command line
         choose_on_page,
         is_scene,
         parse_threshold,
-        parse_voxel_size,
+        saved_scene,
         scene_of,
         show,
-        show_saved,
     )
     from palpate.cli_surface import add_mesh
     from palpate.errors import OptionError
-    from palpate.io import read
+    from palpate.opening import Opening
     from palpate.server import bind
 
     check_start(rate)
-    bounds, size = parse_threshold(threshold), parse_voxel_size(voxel_size)
+    bounds = parse_threshold(threshold)
     if path is None or is_scene(path):
-        of_scans = (
-            *(series, orientation, unit, fill, raw, size, bounds, segments, mesh),
-            *(second, transform),
-        )
-        if any(option is not None for option in of_scans):
+        of_scans = (bounds, segments, mesh, second, transform)
+        if reading != Reading() or any(option is not None for option in of_scans):
             what = "no scan is given" if path is None else f"{path} is a scene"
             raise OptionError(f"{what}: options of scans are allowed with scans only")
     if path is None:
         with bind(port) as listener, quiet_libraries():
             choose_on_page(listener, rate=rate, browser=browser, journalled=journal)
         return
-    if is_scene(path):
-        with bind(port) as listener, quiet_libraries():
-            show_saved(
-                path, listener, rate=rate, browser=browser, journalled=journal, recover=recover
-            )
-        return
+    given = path
+
+    def make(progress: Progress) -> Opening:
+        if is_scene(given):
+            return saved_scene(given, progress)
+        volume = reading.read(given, progress)
+        scene = scene_of(
+            volume, bounds=bounds, label_map=segments, resample=resample, progress=progress
+        )
+        add_second(scene, second, transform, progress=progress)
+        if mesh is not None:
+            add_mesh(scene, mesh, frame=mesh_frame, unit=mesh_unit, spacing=mesh_spacing)
+        return Opening(scene, None, tuple(volume.warnings))
+
     with bind(port) as listener, quiet_libraries():
-        with Display() as display:
-            volume = read(
-                path,
-                series=series,
-                orientation=orientation,
-                unit=unit,
-                fill=fill,
-                raw=raw,
-                voxel_size=size,
-                max_voxels=max_voxels,
-                progress=display,
-            )
-            scene = scene_of(
-                volume, bounds=bounds, label_map=segments, resample=resample, progress=display
-            )
-            add_second(scene, second, transform, progress=display)
-            if mesh is not None:
-                add_mesh(scene, mesh, frame=mesh_frame, unit=mesh_unit, spacing=mesh_spacing)
-        for warning in volume.warnings:
-            warn(warning)
-        show(scene, listener, rate=rate, browser=browser, journalled=journal, recover=recover)
+        show(
+            path.name,
+            make,
+            listener,
+            rate=rate,
+            browser=browser,
+            journalled=journal,
+            recover=recover,
+        )
 
 
 def demo(*, port: Port = 0, browser: Browser = True, rate: Rate = 1000) -> None:
     """Show the built-in phantom and feel it."""
     from palpate.cli_open import check_start, scene_of, show
+    from palpate.opening import Opening
     from palpate.phantom_scan import phantom
     from palpate.server import bind
 
     check_start(rate)
+
+    def make(progress: Progress) -> Opening:
+        progress("making the phantom", None)
+        made = phantom()
+        scene = scene_of(made.volume, bounds=None, label_map=None, progress=progress)
+        # something to make soft
+        scene.add(made.part("liver"), shown_as="surface")
+        return Opening(scene, None, ())
+
     with bind(port) as listener:
-        with Display() as display:
-            display("making the phantom", None)
-            made = phantom()
-            scene = scene_of(made.volume, bounds=None, label_map=None, progress=display)
-            # something to make soft
-            scene.add(made.part("liver"), shown_as="surface")
-        show(scene, listener, rate=rate, browser=browser)
+        show("the phantom", make, listener, rate=rate, browser=browser)

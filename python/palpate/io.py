@@ -115,6 +115,7 @@ def read(
             modality=scan.modality,
             unit=scan.unit,
             series=scan.series,
+            frame=scan.frame,
             orientation_known=scan.orientation_known,
             warnings=tuple(scan.warnings),
         ),

@@ -51,6 +51,8 @@ class Choice:
     modality: str = ""
     uid: str = ""
     """Of its series; volumes of one series share it."""
+    part: str = ""
+    """What tells it from other volumes of its series, and ends its name; "" if alone."""
     size: tuple[int, ...]
     """Voxels along x, y, z."""
     spacing: tuple[float, ...] | None = None
@@ -178,6 +180,7 @@ def _of_series(path: Path, one: Series, series: str | None) -> Choice:
         name=one.description,
         modality=one.modality,
         uid=one.uid,
+        part=one.part,
         size=size,
         spacing=spacing,
         refused=refused,

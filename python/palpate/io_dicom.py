@@ -224,6 +224,7 @@ def _scan(series: Series, *, grid: Grid | None, values: NDArray[Any]) -> RawScan
         modality=series.modality,
         unit=series.headers[0].unit,
         series=series.uid,
+        frame=series.headers[0].frame,
         file_scale=Scale(*scale) if scale else None,
     )
     if series.headers[0].inverted:

@@ -89,6 +89,8 @@ class Header:
     """Date and description."""
     study: tuple[str, ...]
     """UIDs of study and frame of reference: what is left to tell scans apart without a series."""
+    frame: str
+    """UID of the frame of reference."""
     inverted: bool
     """Whether low numbers are meant to be bright (MONOCHROME1)."""
     bits: int
@@ -107,6 +109,18 @@ class Series:
     description: str
     modality: str
     headers: tuple[Header, ...]
+    part: str = ""
+    """What tells it from other volumes of its series, and ends its description; "" if alone."""
+
+    @property
+    def whole(self) -> str:
+        """What the series is called that it is a volume of."""
+        return self.description.removesuffix(self.part).removesuffix(", ")
+
+    @property
+    def volume_of(self) -> tuple[str, str] | None:
+        """Returns what is the same for all volumes of its series; None where it is alone."""
+        return (self.uid, self.whole) if self.part else None
 
     @property
     def slices(self) -> int:
@@ -254,6 +268,7 @@ def _header(
         patient=_joined(dataset, "PatientName", "PatientID"),
         study_told=_joined(dataset, "StudyDate", "StudyDescription"),
         study=tuple(str(dataset.get(name) or "") for name in STUDY),
+        frame=str(dataset.get("FrameOfReferenceUID") or ""),
         inverted=dataset.get("PhotometricInterpretation") == "MONOCHROME1",
         bits=int(dataset.get("BitsStored") or dataset.get("BitsAllocated") or 16),
         padding=_padding(dataset),

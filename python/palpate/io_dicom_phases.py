@@ -170,7 +170,7 @@ def _part(series: Series, words: str, slices: Sequence[tuple[Header, int]]) -> S
         of_files.setdefault(id(header), (header, []))[1].append(index)
     headers = tuple(_frames_of(header, indices) for header, indices in of_files.values())
     description = f"{series.description}, {words}".removeprefix(", ")
-    return replace(series, description=description, headers=headers)
+    return replace(series, description=description, headers=headers, part=words)
 
 
 def _frames_of(header: Header, indices: list[int]) -> Header:

@@ -10,6 +10,7 @@ from pathlib import Path
 from palpate.errors import OptionError, SeriesChoiceError, VolumeFormatError
 from palpate.io_dicom_header import Series, find_series
 from palpate.progress import Progress
+from palpate.series_fold import folds
 
 __all__ = [
     "MOST_FILES",
@@ -132,6 +133,16 @@ def choose_series(
 
 
 def _listed(found: list[Series]) -> str:
-    rows = [f"[{number}] {series}" for number, series in enumerate(found, 1)]
+    rows = [_told(found, places) for places in folds([series.volume_of for series in found])]
     more = len(rows) - MOST_LISTED
     return "; ".join(rows[:MOST_LISTED]) + (f"; and {more} more" if more > 0 else "")
+
+
+def _told(found: list[Series], places: range) -> str:
+    first, last = found[places[0]], found[places[-1]]
+    if len(places) == 1:
+        return f"[{places[0] + 1}] {first}"
+    return (
+        f"[{places[0] + 1} to {places[-1] + 1}] {first.uid} {first.whole!r} {first.modality}, "
+        f"{len(places)} volumes: {first.part} to {last.part}"
+    )

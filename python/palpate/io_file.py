@@ -129,6 +129,8 @@ class ImageHeader:
     """Voxels along x, y, z."""
     spacing: tuple[float, float, float]
     """[mm]."""
+    kind: str
+    """Of its numbers, as ITK calls it, such as "8-bit unsigned integer"."""
 
 
 def header_of(path: Path, *, max_voxels: int = 1024**3) -> ImageHeader:
@@ -142,7 +144,8 @@ def header_of(path: Path, *, max_voxels: int = 1024**3) -> ImageHeader:
     check_shape(str(path), reader.GetSize(), max_voxels)
     x, y, z = reader.GetSize()[:3]
     across, down, along = reader.GetSpacing()[:3]
-    return ImageHeader((x, y, z), (across, down, along))
+    kind = simpleitk().GetPixelIDValueAsString(reader.GetPixelIDValue())
+    return ImageHeader((x, y, z), (across, down, along), kind)
 
 
 def middle_of(path: Path) -> NDArray[Any]:

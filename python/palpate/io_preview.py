@@ -16,24 +16,31 @@ __all__ = ["png_of", "preview"]
 
 EDGE = 96
 """Of the longer side [pixel]."""
+LARGEST = 1e38
 SHOWN = 1.0, 99.5
 """Percentiles of the values that are black and white."""
 
 
-def preview(values: NDArray[Any], pixel: tuple[float, float]) -> NDArray[np.uint8]:
-    """Returns a slice [rows, columns] with square pixels, at most 96 on its longer side.
+def preview(
+    values: NDArray[Any], pixel: tuple[float, float], *, edge: int = EDGE
+) -> NDArray[np.uint8]:
+    """Returns a slice [rows, columns] with square pixels, at most ``edge`` on its longer side.
 
     Args:
         values: Of the slice.
         pixel: Between columns, between rows [mm].
+        edge: The longer side [pixel].
     """
     rows, columns = values.shape
     wide, high = columns * pixel[0], rows * pixel[1]
-    scale = EDGE / max(wide, high)
+    scale = edge / max(wide, high)
     across = _picked(columns, max(1, round(wide * scale)))
     down = _picked(rows, max(1, round(high * scale)))
-    small = values[np.ix_(down, across)].astype(np.float32)
+    with np.errstate(invalid="ignore"):
+        small = values[np.ix_(down, across)].astype(np.float64)
     small[~np.isfinite(small)] = 0.0
+    # numbers read the wrong way may be of any size
+    np.clip(small, -LARGEST, LARGEST, out=small)
     low, high_value = np.percentile(small, SHOWN)
     shade = (small - low) / max(float(high_value - low), 1e-6)
     return np.asarray(np.rint(np.clip(shade, 0.0, 1.0) * 255.0), np.uint8)

@@ -24,10 +24,17 @@ from palpate.raw_scan import RawScan, check_shape
 from palpate.simpleitk import reason_of, simpleitk
 
 __all__ = [
+    "TYPES",
     "RawLayout",
     "holds_pictures",
     "in_order",
     "is_picture",
+    "picture_at",
+    "picture_files",
+    "picture_size",
+    "raw_files",
+    "raw_size",
+    "raw_slice",
     "read_pictures",
     "read_raw",
 ]
@@ -71,6 +78,17 @@ class RawLayout:
         slices = int(found[3]) if found[3] else None
         return cls(numbers[0], numbers[1], slices, kind, int(found[6] or 0))
 
+    @property
+    def slice_bytes(self) -> int:
+        """What one slice takes."""
+        return self.columns * self.rows * self.kind.itemsize
+
+    def told(self) -> str:
+        """Returns what a person calls it, such as ``256 x 256 x 113 int16``."""
+        edges = (self.columns, self.rows, *([] if self.slices is None else [self.slices]))
+        after = f" after {self.skip} bytes" if self.skip else ""
+        return f"{' x '.join(map(str, edges))} {self.kind.name}{after}"
+
 
 def read_raw(
     path: Path, layout: RawLayout, *, voxel: Size | None, max_voxels: int, progress: Progress
@@ -82,36 +100,98 @@ def read_raw(
         VolumeFormatError: The files do not hold what the layout says.
     """
     spacing = _asked(path, voxel)
-    files = in_order(path.iterdir()) if path.is_dir() else [path]
-    if not files:
-        raise VolumeFormatError(f"{path} is an empty folder; allowed: a folder of raw slices")
+    counts = _counts(path, layout, max_voxels)
     pixels = layout.columns * layout.rows
-    counts = [_slices_in(file, layout) for file in files]
-    if layout.slices not in (None, sum(counts)):
-        raise VolumeFormatError(
-            f"{path} holds {sum(counts)} slices of {layout.columns} x {layout.rows} "
-            f"{layout.kind.name}; the layout says {layout.slices}"
-            "; allowed: a layout that fits, with bytes to skip where files have headers"
-        )
-    check_shape(str(path), (layout.columns, layout.rows, sum(counts)), max_voxels)
     parts = []
-    for number, (file, count) in enumerate(zip(files, counts, strict=True)):
-        progress(f"reading {len(files)} files", number / len(files))
+    for number, (file, count) in enumerate(counts):
+        progress(f"reading {len(counts)} files", number / len(counts))
         part = np.fromfile(file, layout.kind, count * pixels, offset=layout.skip)
         parts.append(part.astype(layout.kind.newbyteorder("="), copy=False))
     values = np.concatenate(parts).reshape(-1, layout.rows, layout.columns)
     return _scan(path, values, spacing)
 
 
-def _slices_in(file: Path, layout: RawLayout) -> int:
-    held = file.stat().st_size - layout.skip
-    each = layout.columns * layout.rows * layout.kind.itemsize
-    if held < each or held % each:
+def raw_files(path: Path) -> Sequence[Path]:
+    """Lists the files of raw voxels at a path, in the order of their slices.
+
+    Raises:
+        VolumeFormatError: There is none.
+    """
+    files = in_order(path.iterdir()) if path.is_dir() else [path]
+    if not files:
+        raise VolumeFormatError(f"{path} is an empty folder; allowed: a folder of raw slices")
+    return files
+
+
+def raw_size(path: Path, layout: RawLayout, *, max_voxels: int) -> tuple[int, int, int]:
+    """Returns the voxels along x, y, z that are at a path by a layout.
+
+    Raises:
+        VolumeFormatError: The files do not hold what the layout says.
+    """
+    slices = sum(count for _, count in _counts(path, layout, max_voxels))
+    return layout.columns, layout.rows, slices
+
+
+def raw_slice(path: Path, layout: RawLayout, number: int) -> NDArray[Any]:
+    """Returns one slice of those that are at a path by a layout, shape [rows, columns].
+
+    Raises:
+        VolumeFormatError: The files do not hold it.
+    """
+    for file in raw_files(path):
+        count = _slices_in(file, layout, None)
+        if number < count:
+            offset = layout.skip + number * layout.slice_bytes
+            pixels = layout.columns * layout.rows
+            values: NDArray[Any] = np.fromfile(file, layout.kind, pixels, offset=offset)
+            return values.reshape(layout.rows, layout.columns)
+        number -= count
+    raise VolumeFormatError(f"{path} holds fewer slices; allowed: one of them")
+
+
+def _counts(path: Path, layout: RawLayout, max_voxels: int) -> list[tuple[Path, int]]:
+    """Returns how many slices each file holds, once they fit the layout."""
+    files = raw_files(path)
+    wanted = layout.slices if len(files) == 1 else None
+    counts = [(file, _slices_in(file, layout, wanted)) for file in files]
+    slices = sum(count for _, count in counts)
+    if layout.slices not in {None, slices}:
         raise VolumeFormatError(
-            f"{file} holds {held} bytes of voxels, which are no whole slices of {layout.columns} x "
-            f"{layout.rows} {layout.kind.name} = {each} bytes; allowed: files that fit the layout"
+            f"{path} holds {slices} slices in {len(files)} files; {layout.told()} asks "
+            f"{layout.slices}; allowed: {slices}, or bytes to skip where files have headers"
         )
-    return held // each
+    check_shape(str(path), (layout.columns, layout.rows, slices), max_voxels)
+    return counts
+
+
+def _slices_in(file: Path, layout: RawLayout, wanted: int | None) -> int:
+    """Returns how many slices a file holds: as many as ``wanted``, or as are in it."""
+    held, each = file.stat().st_size, layout.slice_bytes
+    count, rest = divmod(held - layout.skip, each)
+    if count < 1 or rest or wanted not in {None, count}:
+        asked = layout.skip + each * (wanted or 1)
+        more = "" if wanted else f" and {each} for each slice more"
+        fits = ", or ".join(_fits(held, layout, wanted)) or "other columns and rows"
+        raise VolumeFormatError(
+            f"{file} has {held} bytes; {layout.told()} asks {asked}{more}; allowed: {fits}"
+        )
+    return count
+
+
+def _fits(held: int, layout: RawLayout, wanted: int | None) -> list[str]:
+    """Says which changes of a layout would fit so many bytes, each alone."""
+    each, after = layout.slice_bytes, held - layout.skip
+    fits = [f"{after // each} slices"] if wanted and after >= each and after % each == 0 else []
+    spare = held - each * wanted if wanted else held % each
+    if spare != layout.skip and 0 <= spare <= held - each:
+        fits.append(f"{spare} bytes to skip")
+    for kind in ("uint8", "int16", "float32", "float64"):
+        slice_ = layout.columns * layout.rows * np.dtype(kind).itemsize
+        whole = after == slice_ * wanted if wanted else after >= slice_ and after % slice_ == 0
+        if slice_ != each and whole:
+            fits.append(f"numbers of {kind}")
+    return fits
 
 
 # --- pictures ---------------------------------------------------------------------------
@@ -128,6 +208,49 @@ def holds_pictures(folder: Path) -> bool:
     return bool(names) and all(is_picture(path) for path in names)
 
 
+def picture_files(path: Path) -> Sequence[Path]:
+    """Lists the pictures at a path, in the order of their slices."""
+    if not path.is_dir():
+        return [path]
+    return [file for file in in_order(path.iterdir()) if is_picture(file)]
+
+
+def picture_size(path: Path) -> tuple[tuple[int, int, int], tuple[float, float] | None]:
+    """Returns the voxels along x, y, z of a stack, and its pixels [mm] where the files tell them.
+
+    Raises:
+        VolumeFormatError: The first of them cannot be read.
+    """
+    files = picture_files(path)
+    reader = simpleitk().ImageFileReader()
+    reader.SetFileName(str(files[0]))
+    try:
+        reader.ReadImageInformation()
+    except RuntimeError as error:
+        raise _damaged(files[0], error) from None
+    columns, rows, *pages = reader.GetSize()
+    across, down = reader.GetSpacing()[:2]
+    # 1 is what readers say where a file says nothing
+    told = (
+        not np.allclose((across, down), 1.0)
+        and 0.0 < min(across, down) <= max(across, down) < np.inf
+    )
+    slices = len(files) if len(files) > 1 else int(np.prod(pages, dtype=np.int64))
+    return (columns, rows, slices), (across, down) if told else None
+
+
+def picture_at(path: Path, number: int) -> NDArray[Any]:
+    """Returns one slice of a stack, shape [rows, columns].
+
+    Raises:
+        VolumeFormatError: It is damaged or coloured.
+    """
+    files = picture_files(path)
+    pages = _picture(files[number] if len(files) > 1 else files[0])
+    found: NDArray[Any] = pages[0 if len(files) > 1 else number]
+    return found
+
+
 def read_pictures(
     path: Path, *, voxel: Size | None, max_voxels: int, progress: Progress
 ) -> RawScan:
@@ -138,9 +261,7 @@ def read_pictures(
         VolumeFormatError: They are damaged, coloured, or of several sizes.
     """
     spacing = _asked(path, voxel)
-    files = [path]
-    if path.is_dir():
-        files = [file for file in in_order(path.iterdir()) if is_picture(file)]
+    files = picture_files(path)
     parts: list[NDArray[Any]] = []
     for number, file in enumerate(files):
         progress(f"reading {len(files)} pictures", number / len(files))
@@ -162,9 +283,7 @@ def _picture(file: Path) -> NDArray[Any]:
     try:
         image = sitk.ReadImage(str(file))
     except RuntimeError as error:
-        raise VolumeFormatError(
-            f"{file} cannot be read ({reason_of(error)}); allowed: complete, undamaged pictures"
-        ) from None
+        raise _damaged(file, error) from None
     values: NDArray[Any] = sitk.GetArrayFromImage(image)
     if image.GetNumberOfComponentsPerPixel() > 1:
         if (values[..., :3] != values[..., :1]).any():
@@ -173,6 +292,12 @@ def _picture(file: Path) -> NDArray[Any]:
             )
         values = values[..., 0]
     return values.reshape(-1, *values.shape[-2:])
+
+
+def _damaged(file: Path, error: RuntimeError) -> VolumeFormatError:
+    return VolumeFormatError(
+        f"{file} cannot be read ({reason_of(error)}); allowed: complete, undamaged pictures"
+    )
 
 
 # --- both -------------------------------------------------------------------------------

@@ -16,7 +16,7 @@ from palpate.labels_nrrd import is_segmentation, read_seg_nrrd
 from palpate.progress import Progress, silent
 from palpate.volume import Volume
 
-__all__ = ["Label", "Labels", "read_labels"]
+__all__ = ["Label", "Labels", "modality_of", "read_labels"]
 
 
 def read_labels(
@@ -56,12 +56,12 @@ def _read(source: Path, volume: Volume, *, resample: bool, progress: Progress) -
     if source.is_dir():
         return read_mask_folder(source, volume, resample=resample, progress=progress)
     if is_dicom(source):
-        modality = _modality(source)
+        modality = modality_of(source)
         with damage_told(source):
             if modality == "SEG":
                 return read_seg(source, volume, resample=resample, progress=progress)
             if modality == "RTSTRUCT":
-                return read_rtstruct(source, volume, progress=progress)
+                return read_rtstruct(source, volume, resample=resample, progress=progress)
         raise OptionError(
             f"{source} is DICOM of modality {modality or 'unknown'}; allowed: SEG or RTSTRUCT"
         )
@@ -70,7 +70,8 @@ def _read(source: Path, volume: Volume, *, resample: bool, progress: Progress) -
     return read_label_map(source, volume, resample=resample, progress=progress)
 
 
-def _modality(path: Path) -> str:
+def modality_of(path: Path) -> str:
+    """Returns what a DICOM file says that it is, such as "SEG"; "" where it says nothing."""
     import pydicom
 
     with damage_told(path):

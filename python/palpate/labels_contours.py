@@ -2,10 +2,12 @@
 
 A voxel belongs to a structure if its middle lies within an odd number of its contours, so that a
 contour inside another is a hole. Slices between contours take those of the nearest plane, as long
-as planes are as far apart as they usually are.
+as planes are as far apart as they usually are. Contours of a scan whose slices lie aslant to this
+one's are filled in their own planes, where both are known to have one frame of reference: each
+voxel of the scan takes what is at its centre.
 
 Frame: contours in LPS [mm]; work is done in indices of the scan, whole at the middles of voxels.
-Source: DICOM PS3.3, C.8.8.6 (ROI contour).
+Source: DICOM PS3.3, C.8.8.5 (structure set), C.8.8.6 (ROI contour), C.7.4.1 (frame of reference).
 """
 
 from __future__ import annotations
@@ -18,7 +20,8 @@ from numpy.typing import NDArray
 
 from palpate.errors import OptionError
 from palpate.io_dicom_header import damage_told
-from palpate.labels_grid import Colour, Label, Labels
+from palpate.labels_aslant import NotFlatError, filled_aslant
+from palpate.labels_grid import RESAMPLED, Colour, Label, Labels
 from palpate.polygon_fill import fill_polygons
 from palpate.progress import Progress
 from palpate.volume import Volume
@@ -36,11 +39,16 @@ Polygon = NDArray[np.float64]
 """Corners, shape [corners, 3]."""
 
 
-def read_rtstruct(path: Path, volume: Volume, *, progress: Progress) -> Labels:
+def read_rtstruct(
+    path: Path, volume: Volume, *, resample: bool = False, progress: Progress
+) -> Labels:
     """Reads the structures of a file, each as a part of the scan.
 
+    Where ``resample`` is asked for, coordinates count whatever frame of reference they are told in.
+
     Raises:
-        OptionError: Contours lie in no plane of the scan's voxels.
+        OptionError: They are told in another frame of reference than the scan's, or contours lie in
+            no plane of the scan's voxels and neither says what frame it has.
     """
     import pydicom
 
@@ -51,19 +59,47 @@ def read_rtstruct(path: Path, volume: Volume, *, progress: Progress) -> Labels:
             for roi in dataset.get("StructureSetROISequence") or []
         }
         rois = list(dataset.get("ROIContourSequence") or [])
+        frames = _frames(dataset)
+    if not resample:
+        _check_frame(path, frames, volume.traits.frame)
+    # any grid will do where both have the same coordinates
+    free = resample or frames == {volume.traits.frame}
     made: list[Label] = []
+    aslant = False
     left_out: list[str] = []
     for done, roi in enumerate(rois):
         progress(f"filling {len(rois)} structures", done / len(rois))
         name = names.get(int(roi.ReferencedROINumber), f"structure {roi.ReferencedROINumber}")
         polygons = _polygons(roi)
-        mask = filled(f"structure {name!r} of {path}", polygons, volume) if polygons else None
+        what = f"structure {name!r} of {path}"
+        mask = filled(what, polygons, volume, free=free) if polygons else None
+        aslant = aslant or (mask is not None and _axis_of(polygons, volume) is None)
         if mask is None or not mask.any():
             left_out.append(name)
         else:
             made.append(Label(volume.segment(mask, name=name), _colour(roi)))
-    said = (f"no closed contours on the scan: {', '.join(left_out)}",) if left_out else ()
-    return Labels(tuple(made), said)
+    said = [f"no closed contours on the scan: {', '.join(left_out)}"] if left_out else []
+    said += [RESAMPLED] if aslant else []
+    return Labels(tuple(made), tuple(said))
+
+
+def _frames(dataset: Dataset) -> set[str]:
+    """Returns the frames of reference that structures are told in, as far as they say."""
+    told = (
+        roi.get("ReferencedFrameOfReferenceUID")
+        for roi in dataset.get("StructureSetROISequence") or []
+    )
+    return {str(uid) for uid in told if uid}
+
+
+def _check_frame(path: Path, frames: set[str], scan: str) -> None:
+    others = frames - {scan}
+    if scan and others:
+        raise OptionError(
+            f"{path} is drawn in frame of reference {min(others)}, the scan has {scan}: one place "
+            "in the patient may have other coordinates there; allowed: structures of the scan's "
+            "frame, or of others where they are asked to be resampled as they are (--resample)"
+        )
 
 
 def _polygons(roi: Dataset) -> list[Polygon]:
@@ -82,25 +118,35 @@ def _colour(roi: Dataset) -> Colour | None:
     return red, green, blue
 
 
-def filled(what: str, polygons: list[Polygon], volume: Volume) -> NDArray[np.uint8]:
+def filled(
+    what: str, polygons: list[Polygon], volume: Volume, *, free: bool = False
+) -> NDArray[np.uint8]:
     """Returns 1 for the voxels whose middles contours enclose, shape as the scan's.
+
+    Args:
+        what: What it is, for the message.
+        polygons: Corners in the patient [mm].
+        volume: The scan.
+        free: Whether contours may lie aslant to the scan's slices.
 
     Raises:
         OptionError: A contour lies in no plane of the scan's voxels.
     """
-    index_from_patient = np.linalg.inv(volume.patient_from_grid)
-    placed = [
-        corners @ index_from_patient[:3, :3].T + index_from_patient[:3, 3] - 0.5
-        for corners in polygons
-    ]
-    # the axis along which each contour is flat
-    extents = np.array([np.ptp(corners, axis=0) for corners in placed])
-    axis = int(np.argmin(extents.max(axis=0)))
-    if extents[:, axis].max() > FLAT:
+    axis = _axis_of(polygons, volume)
+    if axis is None and not free:
         raise OptionError(
             f"{what} has contours that lie across the scan's slices; allowed: contours drawn on "
-            "slices of the scan"
+            "slices of the scan, or others where they are asked to be resampled (--resample)"
         )
+    if axis is None:
+        try:
+            return filled_aslant(polygons, volume)
+        except NotFlatError:
+            raise OptionError(
+                f"{what} has contours that lie in no plane; allowed: contours drawn on slices of "
+                "one scan"
+            ) from None
+    placed = _placed(polygons, volume)
     heights = np.array([corners[:, axis].mean() for corners in placed])
     planes, of_plane = np.unique(np.round(heights, 2), return_inverse=True)
 
@@ -120,3 +166,19 @@ def filled(what: str, polygons: list[Polygon], volume: Volume) -> NDArray[np.uin
             done = {nearest: fill_polygons(here, slices.shape[1:])}
         slices[number] = done[nearest]
     return mask
+
+
+def _placed(polygons: list[Polygon], volume: Volume) -> list[Polygon]:
+    """Returns polygons in indices of the scan, whole at the middles of voxels."""
+    index_from_patient = np.linalg.inv(volume.patient_from_grid)
+    return [
+        corners @ index_from_patient[:3, :3].T + index_from_patient[:3, 3] - 0.5
+        for corners in polygons
+    ]
+
+
+def _axis_of(polygons: list[Polygon], volume: Volume) -> int | None:
+    """Returns the axis of the scan along which each contour is flat; None where there is none."""
+    extents = np.array([np.ptp(corners, axis=0) for corners in _placed(polygons, volume)])
+    axis = int(np.argmin(extents.max(axis=0)))
+    return axis if extents[:, axis].max() <= FLAT else None

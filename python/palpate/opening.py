@@ -26,8 +26,15 @@ class Opening:
     """What a person should know of the reading."""
 
 
-def opening(path: Path, *, series: str | None = None, progress: Progress = silent) -> Opening:
-    """Reads what is at a path.
+def opening(
+    path: Path,
+    *,
+    series: str | None = None,
+    raw: str | None = None,
+    voxel_size: tuple[float, float, float] | None = None,
+    progress: Progress = silent,
+) -> Opening:
+    """Reads what is at a path, with the options of ``palpate.read``.
 
     Raises:
         PalpateError: It cannot be read.
@@ -36,7 +43,7 @@ def opening(path: Path, *, series: str | None = None, progress: Progress = silen
     if is_scene(path):
         saved = open_scene(path, progress=progress)
         return Opening(saved.scene(), saved, saved.told)
-    return opening_of(read(path, series=series, progress=progress))
+    return opening_of(read(path, series=series, raw=raw, voxel_size=voxel_size, progress=progress))
 
 
 def opening_of(volume: Volume) -> Opening:

@@ -66,16 +66,17 @@ class ProjectionStack:
 
 
 def are_projections(path: Path) -> bool:
-    """Says whether a path is projections by its name, or by being many TIFFs."""
+    """Says whether a path is projections by its name, or by that of its TIFFs."""
     tiffs = _tiffs(path)
     if tiffs:
-        return len(tiffs) >= LEAST_IMAGES
+        told = TOLD.search(path.name) or TOLD.search(tiffs[0].name)
+        return told is not None and len(tiffs) >= LEAST_IMAGES
     named = _file(path)
-    if named is None:
+    if named is None or TOLD.search(named.name) is None:
         return False
     if named.suffix.lower() in TIFFS:
         return _shape_of(_opened([named]), 1)[0] >= LEAST_IMAGES
-    return named.name.lower().endswith(IMAGES) and TOLD.search(named.name) is not None
+    return named.name.lower().endswith(IMAGES)
 
 
 def stack_at(path: Path) -> ProjectionStack:

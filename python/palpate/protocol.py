@@ -17,10 +17,13 @@ from palpate.protocol_matter import (
     Displaced,
     MaterialPreset,
     MatterParts,
+    MatterRegion,
     MatterState,
     SegmentMaterial,
     SetDeformation,
+    SetForceSource,
     SetMaterial,
+    SetRegions,
     ShowParts,
 )
 from palpate.protocol_outline import FillOutline, Outline, TraceLevel, Wire
@@ -109,6 +112,7 @@ from palpate.protocol_types import (
     BeforeOrAfter,
     Colour,
     Coordinate,
+    ForceSource,
     Friction,
     GridPlace,
     Index,
@@ -131,6 +135,7 @@ from palpate.protocol_types import (
     SurfaceSource,
     TissueName,
     ToolKind,
+    Treatment,
     Value,
     Vector,
 )
@@ -158,6 +163,7 @@ __all__ = [
     "Fence",
     "FillOutline",
     "FollowEdits",
+    "ForceSource",
     "FoundRegistration",
     "Friction",
     "FromPage",
@@ -172,6 +178,7 @@ __all__ = [
     "Index",
     "MaterialPreset",
     "MatterParts",
+    "MatterRegion",
     "MatterState",
     "Message",
     "ModelName",
@@ -219,7 +226,9 @@ __all__ = [
     "SegmentWork",
     "Segments",
     "SetDeformation",
+    "SetForceSource",
     "SetMaterial",
+    "SetRegions",
     "Settings",
     "SettingsChanged",
     "ShapeKind",
@@ -243,6 +252,7 @@ __all__ = [
     "ToolKind",
     "ToolState",
     "TraceLevel",
+    "Treatment",
     "TurnGrabbed",
     "Undo",
     "UndoRegistration",
@@ -302,7 +312,9 @@ FromPage = (
     | SegmentProperties
     | SegmentFeel
     | SetMaterial
+    | SetRegions
     | SetDeformation
+    | SetForceSource
     | ShowParts
     | MoveSegment
     | Grab

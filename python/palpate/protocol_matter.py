@@ -6,7 +6,17 @@ from typing import Annotated
 
 import msgspec
 
-from palpate.protocol_types import Message, ModelName, Name, NodeCount, SegmentId, Vector
+from palpate.protocol_types import (
+    ForceSource,
+    GridPlace,
+    Message,
+    ModelName,
+    Name,
+    NodeCount,
+    SegmentId,
+    Treatment,
+    Vector,
+)
 
 __all__ = [
     "Boxes",
@@ -15,10 +25,13 @@ __all__ = [
     "Displaced",
     "MaterialPreset",
     "MatterParts",
+    "MatterRegion",
     "MatterState",
     "SegmentMaterial",
     "SetDeformation",
+    "SetForceSource",
     "SetMaterial",
+    "SetRegions",
     "ShowParts",
 ]
 
@@ -45,6 +58,18 @@ class SegmentMaterial(msgspec.Struct, frozen=True):
     preset: Name | None
     low: Constants
     high: Constants
+
+
+class MatterRegion(msgspec.Struct, frozen=True):
+    """Some of a segment that takes part in its own way; all of it where nothing else is told.
+
+    ``shared_with``: what belongs to that other segment too. ``box``: voxels (x, y, z) from the
+    first to one past the last. At most one of them is told.
+    """
+
+    treatment: Treatment
+    shared_with: SegmentId | None
+    box: tuple[GridPlace, GridPlace] | None
 
 
 class MaterialPreset(msgspec.Struct, frozen=True):
@@ -79,13 +104,15 @@ class MatterState(msgspec.Struct, frozen=True):
     """Matter that gives way: ``model`` is the one at work, null where all is hard.
 
     ``edge`` counts nodes or cells along each edge of its box, null for as many as usual.
-    ``force`` is that of the matter on the tool [N, scene], ``answers`` counts the model's answers.
+    ``force`` is that of the matter on the tool [N, scene], felt where ``force_source`` says so;
+    ``answers`` counts the model's answers.
     While the next one is ``late``, matter is as hard as its voxels. ``nodes`` take part in the
     last answer; since the start ``bonds_broken`` bonds broke, which took ``work_broken`` [mJ].
     """
 
     model: ModelName | None
     edge: int | None
+    force_source: ForceSource
     force: Vector
     answers: int
     late: bool
@@ -136,6 +163,16 @@ class SetMaterial(Message, frozen=True, tag="set_material"):
     undoable: bool
 
 
+class SetRegions(Message, frozen=True, tag="set_regions"):
+    """Tells how regions of a segment take part: of several that hold a voxel the last counts.
+
+    What is in none gives way.
+    """
+
+    id: SegmentId
+    regions: Annotated[list[MatterRegion], msgspec.Meta(max_length=256)]
+
+
 class SetDeformation(Message, frozen=True, tag="set_deformation"):
     """Chooses the model by which matter gives way, null makes all hard, and the edge of its box.
 
@@ -146,6 +183,12 @@ class SetDeformation(Message, frozen=True, tag="set_deformation"):
     model: ModelName | None
     edge: Annotated[int, msgspec.Meta(ge=1, le=1001)] | None
     undoable: bool
+
+
+class SetForceSource(Message, frozen=True, tag="set_force_source"):
+    """Chooses what a tool feels of matter that gives way."""
+
+    source: ForceSource
 
 
 class ShowParts(Message, frozen=True, tag="show_parts"):

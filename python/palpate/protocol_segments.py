@@ -6,7 +6,7 @@ from typing import Annotated
 
 import msgspec
 
-from palpate.protocol_matter import SegmentMaterial
+from palpate.protocol_matter import MatterRegion, SegmentMaterial
 from palpate.protocol_types import (
     Colour,
     Friction,
@@ -70,9 +70,10 @@ class Segment(msgspec.Struct, frozen=True):
     the segment's ``id`` (1..255). ``made_by`` is the threshold that made it, whatever edits
     did since; null where none did. ``pose`` takes the segment from where the scan has it to
     where it stands; null where it was not moved. ``bounds`` are the voxels that hold it, half
-    open; null where it is empty. ``material`` is null where it is hard. ``grid`` is the
-    ``patient_from_grid`` of its voxels where they are not the scan's. ``opacity``,
-    ``smoothing``, ``surface_from`` and ``wireframe`` are those of its surface.
+    open; null where it is empty. ``material`` is null where it is hard; ``regions`` are those that
+    take part in their own way. ``grid`` is the ``patient_from_grid`` of its voxels where they are
+    not the scan's. ``opacity``, ``smoothing``, ``surface_from`` and ``wireframe`` are those of its
+    surface.
     """
 
     id: SegmentId
@@ -87,6 +88,7 @@ class Segment(msgspec.Struct, frozen=True):
     pending: bool
     feel: Feel
     material: SegmentMaterial | None
+    regions: list[MatterRegion]
     pose: Pose | None
     bounds: tuple[GridPlace, GridPlace] | None
     grid: Pose | None

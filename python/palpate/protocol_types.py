@@ -14,6 +14,7 @@ __all__ = [
     "BeforeOrAfter",
     "Colour",
     "Coordinate",
+    "ForceSource",
     "Friction",
     "GridPlace",
     "Index",
@@ -36,6 +37,7 @@ __all__ = [
     "SurfaceSource",
     "TissueName",
     "ToolKind",
+    "Treatment",
     "Value",
     "Vector",
 ]
@@ -120,6 +122,12 @@ TissueName = Literal["skin", "fat", "muscle", "liver"]
 NeedleEventKind = Literal["punctured", "crossed", "stopped", "withdrawn"]
 """What happens to a needle: it goes into a segment, comes into one that it has punctured or out of
 all, comes to one that stops it, or is out."""
+
+Treatment = Literal["deformable", "rigid", "empty"]
+"""How matter takes part: it gives, stays where it is, or is as if it were not there."""
+
+ForceSource = Literal["matter", "voxels"]
+"""What a tool feels of matter that gives way: the model's force, or its voxels until they move."""
 
 ModelName = Annotated[str, msgspec.Meta(min_length=1, max_length=40)]
 """A model of deformation."""

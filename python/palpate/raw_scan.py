@@ -33,6 +33,8 @@ class RawScan:
     modality: str = ""
     unit: str = ""
     series: str = ""
+    frame: str = ""
+    """FrameOfReferenceUID, for DICOM."""
     orientation_known: bool = True
     file_scale: Scale | None = None
     warnings: list[str] = field(default_factory=list)

@@ -28,6 +28,10 @@ class Recent(msgspec.Struct, frozen=True):
     name: str
     when: str
     """ISO 8601, local time with its offset."""
+    raw: str | None = None
+    """Layout of raw voxels, as ``palpate.read`` takes it."""
+    voxel_size: tuple[float, float, float] | None = None
+    """Where the files do not tell it [mm]."""
 
 
 def recent_scans() -> list[Recent]:
@@ -41,9 +45,17 @@ def note_recent(volume: Volume, path: Path | None = None) -> None:
     if path is None and source is None:
         return
     place = path if path is not None else source.path if source is not None else Path()
-    series = None if path is not None or source is None else source.options.get("series")
+    options = {} if path is not None or source is None else source.options
+    series = options.get("series")
     when = datetime.now().astimezone().isoformat(timespec="seconds")
-    newest = Recent(str(place.resolve()), series, volume.name, when)
+    newest = Recent(
+        str(place.resolve()),
+        series,
+        volume.name,
+        when,
+        raw=options.get("raw"),
+        voxel_size=options.get("voxel_size"),
+    )
     others = [one for one in _kept() if (one.path, one.series) != (newest.path, series)]
     _keep([newest, *others][:MOST])
 

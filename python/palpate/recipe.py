@@ -1,9 +1,9 @@
 """Recipes: a scan, its segments and what is written of them, in one file.
 
 A recipe is YAML. Its keys are the stages of the pipeline (thesis 2.2.1), theirs the options of the
-commands: ``import``, ``register``, ``segment``, ``surface``, ``export``; and where the ``report``
-goes. Files stand beside the recipe. All of it is checked before anything is read, with the line of
-what is wrong.
+commands: ``import`` or ``reconstruct``, ``register``, ``segment``, ``surface``, ``export``; and
+where the ``report`` goes. Files stand beside the recipe. All of it is checked before anything is
+read, with the line of what is wrong.
 """
 
 from __future__ import annotations
@@ -13,80 +13,39 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
 
 import msgspec
 import yaml
 
-from palpate.cli_open import parse_voxel_size
+from palpate.cli_reading import parse_voxel_size
 from palpate.cli_surface import check_target
 from palpate.errors import OptionError, PalpateError
-from palpate.export import Kind, check_export, kind_of
+from palpate.export import check_export, kind_of
 from palpate.export_image import IMAGE_SUFFIXES
-from palpate.registration_options import Kind as RegistrationKind
-from palpate.registration_options import Metric
+from palpate.projections import stack_at
+from palpate.recipe_steps import (
+    ExportStep,
+    ImportStep,
+    ReconstructStep,
+    RegisterStep,
+    SurfaceStep,
+)
+from palpate.reconstruction import missing_library
+from palpate.reconstruction_request import grid_of
 from palpate.segment_request import SegmentRequest
 
-__all__ = ["ExportStep", "ImportStep", "Recipe", "RegisterStep", "SurfaceStep", "read_recipe"]
+__all__ = ["Recipe", "read_recipe"]
 
 MOST_BYTES = 1 << 20
 """A larger file is no recipe."""
 
 
-class Step(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, rename="kebab"):
-    """Base of all steps: options under their names."""
-
-
-class ImportStep(Step, frozen=True, kw_only=True):
-    """The scan, as for ``palpate import``."""
-
-    path: Path
-    series: str | int | None = None
-    orientation: str | None = None
-    unit: str | None = None
-    fill: float | None = None
-    raw: str | None = None
-    voxel_size: str | None = None
-
-
-class RegisterStep(Step, frozen=True, kw_only=True):
-    """Another scan that is brought to the first one, as by ``palpate register``."""
-
-    moving: Path
-    moving_series: str | int | None = None
-    kind: RegistrationKind = "rigid"
-    metric: Metric = "mutual-information"
-    start: Literal["geometry", "centre", "moments"] = "centre"
-    output: Path | None = None
-    resampled: Path | None = None
-    picture: Path | None = None
-    go_on_with: Literal["fixed", "moving"] = "fixed"
-    """The scan that segments are made of: ``moving`` on the grid of the first one."""
-
-
-class SurfaceStep(Step, frozen=True, kw_only=True):
-    """A surface, as of ``palpate surface export``; the only segment where none is named."""
-
-    out: Path
-    segment: str | None = None
-    smoothing: int | None = None
-    step: int | None = None
-    source: Literal["intensities", "bits"] = msgspec.field(default="intensities", name="from")
-
-
-class ExportStep(Step, frozen=True, kw_only=True):
-    """A file for other programs, as of ``palpate export``."""
-
-    out: Path
-    kind: Kind | None = msgspec.field(default=None, name="as")
-    only: list[str] | None = None
-    keep_identity: bool = False
-
-
 class Recipe(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """What is to be done, in this order."""
 
-    scan: ImportStep = msgspec.field(name="import")
+    scan: ImportStep | None = msgspec.field(default=None, name="import")
+    reconstruct: ReconstructStep | None = None
+    """In the place of ``import``."""
     register: RegisterStep | None = None
     segment: list[SegmentRequest]
     surface: list[SurfaceStep] = []
@@ -137,7 +96,9 @@ def read_recipe(path: Path) -> Recipe:
         raise OptionError(f"{path}, line {line}: {error.problem or error.context}") from None
     except (yaml.YAMLError, UnicodeDecodeError, RecursionError) as error:
         raise OptionError(f"{path} is no YAML: {error}") from None
-    source = Source(path, dict(_lines(root, "$")) if root is not None else {})
+    if root is None:
+        raise OptionError(f"{path} is empty; allowed: a recipe, as `palpate run --help` shows one")
+    source = Source(path, dict(_lines(root, "$")))
     _refuse_twice(root, "$", source)
     folder = path.parent
 
@@ -173,6 +134,7 @@ def _told(error: Exception, source: Source) -> OptionError:
 def _kind_at(where: str) -> type[msgspec.Struct]:
     kinds: dict[str, type[msgspec.Struct]] = {
         "import": ImportStep,
+        "reconstruct": ReconstructStep,
         "register": RegisterStep,
         "segment": SegmentRequest,
         "surface": SurfaceStep,
@@ -184,10 +146,7 @@ def _kind_at(where: str) -> type[msgspec.Struct]:
 
 def _check(recipe: Recipe, source: Source) -> None:
     """Refuses what could not be done, whatever the scan is like."""
-    if not recipe.scan.path.exists():
-        raise source.wrong("$.import.path", f"{recipe.scan.path} does not exist")
-    with source.at("$.import.voxel-size"):
-        parse_voxel_size(recipe.scan.voxel_size)
+    _check_scan(recipe, source)
     if recipe.register is not None:
         _check_register(recipe.register, source)
     if not recipe.segment:
@@ -208,6 +167,32 @@ def _check(recipe: Recipe, source: Source) -> None:
         with source.at("$.report"):
             check_target(recipe.report, (".html",))
     _refuse_same_file(recipe, source)
+
+
+def _check_scan(recipe: Recipe, source: Source) -> None:
+    if (recipe.scan is None) == (recipe.reconstruct is None):
+        given = "neither" if recipe.scan is None else "both"
+        raise source.wrong("$", f"{given} given; allowed: 'import' or 'reconstruct', one of both")
+    if recipe.scan is not None:
+        if not recipe.scan.path.exists():
+            raise source.wrong("$.import.path", f"{recipe.scan.path} does not exist")
+        with source.at("$.import.voxel-size"):
+            parse_voxel_size(recipe.scan.voxel_size)
+    if recipe.reconstruct is not None:
+        _check_reconstruct(recipe.reconstruct, source)
+
+
+def _check_reconstruct(step: ReconstructStep, source: Source) -> None:
+    with source.at("$.reconstruct.path"):
+        stack = stack_at(step.path)
+    with source.at("$.reconstruct"):
+        grid_of(stack, step.request())
+        missing = missing_library(step.beam)
+        if missing is not None:
+            raise OptionError(missing)
+    if step.output is not None:
+        with source.at("$.reconstruct.output"):
+            check_target(step.output, IMAGE_SUFFIXES)
 
 
 def _check_register(step: RegisterStep, source: Source) -> None:
@@ -243,8 +228,10 @@ def _names(recipe: Recipe) -> list[str] | None:
 
 
 def _refuse_same_file(recipe: Recipe, source: Source) -> None:
-    register = recipe.register
+    register, reconstruct = recipe.register, recipe.reconstruct
+    output = None if reconstruct is None else reconstruct.output
     places = [
+        *([] if output is None else [("$.reconstruct.output", output)]),
         *(
             (f"$.register.{name}", path)
             for name in ("output", "resampled", "picture")
@@ -254,7 +241,9 @@ def _refuse_same_file(recipe: Recipe, source: Source) -> None:
         *((f"$.export[{n}].out", step.out) for n, step in enumerate(recipe.export)),
         *([("$.report", recipe.report)] if recipe.report is not None else []),
     ]
-    written: set[Path] = {recipe.scan.path.resolve()}
+    written: set[Path] = {
+        step.path.resolve() for step in (recipe.scan, reconstruct) if step is not None
+    }
     if register is not None:
         written.add(register.moving.resolve())
     for where, path in places:

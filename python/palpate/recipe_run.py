@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from palpate.cli_open import parse_voxel_size
+from palpate.cli_reading import parse_voxel_size
 from palpate.cli_surface import choose_segment
 from palpate.errors import OptionError
 from palpate.export import export_scene
@@ -12,8 +12,10 @@ from palpate.export_image import write_scan
 from palpate.io import read
 from palpate.mesh_write import write_mesh
 from palpate.progress import Progress, silent
-from palpate.recipe import Recipe, RegisterStep
+from palpate.recipe import Recipe
 from palpate.recipe_report import write_report
+from palpate.recipe_steps import RegisterStep
+from palpate.reconstruction_request import reconstruct_file
 from palpate.registration import register
 from palpate.registration_report import report_of, sentence_of, write_checkerboard
 from palpate.scene import Scene
@@ -35,19 +37,9 @@ def run_recipe(
         PalpateError: A step cannot be done; files of steps before it stay.
         OSError: The disk refuses a file.
     """
-    step = recipe.scan
-    volume = read(
-        step.path,
-        series=None if step.series is None else str(step.series),
-        orientation=step.orientation,
-        unit=step.unit,
-        fill=step.fill,
-        raw=step.raw,
-        voxel_size=parse_voxel_size(step.voxel_size),
-        progress=progress,
-    )
-    told = list(volume.warnings)
     written: list[Path] = []
+    volume = _scan(recipe, written, progress)
+    told = list(volume.warnings)
     if recipe.register is not None:
         volume = _registered(volume, recipe.register, log=(told, written), progress=progress)
     scene = Scene(volume)
@@ -81,6 +73,30 @@ def run_recipe(
         write_report(scene, recipe.report, written=written, told=told)
         written.append(recipe.report)
     return scene, written, told
+
+
+def _scan(recipe: Recipe, written: list[Path], progress: Progress) -> Volume:
+    """Returns the scan that a recipe begins with: read, or made of projections."""
+    if recipe.reconstruct is not None:
+        made = recipe.reconstruct
+        volume = reconstruct_file(made.path, made.request(), name=made.path.stem, progress=progress)
+        if made.output is not None:
+            write_scan(volume, made.output)
+            written.append(made.output)
+        return volume
+    step = recipe.scan
+    if step is None:
+        raise OptionError("no scan given; allowed: 'import' or 'reconstruct'")
+    return read(
+        step.path,
+        series=None if step.series is None else str(step.series),
+        orientation=step.orientation,
+        unit=step.unit,
+        fill=step.fill,
+        raw=step.raw,
+        voxel_size=parse_voxel_size(step.voxel_size),
+        progress=progress,
+    )
 
 
 def _registered(

@@ -1,5 +1,7 @@
 """Reconstruction: a scan from projections, by filtered back-projection in a library (RTK).
 
+Without the library parallel beams are still taken (``parallel_beams``), in more time.
+
 Parallel beams (Ramachandran and Lakshminarayanan, PNAS 68(9), 1971), and cone beams from a source
 that goes round in a circle (Feldkamp, Davis and Kress, JOSA A 1(6), 1984; Rit et al., J. Phys.:
 Conf. Ser. 489, 2014): projections are weighted, sharpened by a ramp filter, and smeared back along
@@ -23,8 +25,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate.errors import OptionError
+from palpate.parallel_beams import back_projected
 from palpate.progress import Progress, silent
-from palpate.scanner import BEAMS, Beam, Scanner, fitted_grid
+from palpate.scanner import BEAMS, Beam, Grid, Scanner, fitted_grid
 from palpate.stored import to_stored
 from palpate.volume import Volume, VolumeTraits
 
@@ -32,6 +35,7 @@ __all__ = ["BEAMS", "WATER", "Beam", "Scanner", "missing_library", "reconstruct"
 
 WATER = 0.0206
 """Attenuation of water at 60 keV [1/mm] (NIST, Hubbell and Seltzer)."""
+TOLD = "RTK is not installed; allowed: with it (`pip install 'palpate[reconstruct]'`)"
 FAR = 1e6
 """Of a source whose beams count as parallel [mm]."""
 AT_ONCE = 8
@@ -40,17 +44,16 @@ AT_ONCE = 8
 Values = NDArray[np.float32]
 
 
-def missing_library() -> str | None:
-    """Says how RTK is installed; None where it is."""
+def missing_library(beam: Beam = "cone") -> str | None:
+    """Says how RTK is installed; None where it is, or where beams do not need it."""
+    return None if beam == "parallel" or _has_rtk() else TOLD
+
+
+def _has_rtk() -> bool:
     try:
-        there = find_spec("itk") is not None and find_spec("itk.RTKPython") is not None
+        return find_spec("itk") is not None and find_spec("itk.RTKPython") is not None
     except (ImportError, ValueError):
-        there = False
-    return (
-        None
-        if there
-        else ("RTK is not installed; allowed: with it (`pip install 'palpate[reconstruct]'`)")
-    )
+        return False
 
 
 def reconstruct(
@@ -89,6 +92,19 @@ def reconstruct(
         raise OptionError(f"hann {hann:g} given; allowed: 0 to 1")
     if not np.isfinite(given).all():
         raise OptionError("projections with NaN or infinite values given; allowed: finite ones")
+    if scanner.beam == "parallel" and not _has_rtk():
+        found = back_projected(given, scanner, grid, hann=hann, progress=progress)
+    else:
+        found = _by_rtk(given, scanner, grid, hann=hann, progress=progress)
+    progress("storing values as 16 bits", None)
+    return _scan(found, grid.voxel, water=water, name=name)
+
+
+def _by_rtk(
+    given: Values, scanner: Scanner, grid: Grid, *, hann: float, progress: Progress
+) -> Values:
+    """Returns attenuation [1/mm], shape [z, y, x] of the patient."""
+    count = len(given)
     # its modules are large: the first time may take half a minute
     progress("loading RTK", None)
     rtk = _Rtk(scanner)
@@ -98,13 +114,11 @@ def reconstruct(
     # patient to device: x, z, y
     image = rtk.empty((x, z, y), (grid.voxel[0], grid.voxel[2], grid.voxel[1]))
     for first in range(0, len(angles), AT_ONCE):
-        progress(f"reconstructing from {len(projections)} projections", first / len(angles))
+        progress(f"reconstructing from {count} projections", first / len(angles))
         some = slice(first, first + AT_ONCE)
         image = rtk.smeared_back(rtk.sharpened(weighted[some], hann), angles[some], onto=image)
     # [z, y, x] of the device to [z, y, x] of the patient, whose back lies toward -z
-    upright = np.transpose(rtk.values(image), (1, 0, 2))[:, ::-1]
-    progress("storing values as 16 bits", None)
-    return _scan(upright, grid.voxel, water=water, name=name)
+    return np.transpose(rtk.values(image), (1, 0, 2))[:, ::-1]
 
 
 def _scan(
@@ -144,9 +158,8 @@ class _Rtk:
         Raises:
             OptionError: It is not installed.
         """
-        missing = missing_library()
-        if missing is not None:
-            raise OptionError(missing)
+        if not _has_rtk():
+            raise OptionError(TOLD)
         self._itk = import_module("itk")
         self._rtk = self._itk.RTK
         self._kind = self._itk.Image[self._itk.F, 3]

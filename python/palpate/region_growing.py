@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -125,6 +126,14 @@ def grow(
     return mask
 
 
+def _extent(volume: Volume) -> str:
+    """Says where a scan lies in the patient, in whole mm."""
+    corners = np.array(list(product(*((0.0, float(edge)) for edge in volume.dimensions))))
+    places = corners @ volume.patient_from_grid[:3, :3].T + volume.patient_from_grid[:3, 3]
+    ends = zip("xyz", places.min(axis=0), places.max(axis=0), strict=True)
+    return ", ".join(f"{axis} from {low:.0f} to {high:.0f}" for axis, low, high in ends)
+
+
 def _places(volume: Volume, seeds: Sequence[Sequence[float]]) -> list[NDArray[np.int64]]:
     """Returns the voxels of seeds, z, y, x."""
     if not seeds:
@@ -135,7 +144,10 @@ def _places(volume: Volume, seeds: Sequence[Sequence[float]]) -> list[NDArray[np
         grid = grid_from_patient[:3, :3] @ np.asarray(seed, np.float64) + grid_from_patient[:3, 3]
         if not ((grid >= 0.0) & (grid < volume.dimensions)).all():
             told = ", ".join(f"{c:g}" for c in seed)
-            raise OptionError(f"seed {told} mm lies outside of {volume!r}; allowed: points in it")
+            raise OptionError(
+                f"seed {told} mm lies outside of {volume.name}; allowed: points in it, "
+                f"{_extent(volume)}"
+            )
         places.append(np.floor(grid[::-1]).astype(np.int64))
     return places
 

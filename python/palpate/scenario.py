@@ -63,6 +63,9 @@ DRILL_STIFFNESS = 4.0
 ENERGY_ANYWHERE = 1300.0
 """Work of a drill where values are no HU: that of cortical bone [mJ/mm³]."""
 
+LONGEST = 1000.0
+"""Of what is given as a length [mm]."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Body:
@@ -179,6 +182,7 @@ def run_drilling(
     Raises:
         OptionError: No bone is met from the front, or an option is not allowed.
     """
+    _check_lengths(depth=depth, radius=radius)
     volume = body.volume
     # a ball is held off by up to a voxel
     margin = radius + 1.25 * max(volume.spacing)
@@ -231,6 +235,7 @@ def run_palpation(
     Raises:
         OptionError: There is no such line, or an option is not allowed.
     """
+    _check_lengths(voxel=voxel, length=length, depth=depth, radius=radius)
     masks = {"soft tissue": body.all_soft, "bone": body.bone}
     volume, masks = merged(body.volume, masks, size=voxel)
     itself = _largest_part(masks["soft tissue"] | masks["bone"], volume)
@@ -249,6 +254,13 @@ def run_palpation(
         depth=depth,
         progress=progress,
     )
+
+
+def _check_lengths(**lengths: float | None) -> None:
+    """Refuses what is no length [mm]."""
+    for name, length in lengths.items():
+        if length is not None and not 0.0 < length <= LONGEST:
+            raise OptionError(f"{name} {length:g} mm given; allowed: above 0, at most {LONGEST:g}")
 
 
 def _largest_part(mask: Mask, volume: Volume) -> Mask:

@@ -229,4 +229,7 @@ def read_run(path: Path) -> ScenarioRun:
             }
         )
     except (KeyError, TypeError, ValueError, AttributeError) as error:
-        raise OptionError(f"{path} is no scenario's file ({error!r}); allowed: --json's") from None
+        raise OptionError(
+            f"{path} is no scenario's file ({error}); allowed: what `palpate scenario NAME --json "
+            "FILE` has written"
+        ) from None

@@ -23,16 +23,15 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import msgspec
-import numpy as np
 
 from palpate.errors import PalpateError, SceneFormatError
 from palpate.journal import journal_place
-from palpate.material import Material
 from palpate.package_version import package_version
 from palpate.progress import Progress, silent
 from palpate.scan_hash import scan_hash
 from palpate.scene import Scene
 from palpate.scene_archive import member, opened
+from palpate.scene_matter import SavedMatter, restore_matter, saved_matter
 from palpate.scene_scan import (
     SavedScan,
     check_same,
@@ -58,21 +57,11 @@ MOST_SEGMENTS_BYTES = 1 << 31
 ABOUT, SEGMENTS, SCAN, SECOND = "scene.json", "segments.journal", "scan.i16", "second.i16"
 
 
-class _Material(msgspec.Struct, frozen=True):
-    segment: int
-    preset: str | None
-    constants: list[float | None] | None
-    """Fields of ``Material``; None is infinite."""
-
-
-class _About(msgspec.Struct, frozen=True):
+class _About(SavedMatter, frozen=True, kw_only=True):
     format: str
     version: str
     scan: SavedScan
     looks: msgspec.Raw
-    materials: list[_Material]
-    model: str | None
-    edge: int | None
     view: dict[str, Any] | None
     second: SavedSecond | None = None
 
@@ -122,9 +111,7 @@ class SavedScene:
             session.end_journal()
         if lost:
             raise SceneFormatError(f"{self.path}: {SEGMENTS} is damaged: {lost} bytes are missing")
-        for each in self.about.materials:
-            session.set_material(each.segment, _given_material(each), undoable=False)
-        session.set_deformation(self.about.model, edge=self.about.edge, undoable=False)
+        restore_matter(session, self.about)
 
 
 def save_scene(
@@ -151,17 +138,14 @@ def save_scene(
     second = session.scene.second
     copied = copy or volume.source is None
     second_copied = second is not None and (copy or second.volume.source is None)
-    state = session.deformation()
     about = _About(
         format=FORMAT,
         version=package_version(),
         scan=saved_scan(volume, path, copied=copied),
         looks=msgspec.Raw(looks),
-        materials=[made for each in session.segments() if (made := _material_of(each)) is not None],
-        model=state["model"],
-        edge=state["edge"],
         view=None if view is None else dict(view),
         second=None if second is None else saved_second(second, path, copied=second_copied),
+        **saved_matter(session),
     )
     with TemporaryDirectory(prefix="palpate-") as folder:
         journal = Path(folder) / SEGMENTS
@@ -236,22 +220,6 @@ def _second(
 
 def _write_values(archive: zipfile.ZipFile, name: str, volume: Volume) -> None:
     archive.writestr(name, volume.array.astype("<i2", copy=False).tobytes())
-
-
-def _material_of(state: dict[str, Any]) -> _Material | None:
-    material = state["material"]
-    if material is None:
-        return None
-    if material["preset"] is not None:
-        return _Material(segment=state["id"], preset=material["preset"], constants=None)
-    constants = [number if np.isfinite(number) else None for number in material["low"]]
-    return _Material(segment=state["id"], preset=None, constants=constants)
-
-
-def _given_material(saved: _Material) -> Material | str | None:
-    if saved.constants is None:
-        return saved.preset
-    return Material(*(np.inf if number is None else number for number in saved.constants))
 
 
 def _about(path: Path, archive: zipfile.ZipFile) -> _About:

@@ -92,10 +92,7 @@ class SegmentRequest(
         for _, file in self._others():
             if not file.exists():
                 raise FileNotFoundError(f"{file} does not exist; allowed: a file with segments")
-        if self.threshold in PRESETS:
-            return
-        if self.threshold is not None:
-            parse_threshold(str(self.threshold))
+        self._check_threshold()
 
     def make(self, volume: Volume, *, progress: Progress = silent) -> Made:
         """Makes what is asked for out of a scan.
@@ -150,6 +147,14 @@ class SegmentRequest(
             return [volume.threshold(*bounds, name="threshold")], ()
         points = [parse_point(point) for point in self.grow]
         return [grown(volume, points, growing=self._growing, progress=progress)], ()
+
+    def _check_threshold(self) -> None:
+        given = None if self.threshold is None else str(self.threshold)
+        if given is not None and given[:1].isalpha():
+            # a word that is no preset is told those that are
+            preset_range(given, unit="HU")
+        else:
+            parse_threshold(given)
 
     def _bounds(self, volume: Volume) -> tuple[float, float | None] | None:
         if isinstance(self.threshold, str) and self.threshold in PRESETS:

@@ -130,6 +130,8 @@ def serve(
 ) -> None:
     """Serves a workbench until the process is asked to end; then stops what is open on it.
 
+    It ends by itself where what the workbench waits for cannot be read.
+
     Args:
         workbench: What is shown.
         listener: Where to answer.
@@ -147,6 +149,7 @@ def serve(
             f"port {access.port} cannot be used ({error.strerror}); allowed: a free port"
         ) from None
     server = make_server(make_app(workbench, access=access), ready=ready)
+    workbench.given_up = server.end
     timer = Timer(seconds or 0.0, server.end)
     if seconds is not None:
         timer.start()

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 from palpate.errors import OptionError
 from palpate.labels import Labels
-from palpate.labels_map import ENDINGS
 from palpate.scene import MOST_SEGMENTS
 from palpate.server_live import Live
 
-__all__ = ["add_labels", "labels_in"]
+__all__ = ["add_labels"]
 
 
 def add_labels(live: Live, found: Labels) -> None:
@@ -32,11 +29,3 @@ def add_labels(live: Live, found: Labels) -> None:
         f"{'One segment was' if one else f'{count} segments were'} added: "
         f"undo takes {'it back' if one else 'them back one by one'}.",
     )
-
-
-def labels_in(place: Path) -> Path:
-    """Returns what of a drop holds labels: the only image where there is one, beside its table."""
-    if not place.is_dir():
-        return place
-    images = [path for path in place.iterdir() if path.name.lower().endswith(ENDINGS)]
-    return images[0] if len(images) == 1 else place

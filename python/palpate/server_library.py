@@ -13,13 +13,12 @@ from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, TypeVar
 
 import msgspec
 from anyio import from_thread
 from starlette.concurrency import run_in_threadpool
 from starlette.requests import Request
-from starlette.responses import PlainTextResponse, Response
+from starlette.responses import Response
 from starlette.routing import Route, Router
 from starlette.types import ASGIApp, Receive, Scope, Send
 
@@ -27,13 +26,16 @@ from palpate.errors import OptionError, PalpateError, SeriesChoiceError
 from palpate.io import read
 from palpate.io_dicomweb_address import is_web_address
 from palpate.labels import read_labels
+from palpate.labels_kind import labels_in
 from palpate.opening import is_scene, opening, opening_of
 from palpate.progress import Progress
 from palpate.recent import Recent, forget_recent, note_recent, recent_scans
 from palpate.second_scan import placed
+from palpate.server_answers import answered, as_json, body_of
+from palpate.server_bare import WantedLayout, layout_told
 from palpate.server_finds import Finds, Place, WantedFind, WantedScan, WantedSegments, path_of
 from palpate.server_job import Job, Tell
-from palpate.server_labels import add_labels, labels_in
+from palpate.server_labels import add_labels
 from palpate.server_open_scan import OpenScan
 from palpate.server_reconstruction import WantedReconstruction, grid_told, made_of
 from palpate.server_upload import (
@@ -46,15 +48,10 @@ from palpate.server_workbench import Workbench
 
 __all__ = ["Library"]
 
-MOST_BODY_BYTES = 1 << 24
-"""Of a list of files that will come: 50 000 names."""
-
 PASSING = "its files are a copy that goes when it is closed: a saved scene has the scan in it"
 """Said of a scan that was dropped, or came from a server."""
 MADE = "it is in no file: a saved scene has the scan in it, and Export writes it"
 """Said of a scan that was reconstructed."""
-
-Wanted = TypeVar("Wanted")
 
 Files = TemporaryDirectory[str]
 """Of a scan, for as long as it is open."""
@@ -68,6 +65,8 @@ class About(msgspec.Struct, frozen=True):
 
     scan: str | None
     """Name of the open scan."""
+    coming: str | None
+    """Name of what is being read, to be shown once it is."""
     changed: bool
     """Whether it has changes."""
     kept: bool
@@ -90,16 +89,18 @@ class Library:
         self._finds = Finds()
         self._routes = Router(
             [
-                Route("/", _answered(self._about)),
-                Route("/find", _answered(self._find), methods=["POST"]),
-                Route("/open", _answered(self._open), methods=["POST"]),
-                Route("/reconstruct", _answered(self._reconstruct), methods=["POST"]),
-                Route("/reconstruct/grid", _answered(self._grid), methods=["POST"]),
-                Route("/segments", _answered(self._segments), methods=["POST"]),
-                Route("/uploads", _answered(self._begin_upload), methods=["POST"]),
-                Route("/uploads/{upload:int}", _answered(self._drop_upload), methods=["DELETE"]),
-                Route("/uploads/{upload:int}/{file:int}", _answered(self._take), methods=["PUT"]),
-                Route("/recent", _answered(self._forget), methods=["DELETE"]),
+                Route("/", answered(self._about)),
+                Route("/coming", answered(self._coming), methods=["POST"]),
+                Route("/find", answered(self._find), methods=["POST"]),
+                Route("/open", answered(self._open), methods=["POST"]),
+                Route("/layout", answered(self._layout), methods=["POST"]),
+                Route("/reconstruct", answered(self._reconstruct), methods=["POST"]),
+                Route("/reconstruct/grid", answered(self._grid), methods=["POST"]),
+                Route("/segments", answered(self._segments), methods=["POST"]),
+                Route("/uploads", answered(self._begin_upload), methods=["POST"]),
+                Route("/uploads/{upload:int}", answered(self._drop_upload), methods=["DELETE"]),
+                Route("/uploads/{upload:int}/{file:int}", answered(self._take), methods=["PUT"]),
+                Route("/recent", answered(self._forget), methods=["DELETE"]),
             ]
         )
 
@@ -112,18 +113,30 @@ class Library:
         self._uploads.close()
 
     async def _about(self, _: Request) -> ASGIApp:
-        opened = await self._workbench.settled()
+        coming = self._workbench.coming
+        opened = None if coming is not None else await self._workbench.settled()
         changed = opened is not None and await run_in_threadpool(lambda: opened.changed)
-        return _json(
+        return as_json(
             About(
                 scan=None if opened is None else opened.name,
+                coming=None if coming is None else coming.name,
                 changed=changed,
                 kept=opened is not None and opened.keeps_changes,
                 can_open=not self._workbench.fixed,
-                told=self._workbench.take_told(),
+                # what is told of it comes with it
+                told=[] if coming is not None else self._workbench.take_told(),
                 recent=await run_in_threadpool(recent_scans),
             )
         )
+
+    async def _coming(self, _: Request) -> ASGIApp:
+        coming = self._workbench.coming
+
+        def follow(progress: Progress, _: Tell) -> None:
+            if coming is not None:
+                coming.follow(progress)
+
+        return Job(follow)
 
     async def _forget(self, _: Request) -> ASGIApp:
         await run_in_threadpool(forget_recent)
@@ -132,8 +145,8 @@ class Library:
     # --- files that are dropped -----------------------------------------------------------
 
     async def _begin_upload(self, request: Request) -> ASGIApp:
-        wanted = await _body(request, list[WantedFile])
-        return _json({"upload": await run_in_threadpool(self._uploads.begin, wanted)})
+        wanted = await body_of(request, list[WantedFile])
+        return as_json({"upload": await run_in_threadpool(self._uploads.begin, wanted)})
 
     async def _take(self, request: Request) -> ASGIApp:
         upload, file = request.path_params["upload"], request.path_params["file"]
@@ -147,11 +160,12 @@ class Library:
     # --- finding and opening --------------------------------------------------------------
 
     async def _find(self, request: Request) -> ASGIApp:
-        wanted = await _body(request, WantedFind)
+        wanted = await body_of(request, WantedFind)
         if (wanted.path is None) == (wanted.upload is None):
             raise OptionError("one place is needed; allowed: a path, or an upload")
         if wanted.upload is not None:
-            place = Place(self._uploads.of(wanted.upload).path, wanted.upload)
+            held = self._uploads.of(wanted.upload)
+            place = Place(held.path, wanted.upload, loose=held.loose)
         else:
             given = wanted.path or ""
             if is_web_address(given):
@@ -163,7 +177,7 @@ class Library:
 
     async def _open(self, request: Request) -> ASGIApp:
         self._check_free()
-        wanted = await _body(request, WantedScan)
+        wanted = await body_of(request, WantedScan)
         place = self._finds.chosen(wanted)
         show = self._add if wanted.beside else self._exchange
         return Job(lambda progress, tell: self._bring(place, show, progress=progress, tell=tell))
@@ -172,14 +186,19 @@ class Library:
         if self._workbench.fixed:
             raise OptionError("this scan is recorded; allowed: palpate open for another one")
 
+    async def _layout(self, request: Request) -> ASGIApp:
+        wanted = await body_of(request, WantedLayout)
+        bare = self._finds.bare(wanted.find)
+        return as_json(await run_in_threadpool(layout_told, bare, wanted))
+
     async def _grid(self, request: Request) -> ASGIApp:
-        wanted = await _body(request, WantedReconstruction)
+        wanted = await body_of(request, WantedReconstruction)
         stack, _ = self._finds.projections(wanted.find)
-        return _json(grid_told(stack, wanted.request))
+        return as_json(grid_told(stack, wanted.request))
 
     async def _reconstruct(self, request: Request) -> ASGIApp:
         self._check_free()
-        wanted = await _body(request, WantedReconstruction)
+        wanted = await body_of(request, WantedReconstruction)
         stack, upload = self._finds.projections(wanted.find)
         place = Place(
             stack.path,
@@ -223,7 +242,13 @@ class Library:
             # its files may be those of a scan by now
             self._uploads.of(place.upload)
         if place.make is None:
-            read = opening(place.path, series=place.series, progress=progress)
+            read = opening(
+                place.path,
+                series=place.series,
+                raw=place.raw,
+                voxel_size=place.voxel_size,
+                progress=progress,
+            )
         else:
             read = opening_of(place.make(progress))
         # from here on it cannot be taken back
@@ -253,7 +278,8 @@ class Library:
             warnings = (*warnings, MADE)
         elif place.upload is not None or fetched is not None:
             warnings = (*warnings, PASSING)
-        volume.traits = replace(volume.traits, warnings=warnings, given=place.given)
+        name = place.name or volume.traits.name
+        volume.traits = replace(volume.traits, name=name, warnings=warnings, given=place.given)
         try:
             from_thread.run(self._workbench.exchange, begin)
         except (PalpateError, OSError, RuntimeError) as error:
@@ -268,9 +294,16 @@ class Library:
         if is_scene(place.path):
             raise OptionError("a scene was chosen; allowed: a scan")
         if place.make is None:
-            volume = read(place.path, series=place.series, progress=progress)
+            volume = read(
+                place.path,
+                series=place.series,
+                raw=place.raw,
+                voxel_size=place.voxel_size,
+                progress=progress,
+            )
         else:
             volume = place.make(progress)
+        volume.traits = replace(volume.traits, name=place.name or volume.traits.name)
         files = fetched if place.upload is None else self._uploads.take_out(place.upload)
         if files is None:
             note_recent(volume)
@@ -282,10 +315,12 @@ class Library:
     # --- segments of the open scan ---------------------------------------------------------
 
     async def _segments(self, request: Request) -> ASGIApp:
-        wanted = await _body(request, WantedSegments)
-        if (wanted.path is None) == (wanted.upload is None):
-            raise OptionError("one place is needed; allowed: a path, or an upload")
-        if wanted.upload is None:
+        wanted = await body_of(request, WantedSegments)
+        if [wanted.path, wanted.upload, wanted.find].count(None) != 2:
+            raise OptionError("one place is needed; allowed: a path, an upload, or one of a list")
+        if wanted.find is not None:
+            path = self._finds.chosen(WantedScan(find=wanted.find, choice=wanted.choice)).path
+        elif wanted.upload is None:
             path = path_of(wanted.path or "")
         else:
             path = labels_in(self._uploads.of(wanted.upload).path)
@@ -293,44 +328,14 @@ class Library:
 
     def _add_segments(self, path: Path, wanted: WantedSegments, progress: Progress) -> None:
         """Adds the segments of a file or folder to the open scan."""
-        try:
-            opened = from_thread.run(self._workbench.settled)
-            if opened is None:
-                raise OptionError("no scan is open; allowed: open one first")
-            volume = opened.session.scene.volume
-            found = read_labels(path, volume, resample=wanted.resample, progress=progress)
-            # from here on it cannot be taken back
-            progress("adding segments", None)
-            add_labels(opened.live, found)
-        finally:
-            if wanted.upload is not None:
-                self._uploads.drop(wanted.upload)
-
-
-async def _body(request: Request, kind: type[Wanted]) -> Wanted:
-    body = b""
-    async for chunk in request.stream():
-        body += chunk
-        if len(body) > MOST_BODY_BYTES:
-            raise OptionError(f"more than {MOST_BODY_BYTES} bytes given; allowed: fewer files")
-    try:
-        return msgspec.json.decode(body, type=kind)
-    except msgspec.DecodeError as error:
-        raise OptionError(f"this is not understood: {error}") from None
-
-
-def _json(content: object) -> Response:
-    return Response(msgspec.json.encode(content), media_type="application/json")
-
-
-def _answered(handle: Callable[[Request], Any]) -> Callable[[Request], Any]:
-    """Tells as a sentence what cannot be done."""
-
-    async def answered(request: Request) -> ASGIApp:
-        try:
-            answer: ASGIApp = await handle(request)
-        except (PalpateError, OSError) as error:
-            return PlainTextResponse(str(error), status_code=400)
-        return answer
-
-    return answered
+        opened = from_thread.run(self._workbench.settled)
+        if opened is None:
+            raise OptionError("no scan is open; allowed: open one first")
+        volume = opened.session.scene.volume
+        found = read_labels(path, volume, resample=wanted.resample, progress=progress)
+        # from here on it cannot be taken back
+        progress("adding segments", None)
+        add_labels(opened.live, found)
+        # those that are refused may be asked for again, resampled
+        if wanted.upload is not None:
+            self._uploads.drop(wanted.upload)

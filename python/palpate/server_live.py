@@ -13,31 +13,29 @@ from queue import SimpleQueue
 from typing import Literal
 
 import msgspec
-import numpy as np
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from palpate import protocol
-from palpate.errors import OptionError, PalpateError
+from palpate.errors import PalpateError
 from palpate.journal import Journal
-from palpate.needle import TISSUES
-from palpate.painted_cut import PaintedCut
 from palpate.second_scan import SecondScan
 from palpate.server_changes import messages_of
 from palpate.server_gap import GapWatch
-from palpate.server_matter import asked_material, parts_of
+from palpate.server_matter import parts_of
 from palpate.server_needle import ToldNeedle
 from palpate.server_outbox import Missed, Outbox
 from palpate.server_outlines import Outlines
 from palpate.server_paint import Painter
 from palpate.server_picture import ToldPicture, labels_anew
 from palpate.server_recording import Recorder
+from palpate.server_recovery import Recovering
 from palpate.server_registration import Registering
+from palpate.server_requests import Requests
 from palpate.server_second import second_message
 from palpate.server_segment_work import SegmentWork
 from palpate.server_segments import ShownSegments
 from palpate.server_thresholds import ThresholdJobs
 from palpate.session import Session
-from palpate.touch_settings import TouchSettings
 
 __all__ = ["EXCHANGED", "Live"]
 
@@ -74,7 +72,10 @@ class Live:
         self.segments = ShownSegments(session, None if journal is None else journal.note)
         if looks is not None:
             self.segments.restore(looks)
-        self._restore_looks()
+        self._recovery = Recovering(
+            journal, self.segments, show_second=self.show_second, tell=self._from_threads.put
+        )
+        self._recovery.restore_looks()
         self._hello = hello
         self.picture = ToldPicture(session.scene.volume.array)
         self._outboxes: set[Outbox] = set()
@@ -88,6 +89,16 @@ class Live:
         self._needle = ToldNeedle(session)
         self._parts_for: set[Outbox] = set()
         self._gaps = GapWatch(session, self._from_threads.put)
+        self._requests = Requests(
+            session,
+            self.segments,
+            painter=self._painter,
+            recorder=recorder,
+            gaps=self._gaps,
+            recovery=self._recovery,
+            settings=hello.settings,
+            tell=self._from_threads.put,
+        )
         self._scene_of_now: object = None
         self._second = second_message(session.scene.second, version=0)
         self.registering = Registering(session, show=self.show_second, tell=self._from_threads.put)
@@ -114,15 +125,19 @@ class Live:
         await websocket.accept()
         # it knows no surface yet; the voxels it asks for
         outbox = Outbox(missed=Missed())
-        outbox.tell(msgspec.structs.replace(self._hello, segments=self.segments.message.segments))
+        outbox.tell(
+            msgspec.structs.replace(
+                self._hello,
+                segments=self.segments.message.segments,
+                settings=self._requests.settings,
+            )
+        )
         outbox.tell(self.segments.message)
         if self._second.scan is not None:
             outbox.tell(self._second)
             outbox.tell(self.registering.message)
-        if self.journal is not None:
-            outbox.tell(protocol.Recovery(_offer_of(self.journal)))
-            if self.journal.problem is not None:
-                outbox.tell(protocol.Notice(level="warning", text=self.journal.problem))
+        for message in self._recovery.messages():
+            outbox.tell(message)
         self._outboxes.add(outbox)
         self._sockets.add(websocket)
         sender = asyncio.create_task(self._send(websocket, outbox))
@@ -289,7 +304,7 @@ class Live:
                     self._tell_from_threads()
                     outbox.tell(protocol.Passed(number, tick=self._following_tick()))
                 case _:
-                    await asyncio.to_thread(self._do_for, message, outbox)
+                    await asyncio.to_thread(self._requests.do, message, outbox)
         except msgspec.DecodeError as error:
             outbox.tell(protocol.Notice(level="error", text=f"message not understood: {error}"))
         except (PalpateError, OSError) as error:
@@ -327,156 +342,11 @@ class Live:
         with suppress(RuntimeError):
             self.session.stroke(on=False)
 
-    def _do_for(self, message: protocol.FromPage, outbox: Outbox) -> None:
-        match message:
-            case protocol.Paint():
-                self._painter.paint(message, outbox)
-            case protocol.EndPaint(keep):
-                self._painter.end(keep=keep)
-            case protocol.FillOutline():
-                self._painter.fill(message)
-            case protocol.NewSegment(name):
-                self.segments.add_empty(name)
-            case _:
-                self._do(message)
-
-    def _do(self, message: protocol.FromPage) -> None:
-        match message:
-            case protocol.Place(point):
-                self.session.place(point)
-            case protocol.View(right, up):
-                self.session.view(right=right, up=up)
-            case protocol.Clutch(on):
-                self.session.clutch(on=on)
-            case protocol.Tool():
-                self._take_tool(message)
-            case protocol.WithdrawNeedle():
-                self.session.withdraw_needle()
-            case protocol.Undo():
-                self._painter.end()
-                self.session.undo()
-            case protocol.Redo():
-                self._painter.end()
-                self.session.redo()
-            case _:
-                self._do_to_session(message)
-
-    def _take_tool(self, wanted: protocol.Tool) -> None:
-        self.session.set_tool(
-            None if wanted.kind == "none" else wanted.kind,
-            radius=wanted.radius,
-            segment_ids=wanted.segments,
-            tissues=[TISSUES[name].met_by(2.0 * wanted.radius) for name in wanted.tissues],
-            depth=wanted.depth,
-            overlaps=wanted.overlaps,
-        )
-
-    def _do_to_session(self, message: protocol.FromPage) -> None:
-        match message:
-            case protocol.RecordSession(on):
-                self._record(on=on)
-            case protocol.ChangeSettings(settings):
-                self._change_settings(settings)
-            case protocol.Recover(bring_back):
-                self._recover(bring_back=bring_back)
-            case protocol.WatchGap(pair):
-                self._gaps.choose(pair)
-            case protocol.SetDeformation(model, edge, undoable):
-                self.session.set_deformation(model, edge=edge, undoable=undoable)
-            case _:
-                self._do_to_segment(message)
-
-    def _do_to_segment(self, message: protocol.FromPage) -> None:
-        match message:
-            case protocol.SegmentProperties():
-                self.segments.change(message)
-            case protocol.MoveSegment(segment_id, pose, goes_on):
-                self.session.move_segment(segment_id, np.reshape(pose, (4, 4)), goes_on=goes_on)
-            case protocol.Grab(segment_id, collides):
-                self.session.grab(segment_id, collides=collides)
-            case protocol.TurnGrabbed(rotation):
-                self.session.turn_grabbed(rotation)
-            case protocol.CutSegment(cut_id, point, normal):
-                self.segments.cut(cut_id, lambda: self.session.cut(cut_id, point, normal))
-            case protocol.CutAlong():
-                self._cut_along(message)
-            case protocol.SegmentFeel(segment_id, feel):
-                self.session.set_feel(segment_id, **msgspec.structs.asdict(feel))
-            case protocol.SetMaterial(segment_id):
-                self.session.set_material(
-                    segment_id, asked_material(message), undoable=message.undoable
-                )
-            case protocol.RemoveSegment(segment_id):
-                self.session.remove_segment(segment_id)
-
-    def _cut_along(self, wanted: protocol.CutAlong) -> None:
-        cut = PaintedCut(line=wanted.line, eye=wanted.eye, view=wanted.view, closed=wanted.closed)
-        if not wanted.preview:
-            self.segments.cut(wanted.id, lambda: self.session.cut_along(wanted.id, cut))
-            return
-        parts: tuple[float, float] | tuple[None, None]
-        try:
-            parts = self.session.preview_cut(wanted.id, cut)
-        except OptionError:
-            # the page says so where the line is
-            parts = None, None
-        self._from_threads.put(protocol.CutPreview(wanted.id, *parts))
-
-    def _change_settings(self, wanted: protocol.Settings) -> None:
-        try:
-            held = self.session.settings(TouchSettings(**msgspec.structs.asdict(wanted)))
-            settings = protocol.Settings(**held)
-            self._hello = msgspec.structs.replace(self._hello, settings=settings)
-        finally:
-            # a page shows what it asked for at once: refused, it must learn what holds
-            self._from_threads.put(protocol.SettingsChanged(self._hello.settings))
-
-    def _record(self, *, on: bool) -> None:
-        if on:
-            self.recorder.start()
-        else:
-            said = self.recorder.stop()
-            self._from_threads.put(protocol.Notice(level="info", text=f"Recorded {said}."))
-
-    def _recover(self, *, bring_back: bool) -> None:
-        if self.journal is None or self.journal.offer is None:
-            return
-        self.journal.decide(bring_back=bring_back)
-        self._restore_looks()
-        if self.journal.second is not None:
-            self.show_second(self.journal.second)
-        if self.journal.lost_second is not None:
-            self._from_threads.put(protocol.Notice(level="warning", text=self.journal.lost_second))
-        self._from_threads.put(protocol.Recovery(None))
-        if self.journal.problem is not None:
-            self._from_threads.put(protocol.Notice(level="warning", text=self.journal.problem))
-
-    def _restore_looks(self) -> None:
-        if self.journal is None or not self.journal.is_running:
-            return
-        if self.journal.looks is not None:
-            try:
-                self.segments.restore(self.journal.looks)
-            except PalpateError as error:
-                self._from_threads.put(protocol.Notice(level="warning", text=str(error)))
-        else:
-            self.segments.keep()
-
     def _make_threshold(self, wanted: protocol.Threshold) -> None:
         try:
             self.segments.threshold(wanted)
         except (PalpateError, RuntimeError) as error:
             self._from_threads.put(protocol.Notice(level="error", text=str(error)))
-
-
-def _offer_of(journal: Journal) -> protocol.Offer | None:
-    offer = journal.offer
-    if offer is None:
-        return None
-    when = offer.when.isoformat(timespec="seconds")
-    return protocol.Offer(
-        steps=offer.steps, when=when, lost_bytes=offer.lost_bytes, second=offer.second
-    )
 
 
 async def _receive(websocket: WebSocket) -> bytes:

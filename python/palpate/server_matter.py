@@ -3,14 +3,29 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from typing import Any
 
 import msgspec
 
 from palpate import protocol
-from palpate.material import Material, deformation_models, material_presets, model_boxes
+from palpate.material import (
+    Material,
+    Region,
+    deformation_models,
+    material_presets,
+    model_boxes,
+)
 
-__all__ = ["asked_material", "material_of", "models", "parts_of", "presets"]
+__all__ = [
+    "asked_material",
+    "asked_regions",
+    "material_of",
+    "models",
+    "parts_of",
+    "presets",
+    "regions_of",
+]
 
 
 def presets() -> list[protocol.MaterialPreset]:
@@ -57,6 +72,22 @@ def asked_material(wanted: protocol.SetMaterial) -> Material | str | None:
     constants = msgspec.structs.asdict(wanted.constants)
     breaking = constants.pop("breaking_strain")
     return Material(**constants, breaking_strain=math.inf if breaking is None else breaking)
+
+
+def regions_of(regions: Iterable[Region]) -> list[protocol.MatterRegion]:
+    """Returns regions of a segment as pages are told them."""
+    return [
+        protocol.MatterRegion(treatment=each.treatment, shared_with=each.shared_with, box=each.box)
+        for each in regions
+    ]
+
+
+def asked_regions(wanted: protocol.SetRegions) -> list[Region]:
+    """Returns the regions that a page asks for."""
+    return [
+        Region(each.treatment, box=each.box, shared_with=each.shared_with)
+        for each in wanted.regions
+    ]
 
 
 def parts_of(parts: dict[str, Any]) -> protocol.MatterParts:

@@ -19,7 +19,7 @@ from palpate.errors import OptionError
 from palpate.scene import PALETTE, Scene
 from palpate.segment import Segment
 from palpate.server_data import labels_of
-from palpate.server_matter import material_of
+from palpate.server_matter import material_of, regions_of
 from palpate.session import Session
 
 __all__ = ["ShownSegments"]
@@ -299,6 +299,7 @@ class ShownSegments:
             pending=state["pending"],
             feel=protocol.Feel(**state["feel"]),
             material=material_of(state),
+            regions=regions_of(self._session.regions(segment_id)),
             pose=state["pose"],
             bounds=state["bounds"],
             grid=state["grid"],

@@ -83,6 +83,11 @@ class Upload:
         within = list(root.iterdir())
         return within[0] if len(within) == 1 else root
 
+    @property
+    def loose(self) -> bool:
+        """Whether several files or folders were dropped, which have no name together."""
+        return self.path == Path(self.folder.name)
+
     async def take(self, number: int, request: Request) -> None:
         """Takes the bytes of a file.
 

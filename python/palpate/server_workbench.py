@@ -2,7 +2,8 @@
 
 An ASGI application below ``/api`` that hands requests on to the scan that is open. The force of
 the old scan is gone before anything of the new one begins; its pages are sent away with a code of
-their own, and load themselves anew.
+their own, and load themselves anew. The first scan may still be read while pages come: what they
+ask of it waits.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from starlette.concurrency import run_in_threadpool
 from starlette.responses import PlainTextResponse
 from starlette.types import Receive, Scope, Send
 
+from palpate.server_coming import Coming
 from palpate.server_open_scan import OpenScan
 
 __all__ = ["Workbench"]
@@ -26,6 +28,7 @@ class Workbench:
         self,
         opened: OpenScan | None = None,
         *,
+        coming: Coming | None = None,
         fixed: bool = False,
         rate: int = 1000,
         journalled: bool = True,
@@ -34,16 +37,23 @@ class Workbench:
 
         Args:
             opened: What is shown first.
+            coming: What is shown first, once it is read.
             fixed: Whether that stays, as while it is recorded.
             rate: Servo ticks a second, for scans that are opened later.
             journalled: Whether their changes are kept on disk.
         """
         self.opened = opened
+        self.coming = coming
+        self.given_up: Callable[[], None] = lambda: None
+        """Called where what was to come does not."""
+        self.page_seconds = 0.0
+        """How long that waits for a page to be told of it."""
         self.fixed = fixed
         self.rate = rate
         self.journalled = journalled
         self._told: list[str] = []
         self._exchange = asyncio.Lock()
+        self._bringing: asyncio.Task[None] | None = None
 
     def tell(self, sentence: str) -> None:
         """Keeps a sentence for the next page that asks."""
@@ -55,12 +65,31 @@ class Workbench:
         return told
 
     async def start(self) -> None:
-        """Begins to serve what is open."""
+        """Begins to serve what is open, or to read what is to come."""
         if self.opened is not None:
             await self.opened.start()
+        elif self.coming is not None:
+            # until it is there, whoever asks for it waits
+            await self._exchange.acquire()
+            self._bringing = asyncio.create_task(self._bring(self.coming))
+
+    async def _bring(self, coming: Coming) -> None:
+        try:
+            self.opened = await run_in_threadpool(coming.read)
+            if self.opened is not None:
+                await self.opened.start()
+                self.coming = None
+        finally:
+            self._exchange.release()
+        if self.opened is None:
+            if coming.failure is not None:
+                await run_in_threadpool(coming.failure_told, self.page_seconds)
+            self.given_up()
 
     async def stop(self) -> None:
         """Takes the force away and ends all messages."""
+        if self.coming is not None:
+            self.coming.cancel()
         async with self._exchange:
             if self.opened is not None:
                 await self.opened.stop()

@@ -36,6 +36,6 @@ def preset_range(name: str, *, unit: str) -> tuple[float, float | None]:
     if unit != "HU":
         raise OptionError(
             f"threshold {name!r} given for a scan whose values are not known to be HU; allowed: "
-            "LOW or LOW,HIGH, or --otsu"
+            "LOW or LOW,HIGH, --otsu, or --unit HU where they are HU"
         )
     return PRESETS[name]

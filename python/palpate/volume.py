@@ -42,6 +42,8 @@ class VolumeTraits:
     """The unit of values: "HU" where that is known; else ""."""
     series: str = ""
     """SeriesInstanceUID, for DICOM."""
+    frame: str = ""
+    """FrameOfReferenceUID, for DICOM: what shares it has the same coordinates of the patient."""
     orientation_known: bool = True
     warnings: tuple[str, ...] = ()
     """Sentences on what was assumed or lost in reading."""

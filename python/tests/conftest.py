@@ -72,6 +72,11 @@ def write_image(tmp_path: Path) -> WriteImage:
 @pytest.fixture
 def write_series(tmp_path: Path) -> Callable[..., Path]:
     """Writes a CT series of small slices into a folder and returns the folder."""
+    return series_writer(tmp_path)
+
+
+def series_writer(place: Path) -> Callable[..., Path]:
+    """Returns what writes series into folders of a place."""
 
     def write(
         folder: str = "series",
@@ -85,7 +90,7 @@ def write_series(tmp_path: Path) -> Callable[..., Path]:
         each: Callable[[int, FileDataset], None] | None = None,
         **changes: Any,
     ) -> Path:
-        target = tmp_path / folder
+        target = place / folder
         target.mkdir(exist_ok=True)
         series = generate_uid() if uid is None else uid
         places = positions or [(-10.0, -20.0, 30.0 + 2.5 * k) for k in range(4)]

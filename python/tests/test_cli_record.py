@@ -157,7 +157,9 @@ def test_lost_ticks_are_warned_of(recorded: Path, tmp_path: Path) -> None:
 
 
 def test_files_that_are_no_recordings_are_one_line(recorded: Path, tmp_path: Path) -> None:
-    assert "nothing.x: No such file" in fails("replay", tmp_path / "nothing.x")
+    assert "nothing.x does not exist; allowed: an existing file" in fails(
+        "replay", tmp_path / "nothing.x"
+    )
     assert "directory" in fails("replay", tmp_path)
     cut = tmp_path / "cut.palpate-session"
     cut.write_bytes(recorded.read_bytes()[:2000])

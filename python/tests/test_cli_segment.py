@@ -111,6 +111,7 @@ def test_presets_are_ranges_of_tissues_in_hu_alone(
         known = (values == value) | ((values == 0) & (name == "muscle"))
         np.testing.assert_array_equal(found.mask() != 0, known)
     assert segment(path, "--threshold", "marrow", "-o", out) == 2
+    assert "or one of bone, compact bone" in capsys.readouterr().err
 
 
 def test_the_sign_of_a_shell_tells_its_side_and_smoothing_takes_specks(

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import palpate
 import pytest
+from palpate.cli import run
 from palpate.errors import SeriesChoiceError, VolumeFormatError
 from palpate.io import list_series
 from palpate.io_browse import browsed
@@ -74,6 +75,35 @@ def test_phases_are_listed_and_read_one_by_one(
         assert [(one.name, one.series, one.refused) for one in choices] == [
             (f"liver, {words}", str(number), None) for number, words in enumerate(told, 1)
         ]
+
+
+def test_many_volumes_of_one_series_are_one_entry(
+    write_series: Any, capsys: pytest.CaptureFixture[str]
+) -> None:
+    directions = [(float(n), 0.0, 1.0) for n in range(6)]
+    folder = series_of(
+        write_series, *({"DiffusionGradientOrientation": list(one)} for one in directions)
+    )
+    write_series(uid="1.2.4", prefix="z", description="scout", positions=PLACES[:2])
+    assert [one.part for one in list_series(folder)] == [
+        *(f"direction {n} 0 1" for n in range(6)),
+        "",
+    ]
+    said = r"\[1 to 6\] 1\.2\.3 'liver' CT, 6 volumes: direction 0 0 1 to direction 5 0 1; \[7\]"
+    with pytest.raises(SeriesChoiceError, match=said):
+        palpate.read(folder)
+    for command in ("import", "series"):
+        assert run([command, str(folder)]) == 0
+        # the table is as wide as the terminal
+        table = " ".join(capsys.readouterr().out.split())
+        assert "1 to 6" in table
+        assert "direction 3 0 1" not in table
+        assert run([command, str(folder), "--all"]) == 0
+        assert "direction 3 0 1" in " ".join(capsys.readouterr().out.split())
+    # what the list counts as 4 is the fourth
+    assert palpate.read(folder, series="4").name == "liver, direction 3 0 1"
+    with browsed(folder) as choices:
+        assert [one.part for one in choices[:2]] == ["direction 0 0 1", "direction 1 0 1"]
 
 
 def test_slices_that_nothing_tells_apart_are_refused_as_before(write_series: Any) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gzip
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -342,7 +343,12 @@ def test_colours_of_cielab_are_those_of_srgb() -> None:
 # --- contours -----------------------------------------------------------------------------
 
 
-def structures(path: Path, *rois: tuple[str, list[Any]], colour: Any = (255, 128, 0)) -> Path:
+def structures(
+    path: Path,
+    *rois: tuple[str, list[Any]],
+    colour: Any = (255, 128, 0),
+    frame: str | None = None,
+) -> Path:
     """Writes contours, each as corners [mm], as structures of radiotherapy."""
     meta = FileMetaDataset()
     meta.MediaStorageSOPClassUID = RTStructureSetStorage
@@ -355,6 +361,8 @@ def structures(path: Path, *rois: tuple[str, list[Any]], colour: Any = (255, 128
     for number, (name, contours) in enumerate(rois, 1):
         named, drawn = Dataset(), Dataset()
         named.ROINumber, named.ROIName = number, name
+        if frame is not None:
+            named.ReferencedFrameOfReferenceUID = frame
         drawn.ReferencedROINumber, drawn.ROIDisplayColor = number, list(colour)
         drawn.ContourSequence = []
         for corners in contours:
@@ -405,6 +413,65 @@ def test_contours_across_the_slices_are_refused(table: Volume, tmp_path: Path) -
     path = structures(tmp_path / "rt.dcm", ("a", [slanted]))
     with pytest.raises(OptionError, match=r"across the scan's slices; allowed"):
         palpate.read_labels(path, table)
+
+
+def turned_block() -> list[Any]:
+    """A block of 16 x 16 x 16 mm around (20, 20, 15), drawn on slices that are turned about x."""
+    turn = np.radians(30.0)
+    down, along = (
+        np.array([0.0, np.cos(turn), np.sin(turn)]),
+        np.array([0.0, -np.sin(turn), np.cos(turn)]),
+    )
+    corners = [(x, y) for x, y, _ in square(-8.0, 8.0, 0.0)]
+    return [
+        [
+            tuple(np.array([20.0, 20.0, 15.0]) + (x, 0.0, 0.0) + y * down + h * along)
+            for x, y in corners
+        ]
+        for h in np.arange(-7.0, 8.0, 2.0)
+    ]
+
+
+def test_contours_of_another_grid_are_taken_in_one_frame_of_reference(
+    table: Volume, tmp_path: Path
+) -> None:
+    path = structures(tmp_path / "rt.dcm", ("block", turned_block()), frame="1.2.9")
+    # a scan that does not say which frame it has, and one that has another
+    with pytest.raises(OptionError, match=r"across the scan's slices; allowed.*--resample"):
+        palpate.read_labels(path, table)
+    table.traits = replace(table.traits, frame="1.2.8")
+    with pytest.raises(OptionError, match=r"reference 1\.2\.9, the scan has 1\.2\.8: .*allowed"):
+        palpate.read_labels(path, table)
+    asked = palpate.read_labels(path, table, resample=True)
+    table.traits = replace(table.traits, frame="1.2.9")
+    found = palpate.read_labels(path, table)
+    assert len(found.warnings) == 1
+    assert "at its centre" in found.warnings[0]
+    (block,) = (label.segment for label in found.labels)
+    np.testing.assert_array_equal(block.mask(), asked.labels[0].segment.mask())
+    # its voxels are those whose middles the block holds, but for half a voxel at its sides
+    k, j, i = np.indices(table.shape)
+    turn = np.radians(30.0)
+    x, y, z = i - 20.0, j - 20.0, 3.0 * k - 15.0
+    down, along = (
+        y * np.cos(turn) + z * np.sin(turn),
+        z * np.cos(turn) - y * np.sin(turn),
+    )
+    deep = np.maximum(np.maximum(np.abs(x), np.abs(down)), np.abs(along)) - 8.0
+    assert block.mask()[deep < -0.75].all()
+    assert not block.mask()[deep > 0.75].any()
+    # on the scan's own slices nothing is resampled
+    flat = [square(4.5, 30.5, z) for z in (6.0, 9.0, 12.0)]
+    plain = structures(tmp_path / "flat.dcm", ("wall", flat), frame="1.2.9")
+    assert palpate.read_labels(plain, table).warnings == ()
+    bent = [[*square(4.5, 20.5, 6.0)[:3], (4.5, 20.5, 12.0)]]
+    with pytest.raises(OptionError, match="in no plane; allowed"):
+        palpate.read_labels(structures(tmp_path / "b.dcm", ("a", bent), frame="1.2.9"), table)
+
+
+def test_a_scans_frame_of_reference_is_known(write_series: Any) -> None:
+    folder = write_series(FrameOfReferenceUID="1.2.9")
+    assert palpate.read(folder).traits.frame == "1.2.9"
 
 
 @pytest.mark.data

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import re
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,7 @@ from palpate.errors import OptionError
 from palpate.io import read
 from palpate.labels import read_labels
 from palpate.recipe import read_recipe
+from projected_phantom import SIZE, projected, scanner_of, truth
 
 SPACING = (1.0, 1.5, 2.0)
 
@@ -119,6 +121,53 @@ segment:
     assert "recipe.yaml, line 5: voxel size '1,1.5,deep' given" in capsys.readouterr().err
 
 
+def test_a_scan_is_reconstructed_before_its_segments_are_made(
+    tmp_path: Path, capsys: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # parallel beams need no library
+    monkeypatch.setitem(sys.modules, "itk", None)
+    images = projected(scanner_of("parallel")).astype(np.float32)
+    SimpleITK.WriteImage(SimpleITK.GetImageFromArray(images), str(tmp_path / "projections.nrrd"))
+    text = """
+reconstruct:
+  path: projections.nrrd
+  beam: parallel
+  pixel: [1.3, 1.6]
+  arc: {arc}
+  size: [48, 44, 24]
+  voxel: [2, 2, 2]
+  output: scan.nii.gz
+segment:
+  - {{threshold: -300, keep-largest: true, name: body}}
+export:
+  - out: body.nii.gz
+report: report.html
+"""
+    recipe = written(tmp_path, text.format(arc=180))
+    assert run(["run", str(recipe)]) == 0
+    scan = read(tmp_path / "scan.nii.gz")
+    assert scan.dimensions == SIZE
+    (body,) = read_labels(tmp_path / "body.nii.gz", scan).labels
+    right = truth() > -300.0
+    both = np.count_nonzero(right & (body.segment.mask() != 0))
+    assert 2.0 * both / (np.count_nonzero(right) + body.segment.voxel_count) > 0.97
+    assert f"body: {body.segment.volume_ml:.1f} ml" in capsys.readouterr().out
+    assert "HU" in (tmp_path / "report.html").read_text("utf-8")
+    # checked before anything is read, with its line
+    for old, new, line, said in (
+        ("arc: 180", "arc: 90", 2, "an arc of 90 degrees given"),
+        ("projections.nrrd", "nowhere.nrrd", 3, "does not exist"),
+        ("beam: parallel", "beam: cone", 2, "an arc of 180 degrees given"),
+        ("scan.nii.gz", "scan.txt", 9, "scan.txt"),
+        ("scan.nii.gz", "projections.nrrd", 9, "is read or written by a step before"),
+        ("  arc:", "  angle:", 6, "'angle' is no option here; allowed: path, beam, pixel, arc"),
+        ("segment:", "import: {path: body.nii.gz}\nsegment:", 2, "both given"),
+    ):
+        wrong = written(tmp_path, text.format(arc=180).replace(old, new, 1))
+        with pytest.raises(OptionError, match=f"recipe.yaml, line {line}: .*{said}"):
+            read_recipe(wrong)
+
+
 def test_another_scan_is_brought_to_the_first_one_and_segments_are_made_of_it(
     folder: Path, write_image: Any, capsys: Any
 ) -> None:
@@ -160,7 +209,11 @@ report: report.html
         (("threshold: 200", "threshold: abc"), 6, "threshold 'abc' given"),
         (("passage: 4", "passage: 400"), 10, "passage 400 given; allowed: 0 to 40"),
         (("path: scan.mha", "path: gone.mha"), 3, "gone.mha does not exist"),
-        (("import:\n  path: scan.mha\n  unit: HU\n", ""), 2, "'import' is missing"),
+        (
+            ("import:\n  path: scan.mha\n  unit: HU\n", ""),
+            2,
+            "neither given; allowed: 'import' or 'reconstruct', one of both",
+        ),
         (("segment: ball", "segment: bal"), 14, "segment 'bal' given; allowed: ball, <small>"),
         (("    segment: ball\n", ""), 14, "no segment given"),
         (("out: ball.stl", "out: ball.docx"), 15, "'ball.docx' given; allowed: a name with .stl"),
@@ -171,7 +224,11 @@ report: report.html
         (("fill: true", "threshold: 3"), 8, "'threshold' is given twice"),
         (("fill: true", "fill: : true"), 8, "mapping values are not allowed"),
         (("smoothing: 2", "smoothing: 2\n    out2: 3"), 17, "'out2' is no option here"),
-        (("surface:", "surfaces:"), 13, "'surfaces' is no option here; allowed: import, register"),
+        (
+            ("surface:", "surfaces:"),
+            13,
+            "'surfaces' is no option here; allowed: import, reconstruct",
+        ),
         (("segment:\n  - t", "register: {moving: gone.nii}\nsegment:\n  - t"), 5, "gone.nii does"),
         (
             ("segment:\n  - t", "register: {moving: scan.mha, output: a.txt}\nsegment:\n  - t"),
@@ -201,7 +258,9 @@ def test_what_is_wrong_is_told_with_its_line_before_anything_is_done(
 
 @pytest.mark.parametrize("text", ["", "- 1\n- 2\n", "just words", "a: &a [*a]", "\x00", "[" * 5000])
 def test_what_is_no_recipe_is_refused(folder: Path, text: str) -> None:
-    with pytest.raises(OptionError, match=r"recipe\.yaml"):
+    with pytest.raises(
+        OptionError, match=r"recipe\.yaml" if text else "is empty; allowed: a recipe"
+    ):
         read_recipe(written(folder, text))
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -35,6 +36,49 @@ def test_a_phantom_comes_back_in_hounsfield_units(beam: Beam) -> None:
     inner = flat(right) & (right > -900.0)
     rmse = float(np.sqrt(((values - right)[inner] ** 2).mean()))
     assert rmse < 25.0, f"{beam}: {rmse:.1f} HU"
+
+
+@pytest.mark.parametrize("arc", [180.0, 360.0])
+def test_parallel_beams_need_no_library(arc: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "itk", None)
+    half = scanner_of("parallel")
+    scanner = replace(half, angles=(arc / SHAPE[0] * np.arange(SHAPE[0])).tolist())
+    images = projected(scanner)
+    shares: list[float] = []
+
+    def progress(_: str, share: float | None, /) -> None:
+        if share is not None:
+            shares.append(share)
+
+    found = reconstruct(images, scanner, size=SIZE, voxel=VOXEL, progress=progress)
+    values, right = found.slope * found.array + found.intercept, truth()
+    inner = flat(right) & (right > -900.0)
+    rmse = float(np.sqrt(((values - right)[inner] ** 2).mean()))
+    assert rmse < 25.0, f"{rmse:.1f} HU"
+    np.testing.assert_allclose(shares, np.arange(15) / 15)
+    # a detector that stands aside sees the same
+    aside = replace(scanner, offset=(2.6, 3.2))
+    if arc == 360.0:
+        moved = np.roll(images, (-2, -2), axis=(1, 2))
+        again = reconstruct(moved, aside, size=SIZE, voxel=VOXEL)
+        np.testing.assert_allclose(
+            again.array[4:-4][inner[4:-4]], found.array[4:-4][inner[4:-4]], atol=60
+        )
+    # a window smooths, and keeps the mean
+    soft = reconstruct(images, scanner, size=SIZE, voxel=VOXEL, hann=0.5)
+    assert abs(float(np.mean(soft.array[inner]) - np.mean(found.array[inner]))) < 10.0
+    assert float(np.std(soft.array[inner])) <= float(np.std(found.array[inner])) + 1.0
+
+
+@needs_rtk
+def test_parallel_beams_are_as_the_library_has_them(monkeypatch: pytest.MonkeyPatch) -> None:
+    scanner = scanner_of("parallel")
+    images = projected(scanner)
+    by_rtk = reconstruct(images, scanner, size=SIZE, voxel=VOXEL)
+    monkeypatch.setattr("palpate.reconstruction._has_rtk", lambda: False)
+    own = reconstruct(images, scanner, size=SIZE, voxel=VOXEL)
+    inner = flat(truth()) & (truth() > -900.0)
+    assert float(np.abs(by_rtk.array - own.array)[inner].mean()) < 10.0
 
 
 @needs_rtk
@@ -91,21 +135,30 @@ def test_it_tells_how_far_it_is_and_stops_when_asked() -> None:
     np.testing.assert_allclose(shares, np.arange(len(shares)) * 8 / 240)
 
 
-def test_projections_are_known_by_their_names_or_as_many_tiffs(tmp_path: Path) -> None:
+def test_projections_are_known_by_their_names(tmp_path: Path) -> None:
     stack = np.arange(10 * 4 * 5, dtype=np.uint16).reshape(10, 4, 5)
     image = SimpleITK.GetImageFromArray(stack)
     image.SetSpacing((0.4, 0.6, 1.0))
-    for name in ("head.nrrd", "head_proj.nrrd", "Sinogram-1.mha", "projected.mha", "any.tif"):
+    for name in (
+        "head.nrrd",
+        "head_proj.nrrd",
+        "Sinogram-1.mha",
+        "projected.mha",
+        "any.tif",
+        "sino.tif",
+    ):
         SimpleITK.WriteImage(image, str(tmp_path / name))
     (tmp_path / "projections.zip").write_bytes(b"PK")
     known = {path.name for path in tmp_path.iterdir() if are_projections(path)}
-    assert known == {"head_proj.nrrd", "Sinogram-1.mha", "any.tif"}
-    folder = tmp_path / "views"
+    assert known == {"head_proj.nrrd", "Sinogram-1.mha", "sino.tif"}
+    folder = tmp_path / "projections"
     folder.mkdir()
     for number, slice_ in enumerate(stack):
         SimpleITK.WriteImage(SimpleITK.GetImageFromArray(slice_), str(folder / f"{number}.tif"))
         assert are_projections(folder) == (number >= 7)
     np.testing.assert_array_equal(read_projections(folder), stack)
+    # slices of a scan may be TIFFs too
+    assert not are_projections(folder.rename(tmp_path / "slices"))
 
     told = stack_at(tmp_path / "head_proj.nrrd")
     assert (told.name, told.shape, told.pixel) == ("head_proj", (10, 4, 5), (0.4, 0.6))
@@ -168,7 +221,8 @@ def test_without_rtk_it_says_what_to_install(
     path, out = tmp_path / "stack.nrrd", tmp_path / "scan.nii.gz"
     SimpleITK.WriteImage(SimpleITK.GetImageFromArray(np.ones((10, 4, 5), np.float32)), str(path))
     geometry = ["--pixel", "1,1", "--size", "8,8,4", "--voxel", "1,1,1"]
-    command = ["reconstruct", str(path), "-o", str(out), "--beam", "parallel"]
+    distances = ["--source-axis", "600", "--source-detector", "900"]
+    command = ["reconstruct", str(path), "-o", str(out), "--beam", "cone", *distances]
     assert run([*command, *geometry]) == 2
     assert "RTK is not installed; allowed: with it" in capsys.readouterr().err
     assert run([*command, *geometry[:2], "--size", "8,8", *geometry[4:]]) == 2

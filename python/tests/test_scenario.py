@@ -14,7 +14,7 @@ from palpate.io import read
 from palpate.merged_voxels import merged
 from palpate.palpation import palpate_line
 from palpate.press_lines import SIDES, PressLine, line_over
-from palpate.scenario import body_of_scan, run_palpation
+from palpate.scenario import Body, body_of_scan, run_palpation
 from palpate.scenario_lines import line_into
 from palpate.scenario_run import UNITS, Press, ScenarioEvent, ScenarioRun, read_run, write_run
 from palpate.volume import Volume
@@ -124,6 +124,23 @@ def test_what_is_no_run_is_refused(text: str, tmp_path: Path) -> None:
         read_run(path)
 
 
+def test_what_is_told_of_a_file_that_is_no_run_has_nothing_of_the_file(tmp_path: Path) -> None:
+    path = tmp_path / "scan.mha"
+    path.write_bytes(b"ObjectType = Image\n" + bytes(range(256)) * 40)
+    with pytest.raises(OptionError, match="no scenario's file") as refused:
+        read_run(path)
+    assert len(str(refused.value)) < 300 + len(str(path))
+
+
+@pytest.mark.parametrize("given", [{"depth": -1.0}, {"voxel": 0.0}, {"length": float("nan")}])
+def test_what_is_no_length_is_refused(given: dict[str, float]) -> None:
+    volume = Volume(np.zeros((4, 5, 6), np.int16), spacing=(1.0, 1.0, 1.0))
+    nothing = np.zeros(volume.shape, bool)
+    body = Body(volume=volume, soft={"muscle": nothing}, bone=nothing)
+    with pytest.raises(OptionError, match=rf"{next(iter(given))} \S+ mm given; allowed: above 0"):
+        run_palpation(body, **given)
+
+
 def test_columns_of_unequal_lengths_are_refused(tmp_path: Path) -> None:
     path = tmp_path / "run.json"
     ticks = {name: list(range(40)) for name in UNITS}
@@ -218,6 +235,8 @@ def test_a_scenario_that_cannot_be_drawn_is_refused(
 ) -> None:
     assert run(["scenario", "needle-skull", "--plot", str(tmp_path / "run.txt")]) == 2
     assert "allowed" in capsys.readouterr().err
+    assert run(["scenario", "drilling", "--json", str(tmp_path / "nowhere" / "a.json")]) == 2
+    assert "nowhere' given; allowed: one that exists" in capsys.readouterr().err
 
 
 @pytest.mark.data

@@ -16,7 +16,7 @@ from palpate import scene_file
 from palpate.errors import SceneFormatError
 from palpate.io import read
 from palpate.journal import Journal
-from palpate.material import Material
+from palpate.material import Material, Region
 from palpate.scene import Scene
 from palpate.scene_file import kept_changes, open_scene, save_scene
 from palpate.second_scan import SecondScan
@@ -24,6 +24,7 @@ from palpate.session import Session, SessionOptions
 from palpate.volume import Volume
 
 STANDING = SessionOptions(real_time=False)
+REGIONS = [Region("rigid", shared_with=2), Region("empty", box=((1, 2, 3), (4, 5, 6)))]
 VIEW = {"camera": {"distance": 300.5}, "layout": "four"}
 
 
@@ -55,6 +56,8 @@ def edited(volume: Volume) -> Session:
     session.set_material(box, Material(young=5000.0, poisson=0.4, density=1000.0))
     session.set_material(1, "liver")
     session.set_deformation("lattice", edge=11)
+    session.set_regions(1, REGIONS)
+    session.set_force_source("voxels")
     return session
 
 
@@ -93,6 +96,8 @@ def test_a_scene_comes_back_as_it_was(scan: Path, tmp_path: Path, *, copy: bool)
         assert same(state(session), before)
         assert session.deformation()["model"] == model["model"] == "lattice"
         assert session.deformation()["edge"] == 11
+        assert session.deformation()["force_source"] == "voxels"
+        assert list(session.regions(1)) == REGIONS
         # what was done before it was saved is what there is
         assert not session.frame()["can_undo"]
 

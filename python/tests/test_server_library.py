@@ -47,10 +47,12 @@ def test_a_folders_series_are_listed_with_pictures_and_what_cannot_be_opened(
         "patient": "Doe^Jane",
         "study": "",
         "name": "thin",
+        "part": "",
         "modality": "CT",
         "size": [4, 3, 4],
         "spacing": [0.75, 0.5, 2.5],
         "refused": None,
+        "labels": None,
     }
     assert scans["scout"]["refused"].startswith("it is a 2-D image")
     drawn = {found["scans"][each["choice"]]["name"]: each["png"] for each in pictures}
@@ -386,6 +388,49 @@ def test_segments_of_files_are_added_to_the_open_scan(
     wrongs: list[Any] = [{}, {"path": " "}, {"upload": 99}, {"path": str(path), "upload": upload}]
     for wrong in wrongs:
         assert client.ask("POST", "library/segments", wrong).status_code == 400
+
+
+def test_segments_in_the_place_of_a_scan_are_told_and_added_on_request(
+    client: LibraryClient, study: Path, tmp_path: Path
+) -> None:
+    volume = palpate.read(study, series="1.2.3")
+    labels = np.zeros(volume.shape, np.uint8)
+    labels[:, :, 2:] = 3
+    image = SimpleITK.GetImageFromArray(labels)
+    image.SetSpacing(volume.spacing)
+    x, y, z = volume.origin
+    # less than half a voxel off
+    image.SetOrigin((x + 0.4 * volume.spacing[0], y, z))
+    path = tmp_path / "liver_mask.nii.gz"
+    SimpleITK.WriteImage(image, str(path))
+    told = {"kind": "labels", "name": path.name, "what": "a label map", "image": True}
+    # nothing is opened unless that is asked
+    assert client.job("find", {"path": str(path)}) == [told, {"kind": "done"}]
+    assert client.about()["scan"] is None
+    found, *_ = client.job("find", {"path": str(path), "taken_as": "scan"})
+    assert (found["kind"], len(found["scans"])) == ("found", 1)
+
+    client.job("open", {"path": str(study), "series": "1.2.3"})
+    opened = client.workbench.opened
+    assert opened is not None
+    before = len(opened.session.segments())
+    upload = client.upload({path.name: path.read_bytes()})
+    assert client.job("find", {"upload": upload})[0] == told
+    # it lies elsewhere: what was dropped stays, to be asked for again
+    (refused,) = client.job("segments", {"upload": upload})
+    assert "another grid" in refused["reason"]
+    wanted = {"upload": upload, "resample": True}
+    assert client.job("segments", wanted) == [{"kind": "done"}]
+    assert len(opened.session.segments()) == before + 1
+    assert client.ask("POST", "library/find", {"upload": upload}).status_code == 400
+    # in a list beside a scan they are what they are
+    image.SetOrigin(volume.origin)
+    SimpleITK.WriteImage(image, str(study / path.name))
+    listed = client.job("find", {"path": str(study)})[0]
+    kinds = [one["labels"] for one in listed["scans"]]
+    assert kinds == [None, None, None, "a label map"]
+    assert client.job("segments", {"find": listed["find"], "choice": 3}) == [{"kind": "done"}]
+    assert len(opened.session.segments()) == before + 2
 
 
 def test_a_windows_title_names_no_file_that_was_not_given(

@@ -1,17 +1,25 @@
 /**
- * What segments are made of and by which model they give way, as the page offers it: names,
- * ranges of the controls, and what of it outlives a visit. Moduli [Pa].
+ * What segments are made of and by which model they give way, as the page offers it: names, and
+ * ranges of the controls. Moduli [Pa].
  */
-import type { Boxes, Constants, DeformationModel, MaterialPreset, SegmentMaterial } from "./protocol";
+import { described, writtenConstants } from "./matter_constants";
+import type { Boxes, Constants, DeformationModel, ForceSource, MaterialPreset, SegmentMaterial } from "./protocol";
 
-/** What the sliders offer. */
-export const offeredMatter = {
-  young: { min: 500, max: 1e8 },
-  poisson: { min: 0.25, max: 0.45 },
-} as const;
+/** What the slider offers. */
+export const offeredMatter = { young: { min: 500, max: 1e8 } } as const;
 
 /** The model that is taken where a segment is made soft and none was chosen. */
 export const usualModel = "lattice";
+
+/** What can be felt of matter that gives way. */
+export const forceSources: readonly { readonly value: ForceSource; readonly name: string; readonly title: string }[] = [
+  { value: "matter", name: "The model's", title: "The contact force of the model through the spring to the hand (thesis 5.16); usual" },
+  {
+    value: "voxels",
+    name: "The border's",
+    title: "Voxels are hard until the model has moved them away: the rigid border of thesis 5.23. A hand that stays feels less and less",
+  },
+];
 
 const modelNames: Readonly<Record<string, string>> = {
   lattice: "Lattice",
@@ -39,6 +47,11 @@ export function presetName(preset: string): string {
   return words.charAt(0).toUpperCase() + words.slice(1);
 }
 
+/** "Thesis bone (by HU)": with what its constants follow. */
+export function presetTitle({ name, needs_hounsfield }: MaterialPreset): string {
+  return `${presetName(name)}${needs_hounsfield ? " (by HU)" : ""}`;
+}
+
 /** "5.50 kPa" */
 export function formatModulus(pascal: number): string {
   const [unit, name] = ([[1e9, "GPa"], [1e6, "MPa"], [1e3, "kPa"]] as const).find(([size]) => pascal >= 0.9995 * size) ?? [1, "Pa"];
@@ -51,11 +64,25 @@ export function constantsOf({ low, high }: SegmentMaterial): Constants | null {
   return same ? low : null;
 }
 
-/** "5.50 kPa, ν 0.45", or from one to the other where they follow HU. */
+/** "5.50 kPa, ν 0.45, 1.06 g/cm³, breaks at 34 %, friction 20 %"; from one to the other where they follow HU. */
 export function describeMaterial({ low, high }: Pick<SegmentMaterial, "low" | "high">): string {
-  const range = (write: (constants: Constants) => string): string => [...new Set([write(low), write(high)])].join(" to ");
-  return `${range(({ young }) => formatModulus(young))}, ν ${range(({ poisson }) => poisson.toFixed(2))}`;
+  return writtenConstants
+    .map((constant) => {
+      const [from = "", to] = new Set([low, high].map((constants) => (constant.key === "young" ? formatModulus(constants.young) : described(constant, constants))));
+      const range = to === undefined ? from : `${from} to ${to}`;
+      return describedAs[constant.key](range);
+    })
+    .join(", ");
 }
+
+/** How a constant stands in a sentence with the others. */
+const describedAs: Readonly<Record<keyof Constants, (range: string) => string>> = {
+  young: (range) => range,
+  poisson: (range) => `ν ${range}`,
+  density: (range) => range,
+  breaking_strain: (range) => (range === "never" ? "never breaks" : `breaks at ${range}`),
+  friction: (range) => `friction ${range}`,
+};
 
 /** Parts of names by which segments are known to be of a tissue: the first that fits. */
 const tissues: readonly (readonly [RegExp, string])[] = [
@@ -111,71 +138,4 @@ export class AnswerRate {
     const [first, last] = [this.counts[0], this.counts.at(-1)];
     return first === undefined || last === undefined || last.time <= first.time ? 0 : (last.answers - first.answers) / (last.time - first.time);
   }
-}
-
-// --- what outlives a visit --------------------------------------------------------------
-
-/** What a person has chosen for one scan. Segments are known by their names. */
-export interface MatterMemory {
-  readonly version: number;
-  readonly model: string | null;
-  readonly edge: number | null;
-  readonly materials: readonly RememberedMaterial[];
-}
-
-export interface RememberedMaterial {
-  readonly segment: string;
-  readonly preset: string | null;
-  readonly constants: Constants | null;
-}
-
-/** Form of what is kept; another number means that nothing kept before is read. */
-const memoryVersion = 1;
-
-export const nothingRemembered: MatterMemory = { version: memoryVersion, model: null, edge: null, materials: [] };
-
-/** What to keep of segments and the model. */
-export function rememberedMatter(
-  segments: readonly { readonly name: string; readonly material: SegmentMaterial | null }[],
-  model: string | null,
-  edge: number | null,
-): MatterMemory {
-  const materials = segments.flatMap(({ name, material }): RememberedMaterial[] =>
-    material === null ? [] : [{ segment: name, preset: material.preset, constants: material.preset === null ? material.low : null }],
-  );
-  return { version: memoryVersion, model, edge, materials };
-}
-
-/** Reads what was kept; anything may have been written there. What is not offered is left out. */
-export function recalledMatter(memory: unknown, presets: readonly MaterialPreset[], models: readonly DeformationModel[]): MatterMemory {
-  const { version, model, edge, materials } = asMap(memory);
-  if (version !== memoryVersion || !Array.isArray(materials)) {
-    return nothingRemembered;
-  }
-  const known = models.find(({ name }) => name === model);
-  const boxes = known?.boxes ?? null;
-  const edgeKept = typeof edge === "number" && boxes !== null && edge === oddEdge(edge, boxes) ? edge : null;
-  const kept = materials.flatMap((each: unknown): RememberedMaterial[] => {
-    const { segment, preset, constants } = asMap(each);
-    const name = presets.find((offered) => offered.name === preset)?.name ?? null;
-    const own = isConstants(constants) ? constants : null;
-    return typeof segment === "string" && (name !== null || own !== null) ? [{ segment, preset: name, constants: own }] : [];
-  });
-  return { version: memoryVersion, model: known?.name ?? null, edge: edgeKept, materials: kept };
-}
-
-function isConstants(value: unknown): value is Constants {
-  const { young, poisson, density, breaking_strain, friction } = asMap(value);
-  const within = (number: unknown, low: number, high: number): boolean => typeof number === "number" && number >= low && number <= high;
-  return (
-    within(young, 1, 2e12) &&
-    within(poisson, -0.999, 0.4999) &&
-    within(density, 0.1, 23_000) &&
-    (breaking_strain === null || within(breaking_strain, 1e-9, 1e6)) &&
-    within(friction, 0, 10)
-  );
-}
-
-function asMap(value: unknown): Readonly<Record<string, unknown>> {
-  return typeof value === "object" && value !== null && !Array.isArray(value) ? { ...value } : {};
 }

@@ -75,6 +75,12 @@ export type TissueName = "skin" | "fat" | "muscle" | "liver";
  */
 export type NeedleEventKind = "punctured" | "crossed" | "stopped" | "withdrawn";
 
+/** How matter takes part: it gives, stays where it is, or is as if it were not there. */
+export type Treatment = "deformable" | "rigid" | "empty";
+
+/** What a tool feels of matter that gives way: the model's force, or its voxels until they move. */
+export type ForceSource = "matter" | "voxels";
+
 /** A model of deformation. */
 export type ModelName = string;
 
@@ -163,6 +169,18 @@ export interface SegmentMaterial {
 }
 
 /**
+ * Some of a segment that takes part in its own way; all of it where nothing else is told.
+ *
+ * `shared_with`: what belongs to that other segment too. `box`: voxels (x, y, z) from the
+ * first to one past the last. At most one of them is told.
+ */
+export interface MatterRegion {
+  readonly treatment: Treatment;
+  readonly shared_with: SegmentId | null;
+  readonly box: readonly [GridPlace, GridPlace] | null;
+}
+
+/**
  * A segment of the scan.
  *
  * `range` holds the threshold (low, high) while the segment is just that threshold;
@@ -170,9 +188,10 @@ export interface SegmentMaterial {
  * the segment's `id` (1..255). `made_by` is the threshold that made it, whatever edits
  * did since; null where none did. `pose` takes the segment from where the scan has it to
  * where it stands; null where it was not moved. `bounds` are the voxels that hold it, half
- * open; null where it is empty. `material` is null where it is hard. `grid` is the
- * `patient_from_grid` of its voxels where they are not the scan's. `opacity`,
- * `smoothing`, `surface_from` and `wireframe` are those of its surface.
+ * open; null where it is empty. `material` is null where it is hard; `regions` are those that
+ * take part in their own way. `grid` is the `patient_from_grid` of its voxels where they are
+ * not the scan's. `opacity`, `smoothing`, `surface_from` and `wireframe` are those of its
+ * surface.
  */
 export interface Segment {
   readonly id: SegmentId;
@@ -187,6 +206,7 @@ export interface Segment {
   readonly pending: boolean;
   readonly feel: Feel;
   readonly material: SegmentMaterial | null;
+  readonly regions: readonly MatterRegion[];
   readonly pose: Pose | null;
   readonly bounds: readonly [GridPlace, GridPlace] | null;
   readonly grid: Pose | null;
@@ -313,13 +333,15 @@ export interface NeedleState {
  * Matter that gives way: `model` is the one at work, null where all is hard.
  *
  * `edge` counts nodes or cells along each edge of its box, null for as many as usual.
- * `force` is that of the matter on the tool [N, scene], `answers` counts the model's answers.
+ * `force` is that of the matter on the tool [N, scene], felt where `force_source` says so;
+ * `answers` counts the model's answers.
  * While the next one is `late`, matter is as hard as its voxels. `nodes` take part in the
  * last answer; since the start `bonds_broken` bonds broke, which took `work_broken` [mJ].
  */
 export interface MatterState {
   readonly model: ModelName | null;
   readonly edge: number | null;
+  readonly force_source: ForceSource;
   readonly force: Vector;
   readonly answers: number;
   readonly late: boolean;
@@ -891,6 +913,17 @@ export interface SetMaterial {
 }
 
 /**
+ * Tells how regions of a segment take part: of several that hold a voxel the last counts.
+ *
+ * What is in none gives way.
+ */
+export interface SetRegions {
+  readonly type: "set_regions";
+  readonly id: SegmentId;
+  readonly regions: readonly MatterRegion[];
+}
+
+/**
  * Chooses the model by which matter gives way, null makes all hard, and the edge of its box.
  *
  * The edge counts nodes or cells; null is as many as usual. Undo takes the choice back where it is
@@ -901,6 +934,12 @@ export interface SetDeformation {
   readonly model: ModelName | null;
   readonly edge: number | null;
   readonly undoable: boolean;
+}
+
+/** Chooses what a tool feels of matter that gives way. */
+export interface SetForceSource {
+  readonly type: "set_force_source";
+  readonly source: ForceSource;
 }
 
 /** Has this page told the nodes or particles of the model, or no more. */
@@ -1088,7 +1127,9 @@ export type FromPage =
   | SegmentProperties
   | SegmentFeel
   | SetMaterial
+  | SetRegions
   | SetDeformation
+  | SetForceSource
   | ShowParts
   | MoveSegment
   | Grab
@@ -1272,6 +1313,10 @@ const isToolKind = oneOf("none", "eraser", "adder", "drill", "needle", "painter"
 
 const isNeedleEventKind = oneOf("punctured", "crossed", "stopped", "withdrawn");
 
+const isTreatment = oneOf("deformable", "rigid", "empty");
+
+const isForceSource = oneOf("matter", "voxels");
+
 const isModelName = text({ ge: 1, le: 40 });
 
 const isIndex = whole({ ge: -2147483648, lt: 2147483648 });
@@ -1333,6 +1378,12 @@ const isSegmentMaterial = record({
   high: isConstants,
 });
 
+const isMatterRegion = record({
+  treatment: isTreatment,
+  shared_with: nullable(isSegmentId),
+  box: nullable(tuple(isGridPlace, isGridPlace)),
+});
+
 const isSegment = record({
   id: isSegmentId,
   name: isName,
@@ -1346,6 +1397,7 @@ const isSegment = record({
   pending: flag,
   feel: isFeel,
   material: nullable(isSegmentMaterial),
+  regions: list(isMatterRegion),
   pose: nullable(isPose),
   bounds: nullable(tuple(isGridPlace, isGridPlace)),
   grid: nullable(isPose),
@@ -1438,6 +1490,7 @@ const isNeedleState = record({
 const isMatterState = record({
   model: nullable(isModelName),
   edge: nullable(whole()),
+  force_source: isForceSource,
   force: isVector,
   answers: whole(),
   late: flag,

@@ -1,10 +1,8 @@
-/**
- * Marks in the 3-D view: lines of constant width on the screen, and rings at their points. Like the markers of
- * touch each is drawn twice: plain where nothing hides it, faint behind bone or tissue.
- */
+/** Marks in the 3-D view: lines of constant width on the screen, and rings at their points. */
 import * as THREE from "three";
 import { srgbFromHex } from "../core/colour";
 import type { Vec3 } from "../core/vector";
+import { GhostedQuads, strip } from "./ghosted_quads";
 import { shaders } from "./shaders";
 
 /** Half the width of a line, with its halo, radius of a ring, half the square it is drawn in, and how far toward the eye [CSS pixels]. */
@@ -19,7 +17,6 @@ const pieceNumbers = 6;
 
 export class MarkStrokes {
   readonly scene = new THREE.Scene();
-  private readonly geometry = new THREE.InstancedBufferGeometry();
   private readonly uniforms = {
     height: { value: 1 },
     reach: { value: new THREE.Vector2(...reach) },
@@ -29,19 +26,11 @@ export class MarkStrokes {
     halfLine: { value: halfLine },
     ring: { value: ring },
   };
+  private readonly quads = new GhostedQuads(strip, shaders.mark, this.uniforms, strength);
 
   constructor() {
-    // x along the piece, y across it
-    this.geometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array([0, -1, 0, 1, -1, 0, 1, 1, 0, 0, 1, 0]), 3));
-    this.geometry.setIndex([0, 1, 2, 0, 2, 3]);
+    this.scene.add(this.quads.group);
     this.show([]);
-    // faint ones first: a plain line then covers what is behind
-    for (const [renderOrder, depthFunc, opacity] of [[0, THREE.GreaterDepth, strength.behind], [1, THREE.LessEqualDepth, strength.plain]] as const) {
-      const mesh = new THREE.Mesh(this.geometry, this.material(opacity, depthFunc));
-      mesh.frustumCulled = false;
-      mesh.renderOrder = renderOrder;
-      this.scene.add(mesh);
-    }
   }
 
   /** @param lines points of each mark, in their order; scene [mm]. */
@@ -50,12 +39,13 @@ export class MarkStrokes {
       ...points.slice(1).map((point, i) => [...(points[i] ?? point), ...point]),
       ...points.map((point) => [...point, ...point]),
     ]);
+    const { geometry } = this.quads;
     // gives the buffers of what was shown back
-    this.geometry.dispose();
+    geometry.dispose();
     const buffer = new THREE.InstancedInterleavedBuffer(new Float32Array(pieces.flat()), pieceNumbers);
-    this.geometry.setAttribute("start", new THREE.InterleavedBufferAttribute(buffer, 3, 0));
-    this.geometry.setAttribute("end", new THREE.InterleavedBufferAttribute(buffer, 3, 3));
-    this.geometry.instanceCount = pieces.length;
+    geometry.setAttribute("start", new THREE.InterleavedBufferAttribute(buffer, 3, 0));
+    geometry.setAttribute("end", new THREE.InterleavedBufferAttribute(buffer, 3, 3));
+    geometry.instanceCount = pieces.length;
     this.scene.visible = pieces.length > 0;
   }
 
@@ -68,23 +58,6 @@ export class MarkStrokes {
   }
 
   dispose(): void {
-    this.geometry.dispose();
-    for (const child of this.scene.children) {
-      (child as THREE.Mesh<THREE.BufferGeometry, THREE.Material>).material.dispose();
-    }
-  }
-
-  private material(opacity: number, depthFunc: THREE.DepthModes): THREE.RawShaderMaterial {
-    return new THREE.RawShaderMaterial({
-      glslVersion: THREE.GLSL3,
-      vertexShader: shaders.mark.vertex,
-      fragmentShader: shaders.mark.fragment,
-      uniforms: { ...this.uniforms, opacity: { value: opacity } },
-      transparent: true,
-      premultipliedAlpha: true,
-      side: THREE.DoubleSide,
-      depthFunc,
-      depthWrite: false,
-    });
+    this.quads.dispose();
   }
 }

@@ -1,11 +1,9 @@
-/**
- * The nodes or particles of a model of deformation, coloured by strain: an instanced disc each.
- * Like the markers they are drawn twice: plain where nothing hides them, and fainter behind.
- */
+/** The nodes or particles of a model of deformation, coloured by strain: a disc each. */
 import * as THREE from "three";
 import { srgbFromHex } from "../core/colour";
 import type { MatterParts } from "../core/matter_parts";
 import type { Vec3 } from "../core/vector";
+import { GhostedQuads, square } from "./ghosted_quads";
 import { shaders } from "./shaders";
 
 /** Radius of a disc [distance of neighbours]. */
@@ -13,8 +11,6 @@ const discRadius = 0.28;
 const strength = { plain: 0.95, behind: 0.6 } as const;
 
 export class MatterDots {
-  readonly group = new THREE.Group();
-  private readonly geometry = new THREE.InstancedBufferGeometry();
   private readonly uniforms = {
     boxOrigin: { value: new THREE.Vector3() },
     boxSize: { value: new THREE.Vector3() },
@@ -23,20 +19,12 @@ export class MatterDots {
     resting: { value: new THREE.Vector3(...srgbFromHex("#e6edf5")) },
     pulled: { value: new THREE.Vector3(...srgbFromHex("#ff8a3c")) },
   };
+  private readonly quads = new GhostedQuads(square, shaders.parts, this.uniforms, strength);
+  readonly group = this.quads.group;
   private shown: MatterParts | null = null;
   private room = 0;
 
   constructor() {
-    const corners = new Float32Array([-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0]);
-    this.geometry.setAttribute("position", new THREE.BufferAttribute(corners, 3));
-    this.geometry.setIndex([0, 1, 2, 0, 2, 3]);
-    const behind = new THREE.Mesh(this.geometry, this.material(strength.behind, THREE.GreaterDepth));
-    const plain = new THREE.Mesh(this.geometry, this.material(strength.plain, THREE.LessEqualDepth));
-    for (const mesh of [behind, plain]) {
-      mesh.frustumCulled = false;
-      mesh.renderOrder = 0;
-      this.group.add(mesh);
-    }
     this.group.visible = false;
   }
 
@@ -71,39 +59,24 @@ export class MatterDots {
   }
 
   dispose(): void {
-    this.geometry.dispose();
-    for (const child of this.group.children) {
-      (child as THREE.Mesh<THREE.BufferGeometry, THREE.Material>).material.dispose();
-    }
+    this.quads.dispose();
   }
 
   private fill({ places, strains, count }: MatterParts): void {
+    const { geometry } = this.quads;
     if (count > this.room) {
       // other buffers: what the GPU holds of those before goes with them
-      this.geometry.dispose();
+      geometry.dispose();
       this.room = 2 ** Math.ceil(Math.log2(count));
-      this.geometry.setAttribute("place", instanced(new Uint16Array(3 * this.room), 3));
-      this.geometry.setAttribute("strain", instanced(new Int8Array(this.room), 1));
+      geometry.setAttribute("place", instanced(new Uint16Array(3 * this.room), 3));
+      geometry.setAttribute("strain", instanced(new Int8Array(this.room), 1));
     }
-    this.geometry.instanceCount = count;
+    geometry.instanceCount = count;
     for (const [name, values] of [["place", places], ["strain", strains]] as const) {
-      const attribute = this.geometry.getAttribute(name) as THREE.InstancedBufferAttribute;
+      const attribute = geometry.getAttribute(name) as THREE.InstancedBufferAttribute;
       attribute.array.set(values);
       attribute.needsUpdate = true;
     }
-  }
-
-  private material(opacity: number, depthFunc: THREE.DepthModes): THREE.RawShaderMaterial {
-    return new THREE.RawShaderMaterial({
-      glslVersion: THREE.GLSL3,
-      vertexShader: shaders.parts.vertex,
-      fragmentShader: shaders.parts.fragment,
-      uniforms: { ...this.uniforms, opacity: { value: opacity } },
-      transparent: true,
-      premultipliedAlpha: true,
-      depthFunc,
-      depthWrite: false,
-    });
   }
 }
 

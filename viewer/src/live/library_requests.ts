@@ -1,8 +1,10 @@
 /**
  * Asks the engine for scans: work that tells how far it is, and files that are brought to it.
  */
+import type { LaidOut } from "../core/bare";
 import { Lines, type About, type GivenFile, type JobLine } from "../core/library";
 import type { ReconstructionGrid, ReconstructionRequest } from "../core/reconstruction";
+import type { Vec3 } from "../core/vector";
 import { apiAddress } from "./connection";
 
 /** How many files are on their way at once. */
@@ -22,7 +24,7 @@ export async function forgetRecent(token: string): Promise<void> {
 
 /** Has the engine work, and calls back with each line; leaving it cancels. Throws why it failed. */
 export async function work(
-  route: "find" | "open" | "reconstruct" | "segments",
+  route: "coming" | "find" | "open" | "reconstruct" | "segments",
   wanted: object,
   { token, signal }: Asking,
   told: (line: JobLine) => void,
@@ -56,14 +58,26 @@ export async function askGrid(
   wanted: { readonly find: number; readonly request: ReconstructionRequest },
   token: string,
 ): Promise<ReconstructionGrid> {
-  const answer = await fetch(apiAddress("/api/library/reconstruct/grid", token), {
+  return (await asked("reconstruct/grid", wanted, token)) as ReconstructionGrid;
+}
+
+/** Asks for the scan that files would give by a layout. Throws why they would give none. */
+export async function askLayout(
+  wanted: { readonly find: number; readonly raw: string | null; readonly voxel_size: Vec3 | null },
+  token: string,
+): Promise<LaidOut> {
+  return (await asked("layout", wanted, token)) as LaidOut;
+}
+
+async function asked(route: string, wanted: object, token: string): Promise<unknown> {
+  const answer = await fetch(apiAddress(`/api/library/${route}`, token), {
     method: "POST",
     body: JSON.stringify(wanted),
   });
   if (!answer.ok) {
     throw new Error(await answer.text());
   }
-  return (await answer.json()) as ReconstructionGrid;
+  return answer.json();
 }
 
 export interface Asking {

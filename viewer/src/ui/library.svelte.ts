@@ -1,8 +1,10 @@
 /** Opens scans: looks for them, takes those that are dropped, and has the engine show one. */
+import { layoutText, wholeVoxel, type Bare, type LaidOut, type ToldLayout } from "../core/bare";
 import { formatBytes, formatCount } from "../core/format";
-import { isSingle, refusalOf, type About, type GivenFile, type JobLine, type ListedScan, type RecentScan } from "../core/library";
+import { isSingle, refusalOf, type About, type FoundLabels, type GivenFile, type JobLine, type ListedScan, type RecentScan } from "../core/library";
 import type { Projections, ReconstructionGrid, ReconstructionRequest } from "../core/reconstruction";
-import { askAbout, askGrid, bring, forgetRecent, work } from "../live/library_requests";
+import type { Vec3 } from "../core/vector";
+import { askAbout, askGrid, askLayout, bring, forgetRecent, work } from "../live/library_requests";
 
 export interface Work {
   readonly what: string;
@@ -34,8 +36,17 @@ export class Library {
 
   /** Found in the place of scans: a scan can be made of them. */
   projections = $state.raw<Projections | null>(null);
+  /** Found in the place of scans: files whose layout is to be told. */
+  bare = $state.raw<Bare | null>(null);
+  /** Found in the place of scans: segments. */
+  labels = $state.raw<FoundLabels | null>(null);
   /** What is given next are projections, whatever it looks like. */
   projected = $state.raw(false);
+
+  /** How far the engine is with the scan that it was started with; null once that is there. */
+  coming = $state.raw<Work | null>(null);
+  /** Why that cannot be shown. */
+  notComing = $state.raw<string | null>(null);
 
   /** Whether a scan is being opened: another one cannot be chosen meanwhile. */
   opening = $state.raw(false);
@@ -43,11 +54,49 @@ export class Library {
   private asking: AbortController | null = null;
   private place: object = {};
 
+  /** What is asked of what was found; null where nothing was. */
+  get title(): string | null {
+    if (this.projections !== null) {
+      return "Reconstruct a scan";
+    }
+    if (this.bare !== null) {
+      return this.bare.layout === null ? "Stack of pictures" : "Raw voxels";
+    }
+    if (this.labels !== null) {
+      return "Segments";
+    }
+    return this.found === null ? null : "Choose a scan";
+  }
+
   /** @param token of this page; @param reload shows the page anew, with the scan that is open then. */
   constructor(
     private readonly token: string,
     private readonly reload: () => void = () => { window.location.reload(); },
   ) {}
+
+  /** Asks what is open, and waits for what is being read. */
+  async begin(): Promise<void> {
+    await this.look();
+    const name = this.about?.coming ?? null;
+    if (name === null) {
+      return;
+    }
+    this.coming = { what: `Reading ${name}`, share: null };
+    try {
+      await work("coming", {}, { token: this.token, signal: new AbortController().signal }, (line) => {
+        if (line.kind === "progress" && line.what !== "") {
+          this.coming = { what: sentence(line.what), share: line.share };
+        }
+      });
+    } catch (error) {
+      // an engine that is gone is told of by the connection
+      if (!(error instanceof TypeError)) {
+        this.notComing = sentence(error instanceof Error ? error.message : String(error));
+      }
+    }
+    await this.look();
+    this.coming = null;
+  }
 
   /** Asks what is open. */
   async look(): Promise<void> {
@@ -100,6 +149,8 @@ export class Library {
   private clear(): void {
     this.found = null;
     this.projections = null;
+    this.bare = null;
+    this.labels = null;
     this.pictures = {};
   }
 
@@ -128,9 +179,15 @@ export class Library {
     });
   }
 
-  /** Opens one of the scans that were found. */
+  /** Opens one of the scans that were found; of segments it is asked what to do with them. */
   async open(choice: number): Promise<void> {
     const find = this.found?.find;
+    const chosen = this.found?.scans[choice];
+    if (chosen !== undefined && chosen.labels !== null) {
+      this.place = { find, choice };
+      this.labels = { name: chosen.name, what: chosen.labels, image: true };
+      return;
+    }
     await this.attempt((signal) => this.exchange({ find, choice }, signal));
   }
 
@@ -145,14 +202,30 @@ export class Library {
     return askGrid({ find, request }, this.token);
   }
 
-  /** What was found is no projections: opens it as it is. */
-  async takeAsScan(): Promise<void> {
-    this.projected = false;
-    await this.attempt((signal) => this.find(this.place, signal, "scan"));
+  /** The scan that files would give by a layout. Throws why they would give none. */
+  async layoutOf(find: number, { layout, voxel }: ToldLayout): Promise<LaidOut> {
+    return askLayout({ find, raw: layout === null ? null : layoutText(layout), voxel_size: wholeVoxel(voxel) }, this.token);
   }
 
-  async openRecent({ path, series }: RecentScan): Promise<void> {
-    await this.attempt((signal) => this.exchange({ path, series }, signal));
+  /** Opens files by the layout that a person tells. */
+  async openBare(find: number, raw: string | null, voxel_size: Vec3): Promise<void> {
+    await this.attempt((signal) => this.exchange({ find, raw, voxel_size }, signal));
+  }
+
+  /** Adds the segments that were found to the open scan. */
+  async addFound(): Promise<void> {
+    await this.attempt((signal) => this.addSegments(this.place, signal));
+  }
+
+  /** What was found is something else: looks at it again as that. */
+  async takeAs(what: "scan" | "projections"): Promise<void> {
+    this.projected = false;
+    const listed = this.labels !== null && this.found !== null;
+    await this.attempt((signal) => (listed ? this.exchange(this.place, signal) : this.find(this.place, signal, what)));
+  }
+
+  async openRecent({ path, series, raw, voxel_size }: RecentScan): Promise<void> {
+    await this.attempt((signal) => this.exchange({ path, series, raw, voxel_size }, signal));
   }
 
   async forget(): Promise<void> {
@@ -163,8 +236,7 @@ export class Library {
   /** Lists the scans of a place, or adds its segments to the open scan. */
   private async find(place: object, signal: AbortSignal, taken_as = this.projected ? "projections" : "anything"): Promise<void> {
     if (this.segments) {
-      await work("segments", { ...place, resample: this.resample }, { token: this.token, signal }, this.take.bind(this));
-      this.hide();
+      await this.addSegments(place, signal);
       return;
     }
     this.clear();
@@ -174,6 +246,12 @@ export class Library {
     if (found !== null && isSingle(found.scans)) {
       await this.exchange({ find: found.find, choice: 0 }, signal);
     }
+  }
+
+  private async addSegments(place: object, signal: AbortSignal): Promise<void> {
+    await work("segments", { ...place, resample: this.resample }, { token: this.token, signal }, this.take.bind(this));
+    this.leaveList();
+    this.hide();
   }
 
   private async exchange(wanted: object, signal: AbortSignal, how: "open" | "reconstruct" = "open"): Promise<void> {
@@ -212,6 +290,12 @@ export class Library {
         break;
       case "projections":
         this.projections = line;
+        break;
+      case "bare":
+        this.bare = line;
+        break;
+      case "labels":
+        this.labels = line;
         break;
       case "picture":
         this.pictures = { ...this.pictures, [line.choice]: `data:image/png;base64,${line.png}` };

@@ -1,12 +1,20 @@
 /**
  * Matter that gives way: what a person asks of materials and models, and what outlives a visit.
  */
-import { AnswerRate, recalledMatter, rememberedMatter, usualModel, type MatterMemory, type RememberedMaterial } from "../core/matter";
-import type { Constants, Segment, State } from "../core/protocol";
+import { AnswerRate, usualModel } from "../core/matter";
+import { recalledMatter, recalledRegions, rememberedMatter, type MatterMemory, type RememberedMaterial } from "../core/matter_memory";
+import type { Constants, ForceSource, FromPage, MatterRegion, Segment, State } from "../core/protocol";
+import type { PageSteps, StepOwner } from "./page_steps.svelte";
 import { recall, remember } from "./remembered";
 import type { Session } from "./session.svelte";
 
-export class MatterControl {
+/** What the engine's own undo does not know: how it is asked for, and how for what was before. */
+interface MatterStep {
+  readonly forth: FromPage;
+  readonly back: FromPage;
+}
+
+export class MatterControl implements StepOwner {
   /** Whether the model's nodes or particles are shown. */
   partsShown = $state(false);
   /** Answers of the model [Hz]. */
@@ -18,8 +26,13 @@ export class MatterControl {
   private shownTo = 0;
   /** What the engine held when that was kept last; null until it has done what was recalled. */
   private held: string | null = null;
+  private past: readonly MatterStep[] = [];
+  private future: readonly MatterStep[] = [];
 
-  constructor(private readonly session: Session) {
+  constructor(
+    private readonly session: Session,
+    private readonly steps: PageSteps,
+  ) {
     session.onState((state) => {
       this.follow(state);
     });
@@ -33,13 +46,29 @@ export class MatterControl {
       this.session.send({ type: "set_deformation", model: usualModel, edge: null, undoable: false });
     }
     this.session.send({ type: "set_material", id: segment.id, preset, constants, undoable: true });
+    this.steps.engineAsked();
     this.keepFromNowOn();
+  }
+
+  /** How regions of a segment take part; of several that hold a voxel the last counts. */
+  setRegions(segment: Segment, regions: MatterRegion[]): void {
+    const before = [...segment.regions];
+    this.ask({ type: "set_regions", id: segment.id, regions }, { type: "set_regions", id: segment.id, regions: before });
   }
 
   /** The model by which matter gives way, and the edge of its box; null for none, and for the usual one. */
   choose(model: string | null, edge: number | null): void {
     this.session.send({ type: "set_deformation", model, edge, undoable: true });
+    this.steps.engineAsked();
     this.keepFromNowOn();
+  }
+
+  /** What a tool feels of matter that gives way. */
+  feel(source: ForceSource): void {
+    const before = this.session.latest?.matter.force_source ?? source;
+    if (before !== source) {
+      this.ask({ type: "set_force_source", source }, { type: "set_force_source", source: before });
+    }
   }
 
   /** All matter is hard again. */
@@ -52,11 +81,38 @@ export class MatterControl {
     this.choose(null, null);
   }
 
+  undo(): void {
+    const step = this.past.at(-1);
+    if (step !== undefined) {
+      this.past = this.past.slice(0, -1);
+      this.future = [step, ...this.future];
+      this.session.send(step.back);
+    }
+  }
+
+  redo(): void {
+    const [step, ...rest] = this.future;
+    if (step !== undefined) {
+      this.past = [...this.past, step];
+      this.future = rest;
+      this.session.send(step.forth);
+    }
+  }
+
   showParts(on: boolean): void {
     this.partsShown = on;
     this.shownTo = this.session.greetings;
     this.session.send({ type: "show_parts", on });
     this.session.parts = null;
+  }
+
+  /** Asks for what is one step of the page's undo. */
+  private ask(forth: FromPage, back: FromPage): void {
+    this.past = [...this.past, { forth, back }];
+    this.future = [];
+    this.session.send(forth);
+    this.steps.add(this);
+    this.keepFromNowOn();
   }
 
   private follow(state: State): void {
@@ -103,7 +159,7 @@ export class MatterControl {
   }
 
   private holds({ matter }: State): { memory: MatterMemory; text: string } {
-    const memory = rememberedMatter(this.session.segments, matter.model, matter.edge);
+    const memory = rememberedMatter(this.session.segments, matter);
     return { memory, text: JSON.stringify(memory) };
   }
 
@@ -114,11 +170,21 @@ export class MatterControl {
       return;
     }
     const { presets, models } = session;
-    const { model, edge, materials } = recalledMatter(recall(this.memory, {}), presets, models);
+    const memory = recalledMatter(recall(this.memory, {}), presets, models);
+    const { model, edge, forceSource, materials } = memory;
     const kept = session.segments.map((segment) => ({ id: segment.id, material: materials.find((each) => each.segment === segment.name) }));
     const known = kept.filter((each): each is { id: number; material: RememberedMaterial } => each.material !== undefined);
     for (const { id, material } of known) {
       session.send({ type: "set_material", id, preset: material.preset, constants: material.constants, undoable: false });
+    }
+    for (const { id, name } of session.segments) {
+      const regions = recalledRegions(name, memory, session.segments);
+      if (regions.length > 0) {
+        session.send({ type: "set_regions", id, regions });
+      }
+    }
+    if (forceSource !== matter.force_source) {
+      session.send({ type: "set_force_source", source: forceSource });
     }
     if (model !== null) {
       session.send({ type: "set_deformation", model, edge, undoable: false });

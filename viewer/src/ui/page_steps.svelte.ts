@@ -41,6 +41,11 @@ export class PageSteps {
     this.changedAt = this.lastEdit();
   }
 
+  /** The engine was asked for a step that changes no voxel: that one is taken back first. */
+  engineAsked(): void {
+    this.changedAt = -1;
+  }
+
   /** Another scan: nothing can be taken back. */
   clear(): void {
     this.past = [];

@@ -7,6 +7,7 @@ import { frameOf, type ScanVolume } from "../core/scan_volume";
 import { previewStep, subsamplingStep } from "../core/subsampling";
 import type { Picture } from "../gl/picture";
 import { downloadVolume } from "../live/volume_download";
+import type { Work } from "./library.svelte";
 import type { HeldScan } from "./shown_edits.svelte";
 
 /** Most values of a scan that are taken to the GPU: 1 GiB in 16 bit. */
@@ -25,6 +26,8 @@ interface Outside {
 }
 
 export class ScanLoader {
+  /** How far the engine is with reading it; null once it has. */
+  coming = $state.raw<Work | null>(null);
   /** Share of the scan on its way to the picture, 0..1; null once it is shown. */
   progress = $state.raw<number | null>(0);
   /** What a person should know of a scan that is too large for the GPU. */

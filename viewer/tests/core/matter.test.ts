@@ -8,11 +8,9 @@ import {
   formatModulus,
   isOfParticles,
   modelName,
-  nothingRemembered,
   oddEdge,
   presetsFor,
-  recalledMatter,
-  rememberedMatter,
+  presetTitle,
   suggestedPreset,
 } from "../../src/core/matter";
 import { decodeParts } from "../../src/core/matter_parts";
@@ -43,8 +41,10 @@ test("moduli are written with three digits and the unit that fits", () => {
 
 test("a material that follows HU is told from one end to the other and has no constants to change", () => {
   const [liver, bone] = presets.map((preset) => ({ ...preset, preset: preset.name }));
-  expect(liver && describeMaterial(liver)).toBe("5.50 kPa, ν 0.45");
-  expect(bone && describeMaterial(bone)).toBe("5.00 GPa to 21.0 GPa, ν 0.30 to 0.32");
+  expect(liver && describeMaterial(liver)).toBe("5.50 kPa, ν 0.45, 1.06 g/cm³, breaks at 34 %, friction 20 %");
+  expect(bone && describeMaterial(bone)).toBe("5.00 GPa to 21.0 GPa, ν 0.3 to 0.32, 1.06 g/cm³, breaks at 34 %, friction 20 %");
+  expect(describeMaterial({ low: { ...soft, breaking_strain: null }, high: { ...soft, breaking_strain: null } })).toContain("never breaks");
+  expect(presets.map(presetTitle)).toEqual(["Liver", "Thesis bone (by HU)"]);
   expect(liver && constantsOf(liver)).toEqual(soft);
   expect(bone && constantsOf(bone)).toBeNull();
   expect(presetsFor(presets, "")).toEqual(presets.slice(0, 1));
@@ -77,45 +77,6 @@ test("answers are counted over the last second, and begin anew with another sess
   rate.add(0.1, 0);
   rate.add(0.2, 4);
   expect(rate.hz).toBeCloseTo(40);
-});
-
-test("what was chosen comes back, by the names of segments", () => {
-  const own = { ...soft, young: 7000 };
-  const segments = [
-    { name: "liver", material: { preset: "liver", low: soft, high: soft } },
-    { name: "lump", material: { preset: null, low: own, high: own } },
-    { name: "bone", material: null },
-  ];
-  const kept: unknown = JSON.parse(JSON.stringify(rememberedMatter(segments, "lattice", 31)));
-  expect(recalledMatter(kept, presets, models)).toEqual({
-    version: 1,
-    model: "lattice",
-    edge: 31,
-    materials: [
-      { segment: "liver", preset: "liver", constants: null },
-      { segment: "lump", preset: null, constants: own },
-    ],
-  });
-});
-
-test.each([
-  null,
-  7,
-  {},
-  { version: 2, model: "lattice", edge: null, materials: [] },
-  { version: 1, materials: "liver" },
-])("of a memory like %o nothing is recalled", (memory) => {
-  expect(recalledMatter(memory, presets, models)).toEqual(nothingRemembered);
-});
-
-test("of a memory only what is offered and can be is recalled", () => {
-  const constants = { ...soft, poisson: 0.6 };
-  const materials = [{ segment: "a", preset: "cheese" }, { segment: "b", constants }, 3, { segment: "c", preset: "liver" }];
-  expect(recalledMatter({ version: 1, model: "jelly", edge: 20, materials }, presets, models)).toEqual({
-    ...nothingRemembered,
-    materials: [{ segment: "c", preset: "liver", constants: null }],
-  });
-  expect(recalledMatter({ version: 1, model: "lattice", edge: 20, materials }, presets, models).edge).toBeNull();
 });
 
 test("displacements whose bytes do not fit are refused, and none is none", () => {

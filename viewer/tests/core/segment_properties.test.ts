@@ -15,6 +15,7 @@ const bone: Segment = {
   pending: false,
   feel: { stiffness: null, friction_static: null, friction_kinetic: null },
   material: null,
+  regions: [],
   pose: null,
   bounds: null,
   grid: null,

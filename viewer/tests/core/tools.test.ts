@@ -18,6 +18,7 @@ function segment(id: number, touchable = true, range: Segment["range"] = null): 
     pending: false,
     feel: { stiffness: null, friction_static: null, friction_kinetic: null },
     material: null,
+    regions: [],
     pose: null,
     grid: null,
     bounds: null,

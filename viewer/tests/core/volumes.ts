@@ -58,6 +58,7 @@ export const segment: Segment = {
   pending: false,
   feel: { stiffness: null, friction_static: null, friction_kinetic: null },
   material: null,
+  regions: [],
   pose: null,
   bounds: null,
   grid: null,

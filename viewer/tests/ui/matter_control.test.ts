@@ -1,8 +1,9 @@
 import { afterEach, expect, test, vi } from "vitest";
-import type { MatterMemory } from "../../src/core/matter";
+import type { MatterMemory } from "../../src/core/matter_memory";
 import type { MatterParts } from "../../src/core/matter_parts";
-import type { FromPage, State } from "../../src/core/protocol";
+import type { ForceSource, FromPage, MatterRegion, State } from "../../src/core/protocol";
 import { MatterControl } from "../../src/ui/matter_control.svelte";
+import { PageSteps } from "../../src/ui/page_steps.svelte";
 import type { Session } from "../../src/ui/session.svelte";
 
 const soft = { young: 5500, poisson: 0.45, density: 1060, breaking_strain: null, friction: 0.2 };
@@ -13,11 +14,15 @@ class Visit {
   readonly sent: FromPage[] = [];
   greetings = 1;
   readonly scan = { name: "scan" };
-  segments: { id: number; name: string; material: typeof liver | null }[] = [{ id: 1, name: "Liver", material: null }];
+  segments: { id: number; name: string; material: typeof liver | null; regions: MatterRegion[] }[] = [
+    { id: 1, name: "Liver", material: null, regions: [] },
+  ];
   readonly presets = [{ name: "liver" }];
   readonly models = [{ name: "lattice", boxes: null }];
   latest: State | null = null;
   parts: MatterParts | null = null;
+  source: ForceSource = "matter";
+  readonly steps = new PageSteps(() => 7);
   readonly control: MatterControl;
   private listener: (state: State) => void = () => undefined;
   private told: (() => void)[] = [];
@@ -27,7 +32,7 @@ class Visit {
       getItem: (key: string) => storage.get(key) ?? null,
       setItem: (key: string, value: string) => storage.set(key, value),
     });
-    this.control = new MatterControl(this as unknown as Session);
+    this.control = new MatterControl(this as unknown as Session, this.steps);
   }
 
   onState(listener: (state: State) => void): void {
@@ -44,8 +49,8 @@ class Visit {
 
   /** A state of an engine that holds this. */
   holds(material: typeof liver | null, model: "lattice" | null, { time, answers } = { time: 1, answers: 0 }): void {
-    this.segments = [{ id: 1, name: "Liver", material }];
-    this.latest = { time, matter: { model, edge: null, answers } } as State;
+    this.segments = [{ id: 1, name: "Liver", material, regions: [] }];
+    this.latest = { time, matter: { model, edge: null, force_source: this.source, answers } } as State;
     this.listener(this.latest);
   }
 
@@ -114,6 +119,41 @@ test("an engine that begins anew is told again, and takes nothing from what is k
   visit.holds(null, null);
   expect(visit.kept).toMatchObject({ materials: [{ preset: "liver" }] });
   expect(visit.sent).toHaveLength(2);
+});
+
+test("regions are a step of the page's undo, which a later material goes before", () => {
+  const visit = new Visit(new Map());
+  visit.holds(liver, "lattice");
+  const rigid: MatterRegion = { treatment: "rigid", shared_with: null, box: null };
+  const segment = visit.segments[0] as never;
+  visit.sent.length = 0;
+  visit.control.setRegions(segment, [rigid]);
+  expect(visit.steps.changedLast).toBe(true);
+  visit.steps.undo();
+  visit.steps.redo();
+  expect(visit.sent).toEqual([[rigid], [], [rigid]].map((regions) => ({ type: "set_regions", id: 1, regions })));
+  visit.control.make(segment, "liver", null);
+  expect(visit.steps.changedLast).toBe(false);
+});
+
+test("what is felt is a step of the page's undo, kept, and told to the next engine", () => {
+  const storage = new Map<string, string>();
+  const visit = new Visit(storage);
+  visit.holds(liver, "lattice");
+  visit.passed();
+  visit.sent.length = 0;
+  visit.control.feel("matter");
+  expect(visit.sent).toEqual([]);
+  visit.control.feel("voxels");
+  visit.steps.undo();
+  visit.steps.redo();
+  expect(visit.sent).toEqual(["voxels", "matter", "voxels"].map((source) => ({ type: "set_force_source", source })));
+  visit.source = "voxels";
+  visit.holds(liver, "lattice");
+  expect(visit.kept).toMatchObject({ forceSource: "voxels" });
+  const again = new Visit(storage);
+  again.holds(null, null);
+  expect(again.sent).toContainEqual({ type: "set_force_source", source: "voxels" });
 });
 
 test("parts that arrive after they were hidden do not stay", () => {

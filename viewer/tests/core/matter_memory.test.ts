@@ -1,0 +1,74 @@
+import { expect, test } from "vitest";
+import { nothingRemembered, recalledMatter, recalledRegions, rememberedMatter } from "../../src/core/matter_memory";
+import type { Constants, DeformationModel, MaterialPreset, MatterRegion, Segment } from "../../src/core/protocol";
+
+const soft: Constants = { young: 5500, poisson: 0.45, density: 1060, breaking_strain: 0.34, friction: 0.2 };
+const presets: readonly MaterialPreset[] = [{ name: "liver", source: "a paper", needs_hounsfield: false, low: soft, high: soft }];
+const models: readonly DeformationModel[] = [
+  { name: "lattice", boxes: { least: 9, usual: 21, most: 41 } },
+  { name: "global-lj", boxes: null },
+];
+
+test("what was chosen comes back, by the names of segments", () => {
+  const own = { ...soft, young: 7000 };
+  const segments = [
+    { id: 1, name: "liver", material: { preset: "liver", low: soft, high: soft }, regions: [] },
+    { id: 2, name: "lump", material: { preset: null, low: own, high: own }, regions: [] },
+    { id: 3, name: "bone", material: null, regions: [] },
+  ];
+  const kept: unknown = JSON.parse(JSON.stringify(rememberedMatter(segments, { model: "lattice", edge: 31, force_source: "voxels" })));
+  expect(recalledMatter(kept, presets, models)).toEqual({
+    version: 1,
+    model: "lattice",
+    edge: 31,
+    forceSource: "voxels",
+    materials: [
+      { segment: "liver", preset: "liver", constants: null },
+      { segment: "lump", preset: null, constants: own },
+    ],
+    regions: [],
+  });
+});
+
+test.each([
+  null,
+  7,
+  {},
+  { version: 2, model: "lattice", edge: null, materials: [] },
+  { version: 1, materials: "liver" },
+])("of a memory like %o nothing is recalled", (memory) => {
+  expect(recalledMatter(memory, presets, models)).toEqual(nothingRemembered);
+});
+
+test("of a memory only what is offered and can be is recalled", () => {
+  const constants = { ...soft, poisson: 0.6 };
+  const materials = [{ segment: "a", preset: "cheese" }, { segment: "b", constants }, 3, { segment: "c", preset: "liver" }];
+  expect(recalledMatter({ version: 1, model: "jelly", edge: 20, materials }, presets, models)).toEqual({
+    ...nothingRemembered,
+    materials: [{ segment: "c", preset: "liver", constants: null }],
+  });
+  expect(recalledMatter({ version: 1, model: "lattice", edge: 20, materials }, presets, models).edge).toBeNull();
+});
+
+test("regions come back where the segments are that mark them, in their order", () => {
+  const regions: readonly MatterRegion[] = [
+    { treatment: "rigid", shared_with: null, box: null },
+    { treatment: "deformable", shared_with: 3, box: null },
+    { treatment: "empty", shared_with: null, box: [[0, 0, 0], [4, 4, 4]] },
+    { treatment: "empty", shared_with: 9, box: null },
+  ];
+  const named = (id: number, name: string, its: readonly MatterRegion[] = []): Pick<Segment, "id" | "name" | "material" | "regions"> => ({ id, name, material: null, regions: its });
+  const kept: unknown = JSON.parse(JSON.stringify(rememberedMatter([named(1, "liver", regions), named(3, "lesion")], { model: null, edge: null, force_source: "matter" })));
+  const memory = recalledMatter(kept, presets, models);
+  expect(memory.regions).toHaveLength(2);
+  // under other numbers at the next visit
+  const now = [named(5, "lesion"), named(6, "liver")];
+  expect(recalledRegions("liver", memory, now)).toEqual([
+    { treatment: "rigid", shared_with: null, box: null },
+    { treatment: "deformable", shared_with: 5, box: null },
+  ]);
+  expect(recalledRegions("liver", memory, now.slice(1))).toHaveLength(1);
+  expect(recalledRegions("lesion", memory, now)).toEqual([]);
+  const damaged = { version: 1, materials: [], regions: [{ segment: "liver", treatment: "soft", sharedWith: null }, 3, { segment: 2 }] };
+  expect(recalledMatter(damaged, presets, models).regions).toEqual([]);
+});
