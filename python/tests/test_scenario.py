@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -133,7 +134,7 @@ def test_what_is_told_of_a_file_that_is_no_run_has_nothing_of_the_file(tmp_path:
 
 
 @pytest.mark.parametrize("given", [{"depth": -1.0}, {"voxel": 0.0}, {"length": float("nan")}])
-def test_what_is_no_length_is_refused(given: dict[str, float]) -> None:
+def test_what_is_no_length_is_refused(given: dict[str, Any]) -> None:
     volume = Volume(np.zeros((4, 5, 6), np.int16), spacing=(1.0, 1.0, 1.0))
     nothing = np.zeros(volume.shape, bool)
     body = Body(volume=volume, soft={"muscle": nothing}, bone=nothing)
