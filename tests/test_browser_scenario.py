@@ -103,6 +103,36 @@ def test_it_plays_to_its_end_and_touch_takes_over(page: Browser, file: Path) -> 
     page.wait("window.palpate.played !== null")
 
 
+def test_the_player_keeps_to_its_room_and_its_chart_is_clicked_where_it_is(page: Browser) -> None:
+    page.wait("document.querySelector('[data-testid=play]').ariaLabel === 'Play'")
+    # between both panels
+    page.do("resize", width=900, height=700)
+    page.wait(
+        "(({ scrollWidth, clientWidth }) => clientWidth < 500 && scrollWidth === clientWidth)"
+        "(document.querySelector('main'))"
+    )
+    # enlarged with its chart, as on large screens
+    enlarged = "document.documentElement.style.setProperty('--enlarged'"
+    over = "document.querySelector('[data-testid=player] .u-over').getBoundingClientRect()"
+    height = page.read(f"{over}.height")
+    page.read(f"void {enlarged}, '1.25')")
+    page.wait(f"{over}.height > 1.2 * {height}")
+    page.frames()
+    x, y = page.read(f"(({{ left, top, width }}) => [left + 0.25 * width, top + 20])({over})")
+    page.read(
+        "void document.querySelector('[data-testid=player] .chart').dispatchEvent("
+        f"new PointerEvent('pointermove', {{ clientX: {x}, clientY: {y}, buttons: 1,"
+        " bubbles: true }))"
+    )
+    page.wait(f"Math.abs({TIME}.valueAsNumber / {TIME}.max - 0.25) < 0.001")
+    page.wait(
+        "Math.abs(document.querySelector('[data-testid=player] .now')"
+        f".getBoundingClientRect().left - {x}) < 2"
+    )
+    page.read(f"void {enlarged}, '')")
+    page.do("resize", **SIZE)
+
+
 def test_a_file_that_is_no_run_is_refused_and_the_run_stays(page: Browser, tmp_path: Path) -> None:
     wrong = tmp_path / "wrong.json"
     wrong.write_text('{"format": "other"}', encoding="utf-8")

@@ -49,6 +49,15 @@ fn what_a_drill_has_gripped_is_let_go() {
     assert!(report.drilled >= 1, "{report:?}");
 }
 
+/// There a needle is still in beside a probe in closed matter: once its tissue has relaxed, nothing
+/// changes by a bit.
+#[test]
+fn a_hand_at_rest_with_a_needle_that_is_caught_comes_to_rest() {
+    let report = run("fcc-lj", 5, 5, 7_800).unwrap();
+    assert_eq!(report.violation, None);
+    assert!(report.rests >= 2, "{report:?}");
+}
+
 #[test]
 fn a_run_is_made_again_by_its_number() {
     let one = run("lattice", 5, 1, 2_000).unwrap();

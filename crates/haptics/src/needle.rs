@@ -28,7 +28,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::coupling::Coupling;
 use crate::friction::Friction;
-use crate::soft_contact::{STEP, SoftInput, gone_over, put, without_pull};
+use crate::soft_contact::{STEP, SoftInput, gone_over, pushed_over, put};
 use crate::tick::TickOutput;
 
 pub mod events;
@@ -242,11 +242,11 @@ impl Needle {
         let (device, last) = self.last.unwrap_or((None, output.spring));
         // a hand that was nowhere has made no way
         let way = device.map_or(0.0, |device| (input.device - device).length());
-        let spring = gone_over(last, wanted, way + STEP * input.spacing);
+        let most = way + STEP * input.spacing;
         let spring = match self.tool {
-            Some(_) => spring,
+            Some(_) => gone_over(last, wanted, most),
             // once it is out, what is left of its force pulls into nothing
-            None => without_pull(spring, output.proxy_in_scene - input.device),
+            None => pushed_over(last, wanted, most, output.proxy_in_scene - input.device),
         };
         let is_hard = !self.is_felt() && spring == output.spring;
         self.last = (!is_hard).then_some((Some(input.device), spring));

@@ -138,8 +138,8 @@ impl SoftContact {
         // where it was hard contact until now, from there
         let (device, last) = self.last.unwrap_or((input.device, hard));
         let way = (input.device - device).length();
-        let spring = gone_over(last, wanted, way + STEP * input.spacing);
-        let spring = without_pull(spring, output.proxy_in_scene - input.device);
+        let out = output.proxy_in_scene - input.device;
+        let spring = pushed_over(last, wanted, way + STEP * input.spacing, out);
         let is_hard = fresh.is_none() && spring == hard;
         if is_hard {
             self.forget_force();
@@ -256,7 +256,7 @@ fn one_sided(force: DVec3, normal: DVec3, pressure: f64) -> DVec3 {
 }
 
 /// Without what would pull the device away from the proxy, into what holds that.
-pub(crate) fn without_pull(spring: DVec3, out: DVec3) -> DVec3 {
+fn without_pull(spring: DVec3, out: DVec3) -> DVec3 {
     let length = out.length_squared();
     let pull = spring.dot(out).min(0.0);
     if length > 0.0 {
@@ -275,6 +275,13 @@ pub(crate) fn gone_over(from: DVec3, to: DVec3, most: f64) -> DVec3 {
     } else {
         from + way.clamp_length_max(most)
     }
+}
+
+/// The same without what would pull the device away from the proxy, by `out` from it [mm]. Neither
+/// end pulls then, and so nothing between them does: the end is reached. Were only the way there
+/// held back, friction that holds the probe aside could keep a hand at rest on it for ever.
+pub(crate) fn pushed_over(from: DVec3, to: DVec3, most: f64, out: DVec3) -> DVec3 {
+    gone_over(without_pull(from, out), without_pull(to, out), most)
 }
 
 /// Puts a spring [mm] into what a tick gives.

@@ -4,7 +4,7 @@ use glam::{DMat3, DVec3};
 use oorandom::Rand64;
 use palpate_haptics::coupling::Coupling;
 use palpate_haptics::friction::Friction;
-use palpate_haptics::soft_contact::{STALE_SECS, SoftContact, SoftInput, Stop};
+use palpate_haptics::soft_contact::{STALE_SECS, STEP, SoftContact, SoftInput, Stop};
 use palpate_haptics::tick::TickOutput;
 use palpate_volume::material::LocalContact;
 
@@ -152,6 +152,46 @@ fn an_answer_that_is_too_old_leaves_the_hard_contact() {
     }
     assert_eq!(last, K);
     assert!(!soft.is_felt());
+}
+
+/// Guarantee 4 where friction leads a probe that is caught in matter: the spring of the hard contact
+/// then pulls past the probe, which is cut off.
+#[test]
+fn a_hand_at_rest_beside_a_caught_probe_has_a_constant_force_after_a_stated_number_of_ticks() {
+    let mut random = Rand64::new(6);
+    let mut draw =
+        |most: f64| DVec3::from_array([(); 3].map(|()| (random.rand_float() * 2.0 - 1.0) * most));
+    let mut pulled = 0;
+    for _ in 0..500 {
+        let device = draw(1.0);
+        let mut soft = SoftContact::default();
+        let law = LocalContact {
+            force: draw(3.0),
+            ..floor(0.0, device.z)
+        };
+        settled(&mut soft, &law, device);
+        // the answer is too old, and what friction holds is the probe's contact
+        let (proxy, held) = (device + draw(1.5), draw(6.0));
+        let mut tick = || {
+            let mut output = hard(proxy, device, true);
+            (output.spring, output.force) = (held, held * K);
+            soft.follow(&input(device, 10.0, true), &mut output, |_| None);
+            output.force
+        };
+        let way = tick().distance(held) / K;
+        let mut last = tick();
+        for _ in 0..(way / (STEP * H)).ceil() as u32 {
+            let force = tick();
+            assert!(force.length() - last.length() <= K * STEP * H + 1e-9);
+            assert!(force.dot(proxy - device) >= -1e-9);
+            last = force;
+        }
+        for _ in 0..50 {
+            assert_eq!(tick(), last);
+        }
+        pulled += u32::from(held.dot(proxy - device) < 0.0);
+    }
+    assert!(pulled > 200, "{pulled} springs pulled");
 }
 
 #[test]

@@ -41,7 +41,8 @@ CANNOT = (
     "fcc-lj and cuboid-lj are there for comparison. Neither has a strength or a Poisson's ratio "
     "of its own: an FCC crystal of Lennard-Jones is 2.2 times stiffer along [111] than along [100] "
     "and slips at a strain of some 0.1, and cuboid-lj has no energy to conserve: left alone it "
-    "heats up until it flies apart."
+    "heats up until it flies apart. global-lj has no modulus of its own: the springs that hold its "
+    "particles where they rest add to it."
 )
 
 

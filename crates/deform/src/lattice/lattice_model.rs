@@ -3,18 +3,16 @@
 use std::cell::Cell;
 use std::time::Instant;
 
-use glam::DMat3;
-use palpate_volume::material::LocalContact;
-
 use super::bond_memory::BondMemory;
-use super::inelastic::{Breaking, InelasticSettings};
+use super::inelastic::Breaking;
 use super::measured::measured;
 use super::moduli::POISSON_RANGE;
 use super::moving_box::{MovingBox, grid_mm};
 use super::nodes::Lattice;
 use super::relax::{RelaxSettings, Relaxer};
 use super::resample::{RestVoxels, node_near};
-use super::tool_contact::{LatticeTool, ToolForce};
+use super::settings::LatticeSettings;
+use super::tool_contact::LatticeTool;
 use super::write_back::WriteBack;
 use crate::model::{
     Budget, DeformationModel, ModelAnswer, ModelEvent, ModelInput, ModelParts, ToolContact,
@@ -27,8 +25,6 @@ use crate::seen::Seen;
 const LEASH: i32 = 2;
 /// Relaxations in one call at most, where bonds break.
 const ROUNDS: u32 = 4;
-/// How far from the tool's place its contact holds [spacings].
-const VALIDITY: f64 = 0.5;
 /// Displacement that is seen [spacings].
 const SEEN: f64 = 0.01;
 /// One of so many iterations is for the stiffness of the contact.
@@ -39,45 +35,6 @@ const RELAXED: f64 = 0.65;
 const STIFFNESS_FOUND: f64 = 0.88;
 /// Strain of one bond whose force counts where no tool feels more.
 const SMALL_STRAIN: f64 = 0.01;
-
-/// How the lattice works.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LatticeSettings {
-    /// Nodes along each edge of the box, odd, 5 to 101.
-    pub nodes: u32,
-    /// Between nodes [mm]; none for the smallest side of a voxel.
-    pub spacing: Option<f64>,
-    /// Unbalanced force at rest, as a share of the tools' force.
-    pub tolerance: f64,
-    /// What does not come back.
-    pub inelastic: InelasticSettings,
-    /// What the scan reads where the tool is in matter, in its own unit.
-    pub air: f64,
-}
-
-impl Default for LatticeSettings {
-    fn default() -> Self {
-        Self {
-            nodes: 21,
-            spacing: None,
-            tolerance: 1e-3,
-            inelastic: InelasticSettings::default(),
-            air: -1000.0,
-        }
-    }
-}
-
-impl LatticeSettings {
-    /// The default settings with so many nodes along each edge of the box, where they are given.
-    #[must_use]
-    pub fn of_box(nodes: Option<u32>) -> Self {
-        let usual = Self::default();
-        Self {
-            nodes: nodes.unwrap_or(usual.nodes),
-            ..usual
-        }
-    }
-}
 
 /// The bonded lattice as a model.
 #[derive(Debug, Default)]
@@ -373,20 +330,5 @@ impl DeformationModel for LatticeModel {
         self.memory = BondMemory::default();
         self.seen = None;
         self.told.clear();
-    }
-}
-
-impl MovingBox {
-    /// What a tool feels, as a linear law: `stiffness` [N/mm] along the force, none across it.
-    fn contact(&self, tool: &ToolState, felt: &ToolForce, stiffness: f64) -> Option<LocalContact> {
-        let force = self.grid.direction() * felt.force;
-        let normal = force.try_normalize()?;
-        let along = DMat3::from_cols(normal * normal.x, normal * normal.y, normal * normal.z);
-        Some(LocalContact {
-            position: tool.position,
-            force,
-            stiffness: along * -stiffness,
-            validity: VALIDITY * self.lattice.spacing(),
-        })
     }
 }

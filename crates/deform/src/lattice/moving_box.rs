@@ -2,19 +2,23 @@
 
 use glam::{DMat3, DVec3, IVec3, UVec3};
 use palpate_volume::grid::Grid;
+use palpate_volume::material::LocalContact;
 
 use super::bond_memory::BondMemory;
 use super::border::Border;
 use super::inelastic::{Inelastic, InelasticSettings};
 use super::nodes::{Lattice, NodeMatter};
 use super::resample::{RestVoxels, node_place};
-use super::tool_contact::LatticeTool;
+use super::tool_contact::{LatticeTool, ToolForce};
 use crate::displacement::Displacement;
 use crate::material::Materials;
 use crate::model::{ModelParts, ToolState};
 
 /// Half axis of a tool, at least: a thinner one would slip between nodes [spacings].
 const THINNEST: f64 = 0.5;
+
+/// How far from the tool's place its contact holds [spacings].
+const VALIDITY: f64 = 0.5;
 
 /// Share of the box's half width over which voxels and picture fade to the unmoved body.
 const FADING: f64 = 0.4;
@@ -96,6 +100,24 @@ impl MovingBox {
                 .max(DVec3::splat(THINNEST * self.lattice.spacing())),
             orientation: self.grid.direction().transpose() * DMat3::from_quat(tool.orientation),
         }
+    }
+
+    /// What a tool feels, as a linear law: `stiffness` [N/mm] along the force, none across it.
+    pub fn contact(
+        &self,
+        tool: &ToolState,
+        felt: &ToolForce,
+        stiffness: f64,
+    ) -> Option<LocalContact> {
+        let force = self.grid.direction() * felt.force;
+        let normal = force.try_normalize()?;
+        let along = DMat3::from_cols(normal * normal.x, normal * normal.y, normal * normal.z);
+        Some(LocalContact {
+            position: tool.position,
+            force,
+            stiffness: along * -stiffness,
+            validity: VALIDITY * self.lattice.spacing(),
+        })
     }
 
     /// A place of the lattice's frame in the patient [mm].

@@ -38,6 +38,9 @@ const MARGIN: f64 = 6.0;
 /// Ticks at rest after which nothing may change, beside those in which the spring's end goes over
 /// from an answer that has become too old, and ticks for which it is looked at.
 const REST: u32 = 1000;
+/// Ticks within which the tissue around a needle that is in has relaxed besides: by a time constant of
+/// up to 2.9 s with the coupling's give, from a millimetre to what counts as none.
+const RELAXED: u32 = 30_000;
 const STILL: u32 = 8;
 /// Passes within which touch follows everything, with the probe out of the way.
 const SETTLED: u32 = 20;
@@ -281,7 +284,8 @@ impl Run {
         // long where matter has closed over the probe and the hand has gone on
         let spacing = self.rig.simulation.voxels().grid().spacing().min_element();
         let way = self.last.proxy.distance(self.hand) / spacing;
-        self.wait(REST + (way / soft_contact::STEP).ceil() as u32)?;
+        let relaxing = if self.has_needle() { RELAXED } else { 0 };
+        self.wait(REST + relaxing + (way / soft_contact::STEP).ceil() as u32)?;
         let before = self.last;
         for _ in 0..STILL {
             self.tick_at(self.hand)?;
@@ -295,6 +299,11 @@ impl Run {
         self.frozen = false;
         self.report.rests += 1;
         self.come_out()
+    }
+
+    /// Whether a needle is in.
+    fn has_needle(&self) -> bool {
+        self.rig.servo.servo.needle().insertion().is_some()
     }
 
     /// Over to a place, down to the surface, and so much deeper [mm].
@@ -392,7 +401,7 @@ impl Run {
         if self.tick.is_multiple_of(ANSWER) && !self.frozen {
             self.rig.deformation.step();
         }
-        let needle = self.rig.servo.servo.needle().insertion().is_some();
+        let needle = self.has_needle();
         self.report.contacts += u64::from(self.last.contact || needle);
         self.watch.after_tick(&Told {
             record: &self.last,

@@ -1,0 +1,42 @@
+//! How the lattice works, as it is chosen.
+
+use super::inelastic::InelasticSettings;
+
+/// How the lattice works.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LatticeSettings {
+    /// Nodes along each edge of the box, odd, 5 to 101.
+    pub nodes: u32,
+    /// Between nodes [mm]; none for the smallest side of a voxel.
+    pub spacing: Option<f64>,
+    /// Unbalanced force at rest, as a share of the tools' force.
+    pub tolerance: f64,
+    /// What does not come back.
+    pub inelastic: InelasticSettings,
+    /// What the scan reads where the tool is in matter, in its own unit.
+    pub air: f64,
+}
+
+impl Default for LatticeSettings {
+    fn default() -> Self {
+        Self {
+            nodes: 21,
+            spacing: None,
+            tolerance: 1e-3,
+            inelastic: InelasticSettings::default(),
+            air: -1000.0,
+        }
+    }
+}
+
+impl LatticeSettings {
+    /// The default settings with so many nodes along each edge of the box, where they are given.
+    #[must_use]
+    pub fn of_box(nodes: Option<u32>) -> Self {
+        let usual = Self::default();
+        Self {
+            nodes: nodes.unwrap_or(usual.nodes),
+            ..usual
+        }
+    }
+}
