@@ -14,7 +14,8 @@ DOCUMENTS = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
 FOLDERS = "crates|python|viewer|tests|scripts|docs|benches|examples"
 SOURCES = "rs|py|ts|svelte|glsl|frag|vert|css|mjs|js|toml"
 PYTHON = ROOT / "python"
-PLACES = [ROOT, ROOT / "crates", *ROOT.glob("crates/*/src"), PYTHON, PYTHON / "palpate"]
+PAGE = ROOT / "viewer" / "src" / "gl"
+PLACES = [ROOT, ROOT / "crates", *ROOT.glob("crates/*/src"), PYTHON, PYTHON / "palpate", PAGE]
 """Where paths on a page begin: at the root, or in the room that the page is about."""
 
 
