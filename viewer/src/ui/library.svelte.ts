@@ -337,7 +337,7 @@ export function titleOf({ beside, segments }: Pick<Library, "beside" | "segments
   return beside ? "Add a second scan" : "Open a scan";
 }
 
-/** The engine's sentences begin small, as on the command line. */
+/** The engine's sentences begin small, as on the command line; a file's name stays as it is. */
 function sentence(text: string): string {
-  return text.charAt(0).toUpperCase() + text.slice(1);
+  return /^[a-z]+(?=[\s,;:]|$)/.test(text) ? text.charAt(0).toUpperCase() + text.slice(1) : text;
 }
