@@ -141,7 +141,7 @@ def read_landmarks(path: Path) -> Pairs:
     """Reads pairs of points: six numbers a line, with commas; empty and other lines are left out.
 
     Raises:
-        OptionError: A line that begins with a number has not six of them.
+        OptionError: A line that begins with a number has not six of them, or there is none.
     """
     from palpate.errors import OptionError
 
@@ -157,6 +157,8 @@ def read_landmarks(path: Path) -> Pairs:
         values = [float(word) for word in row]
         fixed.append(values[:3])
         moving.append(values[3:])
+    if not fixed:
+        raise OptionError(f"no pairs of points in {path}; allowed: lines of X,Y,Z,X,Y,Z [mm]")
     return fixed, moving
 
 

@@ -167,6 +167,8 @@ def _open(path: Path) -> tuple[Reader, str]:
     name = path.name.lower()
     endings = ((key, io) for key, (io, ends) in FORMATS.items() if name.endswith(ends))
     format_name, image_io = next(endings, ("", ""))
+    if path.is_file() and path.stat().st_size == 0:
+        raise VolumeFormatError(f"{path} is empty; allowed: {ALLOWED}")
     reader = simpleitk().ImageFileReader()
     reader.SetFileName(str(path))
     reader.SetImageIO(image_io)

@@ -107,6 +107,12 @@ class SegmentRequest(
                 made = smoothed_together(made, deviation=amount)
             else:
                 made = [changed_shape(one, kind, amount=amount) for one in made]
+            if not any(one.voxel_count for one in made):
+                step = kind.replace("-", " ")
+                allowed = "thicker walls" if "hollow" in kind else "smaller changes"
+                raise OptionError(
+                    f"nothing is left of the segment after {step} {amount:g}; allowed: {allowed}"
+                )
         for kind, file in self._others():
             progress(f"{kind} with {file.name}", None)
             other, told = self._all_of(file, volume, progress)
@@ -117,7 +123,9 @@ class SegmentRequest(
                 one.name = self.name if len(made) == 1 else f"{self.name}, {one.name}"
         made = [one for one in made if one.voxel_count > 0]
         if not made:
-            raise OptionError("nothing is left of the segment; allowed: smaller changes")
+            raise OptionError(
+                "nothing is left of the segment; allowed: values or masks that leave some"
+            )
         return made, warnings
 
     @property

@@ -72,6 +72,10 @@ class TestWhatCannotBeReadIsOneLine:
         (tmp_path / "note.txt").write_text("hello")
         assert "is no image; allowed: NIfTI" in fails(command, tmp_path / "note.txt")
 
+    def test_an_empty_file(self, command: str, tmp_path: Path) -> None:
+        (tmp_path / "empty.mha").touch()
+        assert "empty.mha is empty; allowed: NIfTI" in fails(command, tmp_path / "empty.mha")
+
     def test_a_2d_image(self, command: str, write_image: Any) -> None:
         path = write_image(np.zeros((4, 5), np.uint8), "flat.png")
         assert "2-D image of 5 x 4 voxels; allowed: volumes" in fails(command, path)

@@ -102,6 +102,7 @@ def test_the_report_is_printed(
         (["-o", "T.tfm", "--kind", "bent"], "kind 'bent' given; allowed: rigid, affine, bspline"),
         (["-o", "T.tfm", "--knots", "0.1"], "knots 0.1 given; allowed: 1 to 1000"),
         (["-o", "T.tfm", "--landmarks", "wrong.csv"], "wrong.csv, line 2: '1,2' given; allowed"),
+        (["-o", "T.tfm", "--landmarks", "none.csv"], "no pairs of points in none.csv; allowed"),
         (["-o", "T.tfm", "--landmarks", "far.csv"], "the scans do not overlap enough"),
     ],
 )
@@ -115,6 +116,7 @@ def test_what_cannot_be_is_refused_and_nothing_is_written(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     Path("wrong.csv").write_text("0,0,0,0,0,0\n1,2\n")
+    Path("none.csv").write_text("x,y,z,x,y,z\n")
     Path("far.csv").write_text("0,0,0,900,0,0\n1,0,0,901,0,0\n0,1,0,900,1,0\n")
     Path("T.tfm").write_text("kept")
     before = sorted(tmp_path.iterdir())

@@ -143,7 +143,11 @@ def test_the_sign_of_a_shell_tells_its_side_and_smoothing_takes_specks(
         (["--grow", "1,2"], "point '1,2' given; allowed: X,Y,Z [mm]"),
         (["--grow", "900,0,0"], "seed 900, 0, 0 mm lies outside"),
         (["--threshold", "200", "--spread", "2"], "options of growing given"),
-        (["--threshold", "200", "--margin", "-90"], "nothing is left of the segment"),
+        (["--threshold", "200", "--margin", "-90"], "after shrink 90; allowed: smaller changes"),
+        (
+            ["--threshold", "200", "--hollow", "0.01"],
+            "after hollow inside 0.01; allowed: thicker walls",
+        ),
         (["--threshold", "5000"], "selects no voxel"),
     ],
 )
