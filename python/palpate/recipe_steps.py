@@ -42,8 +42,8 @@ class ReconstructStep(Step, frozen=True, kw_only=True):
     arc: float = 360.0
     first_angle: float = 0.0
     offset: tuple[float, float] = (0.0, 0.0)
-    source_axis: float = 0.0
-    source_detector: float = 0.0
+    source_to_axis: float = msgspec.field(default=0.0, name="source-axis")
+    source_to_detector: float = msgspec.field(default=0.0, name="source-detector")
     sinograms: bool = False
     intensities: float | None = None
     size: tuple[int, int, int] | None = None
@@ -55,21 +55,8 @@ class ReconstructStep(Step, frozen=True, kw_only=True):
 
     def request(self) -> ReconstructionRequest:
         """Returns how the projections were taken, and which scan is wanted of them."""
-        return ReconstructionRequest(
-            beam=self.beam,
-            pixel=self.pixel,
-            arc=self.arc,
-            first_angle=self.first_angle,
-            offset=self.offset,
-            source_to_axis=self.source_axis,
-            source_to_detector=self.source_detector,
-            sinograms=self.sinograms,
-            intensities=self.intensities,
-            size=self.size,
-            voxel=self.voxel,
-            water=self.water,
-            hann=self.hann,
-        )
+        wanted = ReconstructionRequest.__struct_fields__
+        return ReconstructionRequest(**{name: getattr(self, name) for name in wanted})
 
 
 class RegisterStep(Step, frozen=True, kw_only=True):

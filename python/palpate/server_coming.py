@@ -6,7 +6,6 @@ from collections.abc import Callable
 from threading import Event
 from typing import TYPE_CHECKING
 
-from palpate.errors import OptionError
 from palpate.progress import Progress
 from palpate.server_job import CancelledWorkError
 
@@ -67,13 +66,13 @@ class Coming:
         """Reports how far it is until it has ended.
 
         Raises:
-            OptionError: There will be no scan.
+            Exception: Why there will be no scan, as reading raised it.
         """
         while not self._ended.wait(LOOK_SECONDS):
             progress(*self._now)
         if self.failure is not None:
             self._failure_told.set()
-            raise OptionError(str(self.failure))
+            raise self.failure
 
     def _report(self, what: str, share: float | None, /) -> None:
         if self._cancelled.is_set():

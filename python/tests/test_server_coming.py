@@ -98,13 +98,15 @@ def test_why_a_scan_does_not_come_is_told_before_serving_ends(tmp_path: Path) ->
 
 
 def test_whoever_ends_palpate_ends_reading(tmp_path: Path) -> None:
-    slow = Slow()
-    coming = Coming("ball.mha", slow)
+    def read(progress: Progress) -> OpenScan:
+        while True:
+            progress("reading", None)
+
+    coming = Coming("ball.mha", read)
     workbench = Workbench(coming=coming)
+    # leaving it asks the server to end, and waits until it has
     with serving(workbench, write_page(tmp_path / "page")):
         assert coming.recognised()
-        coming.cancel()
-        slow.go.set()
     assert workbench.opened is None
     assert coming.failure is None
     assert not coming.recognised()
