@@ -124,7 +124,7 @@ def test_matter_a_third_of_a_voxel_beside_its_voxels_is_seen_there(
     assert is_alike(page.picture(OUTPUT / "matter_again.png"), still)
 
 
-def test_constants_regions_and_options_are_chosen_and_taken_back(page: Browser) -> None:
+def test_constants_and_regions_are_chosen_and_taken_back(page: Browser) -> None:
     page.do("choose", testid="material-1", value="liver")
     page.shows("matter-1", "text.includes('1.06 g/cm³, breaks at 34 %, friction 20 %')")
     page.do("click", testid="constants-1")
@@ -150,7 +150,13 @@ def test_constants_regions_and_options_are_chosen_and_taken_back(page: Browser) 
     page.do("press", key="Control+z")
     page.wait("document.querySelector('[data-testid=whole-1-deformable]').checked")
     page.do("click", testid="show-regions-1")
+    page.do("click", testid="reset-matter")
+    page.wait(f"{MATTER}.model === null")
 
+
+def test_options_of_a_model_are_chosen_and_taken_back(page: Browser) -> None:
+    page.do("choose", testid="material-1", value="liver")
+    page.wait(f"{MATTER}.model === 'lattice'")
     # what is felt can be chosen, and what was usual comes back
     page.do("click", testid="matter-options")
     page.do("click", testid="force-source-voxels")
@@ -158,11 +164,31 @@ def test_constants_regions_and_options_are_chosen_and_taken_back(page: Browser) 
     page.do("press", key="Control+z")
     page.wait(f"{MATTER}.force_source === 'matter'")
     page.do("slide", testid="matter-box", value=15)
-    page.wait(f"{MATTER}.edge !== null")
+    page.wait(f"{MATTER}.options.edge === 15")
     page.shows("matter-box-value", "!text.includes('usual')")
     page.do("click", testid="usual-options")
-    page.wait(f"{MATTER}.edge === null")
+    page.wait(f"{MATTER}.options.edge === null")
     page.shows("matter-box-value", "text.includes('usual')")
+
+    # a force that fades: each slider is one step of undo
+    page.do("slide", testid="matter-fades", value=0.5)
+    page.wait(f"{MATTER}.options.prony?.share === 0.5")
+    page.do("slide", testid="matter-fades-in", value=3)
+    page.wait(f"{MATTER}.options.prony?.time === 3")
+    page.do("press", key="Control+z")
+    page.wait(f"{MATTER}.options.prony?.time === 1")
+
+    # another model offers other options
+    page.do("choose", testid="deformation", value="fcc-lj")
+    page.wait(f"{MATTER}.model === 'fcc-lj'")
+    page.shows("matter-binding-value", "text === '0 %, usual'")
+    page.do("slide", testid="matter-binding", value=0.5)
+    page.wait(f"{MATTER}.options.binding === 0.5")
+    page.do("click", testid="matter-walls")
+    page.wait(f"{MATTER}.options.walls")
+    page.picture(OUTPUT / "matter_options.png")
+    page.do("click", testid="usual-options")
+    page.wait(f"!{MATTER}.options.walls && {MATTER}.options.binding === null")
     page.do("click", testid="matter-options")
     page.do("click", testid="reset-matter")
     page.wait(f"{MATTER}.model === null")

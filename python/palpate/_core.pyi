@@ -276,8 +276,16 @@ class Session:
     def whole_surfaces(self) -> dict[str, Any]:
         """All surfaces as they are now, in the same form."""
 
-    def set_deformation(self, model: str | None, edge: int | None, undoable: bool) -> None:
-        """Chooses the model by which matter gives way, and its box; None makes all matter hard."""
+    def set_deformation(
+        self,
+        model: str | None,
+        options: tuple[int | None, float | None, bool, tuple[float, float] | None],
+        undoable: bool,
+    ) -> None:
+        """Chooses the model by which matter gives way; None makes all matter hard.
+
+        ``options``: edge, binding, walls, and share and time [s] of what fades.
+        """
 
     def set_material(
         self,
@@ -678,8 +686,8 @@ def bench_stress(
 def material_presets() -> list[tuple[str, str, bool, _Solid, _Solid]]:
     """Name, source, whether it follows HU, and the constants at the ends of its HU."""
 
-def deformation_models() -> list[tuple[str, tuple[int, int, int] | None]]:
-    """Names of models, with the fewest, usual and most nodes along each edge of their box."""
+def deformation_models() -> list[dict[str, Any]]:
+    """The models, with what each offers to choose; ``model_options.Model`` has the fields."""
 
 def press_block(
     nodes: tuple[int, int, int],

@@ -11,16 +11,13 @@ from typing import Literal, NamedTuple
 from palpate import _core
 
 __all__ = [
-    "Boxes",
     "ForceSource",
     "LinearMaterial",
     "Material",
     "Preset",
     "Region",
     "Treatment",
-    "deformation_models",
     "material_presets",
-    "model_boxes",
 ]
 
 Treatment = Literal["deformable", "rigid", "empty"]
@@ -81,28 +78,9 @@ class Preset:
     """Its constants, at the upper end where they follow HU."""
 
 
-class Boxes(NamedTuple):
-    """Boxes that a model can have, by the nodes or cells along each edge; these are odd."""
-
-    least: int
-    usual: int
-    most: int
-
-
 def material_presets() -> list[Preset]:
     """Lists the materials that have a name."""
     return [
         Preset(name, source, needs_hounsfield, Material(*low), Material(*high))
         for name, source, needs_hounsfield, low, high in _core.material_presets()
     ]
-
-
-def deformation_models() -> list[str]:
-    """Lists the names of the models by which matter gives way."""
-    return [name for name, _ in _core.deformation_models()]
-
-
-def model_boxes(model: str) -> Boxes | None:
-    """Returns the boxes that a model can have; None for one that takes all matter."""
-    boxes = dict(_core.deformation_models())[model]
-    return None if boxes is None else Boxes(*boxes)

@@ -27,11 +27,14 @@ __all__ = [
     "MatterParts",
     "MatterRegion",
     "MatterState",
+    "ModelOptions",
+    "Prony",
     "SegmentMaterial",
     "SetDeformation",
     "SetForceSource",
     "SetMaterial",
     "SetRegions",
+    "Shares",
     "ShowParts",
 ]
 
@@ -93,17 +96,52 @@ class Boxes(msgspec.Struct, frozen=True):
     most: int
 
 
+class Shares(msgspec.Struct, frozen=True):
+    """Shares that can be chosen."""
+
+    least: float
+    usual: float
+    most: float
+
+
 class DeformationModel(msgspec.Struct, frozen=True):
-    """A model by which matter gives way; ``boxes`` is null where it takes all matter."""
+    """A model by which matter gives way, and what it offers to choose.
+
+    ``boxes`` is null where it takes all matter, ``binding`` where nothing is bound; ``fades`` tells
+    whether its force can.
+    """
 
     name: ModelName
     boxes: Boxes | None
+    binding: Shares | None
+    walls: bool
+    fades: bool
+
+
+class Prony(msgspec.Struct, frozen=True):
+    """A force that fades while matter is held: this share of it, by this time constant [s]."""
+
+    share: Annotated[float, msgspec.Meta(gt=0.0, lt=1.0)]
+    time: Annotated[float, msgspec.Meta(gt=0.0, le=1e4)]
+
+
+class ModelOptions(msgspec.Struct, frozen=True):
+    """What is chosen of a model; null is as usual.
+
+    ``edge`` counts nodes or cells along its box, ``binding`` is a share of a link's stiffness
+    (thesis 5.12), ``walls`` keep particles out of empty voxels (5.13).
+    """
+
+    edge: Annotated[int, msgspec.Meta(ge=1, le=1001)] | None
+    binding: Annotated[float, msgspec.Meta(ge=0.0, le=100.0)] | None
+    walls: bool
+    prony: Prony | None
 
 
 class MatterState(msgspec.Struct, frozen=True):
     """Matter that gives way: ``model`` is the one at work, null where all is hard.
 
-    ``edge`` counts nodes or cells along each edge of its box, null for as many as usual.
+    ``options`` tells what of it is not as usual.
     ``force`` is that of the matter on the tool [N, scene], felt where ``force_source`` says so;
     ``answers`` counts the model's answers.
     While the next one is ``late``, matter is as hard as its voxels. ``nodes`` take part in the
@@ -111,7 +149,7 @@ class MatterState(msgspec.Struct, frozen=True):
     """
 
     model: ModelName | None
-    edge: int | None
+    options: ModelOptions
     force_source: ForceSource
     force: Vector
     answers: int
@@ -174,14 +212,13 @@ class SetRegions(Message, frozen=True, tag="set_regions"):
 
 
 class SetDeformation(Message, frozen=True, tag="set_deformation"):
-    """Chooses the model by which matter gives way, null makes all hard, and the edge of its box.
+    """Chooses the model by which matter gives way, null makes all hard, and its options.
 
-    The edge counts nodes or cells; null is as many as usual. Undo takes the choice back where it is
-    ``undoable``.
+    Undo takes the choice back where it is ``undoable``.
     """
 
     model: ModelName | None
-    edge: Annotated[int, msgspec.Meta(ge=1, le=1001)] | None
+    options: ModelOptions
     undoable: bool
 
 

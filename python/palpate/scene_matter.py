@@ -7,17 +7,24 @@ from typing import Any
 import msgspec
 import numpy as np
 
-from palpate.material import ForceSource, Material, Region, Treatment
+from palpate.material import ForceSource, LinearMaterial, Material, Region, Treatment
+from palpate.model_options import ModelOptions
 from palpate.session import Session
 
 __all__ = ["SavedMatter", "restore_matter", "saved_matter"]
 
 
+_Constants = list[float | None]
+"""Fields of ``Material``; None is infinite."""
+
+
 class _Material(msgspec.Struct, frozen=True):
     segment: int
     preset: str | None
-    constants: list[float | None] | None
-    """Fields of ``Material``; None is infinite."""
+    constants: _Constants | None
+    high: _Constants | None = None
+    """Where they follow HU: from ``constants`` to these between the ends of ``interval``."""
+    interval: tuple[float, float] | None = None
 
 
 class _Region(msgspec.Struct, frozen=True):
@@ -32,7 +39,9 @@ class SavedMatter(msgspec.Struct, frozen=True, kw_only=True):
 
     materials: list[_Material]
     model: str | None
-    edge: int | None
+    options: ModelOptions = ModelOptions()
+    edge: int | None = None
+    """Of its box, in files of before ``options``."""
     regions: list[_Region] = []
     """Of all segments, for each in their order; files of before have none."""
     force_source: ForceSource = "matter"
@@ -51,7 +60,7 @@ def saved_matter(session: Session) -> dict[str, Any]:
     return {
         "materials": [made for each in segments if (made := _material_of(each)) is not None],
         "model": model["model"],
-        "edge": model["edge"],
+        "options": model["options"],
         "regions": regions,
         "force_source": model["force_source"],
     }
@@ -72,7 +81,8 @@ def restore_matter(session: Session, saved: SavedMatter) -> None:
             if each.segment == segment_id
         ]
         session.set_regions(segment_id, regions)
-    session.set_deformation(saved.model, edge=saved.edge, undoable=False)
+    options = saved.options if saved.edge is None else ModelOptions(edge=saved.edge)
+    session.set_deformation(saved.model, options, undoable=False)
     session.set_force_source(saved.force_source)
 
 
@@ -82,11 +92,28 @@ def _material_of(state: dict[str, Any]) -> _Material | None:
         return None
     if material["preset"] is not None:
         return _Material(segment=state["id"], preset=material["preset"], constants=None)
-    constants = [number if np.isfinite(number) else None for number in material["low"]]
-    return _Material(segment=state["id"], preset=None, constants=constants)
+    interval = material["interval"]
+    return _Material(
+        segment=state["id"],
+        preset=None,
+        constants=_written(material["low"]),
+        high=None if interval is None else _written(material["high"]),
+        interval=interval,
+    )
 
 
-def _given_material(saved: _Material) -> Material | str | None:
+def _written(constants: tuple[float, ...]) -> _Constants:
+    return [number if np.isfinite(number) else None for number in constants]
+
+
+def _given_material(saved: _Material) -> Material | LinearMaterial | str | None:
     if saved.constants is None:
         return saved.preset
-    return Material(*(np.inf if number is None else number for number in saved.constants))
+    low = _read(saved.constants)
+    if saved.interval is None or saved.high is None:
+        return low
+    return LinearMaterial(saved.interval, low, _read(saved.high))
+
+
+def _read(constants: _Constants) -> Material:
+    return Material(*(np.inf if number is None else number for number in constants))

@@ -9,16 +9,12 @@ from typing import Any
 import msgspec
 
 from palpate import protocol
-from palpate.material import (
-    Material,
-    Region,
-    deformation_models,
-    material_presets,
-    model_boxes,
-)
+from palpate.material import Material, Region, material_presets
+from palpate.model_options import ModelOptions, Prony, offered_models
 
 __all__ = [
     "asked_material",
+    "asked_options",
     "asked_regions",
     "material_of",
     "models",
@@ -46,11 +42,25 @@ def models() -> list[protocol.DeformationModel]:
     """Lists the models by which matter gives way."""
     return [
         protocol.DeformationModel(
-            name=name,
-            boxes=None if (boxes := model_boxes(name)) is None else protocol.Boxes(*boxes),
+            name=each.name,
+            boxes=None if each.boxes is None else protocol.Boxes(*each.boxes),
+            binding=None if each.binding is None else protocol.Shares(*each.binding),
+            walls=each.walls,
+            fades=each.fades,
         )
-        for name in deformation_models()
+        for each in offered_models()
     ]
+
+
+def asked_options(wanted: protocol.ModelOptions) -> ModelOptions:
+    """Returns the options of a model that a page asks for."""
+    prony = None if wanted.prony is None else Prony(wanted.prony.share, wanted.prony.time)
+    return ModelOptions(
+        edge=wanted.edge,
+        binding=wanted.binding,
+        walls=wanted.walls,
+        prony=prony,
+    )
 
 
 def material_of(state: dict[str, Any]) -> protocol.SegmentMaterial | None:

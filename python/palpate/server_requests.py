@@ -12,7 +12,7 @@ from palpate.errors import OptionError
 from palpate.needle import TISSUES
 from palpate.painted_cut import PaintedCut
 from palpate.server_gap import GapWatch
-from palpate.server_matter import asked_material, asked_regions
+from palpate.server_matter import asked_material, asked_options, asked_regions
 from palpate.server_outbox import Outbox
 from palpate.server_paint import Painter
 from palpate.server_recording import Recorder
@@ -115,8 +115,8 @@ class Requests:
 
     def _do_to_matter(self, message: protocol.FromPage) -> None:
         match message:
-            case protocol.SetDeformation(model, edge, undoable):
-                self._session.set_deformation(model, edge=edge, undoable=undoable)
+            case protocol.SetDeformation(model, options, undoable):
+                self._session.set_deformation(model, asked_options(options), undoable=undoable)
             case protocol.SetForceSource(source):
                 self._session.set_force_source(source)
             case protocol.SetMaterial(segment_id):

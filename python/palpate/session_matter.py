@@ -8,9 +8,12 @@ from typing import Any
 
 from palpate.errors import OptionError
 from palpate.material import ForceSource, LinearMaterial, Material, Region
+from palpate.model_options import ModelOptions
 from palpate.session_part import SessionPart, given
 
 __all__ = ["SessionMatter"]
+
+USUAL = ModelOptions()
 
 
 class SessionMatter(SessionPart):
@@ -21,7 +24,7 @@ class SessionMatter(SessionPart):
         self._regions: dict[int, tuple[Region, ...]] = {}
 
     def set_deformation(
-        self, model: str | None, *, edge: int | None = None, undoable: bool = True
+        self, model: str | None, options: ModelOptions = USUAL, *, undoable: bool = True
     ) -> None:
         """Chooses the model by which matter gives way under the probe; None makes all hard.
 
@@ -29,16 +32,15 @@ class SessionMatter(SessionPart):
         contact to release is one step of undo.
 
         Args:
-            model: One of ``palpate.material.deformation_models()``.
-            edge: Nodes or cells along each edge of its box (``palpate.material.model_boxes``);
-                by default as many as usual.
+            model: One of ``palpate.model_options.deformation_models()``.
+            options: What of it is not as usual.
             undoable: Whether undo takes the choice back.
 
         Raises:
-            OptionError: There is no such model, or it has no such box.
+            OptionError: There is no such model, or it cannot be so.
         """
         with given():
-            self._internal.set_deformation(model, edge, undoable)
+            self._internal.set_deformation(model, options, undoable)
 
     def set_material(
         self,
@@ -140,15 +142,16 @@ class SessionMatter(SessionPart):
         """Returns how the deformation goes.
 
         Returns:
-            ``model`` (None where nothing gives way), ``edge`` of its box (None for the usual
-            one), ``force_source``, ``force`` of the matter on the tool [N, scene], felt or not,
+            ``model`` (None where nothing gives way), its ``options`` (``ModelOptions``),
+            ``force_source``, ``force`` of the matter on the tool [N, scene], felt or not,
             ``answers`` so far, ``slips`` (of these, those in which particles slipped), whether
             the next one is ``late`` (then matter is as hard as its voxels); of the last answer
             ``iterations``, ``residual`` (what is left of unbalanced force, as a share of the
             contact's), ``nodes`` and ``moved_voxels`` (not as at rest); ``bonds_broken`` and
             ``work_broken`` [N·mm] since the start.
         """
-        return self._internal.deformation()
+        state = self._internal.deformation()
+        return state | {"options": ModelOptions.of_state(state["options"])}
 
     def show_model_parts(self, *, on: bool) -> None:
         """Has ``model_parts`` return the nodes or particles of the model, or no more."""

@@ -4,6 +4,7 @@ use palpate_deform::material::{
     MaterialError, MaterialLaw, PRESETS, Preset, Region, Solid, SolidSi, Treatment, preset,
 };
 use palpate_deform::model::{MODELS, Registered};
+use palpate_deform::model_options::{ModelOptions, Prony};
 use palpate_engine::deformation::{DeformationNow, ForceSource};
 use palpate_engine::matter_view::ShownParts;
 use palpate_volume::edit::SegmentId;
@@ -126,14 +127,19 @@ fn solid_tuple(solid: Solid) -> SolidTuple {
 }
 
 /// What a segment is made of: the name, where it is one of the list, and the constants at the ends
-/// of its HU.
+/// of its HU; these are told where somebody chose them.
 pub fn material_dict<'py>(py: Python<'py>, law: &MaterialLaw) -> PyResult<Bound<'py, PyDict>> {
     let preset = PRESETS.iter().find(|preset| preset.law() == Ok(*law));
     let [low, high] = law.ends().map(solid_tuple);
+    let interval = match law {
+        MaterialLaw::Linear { interval, .. } => Some(*interval),
+        _ => None,
+    };
     dictionary!(py,
         "preset": preset.map(|preset| preset.name),
         "low": low,
         "high": high,
+        "interval": interval,
     )
 }
 
@@ -148,18 +154,49 @@ pub fn parts_dict<'py>(py: Python<'py>, parts: &ShownParts) -> PyResult<Bound<'p
     )
 }
 
-/// A model's name, and the fewest, usual and most nodes or cells along each edge of its box; None
-/// where it has none.
-type ModelTuple = (&'static str, Option<(u32, u32, u32)>);
-
-/// The models by which matter gives way.
+/// The models by which matter gives way, with what each offers to choose.
 #[pyfunction]
-pub fn deformation_models() -> Vec<ModelTuple> {
-    let boxes = |model: &Registered| model.boxes.map(|b| (b.least, b.usual, b.most));
-    MODELS
-        .iter()
-        .map(|model| (model.name, boxes(model)))
-        .collect()
+pub fn deformation_models(py: Python<'_>) -> PyResult<Vec<Bound<'_, PyDict>>> {
+    MODELS.iter().map(|model| offered(py, model)).collect()
+}
+
+fn offered<'py>(py: Python<'py>, model: &Registered) -> PyResult<Bound<'py, PyDict>> {
+    let offers = &model.offers;
+    dictionary!(py,
+        "name": model.name,
+        "boxes": offers.boxes.map(|b| (b.least, b.usual, b.most)),
+        "binding": offers.binding.map(|b| (b.least, b.usual, b.most)),
+        "walls": offers.walls,
+        "fades": offers.fades,
+    )
+}
+
+/// What of a model is not as usual: edge, binding, walls, and share and time [s] of what fades.
+pub type OptionsTuple = (Option<u32>, Option<f64>, bool, Option<(f64, f64)>);
+
+/// What is chosen of a model.
+pub fn model_options((edge, binding, walls, prony): OptionsTuple) -> ModelOptions {
+    ModelOptions {
+        edge,
+        binding,
+        walls,
+        prony: prony.map(|(share, time)| Prony { share, time }),
+    }
+}
+
+fn options_dict<'py>(py: Python<'py>, options: &ModelOptions) -> PyResult<Bound<'py, PyDict>> {
+    let prony = options.prony.map(|prony| -> PyResult<_> {
+        dictionary!(py,
+            "share": prony.share,
+            "time": prony.time,
+        )
+    });
+    dictionary!(py,
+        "edge": options.edge,
+        "binding": options.binding,
+        "walls": options.walls,
+        "prony": prony.transpose()?,
+    )
 }
 
 /// What a tool can feel of matter that gives way, by name.
@@ -189,7 +226,7 @@ pub fn deformation_dict<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     dictionary!(py,
         "model": now.model,
-        "edge": now.edge,
+        "options": options_dict(py, &now.options)?,
         "force_source": source_name(now.source),
         "force": now.force.to_array(),
         "answers": now.answers,

@@ -23,8 +23,8 @@ use crate::device::{device_named, path_samples};
 use crate::errors::CoreError;
 use crate::frame::{frame_dict, lateness_dict, segment_dict};
 use crate::material::{
-    LinearTuple, RegionTuple, SolidTuple, constant_material, deformation_dict, force_source,
-    linear_material, material_named, parts_dict, region,
+    LinearTuple, OptionsTuple, RegionTuple, SolidTuple, constant_material, deformation_dict,
+    force_source, linear_material, material_named, model_options, parts_dict, region,
 };
 use crate::painted::{GivenLine, painted};
 use crate::picture::change_dict;
@@ -414,10 +414,11 @@ impl PySession {
         &self,
         py: Python<'_>,
         model: Option<String>,
-        edge: Option<u32>,
+        options: OptionsTuple,
         undoable: bool,
     ) -> Result<(), CoreError> {
-        Ok(py.detach(|| self.session.set_deformation(model, edge, undoable))?)
+        let options = model_options(options);
+        Ok(py.detach(|| self.session.set_deformation(model, options, undoable))?)
     }
 
     /// Tells what a segment is made of: by name, by constants, or linear in HU; else it is hard.

@@ -30,7 +30,7 @@ from palpate.bench.lammps_pairs import LammpsCrystal
 from palpate.bench.linear_fem import LinearFem
 from palpate.bench.report import row_of
 from palpate.cli import run
-from palpate.material import deformation_models
+from palpate.model_options import deformation_models
 
 
 def table(bench: str) -> dict[tuple[str, str], float | None]:

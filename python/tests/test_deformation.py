@@ -8,14 +8,8 @@ import numpy as np
 import pytest
 from palpate import protocol
 from palpate.errors import OptionError
-from palpate.material import (
-    LinearMaterial,
-    Material,
-    Region,
-    deformation_models,
-    material_presets,
-    model_boxes,
-)
+from palpate.material import LinearMaterial, Material, Region, material_presets
+from palpate.model_options import ModelOptions, Prony, deformation_models, offered_models
 from palpate.recording import Recording
 from palpate.scene import Scene
 from palpate.scripted_path import ScriptedPath
@@ -160,9 +154,15 @@ def test_materials_are_named_with_their_sources() -> None:
     presets = {preset.name: preset.source for preset in material_presets()}
     assert {"liver", "skin", "cortical-bone", "thesis-bone"} <= set(presets)
     assert all(presets.values())
-    assert set(deformation_models()) == {"lattice", "fcc-lj", "cuboid-lj", "global-lj"}
-    assert model_boxes("lattice") == (9, 21, 41)
-    assert model_boxes("global-lj") is None
+    models = {model.name: model for model in offered_models()}
+    assert list(models) == deformation_models()
+    assert set(models) == {"lattice", "fcc-lj", "cuboid-lj", "global-lj"}
+    assert models["lattice"].boxes == (9, 21, 41)
+    assert models["lattice"].fades
+    assert models["fcc-lj"].binding == (0.0, 0.0, 2.0)
+    assert models["fcc-lj"].walls
+    assert models["global-lj"].boxes is None
+    assert models["global-lj"].binding == (0.01, 0.3, 2.0)
     bone = next(preset for preset in material_presets() if preset.name == "thesis-bone")
     # 5.28.3
     assert bone.needs_hounsfield
@@ -243,14 +243,83 @@ def test_the_parts_of_a_model_are_shown_on_request_alone() -> None:
 def test_a_model_takes_the_boxes_that_it_offers() -> None:
     with Session(scene(), device=ScriptedPath((24.0, 24.0, 30.0)), options=OFFLINE) as session:
         session.set_material(1, GEL)
-        session.set_deformation("lattice", edge=9)
+        session.set_deformation("lattice", ModelOptions(edge=9))
         session.run(0.2)
-        assert session.deformation()["edge"] == 9
+        assert session.deformation()["options"] == ModelOptions(edge=9)
         with pytest.raises(OptionError, match="a box of 10 along each edge given for lattice"):
-            session.set_deformation("lattice", edge=10)
+            session.set_deformation("lattice", ModelOptions(edge=10))
         with pytest.raises(OptionError, match="a box given for global-lj; allowed: none"):
-            session.set_deformation("global-lj", edge=9)
+            session.set_deformation("global-lj", ModelOptions(edge=9))
         assert session.deformation()["model"] == "lattice"
+
+
+@pytest.mark.parametrize(
+    ("model", "options", "message"),
+    [
+        ("lattice", ModelOptions(binding=0.5), "binding given for lattice; allowed: none"),
+        ("lattice", ModelOptions(walls=True), "walls given for lattice; allowed: none"),
+        ("fcc-lj", ModelOptions(binding=-0.5), "binding of -0.5 given for fcc-lj; allowed: 0 to 2"),
+        ("global-lj", ModelOptions(walls=True), "walls given for global-lj; allowed: none"),
+        (
+            "global-lj",
+            ModelOptions(prony=Prony(0.5, 1.0)),
+            "a force that fades given for global-lj",
+        ),
+        ("fcc-lj", ModelOptions(binding=float("nan")), "binding of NaN given"),
+        ("lattice", ModelOptions(prony=Prony(1.0, 1.0)), "a share that fades of 1 given"),
+        ("lattice", ModelOptions(prony=Prony(0.5, 0.0)), "a time of fading of 0 s given"),
+    ],
+)
+def test_what_a_model_does_not_offer_is_refused(
+    model: str, options: ModelOptions, message: str
+) -> None:
+    with Session(scene(), device=ScriptedPath((24.0, 24.0, 30.0)), options=OFFLINE) as session:
+        with pytest.raises(OptionError, match=message):
+            session.set_deformation(model, options)
+        assert session.deformation()["model"] is None
+
+
+def held(model: str, options: ModelOptions, seconds: float = 1.55) -> float:
+    """Returns the force [N] of the gel on a tool that presses it, so long after it sets out."""
+    with pressing() as session:
+        session.set_deformation(model, options)
+        session.run(seconds)
+        return float(np.linalg.norm(session.deformation()["force"]))
+
+
+def test_a_force_that_fades_is_felt_fading() -> None:
+    fades = ModelOptions(prony=Prony(0.6, 0.2))
+    # just pressed in, and half a second later
+    elastic = [held("lattice", ModelOptions(), seconds) for seconds in (1.05, 1.55)]
+    fading = [held("lattice", fades, seconds) for seconds in (1.05, 1.55)]
+    assert abs(elastic[1] - elastic[0]) < 0.05 * elastic[0]
+    assert fading[0] > 1.2 * elastic[0]
+    assert fading[1] < 0.85 * fading[0]
+    # as stiff as asked in the end, and no less
+    assert fading[1] > 0.95 * elastic[1]
+
+
+def test_springs_to_where_particles_rest_make_them_stiffer() -> None:
+    loose = held("fcc-lj", ModelOptions(edge=9))
+    bound = held("fcc-lj", ModelOptions(edge=9, binding=1.0))
+    assert bound > 1.1 * loose > 0.0
+
+
+def test_walls_keep_particles_out_of_empty_voxels() -> None:
+    def highest(options: ModelOptions) -> float:
+        with pressing() as session:
+            session.set_deformation("fcc-lj", options)
+            session.show_model_parts(on=True)
+            session.run(1.5)
+            parts = session.model_parts()
+            assert parts is not None
+            shares = np.frombuffer(parts["places"], "<u2").reshape(-1, 3) / 65535
+            places = parts["origin"] + shares * parts["size"]
+            return float(places[:, 2].max())
+
+    # matter bulges beside the tool where it may
+    assert highest(ModelOptions()) > TOP
+    assert highest(ModelOptions(walls=True)) < TOP - 0.25
 
 
 def test_segments_say_what_they_are_made_of() -> None:

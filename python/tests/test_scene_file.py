@@ -16,7 +16,8 @@ from palpate import scene_file
 from palpate.errors import SceneFormatError
 from palpate.io import read
 from palpate.journal import Journal
-from palpate.material import Material, Region
+from palpate.material import LinearMaterial, Material, Region
+from palpate.model_options import ModelOptions, Prony
 from palpate.scene import Scene
 from palpate.scene_file import kept_changes, open_scene, save_scene
 from palpate.second_scan import SecondScan
@@ -25,6 +26,8 @@ from palpate.volume import Volume
 
 STANDING = SessionOptions(real_time=False)
 REGIONS = [Region("rigid", shared_with=2), Region("empty", box=((1, 2, 3), (4, 5, 6)))]
+CHOSEN = ModelOptions(edge=11, prony=Prony(0.4, 2.0))
+FOLLOWS = LinearMaterial((0.0, 900.0), Material(young=4000.0), Material(young=9e6))
 VIEW = {"camera": {"distance": 300.5}, "layout": "four"}
 
 
@@ -54,8 +57,10 @@ def edited(volume: Volume) -> Session:
     session.set_feel(box, stiffness=0.5)
     session.set_touchable(box, touchable=False)
     session.set_material(box, Material(young=5000.0, poisson=0.4, density=1000.0))
-    session.set_material(1, "liver")
-    session.set_deformation("lattice", edge=11)
+    session.set_material(1, FOLLOWS)
+    lump = session.add_segment(volume.segment(mask, name="lump"))
+    session.set_material(lump, "liver")
+    session.set_deformation("lattice", CHOSEN)
     session.set_regions(1, REGIONS)
     session.set_force_source("voxels")
     return session
@@ -95,7 +100,7 @@ def test_a_scene_comes_back_as_it_was(scan: Path, tmp_path: Path, *, copy: bool)
         session.run(0.01)
         assert same(state(session), before)
         assert session.deformation()["model"] == model["model"] == "lattice"
-        assert session.deformation()["edge"] == 11
+        assert session.deformation()["options"] == CHOSEN
         assert session.deformation()["force_source"] == "voxels"
         assert list(session.regions(1)) == REGIONS
         # what was done before it was saved is what there is
@@ -158,7 +163,7 @@ def test_no_damage_goes_unseen(scan: Path, tmp_path: Path) -> None:
                 with Session(Scene(saved.volume), options=STANDING) as session:
                     saved.restore(session)
                     # a byte that nobody reads, such as a date
-                    assert len(session.segments()) == 2
+                    assert len(session.segments()) == 3
             except SceneFormatError as error:
                 assert "damaged.palpate" in str(error)  # noqa: PT017
 

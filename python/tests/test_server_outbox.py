@@ -16,6 +16,7 @@ ZERO = (0.0, 0.0, 0.0)
 
 NO_TOOL = protocol.ToolState("none", 0.0, False, 0, 0.0, 0.0, 0.0, 0.0, 0, 1)  # noqa: FBT003
 
+USUAL = protocol.ModelOptions(None, None, walls=False, prony=None)
 NO_NEEDLE = protocol.NeedleState(False, 0.0, 0, 0.0, 0.0, 0.0, 0)  # noqa: FBT003
 
 
@@ -44,7 +45,7 @@ def state(tick: int, samples: int = 4) -> protocol.State:
         tool=NO_TOOL,
         needle=NO_NEEDLE,
         matter=protocol.MatterState(
-            None, None, "matter", ZERO, 0, late=False, nodes=0, bonds_broken=0, work_broken=0.0
+            None, USUAL, "matter", ZERO, 0, late=False, nodes=0, bonds_broken=0, work_broken=0.0
         ),
         rates=protocol.Rates(RATE, RATE, RATE, RATE, real_time=False),
         safety=protocol.Safety(0, 0, 0, 0, 0, 0, 0, 0, 0, "on", None),

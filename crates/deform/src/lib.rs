@@ -16,6 +16,7 @@ pub mod integrator;
 pub mod lattice;
 pub mod material;
 pub mod model;
+pub mod model_options;
 pub mod particles;
 pub mod potential;
 pub mod pressed_block;

@@ -19,6 +19,7 @@ use thiserror::Error;
 
 use crate::lattice::{LatticeModel, LatticeSettings};
 use crate::material::Materials;
+use crate::model_options::{Boxes, ModelOptions, Offers, Shares, WrongOption};
 use crate::particles::{GlobalModel, GlobalSettings, LocalModel, LocalSettings};
 
 /// Sizes of tools that make sense [mm].
@@ -266,100 +267,78 @@ pub trait DeformationModel: Send + fmt::Debug {
 pub struct Registered {
     /// As users write it.
     pub name: &'static str,
-    /// Boxes that can be chosen; none where it has no box.
-    pub boxes: Option<Boxes>,
-    /// Makes it with its default settings, but for a box of such an edge.
-    pub make: fn(Option<u32>) -> Box<dyn DeformationModel>,
-}
-
-/// Boxes of a model that moves with the tool, by the nodes or cells along each edge: odd.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Boxes {
-    /// Fewest.
-    pub least: u32,
-    /// As many as its default settings have.
-    pub usual: u32,
-    /// Most.
-    pub most: u32,
+    /// What can be chosen of it.
+    pub offers: Offers,
+    /// Makes it with its default settings, but for what was chosen and is offered.
+    pub make: fn(&ModelOptions) -> Box<dyn DeformationModel>,
 }
 
 impl Registered {
-    /// Makes it, where such a box can be chosen; none is the usual one.
+    /// Makes it, where it can be so.
     ///
     /// # Errors
-    /// Where its box cannot be as large, or it has none.
-    pub fn with_box(&self, edge: Option<u32>) -> Result<Box<dyn DeformationModel>, WrongBox> {
-        let name = self.name;
-        if let Some(edge) = edge {
-            let Boxes { least, most, .. } = self.boxes.ok_or(WrongBox::NoBox { name })?;
-            if edge % 2 == 0 || !(least..=most).contains(&edge) {
-                return Err(WrongBox::Edge {
-                    name,
-                    edge,
-                    least,
-                    most,
-                });
-            }
-        }
-        Ok((self.make)(edge))
+    /// Where it does not offer what was chosen.
+    pub fn with(&self, options: &ModelOptions) -> Result<Box<dyn DeformationModel>, WrongOption> {
+        self.offers.check(self.name, options)?;
+        Ok((self.make)(options))
     }
 }
 
-/// A box that a model cannot have.
-#[derive(Clone, Debug, Error, PartialEq, Eq)]
-pub enum WrongBox {
-    /// It has none.
-    #[error("a box given for {name}; allowed: none, it takes all matter")]
-    NoBox {
-        /// The model.
-        name: &'static str,
-    },
-    /// Of another size.
-    #[error("a box of {edge} along each edge given for {name}; allowed: odd, {least} to {most}")]
-    Edge {
-        /// The model.
-        name: &'static str,
-        /// As given.
-        edge: u32,
-        /// Fewest.
-        least: u32,
-        /// Most.
-        most: u32,
-    },
-}
-
-/// Of models of particles.
-const PARTICLE_BOXES: Boxes = Boxes {
-    least: 7,
-    usual: 13,
-    most: 31,
+/// Of models of particles in a box.
+const PARTICLES: Offers = Offers {
+    boxes: Some(Boxes {
+        least: 7,
+        usual: 13,
+        most: 31,
+    }),
+    binding: Some(Shares {
+        least: 0.0,
+        usual: 0.0,
+        most: 2.0,
+    }),
+    walls: true,
+    fades: false,
 };
 
 /// All models; a new one is one entry here.
 pub const MODELS: &[Registered] = &[
     Registered {
         name: "lattice",
-        boxes: Some(Boxes {
-            least: 9,
-            usual: 21,
-            most: 41,
-        }),
-        make: |edge| Box::new(LatticeModel::new(LatticeSettings::of_box(edge))),
+        offers: Offers {
+            boxes: Some(Boxes {
+                least: 9,
+                usual: 21,
+                most: 41,
+            }),
+            binding: None,
+            walls: false,
+            fades: true,
+        },
+        make: |options| Box::new(LatticeModel::new(LatticeSettings::of(options))),
     },
     Registered {
         name: "fcc-lj",
-        boxes: Some(PARTICLE_BOXES),
-        make: |edge| Box::new(LocalModel::fcc_lj(LocalSettings::of_box(edge))),
+        offers: PARTICLES,
+        make: |options| Box::new(LocalModel::fcc_lj(LocalSettings::of(options))),
     },
     Registered {
         name: "cuboid-lj",
-        boxes: Some(PARTICLE_BOXES),
-        make: |edge| Box::new(LocalModel::cuboid_lj(LocalSettings::of_box(edge))),
+        offers: PARTICLES,
+        make: |options| Box::new(LocalModel::cuboid_lj(LocalSettings::of(options))),
     },
     Registered {
         name: "global-lj",
-        boxes: None,
-        make: |_| Box::new(GlobalModel::global_lj(GlobalSettings::default())),
+        offers: Offers {
+            boxes: None,
+            binding: Some(Shares {
+                least: 0.01,
+                usual: 0.3,
+                most: 2.0,
+            }),
+            walls: false,
+            fades: false,
+        },
+        make: |options| Box::new(GlobalModel::global_lj(GlobalSettings::of(options))),
     },
 ];
 

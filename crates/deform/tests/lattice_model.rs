@@ -8,6 +8,7 @@ use palpate_deform::model::{
     Budget, DeformationModel, ModelAnswer, ModelEvent, ModelInput, ToolShape, ToolState,
     model_from_name,
 };
+use palpate_deform::model_options::ModelOptions;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
 use palpate_volume::intensities::Intensities;
@@ -81,7 +82,8 @@ fn force(answer: &ModelAnswer) -> DVec3 {
 fn a_pressed_body_pushes_back_as_stiffly_as_its_contact_says() {
     let (voxels, id, top) = body(DVec3::ONE);
     let materials = made_of(id, LIVER, Vec::new());
-    let mut model = (model_from_name("lattice").expect("a known name").make)(None);
+    let mut model =
+        (model_from_name("lattice").expect("a known name").make)(&ModelOptions::default());
     let at = |depth: f64| ball(DVec3::new(18.0, 18.0, top + 3.0 - depth), 3.0);
     assert_eq!(
         force(&advance(&mut *model, &voxels, &materials, at(-1.0))),
@@ -137,7 +139,8 @@ fn flat_voxels_carry_the_same_force_as_cubes() {
 fn a_box_that_follows_a_sliding_tool_makes_no_step_in_the_force() {
     let (voxels, id, top) = body(DVec3::ONE);
     let materials = made_of(id, LIVER, Vec::new());
-    let mut model = (model_from_name("lattice").expect("a known name").make)(None);
+    let mut model =
+        (model_from_name("lattice").expect("a known name").make)(&ModelOptions::default());
     let mut forces = Vec::new();
     for step in 0..90 {
         let aside = 0.1 * f64::from(step);
@@ -155,7 +158,8 @@ fn parts_can_be_rigid_or_as_if_they_were_not_there() {
     let (voxels, id, top) = body(DVec3::ONE);
     let press = |treatment| {
         let materials = made_of(id, LIVER, vec![(Region::Whole, treatment)]);
-        let mut model = (model_from_name("lattice").expect("a known name").make)(None);
+        let mut model =
+            (model_from_name("lattice").expect("a known name").make)(&ModelOptions::default());
         let place = DVec3::new(18.0, 18.0, top + 2.7);
         force(&advance(&mut *model, &voxels, &materials, ball(place, 3.0))).z
     };
@@ -175,7 +179,8 @@ fn what_breaks_is_told_as_an_event_and_counted() {
         },
         Vec::new(),
     );
-    let mut model = (model_from_name("lattice").expect("a known name").make)(None);
+    let mut model =
+        (model_from_name("lattice").expect("a known name").make)(&ModelOptions::default());
     let mut told = 0;
     let mut last = ModelAnswer::default();
     for step in 0..30 {
@@ -199,7 +204,8 @@ fn what_breaks_is_told_as_an_event_and_counted() {
 fn tools_that_are_none_feel_nothing_and_harm_nothing() {
     let (voxels, id, top) = body(DVec3::ONE);
     let materials = made_of(id, LIVER, Vec::new());
-    let mut model = (model_from_name("lattice").expect("a known name").make)(None);
+    let mut model =
+        (model_from_name("lattice").expect("a known name").make)(&ModelOptions::default());
     let good = ball(DVec3::new(18.0, 18.0, top + 2.5), 3.0);
     let before = force(&advance(&mut *model, &voxels, &materials, good));
     let absurd = [
@@ -238,7 +244,8 @@ fn ratios_beyond_the_lattice_are_told_once_and_unknown_names_list_the_known() {
         },
         Vec::new(),
     );
-    let mut model = (model_from_name("lattice").expect("a known name").make)(None);
+    let mut model =
+        (model_from_name("lattice").expect("a known name").make)(&ModelOptions::default());
     let tool = ball(DVec3::new(18.0, 18.0, top + 2.5), 3.0);
     let clamped = ModelEvent::PoissonClamped {
         asked: 0.48,

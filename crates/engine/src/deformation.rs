@@ -10,6 +10,7 @@ use glam::{DMat3, DQuat, DVec3};
 use palpate_deform::model::{
     DeformationModel, DisplacementField, ModelAnswer, ModelEvent, ModelReport, ToolShape, ToolState,
 };
+use palpate_deform::model_options::ModelOptions;
 use palpate_haptics::soft_contact::STALE_SECS;
 use palpate_volume::edit::Edit;
 use palpate_volume::material::LocalContact;
@@ -45,8 +46,8 @@ pub enum ForceSource {
 pub struct DeformationNow {
     /// Name of the model; none where nothing gives way.
     pub model: Option<&'static str>,
-    /// Nodes or cells along each edge of its box; none for as many as usual.
-    pub edge: Option<u32>,
+    /// What of it is not as usual.
+    pub options: ModelOptions,
     /// What the tool feels.
     pub source: ForceSource,
     /// Force of the matter on the tool [N], felt or not.

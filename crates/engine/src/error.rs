@@ -146,7 +146,7 @@ pub enum SessionError {
     Model(#[from] palpate_deform::model::UnknownModel),
     /// No such box of a deformation model.
     #[error(transparent)]
-    ModelBox(#[from] palpate_deform::model::WrongBox),
+    ModelOption(#[from] palpate_deform::model_options::WrongOption),
     /// Voxels that do not fit.
     #[error(transparent)]
     Voxels(#[from] VoxelsError),

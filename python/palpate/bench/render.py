@@ -272,6 +272,8 @@ COUNTING = """(() => {
 
 def _beside(page: Page, script: str, effort: Effort) -> Report:
     """Compares pictures of the same scene, the segment as tissue."""
+    # vtk.js is given no surfaces, which the page may show by now
+    _show(page, PEER_MODES[0])
     page.read("document.querySelector('[data-testid=inside-plain]')?.click()")
     page.read("void window.palpate.suspendDrawing(true)")
     page.read(f"void (() => {{ {script} }})()")

@@ -2,15 +2,16 @@
  * What a person has chosen of matter that gives way, for the next visit: kept for each scan, in the
  * browser. Segments are known by their names.
  */
-import { oddEdge } from "./matter";
 import { treatments } from "./matter_regions";
-import type { Constants, DeformationModel, ForceSource, MaterialPreset, MatterRegion, MatterState, Segment, Treatment } from "./protocol";
+import { recalledOptions, usualOptions } from "./model_options";
+import type { Constants, DeformationModel, ForceSource, MaterialPreset, MatterRegion, MatterState, ModelOptions, Segment, Treatment } from "./protocol";
 
 /** What was chosen for one scan. */
 export interface MatterMemory {
   readonly version: number;
   readonly model: string | null;
-  readonly edge: number | null;
+  /** Of the model, where they are not as usual. */
+  readonly options: ModelOptions;
   readonly forceSource: ForceSource;
   readonly materials: readonly RememberedMaterial[];
   readonly regions: readonly RememberedRegion[];
@@ -32,20 +33,20 @@ export interface RememberedRegion {
 /** Form of what is kept; another number means that nothing kept before is read. */
 const memoryVersion = 1;
 
-export const nothingRemembered: MatterMemory = { version: memoryVersion, model: null, edge: null, forceSource: "matter", materials: [], regions: [] };
+export const nothingRemembered: MatterMemory = { version: memoryVersion, model: null, options: usualOptions, forceSource: "matter", materials: [], regions: [] };
 
 type NamedSegment = Pick<Segment, "id" | "name" | "material" | "regions">;
 
 /** What to keep of segments and the model. */
 export function rememberedMatter(
   segments: readonly NamedSegment[],
-  { model, edge, force_source }: Pick<MatterState, "model" | "edge" | "force_source">,
+  { model, options, force_source }: Pick<MatterState, "model" | "options" | "force_source">,
 ): MatterMemory {
   const materials = segments.flatMap(({ name, material }): RememberedMaterial[] =>
     material === null ? [] : [{ segment: name, preset: material.preset, constants: material.preset === null ? material.low : null }],
   );
   const regions = segments.flatMap((segment) => rememberedRegions(segment, segments));
-  return { version: memoryVersion, model, edge, forceSource: force_source, materials, regions };
+  return { version: memoryVersion, model, options, forceSource: force_source, materials, regions };
 }
 
 /** Those of one segment; boxes of voxels are a program's, and not kept. */
@@ -68,13 +69,11 @@ export function recalledRegions(name: string, { regions }: MatterMemory, segment
 
 /** Reads what was kept; anything may have been written there. What is not offered is left out. */
 export function recalledMatter(memory: unknown, presets: readonly MaterialPreset[], models: readonly DeformationModel[]): MatterMemory {
-  const { version, model, edge, forceSource, materials, regions } = asMap(memory);
+  const { version, model, options, forceSource, materials, regions } = asMap(memory);
   if (version !== memoryVersion || !Array.isArray(materials)) {
     return nothingRemembered;
   }
   const known = models.find(({ name }) => name === model);
-  const boxes = known?.boxes ?? null;
-  const edgeKept = typeof edge === "number" && boxes !== null && edge === oddEdge(edge, boxes) ? edge : null;
   const kept = materials.flatMap((each: unknown): RememberedMaterial[] => {
     const { segment, preset, constants } = asMap(each);
     const name = presets.find((offered) => offered.name === preset)?.name ?? null;
@@ -84,8 +83,8 @@ export function recalledMatter(memory: unknown, presets: readonly MaterialPreset
   return {
     version: memoryVersion,
     model: known?.name ?? null,
-    edge: edgeKept,
-    // what was kept by versions before has neither this nor regions
+    options: known === undefined ? usualOptions : recalledOptions(options, known),
+    // what was kept by versions before has none of options, this and regions
     forceSource: forceSource === "voxels" ? "voxels" : "matter",
     materials: kept,
     regions: Array.isArray(regions) ? regions.filter(isRegion) : [],

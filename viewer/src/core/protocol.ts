@@ -261,10 +261,25 @@ export interface Boxes {
   readonly most: number;
 }
 
-/** A model by which matter gives way; `boxes` is null where it takes all matter. */
+/** Shares that can be chosen. */
+export interface Shares {
+  readonly least: number;
+  readonly usual: number;
+  readonly most: number;
+}
+
+/**
+ * A model by which matter gives way, and what it offers to choose.
+ *
+ * `boxes` is null where it takes all matter, `binding` where nothing is bound; `fades` tells
+ * whether its force can.
+ */
 export interface DeformationModel {
   readonly name: ModelName;
   readonly boxes: Boxes | null;
+  readonly binding: Shares | null;
+  readonly walls: boolean;
+  readonly fades: boolean;
 }
 
 /**
@@ -329,10 +344,29 @@ export interface NeedleState {
   readonly events: number;
 }
 
+/** A force that fades while matter is held: this share of it, by this time constant [s]. */
+export interface Prony {
+  readonly share: number;
+  readonly time: number;
+}
+
+/**
+ * What is chosen of a model; null is as usual.
+ *
+ * `edge` counts nodes or cells along its box, `binding` is a share of a link's stiffness
+ * (thesis 5.12), `walls` keep particles out of empty voxels (5.13).
+ */
+export interface ModelOptions {
+  readonly edge: number | null;
+  readonly binding: number | null;
+  readonly walls: boolean;
+  readonly prony: Prony | null;
+}
+
 /**
  * Matter that gives way: `model` is the one at work, null where all is hard.
  *
- * `edge` counts nodes or cells along each edge of its box, null for as many as usual.
+ * `options` tells what of it is not as usual.
  * `force` is that of the matter on the tool [N, scene], felt where `force_source` says so;
  * `answers` counts the model's answers.
  * While the next one is `late`, matter is as hard as its voxels. `nodes` take part in the
@@ -340,7 +374,7 @@ export interface NeedleState {
  */
 export interface MatterState {
   readonly model: ModelName | null;
-  readonly edge: number | null;
+  readonly options: ModelOptions;
   readonly force_source: ForceSource;
   readonly force: Vector;
   readonly answers: number;
@@ -924,15 +958,14 @@ export interface SetRegions {
 }
 
 /**
- * Chooses the model by which matter gives way, null makes all hard, and the edge of its box.
+ * Chooses the model by which matter gives way, null makes all hard, and its options.
  *
- * The edge counts nodes or cells; null is as many as usual. Undo takes the choice back where it is
- * `undoable`.
+ * Undo takes the choice back where it is `undoable`.
  */
 export interface SetDeformation {
   readonly type: "set_deformation";
   readonly model: ModelName | null;
-  readonly edge: number | null;
+  readonly options: ModelOptions;
   readonly undoable: boolean;
 }
 
@@ -1440,9 +1473,18 @@ const isBoxes = record({
   most: whole(),
 });
 
+const isShares = record({
+  least: real(),
+  usual: real(),
+  most: real(),
+});
+
 const isDeformationModel = record({
   name: isModelName,
   boxes: nullable(isBoxes),
+  binding: nullable(isShares),
+  walls: flag,
+  fades: flag,
 });
 
 const isHello = record({
@@ -1487,9 +1529,21 @@ const isNeedleState = record({
   events: whole(),
 });
 
+const isProny = record({
+  share: real({ gt: 0, lt: 1 }),
+  time: real({ gt: 0, le: 10000 }),
+});
+
+const isModelOptions = record({
+  edge: nullable(whole({ ge: 1, le: 1001 })),
+  binding: nullable(real({ ge: 0, le: 100 })),
+  walls: flag,
+  prony: nullable(isProny),
+});
+
 const isMatterState = record({
   model: nullable(isModelName),
-  edge: nullable(whole()),
+  options: isModelOptions,
   force_source: isForceSource,
   force: isVector,
   answers: whole(),

@@ -3,7 +3,8 @@
  */
 import { AnswerRate, usualModel } from "../core/matter";
 import { recalledMatter, recalledRegions, rememberedMatter, type MatterMemory, type RememberedMaterial } from "../core/matter_memory";
-import type { Constants, ForceSource, FromPage, MatterRegion, Segment, State } from "../core/protocol";
+import { usualOptions } from "../core/model_options";
+import type { Constants, ForceSource, FromPage, MatterRegion, ModelOptions, Segment, State } from "../core/protocol";
 import type { PageSteps, StepOwner } from "./page_steps.svelte";
 import { recall, remember } from "./remembered";
 import type { Session } from "./session.svelte";
@@ -43,7 +44,7 @@ export class MatterControl implements StepOwner {
     const isSoft = preset !== null || constants !== null;
     if (isSoft && this.session.latest?.matter.model === null) {
       // one step of undo is enough: a model without soft matter changes nothing
-      this.session.send({ type: "set_deformation", model: usualModel, edge: null, undoable: false });
+      this.session.send({ type: "set_deformation", model: usualModel, options: usualOptions, undoable: false });
     }
     this.session.send({ type: "set_material", id: segment.id, preset, constants, undoable: true });
     this.steps.engineAsked();
@@ -56,9 +57,9 @@ export class MatterControl implements StepOwner {
     this.ask({ type: "set_regions", id: segment.id, regions }, { type: "set_regions", id: segment.id, regions: before });
   }
 
-  /** The model by which matter gives way, and the edge of its box; null for none, and for the usual one. */
-  choose(model: string | null, edge: number | null): void {
-    this.session.send({ type: "set_deformation", model, edge, undoable: true });
+  /** The model by which matter gives way, null for none, and what of it is not as usual. */
+  choose(model: string | null, options: ModelOptions = usualOptions): void {
+    this.session.send({ type: "set_deformation", model, options, undoable: true });
     this.steps.engineAsked();
     this.keepFromNowOn();
   }
@@ -78,7 +79,7 @@ export class MatterControl implements StepOwner {
         this.session.send({ type: "set_material", id: segment.id, preset: null, constants: null, undoable: true });
       }
     }
-    this.choose(null, null);
+    this.choose(null);
   }
 
   undo(): void {
@@ -171,7 +172,7 @@ export class MatterControl implements StepOwner {
     }
     const { presets, models } = session;
     const memory = recalledMatter(recall(this.memory, {}), presets, models);
-    const { model, edge, forceSource, materials } = memory;
+    const { model, options, forceSource, materials } = memory;
     const kept = session.segments.map((segment) => ({ id: segment.id, material: materials.find((each) => each.segment === segment.name) }));
     const known = kept.filter((each): each is { id: number; material: RememberedMaterial } => each.material !== undefined);
     for (const { id, material } of known) {
@@ -187,7 +188,7 @@ export class MatterControl implements StepOwner {
       session.send({ type: "set_force_source", source: forceSource });
     }
     if (model !== null) {
-      session.send({ type: "set_deformation", model, edge, undoable: false });
+      session.send({ type: "set_deformation", model, options, undoable: false });
     }
   }
 

@@ -23,8 +23,8 @@ const presets: readonly MaterialPreset[] = [
   { name: "thesis-bone", source: "thesis", needs_hounsfield: true, low: { ...hard, young: 5e9, poisson: 0.3 }, high: hard },
 ];
 const models: readonly DeformationModel[] = [
-  { name: "lattice", boxes: { least: 9, usual: 21, most: 41 } },
-  { name: "global-lj", boxes: null },
+  { name: "lattice", boxes: { least: 9, usual: 21, most: 41 }, binding: null, walls: false, fades: true },
+  { name: "global-lj", boxes: null, binding: { least: 0.01, usual: 0.3, most: 2 }, walls: false, fades: false },
 ];
 
 test("models are named so that the list shows all of it, and those of particles break no bonds", () => {

@@ -1,26 +1,28 @@
 import { expect, test } from "vitest";
 import { nothingRemembered, recalledMatter, recalledRegions, rememberedMatter } from "../../src/core/matter_memory";
+import { usualOptions } from "../../src/core/model_options";
 import type { Constants, DeformationModel, MaterialPreset, MatterRegion, Segment } from "../../src/core/protocol";
 
 const soft: Constants = { young: 5500, poisson: 0.45, density: 1060, breaking_strain: 0.34, friction: 0.2 };
 const presets: readonly MaterialPreset[] = [{ name: "liver", source: "a paper", needs_hounsfield: false, low: soft, high: soft }];
 const models: readonly DeformationModel[] = [
-  { name: "lattice", boxes: { least: 9, usual: 21, most: 41 } },
-  { name: "global-lj", boxes: null },
+  { name: "lattice", boxes: { least: 9, usual: 21, most: 41 }, binding: null, walls: false, fades: true },
+  { name: "global-lj", boxes: null, binding: { least: 0.01, usual: 0.3, most: 2 }, walls: false, fades: false },
 ];
 
 test("what was chosen comes back, by the names of segments", () => {
+  const options = { ...usualOptions, edge: 31, prony: { share: 0.4, time: 2 } };
   const own = { ...soft, young: 7000 };
   const segments = [
     { id: 1, name: "liver", material: { preset: "liver", low: soft, high: soft }, regions: [] },
     { id: 2, name: "lump", material: { preset: null, low: own, high: own }, regions: [] },
     { id: 3, name: "bone", material: null, regions: [] },
   ];
-  const kept: unknown = JSON.parse(JSON.stringify(rememberedMatter(segments, { model: "lattice", edge: 31, force_source: "voxels" })));
+  const kept: unknown = JSON.parse(JSON.stringify(rememberedMatter(segments, { model: "lattice", options, force_source: "voxels" })));
   expect(recalledMatter(kept, presets, models)).toEqual({
     version: 1,
     model: "lattice",
-    edge: 31,
+    options,
     forceSource: "voxels",
     materials: [
       { segment: "liver", preset: "liver", constants: null },
@@ -43,11 +45,15 @@ test.each([
 test("of a memory only what is offered and can be is recalled", () => {
   const constants = { ...soft, poisson: 0.6 };
   const materials = [{ segment: "a", preset: "cheese" }, { segment: "b", constants }, 3, { segment: "c", preset: "liver" }];
-  expect(recalledMatter({ version: 1, model: "jelly", edge: 20, materials }, presets, models)).toEqual({
+  expect(recalledMatter({ version: 1, model: "jelly", options: usualOptions, materials }, presets, models)).toEqual({
     ...nothingRemembered,
     materials: [{ segment: "c", preset: "liver", constants: null }],
   });
-  expect(recalledMatter({ version: 1, model: "lattice", edge: 20, materials }, presets, models).edge).toBeNull();
+  const recalled = (model: string, options: unknown): unknown => recalledMatter({ version: 1, model, options, materials }, presets, models).options;
+  expect(recalled("lattice", { edge: 20, binding: 0.5, walls: true, prony: { share: 2, time: 1 } })).toEqual(usualOptions);
+  expect(recalled("lattice", { edge: 11, prony: null })).toEqual({ ...usualOptions, edge: 11 });
+  expect(recalled("global-lj", { edge: 11, binding: 0.5, prony: { share: 0.5, time: 1 } })).toEqual({ ...usualOptions, binding: 0.5 });
+  expect(recalled("global-lj", "all")).toEqual(usualOptions);
 });
 
 test("regions come back where the segments are that mark them, in their order", () => {
@@ -58,7 +64,7 @@ test("regions come back where the segments are that mark them, in their order", 
     { treatment: "empty", shared_with: 9, box: null },
   ];
   const named = (id: number, name: string, its: readonly MatterRegion[] = []): Pick<Segment, "id" | "name" | "material" | "regions"> => ({ id, name, material: null, regions: its });
-  const kept: unknown = JSON.parse(JSON.stringify(rememberedMatter([named(1, "liver", regions), named(3, "lesion")], { model: null, edge: null, force_source: "matter" })));
+  const kept: unknown = JSON.parse(JSON.stringify(rememberedMatter([named(1, "liver", regions), named(3, "lesion")], { model: null, options: usualOptions, force_source: "matter" })));
   const memory = recalledMatter(kept, presets, models);
   expect(memory.regions).toHaveLength(2);
   // under other numbers at the next visit

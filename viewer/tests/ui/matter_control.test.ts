@@ -1,6 +1,7 @@
 import { afterEach, expect, test, vi } from "vitest";
 import type { MatterMemory } from "../../src/core/matter_memory";
 import type { MatterParts } from "../../src/core/matter_parts";
+import { usualOptions } from "../../src/core/model_options";
 import type { ForceSource, FromPage, MatterRegion, State } from "../../src/core/protocol";
 import { MatterControl } from "../../src/ui/matter_control.svelte";
 import { PageSteps } from "../../src/ui/page_steps.svelte";
@@ -18,7 +19,7 @@ class Visit {
     { id: 1, name: "Liver", material: null, regions: [] },
   ];
   readonly presets = [{ name: "liver" }];
-  readonly models = [{ name: "lattice", boxes: null }];
+  readonly models = [{ name: "lattice", boxes: null, binding: null, walls: false, fades: true }];
   latest: State | null = null;
   parts: MatterParts | null = null;
   source: ForceSource = "matter";
@@ -50,7 +51,7 @@ class Visit {
   /** A state of an engine that holds this. */
   holds(material: typeof liver | null, model: "lattice" | null, { time, answers } = { time: 1, answers: 0 }): void {
     this.segments = [{ id: 1, name: "Liver", material, regions: [] }];
-    this.latest = { time, matter: { model, edge: null, force_source: this.source, answers } } as State;
+    this.latest = { time, matter: { model, options: usualOptions, force_source: this.source, answers } } as State;
     this.listener(this.latest);
   }
 

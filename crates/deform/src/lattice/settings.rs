@@ -1,6 +1,7 @@
 //! How the lattice works, as it is chosen.
 
 use super::inelastic::InelasticSettings;
+use crate::model_options::ModelOptions;
 
 /// How the lattice works.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,12 +31,16 @@ impl Default for LatticeSettings {
 }
 
 impl LatticeSettings {
-    /// The default settings with so many nodes along each edge of the box, where they are given.
+    /// The default settings, but for what is chosen.
     #[must_use]
-    pub fn of_box(nodes: Option<u32>) -> Self {
+    pub fn of(options: &ModelOptions) -> Self {
         let usual = Self::default();
         Self {
-            nodes: nodes.unwrap_or(usual.nodes),
+            nodes: options.edge.unwrap_or(usual.nodes),
+            inelastic: InelasticSettings {
+                prony: options.prony,
+                ..usual.inelastic
+            },
             ..usual
         }
     }

@@ -30,6 +30,7 @@ use crate::model::{
     Budget, DeformationModel, Effort, ModelAnswer, ModelEvent, ModelInput, ModelParts, ModelReport,
     ToolContact, ToolState,
 };
+use crate::model_options::ModelOptions;
 use crate::rest_matter::{Ledger, Wanted, solid_of};
 use crate::seen::Seen;
 
@@ -77,6 +78,16 @@ impl Default for GlobalSettings {
 }
 
 impl GlobalSettings {
+    /// The default settings, but for what is chosen.
+    #[must_use]
+    pub fn of(options: &ModelOptions) -> Self {
+        let usual = Self::default();
+        Self {
+            binding: options.binding.unwrap_or(usual.binding),
+            ..usual
+        }
+    }
+
     /// The nearest settings that make sense; comparisons with NaN are false.
     fn sane(mut self) -> Self {
         let within = |value: f64, low: f64, high: f64, other: f64| {

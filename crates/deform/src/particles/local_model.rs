@@ -14,6 +14,7 @@ use super::local_state::LocalState;
 use super::pair_laws::{CuboidLaw, FadedLaw, LaneLaw};
 use super::tool_push::ParticleTool;
 use crate::model::{DeformationModel, ModelAnswer, ModelEvent, ModelInput, ModelParts};
+use crate::model_options::ModelOptions;
 
 /// Half axis of a tool, at least: a thinner one would slip between particles [a].
 const THINNEST: f64 = 0.5;
@@ -76,12 +77,14 @@ impl Default for LocalSettings {
 }
 
 impl LocalSettings {
-    /// The default settings with so many cells along each edge of the box, where they are given.
+    /// The default settings, but for what is chosen.
     #[must_use]
-    pub fn of_box(cells: Option<u32>) -> Self {
+    pub fn of(options: &ModelOptions) -> Self {
         let usual = Self::default();
         Self {
-            box_cells: cells.map_or(usual.box_cells, |cells| cells as i32),
+            box_cells: options.edge.map_or(usual.box_cells, |cells| cells as i32),
+            binding: options.binding.unwrap_or(usual.binding),
+            walls: options.walls,
             ..usual
         }
     }

@@ -8,6 +8,7 @@ use palpate_deform::material::{MaterialLaw, Materials, SegmentMatter, SolidSi};
 use palpate_deform::model::{
     Budget, DeformationModel, ModelAnswer, ModelInput, ToolShape, ToolState, model_from_name,
 };
+use palpate_deform::model_options::ModelOptions;
 use palpate_volume::edit::{Edit, SegmentId};
 use palpate_volume::grid::Grid;
 use palpate_volume::intensities::Intensities;
@@ -43,7 +44,8 @@ pub struct Bench {
 impl Bench {
     /// With the default model, on cubes of 1 mm.
     pub fn new(solid: SolidSi) -> Self {
-        let model = (model_from_name("lattice").expect("a known name").make)(None);
+        let model =
+            (model_from_name("lattice").expect("a known name").make)(&ModelOptions::default());
         Self::with(solid, DVec3::ONE, model)
     }
 

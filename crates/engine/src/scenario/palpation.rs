@@ -3,6 +3,7 @@
 //! Every press begins from matter at rest. Design, section 6; issue of deformation, scenarios.
 
 use palpate_deform::material::MaterialLaw;
+use palpate_deform::model_options::ModelOptions;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
 use palpate_volume::intensities::Intensities;
@@ -56,7 +57,8 @@ pub fn press(
         let segment = layer.segment.clone();
         let _: SegmentId = rig.simulation.add_segment(segment, properties, false)?;
     }
-    rig.simulation.set_deformation(Some(model), None, false)?;
+    rig.simulation
+        .set_deformation(Some(model), &ModelOptions::default(), false)?;
     let mut samples = Vec::new();
     drive.run(|phase, travel| {
         let record = rig.tick(drive.start + drive.direction() * travel);

@@ -2,6 +2,7 @@
 
 use glam::DAffine3;
 use palpate_deform::material::MaterialLaw;
+use palpate_deform::model_options::ModelOptions;
 use palpate_tools::stroke::bytes_of;
 use palpate_volume::edit::{Edit, SegmentId};
 use palpate_volume::segment::Segment;
@@ -10,12 +11,12 @@ use palpate_volume::voxels::Voxels;
 use super::{Properties, ThresholdRange};
 
 /// A model by which matter gives way.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ModelChoice {
     /// Its name, one of the registered.
     pub name: &'static str,
-    /// Nodes or cells along each edge of its box; none for as many as usual.
-    pub edge: Option<u32>,
+    /// What of it is not as usual.
+    pub options: ModelOptions,
 }
 
 /// A change of the scene.

@@ -4,6 +4,7 @@
 use std::path::PathBuf;
 
 use palpate_deform::material::{MaterialLaw, Region, Treatment};
+use palpate_deform::model_options::ModelOptions;
 use palpate_tools::journal_entry::ScanHash;
 use palpate_tools::tool::ToolSettings;
 use palpate_volume::edit::SegmentId;
@@ -50,18 +51,20 @@ impl Session {
         self.ask(|simulation| simulation.needle_report())
     }
 
-    /// Chooses the model by which matter gives way under the probe and the nodes or cells along
-    /// each edge of its box, or none; an undoable choice is taken back by undo.
+    /// Chooses the model by which matter gives way under the probe and what it offers to choose,
+    /// or none; an undoable choice is taken back by undo.
     ///
     /// # Errors
-    /// Where there is none of that name, it has no such box, or the session has ended.
+    /// Where there is none of that name, it cannot be so, or the session has ended.
     pub fn set_deformation(
         &self,
         model: Option<String>,
-        edge: Option<u32>,
+        options: ModelOptions,
         undoable: bool,
     ) -> Result<(), SessionError> {
-        self.ask(move |simulation| simulation.set_deformation(model.as_deref(), edge, undoable))?
+        self.ask(move |simulation| {
+            simulation.set_deformation(model.as_deref(), &options, undoable)
+        })?
     }
 
     /// Tells what a segment is made of; without a material it is hard. An undoable

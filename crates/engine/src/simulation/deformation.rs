@@ -2,6 +2,7 @@
 
 use palpate_deform::material::MaterialLaw;
 use palpate_deform::model::{DeformationModel, DisplacementField, ModelEvent, model_from_name};
+use palpate_deform::model_options::ModelOptions;
 use palpate_tools::journal_entry::Action;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::voxels::VoxelsError;
@@ -15,23 +16,23 @@ use crate::scene::{ModelChoice, Step};
 use crate::scene_news::SceneNews;
 
 impl Simulation {
-    /// Chooses the model by which matter gives way and the nodes or cells along each edge of its
-    /// box, or none; an undoable choice is taken back by undo.
+    /// Chooses the model by which matter gives way and what it offers to choose, or none; an
+    /// undoable choice is taken back by undo.
     ///
     /// # Errors
-    /// Where there is none of that name, or it has no such box.
+    /// Where there is none of that name, or it cannot be so.
     pub fn set_deformation(
         &mut self,
         name: Option<&str>,
-        edge: Option<u32>,
+        options: &ModelOptions,
         undoable: bool,
     ) -> Result<(), SessionError> {
         let known = name.map(model_from_name).transpose()?;
         // asked for only to refuse what it cannot be
-        known.map(|known| known.with_box(edge)).transpose()?;
+        known.map(|known| known.with(options)).transpose()?;
         let choice = known.map(|known| ModelChoice {
             name: known.name,
-            edge,
+            options: *options,
         });
         let is_other = choice != self.scene.model();
         self.change_matter(Step::Model(choice), undoable && is_other)
@@ -43,7 +44,10 @@ impl Simulation {
         model: Option<(&'static str, Box<dyn DeformationModel>)>,
     ) {
         let name = model.as_ref().map(|(name, _)| *name);
-        let choice = name.map(|name| ModelChoice { name, edge: None });
+        let choice = name.map(|name| ModelChoice {
+            name,
+            options: ModelOptions::default(),
+        });
         self.scene.know_model(choice);
         self.deformation.set_model(model);
         self.publish();
@@ -86,7 +90,7 @@ impl Simulation {
                 let model = self.scene.model().and_then(|choice| {
                     // what the scene knows was made before
                     let known = model_from_name(choice.name).ok()?;
-                    Some((known.name, known.with_box(choice.edge).ok()?))
+                    Some((known.name, known.with(&choice.options).ok()?))
                 });
                 self.deformation.set_model(model);
             }
@@ -103,8 +107,9 @@ impl Simulation {
     /// How the deformation goes.
     #[must_use]
     pub fn deformation(&self) -> DeformationNow {
+        let options = self.scene.model().map(|choice| choice.options);
         DeformationNow {
-            edge: self.scene.model().and_then(|choice| choice.edge),
+            options: options.unwrap_or_default(),
             ..self.deformation.now()
         }
     }

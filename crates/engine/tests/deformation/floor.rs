@@ -6,6 +6,7 @@ use palpate_deform::model::{
     DeformationModel, DisplacementField, ModelAnswer, ModelInput, ModelReport, ToolContact,
     ToolShape,
 };
+use palpate_deform::model_options::ModelOptions;
 use palpate_engine::deformation::ForceSource;
 use palpate_engine::handover::TickRecord;
 use palpate_engine::scene_news::SceneNews;
@@ -235,7 +236,7 @@ fn another_model_or_none_takes_the_place_at_once() {
     assert!((rest.force.length() - rest.depth).abs() < 1e-9);
     assert!(
         rig.simulation
-            .set_deformation(Some("jelly"), None, false)
+            .set_deformation(Some("jelly"), &ModelOptions::default(), false)
             .is_err()
     );
 }

@@ -4,6 +4,7 @@ use std::sync::mpsc;
 
 use glam::DVec3;
 use palpate_deform::material::preset;
+use palpate_deform::model_options::ModelOptions;
 use palpate_engine::deformation_loop::Bell;
 use palpate_engine::settings::Settings;
 
@@ -43,7 +44,9 @@ fn a_model_that_is_changed_or_left_behind_gives_back_what_it_moved() {
         let all = soft_voxels(&rig);
         go(&mut rig, 30.0, 19.0, 1200);
         assert!(soft_voxels(&rig) < all);
-        rig.simulation.set_deformation(name, None, false).unwrap();
+        rig.simulation
+            .set_deformation(name, &ModelOptions::default(), false)
+            .unwrap();
         assert_eq!(rig.simulation.deformation().model, name);
         go(&mut rig, 19.0, 30.0, 500);
         go(&mut rig, 30.0, 30.0, 300);
@@ -109,7 +112,7 @@ fn pressing_slowly_makes_no_step_in_the_force_with_any_model() {
     for (name, depth) in [("lattice", 2.0), ("fcc-lj", 0.8), ("cuboid-lj", 0.8)] {
         let mut rig = lattice_rig();
         rig.simulation
-            .set_deformation(Some(name), None, false)
+            .set_deformation(Some(name), &ModelOptions::default(), false)
             .unwrap();
         // the ball reaches 2 mm below its middle
         let above = TOP + 2.1;
@@ -164,20 +167,27 @@ fn materials_and_models_that_a_person_chose_are_taken_back_by_undo_one_by_one() 
     let fat = preset("fat").unwrap().law().ok();
     rig.simulation.set_material(SOFT, fat, true).unwrap();
     let name = Some("fcc-lj");
-    rig.simulation.set_deformation(name, Some(9), true).unwrap();
+    let small = ModelOptions {
+        edge: Some(9),
+        binding: Some(0.5),
+        walls: true,
+        ..ModelOptions::default()
+    };
+    rig.simulation.set_deformation(name, &small, true).unwrap();
     // what is so already is no step
-    rig.simulation.set_deformation(name, Some(9), true).unwrap();
+    rig.simulation.set_deformation(name, &small, true).unwrap();
     let chosen = |rig: &Rig| {
         let now = rig.simulation.deformation();
-        (rig.simulation.material(SOFT), now.model, now.edge)
+        (rig.simulation.material(SOFT), now.model, now.options)
     };
     let last = chosen(&rig);
-    assert_eq!(last, (fat, name, Some(9)));
+    assert_eq!(last, (fat, name, small));
 
+    let usual = ModelOptions::default();
     assert!(rig.simulation.undo().unwrap());
-    assert_eq!(chosen(&rig), (fat, Some("lattice"), None));
+    assert_eq!(chosen(&rig), (fat, Some("lattice"), usual));
     assert!(rig.simulation.undo().unwrap());
-    assert_eq!(chosen(&rig), (gel, Some("lattice"), None));
+    assert_eq!(chosen(&rig), (gel, Some("lattice"), usual));
     assert!(rig.simulation.redo().unwrap() && rig.simulation.redo().unwrap());
     assert_eq!(chosen(&rig), last);
     // what was set by itself is none of them: next is the segment
@@ -191,7 +201,9 @@ fn materials_and_models_that_a_person_chose_are_taken_back_by_undo_one_by_one() 
 fn a_model_that_undo_brings_back_presses_as_before() {
     let mut rig = lattice_rig();
     let all = soft_voxels(&rig);
-    rig.simulation.set_deformation(None, None, true).unwrap();
+    rig.simulation
+        .set_deformation(None, &ModelOptions::default(), true)
+        .unwrap();
     go(&mut rig, 30.0, 19.0, 900);
     let hard = go(&mut rig, 19.0, 19.0, 300).force.z;
     assert_eq!(soft_voxels(&rig), all);

@@ -2,6 +2,7 @@
 
 use glam::{DVec3, IVec3, UVec3};
 use palpate_deform::material::{MaterialLaw, SolidSi};
+use palpate_deform::model_options::ModelOptions;
 use palpate_engine::handover::TickRecord;
 use palpate_engine::settings::Settings;
 use palpate_volume::edit::SegmentId;
@@ -28,7 +29,7 @@ pub fn lattice_rig() -> Rig {
     let law = MaterialLaw::constant(gel).unwrap();
     rig.simulation.set_material(SOFT, Some(law), false).unwrap();
     rig.simulation
-        .set_deformation(Some("lattice"), None, false)
+        .set_deformation(Some("lattice"), &ModelOptions::default(), false)
         .unwrap();
     let ball = Settings {
         probe_radius: 2.0,

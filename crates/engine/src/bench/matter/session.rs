@@ -12,6 +12,7 @@ use std::time::{Duration, Instant};
 
 use glam::DVec3;
 use palpate_deform::material::{MaterialLaw, preset};
+use palpate_deform::model_options::ModelOptions;
 use palpate_haptics::exact::Exact;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
@@ -114,7 +115,8 @@ pub fn measure(plan: &Plan<'_>) -> Result<Found, SessionBenchError> {
     )?;
     if let Some(model) = plan.model {
         rig.simulation.set_material(SEGMENT, Some(law()), false)?;
-        rig.simulation.set_deformation(Some(model), None, false)?;
+        rig.simulation
+            .set_deformation(Some(model), &ModelOptions::default(), false)?;
     }
     let led = Led {
         way: way.device,

@@ -5,6 +5,7 @@
 
 use glam::{DMat3, DVec3, IVec3, UVec3};
 use palpate_deform::material::preset;
+use palpate_deform::model_options::ModelOptions;
 use palpate_tools::tool::{ToolKind, ToolSettings};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
@@ -133,7 +134,8 @@ impl World {
             let law = law.expect("a preset of the list");
             rig.simulation.set_material(id, Some(law), false)?;
         }
-        rig.simulation.set_deformation(Some(model), None, false)?;
+        rig.simulation
+            .set_deformation(Some(model), &ModelOptions::default(), false)?;
         Ok(rig)
     }
 }

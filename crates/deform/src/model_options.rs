@@ -1,0 +1,175 @@
+//! What can be chosen of a model beside its name, what each model offers, and what is refused.
+//!
+//! Source: thesis 5.9 (box), 5.12 (binding), 5.13 (walls); errata, section 7 (what
+//! fades).
+
+use thiserror::Error;
+
+pub use crate::lattice::Prony;
+
+/// What is chosen of a model; nothing chosen is as usual.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ModelOptions {
+    /// Nodes or cells along each edge of its box.
+    pub edge: Option<u32>,
+    /// Springs to the initial positions, as a share of a link's stiffness (5.12).
+    pub binding: Option<f64>,
+    /// Whether particles are kept out of empty voxels (5.13).
+    pub walls: bool,
+    /// Force that fades while matter is held; none for elastic matter.
+    pub prony: Option<Prony>,
+}
+
+/// What a model lets choose.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Offers {
+    /// Boxes; none where it has no box.
+    pub boxes: Option<Boxes>,
+    /// Shares of binding; none where nothing is bound.
+    pub binding: Option<Shares>,
+    /// Whether particles can be kept out of empty voxels.
+    pub walls: bool,
+    /// Whether its force can fade.
+    pub fades: bool,
+}
+
+/// Boxes of a model that moves with the tool, by the nodes or cells along each edge: odd.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Boxes {
+    /// Fewest.
+    pub least: u32,
+    /// As many as its default settings have.
+    pub usual: u32,
+    /// Most.
+    pub most: u32,
+}
+
+/// Shares that can be chosen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shares {
+    /// Least.
+    pub least: f64,
+    /// As its default settings have it.
+    pub usual: f64,
+    /// Most.
+    pub most: f64,
+}
+
+/// Shares of the force that may fade: of what is left a model can be at rest.
+const FADING_SHARES: [f64; 2] = [0.01, 0.95];
+/// Times in which a force may fade [s].
+const FADING_TIMES: [f64; 2] = [0.01, 1000.0];
+
+impl Offers {
+    /// Refuses what the model of this name does not offer.
+    ///
+    /// # Errors
+    /// Names the option, what was given and what is allowed.
+    pub fn check(&self, name: &'static str, options: &ModelOptions) -> Result<(), WrongOption> {
+        if let Some(edge) = options.edge {
+            self.check_edge(name, edge)?;
+        }
+        if let Some(binding) = options.binding {
+            let Some(Shares { least, most, .. }) = self.binding else {
+                return Err(not_offered(name, "binding"));
+            };
+            check_within(name, "binding", "", binding, [least, most])?;
+        }
+        if options.walls && !self.walls {
+            return Err(not_offered(name, "walls"));
+        }
+        if let Some(Prony { share, time }) = options.prony {
+            if !self.fades {
+                return Err(not_offered(name, "a force that fades"));
+            }
+            check_within(name, "a share that fades", "", share, FADING_SHARES)?;
+            check_within(name, "a time of fading", " s", time, FADING_TIMES)?;
+        }
+        Ok(())
+    }
+
+    fn check_edge(&self, name: &'static str, edge: u32) -> Result<(), WrongOption> {
+        let Boxes { least, most, .. } = self.boxes.ok_or(WrongOption::NoBox { name })?;
+        if edge.is_multiple_of(2) || !(least..=most).contains(&edge) {
+            return Err(WrongOption::Edge {
+                name,
+                edge,
+                least,
+                most,
+            });
+        }
+        Ok(())
+    }
+}
+
+fn not_offered(name: &'static str, option: &'static str) -> WrongOption {
+    WrongOption::NotOffered { name, option }
+}
+
+fn check_within(
+    name: &'static str,
+    option: &'static str,
+    unit: &'static str,
+    given: f64,
+    [least, most]: [f64; 2],
+) -> Result<(), WrongOption> {
+    // NaN is in no range
+    if (least..=most).contains(&given) {
+        return Ok(());
+    }
+    Err(WrongOption::Number {
+        name,
+        option,
+        unit,
+        given,
+        least,
+        most,
+    })
+}
+
+/// What a model cannot be.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum WrongOption {
+    /// It has no box.
+    #[error("a box given for {name}; allowed: none, it takes all matter")]
+    NoBox {
+        /// The model.
+        name: &'static str,
+    },
+    /// Its box cannot be of this size.
+    #[error("a box of {edge} along each edge given for {name}; allowed: odd, {least} to {most}")]
+    Edge {
+        /// The model.
+        name: &'static str,
+        /// As given.
+        edge: u32,
+        /// Fewest.
+        least: u32,
+        /// Most.
+        most: u32,
+    },
+    /// It has no such option.
+    #[error("{option} given for {name}; allowed: none, this model has no such option")]
+    NotOffered {
+        /// The model.
+        name: &'static str,
+        /// What was asked of it.
+        option: &'static str,
+    },
+    /// A number that is too small, too large or none.
+    #[error("{option} of {given}{unit} given for {name}; allowed: {least} to {most}{unit}")]
+    Number {
+        /// The model.
+        name: &'static str,
+        /// What was asked of it.
+        option: &'static str,
+        /// Of the number.
+        unit: &'static str,
+        /// As given.
+        given: f64,
+        /// Least.
+        least: f64,
+        /// Most.
+        most: f64,
+    },
+}

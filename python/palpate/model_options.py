@@ -1,0 +1,99 @@
+"""Models by which matter gives way: their names, what each offers to choose, what is chosen.
+
+docs/algorithms/deformation.md says what the options do.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from palpate import _core
+
+__all__ = [
+    "Boxes",
+    "Model",
+    "ModelOptions",
+    "Prony",
+    "Shares",
+    "deformation_models",
+    "offered_models",
+]
+
+
+class Prony(NamedTuple):
+    """A force that fades while matter is held."""
+
+    share: float
+    """Of the force at once, the share that fades."""
+    time: float
+    """Time constant [s]."""
+
+
+class ModelOptions(NamedTuple):
+    """What is chosen of a model; nothing chosen is as usual."""
+
+    edge: int | None = None
+    """Nodes or cells along each edge of its box."""
+    binding: float | None = None
+    """Springs to the initial positions, as a share of a link's stiffness (thesis 5.12)."""
+    walls: bool = False
+    """Whether particles are kept out of empty voxels (thesis 5.13)."""
+    prony: Prony | None = None
+    """Force that fades while matter is held; None for elastic matter."""
+
+    @classmethod
+    def of_state(cls, state: dict[str, Any]) -> ModelOptions:
+        """Returns the options as the engine tells them."""
+        prony = state["prony"]
+        return cls(**state | {"prony": None if prony is None else Prony(**prony)})
+
+
+class Boxes(NamedTuple):
+    """Boxes that a model can have, by the nodes or cells along each edge; these are odd."""
+
+    least: int
+    usual: int
+    most: int
+
+
+class Shares(NamedTuple):
+    """Shares that can be chosen."""
+
+    least: float
+    usual: float
+    most: float
+
+
+@dataclass(frozen=True)
+class Model:
+    """A model, and what it offers to choose."""
+
+    name: str
+    boxes: Boxes | None
+    """None where it takes all matter."""
+    binding: Shares | None
+    """None where nothing is bound."""
+    walls: bool
+    """Whether particles can be kept out of empty voxels."""
+    fades: bool
+    """Whether its force can fade."""
+
+
+def offered_models() -> list[Model]:
+    """Lists the models by which matter gives way."""
+    return [
+        Model(
+            name=each["name"],
+            boxes=None if each["boxes"] is None else Boxes(*each["boxes"]),
+            binding=None if each["binding"] is None else Shares(*each["binding"]),
+            walls=each["walls"],
+            fades=each["fades"],
+        )
+        for each in _core.deformation_models()
+    ]
+
+
+def deformation_models() -> list[str]:
+    """Lists the names of the models by which matter gives way."""
+    return [model.name for model in offered_models()]
