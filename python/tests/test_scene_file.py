@@ -206,6 +206,22 @@ def test_what_a_scene_says_of_itself_is_checked(
         open_scene(path)
 
 
+def test_a_scene_of_before_options_has_its_box(scan: Path, tmp_path: Path) -> None:
+    def of_before(about: dict[str, Any]) -> None:
+        del about["options"]
+        about["edge"] = 11
+
+    path = tmp_path / "scene.palpate"
+    with edited(read(scan)) as session:
+        save_scene(path, session, copy=True)
+    rewritten(path, of_before)
+    saved = open_scene(path)
+    with Session(Scene(saved.volume), options=STANDING) as session:
+        saved.restore(session)
+        session.run(0.01)
+        assert session.deformation()["options"] == ModelOptions(edge=11)
+
+
 @pytest.mark.parametrize("member", ["scene.json", "segments.journal"])
 def test_a_member_that_is_too_large_is_not_unpacked(
     scan: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, member: str
