@@ -31,7 +31,10 @@ class Prony(NamedTuple):
 
 
 class ModelOptions(NamedTuple):
-    """What is chosen of a model; nothing chosen is as usual."""
+    """What is chosen of a model; nothing chosen is as usual.
+
+    Scene files hold them in this order: what is new goes last, with a default.
+    """
 
     edge: int | None = None
     """Nodes or cells along each edge of its box."""

@@ -293,7 +293,9 @@ def test_a_force_that_fades_is_felt_fading() -> None:
     elastic = [held("lattice", ModelOptions(), seconds) for seconds in (1.05, 1.55)]
     fading = [held("lattice", fades, seconds) for seconds in (1.05, 1.55)]
     assert abs(elastic[1] - elastic[0]) < 0.05 * elastic[0]
+    # at once it is 1 / (1 - 0.6) = 2.5 times as stiff, but it fades while it is pressed in, too
     assert fading[0] > 1.2 * elastic[0]
+    # two and a half time constants later: 92 % of what fades has faded
     assert fading[1] < 0.85 * fading[0]
     # as stiff as asked in the end, and no less
     assert fading[1] > 0.95 * elastic[1]
@@ -302,6 +304,7 @@ def test_a_force_that_fades_is_felt_fading() -> None:
 def test_springs_to_where_particles_rest_make_them_stiffer() -> None:
     loose = held("fcc-lj", ModelOptions(edge=9))
     bound = held("fcc-lj", ModelOptions(edge=9, binding=1.0))
+    # a spring as stiff as a link on each particle: by how much depends on the dent, not less than this
     assert bound > 1.1 * loose > 0.0
 
 
@@ -317,7 +320,8 @@ def test_walls_keep_particles_out_of_empty_voxels() -> None:
             places = parts["origin"] + shares * parts["size"]
             return float(places[:, 2].max())
 
-    # matter bulges beside the tool where it may
+    # matter bulges beside the tool where it may; a wall is the face of the lattice's cells, half a
+    # voxel below the top, and what rests below it may come up to it
     assert highest(ModelOptions()) > TOP
     assert highest(ModelOptions(walls=True)) < TOP - 0.25
 
