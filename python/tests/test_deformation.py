@@ -304,7 +304,7 @@ def test_a_force_that_fades_is_felt_fading() -> None:
 def test_springs_to_where_particles_rest_make_them_stiffer() -> None:
     loose = held("fcc-lj", ModelOptions(edge=9))
     bound = held("fcc-lj", ModelOptions(edge=9, binding=1.0))
-    # a spring as stiff as a link on each particle: by how much depends on the dent, not less than this
+    # a spring as stiff as a link on each particle; by how much it counts depends on the dent
     assert bound > 1.1 * loose > 0.0
 
 
