@@ -86,12 +86,12 @@ class Browser:
     def settled(self) -> dict[str, Any]:
         """Returns the state once all that was asked for is done and all that moves is at rest.
 
-        That is: device, proxy [mm], force [N] and poses change < 0.01 in 300 ticks. Ticks are
-        counted instead of the page's time: a page that shows an old state for a while looks at
-        rest too.
+        That is: device, proxy [mm], force [N] and poses change < 0.01 in 300 ticks, twice in a
+        row. Ticks are counted instead of the page's time: a page that shows an old state for a
+        while looks at rest too, and so does a device whose thread a busy machine holds up.
         """
         self.all_done()
-        self.read("void (window.__last = window.__settled = undefined)")
+        self.read("void (window.__last = window.__settled = undefined, window.__rested = 0)")
         self.wait(
             "(() => { const { state } = window.palpate, { tick, device, proxy, force } = state;"
             " const poses = state.poses.flatMap(({ pose }) => pose);"
@@ -100,8 +100,9 @@ class Browser:
             " window.__last = { tick, now };"
             " const rests = last !== undefined && last.now.length === now.length"
             " && Math.hypot(...now.map((c, i) => c - last.now[i])) < 0.01;"
+            " window.__rested = rests ? window.__rested + 1 : 0;"
             " if (rests) window.__settled = state;"
-            " return rests; })()"
+            " return window.__rested === 2; })()"
         )
         # the one that was found at rest: by now the servo may have been late for a tick
         state: dict[str, Any] = self.read("window.__settled")
