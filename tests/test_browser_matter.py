@@ -178,6 +178,13 @@ def test_options_of_a_model_are_chosen_and_taken_back(page: Browser) -> None:
     page.do("press", key="Control+z")
     page.wait(f"{MATTER}.options.prony?.time === 1")
 
+    page.do("slide", testid="matter-yields", value=0.05)
+    page.wait(f"{MATTER}.options.yield_strain === 0.05")
+    page.shows("matter-yields-value", "text === 'beyond 5 % strain'")
+    page.do("press", key="Control+z")
+    page.wait(f"{MATTER}.options.yield_strain === null")
+    page.shows("matter-yields-value", "text === 'never, usual'")
+
     # another model offers other options
     page.do("choose", testid="deformation", value="fcc-lj")
     page.wait(f"{MATTER}.model === 'fcc-lj'")

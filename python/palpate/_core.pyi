@@ -279,12 +279,12 @@ class Session:
     def set_deformation(
         self,
         model: str | None,
-        options: tuple[int | None, float | None, bool, tuple[float, float] | None],
+        options: tuple[int | None, float | None, bool, tuple[float, float] | None, float | None],
         undoable: bool,
     ) -> None:
         """Chooses the model by which matter gives way; None makes all matter hard.
 
-        ``options``: edge, binding, walls, and share and time [s] of what fades.
+        ``options``: edge, binding, walls, share and time [s] of what fades, and yield strain.
         """
 
     def set_material(

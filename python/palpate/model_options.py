@@ -12,9 +12,11 @@ from palpate import _core
 
 __all__ = [
     "Boxes",
+    "Fading",
     "Model",
     "ModelOptions",
     "Prony",
+    "Range",
     "Shares",
     "deformation_models",
     "offered_models",
@@ -44,6 +46,8 @@ class ModelOptions(NamedTuple):
     """Whether particles are kept out of empty voxels (thesis 5.13)."""
     prony: Prony | None = None
     """Force that fades while matter is held; None for elastic matter."""
+    yield_strain: float | None = None
+    """Strain from which on matter stays as it is pressed; None where it comes back."""
 
     @classmethod
     def of_state(cls, state: dict[str, Any]) -> ModelOptions:
@@ -68,6 +72,22 @@ class Shares(NamedTuple):
     most: float
 
 
+class Range(NamedTuple):
+    """Numbers that can be chosen where nothing is usual."""
+
+    least: float
+    most: float
+
+
+class Fading(NamedTuple):
+    """How a force can fade."""
+
+    shares: Range
+    """Shares of it."""
+    times: Range
+    """Time constants [s]."""
+
+
 @dataclass(frozen=True)
 class Model:
     """A model, and what it offers to choose."""
@@ -79,8 +99,10 @@ class Model:
     """None where nothing is bound."""
     walls: bool
     """Whether particles can be kept out of empty voxels."""
-    fades: bool
-    """Whether its force can fade."""
+    fades: Fading | None
+    """How its force can fade; None where it cannot."""
+    yields: Range | None
+    """Strains from which on its matter stays as it is pressed; None where it comes back."""
 
 
 def offered_models() -> list[Model]:
@@ -91,7 +113,8 @@ def offered_models() -> list[Model]:
             boxes=None if each["boxes"] is None else Boxes(*each["boxes"]),
             binding=None if each["binding"] is None else Shares(*each["binding"]),
             walls=each["walls"],
-            fades=each["fades"],
+            fades=None if each["fades"] is None else Fading(*(Range(*r) for r in each["fades"])),
+            yields=None if each["yields"] is None else Range(*each["yields"]),
         )
         for each in _core.deformation_models()
     ]

@@ -104,18 +104,34 @@ class Shares(msgspec.Struct, frozen=True):
     most: float
 
 
+class Range(msgspec.Struct, frozen=True):
+    """Numbers that can be chosen where nothing is usual."""
+
+    least: float
+    most: float
+
+
+class Fading(msgspec.Struct, frozen=True):
+    """How a force can fade: shares of it, and time constants [s]."""
+
+    shares: Range
+    times: Range
+
+
 class DeformationModel(msgspec.Struct, frozen=True):
     """A model by which matter gives way, and what it offers to choose.
 
-    ``boxes`` is null where it takes all matter, ``binding`` where nothing is bound; ``fades`` tells
-    whether its force can.
+    ``boxes`` is null where it takes all matter, ``binding`` where nothing is bound, ``fades`` where
+    its force cannot; ``yields`` tells strains from which on matter can stay as it is pressed, null
+    where it always comes back.
     """
 
     name: ModelName
     boxes: Boxes | None
     binding: Shares | None
     walls: bool
-    fades: bool
+    fades: Fading | None
+    yields: Range | None
 
 
 class Prony(msgspec.Struct, frozen=True):
@@ -129,13 +145,15 @@ class ModelOptions(msgspec.Struct, frozen=True):
     """What is chosen of a model; null is as usual.
 
     ``edge`` counts nodes or cells along its box, ``binding`` is a share of a link's stiffness
-    (thesis 5.12), ``walls`` keep particles out of empty voxels (5.13).
+    (thesis 5.12), ``walls`` keep particles out of empty voxels (5.13), from ``yield_strain`` on
+    matter stays as it is pressed.
     """
 
     edge: Annotated[int, msgspec.Meta(ge=1, le=1001)] | None
     binding: Annotated[float, msgspec.Meta(ge=0.0, le=100.0)] | None
     walls: bool
     prony: Prony | None
+    yield_strain: Annotated[float, msgspec.Meta(gt=0.0, le=10.0)] | None
 
 
 class MatterState(msgspec.Struct, frozen=True):

@@ -46,7 +46,10 @@ def models() -> list[protocol.DeformationModel]:
             boxes=None if each.boxes is None else protocol.Boxes(*each.boxes),
             binding=None if each.binding is None else protocol.Shares(*each.binding),
             walls=each.walls,
-            fades=each.fades,
+            fades=None
+            if each.fades is None
+            else protocol.Fading(*(protocol.Range(*each) for each in each.fades)),
+            yields=None if each.yields is None else protocol.Range(*each.yields),
         )
         for each in offered_models()
     ]
@@ -60,6 +63,7 @@ def asked_options(wanted: protocol.ModelOptions) -> ModelOptions:
         binding=wanted.binding,
         walls=wanted.walls,
         prony=prony,
+        yield_strain=wanted.yield_strain,
     )
 
 

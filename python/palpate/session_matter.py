@@ -147,8 +147,9 @@ class SessionMatter(SessionPart):
             ``answers`` so far, ``slips`` (of these, those in which particles slipped), whether
             the next one is ``late`` (then matter is as hard as its voxels); of the last answer
             ``iterations``, ``residual`` (what is left of unbalanced force, as a share of the
-            contact's), ``nodes`` and ``moved_voxels`` (not as at rest); ``bonds_broken`` and
-            ``work_broken`` [N·mm] since the start.
+            contact's), ``nodes``, ``moved_voxels`` (not as at rest) and, of these,
+            ``lasting_voxels`` that stay so; ``bonds_broken`` and ``work_broken`` [N·mm] since the
+            start.
         """
         state = self._internal.deformation()
         return state | {"options": ModelOptions.of_state(state["options"])}

@@ -4,7 +4,7 @@ use palpate_deform::material::{
     MaterialError, MaterialLaw, PRESETS, Preset, Region, Solid, SolidSi, Treatment, preset,
 };
 use palpate_deform::model::{MODELS, Registered};
-use palpate_deform::model_options::{ModelOptions, Prony};
+use palpate_deform::model_options::{ModelOptions, Prony, Range};
 use palpate_engine::deformation::{DeformationNow, ForceSource};
 use palpate_engine::matter_view::ShownParts;
 use palpate_volume::edit::SegmentId;
@@ -167,20 +167,33 @@ fn offered<'py>(py: Python<'py>, model: &Registered) -> PyResult<Bound<'py, PyDi
         "boxes": offers.boxes.map(|b| (b.least, b.usual, b.most)),
         "binding": offers.binding.map(|b| (b.least, b.usual, b.most)),
         "walls": offers.walls,
-        "fades": offers.fades,
+        "fades": offers.fades.map(|fading| (range(fading.shares), range(fading.times))),
+        "yields": offers.yields.map(range),
     )
 }
 
-/// What of a model is not as usual: edge, binding, walls, and share and time [s] of what fades.
-pub type OptionsTuple = (Option<u32>, Option<f64>, bool, Option<(f64, f64)>);
+fn range(range: Range) -> (f64, f64) {
+    (range.least, range.most)
+}
+
+/// What of a model is not as usual: edge, binding, walls, share and time [s] of what fades, and the
+/// strain from which on matter yields.
+pub type OptionsTuple = (
+    Option<u32>,
+    Option<f64>,
+    bool,
+    Option<(f64, f64)>,
+    Option<f64>,
+);
 
 /// What is chosen of a model.
-pub fn model_options((edge, binding, walls, prony): OptionsTuple) -> ModelOptions {
+pub fn model_options((edge, binding, walls, prony, yield_strain): OptionsTuple) -> ModelOptions {
     ModelOptions {
         edge,
         binding,
         walls,
         prony: prony.map(|(share, time)| Prony { share, time }),
+        yield_strain,
     }
 }
 
@@ -196,6 +209,7 @@ fn options_dict<'py>(py: Python<'py>, options: &ModelOptions) -> PyResult<Bound<
         "binding": options.binding,
         "walls": options.walls,
         "prony": prony.transpose()?,
+        "yield_strain": options.yield_strain,
     )
 }
 
@@ -236,6 +250,7 @@ pub fn deformation_dict<'py>(
         "residual": now.report.residual,
         "nodes": now.report.nodes,
         "moved_voxels": now.report.moved_voxels,
+        "lasting_voxels": now.report.lasting_voxels,
         "bonds_broken": now.report.bonds_broken,
         "work_broken": now.report.work_broken,
     )

@@ -15,6 +15,7 @@ from palpate.scene import Scene
 from palpate.scripted_path import ScriptedPath
 from palpate.server_matter import asked_material, material_of
 from palpate.session import Session, SessionOptions
+from palpate.touch_settings import TouchSettings
 from palpate.volume import Volume
 
 TOP = 24.0
@@ -158,7 +159,9 @@ def test_materials_are_named_with_their_sources() -> None:
     assert list(models) == deformation_models()
     assert set(models) == {"lattice", "fcc-lj", "cuboid-lj", "global-lj"}
     assert models["lattice"].boxes == (9, 21, 41)
-    assert models["lattice"].fades
+    assert models["lattice"].fades == ((0.01, 0.95), (0.01, 1000.0))
+    assert models["lattice"].yields == (0.005, 0.5)
+    assert (models["fcc-lj"].fades, models["fcc-lj"].yields) == (None, None)
     assert models["fcc-lj"].binding == (0.0, 0.0, 2.0)
     assert models["fcc-lj"].walls
     assert models["global-lj"].boxes is None
@@ -265,6 +268,16 @@ def test_a_model_takes_the_boxes_that_it_offers() -> None:
             ModelOptions(prony=Prony(0.5, 1.0)),
             "a force that fades given for global-lj",
         ),
+        (
+            "fcc-lj",
+            ModelOptions(yield_strain=0.1),
+            "a yield strain given for fcc-lj; allowed: none",
+        ),
+        (
+            "lattice",
+            ModelOptions(yield_strain=0.0),
+            "a yield strain of 0 given for lattice; allowed: 0.005 to 0.5",
+        ),
         ("fcc-lj", ModelOptions(binding=float("nan")), "binding of NaN given"),
         ("lattice", ModelOptions(prony=Prony(1.0, 1.0)), "a share that fades of 1 given"),
         ("lattice", ModelOptions(prony=Prony(0.5, 0.0)), "a time of fading of 0 s given"),
@@ -299,6 +312,39 @@ def test_a_force_that_fades_is_felt_fading() -> None:
     assert fading[1] < 0.85 * fading[0]
     # as stiff as asked in the end, and no less
     assert fading[1] > 0.95 * elastic[1]
+
+
+def test_what_yields_stays_dented_as_one_step_of_undo() -> None:
+    path = ScriptedPath((14.3, 24.4, 30.0))
+    path = path.move((14.3, 24.4, TOP - 2 * DEEP), seconds=1.0)
+    path = path.move((34.3, 24.4, TOP - 2 * DEEP), seconds=2.0)
+    path = path.move((34.3, 24.4, 34.0), seconds=0.7)
+    with Session(scene(), device=path, options=OFFLINE) as session:
+        session.settings(TouchSettings(probe_radius=3.0))
+        session.set_material(1, GEL)
+        session.set_deformation("lattice", ModelOptions(yield_strain=0.05), undoable=False)
+        whole = session.segment(1).mask()
+        session.run(5.0)
+        dented = session.segment(1).mask()
+        changed = int((whole != dented).sum())
+        # a groove of 20 mm, some voxels wide, without a break
+        assert changed > 100
+        assert not dented[int(TOP) - 1, 24, 14:35].any()
+        now = session.deformation()
+        assert now["moved_voxels"] == now["lasting_voxels"] > 0
+        # it lasts, and is the only step beside the material
+        session.run(1.0)
+        assert np.array_equal(session.segment(1).mask(), dented)
+        assert session.undo()
+        session.run(0.2)
+        assert np.array_equal(session.segment(1).mask(), whole)
+        assert session.deformation()["moved_voxels"] == 0
+        assert session.redo()
+        session.run(0.2)
+        assert np.array_equal(session.segment(1).mask(), dented)
+        assert session.undo()
+        assert session.undo()
+        assert not session.undo()
 
 
 def test_springs_to_where_particles_rest_make_them_stiffer() -> None:

@@ -26,7 +26,7 @@ from palpate.volume import Volume
 
 STANDING = SessionOptions(real_time=False)
 REGIONS = [Region("rigid", shared_with=2), Region("empty", box=((1, 2, 3), (4, 5, 6)))]
-CHOSEN = ModelOptions(edge=11, prony=Prony(0.4, 2.0))
+CHOSEN = ModelOptions(edge=11, prony=Prony(0.4, 2.0), yield_strain=0.05)
 FOLLOWS = LinearMaterial((0.0, 900.0), Material(young=4000.0), Material(young=9e6))
 VIEW = {"camera": {"distance": 300.5}, "layout": "four"}
 

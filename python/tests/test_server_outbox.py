@@ -16,7 +16,7 @@ ZERO = (0.0, 0.0, 0.0)
 
 NO_TOOL = protocol.ToolState("none", 0.0, False, 0, 0.0, 0.0, 0.0, 0.0, 0, 1)  # noqa: FBT003
 
-USUAL = protocol.ModelOptions(None, None, walls=False, prony=None)
+USUAL = protocol.ModelOptions(None, None, walls=False, prony=None, yield_strain=None)
 NO_NEEDLE = protocol.NeedleState(False, 0.0, 0, 0.0, 0.0, 0.0, 0)  # noqa: FBT003
 
 

@@ -6,6 +6,8 @@
 //! Frame: mm along the axes of the grid, from its corner.
 
 use glam::{DMat3, DVec3, IVec3, UVec3};
+use palpate_volume::grid::Grid;
+use palpate_volume::voxel_box::VoxelBox;
 use palpate_volume::voxels::Voxels;
 
 use crate::model::DisplacementField;
@@ -21,6 +23,8 @@ const STEPS: u32 = 12;
 const BEHIND: f64 = 0.65;
 /// Halvings of that way by which the last of matter before a face is found: to a fortieth of a voxel.
 const HALVINGS: u32 = 5;
+/// Over how many nodes before the border of a box what is left to show fades.
+const EDGE: f64 = 3.0;
 /// How near the place at rest is found [spacings].
 const NEAR: f64 = 1e-3;
 
@@ -66,6 +70,11 @@ impl Displacement {
         boxes.reduce(|one, other| [one[0].min(other[0]), one[1].max(other[1])])
     }
 
+    /// Voxels that the nodes reach.
+    pub fn region(&self, grid: &Grid) -> VoxelBox {
+        region_of(self.first, self.spacing, self.size, grid)
+    }
+
     /// Between nodes trilinear; zero outside the box.
     pub fn at(&self, rest: DVec3) -> DVec3 {
         self.cell(rest).map_or(DVec3::ZERO, |cell| cell.value())
@@ -97,7 +106,8 @@ impl Displacement {
     }
 
     /// What the voxels do not show yet, the ledger's last edit taken in; none where that is
-    /// below `least` everywhere.
+    /// below `least` everywhere. It fades at the border of the box: beyond, what lasts is shown by
+    /// voxels alone.
     pub fn told(&self, voxels: &Voxels, ledger: &Ledger, least: f64) -> Option<DisplacementField> {
         let grid = voxels.grid();
         let view = Shown::new(self, voxels, ledger);
@@ -105,7 +115,10 @@ impl Displacement {
         let left: Vec<_> = nodes.clone().map(|node| view.left_at(node)).collect();
         let beside = |node: usize| left[node].or_else(|| view.left_beside(node, &left));
         let left = nodes.map(beside).collect();
-        let left = continued(self.size, left);
+        let mut left = continued(self.size, left);
+        for (node, left) in left.iter_mut().enumerate() {
+            *left *= self.share_inside(node);
+        }
         let seen = left.iter().any(|left| left.length() >= least);
         let axes = grid.direction();
         let in_voxels = self.first / grid.spacing();
@@ -120,6 +133,13 @@ impl Displacement {
 
     fn place_of(&self, node: usize) -> DVec3 {
         self.first + node_at(self.size, node).as_dvec3() * self.spacing
+    }
+
+    /// 1 inside of the box, and less from [`EDGE`] nodes before its border on, to 0 there.
+    fn share_inside(&self, node: usize) -> f64 {
+        let node = node_at(self.size, node);
+        let before = node.min(self.size.as_ivec3() - 1 - node).min_element();
+        (f64::from(before) / EDGE).min(1.0)
     }
 
     /// Whether matter at rest is at a place.
@@ -277,6 +297,14 @@ impl Cell {
             mean([c[4] - c[0], c[5] - c[1], c[6] - c[2], c[7] - c[3]], x, y),
         )
     }
+}
+
+/// Voxels that a box of nodes from `first` on reaches.
+pub(crate) fn region_of(first: DVec3, spacing: f64, size: UVec3, grid: &Grid) -> VoxelBox {
+    let last = first + (size.as_dvec3() - 1.0) * spacing;
+    let low = (first / grid.spacing()).floor().as_ivec3();
+    let high = (last / grid.spacing()).ceil().as_ivec3();
+    VoxelBox::new(low, high).intersect(&grid.bounds())
 }
 
 fn index_of(size: UVec3, node: IVec3) -> usize {

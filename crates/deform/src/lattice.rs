@@ -16,12 +16,12 @@
 )]
 
 mod bond_forces;
-mod bond_memory;
 mod border;
 mod coarse;
 mod conjugate;
 mod contact_law;
 mod inelastic;
+mod lasting;
 mod lattice_model;
 mod layout;
 mod measured;
@@ -31,6 +31,7 @@ mod node_contacts;
 mod nodes;
 mod relax;
 mod resample;
+mod scars;
 mod settings;
 mod shift;
 mod structure;

@@ -19,7 +19,7 @@ use thiserror::Error;
 
 use crate::lattice::{LatticeModel, LatticeSettings};
 use crate::material::Materials;
-use crate::model_options::{Boxes, ModelOptions, Offers, Shares, WrongOption};
+use crate::model_options::{Boxes, Fading, ModelOptions, Offers, Range, Shares, WrongOption};
 use crate::particles::{GlobalModel, GlobalSettings, LocalModel, LocalSettings};
 
 /// Sizes of tools that make sense [mm].
@@ -200,12 +200,22 @@ pub struct ModelReport {
     pub nodes: u32,
     /// Voxels that are not as they were at rest.
     pub moved_voxels: u32,
+    /// Of these, voxels that stay so, since their matter has yielded.
+    pub lasting_voxels: u32,
     /// Bonds broken since the start.
     pub bonds_broken: u64,
     /// Work that breaking them took since the start [N·mm].
     pub work_broken: f64,
     /// What the call has done, by what takes time; zero where a model does not count.
     pub effort: Effort,
+}
+
+impl ModelReport {
+    /// Whether voxels that the model moved are to come back yet.
+    #[must_use]
+    pub fn comes_back(&self) -> bool {
+        self.moved_voxels > self.lasting_voxels
+    }
 }
 
 /// What a call has done, by what takes time: counts, so that the same calls give the same.
@@ -253,7 +263,8 @@ pub trait DeformationModel: Send + fmt::Debug {
     fn advance(&mut self, input: &ModelInput<'_>) -> ModelAnswer;
 
     /// Forgets all displacements and what broke, as after undo or a change of the materials.
-    /// What it wrote into voxels, and still stands there, the next answers give back.
+    /// What it wrote into voxels, and still stands there, the next answers give back; but what has
+    /// yielded stays, as if anybody had cut it so.
     fn reset(&mut self);
 
     /// Its nodes or particles; none where it has none, or nothing was asked yet.
@@ -297,7 +308,8 @@ const PARTICLES: Offers = Offers {
         most: 2.0,
     }),
     walls: true,
-    fades: false,
+    fades: None,
+    yields: None,
 };
 
 /// All models; a new one is one entry here.
@@ -312,7 +324,21 @@ pub const MODELS: &[Registered] = &[
             }),
             binding: None,
             walls: false,
-            fades: true,
+            fades: Some(Fading {
+                shares: Range {
+                    least: 0.01,
+                    most: 0.95,
+                },
+                times: Range {
+                    least: 0.01,
+                    most: 1000.0,
+                },
+            }),
+            // beyond the most nothing is pressed
+            yields: Some(Range {
+                least: 0.005,
+                most: 0.5,
+            }),
         },
         make: |options| Box::new(LatticeModel::new(LatticeSettings::of(options))),
     },
@@ -336,7 +362,8 @@ pub const MODELS: &[Registered] = &[
                 most: 2.0,
             }),
             walls: false,
-            fades: false,
+            fades: None,
+            yields: None,
         },
         make: |options| Box::new(GlobalModel::global_lj(GlobalSettings::of(options))),
     },

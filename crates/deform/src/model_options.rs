@@ -1,7 +1,7 @@
 //! What can be chosen of a model beside its name, what each model offers, and what is refused.
 //!
-//! Source: thesis 5.9 (box), 5.12 (binding), 5.13 (walls); errata, section 7 (what
-//! fades).
+//! Source: thesis 5.9 (box), 5.12 (binding), 5.13 (walls); errata, sections 6 and 7
+//! (what yields and fades).
 
 use thiserror::Error;
 
@@ -18,6 +18,8 @@ pub struct ModelOptions {
     pub walls: bool,
     /// Force that fades while matter is held; none for elastic matter.
     pub prony: Option<Prony>,
+    /// Strain from which on matter stays as it is pressed; none where it comes back.
+    pub yield_strain: Option<f64>,
 }
 
 /// What a model lets choose.
@@ -29,8 +31,10 @@ pub struct Offers {
     pub binding: Option<Shares>,
     /// Whether particles can be kept out of empty voxels.
     pub walls: bool,
-    /// Whether its force can fade.
-    pub fades: bool,
+    /// How its force can fade; none where it cannot.
+    pub fades: Option<Fading>,
+    /// Strains from which on its matter can stay as it is pressed; none where it always comes back.
+    pub yields: Option<Range>,
 }
 
 /// Boxes of a model that moves with the tool, by the nodes or cells along each edge: odd.
@@ -55,10 +59,23 @@ pub struct Shares {
     pub most: f64,
 }
 
-/// Shares of the force that may fade: of what is left a model can be at rest.
-const FADING_SHARES: [f64; 2] = [0.01, 0.95];
-/// Times in which a force may fade [s].
-const FADING_TIMES: [f64; 2] = [0.01, 1000.0];
+/// Numbers that can be chosen where nothing is usual.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Range {
+    /// Least.
+    pub least: f64,
+    /// Most.
+    pub most: f64,
+}
+
+/// How a force can fade.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fading {
+    /// Shares of it: of what is left matter can be at rest.
+    pub shares: Range,
+    /// Time constants [s].
+    pub times: Range,
+}
 
 impl Offers {
     /// Refuses what the model of this name does not offer.
@@ -73,17 +90,23 @@ impl Offers {
             let Some(Shares { least, most, .. }) = self.binding else {
                 return Err(not_offered(name, "binding"));
             };
-            check_within(name, "binding", "", binding, [least, most])?;
+            check_within(name, "binding", "", binding, Range { least, most })?;
         }
         if options.walls && !self.walls {
             return Err(not_offered(name, "walls"));
         }
         if let Some(Prony { share, time }) = options.prony {
-            if !self.fades {
+            let Some(Fading { shares, times }) = self.fades else {
                 return Err(not_offered(name, "a force that fades"));
-            }
-            check_within(name, "a share that fades", "", share, FADING_SHARES)?;
-            check_within(name, "a time of fading", " s", time, FADING_TIMES)?;
+            };
+            check_within(name, "a share that fades", "", share, shares)?;
+            check_within(name, "a time of fading", " s", time, times)?;
+        }
+        if let Some(strain) = options.yield_strain {
+            let Some(strains) = self.yields else {
+                return Err(not_offered(name, "a yield strain"));
+            };
+            check_within(name, "a yield strain", "", strain, strains)?;
         }
         Ok(())
     }
@@ -111,7 +134,7 @@ fn check_within(
     option: &'static str,
     unit: &'static str,
     given: f64,
-    [least, most]: [f64; 2],
+    Range { least, most }: Range,
 ) -> Result<(), WrongOption> {
     // NaN is in no range
     if (least..=most).contains(&given) {

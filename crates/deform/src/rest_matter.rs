@@ -4,7 +4,7 @@
 //! ledger keeps what these were, so that matter comes back to the bit, and notices where
 //! somebody else has changed them since: that counts from then on.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use glam::{DVec3, IVec3};
 use palpate_volume::edit::Edit;
@@ -79,6 +79,8 @@ pub type Wanted = BTreeMap<[i32; 3], (Matter, Option<DVec3>)>;
 #[derive(Clone, Debug, Default)]
 pub struct Ledger {
     changed: BTreeMap<[i32; 3], Changed>,
+    /// Of these, those that stay as they are although no tool presses them.
+    lasting: BTreeSet<[i32; 3]>,
     last: Option<(IVec3, Matter)>,
 }
 
@@ -99,6 +101,44 @@ impl Ledger {
     /// Voxels that are not as at rest.
     pub fn len(&self) -> usize {
         self.changed.len()
+    }
+
+    /// Of these, voxels that stay so.
+    pub fn lasting_len(&self) -> usize {
+        self.lasting.len()
+    }
+
+    /// Notes that what the voxels of a region show stays, as no tool presses it.
+    pub fn note_lasting(&mut self, region: &VoxelBox) {
+        self.lasting
+            .retain(|key| !region.contains(IVec3::from_array(*key)));
+        let stays = |(key, changed): &(&[i32; 3], &Changed)| {
+            region.contains(IVec3::from_array(**key)) && changed.written != changed.rest
+        };
+        let stay = self.changed.iter().filter(stays).map(|(key, _)| *key);
+        self.lasting.extend(stay);
+    }
+
+    /// Notes that what the voxels show stays which a box leaves. Some of them become what is
+    /// wanted, which may be what they are at rest; the others stay as they are.
+    pub fn note_left(&mut self, voxels: &Voxels, left: impl Fn(IVec3) -> bool, wanted: &Wanted) {
+        let in_left = |key: &[i32; 3]| left(IVec3::from_array(*key));
+        self.lasting.retain(|key| !in_left(key));
+        let keys = self.changed.keys().chain(wanted.keys());
+        let stays = |key: &&[i32; 3]| {
+            let rest = self.rest(voxels, IVec3::from_array(**key));
+            let to_be = wanted.get(*key).map(|(matter, _)| *matter);
+            in_left(key) && to_be.is_none_or(|to_be| rest != Some(to_be))
+        };
+        let stay: Vec<_> = keys.filter(stays).copied().collect();
+        self.lasting.extend(stay);
+    }
+
+    /// From now on voxels that stay as they are count as they are, as any other edit does.
+    pub fn settle_lasting(&mut self) {
+        for key in std::mem::take(&mut self.lasting) {
+            self.changed.remove(&key);
+        }
     }
 
     /// One of the voxels that the last edit changes, and what to; none where there was no edit.
@@ -134,6 +174,7 @@ impl Ledger {
     /// into a voxel counts from now on.
     pub fn follow_cuts(&mut self, voxels: &Voxels) {
         for (voxel, mut changed, now) in self.take_overruled(voxels) {
+            let lasts = self.lasting.remove(&voxel.to_array());
             if now == changed.rest || !now.segments.is_empty() {
                 continue;
             }
@@ -141,9 +182,11 @@ impl Ledger {
             (changed.before, changed.written, changed.shown) = (now, now, None);
             if from != Some(voxel) {
                 self.changed.insert(voxel.to_array(), changed);
+                self.lasting.extend(lasts.then(|| voxel.to_array()));
             }
             if let Some(from) = from.filter(|from| *from != voxel) {
                 self.change_rest(voxels, from, now);
+                self.lasting.extend(lasts.then(|| from.to_array()));
             }
         }
     }
@@ -163,11 +206,11 @@ impl Ledger {
         changed.or_insert(as_it_is).rest = rest;
     }
 
-    /// All that was changed outside a region is to be as at rest.
+    /// All that was changed outside a region is to be as at rest, but for what stays.
     pub fn give_back_outside(&self, voxels: &Voxels, region: &VoxelBox, wanted: &mut Wanted) {
         for key in self.changed.keys() {
             let voxel = IVec3::from_array(*key);
-            if region.contains(voxel) {
+            if region.contains(voxel) || self.lasting.contains(key) {
                 continue;
             }
             if let Some(rest) = self.rest(voxels, voxel) {
@@ -190,6 +233,7 @@ impl Ledger {
             if matter == before {
                 if matter == rest {
                     self.changed.remove(&key);
+                    self.lasting.remove(&key);
                 }
                 continue;
             }

@@ -45,18 +45,24 @@ fn bonds_break_at_their_strain_and_their_work_is_what_was_stored_in_them() {
     let mut lattice = bar(brittle);
     let mut inelastic = Inelastic::new(&mut lattice, InelasticSettings::default());
     pull(&mut lattice, 0.04);
-    assert_eq!(inelastic.break_and_yield(&mut lattice).count, 0, "not yet");
+    assert_eq!(
+        inelastic
+            .break_and_yield(&mut lattice, true, |_| true)
+            .count,
+        0,
+        "not yet"
+    );
 
     let tension = pull(&mut lattice, 0.10);
     let stored = lattice.energy();
-    let breaking = inelastic.break_and_yield(&mut lattice);
+    let breaking = inelastic.break_and_yield(&mut lattice, true, |_| true);
     assert!(breaking.count > 0 && tension > 0.0);
     // what broke was in the bonds before; 1e-9 is rounding
     assert!((stored - lattice.energy() - breaking.work).abs() < 1e-9 * stored);
     // edge bonds are stretched half as much as the bar, and hold longer
     for _ in 0..20 {
         pull(&mut lattice, 0.3);
-        inelastic.break_and_yield(&mut lattice);
+        inelastic.break_and_yield(&mut lattice, true, |_| true);
     }
     let left = pull(&mut lattice, 0.3);
     assert!(
@@ -75,7 +81,7 @@ fn matter_that_yields_stays_longer_and_elastic_matter_returns() {
         };
         let mut inelastic = Inelastic::new(&mut lattice, settings);
         pull(&mut lattice, 0.08);
-        inelastic.break_and_yield(&mut lattice);
+        inelastic.break_and_yield(&mut lattice, true, |_| true);
         let tension = pull(&mut lattice, 0.0);
         if stays {
             assert!(tension < -0.05, "what became longer pushes back: {tension}");

@@ -287,7 +287,7 @@ impl Deformation {
             false => soft_segments(scene, tool, REACH),
         };
         // what was moved comes back after the tool has left
-        let is_needed = !segments.is_empty() || self.now.report.moved_voxels > 0;
+        let is_needed = !segments.is_empty() || self.now.report.comes_back();
         // before its first tick the servo has told of no place
         let is_known = status.time > 0.0 && tool.is_finite();
         if self.model.is_none() || !is_needed || !is_known {

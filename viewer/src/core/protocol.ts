@@ -268,18 +268,32 @@ export interface Shares {
   readonly most: number;
 }
 
+/** Numbers that can be chosen where nothing is usual. */
+export interface Range {
+  readonly least: number;
+  readonly most: number;
+}
+
+/** How a force can fade: shares of it, and time constants [s]. */
+export interface Fading {
+  readonly shares: Range;
+  readonly times: Range;
+}
+
 /**
  * A model by which matter gives way, and what it offers to choose.
  *
- * `boxes` is null where it takes all matter, `binding` where nothing is bound; `fades` tells
- * whether its force can.
+ * `boxes` is null where it takes all matter, `binding` where nothing is bound, `fades` where
+ * its force cannot; `yields` tells strains from which on matter can stay as it is pressed, null
+ * where it always comes back.
  */
 export interface DeformationModel {
   readonly name: ModelName;
   readonly boxes: Boxes | null;
   readonly binding: Shares | null;
   readonly walls: boolean;
-  readonly fades: boolean;
+  readonly fades: Fading | null;
+  readonly yields: Range | null;
 }
 
 /**
@@ -354,13 +368,15 @@ export interface Prony {
  * What is chosen of a model; null is as usual.
  *
  * `edge` counts nodes or cells along its box, `binding` is a share of a link's stiffness
- * (thesis 5.12), `walls` keep particles out of empty voxels (5.13).
+ * (thesis 5.12), `walls` keep particles out of empty voxels (5.13), from `yield_strain` on
+ * matter stays as it is pressed.
  */
 export interface ModelOptions {
   readonly edge: number | null;
   readonly binding: number | null;
   readonly walls: boolean;
   readonly prony: Prony | null;
+  readonly yield_strain: Stiffness | null;
 }
 
 /**
@@ -1479,12 +1495,23 @@ const isShares = record({
   most: real(),
 });
 
+const isRange = record({
+  least: real(),
+  most: real(),
+});
+
+const isFading = record({
+  shares: isRange,
+  times: isRange,
+});
+
 const isDeformationModel = record({
   name: isModelName,
   boxes: nullable(isBoxes),
   binding: nullable(isShares),
   walls: flag,
-  fades: flag,
+  fades: nullable(isFading),
+  yields: nullable(isRange),
 });
 
 const isHello = record({
@@ -1539,6 +1566,7 @@ const isModelOptions = record({
   binding: nullable(real({ ge: 0, le: 100 })),
   walls: flag,
   prony: nullable(isProny),
+  yield_strain: nullable(isStiffness),
 });
 
 const isMatterState = record({

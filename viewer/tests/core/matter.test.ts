@@ -16,6 +16,9 @@ import {
 import { decodeParts } from "../../src/core/matter_parts";
 import type { Constants, DeformationModel, Displaced, MaterialPreset, MatterParts } from "../../src/core/protocol";
 
+const fades = { shares: { least: 0.01, most: 0.95 }, times: { least: 0.01, most: 1000 } };
+const yields = { least: 0.005, most: 0.5 };
+
 const soft: Constants = { young: 5500, poisson: 0.45, density: 1060, breaking_strain: 0.34, friction: 0.2 };
 const hard: Constants = { ...soft, young: 21e9, poisson: 0.32 };
 const presets: readonly MaterialPreset[] = [
@@ -23,8 +26,8 @@ const presets: readonly MaterialPreset[] = [
   { name: "thesis-bone", source: "thesis", needs_hounsfield: true, low: { ...hard, young: 5e9, poisson: 0.3 }, high: hard },
 ];
 const models: readonly DeformationModel[] = [
-  { name: "lattice", boxes: { least: 9, usual: 21, most: 41 }, binding: null, walls: false, fades: true },
-  { name: "global-lj", boxes: null, binding: { least: 0.01, usual: 0.3, most: 2 }, walls: false, fades: false },
+  { name: "lattice", boxes: { least: 9, usual: 21, most: 41 }, binding: null, walls: false, fades, yields },
+  { name: "global-lj", boxes: null, binding: { least: 0.01, usual: 0.3, most: 2 }, walls: false, fades: null, yields: null },
 ];
 
 test("models are named so that the list shows all of it, and those of particles break no bonds", () => {

@@ -3,15 +3,18 @@ import { nothingRemembered, recalledMatter, recalledRegions, rememberedMatter } 
 import { usualOptions } from "../../src/core/model_options";
 import type { Constants, DeformationModel, MaterialPreset, MatterRegion, Segment } from "../../src/core/protocol";
 
+const fades = { shares: { least: 0.01, most: 0.95 }, times: { least: 0.01, most: 1000 } };
+const yields = { least: 0.005, most: 0.5 };
+
 const soft: Constants = { young: 5500, poisson: 0.45, density: 1060, breaking_strain: 0.34, friction: 0.2 };
 const presets: readonly MaterialPreset[] = [{ name: "liver", source: "a paper", needs_hounsfield: false, low: soft, high: soft }];
 const models: readonly DeformationModel[] = [
-  { name: "lattice", boxes: { least: 9, usual: 21, most: 41 }, binding: null, walls: false, fades: true },
-  { name: "global-lj", boxes: null, binding: { least: 0.01, usual: 0.3, most: 2 }, walls: false, fades: false },
+  { name: "lattice", boxes: { least: 9, usual: 21, most: 41 }, binding: null, walls: false, fades, yields },
+  { name: "global-lj", boxes: null, binding: { least: 0.01, usual: 0.3, most: 2 }, walls: false, fades: null, yields: null },
 ];
 
 test("what was chosen comes back, by the names of segments", () => {
-  const options = { ...usualOptions, edge: 31, prony: { share: 0.4, time: 2 } };
+  const options = { ...usualOptions, edge: 31, prony: { share: 0.4, time: 2 }, yield_strain: 0.05 };
   const own = { ...soft, young: 7000 };
   const segments = [
     { id: 1, name: "liver", material: { preset: "liver", low: soft, high: soft }, regions: [] },
@@ -50,9 +53,9 @@ test("of a memory only what is offered and can be is recalled", () => {
     materials: [{ segment: "c", preset: "liver", constants: null }],
   });
   const recalled = (model: string, options: unknown): unknown => recalledMatter({ version: 1, model, options, materials }, presets, models).options;
-  expect(recalled("lattice", { edge: 20, binding: 0.5, walls: true, prony: { share: 2, time: 1 } })).toEqual(usualOptions);
+  expect(recalled("lattice", { edge: 20, binding: 0.5, walls: true, prony: { share: 2, time: 1 }, yield_strain: 0.9 })).toEqual(usualOptions);
   expect(recalled("lattice", { edge: 11, prony: null })).toEqual({ ...usualOptions, edge: 11 });
-  expect(recalled("global-lj", { edge: 11, binding: 0.5, prony: { share: 0.5, time: 1 } })).toEqual({ ...usualOptions, binding: 0.5 });
+  expect(recalled("global-lj", { edge: 11, binding: 0.5, prony: { share: 0.5, time: 1 }, yield_strain: 0.1 })).toEqual({ ...usualOptions, binding: 0.5 });
   expect(recalled("global-lj", "all")).toEqual(usualOptions);
 });
 

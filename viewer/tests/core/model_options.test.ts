@@ -3,7 +3,7 @@ import { areUsual, fadingBy, formatShare, usualOptions } from "../../src/core/mo
 
 test("what is as usual is told from what is chosen", () => {
   expect(areUsual(usualOptions)).toBe(true);
-  const chosen = [{ edge: 11 }, { binding: 0 }, { walls: true }, { prony: { share: 0.5, time: 1 } }];
+  const chosen = [{ edge: 11 }, { binding: 0 }, { walls: true }, { prony: { share: 0.5, time: 1 } }, { yield_strain: 0.1 }];
   expect(chosen.map((change) => areUsual({ ...usualOptions, ...change }))).toEqual(chosen.map(() => false));
 });
 

@@ -7,6 +7,9 @@ import { MatterControl } from "../../src/ui/matter_control.svelte";
 import { PageSteps } from "../../src/ui/page_steps.svelte";
 import type { Session } from "../../src/ui/session.svelte";
 
+const fades = { shares: { least: 0.01, most: 0.95 }, times: { least: 0.01, most: 1000 } };
+const yields = { least: 0.005, most: 0.5 };
+
 const soft = { young: 5500, poisson: 0.45, density: 1060, breaking_strain: null, friction: 0.2 };
 const liver = { preset: "liver", low: soft, high: soft };
 
@@ -19,7 +22,7 @@ class Visit {
     { id: 1, name: "Liver", material: null, regions: [] },
   ];
   readonly presets = [{ name: "liver" }];
-  readonly models = [{ name: "lattice", boxes: null, binding: null, walls: false, fades: true }];
+  readonly models = [{ name: "lattice", boxes: null, binding: null, walls: false, fades, yields }];
   latest: State | null = null;
   parts: MatterParts | null = null;
   source: ForceSource = "matter";

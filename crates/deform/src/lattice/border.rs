@@ -9,6 +9,7 @@
 use glam::{DMat3, DVec3};
 
 use super::nodes::Lattice;
+use super::vectors::{Field, vector_at};
 use crate::material::Solid;
 
 /// What the border of a box does where matter goes on behind it.
@@ -52,6 +53,14 @@ impl Lattice {
             ground.led = displacement(self.rest_place(ground.node as usize));
         }
         self.ground = ground;
+    }
+
+    /// Has the body behind the border rest where its nodes do: `lasting` [mm from where they were at
+    /// first], one for each node.
+    pub(super) fn rest_border_at(&mut self, lasting: &Field) {
+        for ground in &mut self.ground {
+            ground.led = vector_at(lasting, ground.node as usize);
+        }
     }
 }
 

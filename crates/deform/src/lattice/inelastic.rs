@@ -4,6 +4,8 @@
 //! - A bond breaks where it is longer than at first by the breaking strain; the energy that was
 //!   in it is counted as work. Its cells lose their volume term, and its nodes can meet again.
 //! - A bond yields where its elastic strain exceeds the yield strain: its rest length follows.
+//!   In a box that moves that is only where a tool presses, and not near the border: what pulls
+//!   there without a tool is that what yielded beyond the border is missing.
 //! - Prony: of the force of a bond put under strain at once, a share fades with time. With the
 //!   instant stiffness k / (1 - share), a creep c that follows the elongation with the time
 //!   constant, and the rest length moved by share · c, the bond is as stiff as asked in the end.
@@ -16,6 +18,12 @@ use super::bond_forces::{bond_length, rest_length};
 use super::layout::{FAMILIES, FAMILY_COUNT};
 use super::nodes::Lattice;
 use super::shift::shift;
+
+/// Rest lengths of bonds that yielded, at least and at most, as shares of that at first: 18 bonds that
+/// follow each on its own do not keep the volume, and matter that is ploughed would swell.
+const YIELDED: [f64; 2] = [0.6, 1.15];
+/// Way of a rest length from which on nodes are relaxed again [spacings].
+const FOLLOWED: f64 = 2e-3;
 
 /// A force that fades with time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,6 +63,16 @@ pub struct Breaking {
     pub work: f64,
     /// The middle of them [mm]; zero where none broke.
     pub place: DVec3,
+    /// How far the rest length of any bond has followed, at most [mm].
+    pub yielded: f64,
+}
+
+impl Breaking {
+    /// Whether nodes are not at rest any more.
+    #[must_use]
+    pub fn is_felt(&self, spacing: f64) -> bool {
+        self.count > 0 || self.yielded > FOLLOWED * spacing
+    }
 }
 
 impl Inelastic {
@@ -96,14 +114,29 @@ impl Inelastic {
         }
     }
 
-    /// Breaks what is too long, and lets the rest yield; the lattice is at rest, and must be
-    /// relaxed again where anything broke.
-    pub fn break_and_yield(&mut self, lattice: &mut Lattice) -> Breaking {
+    /// Whether any bond rests at another length than at first.
+    pub(super) fn has_yielded(&self, lattice: &Lattice) -> bool {
+        self.settings.yield_strain.is_some()
+            && (0..FAMILY_COUNT).any(|family| {
+                let at_first = rest_length(family, lattice.spacing);
+                self.base[family].iter().any(|base| *base != at_first)
+            })
+    }
+
+    /// Breaks what is too long, if it may, and lets the rest yield at nodes that may; the lattice is
+    /// at rest, and must be relaxed again where that is felt.
+    pub fn break_and_yield(
+        &mut self,
+        lattice: &mut Lattice,
+        may_break: bool,
+        may_yield: impl Fn(usize) -> bool,
+    ) -> Breaking {
         let mut breaking = Breaking::default();
         for family in 0..FAMILY_COUNT {
             for index in 0..lattice.bonds.stiffness[family].len() {
                 if lattice.bonds.stiffness[family][index] > 0.0 {
-                    self.look_at(lattice, family, index, &mut breaking);
+                    let may = [may_break, may_yield(index)];
+                    self.look_at(lattice, [family, index], may, &mut breaking);
                 }
             }
         }
@@ -114,7 +147,13 @@ impl Inelastic {
         breaking
     }
 
-    fn look_at(&mut self, lattice: &mut Lattice, family: usize, index: usize, all: &mut Breaking) {
+    fn look_at(
+        &mut self,
+        lattice: &mut Lattice,
+        [family, index]: [usize; 2],
+        [may_break, may_yield]: [bool; 2],
+        all: &mut Breaking,
+    ) {
         let length = bond_length(
             &lattice.layout,
             lattice.spacing,
@@ -125,7 +164,7 @@ impl Inelastic {
         let far = index + lattice.layout.offset(family);
         let at_first = rest_length(family, lattice.spacing);
         let breaking = breaking_strain(lattice, index).min(breaking_strain(lattice, far));
-        if length > at_first * (1.0 + breaking) {
+        if may_break && length > at_first * (1.0 + breaking) {
             let elongation = length - lattice.bonds.rest[family][index];
             all.count += 1;
             all.work += 0.5 * lattice.bonds.stiffness[family][index] * elongation.powi(2);
@@ -133,12 +172,17 @@ impl Inelastic {
             self.broken[family][index] = true;
             lattice.bonds.stiffness[family][index] = 0.0;
             open_cells(lattice, family, index);
-        } else if let Some(strain) = self.settings.yield_strain {
+        } else if let Some(strain) = self.settings.yield_strain.filter(|_| may_yield) {
             let base = &mut self.base[family][index];
             let most = strain * at_first;
-            let followed = base.clamp(length - most, length + most);
-            lattice.bonds.rest[family][index] += followed - *base;
+            let [shortest, longest] = YIELDED.map(|share| share * at_first);
+            let followed = base
+                .clamp(length - most, length + most)
+                .clamp(shortest, longest);
+            let way = followed - *base;
+            lattice.bonds.rest[family][index] += way;
             *base = followed;
+            all.yielded = all.yielded.max(way.abs());
         }
     }
 

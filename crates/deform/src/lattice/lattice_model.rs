@@ -3,14 +3,16 @@
 use std::cell::Cell;
 use std::time::Instant;
 
-use super::bond_memory::BondMemory;
-use super::inelastic::Breaking;
+use glam::IVec3;
+use palpate_volume::voxel_box::VoxelBox;
+
 use super::measured::measured;
 use super::moduli::POISSON_RANGE;
 use super::moving_box::{MovingBox, grid_mm};
 use super::nodes::Lattice;
 use super::relax::{RelaxSettings, Relaxer};
 use super::resample::{RestVoxels, node_near};
+use super::scars::Scars;
 use super::settings::LatticeSettings;
 use super::tool_contact::LatticeTool;
 use super::write_back::WriteBack;
@@ -18,11 +20,16 @@ use crate::model::{
     Budget, DeformationModel, ModelAnswer, ModelEvent, ModelInput, ModelParts, ToolContact,
     ToolState,
 };
-use crate::rest_matter::Ledger;
+use crate::rest_matter::{Ledger, Wanted, matter_of};
 use crate::seen::Seen;
 
 /// How far the tool may be from the middle of the box before the box follows [nodes].
 const LEASH: i32 = 2;
+/// Unbalanced force from which on nodes count as at rest, in parts of the tolerance.
+pub(super) const AT_REST: f64 = 10.0;
+/// Unbalanced force from which on a tool's matter yields, as a share of the tools' force: a little too
+/// far is mended by what yields next.
+const NEARLY_AT_REST: f64 = 0.2;
 /// Relaxations in one call at most, where bonds break.
 const ROUNDS: u32 = 4;
 /// Displacement that is seen [spacings].
@@ -32,22 +39,29 @@ const STIFFNESS_SHARE: u32 = 4;
 /// Shares of the time after which nodes are as far at rest as they come, and the contact as stiff as it
 /// is found; what is left is for the voxels.
 const RELAXED: f64 = 0.65;
+const EASED: f64 = 0.75;
 const STIFFNESS_FOUND: f64 = 0.88;
-/// Strain of one bond whose force counts where no tool feels more.
-const SMALL_STRAIN: f64 = 0.01;
 
 /// The bonded lattice as a model.
 #[derive(Debug, Default)]
 pub struct LatticeModel {
-    settings: LatticeSettings,
-    matter: Option<MovingBox>,
-    relaxer: Relaxer,
-    memory: BondMemory,
-    ledger: Ledger,
+    pub(super) settings: LatticeSettings,
+    pub(super) matter: Option<MovingBox>,
+    pub(super) relaxer: Relaxer,
+    /// Finds where matter stays that has yielded.
+    pub(super) unloaded: Relaxer,
+    scars: Scars,
+    pub(super) ledger: Ledger,
+    /// What voxels are to be that the box has left, until they are.
+    pub(super) left_behind: Wanted,
     seen: Option<Seen>,
     bonds_broken: u64,
     work_broken: f64,
+    /// Whether matter was still yielding or breaking at the end of the last relaxation.
+    pub(super) yields: bool,
     told_poisson: bool,
+    /// Whether what yielded was seen without a tool, and nothing was pressed or cut since.
+    pub(super) settled: bool,
     /// Contacts of the last answer.
     told: Vec<ToolContact>,
 }
@@ -78,43 +92,66 @@ impl LatticeModel {
         self.matter.as_ref().map(|matter| &matter.lattice)
     }
 
-    /// Follows the voxels, the materials and the tool; how often it has asked what a place is made
-    /// of.
-    fn follow(&mut self, input: &ModelInput<'_>, tool: Option<&ToolState>) -> u64 {
+    /// Follows the voxels, the materials and the first tool; how often it has asked what a place is
+    /// made of.
+    fn follow(&mut self, input: &ModelInput<'_>, tools: &[&ToolState]) -> u64 {
         let asked = self.follow_edits(input);
-        let rest = RestVoxels {
-            voxels: input.voxels,
-            materials: input.materials,
-            ledger: &self.ledger,
-            asked: Cell::new(asked),
-        };
-        if self
-            .matter
-            .as_ref()
-            .is_some_and(|matter| !matter.fits(&rest))
+        let mut matter = self.matter.take();
+        if let Some(before) = &matter
+            && !before.fits(&self.rest_voxels(input, 0))
         {
-            self.matter = None;
+            matter = None;
         }
-        let Some(tool) = tool else {
+        let Some(tool) = tools.first() else {
+            self.matter = matter;
             return asked;
         };
         let grid = input.voxels.grid();
         let spacing = self.settings.spacing.unwrap_or(grid.smallest_spacing());
         let half = self.settings.nodes as i32 / 2;
         let origin = node_near(grid_mm(grid, tool.position), spacing) - half;
-        match &mut self.matter {
-            Some(matter) if (origin - matter.origin).abs().max_element() > LEASH => {
-                matter.go(&rest, origin, &mut self.memory);
-            }
-            Some(_) => {}
-            None => {
-                let LatticeSettings {
-                    nodes, inelastic, ..
-                } = self.settings;
-                self.matter = Some(MovingBox::new(&rest, nodes, spacing, inelastic, origin));
-            }
+        let goes = |matter: &MovingBox| (origin - matter.origin).abs().max_element() > LEASH;
+        let goes = matter.as_ref().is_some_and(goes);
+        if let Some(matter) = matter.as_mut().filter(|_| goes) {
+            self.leave(matter, origin, input, tools);
+            self.scars.keep(matter);
         }
-        rest.asked.get()
+        let rest = self.rest_voxels(input, asked);
+        let LatticeSettings {
+            nodes, inelastic, ..
+        } = self.settings;
+        let mut matter =
+            matter.unwrap_or_else(|| MovingBox::new(&rest, nodes, spacing, inelastic, origin));
+        if goes {
+            matter.go(&rest, origin, &self.scars);
+        }
+        let asked = rest.asked.get();
+        self.matter = Some(matter);
+        asked
+    }
+
+    fn rest_voxels<'a>(&'a self, input: &ModelInput<'a>, asked: u64) -> RestVoxels<'a> {
+        RestVoxels {
+            voxels: input.voxels,
+            materials: input.materials,
+            ledger: &self.ledger,
+            asked: Cell::new(asked),
+        }
+    }
+
+    pub(super) fn rule<'a>(
+        &'a self,
+        input: &'a ModelInput<'_>,
+        tools: &'a [&ToolState],
+    ) -> WriteBack<'a> {
+        let intensities = input.voxels.intensities();
+        let air = (self.settings.air - intensities.intercept()) / intensities.slope();
+        WriteBack {
+            input,
+            ledger: &self.ledger,
+            tools,
+            air: air.round() as i16,
+        }
     }
 
     /// Follows what others have changed of the voxels. Matter that moved and was cut where it
@@ -125,6 +162,7 @@ impl LatticeModel {
         if seen.is_some_and(|seen| seen.explains(voxels)) {
             return 0;
         }
+        self.settled = false;
         match seen {
             Some(_) => self.ledger.follow_cuts(voxels),
             // after a reset voxels are those of another time, and nobody cut what they showed
@@ -149,26 +187,33 @@ impl LatticeModel {
         tools: &[&ToolState],
         answer: &mut ModelAnswer,
     ) {
-        let intensities = input.voxels.intensities();
-        let air = (self.settings.air - intensities.intercept()) / intensities.slope();
-        let rule = WriteBack {
-            input,
-            ledger: &self.ledger,
-            tools,
-            air: air.round() as i16,
-        };
+        let voxels = input.voxels;
+        let region = self.matter.as_ref();
+        let region = region.map_or(VoxelBox::EMPTY, |matter| matter.region_from(matter.origin));
+        self.left_behind.retain(|key, (matter, _)| {
+            let voxel = IVec3::from_array(*key);
+            !region.contains(voxel) && matter_of(voxels, voxel) != Some(*matter)
+        });
         let field = self.matter.as_ref().map(MovingBox::displacement);
-        let (wanted, looked_at) = rule.wanted(field.as_ref());
+        // where nothing was pressed since, what lasts is as it was to the voxel
+        let followed = field.as_ref().filter(|_| !self.settled);
+        let (mut wanted, looked_at) = self.rule(input, tools).wanted(followed);
+        wanted.extend(&self.left_behind);
         answer.report.effort.looked_at = looked_at;
-        answer.edit = self.ledger.write(input.voxels, &wanted);
+        answer.edit = self.ledger.write(voxels, &wanted);
+        if self.is_unloaded(&answer.report) {
+            self.ledger.note_lasting(&region);
+            self.settled = true;
+        }
         if let Some(seen) = &mut self.seen {
             seen.note(&self.ledger);
         }
         if let Some(field) = field {
             let least = SEEN * field.spacing;
-            answer.displacement = field.told(input.voxels, &self.ledger, least);
+            answer.displacement = field.told(voxels, &self.ledger, least);
         }
         answer.report.moved_voxels = self.ledger.len() as u32;
+        answer.report.lasting_voxels = self.ledger.lasting_len() as u32;
     }
 
     /// Relaxes, breaks, and relaxes again, within the budget.
@@ -182,7 +227,7 @@ impl LatticeModel {
             return;
         };
         matter.inelastic.fade(&mut matter.lattice, input.dt);
-        let reference = SMALL_STRAIN * matter.lattice.softest_bond() * matter.lattice.spacing();
+        let reference = matter.small_force();
         for _ in 0..ROUNDS {
             // the rest of them is for the stiffness
             let most = input.budget.iterations - input.budget.iterations / STIFFNESS_SHARE;
@@ -202,13 +247,17 @@ impl LatticeModel {
             answer.report.iterations += report.iterations;
             answer.report.residual = report.residual;
             // what is not at rest yet may swing too far, and must not break for that
-            let at_rest = report.residual <= 10.0 * self.settings.tolerance;
-            let breaking = match at_rest {
-                true => matter.inelastic.break_and_yield(&mut matter.lattice),
-                false => Breaking::default(),
-            };
-            if breaking.count == 0 {
+            let at_rest = report.residual <= AT_REST * self.settings.tolerance;
+            let is_pressed = self.relaxer.felt().iter().any(|felt| felt.nodes > 0);
+            self.settled &= !is_pressed;
+            let yields = is_pressed && report.residual <= NEARLY_AT_REST;
+            let breaking = matter.break_and_yield(at_rest, yields);
+            self.yields = breaking.is_felt(matter.lattice.spacing());
+            if !self.yields {
                 return;
+            }
+            if breaking.count == 0 {
+                continue;
             }
             self.bonds_broken += u64::from(breaking.count);
             self.work_broken += breaking.work;
@@ -289,12 +338,13 @@ impl DeformationModel for LatticeModel {
         let part = |share: f64| (input, input.budget.until(began, share));
         let mut answer = ModelAnswer::default();
         let usable: Vec<&ToolState> = input.tools.iter().filter(|t| t.is_usable()).collect();
-        answer.report.effort.sampled = self.follow(input, usable.first().copied());
+        answer.report.effort.sampled = self.follow(input, &usable);
         self.tell_poisson(&mut answer);
         if let Some(matter) = &self.matter {
             let tools: Vec<_> = usable.iter().map(|tool| matter.tool(tool)).collect();
             self.relax(part(RELAXED), &tools, &mut answer);
         }
+        self.follow_lasting(part(EASED), &answer.report);
         if self
             .matter
             .as_ref()
@@ -307,7 +357,8 @@ impl DeformationModel for LatticeModel {
         answer.report.work_broken = self.work_broken;
         self.tell_contacts(part(STIFFNESS_FOUND), &mut answer);
         let effort = &mut answer.report.effort;
-        effort.evaluations = std::mem::take(&mut self.relaxer.evaluations);
+        effort.evaluations = std::mem::take(&mut self.relaxer.evaluations)
+            + std::mem::take(&mut self.unloaded.evaluations);
         if let Some(matter) = &mut self.matter {
             answer.report.nodes = matter.lattice.matter_nodes().count() as u32;
             let built = std::mem::take(&mut matter.lattice.effort);
@@ -327,7 +378,9 @@ impl DeformationModel for LatticeModel {
 
     fn reset(&mut self) {
         self.matter = None;
-        self.memory = BondMemory::default();
+        self.scars = Scars::default();
+        self.left_behind.clear();
+        self.ledger.settle_lasting();
         self.seen = None;
         self.told.clear();
     }

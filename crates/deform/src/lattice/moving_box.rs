@@ -3,14 +3,19 @@
 use glam::{DMat3, DVec3, IVec3, UVec3};
 use palpate_volume::grid::Grid;
 use palpate_volume::material::LocalContact;
+use palpate_volume::voxel_box::VoxelBox;
 
-use super::bond_memory::BondMemory;
 use super::border::Border;
-use super::inelastic::{Inelastic, InelasticSettings};
+use super::inelastic::{Breaking, Inelastic, InelasticSettings};
+use super::layout::Layout;
 use super::nodes::{Lattice, NodeMatter};
+use super::relax::{RelaxSettings, Relaxer};
 use super::resample::{RestVoxels, node_place};
+use super::scars::Scars;
+use super::shift::shift;
 use super::tool_contact::{LatticeTool, ToolForce};
-use crate::displacement::Displacement;
+use super::vectors::{Field, vector_at, zero_field};
+use crate::displacement::{Displacement, region_of};
 use crate::material::Materials;
 use crate::model::{ModelParts, ToolState};
 
@@ -23,11 +28,20 @@ const VALIDITY: f64 = 0.5;
 /// Share of the box's half width over which voxels and picture fade to the unmoved body.
 const FADING: f64 = 0.4;
 
+/// Strain of one bond whose force is small.
+const SMALL_STRAIN: f64 = 0.01;
+
 /// A box of nodes and where it stands.
 #[derive(Debug)]
 pub(super) struct MovingBox {
     pub lattice: Lattice,
     pub inelastic: Inelastic,
+    /// How far each node stays from where it was at first, as was last seen from near [mm].
+    pub lasting: Field,
+    /// How far nodes would be moved without tools [mm].
+    unloaded: Field,
+    /// How much of what comes back is shown at each node: less and less toward the border.
+    share: Vec<f64>,
     /// Its first node, counted from the corner of the grid.
     pub origin: IVec3,
     pub grid: Grid,
@@ -49,6 +63,9 @@ impl MovingBox {
         let mut lattice = Lattice::new(UVec3::splat(nodes), spacing, border, matter);
         Self {
             inelastic: Inelastic::new(&mut lattice, inelastic),
+            lasting: zero_field(lattice.layout().len()),
+            unloaded: zero_field(lattice.layout().len()),
+            share: shares(lattice.layout()),
             lattice,
             origin,
             grid: *rest.voxels.grid(),
@@ -61,17 +78,98 @@ impl MovingBox {
         self.grid == *rest.voxels.grid() && self.materials == *rest.materials
     }
 
-    /// Stands elsewhere: what both places share goes on as it is, and what happened to bonds is
-    /// kept in `memory` and taken from there.
-    pub fn go(&mut self, rest: &RestVoxels<'_>, origin: IVec3, memory: &mut BondMemory) {
-        memory.keep(&self.lattice, &self.inelastic, self.origin);
+    /// Stands elsewhere: what both places share goes on as it is, what does not come back is as in
+    /// `scars`.
+    pub fn go(&mut self, rest: &RestVoxels<'_>, origin: IVec3, scars: &Scars) {
         let offset = origin - self.origin;
         let spacing = self.lattice.spacing();
         let matter = |node: IVec3| rest.matter_of_node(spacing, origin + node);
         self.origin = origin;
         self.lattice.go(offset, &matter);
         self.inelastic.go(&self.lattice, offset);
-        memory.recall(&mut self.lattice, &mut self.inelastic, origin);
+        let layout = *self.lattice.layout();
+        for axis in self.lasting.iter_mut().chain(&mut self.unloaded) {
+            shift(&layout, axis, offset, 0.0);
+        }
+        scars.recall(self, |node| layout.index_of(node + offset).is_none());
+        self.rest_border();
+    }
+
+    /// Has a node that is new in the box stand where it stayed [mm from where it was at first].
+    pub fn begin_at(&mut self, index: usize, lasting: DVec3) {
+        self.lattice.set_moved(index, lasting);
+        for axis in 0..3 {
+            self.lasting[axis][index] = lasting[axis];
+            self.unloaded[axis][index] = lasting[axis];
+        }
+    }
+
+    /// Has the border hold the nodes where they stay.
+    fn rest_border(&mut self) {
+        if self.has_yielded() {
+            self.lattice.rest_border_at(&self.lasting);
+        }
+    }
+
+    /// Whether any of its matter has yielded.
+    pub fn has_yielded(&self) -> bool {
+        self.inelastic.has_yielded(&self.lattice)
+    }
+
+    /// Force of a small strain of one bond of the softest matter [N]: it counts where no tool
+    /// feels more.
+    pub fn small_force(&self) -> f64 {
+        SMALL_STRAIN * self.lattice.softest_bond() * self.lattice.spacing()
+    }
+
+    /// Voxels that its nodes reach where it begins at a node.
+    pub fn region_from(&self, origin: IVec3) -> VoxelBox {
+        let spacing = self.lattice.spacing();
+        let first = node_place(origin, spacing);
+        region_of(first, spacing, self.lattice.layout().size(), &self.grid)
+    }
+
+    /// Has what is too long break, and rest lengths yield, where they may.
+    pub fn break_and_yield(&mut self, breaks: bool, yields: bool) -> Breaking {
+        let may_yield = |index: usize| yields && self.share[index] == 1.0;
+        self.inelastic
+            .break_and_yield(&mut self.lattice, breaks, may_yield)
+    }
+
+    /// Notes that no tool presses the nodes: they stand where they stay.
+    pub fn note_unloaded(&mut self) {
+        self.unloaded.clone_from(&self.lattice.moved);
+        self.note_lasting();
+    }
+
+    /// Brings what is known of where the nodes would stay without tools nearer to how it is; the nodes
+    /// stay where they are.
+    pub fn find_unloaded(
+        &mut self,
+        relaxer: &mut Relaxer,
+        settings: &RelaxSettings,
+        is_late: &dyn Fn() -> bool,
+    ) {
+        std::mem::swap(&mut self.lattice.moved, &mut self.unloaded);
+        relaxer.relax(&mut self.lattice, &[], settings, is_late);
+        if !self.is_finite() {
+            self.lattice.put_to_rest();
+        }
+        std::mem::swap(&mut self.lattice.moved, &mut self.unloaded);
+        self.note_lasting();
+    }
+
+    /// Near the border of the box, where what yielded beyond it is missing, nodes stay where they
+    /// were when the box stood around them.
+    fn note_lasting(&mut self) {
+        for axis in 0..3 {
+            let known = self.lasting[axis].iter_mut().zip(&self.unloaded[axis]);
+            for ((lasting, unloaded), share) in known.zip(&self.share) {
+                if *share == 1.0 {
+                    *lasting = *unloaded;
+                }
+            }
+        }
     }
 
     /// Follows what others have changed of the voxels: only what hangs on those is built anew.
@@ -86,6 +184,7 @@ impl MovingBox {
         if !changes.is_empty() {
             self.lattice.change(&changes, &made_of);
             self.inelastic.break_again(&mut self.lattice);
+            self.rest_border();
         }
     }
 
@@ -146,16 +245,25 @@ impl MovingBox {
         nodes.all(|node| self.lattice.moved(node).is_finite())
     }
 
-    /// How far matter has moved, less and less toward the border of the box, where the picture
-    /// of the body behind it begins.
+    /// How far matter has moved: what comes back less and less toward the border of the box, where
+    /// the picture of the body behind it begins; what lasts as it is.
     pub fn displacement(&self) -> Displacement {
+        self.field(|index| {
+            let lasting = vector_at(&self.lasting, index);
+            lasting + (self.lattice.moved(index) - lasting) * self.share[index]
+        })
+    }
+
+    /// How far matter will have moved when no tool presses it any more.
+    pub fn lasting_displacement(&self) -> Displacement {
+        self.field(|index| vector_at(&self.lasting, index))
+    }
+
+    fn field(&self, moved: impl Fn(usize) -> DVec3) -> Displacement {
         let layout = self.lattice.layout();
-        let middle = 0.5 * (layout.size().as_dvec3() - 1.0);
-        let moved = |(node, index): (UVec3, usize)| {
-            let out = ((node.as_dvec3() - middle) / middle).abs().max_element();
-            let share = ((1.0 - out) / FADING).min(1.0);
+        let moved = |(_, index): (UVec3, usize)| {
             let is_matter = *self.lattice.matter(index) != NodeMatter::Empty;
-            is_matter.then(|| self.lattice.moved(index) * (share * share * (3.0 - 2.0 * share)))
+            is_matter.then(|| moved(index))
         };
         let spacing = self.lattice.spacing();
         Displacement::new(
@@ -165,6 +273,18 @@ impl MovingBox {
             layout.nodes().map(moved).collect(),
         )
     }
+}
+
+/// 1 around the middle of a box, and smoothly 0 at its border.
+fn shares(layout: &Layout) -> Vec<f64> {
+    let mut shares = vec![0.0; layout.len()];
+    let middle = 0.5 * (layout.size().as_dvec3() - 1.0);
+    for (node, index) in layout.nodes() {
+        let out = ((node.as_dvec3() - middle) / middle).abs().max_element();
+        let share = ((1.0 - out) / FADING).min(1.0);
+        shares[index] = share * share * (3.0 - 2.0 * share);
+    }
+    shares
 }
 
 /// A point of the patient in mm along the axes of the grid, from its corner.

@@ -6,7 +6,7 @@ use super::bond_forces::{Bonds, add_bond_forces, bond_energy};
 use super::border::{Border, Ground};
 use super::coarse::Coarse;
 use super::layout::{FAMILY_COUNT, Layout};
-use super::vectors::{Field, zero_field};
+use super::vectors::{Field, vector_at, zero_field};
 use super::volume_forces::{Cells, add_volume_forces, volume_energy};
 use crate::material::Solid;
 use crate::model::Effort;
@@ -146,11 +146,7 @@ impl Lattice {
     /// How far a node has moved from rest [mm].
     #[must_use]
     pub fn moved(&self, index: usize) -> DVec3 {
-        DVec3::new(
-            self.moved[0][index],
-            self.moved[1][index],
-            self.moved[2][index],
-        )
+        vector_at(&self.moved, index)
     }
 
     /// Moves a node, wherever it is held or not [mm from rest].
@@ -163,11 +159,7 @@ impl Lattice {
     /// Force on a node at the last evaluation [N].
     #[must_use]
     pub fn force(&self, index: usize) -> DVec3 {
-        DVec3::new(
-            self.force[0][index],
-            self.force[1][index],
-            self.force[2][index],
-        )
+        vector_at(&self.force, index)
     }
 
     /// Holds a node along one axis where it is, or lets it go.
@@ -229,7 +221,7 @@ impl Lattice {
         add_volume_forces(&self.layout, self.spacing, &self.cells, moved, force);
         for ground in &self.ground {
             let node = ground.node as usize;
-            let at = DVec3::new(moved[0][node], moved[1][node], moved[2][node]);
+            let at = vector_at(moved, node);
             let pull = ground.stiffness * (at - ground.led);
             for axis in 0..3 {
                 force[axis][node] -= pull[axis];

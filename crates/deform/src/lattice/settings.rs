@@ -38,8 +38,8 @@ impl LatticeSettings {
         Self {
             nodes: options.edge.unwrap_or(usual.nodes),
             inelastic: InelasticSettings {
+                yield_strain: options.yield_strain,
                 prony: options.prony,
-                ..usual.inelastic
             },
             ..usual
         }

@@ -39,6 +39,8 @@ macro_rules! widest {
 
 pub(super) use widest;
 
+use glam::DVec3;
+
 use super::layout::CHUNK;
 
 /// One number for each node of a chunk.
@@ -66,4 +68,9 @@ pub(super) fn lanes_mut(values: &mut [f64], start: usize) -> &mut Lanes {
 /// Zero for each of `length` nodes.
 pub(super) fn zero_field(length: usize) -> Field {
     std::array::from_fn(|_| vec![0.0; length])
+}
+
+/// The vector of a node.
+pub(super) fn vector_at(field: &Field, index: usize) -> DVec3 {
+    DVec3::new(field[0][index], field[1][index], field[2][index])
 }

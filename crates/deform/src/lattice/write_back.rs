@@ -6,7 +6,6 @@
 //! Source: thesis 5.25, whose threshold is not given; errata, section 4 (hysteresis).
 
 use glam::{DVec3, IVec3};
-use palpate_volume::grid::Grid;
 use palpate_volume::matter::{Matter, SegmentSet};
 use palpate_volume::voxel_box::VoxelBox;
 
@@ -39,13 +38,24 @@ impl WriteBack<'_> {
         let mut wanted = Wanted::new();
         let mut looked_at = VoxelBox::EMPTY;
         if let Some(field) = field {
-            region = region_of(field, voxels.grid());
-            let follow = |voxel: IVec3| Some((voxel.to_array(), self.follow(field, voxel)?));
+            region = field.region(voxels.grid());
             looked_at = self.moving(field).intersect(&region);
-            wanted.extend(looked_at.voxels().filter_map(follow));
+            wanted = self.followed(field, looked_at);
         }
         self.ledger.give_back_outside(voxels, &region, &mut wanted);
         (wanted, looked_at.voxel_count())
+    }
+
+    /// What the voxels are to be that a box with this field of lasting displacements is about to
+    /// leave, and those around which it stays.
+    pub fn left_behind(&self, field: &Displacement) -> Wanted {
+        let region = field.region(self.input.voxels.grid());
+        self.followed(field, self.moving(field).intersect(&region))
+    }
+
+    fn followed(&self, field: &Displacement, region: VoxelBox) -> Wanted {
+        let follow = |voxel: IVec3| Some((voxel.to_array(), self.follow(field, voxel)?));
+        region.voxels().filter_map(follow).collect()
     }
 
     /// A box around all voxels that may become others: where nodes have moved enough, where tools
@@ -169,12 +179,4 @@ impl WriteBack<'_> {
             segments: SegmentSet::EMPTY,
         }
     }
-}
-
-/// Voxels that the nodes reach.
-fn region_of(field: &Displacement, grid: &Grid) -> VoxelBox {
-    let last = field.first + (field.size.as_dvec3() - 1.0) * field.spacing;
-    let low = (field.first / grid.spacing()).floor().as_ivec3();
-    let high = (last / grid.spacing()).ceil().as_ivec3();
-    VoxelBox::new(low, high).intersect(&grid.bounds())
 }

@@ -206,7 +206,7 @@ impl Simulation {
     /// Makes a step of what the deformation has changed; none where all of it came back.
     fn close_deformation(&mut self) {
         // what is on its way back is part of the step
-        if self.deformation.now().report.moved_voxels > 0 || !self.stroke.has_changed() {
+        if self.deformation.now().report.comes_back() || !self.stroke.has_changed() {
             return;
         }
         let Some(inverse) = self.stroke.take_inverse() else {
