@@ -180,7 +180,7 @@ def test_options_of_a_model_are_chosen_and_taken_back(page: Browser) -> None:
 
     page.do("slide", testid="matter-yields", value=0.05)
     page.wait(f"{MATTER}.options.yield_strain === 0.05")
-    page.shows("matter-yields-value", "text === 'beyond 5 % strain'")
+    page.shows("matter-yields-value", "text === 'beyond 5 %'")
     page.do("press", key="Control+z")
     page.wait(f"{MATTER}.options.yield_strain === null")
     page.shows("matter-yields-value", "text === 'never, usual'")

@@ -2,9 +2,10 @@
 //!
 //! Frame: the body's own grid. Nothing here allocates after it was made.
 
-use glam::IVec3;
+use glam::{DVec3, IVec3};
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::bits::Bits;
+use palpate_volume::first_solid::Traversal;
 use palpate_volume::occupancy::Occupancy;
 
 use crate::known_shares::KnownShares;
@@ -29,6 +30,11 @@ impl Occupancy for BodyVoxels {
     #[inline]
     fn is_solid(&self, voxel: IVec3) -> bool {
         self.bits.is_solid(voxel)
+    }
+
+    #[inline]
+    fn first_solid(&self, start: DVec3, end: DVec3, max_visits: u32) -> Traversal {
+        self.bits.first_solid(start, end, max_visits)
     }
 
     #[inline]

@@ -8,8 +8,8 @@ use std::sync::Arc;
 use glam::{IVec3, UVec3};
 use rayon::prelude::*;
 
-use crate::bit_brick::BitBrick;
-use crate::brick_grid::{BrickGrid, BrickSwap};
+use crate::bit_brick::{BitBrick, FIRST_COLUMN};
+use crate::brick_grid::{BRICK, BrickGrid, BrickSwap};
 use crate::grid::{check_dimensions, is_inside};
 use crate::voxel_box::VoxelBox;
 
@@ -64,6 +64,30 @@ impl Bits {
                 .contains(voxel)
     }
 
+    /// Whether no voxel is solid of those from `low` to `high`, both among them; both must lie in the
+    /// grid.
+    #[inline]
+    pub fn is_free(&self, low: IVec3, high: IVec3) -> bool {
+        let [first, last] = [low >> 3_i32, high >> 3_i32];
+        for z in first.z..=last.z {
+            let layers = ends(z, low.z, high.z);
+            for y in first.y..=last.y {
+                let rows = span(8, ends(y, low.y, high.y));
+                for x in first.x..=last.x {
+                    let Some(brick) = self.bricks.at(BRICK * IVec3::new(x, y, z)) else {
+                        continue;
+                    };
+                    let columns = span(1, ends(x, low.x, high.x)) * FIRST_COLUMN;
+                    let words = brick.0[layers[0]..=layers[1]].iter();
+                    if words.fold(0, |all, word| all | word) & rows & columns != 0 {
+                        return false;
+                    }
+                }
+            }
+        }
+        true
+    }
+
     /// Exchanges one brick; see [`BrickGrid::swap`].
     #[inline]
     pub fn swap(&mut self, swap: &mut BrickSwap<BitBrick>) {
@@ -105,6 +129,21 @@ impl Bits {
             })
             .reduce(|| VoxelBox::EMPTY, |a, b| a.union(&b))
     }
+}
+
+/// The first and the last voxel along one axis of what a brick has of `low` to `high`, 0..=7.
+#[inline]
+fn ends(brick: i32, low: i32, high: i32) -> [usize; 2] {
+    let inside = |voxel: i32| (voxel - BRICK * brick).clamp(0, BRICK - 1) as usize;
+    [inside(low), inside(high)]
+}
+
+/// The bits of a word in such groups, from the first to the last of them.
+#[inline]
+fn span(group: usize, [first, last]: [usize; 2]) -> u64 {
+    let whole = !0_u64 >> (64 - 8 * group);
+    let up_to_last = whole >> (group * (7 - last));
+    up_to_last >> (group * first) << (group * first)
 }
 
 /// A box moved by `by`; an empty one stays where it is.

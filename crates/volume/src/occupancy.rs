@@ -10,7 +10,7 @@ use glam::{DVec3, IVec3, UVec3};
 use crate::bit_brick::BitBrick;
 use crate::bits::Bits;
 use crate::block::block_of_bits;
-use crate::first_solid::{Traversal, traversed};
+use crate::first_solid::{Traversal, free_way, traversed};
 use crate::segment::Segment;
 
 /// Which voxels are solid. Outside the grid nothing is. Answers must not change during a
@@ -83,6 +83,12 @@ impl Occupancy for Bits {
     #[inline]
     fn is_solid(&self, voxel: IVec3) -> bool {
         Bits::is_solid(self, voxel)
+    }
+
+    #[inline]
+    fn first_solid(&self, start: DVec3, end: DVec3, max_visits: u32) -> Traversal {
+        free_way(self, start, end, max_visits)
+            .unwrap_or_else(|| traversed(self, start, end, max_visits))
     }
 
     #[inline]

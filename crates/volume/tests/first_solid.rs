@@ -237,3 +237,58 @@ fn a_traversal_does_not_allocate() {
     });
     assert!(hits > 0);
 }
+
+/// Asked voxel by voxel, with nothing looked at together.
+struct OneByOne<'a>(&'a Bits);
+
+impl Occupancy for OneByOne<'_> {
+    fn is_solid(&self, voxel: IVec3) -> bool {
+        self.0.is_solid(voxel)
+    }
+}
+
+#[test]
+fn voxels_that_are_looked_at_together_give_what_they_give_one_by_one() {
+    let mut random = Random::new(31);
+    let mut together = [0; 3];
+    for seed in 0..8 {
+        let noise = noise(100 + seed);
+        let bits = noise.occupancy();
+        for _ in 0..20_000 {
+            let start = random.point(-1.0, 17.0);
+            let reach = DVec3::splat(6.0);
+            let end = random.point(0.0, 12.0) + start - reach;
+            let visits = if random.chance(0.3) { 4 } else { u32::MAX };
+            let one_by_one = first_solid_bounded(&OneByOne(bits), start, end, visits);
+            assert_eq!(
+                first_solid_bounded(bits, start, end, visits),
+                one_by_one,
+                "{start} {end}"
+            );
+            together[match one_by_one.outcome {
+                Outcome::Free => 0,
+                Outcome::Hit(_) => 1,
+                _ => 2,
+            }] += 1;
+        }
+    }
+    assert!(together.iter().all(|count| *count > 5_000), "{together:?}");
+}
+
+#[test]
+fn a_box_is_free_where_none_of_its_voxels_is_solid() {
+    let noise = noise(17);
+    let bits = noise.occupancy();
+    let mut random = Random::new(18);
+    let mut free = 0;
+    for _ in 0..20_000 {
+        let [a, b] = [(); 2].map(|()| random.point(0.0, 16.0).as_ivec3());
+        let (low, high) = (a.min(b), a.max(b).min(a.min(b) + 8));
+        let expected = VoxelBox::new(low, high + 1)
+            .voxels()
+            .all(|voxel| !bits.is_solid(voxel));
+        assert_eq!(bits.is_free(low, high), expected, "{low} {high}");
+        free += u32::from(expected);
+    }
+    assert!((1_000..19_000).contains(&free), "{free}");
+}
