@@ -23,7 +23,7 @@ const STEPS: u32 = 12;
 const BEHIND: f64 = 0.65;
 /// Halvings of that way by which the last of matter before a face is found: to a fortieth of a voxel.
 const HALVINGS: u32 = 5;
-/// Over how many nodes before the border of a box what is left to show fades.
+/// Nodes before the border of a box over which what is left to show fades, where it does.
 const EDGE: f64 = 3.0;
 /// How near the place at rest is found [spacings].
 const NEAR: f64 = 1e-3;
@@ -40,6 +40,8 @@ pub(crate) struct Displacement {
     /// From rest, for each node; continued beside matter, zero farther away.
     moved: Vec<DVec3>,
     has_matter: Vec<bool>,
+    /// Whether matter beyond the border has moved too, and is shown by voxels alone.
+    goes_on: bool,
 }
 
 impl Displacement {
@@ -51,6 +53,15 @@ impl Displacement {
             size,
             has_matter: moved.iter().map(Option::is_some).collect(),
             moved: continued(size, moved),
+            goes_on: false,
+        }
+    }
+
+    /// As it is, and matter beyond the border may have moved too: there voxels alone show it.
+    pub fn going_on(self) -> Self {
+        Self {
+            goes_on: true,
+            ..self
         }
     }
 
@@ -106,8 +117,7 @@ impl Displacement {
     }
 
     /// What the voxels do not show yet, the ledger's last edit taken in; none where that is
-    /// below `least` everywhere. It fades at the border of the box: beyond, what lasts is shown by
-    /// voxels alone.
+    /// below `least` everywhere. It fades toward a border beyond which voxels alone show it.
     pub fn told(&self, voxels: &Voxels, ledger: &Ledger, least: f64) -> Option<DisplacementField> {
         let grid = voxels.grid();
         let view = Shown::new(self, voxels, ledger);
@@ -116,8 +126,10 @@ impl Displacement {
         let beside = |node: usize| left[node].or_else(|| view.left_beside(node, &left));
         let left = nodes.map(beside).collect();
         let mut left = continued(self.size, left);
-        for (node, left) in left.iter_mut().enumerate() {
-            *left *= self.share_inside(node);
+        if self.goes_on {
+            for (node, left) in left.iter_mut().enumerate() {
+                *left *= self.share_inside(node);
+            }
         }
         let seen = left.iter().any(|left| left.length() >= least);
         let axes = grid.direction();

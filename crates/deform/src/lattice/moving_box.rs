@@ -248,10 +248,14 @@ impl MovingBox {
     /// How far matter has moved: what comes back less and less toward the border of the box, where
     /// the picture of the body behind it begins; what lasts as it is.
     pub fn displacement(&self) -> Displacement {
-        self.field(|index| {
+        let field = self.field(|index| {
             let lasting = vector_at(&self.lasting, index);
             lasting + (self.lattice.moved(index) - lasting) * self.share[index]
-        })
+        });
+        match self.has_yielded() {
+            true => field.going_on(),
+            false => field,
+        }
     }
 
     /// How far matter will have moved when no tool presses it any more.
