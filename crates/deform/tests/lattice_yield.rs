@@ -85,6 +85,34 @@ fn a_dent_is_the_same_when_the_box_has_left_and_when_it_comes_back() {
 }
 
 #[test]
+fn a_dent_is_the_same_after_matter_elsewhere_was_pressed_and_came_back() {
+    let mut bench = bench(Some(0.02));
+    way(&mut bench, above(LEFT), above(LEFT) + DEEP);
+    way(&mut bench, above(LEFT) + DEEP, above(LEFT + 6.0) + DEEP);
+    way(
+        &mut bench,
+        above(LEFT + 6.0) + DEEP,
+        above(LEFT + 6.0) + CLEAR,
+    );
+    let dented = bench.picture();
+    way(
+        &mut bench,
+        above(LEFT + 6.0) + CLEAR,
+        above(RIGHT + 5.0) + CLEAR,
+    );
+    // so little that nothing yields
+    let touched = way(
+        &mut bench,
+        above(RIGHT + 5.0),
+        above(RIGHT + 5.0) + DEEP / 20.0,
+    );
+    assert!(touched.contacts[0].contact.is_some());
+    way(&mut bench, above(RIGHT + 5.0), above(RIGHT + 5.0) + CLEAR);
+    way(&mut bench, above(RIGHT + 5.0) + CLEAR, above(LEFT) + CLEAR);
+    assert_eq!(bench.changed(&dented), 0);
+}
+
+#[test]
 fn a_groove_stays_behind_a_tool_that_slides() {
     let mut bench = bench(Some(0.02));
     way(&mut bench, above(LEFT), above(LEFT) + DEEP);
