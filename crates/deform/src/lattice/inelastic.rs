@@ -132,6 +132,10 @@ impl Inelastic {
         may_yield: impl Fn(usize) -> bool,
     ) -> Breaking {
         let mut breaking = Breaking::default();
+        // far from rest, matter that cannot yield has nothing to be looked for
+        if !may_break && self.settings.yield_strain.is_none() {
+            return breaking;
+        }
         for family in 0..FAMILY_COUNT {
             for index in 0..lattice.bonds.stiffness[family].len() {
                 if lattice.bonds.stiffness[family][index] > 0.0 {

@@ -36,8 +36,8 @@ const ROUNDS: u32 = 4;
 const SEEN: f64 = 0.01;
 /// One of so many iterations is for the stiffness of the contact.
 const STIFFNESS_SHARE: u32 = 4;
-/// Shares of the time after which nodes are as far at rest as they come, and the contact as stiff as it
-/// is found; what is left is for the voxels.
+/// Shares of the time after which nodes are as far at rest as they come, with the tools and, where matter
+/// yielded, without, and the contact as stiff as it is found; what is left is for the voxels.
 const RELAXED: f64 = 0.65;
 const EASED: f64 = 0.75;
 const STIFFNESS_FOUND: f64 = 0.88;
