@@ -305,3 +305,97 @@ impl<L: LocalLaw> ParticleBody<L> {
         self.contact_laws.of(matter, given, (tools, felt))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::{DMat3, UVec3};
+
+    use super::super::calibration::LatticeKind;
+    use super::super::lattices::FCC_BASIS;
+    use super::super::pair_laws::FadedLaw;
+    use super::super::state::Origin;
+    use super::*;
+
+    const STRAIN: f64 = 1e-3;
+
+    /// Young's modulus [D/a³] of n³ cells between frictionless plates, sides free, every particle
+    /// bound to where it rests.
+    fn bound_block_modulus(cells: u32, binding: f64) -> f64 {
+        let grid = Grid::new(
+            UVec3::splat(cells),
+            DVec3::ONE,
+            DVec3::ZERO,
+            DMat3::IDENTITY,
+        );
+        let scale = LatticeScale::new(LatticeKind::Fcc, 1.0);
+        let (a, side) = (scale.equilibrium, f64::from(cells));
+        let count = 4 * cells.pow(3) as usize;
+        let grid = grid.expect("a grid of cubes");
+        let mut body = ParticleBody::<FadedLaw>::new(&grid, scale, count, Motion::Rest);
+        let inertia = body.inertia(1.0);
+        for cell in grid.bounds().voxels() {
+            for place in FCC_BASIS {
+                let home = cell.as_dvec3() + place;
+                let particles = &mut body.system.particles;
+                particles.take(home, 1.0, inertia, Origin::default());
+                if home.z < 0.3 || home.z > side - 0.3 {
+                    particles.free.pop();
+                    particles.free.push(DVec3::new(1.0, 1.0, 0.0));
+                }
+            }
+        }
+        let budget = Budget::iterations(4000);
+        body.relax(&[], &budget, None);
+        body.settle();
+        body = body.bound(binding, side);
+        let particles = &mut body.system.particles;
+        for (site, home) in particles.sites.iter_mut().zip(&particles.homes) {
+            site.z -= STRAIN * (home.z - 0.25);
+        }
+        body.relax(&[], &budget, None);
+        let Particles { forces, homes, .. } = &body.system.particles;
+        let plate = |(force, home): (&DVec3, &DVec3)| {
+            if home.z > side - 0.3 { force.z } else { 0.0 }
+        };
+        let force: f64 = forces.iter().zip(homes).map(plate).sum();
+        force / (side.powi(2) * STRAIN) * a.powi(3)
+    }
+
+    /// `global-lj` is the lattice of `fcc-lj` on springs. They add in proportion to their
+    /// stiffness: without their part, which two of them tell, and without that of the surfaces,
+    /// which falls with 1/n, compression gives back the modulus that was asked for.
+    #[test]
+    fn virtual_compression_on_springs_recovers_youngs_modulus() {
+        let [small, large] = [6, 12].map(|cells| {
+            let [soft, stiff] = [0.001, 0.002].map(|binding| bound_block_modulus(cells, binding));
+            (2.0 * soft - stiff, (stiff - soft) / 0.001)
+        });
+        let young = 2.0 * large.0 - small.0;
+        let scale = LatticeScale::new(LatticeKind::Fcc, 1.0);
+        let asked = scale.young_of_depth(1.0) * scale.equilibrium.powi(3);
+        println!(
+            "global-lj: E = {:.1} (6³ cells), {:.1} (12³), extrapolated {young:.1}, asked {asked:.1} \
+             D/a³; the springs add {:.0} and {:.0} D/a³ times their share",
+            small.0, large.0, small.1, large.1
+        );
+        assert!((young / asked - 1.0).abs() < 0.02, "{young} {asked}");
+        // by the square of the size, and more or less as a bar on springs has it
+        assert!(
+            (large.1 / small.1 / 4.0 - 1.0).abs() < 0.1,
+            "{small:?} {large:?}"
+        );
+        assert!(
+            (large.1 / added_by_springs(12) - 1.0).abs() < 0.1,
+            "{large:?}"
+        );
+    }
+
+    /// What springs of a link's stiffness add to the modulus of n³ cells pressed evenly [D/a³]: the
+    /// particles go by the strain times their height, and to the sides by ν of that.
+    fn added_by_springs(cells: u32) -> f64 {
+        let scale = LatticeScale::new(LatticeKind::Fcc, 1.0);
+        let side = f64::from(cells);
+        let squares = side.powi(2) / 3.0 + (0.358 * side).powi(2) / 6.0;
+        72.0 * scale.equilibrium / scale.volume() * squares
+    }
+}

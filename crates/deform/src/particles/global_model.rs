@@ -4,8 +4,8 @@
 //! rest once, and are then bound to where they rest by springs, since nothing else holds them.
 //! Voxels follow the particles near them: each reads what stood where it came from (the
 //! prototype moves voxels forward, which leaves holes between them; reading backward leaves
-//! none). The springs make matter stiffer than asked, by an amount that grows with the size of
-//! what is pressed: this model's force is not calibrated, as the thesis says of its own.
+//! none). The lattice has the modulus that was asked for; the springs add to it, by an amount that
+//! grows with the square of the size of what is pressed (docs/algorithms/particles.md).
 //!
 //! Frame: mm along the axes of the grid. Source: thesis 5.26.
 
