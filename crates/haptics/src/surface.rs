@@ -18,7 +18,7 @@
 
 use crate::coupling::MAX_STIFFNESS;
 use crate::friction::{Friction, FrictionError};
-use crate::scene::{Solid, TouchScene};
+use crate::scene::{MAX_OBJECTS, Solid, TouchScene};
 use glam::{DVec3, IVec3};
 use palpate_volume::occupancy::Occupancy;
 use palpate_volume::walk::voxel_of;
@@ -128,8 +128,8 @@ impl Holders {
     }
 
     /// What holds back a probe at `point_in_grid` that is led to `target_in_grid`, both of the
-    /// world's grid: faces of the world, and for what they leave of the force the voxel that
-    /// stopped the probe.
+    /// world's grid: faces of the world and of objects, and for what they leave of the force the
+    /// voxel that stopped the probe.
     #[must_use]
     pub fn of_contact<O: Occupancy>(
         scene: &TouchScene<'_, O>,
@@ -140,11 +140,17 @@ impl Holders {
         let pull = (target_in_grid - point_in_grid) * scene.grid.spacing();
         let mut holders = Self::default();
         holders.add_faces(0, scene.occupancy, point_in_grid, pull);
+        for (body, object) in (1..).zip(scene.objects.iter().take(MAX_OBJECTS)) {
+            let to_own = |point| object.pose().to_object(point);
+            let [point, target] = [point_in_grid, target_in_grid].map(to_own);
+            let pull = (target - point) * object.spacing();
+            holders.add_faces(body, object.occupancy(), point, pull);
+        }
         let by_faces: f64 = holders.solids.iter().map(|(_, weight)| weight).sum();
         if let Some(solid) = stopped_by
             && (solid.body > 0 || by_faces == 0.0)
         {
-            holders.add(solid, 1.0 - by_faces);
+            holders.add(solid, (1.0 - by_faces).max(0.0));
         }
         holders
     }

@@ -2,13 +2,14 @@
 
 mod support;
 
-use glam::{DVec3, IVec3};
+use glam::{DAffine3, DVec3, IVec3};
 use palpate_haptics::coupling::MAX_STIFFNESS;
 use palpate_haptics::friction::Friction;
-use palpate_haptics::scene::{Solid, TouchScene};
+use palpate_haptics::scene::{Object, ObjectPose, Solid, TouchScene};
 use palpate_haptics::surface::{
     Feel, Holders, Surface, SurfaceBlend, SurfaceError, Surfaces, Uniform,
 };
+use palpate_volume::voxel_box::VoxelBox;
 use support::{Body, Random};
 
 const BONE: Surface = Surface {
@@ -126,6 +127,46 @@ fn a_contact_is_held_by_the_faces_it_stands_on_and_by_the_object_that_stopped_it
     // an edge, where no face is stood on
     assert_eq!(held(above, Some(solid(0, 5))), [(0, 1.0)]);
     assert_eq!(held(above, None), []);
+}
+
+/// A floor of four voxels.
+fn is_floor(voxel: IVec3) -> bool {
+    voxel.abs().max_element() <= 8 && (-4..0).contains(&voxel.z)
+}
+
+#[test]
+fn two_objects_that_hold_the_probe_between_them_are_felt_by_equal_shares() {
+    let nothing: fn(IVec3) -> bool = |_| false;
+    let floor: fn(IVec3) -> bool = is_floor;
+    let grid = support::grid(glam::UVec3::splat(8), DVec3::ONE);
+    let corner = grid.patient_from_grid().transform_point3(DVec3::ZERO);
+    // turned by 45° to either side, they are a valley along x
+    let objects = [1.0, -1.0].map(|side: f64| {
+        let turn = DAffine3::from_rotation_x(side * std::f64::consts::FRAC_PI_4);
+        let about = DAffine3::from_translation(corner);
+        let pose = ObjectPose::new(&grid, &grid, about * turn * about.inverse());
+        let bounds = VoxelBox::new(IVec3::splat(-8), IVec3::splat(9));
+        Object::new(Body(floor), &grid, bounds, pose.expect("a rotation"))
+    });
+    let scene = TouchScene {
+        occupancy: &Body(nothing),
+        grid: &grid,
+        objects: &objects,
+    };
+    let point = DVec3::new(0.5, 0.0, 1e-7);
+    let weights = |stopped_by| {
+        let target = point - DVec3::Z;
+        let holders = Holders::of_contact(&scene, point, target, stopped_by);
+        holders.solids().fold([0.0; 3], |mut sum, (solid, weight)| {
+            sum[usize::from(solid.body)] += weight;
+            sum
+        })
+    };
+    // whichever was met last
+    for last in [solid(1, -1), solid(2, -1)] {
+        let [of_world, first, second] = weights(Some(last));
+        assert!(of_world == 0.0 && (first - 0.5).abs() < 1e-9 && (second - 0.5).abs() < 1e-9);
+    }
 }
 
 #[test]
