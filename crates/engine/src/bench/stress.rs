@@ -26,6 +26,7 @@ mod checker;
 mod dense;
 #[cfg(test)]
 mod examples;
+mod felt;
 mod force_check;
 mod guarantee;
 mod hand;

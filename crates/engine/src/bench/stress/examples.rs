@@ -6,6 +6,7 @@ use palpate_haptics::proxy::Proxy;
 use palpate_haptics::safety::ForceLimits;
 use palpate_haptics::tick::TickOutput;
 
+use super::felt::Felt;
 use super::terms::Terms;
 
 /// Behind the wall.
@@ -27,7 +28,7 @@ pub fn terms() -> Terms {
         stiffness: 2.0,
         damping: 0.0,
         frictionless: true,
-        smooths: true,
+        felt: Felt::Bits,
     }
 }
 

@@ -98,7 +98,7 @@ impl ForceCheck {
         let moved = ((device - self.device) * spacing).length();
         let last = std::mem::replace(&mut self.felt, felt);
         self.device = device;
-        if !(self.terms.smooths && self.terms.frictionless) {
+        if !(self.terms.felt.is_smooth() && self.terms.frictionless) {
             return Ok(());
         }
         // rounding of places some 1000 mm from the origin
@@ -184,6 +184,7 @@ fn without_pull(felt: DVec3, out: DVec3) -> DVec3 {
 #[cfg(test)]
 mod tests {
     use super::super::examples::{DEVICE, output, proxy, terms};
+    use super::super::felt::Felt;
     use super::*;
 
     /// What the last of some ticks breaks; each has the device's x and the force along x [N].
@@ -239,7 +240,7 @@ mod tests {
         assert_eq!(broken(&[(9.5, spring)]), Some(Guarantee::StepsLittle));
         // stairs are stairs
         let stairs = Terms {
-            smooths: false,
+            felt: Felt::Stairs,
             ..terms()
         };
         assert_eq!(broken_by(stairs, &[(9.5, output(-4.0))]), None);

@@ -13,7 +13,6 @@ use palpate_haptics::moving::PoseMotion;
 use palpate_haptics::placement::nearest_free;
 use palpate_haptics::proxy::Proxy;
 use palpate_haptics::safety::{ForceLimits, Safety};
-use palpate_haptics::smooth::Smoothing;
 use palpate_haptics::surface::{Surface, Uniform};
 use palpate_haptics::tick::{TickCache, TickInput, TickOutput, TickState, tick};
 use palpate_volume::grid::Grid;
@@ -22,6 +21,7 @@ use rayon::prelude::*;
 
 use super::checker::Checker;
 use super::dense::Dense;
+use super::felt::Felt;
 use super::force_check::ForceCheck;
 use super::guarantee::{Guarantee, Violation};
 use super::hand::{Hand, anywhere};
@@ -134,13 +134,19 @@ impl<'a, M: ContactModel> Run<'a, M> {
             stiffness: 0.2 + 5.0 * random.share(),
             damping: if random.share() < 0.5 { 0.0 } else { 0.01 },
             frictionless: friction == 0.0,
-            smooths: random.share() < 0.7 && !model.has_own_force(),
+            felt: if model.has_own_force() {
+                Felt::Stairs
+            } else {
+                Felt::random(&mut random)
+            },
         };
         let made: Vec<(Thing, Made)> = (0..plan.objects)
             .map(|_| Thing::random(plan, grid, &mut random))
             .collect();
         let (things, made): (Vec<Thing>, Vec<Made>) = made.into_iter().unzip();
-        let touched = Touched::new(world.bits(), plan.spacing, radius, &made);
+        let touched = Touched::new((world.bits(), plan.spacing), radius, &made, |bits| {
+            terms.felt.shares(bits, &mut random)
+        });
         // without edits, all that is solid stays
         let constant = if plan.edits {
             &world.fixed
@@ -251,11 +257,7 @@ impl<'a, M: ContactModel> Run<'a, M> {
             device_in_scene,
             velocity_in_scene: moved / DT,
             damping: self.terms.damping,
-            smoothing: if self.terms.smooths {
-                Smoothing::Bits
-            } else {
-                Smoothing::Off
-            },
+            smoothing: self.terms.felt.smoothing(),
         };
         self.cache.set_epoch(self.epoch);
         let (model, surface) = (&self.model, &self.surface);

@@ -3,6 +3,8 @@
 use glam::{DMat3, DVec3};
 use palpate_haptics::safety::ForceLimits;
 
+use super::felt::Felt;
+
 /// What is constant in a run.
 #[derive(Clone, Copy, Debug)]
 pub struct Terms {
@@ -26,8 +28,8 @@ pub struct Terms {
     pub damping: f64,
     /// Whether the force is across the surface only.
     pub frictionless: bool,
-    /// Whether it is to be smooth.
-    pub smooths: bool,
+    /// What it follows.
+    pub felt: Felt,
 }
 
 impl Terms {

@@ -10,11 +10,14 @@ use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;
 use palpate_volume::grid::Grid;
+use palpate_volume::shares::ShareBrick;
 use palpate_volume::voxel_box::VoxelBox;
 use rtrb::{Consumer, RingBuffer};
 
 use super::thing::Made;
+use crate::body::BodyVoxels;
 use crate::handover::{BrickChange, Garbage};
+use crate::known_shares::KnownShares;
 use crate::probe::Probe;
 use crate::touch_occupancy::{GARBAGE_PER_CHANGE, TouchOccupancy};
 use crate::touchable::{Body, Touchable};
@@ -31,14 +34,25 @@ pub struct Touched {
 }
 
 impl Touched {
-    /// A world and objects for a probe of this radius [mm].
+    /// A world with its voxel size [mm] and objects for a probe of this radius [mm], and what is
+    /// known of their shares.
     ///
     /// # Panics
     /// Where the radius is too large for one of them; plans make none such.
-    pub fn new(bits: Bits, spacing: DVec3, radius: f64, objects: &[Made]) -> Self {
-        let body = |bits: &Bits, spacing: DVec3| {
-            Body::new(bits.clone().into(), radius, spacing).expect("plans make balls that fit")
+    pub fn new(
+        (bits, spacing): (Bits, DVec3),
+        radius: f64,
+        objects: &[Made],
+        mut shares: impl FnMut(&Bits) -> Option<KnownShares>,
+    ) -> Self {
+        let mut body = |bits: &Bits, spacing: DVec3| {
+            let voxels = BodyVoxels {
+                bits: bits.clone(),
+                shares: shares(bits),
+            };
+            Body::new(voxels, radius, spacing).expect("plans make balls that fit")
         };
+        let world = body(&bits, spacing);
         let objects = objects.iter().map(|made| {
             let body = body(&made.bits, made.grid.spacing());
             let reach = body.shape().reach();
@@ -46,7 +60,7 @@ impl Touched {
             Object::new(body, &made.grid, bounds, made.pose)
         });
         let touchable = Touchable {
-            world: body(&bits, spacing),
+            world,
             parts: Vec::new(),
             objects: objects.collect(),
             radius,
@@ -83,13 +97,18 @@ impl Touched {
     }
 
     /// Takes an edit: admits it, if need be after a push of the proxy, or holds it.
-    pub fn edit(&mut self, swaps: Vec<BrickSwap<BitBrick>>, grid: &Grid, proxy: &mut Proxy) {
+    pub fn edit(
+        &mut self,
+        (swaps, shares): (Vec<BrickSwap<BitBrick>>, Vec<BrickSwap<ShareBrick>>),
+        grid: &Grid,
+        proxy: &mut Proxy,
+    ) {
         self.edits += 1;
         let change = BrickChange {
             sequence: self.edits,
             swaps,
             parts: Vec::new(),
-            shares: Vec::new(),
+            shares,
             part_shares: Vec::new(),
         };
         #[cfg(test)]
