@@ -15,6 +15,7 @@ use palpate_haptics::passivity::Passivity;
 use palpate_haptics::safety::{ForceLimits, ForceOff, Safety, SafetySettings};
 
 use crate::frame::ForceState;
+use crate::guarantee_watch::is_safe;
 use crate::handover::{DeviceChannels, DeviceSample, ForceCommand};
 use crate::shared::Shared;
 
@@ -81,7 +82,11 @@ impl DeviceLoop {
         });
 
         let command = *self.channels.forces.read();
+        let last = self.safety.sent();
         let force = self.safe_force(&command, &state, now);
+        if !is_safe(force, last, &self.limits_of(&command), self.dt) {
+            self.shared.counters.violations.fetch_add(1, Relaxed);
+        }
         self.device.write(force, DVec3::ZERO);
         if command.tick > 0 {
             self.device.set_hand(Some(command.hand_in_device));
@@ -124,12 +129,17 @@ impl DeviceLoop {
         if stale {
             return self.nothing(ForceOff::ServoLate);
         }
-        self.safety.set_limits(ForceLimits {
-            max_force: command.max_force.min(self.limits.max_force),
-            ..ForceLimits::default()
-        });
+        self.safety.set_limits(self.limits_of(command));
         let passive = self.passive_force(command, state);
         self.safety.limit(passive, self.dt)
+    }
+
+    /// What a person and the device allow.
+    fn limits_of(&self, command: &ForceCommand) -> ForceLimits {
+        ForceLimits {
+            max_force: command.max_force.min(self.limits.max_force),
+            ..ForceLimits::default()
+        }
     }
 
     /// The law's force where the device is now, without energy from nowhere.

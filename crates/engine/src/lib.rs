@@ -23,6 +23,7 @@ pub mod gap;
 pub mod gap_bodies;
 pub mod giving_matter;
 pub mod grip;
+pub mod guarantee_watch;
 pub mod handover;
 pub mod hard_matter;
 pub mod kept_surface;

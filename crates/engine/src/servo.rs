@@ -7,6 +7,7 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
 
 use glam::{DAffine3, DVec3, IVec3};
+use palpate_haptics::contact::ContactModel as _;
 use palpate_haptics::coupling::Coupling;
 use palpate_haptics::friction::Friction;
 use palpate_haptics::needle::{Needle, NeedleInput};
@@ -19,6 +20,7 @@ use palpate_volume::grid::Grid;
 
 use crate::device_loop::WATCHDOG_SECS;
 use crate::feel::Feels;
+use crate::guarantee_watch::keeps_guarantees;
 use crate::handover::{
     DeviceSample, ForceCommand, GivingWay, HandTarget, ServoChannels, ServoCommand, ServoStatus,
     Snapshot, TickRecord,
@@ -326,23 +328,22 @@ impl ServoLoop {
             model: surfaces.settings.model,
             limits: self.occupancy.touchable().limits(),
         };
-        let output = tick(
-            &self.occupancy.scene(&self.grid),
-            &model,
-            &surfaces,
-            input,
-            &mut self.state.touch,
-            &mut self.cache,
-        );
+        let scene = self.occupancy.scene(&self.grid);
+        let touch = &mut self.state.touch;
+        let had_friction = has_friction(touch);
+        let output = tick(&scene, &model, &surfaces, input, touch, &mut self.cache);
+        // the thesis' forces promise nothing
+        let is_spring = !had_friction && !has_friction(touch) && !model.has_own_force();
+        let device = input.device_in_scene;
+        if !keeps_guarantees(&scene, &touch.proxy, device, &output, is_spring) {
+            self.shared.counters.violations.fetch_add(1, Relaxed);
+        }
         self.state.touched = match output.held_by {
             _ if !output.contact => 0,
             Some(solid) => surfaces.owner(solid).map_or(0, |id| id.0),
             // under the smooth surface, but not held back yet
             None => self.state.touched,
         };
-        if output.violation {
-            self.shared.counters.violations.fetch_add(1, Relaxed);
-        }
         output
     }
 
@@ -420,6 +421,12 @@ impl ServoLoop {
         let world = (&self.grid, self.occupancy.touchable());
         self.state.needle.follow(input, holder, world, output);
     }
+}
+
+/// Whether what is touched has friction, so that the probe may be held aside of the device.
+fn has_friction(touch: &TickState) -> bool {
+    let feel = touch.blend.feel();
+    feel.is_some_and(|feel| feel.friction.stick > 0.0)
 }
 
 /// A rigid motion of the scene along the axes of a grid, in mm from its corner, as friction has it.

@@ -26,7 +26,7 @@ pub struct Counters {
     pub damped: AtomicU64,
     /// Times that the watchdog took the force away.
     pub watchdog: AtomicU64,
-    /// Ticks in which the probe was found in a solid voxel.
+    /// Ticks in which a guarantee was found broken (`guarantee_watch.rs`).
     pub violations: AtomicU64,
     /// What stands between the contact and the hand now, as a number.
     force_state: AtomicU8,

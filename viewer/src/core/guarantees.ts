@@ -33,7 +33,7 @@ const held: Readonly<Record<Safety["force"], { short: string; meaning: string } 
     meaning: "The force waits until it would be small: it never begins with a blow. Move the hand out of the surface.",
   },
   ramping: { short: "force ramps up", meaning: "The force rises to its full size within a moment, as after each start." },
-  easing: { short: "force eases off", meaning: "The force fades away: the hand was still for long, or the device asked for it." },
+  easing: { short: "force eases off", meaning: "The force falls to what the motors of the device bear for long." },
   off: { short: "force off", meaning: "No force is sent to the hand: the device, or the engine's watchdog, has stopped it." },
 };
 
@@ -70,7 +70,7 @@ export function lightOf(safety: Safety, model: Settings["model"]): Light {
   }
   const meaning =
     model === "exact"
-      ? "The probe has never been inside of anything solid, no wall was crossed, and no force was over its limit."
+      ? "Each tick was looked at: the probe was never inside of anything solid, no force pulled into it, none was without contact, and none that was sent was over the limit."
       : `No guarantee was broken so far. ${printedModel}`;
   return { colour: "green", short: "guarantees ok", meaning, counts };
 }
