@@ -44,7 +44,7 @@ pub const BONE_ID: SegmentId = SegmentId(3);
 /// Iterations of an answer: what a model does in the time that it has in a session.
 const ITERATIONS: u32 = 24;
 
-/// Without the friction of what it is made of: only then a force must never pull.
+/// Without the friction of what a segment is made of: only then a force must never pull.
 const SLIPPERY: Feel = Feel {
     stiffness: None,
     friction_static: Some(0.0),
@@ -141,6 +141,8 @@ impl World {
             let law = preset(name).and_then(|preset| preset.law());
             let law = law.expect("a preset of the list");
             rig.simulation.set_material(id, Some(law), false)?;
+        }
+        for id in [SKIN_ID, SOFT_ID, BONE_ID] {
             rig.simulation.set_feel(id, SLIPPERY)?;
         }
         rig.simulation
