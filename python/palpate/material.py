@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 from palpate import _core
+from palpate.errors import OptionError
 
 __all__ = [
     "ForceSource",
@@ -18,6 +19,7 @@ __all__ = [
     "Region",
     "Treatment",
     "material_presets",
+    "require_hounsfield",
 ]
 
 Treatment = Literal["deformable", "rigid", "empty"]
@@ -33,13 +35,13 @@ class Material(NamedTuple):
     young: float
     """Young's modulus [Pa]."""
     poisson: float = 0.45
-    """Poisson's ratio, below 0.5."""
+    """Poisson's ratio, below 0.5; what a model cannot do is told, and the nearest is taken."""
     density: float = 1050.0
-    """[kg/m³]."""
+    """[kg/m³]; no model reads it, since matter is brought to rest."""
     breaking_strain: float = float("inf")
     """Strain at which bonds break; infinity for matter that never breaks."""
     friction: float = 0.2
-    """Coulomb friction with a tool."""
+    """Coulomb friction with a tool that sticks; four fifths of it where one slides, 2 at most."""
 
 
 @dataclass(frozen=True)
@@ -76,6 +78,24 @@ class Preset:
     """Its constants, at the lower end where they follow HU."""
     high: Material
     """Its constants, at the upper end where they follow HU."""
+
+
+def require_hounsfield(material: Material | LinearMaterial | str | None, *, unit: str) -> None:
+    """Refuses a material whose constants follow HU, for a scan with values of another unit.
+
+    Raises:
+        OptionError: They follow HU, and values are not known to be HU.
+    """
+    constant = [preset.name for preset in material_presets() if not preset.needs_hounsfield]
+    by_name = [preset.name for preset in material_presets() if preset.needs_hounsfield]
+    if unit == "HU" or not (isinstance(material, LinearMaterial) or material in by_name):
+        return
+    told = f'"{material}"' if isinstance(material, str) else "LinearMaterial"
+    raise OptionError(
+        f"material {told}, which follows HU, given for a scan whose values are not known to be HU; "
+        f"allowed: a Material, or one of {', '.join(constant)}; where they are HU, read the scan "
+        'with unit="HU" (--unit HU)'
+    )
 
 
 def material_presets() -> list[Preset]:

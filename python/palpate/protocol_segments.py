@@ -55,7 +55,10 @@ __all__ = [
 
 
 class Feel(msgspec.Struct, frozen=True):
-    """How the surface of a segment feels; null is as the settings of touch say."""
+    """How the surface of a segment feels; null is as the settings of touch say.
+
+    Friction without one of its own is that of the segment's material, where it has one.
+    """
 
     stiffness: Stiffness | None
     friction_static: Friction | None

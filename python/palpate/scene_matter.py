@@ -73,7 +73,10 @@ def restore_matter(session: Session, saved: SavedMatter) -> None:
         OptionError: Matter or a model cannot be so.
     """
     for each in saved.materials:
-        session.set_material(each.segment, _given_material(each), undoable=False)
+        # what was made of it stays so, whatever is known of the scan's unit by now
+        session._make_of(  # noqa: SLF001  # a scene restores its session
+            each.segment, _given_material(each), undoable=False
+        )
     for segment_id in {each.segment for each in saved.regions}:
         regions = [
             Region(each.treatment, box=each.box, shared_with=each.shared_with)

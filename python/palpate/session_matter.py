@@ -7,7 +7,13 @@ from contextlib import contextmanager, suppress
 from typing import Any
 
 from palpate.errors import OptionError
-from palpate.material import ForceSource, LinearMaterial, Material, Region
+from palpate.material import (
+    ForceSource,
+    LinearMaterial,
+    Material,
+    Region,
+    require_hounsfield,
+)
 from palpate.model_options import ModelOptions
 from palpate.session_part import SessionPart, given
 
@@ -51,6 +57,8 @@ class SessionMatter(SessionPart):
     ) -> None:
         """Tells what a segment is made of.
 
+        Its friction is felt where the segment has none of its own (``set_feel``).
+
         Args:
             segment_id: Which one.
             material: Constants, or a name of ``palpate.material.material_presets()``; None is
@@ -58,8 +66,19 @@ class SessionMatter(SessionPart):
             undoable: Whether undo takes it back.
 
         Raises:
-            OptionError: There is no such segment or name, or no matter has such constants.
+            OptionError: There is no such segment or name, no matter has such constants, or they
+                follow HU and the scan's values are not known to be HU.
         """
+        require_hounsfield(material, unit=self.scene.volume.unit)
+        self._make_of(segment_id, material, undoable=undoable)
+
+    def _make_of(
+        self,
+        segment_id: int,
+        material: Material | LinearMaterial | str | None,
+        *,
+        undoable: bool,
+    ) -> None:
         with given():
             match material:
                 case str():

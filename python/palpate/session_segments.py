@@ -139,6 +139,8 @@ class SessionSegments(SessionMatter):
     ) -> None:
         """Sets how the surface of a segment feels; None is as the settings of touch say.
 
+        Friction without one of its own is that of the segment's material, where it has one.
+
         Raises:
             OptionError: A value is out of range.
         """

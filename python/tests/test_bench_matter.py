@@ -24,6 +24,7 @@ from palpate.bench.goals_matter import (
     crystal_case,
     session_case,
     stress_case,
+    thesis_figures,
     truth_case,
 )
 from palpate.bench.lammps_pairs import LammpsCrystal
@@ -69,7 +70,27 @@ def test_every_goal_of_sessions_and_of_work_stands_in_the_table() -> None:
         assert stress[case, "in contact"] == 80.0
         assert stress[case, "bits changed around the probe"] == 1.0
     assert ("CThead bone, hard", "servo, average") in sessions
-    assert ("LIDC bone, fcc-lj", "thesis, servo") not in sessions
+    assert ("CThead bone, fcc-lj", "thesis, deformation, average") in sessions
+    assert ("LIDC bone, fcc-lj", "thesis, servo, average") not in sessions
+
+
+def test_the_thesis_tables_are_as_printed() -> None:
+    torso, head = "phantom 520×512×512", "CThead bone"
+    told = {ground: thesis_figures(ground, "cuboid-lj") for ground in (head, torso)}
+    assert told[torso]["thesis, servo, average"] == (68.0, "kHz")
+    assert told[torso]["thesis, deformation, least second"] == (26.0, "Hz")
+    assert told[head]["thesis, deformation, equal voxels, most"] == (180.0, "Hz")
+    assert thesis_figures(head, "global-lj").keys() == {
+        f"thesis, servo, {which}" for which in ("average", "least second", "most")
+    }
+    assert thesis_figures("LIDC bone", "fcc-lj") == thesis_figures(torso, "lattice") == {}
+    for figures_of in told.values():
+        for name in ("servo", "deformation", "deformation, equal voxels"):
+            rates = [
+                figures_of[f"thesis, {name}, {which}"][0]
+                for which in ("least second", "average", "most")
+            ]
+            assert rates == sorted(rates)
 
 
 def test_every_goal_of_the_truth_cube_stands_in_the_table() -> None:

@@ -16,7 +16,7 @@ from palpate.scripted_path import ScriptedPath
 from palpate.server_matter import asked_material, material_of
 from palpate.session import Session, SessionOptions
 from palpate.touch_settings import TouchSettings
-from palpate.volume import Volume
+from palpate.volume import Volume, VolumeTraits
 
 TOP = 24.0
 """Upper end of the soft block [mm]."""
@@ -28,10 +28,10 @@ GEL = Material(young=2.0e4, poisson=0.45, friction=0.0)
 """Soft, and never breaks."""
 
 
-def scene() -> Scene:
+def scene(unit: str = "HU") -> Scene:
     values = np.full((48, 48, 48), -1000, dtype=np.int16)
     values[: int(TOP)] = 50
-    volume = Volume(values, spacing=(1.0, 1.0, 1.0))
+    volume = Volume(values, spacing=(1.0, 1.0, 1.0), traits=VolumeTraits(unit=unit))
     return Scene(volume, [volume.threshold(0.0, 100.0, name="gel")])
 
 
@@ -75,6 +75,29 @@ def test_without_a_model_or_a_material_matter_is_hard() -> None:
     hard = pressed(None, None).forces
     assert np.array_equal(pressed(GEL, None).forces, hard)
     assert np.array_equal(pressed(None, "lattice").forces, hard)
+
+
+def test_the_friction_of_a_material_holds_a_sliding_probe_back_and_is_replayed() -> None:
+    path = ScriptedPath((14.3, 24.4, 30.0))
+    path = path.move((14.3, 24.4, TOP - DEEP), seconds=0.3)
+    path = path.move((34.3, 24.4, TOP - DEEP), seconds=1.2)
+
+    def held(recording: Recording) -> float:
+        along, _, up = recording.forces[-1]
+        return float(-along / up)
+
+    with Session(scene(), device=path, options=OFFLINE) as session:
+        assert held(session.run(0.6)) == pytest.approx(0.0, abs=0.01)
+        session.set_material(1, GEL._replace(friction=0.5))
+        rough = session.run(0.3)
+        # a probe that slides is held by four fifths
+        assert held(rough) == pytest.approx(0.4, abs=0.01)
+        assert rough.replay().is_equal
+        session.set_feel(1, friction_static=0.1, friction_kinetic=0.1)
+        assert held(session.run(0.2)) == pytest.approx(0.1, abs=0.01)
+        session.set_feel(1)
+        assert session.undo()
+        assert held(session.run(0.2)) == pytest.approx(0.0, abs=0.01)
 
 
 def test_what_is_felt_of_soft_matter_can_be_chosen() -> None:
@@ -400,6 +423,22 @@ def test_segments_say_what_they_are_made_of() -> None:
         own = material_of(session.segments()[0])
         assert own is not None
         assert own.low.young == 7000.0
+
+
+@pytest.mark.parametrize("material", ["thesis-bone", LinearMaterial((0.0, 900.0), GEL, GEL)])
+def test_what_follows_hu_is_refused_where_values_are_not_known_to_be_hu(
+    material: LinearMaterial | str,
+) -> None:
+    name = material if isinstance(material, str) else "LinearMaterial"
+    with Session(scene(unit=""), options=OFFLINE) as session:
+        refused = f"{name}.* not known to be HU; allowed: .* liver, .*--unit HU"
+        with pytest.raises(OptionError, match=refused):
+            session.set_material(1, material)
+        assert session.segments()[0]["material"] is None
+        session.set_material(1, "liver")
+    with Session(scene(), options=OFFLINE) as session:
+        session.set_material(1, material)
+        assert session.segments()[0]["material"] is not None
 
 
 @pytest.mark.parametrize(

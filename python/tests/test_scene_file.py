@@ -149,7 +149,7 @@ def test_a_scene_that_cannot_be_written_leaves_the_one_before(
 
 def test_no_damage_goes_unseen(scan: Path, tmp_path: Path) -> None:
     path, damaged = tmp_path / "scene.palpate", tmp_path / "damaged.palpate"
-    with edited(read(scan)) as session:
+    with edited(read(scan, unit="HU")) as session:
         save_scene(path, session, copy=True)
     whole = path.read_bytes()
     # every so many-th byte flipped, and the file cut there
@@ -212,7 +212,7 @@ def test_a_scene_of_before_options_has_its_box(scan: Path, tmp_path: Path) -> No
         about["edge"] = 11
 
     path = tmp_path / "scene.palpate"
-    with edited(read(scan)) as session:
+    with edited(read(scan, unit="HU")) as session:
         save_scene(path, session, copy=True)
     rewritten(path, of_before)
     saved = open_scene(path)

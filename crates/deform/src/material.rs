@@ -284,6 +284,13 @@ impl MaterialLaw {
         [f64::NEG_INFINITY, f64::INFINITY].map(|hounsfield| self.at(hounsfield))
     }
 
+    /// Coulomb friction of a surface of it, which has one for all of its voxels: the mean of its ends.
+    #[must_use]
+    pub fn friction(&self) -> f64 {
+        let [low, high] = self.ends().map(|solid| solid.friction);
+        0.5 * (low + high)
+    }
+
     /// Whether it reads intensities as HU; such a law is for CT only.
     #[must_use]
     pub fn needs_hounsfield(&self) -> bool {

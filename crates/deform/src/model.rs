@@ -152,7 +152,8 @@ pub enum ModelEvent {
         /// The middle of them [mm].
         place: DVec3,
     },
-    /// Poisson's ratio was out of the model's range, and the nearest one is used.
+    /// Poisson's ratio was out of what the model can do, and the nearest one is used: one of a
+    /// range, or the only one that particles on a lattice have.
     PoissonClamped {
         /// As asked.
         asked: f64,

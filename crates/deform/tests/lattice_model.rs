@@ -62,7 +62,16 @@ fn advance(
     materials: &Materials,
     tool: ToolState,
 ) -> ModelAnswer {
-    let budget = Budget::iterations(400);
+    advance_by(400, model, (voxels, materials), tool)
+}
+
+fn advance_by(
+    iterations: u32,
+    model: &mut dyn DeformationModel,
+    (voxels, materials): (&Voxels, &Materials),
+    tool: ToolState,
+) -> ModelAnswer {
+    let budget = Budget::iterations(iterations);
     model.advance(&ModelInput {
         voxels,
         materials,
@@ -231,6 +240,75 @@ fn tools_that_are_none_feel_nothing_and_harm_nothing() {
         (before - after).length() < 0.01 * before.length(),
         "{before} {after}"
     );
+}
+
+#[test]
+fn particles_tell_once_that_poissons_ratio_is_their_lattices() {
+    let (voxels, id, top) = body(DVec3::ONE);
+    let told = |name: &str, poisson: f64| -> Vec<ModelEvent> {
+        let materials = made_of(id, SolidSi { poisson, ..LIVER }, Vec::new());
+        let known = model_from_name(name).expect("a known name");
+        let mut model = (known.make)(&ModelOptions::default());
+        let tool = ball(DVec3::new(18.0, 18.0, top + 2.5), 3.0);
+        let mut events = Vec::new();
+        for _ in 0..2 {
+            events.extend(advance_by(2, &mut *model, (&voxels, &materials), tool).events);
+            model.reset();
+        }
+        events.retain(|event| matches!(event, ModelEvent::PoissonClamped { .. }));
+        events
+    };
+    for (name, own) in [("fcc-lj", 0.358), ("global-lj", 0.358), ("cuboid-lj", 0.0)] {
+        let [ModelEvent::PoissonClamped { asked, used }] = told(name, 0.45)[..] else {
+            panic!("{name}: {:?}", told(name, 0.45));
+        };
+        assert_eq!(asked, 0.45);
+        assert!((used - own).abs() < 0.01, "{name}: {used}");
+        assert_eq!(told(name, used), [], "{name} as it is");
+    }
+}
+
+#[test]
+fn an_ellipsoid_is_pushed_up_harder_where_it_is_flatter() {
+    let (voxels, id, top) = body(DVec3::ONE);
+    let materials = made_of(id, LIVER, Vec::new());
+    let known = model_from_name("lattice").expect("a known name");
+    let pushed = |shape: ToolShape, orientation: DQuat, height: f64| {
+        let tool = ToolState {
+            shape,
+            orientation,
+            ..ball(DVec3::new(18.0, 18.0, top + height - 1.0), 1.0)
+        };
+        let mut model = (known.make)(&ModelOptions::default());
+        force(&advance(&mut *model, &voxels, &materials, tool))
+    };
+    let long = ToolShape::Ellipsoid(DVec3::new(5.0, 2.5, 2.5));
+    let upright = DQuat::from_rotation_y(std::f64::consts::FRAC_PI_2);
+    let (round, as_ball) = (
+        pushed(
+            ToolShape::Ellipsoid(DVec3::splat(2.5)),
+            DQuat::IDENTITY,
+            2.5,
+        ),
+        pushed(ToolShape::Ball(2.5), DQuat::IDENTITY, 2.5),
+    );
+    assert_eq!(round, as_ball, "an ellipsoid with equal axes is a ball");
+    let flat = pushed(long, DQuat::IDENTITY, 2.5);
+    let turned = pushed(long, DQuat::from_rotation_z(0.5), 2.5);
+    let on_end = pushed(long, upright, 5.0);
+    println!("ball {as_ball:.4}, flat {flat:.4}, turned {turned:.4}, upright {on_end:.4} N");
+    for force in [flat, turned, on_end] {
+        assert!(
+            force.z > 0.0 && force.truncate().length() < 0.1 * force.z,
+            "{force}"
+        );
+    }
+    // Hertz: at one depth the force goes with the root of the radius of curvature below, which is
+    // 2.5 mm for the ball, √(10 · 2.5) mm flat (or so), 1.25 mm upright
+    let by_ball = |force: DVec3| force.z / as_ball.z;
+    assert!((1.2..1.8).contains(&by_ball(flat)), "{}", by_ball(flat));
+    assert!((by_ball(turned) / by_ball(flat) - 1.0).abs() < 0.1);
+    assert!((0.4..0.8).contains(&by_ball(on_end)), "{}", by_ball(on_end));
 }
 
 #[test]

@@ -117,6 +117,50 @@ fn the_bone_of_the_thesis_is_linear_between_its_ends_and_held_beyond_them() {
     );
 }
 
+/// Thesis 5.28.3.
+#[test]
+fn the_materials_of_the_thesis_have_its_constants_at_both_ends() {
+    let told = |name: &str, young: [f64; 2], poisson: [f64; 2], density: [f64; 2], hu: [f64; 2]| {
+        let law = preset(name).and_then(|p| p.law()).expect("a preset");
+        for end in 0..2 {
+            let si = law.at(hu[end]).si();
+            let near = |found: f64, wanted: f64| assert!((found / wanted - 1.0).abs() < ROUNDING);
+            near(si.young, young[end]);
+            near(si.poisson, poisson[end]);
+            near(si.density, density[end]);
+            assert_eq!(law.at(hu[end] + [-1.0, 1.0][end]), law.at(hu[end]));
+        }
+        assert_ne!(
+            law.at(hu[0] + 1.0),
+            law.at(hu[0]),
+            "{name} follows HU between"
+        );
+    };
+    told(
+        "thesis-bone",
+        [5e9, 21e9],
+        [0.30, 0.32],
+        [920.0, 1900.0],
+        [700.0, 3000.0],
+    );
+    told(
+        "thesis-soft-tissue",
+        [3.4e4, 3.5e4],
+        [0.47, 0.48],
+        [1100.0, 1200.0],
+        [10.0, 60.0],
+    );
+}
+
+#[test]
+fn friction_of_a_surface_is_the_mean_of_the_ends() {
+    let rough = |friction: f64| SolidSi { friction, ..LIVER };
+    let law = MaterialLaw::linear([0.0, 10.0], rough(0.1), rough(0.4)).expect("a law");
+    assert!((law.friction() - 0.25).abs() < ROUNDING);
+    let law = MaterialLaw::constant(rough(0.4)).expect("a law");
+    assert!((law.friction() - 0.4).abs() < ROUNDING);
+}
+
 #[test]
 fn trabecular_bone_follows_the_power_of_its_density() {
     let bone = preset("trabecular-bone")

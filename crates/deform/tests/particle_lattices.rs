@@ -4,7 +4,7 @@ use glam::{DVec3, IVec3};
 use palpate_deform::material::{MaterialLaw, preset};
 use palpate_deform::particles::calibration::{Calibration, LatticeKind, LatticeScale, unit_law};
 use palpate_deform::particles::elasticity::{
-    CubicModuli, compression_modulus, cubic_offsets, fcc_offsets, spacing_without_pressure,
+    CubicModuli, compression_moduli, cubic_offsets, fcc_offsets, spacing_without_pressure,
 };
 use palpate_deform::particles::lattices::fcc;
 use palpate_deform::particles::{
@@ -123,10 +123,12 @@ fn compression_by_forces_gives_the_modulus_of_the_lattice_sum() {
     let chi = spacing_without_pressure(&offsets, FCC_VOLUME, radial(&law));
     let relaxed: Vec<_> = offsets.iter().map(|&d| chi * d).collect();
     let volume = FCC_VOLUME * chi.powi(3);
-    let expected = CubicModuli::of(&relaxed, volume, &law).young(DVec3::X);
-    let found = compression_modulus(&relaxed, volume, 1e-5, radial(&law));
+    let moduli = CubicModuli::of(&relaxed, volume, &law);
+    let expected = moduli.young(DVec3::X);
+    let (found, poisson) = compression_moduli(&relaxed, volume, 1e-5, radial(&law));
     // the law is not linear: 1e-5 of strain changes E by 20 times as much
     assert!((found / expected - 1.0).abs() < 5e-4, "{found} {expected}");
+    assert!((poisson - moduli.poisson_along_axis()).abs() < 5e-4);
 }
 
 #[test]

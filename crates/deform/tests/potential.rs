@@ -191,6 +191,57 @@ fn repulsion_alone_never_pulls_and_is_continuous_at_a() {
     assert!(law.energy(A).abs() < f64::EPSILON * D);
 }
 
+/// By energy and force alone: it has no well, and so no characteristics.
+#[test]
+fn the_force_of_repulsion_alone_is_the_negative_derivative_of_its_energy() {
+    let lj = LennardJones::new(A, D).unwrap();
+    let checked = |name: &str, law: &dyn PairLaw| {
+        for step in 0..2000 {
+            let r = A * (0.7 + 0.6 * f64::from(step) / 2000.0);
+            let expected = -derivative(|r| law.energy(r), r);
+            // the force has a kink at a; differences over 4e-4 a see a slope of 72 D/a² there
+            let kink = if (r - A).abs() < 1e-3 * A { 0.03 } else { 0.0 };
+            let tolerance = 1e-7 * law.force(r).abs() + (1e-7 + kink) * D / A;
+            assert!((law.force(r) - expected).abs() < tolerance, "{name} at {r}");
+        }
+    };
+    checked("lj", &Repulsive(lj));
+    checked("mie", &Repulsive(Mie::new(A, D, 9.0, 6.0).unwrap()));
+    checked("morse", &Repulsive(Morse::new(A, D, 6.0).unwrap()));
+}
+
+/// The true force is the whole gradient of the energy, the thesis' its part along the line between
+/// the particles: 5.64 and 5.65.
+#[test]
+fn both_cuboid_forces_are_derivatives_of_the_energy() {
+    let law = CuboidLennardJones::new(A, D).unwrap();
+    let mut asked = 0;
+    for number in 0..4000_u32 {
+        let share = |factor: f64| (f64::from(number) * factor).fract() - 0.5;
+        let offset = 4.0 * A * DVec3::new(share(0.618_034), share(0.414_214), share(0.732_051));
+        let mut sides = offset.abs().to_array();
+        sides.sort_by(f64::total_cmp);
+        // where two axes are equally far, and within a wall that is steeper than differences can tell
+        if sides[2] - sides[1] < 0.01 * A || sides[2] < 0.7 * A {
+            continue;
+        }
+        asked += 1;
+        let along = |way: DVec3| -derivative(|step| law.energy(offset + step * way), 0.0);
+        let gradient = law.gradient_force(offset);
+        let tolerance = 1e-6 * (gradient.length() + D / A);
+        for axis in [DVec3::X, DVec3::Y, DVec3::Z] {
+            assert!(
+                (gradient.dot(axis) - along(axis)).abs() < tolerance,
+                "{offset}"
+            );
+        }
+        let (radial, out) = (law.radial_force(offset), offset.normalize());
+        assert!((radial.dot(out) - along(out)).abs() < tolerance, "{offset}");
+        assert!(radial.cross(out).length() < 1e-12 * (radial.length() + D / A));
+    }
+    assert!(asked > 2000, "{asked}");
+}
+
 #[test]
 fn no_distance_gives_an_infinite_or_undefined_answer() {
     let absurd = [

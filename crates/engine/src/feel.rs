@@ -1,9 +1,15 @@
 //! How the surface of a segment feels, where it differs from the settings of touch.
 
+use palpate_deform::material::MaterialLaw;
+use palpate_haptics::friction::MAX_FRICTION;
 use palpate_volume::edit::SegmentId;
 use serde::{Deserialize, Serialize};
 
 use crate::settings::{Settings, SettingsError};
+
+/// A probe that slides over matter is held back by this share of what holds one that sticks. Tables of
+/// textbooks have 0.8 for rubber on concrete and 0.77 for steel on steel; for tissue none is known.
+const SLIDING_SHARE: f64 = 0.8;
 
 /// What a segment has of its own; none is as the settings say.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -28,6 +34,21 @@ impl Feel {
             // a segment that has only one of them keeps the cone a cone
             friction_kinetic: friction_kinetic.min(friction_static),
             ..*settings
+        }
+    }
+
+    /// With the friction of what the segment is made of, where it has none of its own.
+    #[must_use]
+    pub fn of_matter(self, law: Option<&MaterialLaw>) -> Self {
+        let has_own = self.friction_static.or(self.friction_kinetic).is_some();
+        let Some(law) = law.filter(|_| !has_own) else {
+            return self;
+        };
+        let sticks = law.friction().min(MAX_FRICTION);
+        Self {
+            friction_static: Some(sticks),
+            friction_kinetic: Some(SLIDING_SHARE * sticks),
+            ..self
         }
     }
 
@@ -115,6 +136,33 @@ mod tests {
         let felt = hard.over(&rough);
         assert_eq!((felt.stiffness, felt.friction_static), (4.0, 0.1));
         assert_eq!(felt.friction_kinetic, 0.1);
+    }
+
+    #[test]
+    fn matter_gives_its_friction_where_the_segment_has_none_of_its_own() {
+        let bone = palpate_deform::material::preset("cortical-bone");
+        let bone = bone.unwrap().law().unwrap();
+        let stiff = Feel {
+            stiffness: Some(4.0),
+            ..Feel::default()
+        };
+        assert_eq!(stiff.of_matter(None), stiff);
+        let felt = stiff.of_matter(Some(&bone));
+        assert_eq!(felt.stiffness, Some(4.0));
+        assert_eq!(felt.friction_static, Some(0.3));
+        assert_eq!(felt.friction_kinetic, Some(0.8 * 0.3));
+        for own in [
+            Feel {
+                friction_static: Some(0.0),
+                ..stiff
+            },
+            Feel {
+                friction_kinetic: Some(0.1),
+                ..stiff
+            },
+        ] {
+            assert_eq!(own.of_matter(Some(&bone)), own);
+        }
     }
 
     #[test]

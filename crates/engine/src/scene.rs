@@ -41,7 +41,7 @@ pub struct Properties {
     /// The threshold that made it, whatever edits did since: touch and surfaces read the scan's
     /// values there.
     pub made_by: Option<ThresholdRange>,
-    /// How its surface feels.
+    /// How its surface feels, as a person has set it.
     pub feel: Feel,
     /// Where it was moved [mm, from the scan to the scene]; none where the scan has it.
     pub pose: Option<DAffine3>,
@@ -59,6 +59,12 @@ impl Properties {
             made_by: range,
             ..Self::default()
         }
+    }
+
+    /// How its surface feels, with the friction of what it is made of.
+    #[must_use]
+    pub fn felt(&self) -> Feel {
+        self.feel.of_matter(self.law.as_ref())
     }
 }
 
@@ -182,7 +188,7 @@ impl Scene {
     pub fn feels(&self) -> Feels {
         let mut feels = Feels::default();
         for (id, properties) in &self.properties {
-            feels.set(*id, properties.feel);
+            feels.set(*id, properties.felt());
         }
         feels
     }

@@ -108,7 +108,7 @@ pub struct SegmentState {
     pub range: Option<ThresholdRange>,
     /// The threshold that made it, whatever edits did since.
     pub made_by: Option<ThresholdRange>,
-    /// How its surface feels.
+    /// How its surface feels, as a person has set it; friction that is not set is that of `law`.
     pub feel: Feel,
     /// What it is made of; none where it is hard.
     pub law: Option<MaterialLaw>,

@@ -18,8 +18,8 @@ from palpate.bench.goals_matter import (
     NO_MODEL,
     SESSION_GROUNDS,
     SESSION_ROWS,
-    THESIS,
     session_case,
+    thesis_figures,
 )
 from palpate.bench.haptics_data import CTHEAD, CTHEAD_BONE, LIDC, MissingDataError, data_file
 from palpate.bench.report import Row, row_of
@@ -67,7 +67,9 @@ def measure(
             case = session_case(ground, model)
             share = (done + nth / len(with_models)) / len(chosen)
             progress(f"{case}, {pace.seconds} s", share)
-            reports[case] = figures(segment, model, pace) | _thesis(ground, model)
+            reports[case] = figures(segment, model, pace) | {
+                name: figure for name, (figure, _) in thesis_figures(ground, model).items()
+            }
     rows = [row_of(goal, reports[goal.case]) for goal in SESSION_ROWS if goal.case in reports]
     return rows, missing
 
@@ -111,16 +113,6 @@ def figures(segment: Segment, model: str, pace: Pace) -> dict[str, float]:
         "contact_share": sum(found["contacts"]) / max(1.0, sum(found["ticks"])),
         "violations": float(found["violations"]),
         "nodes": float(found["nodes"]),
-    }
-
-
-def _thesis(ground: str, model: str) -> dict[str, float]:
-    told = THESIS.get((SESSION_GROUNDS[ground] or "", model), (None, None, None))
-    names = ("servo", "deformation", "deformation, equal voxels")
-    return {
-        f"thesis {name}": figure
-        for name, figure in zip(names, told, strict=True)
-        if figure is not None
     }
 
 

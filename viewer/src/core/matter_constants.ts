@@ -35,7 +35,7 @@ export const writtenConstants: readonly WrittenConstant[] = [
   {
     key: "poisson",
     label: "Poisson's ν",
-    title: "Poisson's ratio: how much it goes aside where it is pressed: near 0.5 it keeps its volume. The lattice takes 0.25 to 0.45, and the nearest of these beyond",
+    title: "Poisson's ratio: how much it goes aside where it is pressed: near 0.5 it keeps its volume. The lattice takes 0.25 to 0.45, and the nearest of these beyond; particles have that of their lattice",
     unit: "",
     scale: 1,
     min: -0.99,
@@ -45,7 +45,7 @@ export const writtenConstants: readonly WrittenConstant[] = [
   {
     key: "density",
     label: "Density ρ",
-    title: "Mass by volume: how slowly waves go through particles; what is at rest does not feel it",
+    title: "Mass by volume: kept with the material. No model reads it: matter is brought to rest, where mass counts for nothing",
     unit: "g/cm³",
     scale: 1000,
     min: 0.0001,
@@ -65,7 +65,7 @@ export const writtenConstants: readonly WrittenConstant[] = [
   {
     key: "friction",
     label: "Friction",
-    title: "How much of the pressing force holds a tool back sideways",
+    title: "How much of the pressing force holds a tool back sideways, four fifths of it where the tool slides; more than 200 % counts as that. A segment's own friction, under Segments, goes before it",
     unit: "%",
     scale: 0.01,
     min: 0,

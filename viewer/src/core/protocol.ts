@@ -137,7 +137,11 @@ export interface Scan {
   readonly warnings: readonly string[];
 }
 
-/** How the surface of a segment feels; null is as the settings of touch say. */
+/**
+ * How the surface of a segment feels; null is as the settings of touch say.
+ *
+ * Friction without one of its own is that of the segment's material, where it has one.
+ */
 export interface Feel {
   readonly stiffness: Stiffness | null;
   readonly friction_static: Friction | null;

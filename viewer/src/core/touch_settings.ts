@@ -2,7 +2,7 @@
  * What a person can set about touch: the ranges of the controls, what the choices mean, and
  * what of it outlives a visit. Stiffness [N/mm], damping [N·s/mm], radius [mm], force [N].
  */
-import type { DeviceLimits, Feel, Settings } from "./protocol";
+import type { DeviceLimits, Feel, Segment, Settings } from "./protocol";
 
 type NumberSetting = "stiffness" | "damping" | "friction_static" | "friction_kinetic" | "probe_radius" | "force_limit" | "gain";
 
@@ -151,7 +151,15 @@ export function withStiffness(feel: Feel, stiffness: number | null): Feel {
   return { ...feel, stiffness };
 }
 
-/** A feel with its own friction, or that of touch where null. */
+/** The coefficient of a segment without one of its own: of what it is made of, else of touch. */
+export function frictionWithoutOwn({ material }: Pick<Segment, "material">, settings: Settings): number {
+  if (material === null) {
+    return settings.friction_static;
+  }
+  return Math.min(taken.friction_static.max, (material.low.friction + material.high.friction) / 2);
+}
+
+/** A feel with its own friction, or that of its material or of touch where null. */
 export function withFriction(feel: Feel, coefficient: number | null): Feel {
   const none = { friction_static: null, friction_kinetic: null };
   return { ...feel, ...(coefficient === null ? none : frictionOf(coefficient)) };

@@ -1,6 +1,7 @@
 import { expect, test } from "vitest";
 import {
   frictionOf,
+  frictionWithoutOwn,
   heldRadiusNote,
   larger,
   memoryVersion,
@@ -105,6 +106,16 @@ test("every thesis model warns and exact does not", () => {
   for (const { model, warning } of modelChoices) {
     expect(warning === null).toBe(model === "exact");
   }
+});
+
+test("without friction of its own a segment has that of its material, and without one that of touch", () => {
+  const constants = { young: 5500, poisson: 0.45, density: 1060, breaking_strain: null, friction: 0.2 };
+  const material = { preset: null, low: constants, high: { ...constants, friction: 0.4 } };
+  const rough = { ...settings, friction_static: 0.7 };
+  expect(frictionWithoutOwn({ material: null }, rough)).toBe(0.7);
+  expect(frictionWithoutOwn({ material }, rough)).toBeCloseTo(0.3, 12);
+  const glue = { ...constants, friction: 9 };
+  expect(frictionWithoutOwn({ material: { preset: null, low: glue, high: glue } }, rough)).toBe(2);
 });
 
 test("a segment's own feel is set and given back without touching the rest", () => {

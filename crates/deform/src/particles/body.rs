@@ -7,7 +7,7 @@
 use glam::{DVec3, IVec3};
 use palpate_volume::grid::Grid;
 
-use super::calibration::LatticeScale;
+use super::calibration::{Calibration, LatticeScale};
 use super::contact_laws::ContactLaws;
 use super::local_model::{LocalLaw, Motion};
 use super::space::Space;
@@ -16,7 +16,8 @@ use super::system::{MARGIN, ParticleSystem};
 use super::tool_push::{ParticleTool, ToolForce, ToolLaw};
 use super::walls::keep_inside;
 use crate::integrator::{Fire, VelocityVerlet};
-use crate::model::{Budget, ModelParts, ModelReport, ToolContact, ToolState};
+use crate::material::{Solid, Treatment};
+use crate::model::{Budget, ModelEvent, ModelParts, ModelReport, ToolContact, ToolState};
 
 /// Angular frequency of a particle on one link: masses are 72 D/a², so time has the unit T₀/2π.
 const LINK_FREQUENCY: f64 = 1.0;
@@ -52,6 +53,8 @@ pub(super) struct ParticleBody<L> {
     before: Vec<DVec3>,
     /// Stiffest contact with a tool at the last evaluation, over that of a link.
     stiffest: f64,
+    /// That matter was asked for with another Poisson's ratio than the lattice has.
+    other_poisson: Option<ModelEvent>,
 }
 
 impl<L: LocalLaw> ParticleBody<L> {
@@ -70,6 +73,7 @@ impl<L: LocalLaw> ParticleBody<L> {
             scale,
             before: Vec::with_capacity(capacity),
             stiffest: 0.0,
+            other_poisson: None,
         }
     }
 
@@ -138,6 +142,23 @@ impl<L: LocalLaw> ParticleBody<L> {
     /// The mass that lets every particle swing alike: 72 D/a².
     pub fn inertia(&self, depth: f64) -> f64 {
         72.0 * depth / self.scale.equilibrium.powi(2)
+    }
+
+    /// The depth of particles of this matter [N·mm]. Where it gives way, its Poisson's ratio is noted.
+    pub fn depth(&mut self, (solid, treatment): (&Solid, Treatment), by: Calibration) -> f64 {
+        let asked = solid.poisson;
+        if let (Some(used), Treatment::Deformable) = (self.scale.other_poisson(asked), treatment) {
+            let told = ModelEvent::PoissonClamped { asked, used };
+            self.other_poisson.get_or_insert(told);
+        }
+        self.scale.depth(solid, by)
+    }
+
+    /// What was asked for first that the lattice cannot do, where nobody was `told` of any yet.
+    pub fn tell_poisson(&self, told: &mut bool) -> Option<ModelEvent> {
+        let event = self.other_poisson.filter(|_| !*told);
+        *told |= event.is_some();
+        event
     }
 
     /// Moves particles until they rest or the budget is spent.

@@ -13,7 +13,7 @@ use std::f64::consts::FRAC_1_SQRT_2;
 use glam::DVec3;
 
 use super::elasticity::{
-    CubicModuli, compression_modulus, cubic_offsets, fcc_offsets, spacing_without_pressure,
+    CubicModuli, compression_moduli, cubic_offsets, fcc_offsets, spacing_without_pressure,
 };
 use super::pair_laws::{CuboidLaw, FadedLaw};
 use crate::material::Solid;
@@ -30,6 +30,9 @@ pub const FORCE_LIMIT: f64 = 300.0;
 pub const CUBOID_CUT: f64 = 2.1;
 /// Strain at which the cuboid law's modulus is taken: its answer is not linear.
 const CUBOID_STRAIN: f64 = 2e-3;
+
+/// Poisson's ratios that are nearer to one another are as good as equal.
+const SAME_POISSON: f64 = 0.005;
 
 /// How D follows from a solid.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -60,20 +63,23 @@ pub struct LatticeScale {
     pub equilibrium: f64,
     /// E·a³/D along an axis.
     young: f64,
+    /// Poisson's ratio along an axis, whatever is asked.
+    poisson: f64,
 }
 
 impl LatticeScale {
     /// Of cells of this side [mm], without pressure at rest.
     pub fn new(kind: LatticeKind, cell: f64) -> Self {
-        let (chi, young) = match kind {
+        let (chi, young, poisson) = match kind {
             LatticeKind::Fcc => fcc_constants(),
-            LatticeKind::Cuboid => cuboid_constants(),
+            LatticeKind::Cuboid => cuboid_at(CUBOID_STRAIN),
         };
         let mut scale = Self {
             kind,
             cell,
             equilibrium: 0.0,
             young,
+            poisson,
         };
         scale.equilibrium = scale.nearest() / chi;
         scale
@@ -116,6 +122,11 @@ impl LatticeScale {
         }
     }
 
+    /// Poisson's ratio that matter has, where it is not the one that is asked for.
+    pub fn other_poisson(&self, asked: f64) -> Option<f64> {
+        ((asked - self.poisson).abs() > SAME_POISSON).then_some(self.poisson)
+    }
+
     /// Young's modulus along an axis that a depth makes [N/mm²].
     pub fn young_of_depth(&self, depth: f64) -> f64 {
         self.young * depth / self.equilibrium.powi(3)
@@ -156,10 +167,10 @@ pub fn unit_law() -> Switched<Limited<LennardJones>> {
     Switched::new(limited, FADE[0], FADE[1]).expect("the range lies beyond b")
 }
 
-/// χ and E along an axis of the FCC models.
-fn fcc_constants() -> (f64, f64) {
+/// χ, E and Poisson's ratio along an axis of the FCC models.
+fn fcc_constants() -> (f64, f64, f64) {
     let (chi, moduli) = fcc_at_rest();
-    (chi, moduli.young(DVec3::X))
+    (chi, moduli.young(DVec3::X), moduli.poisson_along_axis())
 }
 
 /// Moduli of the FCC model without pressure [D/a³].
@@ -178,17 +189,13 @@ fn fcc_at_rest() -> (f64, CubicModuli) {
     (chi, moduli)
 }
 
-/// χ and E along an axis of the cuboid model, compressed.
-fn cuboid_constants() -> (f64, f64) {
-    cuboid_at(CUBOID_STRAIN)
-}
-
 /// E of the cuboid model compressed along an axis by a strain [D/a³]: its answer is not linear.
 pub fn cuboid_modulus(strain: f64) -> f64 {
     cuboid_at(strain).1
 }
 
-fn cuboid_at(strain: f64) -> (f64, f64) {
+/// χ, E and Poisson's ratio along an axis of the cuboid model, compressed.
+fn cuboid_at(strain: f64) -> (f64, f64, f64) {
     let law = CuboidLennardJones::new(1.0, 1.0).expect("one is positive");
     let force = |d: DVec3| {
         if d.abs().max_element() < CUBOID_CUT {
@@ -200,6 +207,6 @@ fn cuboid_at(strain: f64) -> (f64, f64) {
     let offsets = cubic_offsets(2.5);
     let chi = spacing_without_pressure(&offsets, 1.0, force);
     let relaxed: Vec<_> = offsets.iter().map(|&d| chi * d).collect();
-    let modulus = compression_modulus(&relaxed, chi.powi(3), strain, force);
-    (chi, modulus)
+    let (young, poisson) = compression_moduli(&relaxed, chi.powi(3), strain, force);
+    (chi, young, poisson)
 }

@@ -120,15 +120,15 @@ impl CubicModuli {
     }
 }
 
-/// Young's modulus of a lattice compressed along z with free sides, without assuming that the
+/// Young's modulus and Poisson's ratio of a lattice compressed along z with free sides, without assuming that the
 /// law has an energy or a second derivative: the cuboid law has neither. `offsets` are those of
 /// the lattice without pressure.
-pub fn compression_modulus(
+pub fn compression_moduli(
     offsets: &[DVec3],
     volume: f64,
     strain: f64,
     force: impl Fn(DVec3) -> DVec3 + Copy,
-) -> f64 {
+) -> (f64, f64) {
     // stress along an axis of a lattice strained by `side` across z
     let stress = |side: f64, axis: usize| {
         let stretch = DVec3::new(1.0 + side, 1.0 + side, 1.0 - strain);
@@ -136,5 +136,5 @@ pub fn compression_modulus(
         offsets.iter().map(each).sum::<f64>() / (2.0 * volume * stretch.element_product())
     };
     let side = crate::potential::root(-strain, 2.0 * strain, |side| stress(side, 0));
-    stress(side, 2) / strain
+    (stress(side, 2) / strain, side / strain)
 }

@@ -108,6 +108,7 @@ pub struct GlobalModel {
     state: Option<GlobalState>,
     /// What voxels were before it moved them; outlives a reset, so that it can give them back.
     ledger: Ledger,
+    told_poisson: bool,
 }
 
 #[derive(Debug)]
@@ -124,6 +125,7 @@ impl GlobalModel {
             settings: settings.sane(),
             state: None,
             ledger: Ledger::default(),
+            told_poisson: false,
         }
     }
 
@@ -164,6 +166,8 @@ impl DeformationModel for GlobalModel {
             answer.contacts = state.body.contacts(input.tools, &[], &[]);
             answer.events.push(ModelEvent::Reset);
         }
+        let unlike = state.body.tell_poisson(&mut self.told_poisson);
+        answer.events.extend(unlike);
         let first = tools.first().map(|(_, tool)| tool.centre);
         let (field, middle) = GlobalField::of(&state.body, &self.settings, first);
         let effort = &mut answer.report.effort;
@@ -263,7 +267,7 @@ impl GlobalState {
                 else {
                     continue;
                 };
-                let depth = scale.depth(&solid, settings.calibration);
+                let depth = self.body.depth((&solid, treatment), settings.calibration);
                 let mass = self.body.inertia(depth);
                 let particles = &mut self.body.system.particles;
                 particles.take(home, depth, mass, origin);

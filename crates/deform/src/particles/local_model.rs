@@ -161,6 +161,7 @@ impl LocalLaw for CuboidLaw {
 pub struct LocalModel<L> {
     settings: LocalSettings,
     state: Option<LocalState<L>>,
+    told_poisson: bool,
 }
 
 impl LocalModel<FadedLaw> {
@@ -186,6 +187,7 @@ impl<L: LocalLaw> LocalModel<L> {
         Self {
             settings,
             state: None,
+            told_poisson: false,
         }
     }
 
@@ -241,6 +243,8 @@ impl<L: LocalLaw> DeformationModel for LocalModel<L> {
             answer.contacts = state.body.contacts(input.tools, &[], &[]);
             answer.events.push(ModelEvent::Reset);
         }
+        let unlike = state.body.tell_poisson(&mut self.told_poisson);
+        answer.events.extend(unlike);
         answer.events.extend(state.slipped());
         answer.edit = state.write_back(input.voxels);
         answer.report.moved_voxels = state.moved_voxels();

@@ -224,10 +224,12 @@ impl<L: LocalLaw> LocalState<L> {
         let Some(matter) = self.ledger.rest(input.voxels, voxel) else {
             return false;
         };
-        let Some((solid, _)) = solid_of(input.voxels, input.materials, voxel, &matter) else {
+        let Some((solid, treatment)) = solid_of(input.voxels, input.materials, voxel, &matter)
+        else {
             return false;
         };
-        let depth = self.body.scale.depth(&solid, self.settings.calibration);
+        let calibration = self.settings.calibration;
+        let depth = self.body.depth((&solid, treatment), calibration);
         let mass = self.body.inertia(depth);
         let origin = Origin { voxel, matter };
         let places: &[DVec3] = match L::KIND {

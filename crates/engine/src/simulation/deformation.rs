@@ -53,8 +53,8 @@ impl Simulation {
         self.publish();
     }
 
-    /// Tells what a segment is made of; without a material it is hard. This changes no voxel; an
-    /// undoable change is taken back by undo.
+    /// Tells what a segment is made of; without a material it is hard. Its friction is felt where the
+    /// segment has none of its own. This changes no voxel; an undoable change is taken back by undo.
     ///
     /// # Errors
     /// Where there is no such segment.
@@ -85,7 +85,10 @@ impl Simulation {
     /// Has the model follow a step of matter, told by its inverse.
     pub(super) fn follow_matter(&mut self, inverse: &Step) {
         match inverse {
-            Step::Material { .. } => self.deformation.forget_displacements(),
+            Step::Material { id, .. } => {
+                self.deformation.forget_displacements();
+                self.tell_feel(*id);
+            }
             Step::Model(_) => {
                 let model = self.scene.model().and_then(|choice| {
                     // what the scene knows was made before
@@ -230,9 +233,12 @@ impl Simulation {
         match event {
             // shown as numbers
             ModelEvent::BondsBroken { .. } | ModelEvent::Slipped { .. } => {}
-            ModelEvent::PoissonClamped { asked, used } => self.tell(Notice::warning(format!(
-                "Poisson's ratio {asked} is out of what this model can do; {used} is used."
-            ))),
+            ModelEvent::PoissonClamped { asked, used } => {
+                let used = (1e3 * used).round() / 1e3;
+                self.tell(Notice::warning(format!(
+                    "Poisson's ratio {asked} is out of what this model can do; {used} is used."
+                )));
+            }
             ModelEvent::Reset => self.tell(Notice::warning(
                 "The deformation was lost to impossible numbers and begins anew.",
             )),

@@ -116,8 +116,7 @@ impl Simulation {
         };
         self.change(Step::Several(vec![replaced, inserted]))?;
         // the new one feels alike
-        self.touch
-            .send(crate::handover::ServoCommand::Feel(new_id, properties.feel));
+        self.tell_feel(new_id);
         Ok(new_id)
     }
 

@@ -409,7 +409,7 @@ impl Simulation {
         let ids = segments.iter().map(|(id, _)| *id).collect();
         self.send_change(&TouchChange::All(ids));
         for (id, properties) in segments {
-            self.touch.send(ServoCommand::Feel(id, properties.feel));
+            self.tell_feel(id);
             if let Some(pose) = properties.pose.filter(|_| properties.touchable) {
                 self.touch.send(ServoCommand::Pose(id, pose));
             }

@@ -51,7 +51,7 @@ impl Simulation {
         let action = if undoable { Action::Do } else { Action::Start };
         let inverse = self.perform(step, action)?;
         // its number may have been another one's
-        self.touch.send(ServoCommand::Feel(id, properties.feel));
+        self.tell_feel(id);
         if undoable {
             self.done(inverse);
         }
@@ -111,10 +111,16 @@ impl Simulation {
         feel.check()?;
         self.scene.set_feel(id, feel)?;
         self.segments_version += 1;
-        self.touch.send(ServoCommand::Feel(id, feel));
+        self.tell_feel(id);
         self.write_facts(id);
         self.publish();
         Ok(())
+    }
+
+    /// Tells touch how the surface of a segment feels.
+    pub(super) fn tell_feel(&mut self, id: SegmentId) {
+        let felt = self.scene.properties_of(id).felt();
+        self.touch.send(ServoCommand::Feel(id, felt));
     }
 
     /// Shows a segment as a surface, or as none; this changes no voxel and is not undone.

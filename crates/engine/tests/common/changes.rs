@@ -1,6 +1,7 @@
 //! What can happen to a session between two ticks, at random.
 
 use glam::{DAffine3, DMat3};
+use palpate_deform::material::{MaterialLaw, SolidSi};
 use palpate_engine::feel::Feel;
 use palpate_engine::handover::HandTarget;
 use palpate_engine::settings::Settings;
@@ -9,7 +10,8 @@ use palpate_volume::edit::SegmentId;
 
 use super::*;
 
-/// An edit, a root, undo, a move, a placement, a view, settings, a feel, a hand target, or nothing.
+/// An edit, a root, undo, a move, a placement, a view, settings, a feel, a material, a hand target, or
+/// nothing.
 pub fn change_something(rig: &mut Rig, ids: &[SegmentId; 2], random: &mut Random) {
     let id = ids[random.below(2) as usize];
     let dimensions = rig.simulation.voxels().grid().dimensions();
@@ -62,6 +64,17 @@ pub fn change_something(rig: &mut Rig, ids: &[SegmentId; 2], random: &mut Random
             let turn = DMat3::from_rotation_z(random.between(-0.4, 0.4));
             let pose = DAffine3::from_mat3_translation(turn, random.point(-4.0, 4.0));
             simulation.move_segment(id, pose).unwrap();
+        }
+        23 => {
+            let solid = SolidSi {
+                young: 1e6,
+                poisson: 0.3,
+                density: 1000.0,
+                breaking_strain: f64::INFINITY,
+                friction: random.share(),
+            };
+            let law = MaterialLaw::constant(solid).ok();
+            simulation.set_material(id, law, true).unwrap();
         }
         21 => rig.hand.write(HandTarget {
             point: random.point(0.0, 48.0),

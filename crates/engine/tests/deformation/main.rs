@@ -8,6 +8,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 mod floor;
+mod friction;
 mod lattice;
 mod regions;
 mod soft_block;

@@ -17,6 +17,7 @@ use palpate_volume::voxel_box::VoxelBox;
 use super::rig::Rig;
 use crate::bench::random::Random;
 use crate::error::SessionError;
+use crate::feel::Feel;
 use crate::settings::Settings;
 
 /// Width of the block [mm].
@@ -42,6 +43,13 @@ pub const BONE_ID: SegmentId = SegmentId(3);
 
 /// Iterations of an answer: what a model does in the time that it has in a session.
 const ITERATIONS: u32 = 24;
+
+/// Without the friction of what a segment is made of: only then a force must never pull.
+const SLIPPERY: Feel = Feel {
+    stiffness: None,
+    friction_static: Some(0.0),
+    friction_kinetic: Some(0.0),
+};
 
 /// What a run works on.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -133,6 +141,9 @@ impl World {
             let law = preset(name).and_then(|preset| preset.law());
             let law = law.expect("a preset of the list");
             rig.simulation.set_material(id, Some(law), false)?;
+        }
+        for id in [SKIN_ID, SOFT_ID, BONE_ID] {
+            rig.simulation.set_feel(id, SLIPPERY)?;
         }
         rig.simulation
             .set_deformation(Some(model), &ModelOptions::default(), false)?;
