@@ -97,7 +97,7 @@ function look({ stage }: Doors): readonly Action[] {
       group,
       name: `Draw as ${blendNames[blend].name}`,
       keys: [],
-      run: () => { stage.looks.choose({ blend }); },
+      run: () => { stage.looks.choose("blend", blend); },
     }) as const),
     ...[anatomy, ...presets.map(({ name }) => name)].map((name) => ({
       group,

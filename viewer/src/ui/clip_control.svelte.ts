@@ -18,30 +18,31 @@ import {
   type FreePlane,
   type Plane,
 } from "../core/clip";
-import { advance, back, begin, forth, type History } from "../core/history";
 import type { ScanFrame } from "../core/scan_volume";
+import { PageState } from "./page_state.svelte";
 import type { PageSteps } from "./page_steps.svelte";
 import { recall, remember } from "./remembered";
 
 export class ClipControl {
-  private history = $state.raw<History<Clip>>(begin(nothingClipped));
-  /** As it was before a drag began. */
-  private dragged: Clip | null = null;
+  private readonly state: PageState<Clip>;
   frame = $state.raw<ScanFrame | null>(null);
   private scanName = "";
 
-  constructor(private readonly steps: PageSteps) {}
+  constructor(steps: PageSteps) {
+    this.state = new PageState(nothingClipped, steps, (clip) => {
+      remember(`clip.${this.scanName}`, clip);
+    });
+  }
 
   get clip(): Clip {
-    return this.history.now;
+    return this.state.now;
   }
 
   /** Takes up a scan: cut as it was last. */
   open(scanName: string, frame: ScanFrame): void {
     this.scanName = scanName;
     this.frame = frame;
-    this.dragged = null;
-    this.history = begin(saneClip(recall(`clip.${scanName}`, nothingClipped), frame));
+    this.state.open(saneClip(recall(`clip.${scanName}`, nothingClipped), frame));
   }
 
   /** All planes that cut something away, in the scene. */
@@ -57,10 +58,10 @@ export class ClipControl {
     this.change({ box: { ...this.clip.box, on } });
   }
 
-  /** Puts a face of a box so far inside of the scan [mm], until it is let go. */
+  /** Puts a face of a box so far inside of the scan [mm], as long as it is dragged. */
   cut(face: Face, millimetres: number, box: ClipBox = this.clip.box): void {
     if (this.frame !== null) {
-      this.drag({ box: withCut(box, this.frame, face, millimetres) });
+      this.change({ box: withCut(box, this.frame, face, millimetres) }, true);
     }
   }
 
@@ -75,9 +76,9 @@ export class ClipControl {
     this.change({ planes: this.withPlane(place, { on }) });
   }
 
-  /** Puts a plane elsewhere along its normal [mm], until it is let go. */
+  /** Puts a plane elsewhere along its normal [mm], as long as it is dragged. */
   movePlane(place: number, offset: number): void {
-    this.drag({ planes: this.withPlane(place, { offset }) });
+    this.change({ planes: this.withPlane(place, { offset }) }, true);
   }
 
   flip(place: number): void {
@@ -93,45 +94,11 @@ export class ClipControl {
     this.change(nothingClipped);
   }
 
-  /** What was dragged is let go: all of it is one step. */
-  drop(): void {
-    const { clip, dragged } = this;
-    if (dragged !== null) {
-      this.take({ ...this.history, now: dragged });
-      this.change(clip);
-    }
-  }
-
-  undo(): void {
-    this.take(back(this.history));
-  }
-
-  redo(): void {
-    this.take(forth(this.history));
-  }
-
   private withPlane(place: number, part: Partial<FreePlane>): readonly FreePlane[] {
     return this.clip.planes.map((plane, i) => (i === place ? { ...plane, ...part } : plane));
   }
 
-  private drag(part: Partial<Clip>): void {
-    const before = this.dragged ?? this.clip;
-    this.take({ ...this.history, now: { ...this.clip, ...part } });
-    this.dragged = before;
-  }
-
-  private change(part: Partial<Clip>): void {
-    this.drop();
-    const next = { ...this.clip, ...part };
-    if (JSON.stringify(next) !== JSON.stringify(this.clip)) {
-      this.take(advance(this.history, next));
-      this.steps.add(this);
-    }
-  }
-
-  private take(history: History<Clip>): void {
-    this.dragged = null;
-    this.history = history;
-    remember(`clip.${this.scanName}`, history.now);
+  private change(part: Partial<Clip>, dragging = false): void {
+    this.state.change("clipping", { ...this.clip, ...part }, dragging);
   }
 }

@@ -28,6 +28,8 @@ export class KeyboardInput {
   private readonly held = new Set<string>();
   /** Actions that last as long as their keys are held, by their keys. */
   private readonly begun = new Map<string, Action>();
+  /** A field in which something was typed that does not hold yet. */
+  private typed: EventTarget | null = null;
   private fine = false;
   private movedAt = 0;
 
@@ -46,6 +48,8 @@ export class KeyboardInput {
     window.addEventListener("keydown", this.press.bind(this), { signal });
     window.addEventListener("keyup", this.lift.bind(this), { signal });
     window.addEventListener("blur", this.liftAll.bind(this), { signal });
+    window.addEventListener("input", ({ target }) => (this.typed = target), { signal, capture: true });
+    window.addEventListener("change", () => (this.typed = null), { signal, capture: true });
     return () => {
       aborter.abort();
       this.liftAll();
@@ -72,7 +76,7 @@ export class KeyboardInput {
 
   private press(event: KeyboardEvent): void {
     // what waits for an answer waits for it alone
-    if (belongsTo(event.target, event.key) || this.session.offer !== null) {
+    if (this.belongs(event) || this.session.offer !== null) {
       return;
     }
     if (event.key in moves) {
@@ -81,6 +85,21 @@ export class KeyboardInput {
     } else if (this.act(event)) {
       event.preventDefault();
     }
+  }
+
+  /** Whether a key belongs to the control that has the focus: all to a text, some to a slider or a list. */
+  private belongs({ target, key, ctrlKey, metaKey }: KeyboardEvent): boolean {
+    if (!(target instanceof HTMLElement)) {
+      return false;
+    }
+    if (target.matches("input[type=range], input[type=radio], [role=slider]")) {
+      return key in moves;
+    }
+    if ((ctrlKey || metaKey) && /^[yz]$/i.test(key) && target !== this.typed) {
+      // what was chosen or typed there holds: it is a step of the page
+      return false;
+    }
+    return target.matches("input:not([type=checkbox]), textarea, select");
   }
 
   /** Does what a key means; returns whether it means something. */
@@ -133,13 +152,3 @@ export class KeyboardInput {
   }
 }
 
-/** Whether a key belongs to the control that has the focus: all to a text, some to a slider. */
-function belongsTo(target: EventTarget | null, key: string): boolean {
-  if (!(target instanceof HTMLElement)) {
-    return false;
-  }
-  if (target.matches("input[type=range], input[type=radio], [role=slider]")) {
-    return key in moves;
-  }
-  return target.matches("input:not([type=checkbox]), textarea, select");
-}

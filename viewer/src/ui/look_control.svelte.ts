@@ -1,16 +1,18 @@
 /**
- * How the scan is shown in the 3-D view: what a person has chosen of it, remembered for each scan.
+ * How the scan is shown in the 3-D view: what a person has chosen of it, remembered for each scan. Every change is a
+ * step of undo, a whole drag too.
  */
 import { defaultAppearance, transferFunctionOf, type Anchors, type Appearance } from "../core/appearance";
 import { curveOfFunction, isCurve, placedCurve, transferFunctionOfCurve, type Curve } from "../core/curve";
 import { curveOfPreset, presets } from "../core/curve_presets";
-import { advance, back, begin, forth, type History } from "../core/history";
 import { valueAbove } from "../core/histogram";
 import { firstLighting, type Lighting, type Look } from "../core/look";
 import { blends, firstChoice, isGrey, opticsOf, usesTransferFunction, type OpticsChoice } from "../core/optics";
 import type { Scan } from "../core/protocol";
 import type { InsideMode, InsideModes } from "../core/shown_segments";
 import { draggedWindow, type WindowLevel } from "../core/window_level";
+import { PageState } from "./page_state.svelte";
+import type { PageSteps } from "./page_steps.svelte";
 import { recall, remember } from "./remembered";
 
 /** A boundary at full strength changes by this share of the soft-tissue-to-bone span per mm. */
@@ -28,6 +30,8 @@ export interface CurveChoice {
 /** The name of the function that sliders make. */
 export const anatomy = "Bone in tissue";
 
+const noInside: InsideModes = {};
+
 const firstCurve: CurveChoice = { name: anatomy, curve: null, shift: 0, stretch: 1 };
 
 /** Share of the voxels that may be brighter than white in a MIP. */
@@ -39,42 +43,66 @@ export const mostStretch = 5;
 /** Says after a preset's name that its points were changed. */
 const ownMark = " *";
 
+/** All that is chosen, each part under the name that it is remembered by. */
+interface ChosenLook {
+  readonly appearance: Appearance;
+  readonly optics: OpticsChoice;
+  readonly curve: CurveChoice;
+  readonly lighting: Lighting;
+  readonly inside: InsideModes;
+}
+
+/** What of the optics is changed, as a step of undo says it. */
+const opticsNames: Readonly<Record<keyof OpticsChoice, string>> = {
+  blend: "mode",
+  densities: "density",
+  windows: "window and level",
+  slabs: "slab",
+  isoValue: "iso-value",
+};
+
 export class LookControl {
-  appearance = $state.raw<Appearance | null>(null);
-  choice = $state.raw<OpticsChoice | null>(null);
-  /** The transfer function by points, with what can be taken back. */
-  curves = $state.raw<History<CurveChoice>>(begin(firstCurve));
+  private readonly state: PageState<ChosenLook | null>;
   private anchors = $state.raw<Anchors>({ softTissue: 0, bone: 1 });
   private brightest = 1;
+  private lowest = 0;
   private scanName = "";
 
-  lighting = $state.raw<Lighting>(firstLighting);
+  constructor(steps: PageSteps) {
+    this.state = new PageState<ChosenLook | null>(null, steps, this.keep.bind(this));
+  }
+
+  // derived, so that a change of one part is none of the others
+  readonly appearance = $derived.by((): Appearance | null => this.state.now?.appearance ?? null);
+  readonly choice = $derived.by((): OpticsChoice | null => this.state.now?.optics ?? null);
+  /** The transfer function by points. */
+  readonly curveChoice = $derived.by((): CurveChoice => this.state.now?.curve ?? firstCurve);
+  readonly lighting = $derived.by((): Lighting => this.state.now?.lighting ?? firstLighting);
   /** How each segment's voxels look inside the volume. */
-  inside = $state.raw<InsideModes>({});
-  /** The function as it was before a drag began: a drag is one step. */
-  private dragged: CurveChoice | null = null;
-  private lowest = 0;
+  readonly inside = $derived.by((): InsideModes => this.state.now?.inside ?? noInside);
 
   /** Takes up a scan: as it was shown last, else as fits it. */
   open(scan: Scan): void {
     this.scanName = scan.name;
     this.anchors = { softTissue: scan.soft_tissue, bone: scan.bone };
-    this.appearance = recall(`appearance.${scan.name}`, defaultAppearance(this.anchors));
     this.lowest = scan.range[0];
-    const kept = recall(`curve.${scan.name}`, firstCurve);
-    const sane = kept.curve === null || (isCurve(kept.curve) && Number.isFinite(kept.shift) && kept.stretch > 0);
-    this.curves = begin(sane ? kept : firstCurve);
-    this.lighting = recall(`lighting.${scan.name}`, firstLighting);
-    this.inside = recall(`inside.${scan.name}`, {});
     this.brightest = valueAbove(scan.histogram, fewVoxels);
+    const curve = recall(`curve.${scan.name}`, firstCurve);
+    const sane = curve.curve === null || (isCurve(curve.curve) && Number.isFinite(curve.shift) && curve.stretch > 0);
     const first = firstChoice(this.anchors, this.brightest);
-    const choice = recall(`optics.${scan.name}`, first);
-    this.choice = blends.includes(choice.blend) ? choice : first;
+    const optics = recall(`optics.${scan.name}`, first);
+    this.state.open({
+      appearance: recall(`appearance.${scan.name}`, defaultAppearance(this.anchors)),
+      optics: blends.includes(optics.blend) ? optics : first,
+      curve: sane ? curve : firstCurve,
+      lighting: recall(`lighting.${scan.name}`, firstLighting),
+      inside: recall(`inside.${scan.name}`, noInside),
+    });
   }
 
   /** The points as they stand among the scan's values; null where sliders make the function. */
   readonly curve = $derived.by((): Curve | null => {
-    const { curve, shift, stretch } = this.curves.now;
+    const { curve, shift, stretch } = this.curveChoice;
     return curve === null ? null : placedCurve(curve, shift, stretch);
   });
 
@@ -103,37 +131,21 @@ export class LookControl {
     return choice !== null && isGrey(choice.blend) ? choice.windows[choice.blend] : null;
   });
 
+  /** Sliders of tissue, or a drag in the picture. */
   change(part: Partial<Appearance>): void {
     if (this.appearance !== null) {
-      this.appearance = { ...this.appearance, ...part };
-      remember(`appearance.${this.scanName}`, this.appearance);
+      this.set("tissue", { appearance: { ...this.appearance, ...part } }, true);
     }
   }
 
-  /** Another transfer function: one step that can be taken back; while something is dragged, a part of one. */
+  /** Another transfer function: one step of undo; while something is dragged, a part of one. */
   draw(part: Partial<CurveChoice>, dragging = false): void {
-    const { now } = this.curves;
-    const next = { ...now, ...part };
-    if (dragging) {
-      this.dragged ??= now;
-      this.curves = { ...this.curves, now: next };
-    } else {
-      this.curves = advance({ ...this.curves, now: this.dragged ?? now }, next);
-      this.dragged = null;
-    }
-    remember(`curve.${this.scanName}`, next);
-  }
-
-  /** Ends a drag: what it changed becomes one step. */
-  drawn(): void {
-    if (this.dragged !== null) {
-      this.draw({});
-    }
+    this.set("transfer function", { curve: { ...this.curveChoice, ...part } }, dragging);
   }
 
   /** Other points, as they stand among the scan's values. */
   drawPoints(curve: Curve, dragging: boolean): void {
-    const { name } = this.curves.now;
+    const { name } = this.curveChoice;
     const edited = name.endsWith(ownMark) ? name : `${name}${ownMark}`;
     this.draw({ name: edited, curve, shift: 0, stretch: 1 }, dragging);
   }
@@ -154,51 +166,38 @@ export class LookControl {
     return this.appearance === null ? null : curveOfFunction(transferFunctionOf(this.appearance));
   }
 
-  undo(): void {
-    this.go(back(this.curves));
-  }
-
-  redo(): void {
-    this.go(forth(this.curves));
-  }
-
-  private go(history: History<CurveChoice>): void {
-    this.dragged = null;
-    this.curves = history;
-    remember(`curve.${this.scanName}`, history.now);
-  }
-
-  choose(part: Partial<OpticsChoice>): void {
+  /** Another way to draw; all of it but the mode has sliders. */
+  choose<Key extends keyof OpticsChoice>(key: Key, value: OpticsChoice[Key]): void {
     if (this.choice !== null) {
-      this.choice = { ...this.choice, ...part };
-      remember(`optics.${this.scanName}`, this.choice);
+      this.set(opticsNames[key], { optics: { ...this.choice, [key]: value } }, key !== "blend");
     }
   }
 
+  /** Sliders of the light. */
   light(part: Partial<Lighting>): void {
-    this.lighting = { ...this.lighting, ...part };
-    remember(`lighting.${this.scanName}`, this.lighting);
+    this.set("lighting", { lighting: { ...this.lighting, ...part } }, true);
   }
 
   /** How a segment's voxels look inside the volume. */
   setInside(id: number, mode: InsideMode): void {
-    this.inside = { ...this.inside, [id]: mode };
-    remember(`inside.${this.scanName}`, this.inside);
+    this.set("look inside the volume", { inside: { ...this.inside, [id]: mode } });
   }
 
   setWindow(window: WindowLevel): void {
     const { choice } = this;
     if (choice !== null && isGrey(choice.blend)) {
-      this.choose({ windows: { ...choice.windows, [choice.blend]: window } });
+      this.choose("windows", { ...choice.windows, [choice.blend]: window });
     }
   }
 
   /** Back to what fits the scan; the mode stays. */
   reset(): void {
-    this.usePreset(anatomy);
-    this.light(firstLighting);
-    this.change(defaultAppearance(this.anchors));
-    this.choose({ ...firstChoice(this.anchors, this.brightest), blend: this.choice?.blend ?? "shaded" });
+    this.set("reset of the look", {
+      appearance: defaultAppearance(this.anchors),
+      optics: { ...firstChoice(this.anchors, this.brightest), blend: this.choice?.blend ?? "shaded" },
+      curve: firstCurve,
+      lighting: firstLighting,
+    });
   }
 
   /** A drag in the 3-D view [pixels]: to the right wider, upward brighter, as in slices. */
@@ -210,14 +209,30 @@ export class LookControl {
     if (window !== null) {
       this.setWindow(draggedWindow(window, right, down));
     } else if (usesTransferFunction(choice.blend) && this.curve !== null) {
-      const { shift, stretch } = this.curves.now;
+      const { shift, stretch } = this.curveChoice;
       const perPixel = (this.anchors.bone - this.anchors.softTissue) / 100;
       const stretched = Math.min(mostStretch, Math.max(1 / mostStretch, stretch * Math.exp(right / 300)));
       this.draw({ shift: shift + down * perPixel, stretch: stretched }, true);
     } else if (usesTransferFunction(choice.blend)) {
       this.change(draggedWindow(appearance, right, down));
     } else {
-      this.choose({ isoValue: choice.isoValue + (down * (this.anchors.bone - this.anchors.softTissue)) / 100 });
+      this.choose("isoValue", choice.isoValue + (down * (this.anchors.bone - this.anchors.softTissue)) / 100);
+    }
+  }
+
+  private set(name: string, part: Partial<ChosenLook>, dragging = false): void {
+    const { now } = this.state;
+    if (now !== null) {
+      this.state.change(name, { ...now, ...part }, dragging);
+    }
+  }
+
+  /** Remembers what is another than before. */
+  private keep(look: ChosenLook | null, before: ChosenLook | null): void {
+    for (const [name, part] of Object.entries(look ?? {}) as [keyof ChosenLook, object][]) {
+      if (part !== before?.[name]) {
+        remember(`${name}.${this.scanName}`, part);
+      }
     }
   }
 }

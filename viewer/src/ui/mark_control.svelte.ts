@@ -2,7 +2,6 @@
  * Marks in a person's hand: they are set point by point, dragged, named and taken back. Every change
  * is one step of the page's own history; marks are remembered with the scan and go into its scene.
  */
-import { advance, back, begin, forth, type History } from "../core/history";
 import {
   changedMark,
   pointsOf,
@@ -15,6 +14,7 @@ import {
 } from "../core/measure";
 import type { Scan } from "../core/protocol";
 import type { Vec3 } from "../core/vector";
+import { PageState } from "./page_state.svelte";
 import type { PageSteps } from "./page_steps.svelte";
 import { recall, remember } from "./remembered";
 
@@ -22,28 +22,29 @@ export class MarkControl {
   /** What is being set, with the points that it has by now. */
   placing = $state.raw<{ readonly kind: MarkKind; readonly points: readonly Vec3[] } | null>(null);
 
-  private history = $state.raw<History<readonly Mark[]>>(begin([]));
+  private readonly state: PageState<readonly Mark[]>;
   private scanName = "";
-  /** Marks as they were before a drag began: a drag is one step. */
-  private dragged: readonly Mark[] | null = null;
 
-  constructor(private readonly steps: PageSteps) {}
+  constructor(steps: PageSteps) {
+    this.state = new PageState<readonly Mark[]>([], steps, (list) => {
+      remember(this.key, { list });
+    });
+  }
 
   /** Takes up a scan with the marks that were set on it. */
   open(scan: Scan): void {
     this.scanName = scan.name;
     this.placing = null;
-    this.dragged = null;
-    this.history = begin(saneMarks(recall<{ list: unknown }>(this.key, { list: [] }).list));
+    this.state.open(saneMarks(recall<{ list: unknown }>(this.key, { list: [] }).list));
   }
 
   get all(): readonly Mark[] {
-    return this.history.now;
+    return this.state.now;
   }
 
   /** Points of each mark that is seen, and of what is being set. */
   readonly lines = $derived.by((): readonly (readonly Vec3[])[] => {
-    const seen = this.history.now.filter(({ visible }) => visible).map(({ points }) => points);
+    const seen = this.all.filter(({ visible }) => visible).map(({ points }) => points);
     return this.placing === null ? seen : [...seen, this.placing.points];
   });
 
@@ -72,60 +73,32 @@ export class MarkControl {
   }
 
   add(kind: MarkKind, points: readonly Vec3[]): void {
-    this.step(withMark(this.all, kind, points));
+    this.change(withMark(this.all, kind, points));
   }
 
   /** Has a point of a mark stand elsewhere while it is dragged. */
   drag(id: number, index: number, point: Vec3): void {
-    this.dragged ??= this.all;
-    this.history = { ...this.history, now: withPointAt(this.all, id, index, point) };
-  }
-
-  /** Ends a drag: what it changed becomes one step. */
-  drop(): void {
-    if (this.dragged !== null) {
-      const next = this.all;
-      this.history = { ...this.history, now: this.dragged };
-      this.dragged = null;
-      this.step(next);
-    }
+    this.change(withPointAt(this.all, id, index, point), true);
   }
 
   rename(id: number, name: string): void {
-    this.step(changedMark(this.all, id, { name }));
+    this.change(changedMark(this.all, id, { name }));
   }
 
   show(id: number, visible: boolean): void {
-    this.step(changedMark(this.all, id, { visible }));
+    this.change(changedMark(this.all, id, { visible }));
   }
 
   remove(id: number): void {
-    this.step(withoutMark(this.all, id));
+    this.change(withoutMark(this.all, id));
   }
 
   removeAll(): void {
-    this.step([]);
+    this.change([]);
   }
 
-  undo(): void {
-    this.take(back(this.history));
-  }
-
-  redo(): void {
-    this.take(forth(this.history));
-  }
-
-  private step(next: readonly Mark[]): void {
-    if (JSON.stringify(next) !== JSON.stringify(this.all)) {
-      this.take(advance(this.history, next));
-      this.steps.add(this);
-    }
-  }
-
-  private take(history: History<readonly Mark[]>): void {
-    this.dragged = null;
-    this.history = history;
-    remember(this.key, { list: history.now });
+  private change(marks: readonly Mark[], dragging = false): void {
+    this.state.change("marks", marks, dragging);
   }
 
   private get key(): string {

@@ -9,13 +9,8 @@ import type { PageSteps, StepOwner } from "./page_steps.svelte";
 import { recall, remember } from "./remembered";
 import type { Session } from "./session.svelte";
 
-/** What the engine's own undo does not know: how it is asked for, and how for what was before. */
-interface MatterStep {
-  readonly forth: FromPage;
-  readonly back: FromPage;
-}
-
-export class MatterControl implements StepOwner {
+/** What the engine's own undo does not know is a step of the page's: how it is asked for, and how for what was before. */
+export class MatterControl implements StepOwner<FromPage> {
   /** Whether the model's nodes or particles are shown. */
   partsShown = $state(false);
   /** Answers of the model [Hz]. */
@@ -27,8 +22,6 @@ export class MatterControl implements StepOwner {
   private shownTo = 0;
   /** What the engine held when that was kept last; null until it has done what was recalled. */
   private held: string | null = null;
-  private past: readonly MatterStep[] = [];
-  private future: readonly MatterStep[] = [];
 
   constructor(
     private readonly session: Session,
@@ -47,20 +40,18 @@ export class MatterControl implements StepOwner {
       this.session.send({ type: "set_deformation", model: usualModel, options: usualOptions, undoable: false });
     }
     this.session.send({ type: "set_material", id: segment.id, preset, constants, undoable: true });
-    this.steps.engineAsked();
     this.keepFromNowOn();
   }
 
   /** How regions of a segment take part; of several that hold a voxel the last counts. */
   setRegions(segment: Segment, regions: MatterRegion[]): void {
     const before = [...segment.regions];
-    this.ask({ type: "set_regions", id: segment.id, regions }, { type: "set_regions", id: segment.id, regions: before });
+    this.ask("regions of matter", { type: "set_regions", id: segment.id, regions }, { type: "set_regions", id: segment.id, regions: before });
   }
 
   /** The model by which matter gives way, null for none, and what of it is not as usual. */
   choose(model: string | null, options: ModelOptions = usualOptions): void {
     this.session.send({ type: "set_deformation", model, options, undoable: true });
-    this.steps.engineAsked();
     this.keepFromNowOn();
   }
 
@@ -68,7 +59,7 @@ export class MatterControl implements StepOwner {
   feel(source: ForceSource): void {
     const before = this.session.latest?.matter.force_source ?? source;
     if (before !== source) {
-      this.ask({ type: "set_force_source", source }, { type: "set_force_source", source: before });
+      this.ask("what is felt", { type: "set_force_source", source }, { type: "set_force_source", source: before });
     }
   }
 
@@ -82,22 +73,8 @@ export class MatterControl implements StepOwner {
     this.choose(null);
   }
 
-  undo(): void {
-    const step = this.past.at(-1);
-    if (step !== undefined) {
-      this.past = this.past.slice(0, -1);
-      this.future = [step, ...this.future];
-      this.session.send(step.back);
-    }
-  }
-
-  redo(): void {
-    const [step, ...rest] = this.future;
-    if (step !== undefined) {
-      this.past = [...this.past, step];
-      this.future = rest;
-      this.session.send(step.forth);
-    }
+  hold(asked: FromPage): void {
+    this.session.send(asked);
   }
 
   showParts(on: boolean): void {
@@ -108,11 +85,9 @@ export class MatterControl implements StepOwner {
   }
 
   /** Asks for what is one step of the page's undo. */
-  private ask(forth: FromPage, back: FromPage): void {
-    this.past = [...this.past, { forth, back }];
-    this.future = [];
-    this.session.send(forth);
-    this.steps.add(this);
+  private ask(name: string, after: FromPage, before: FromPage): void {
+    this.session.send(after);
+    this.steps.add(this, { name, before, after });
     this.keepFromNowOn();
   }
 

@@ -1,25 +1,42 @@
 /**
- * The order in which the page's own steps were made, of marks and of clipping: what was changed last is taken
- * back first. Each owner keeps its steps; what the engine changes is not among them.
+ * Steps of undo that only the page knows: marks, clipping, how scan, slices and segments look. Each holds what was and
+ * what is, and its owner puts one in place of the other. Steps of the engine are not among them, but each
+ * of these knows how many came before it: so both are taken back in one order.
  */
+import { same } from "../core/same";
 
-/** Takes back its own last step, and makes it again. */
-export interface StepOwner {
-  undo(): void;
-  redo(): void;
+/** Holds what steps change. */
+export interface StepOwner<T> {
+  /** Has one hold in place of the other: what a step has changed, and nothing else. */
+  hold(value: T, instead: T): void;
+  /** Whether anything of it still holds, for what others may change; all does where nothing is told. */
+  stands?(value: T): boolean;
 }
 
-/** Older steps are forgotten; owners keep at least as many each. */
-const mostSteps = 100;
+/** A change as the undo button names it, with what was before it and what is after it. */
+export interface Change<T> {
+  readonly name: string;
+  readonly before: T;
+  readonly after: T;
+}
+
+interface PageStep extends Change<unknown> {
+  readonly owner: StepOwner<unknown>;
+  /** How many steps the engine had made when this one was made, taken back or made again last. */
+  readonly at: number;
+}
+
+/** Older steps are forgotten. */
+const mostSteps = 200;
 
 export class PageSteps {
-  private past = $state.raw<readonly StepOwner[]>([]);
-  private future = $state.raw<readonly StepOwner[]>([]);
-  /** Number of the engine's last edit when a step was made or taken back last. */
-  private changedAt = -1;
+  private past = $state.raw<readonly PageStep[]>([]);
+  private future = $state.raw<readonly PageStep[]>([]);
+  /** The last step is a part of a gesture that may go on. */
+  private goesOn = false;
 
-  /** @param lastEdit number of the engine's last edit. */
-  constructor(private readonly lastEdit: () => number) {}
+  /** @param engineSteps how many steps the engine has made, less those that were taken back. */
+  constructor(private readonly engineSteps: () => number) {}
 
   get canUndo(): boolean {
     return this.past.length > 0;
@@ -29,47 +46,86 @@ export class PageSteps {
     return this.future.length > 0;
   }
 
-  /** Whether nothing was edited since: then the page's own step is taken back first. */
-  get changedLast(): boolean {
-    return this.changedAt === this.lastEdit();
+  /** The step that comes before all of the engine's; null where one of the engine's comes first, or there is none. */
+  get toUndo(): string | null {
+    const step = this.past.at(-1);
+    return step !== undefined && step.at >= this.engineSteps() ? step.name : null;
   }
 
-  /** An owner has made a step. */
-  add(owner: StepOwner): void {
-    this.past = [...this.past, owner].slice(-mostSteps);
+  get toRedo(): string | null {
+    const step = this.future[0];
+    return step !== undefined && step.at <= this.engineSteps() ? step.name : null;
+  }
+
+  /** A change is one step; those of one name in one gesture are one together. */
+  add<T>(owner: StepOwner<T>, change: Change<T>, inGesture = false): void {
+    const last = this.past.at(-1);
+    const joins = inGesture && this.goesOn && last?.owner === owner && last.name === change.name && last.at === this.engineSteps();
+    const step = { ...change, before: joins ? last.before : change.before, owner, at: this.engineSteps() };
+    const rest = joins ? this.past.slice(0, -1) : this.past;
+    this.past = same(step.before, step.after) ? rest : [...rest, step].slice(-mostSteps);
     this.future = [];
-    this.changedAt = this.lastEdit();
+    this.goesOn = inGesture;
   }
 
-  /** The engine was asked for a step that changes no voxel: that one is taken back first. */
-  engineAsked(): void {
-    this.changedAt = -1;
+  /** A gesture ends: the next change is a step of its own. */
+  endGesture(): void {
+    this.goesOn = false;
+  }
+
+  /** It does not end yet, as with a key that is held. */
+  resumeGesture(): void {
+    this.goesOn = true;
+  }
+
+  /** What an owner's steps have changed is there no more. */
+  forget<T>(owner: StepOwner<T>): void {
+    this.past = this.past.filter((step) => step.owner !== owner);
+    this.future = this.future.filter((step) => step.owner !== owner);
+  }
+
+  /** A step was made elsewhere: what was taken back is not made again. */
+  forgetUndone(): void {
+    this.future = [];
+  }
+
+  /** Leaves out the next steps of which nothing holds any more: others have changed it since. */
+  forgetLost(): void {
+    while (isLost(this.past.at(-1), "after")) {
+      this.past = this.past.slice(0, -1);
+    }
+    while (isLost(this.future[0], "before")) {
+      this.future = this.future.slice(1);
+    }
   }
 
   /** Another scan: nothing can be taken back. */
   clear(): void {
     this.past = [];
     this.future = [];
-    this.changedAt = -1;
   }
 
   undo(): void {
-    const owner = this.past.at(-1);
-    if (owner !== undefined) {
+    const step = this.past.at(-1);
+    if (step !== undefined) {
       this.past = this.past.slice(0, -1);
-      this.future = [owner, ...this.future];
-      this.changedAt = this.lastEdit();
-      owner.undo();
+      this.future = [{ ...step, at: this.engineSteps() }, ...this.future];
+      this.goesOn = false;
+      step.owner.hold(step.before, step.after);
     }
   }
 
   redo(): void {
-    const [owner, ...rest] = this.future;
-    if (owner !== undefined) {
-      this.past = [...this.past, owner];
+    const [step, ...rest] = this.future;
+    if (step !== undefined) {
+      this.past = [...this.past, { ...step, at: this.engineSteps() }];
       this.future = rest;
-      this.changedAt = this.lastEdit();
-      owner.redo();
+      this.goesOn = false;
+      step.owner.hold(step.after, step.before);
     }
   }
+}
+
+function isLost(step: PageStep | undefined, side: "before" | "after"): boolean {
+  return step?.owner.stands?.(step[side]) === false;
 }

@@ -125,9 +125,7 @@ export class PointerInput {
   private release(event: PointerEvent): void {
     const { cutting, stereo } = this.stage;
     const eye = stereo.at(event.offsetX, event.offsetY);
-    if (this.drag === "look") {
-      this.stage.looks.drawn();
-    } else if (this.drag === "tool") {
+    if (this.drag === "tool") {
       this.tool.release();
     } else if (this.drag === "cut" && eye !== null) {
       cutting.finish(eye.camera, eye.viewport);

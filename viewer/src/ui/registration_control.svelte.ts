@@ -31,7 +31,11 @@ export interface ShownPair {
   readonly apart: number;
 }
 
-export class RegistrationControl implements StepOwner {
+const takenBack = { type: "undo_registration" } as const;
+const made = { type: "redo_registration" } as const;
+type Asked = typeof takenBack | typeof made;
+
+export class RegistrationControl implements StepOwner<Asked> {
   /** As the engine has told; null before it has. */
   told = $state.raw<Registration | null>(null);
   habits = $state.raw<RegistrationHabits>(recall("registration", usual));
@@ -52,7 +56,7 @@ export class RegistrationControl implements StepOwner {
     const steps = this.told?.steps ?? 0;
     // undo and redo are told too, but only a search ends
     if (this.running && told.doing === null && told.steps > steps) {
-      this.outside.steps.add(this);
+      this.outside.steps.add(this, { name: "registration", before: takenBack, after: made });
     }
     this.told = told;
   }
@@ -107,11 +111,20 @@ export class RegistrationControl implements StepOwner {
   }
 
   undo(): void {
-    this.session.send({ type: "undo_registration" });
+    this.hold(takenBack);
   }
 
   redo(): void {
-    this.session.send({ type: "redo_registration" });
+    this.hold(made);
+  }
+
+  hold(asked: Asked): void {
+    this.session.send(asked);
+  }
+
+  /** Whether one is made, or taken back: the panel does that too. */
+  stands(asked: Asked): boolean {
+    return (asked === made ? this.told?.steps : this.told?.undone) !== 0;
   }
 
   // --- pairs of points ---------------------------------------------------------------------

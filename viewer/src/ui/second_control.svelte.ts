@@ -17,6 +17,8 @@ import { firstWindow, type WindowLevel } from "../core/window_level";
 import type { ShownSecond } from "../gl/second_texture";
 import { moveSecond, removeSecond } from "../live/second_requests";
 import { downloadVolume, type DownloadedScan } from "../live/volume_download";
+import { PageState } from "./page_state.svelte";
+import type { PageSteps } from "./page_steps.svelte";
 import { recall, remember } from "./remembered";
 
 /** What a person chooses. */
@@ -40,6 +42,22 @@ export interface SecondChoice {
   readonly square: number;
 }
 
+/** What of it is changed, as a step of undo says it. */
+const partNames: Readonly<Record<keyof SecondChoice, string>> = {
+  inView: "shown in the view",
+  inSlices: "shown in slices",
+  fusion: "fusion",
+  preset: "transfer function",
+  density: "density",
+  iso: "iso-value",
+  windows: "window and level in the view",
+  window: "window",
+  level: "level",
+  tint: "colour",
+  opacity: "opacity",
+  square: "squares",
+};
+
 /** Until the other one of two is seen [ms]. */
 const flickerTime = 700;
 
@@ -50,6 +68,7 @@ const edgeShare = 0.2;
 const fewVoxels = 2e-4;
 
 interface Outside {
+  readonly steps: PageSteps;
   readonly token: string;
   /** Name of the first scan. */
   readonly first: () => string;
@@ -61,19 +80,26 @@ interface Outside {
 export class SecondControl {
   /** As the engine has told; null where there is none. */
   told = $state.raw<SecondScan | null>(null);
-  choice = $state.raw<SecondChoice | null>(null);
   /** Share that has arrived; null where all has. */
   progress = $state.raw<number | null>(null);
   /** The scan that slices show alone for now; null where they show both as was chosen. */
   only = $state.raw<SecondLook["turn"] | null>(null);
   /** The engine is laying it elsewhere. */
   busy = $state.raw(false);
+  /** How it is shown: each change is a step of undo, a whole drag too; null where there is none. */
+  private readonly state: PageState<SecondChoice | null>;
   private held = $state.raw<DownloadedScan | null>(null);
   private turn = $state.raw<SecondLook["turn"]>("second");
   private timer: ReturnType<typeof setInterval> | null = null;
   private readonly sameFunction = new Unchanged<SecondLook["transferFunction"]>();
 
-  constructor(private readonly outside: Outside) {}
+  constructor(private readonly outside: Outside) {
+    this.state = new PageState<SecondChoice | null>(null, outside.steps, this.keep.bind(this));
+  }
+
+  get choice(): SecondChoice | null {
+    return this.state.now;
+  }
 
   /** Takes what the engine tells: another scan, another place of it, or none any more. */
   async take(told: SecondScan): Promise<void> {
@@ -81,6 +107,7 @@ export class SecondControl {
     const { scan } = told;
     this.told = scan === null ? null : told;
     if (scan === null) {
+      this.state.open(null);
       this.held = null;
       this.progress = null;
     } else if (before?.version !== told.version) {
@@ -127,12 +154,13 @@ export class SecondControl {
     await this.ask(removeSecond(this.outside.token));
   }
 
+  /** Shows it otherwise; numbers and windows have sliders. */
   change(part: Partial<SecondChoice>): void {
-    const scan = this.told?.scan ?? null;
-    if (this.choice !== null && scan !== null) {
-      this.choice = { ...this.choice, ...part };
-      remember(`second.${this.outside.first()}`, { ...this.choice, of: scan.name });
-      this.follow();
+    if (this.choice !== null) {
+      const keys = Object.keys(part) as (keyof SecondChoice)[];
+      const slides = Object.values(part).every((value) => typeof value === "number" || typeof value === "object");
+      const names = keys.map((key) => partNames[key]).join(", ");
+      this.state.change(`second scan, ${names}`, { ...this.choice, ...part }, slides);
     }
   }
 
@@ -140,7 +168,15 @@ export class SecondControl {
   again(): void {
     const scan = this.told?.scan ?? null;
     if (scan !== null) {
-      this.choice = choiceFor(scan, this.outside.first());
+      this.state.open(choiceFor(scan, this.outside.first()));
+      this.follow();
+    }
+  }
+
+  private keep(choice: SecondChoice | null): void {
+    const scan = this.told?.scan ?? null;
+    if (choice !== null && scan !== null) {
+      remember(`second.${this.outside.first()}`, { ...choice, of: scan.name });
       this.follow();
     }
   }
@@ -158,7 +194,7 @@ export class SecondControl {
 
   private async open(scan: Scan, version: number): Promise<void> {
     const frame = frameOf(scan);
-    this.choice = choiceFor(scan, this.outside.first());
+    this.state.open(choiceFor(scan, this.outside.first()));
     this.held = null;
     this.progress = 0;
     const still = (): boolean => this.told?.version === version;

@@ -22,50 +22,61 @@ import {
 import { addScaled, distance, type Vec3 } from "../core/vector";
 import { draggedWindow, firstWindow, type WindowLevel } from "../core/window_level";
 import type { ShownSlice, SliceLook } from "../gl/slices";
+import { PageState } from "./page_state.svelte";
+import type { PageSteps } from "./page_steps.svelte";
 import { recall, remember } from "./remembered";
 
-/** What is remembered whatever scan is open. */
+/** What is shown, and not how: remembered whatever scan is open. */
 interface Habits {
   readonly layout: Layout;
   /** The slice that is seen where there is only one. */
   readonly single: SliceName;
   /** Slices go where the probe goes. */
   readonly follows: boolean;
-  readonly slab: number;
-  readonly slabMode: SliceLook["slabMode"];
-  readonly fill: number;
-  readonly outline: number;
 }
 
-const firstHabits: Habits = {
-  layout: "view",
-  single: "axial",
-  follows: true,
-  slab: 0,
-  slabMode: "mean",
-  fill: 0.15,
-  outline: 0.9,
+const firstHabits: Habits = { layout: "view", single: "axial", follows: true };
+
+/** Slabs and segments on slices, remembered with the habits. */
+type Drawing = Pick<SliceLook, "slab" | "slabMode" | "fill" | "outline">;
+
+const firstDrawing: Drawing = { slab: 0, slabMode: "mean", fill: 0.15, outline: 0.9 };
+
+/** What of it is changed, as a step of undo says it. */
+const drawingNames: Readonly<Record<keyof Drawing, string>> = {
+  slab: "slab of slices",
+  slabMode: "what slabs show",
+  fill: "fill of segments",
+  outline: "outline of segments",
 };
 
 /** The probe has moved: less is the rest of a force that settles [mm]. */
 const leastMove = 0.05;
 
 export class SliceControl {
-  habits = $state.raw<Habits>(recall("slices", firstHabits));
+  habits = $state.raw<Habits>(recalledHabits(firstHabits));
   /** Through which all slices go [scene mm]; null before there is a scan. */
   crosshair = $state.raw<Vec3 | null>(null);
-  windowLevel = $state.raw<WindowLevel>({ window: 400, level: 40 });
   /** Size of the whole picture [CSS pixels]. */
   size = $state.raw({ width: 1, height: 1 });
 
   private frame = $state.raw<ScanFrame | null>(null);
   private views = $state.raw<Partial<Record<SliceName, SliceView>>>({});
   private scanName = "";
+  /** How slices look: each change is a step of undo, a whole drag too. */
+  private readonly state: PageState<SliceLook>;
   private followed: Vec3 | null = null;
   private readonly kept: Partial<Record<SliceName, ShownSlice>> = {};
 
   /** @param camera of the 3-D view now, along which the oblique slice lies; null before there is a scan. */
-  constructor(private readonly camera: () => Camera | null) {}
+  constructor(
+    steps: PageSteps,
+    private readonly camera: () => Camera | null,
+  ) {
+    this.state = new PageState<SliceLook>({ window: 400, level: 40, ...recalledDrawing() }, steps, () => {
+      this.keep();
+    });
+  }
 
   readonly panes = $derived.by((): Panes => panesOf(this.habits.layout, this.size, this.habits.single));
 
@@ -86,26 +97,30 @@ export class SliceControl {
     }),
   );
 
-  readonly look = $derived.by((): SliceLook => {
-    const { slab, slabMode, fill, outline } = this.habits;
-    return { ...this.windowLevel, slab, slabMode, fill, outline };
-  });
+  get look(): SliceLook {
+    return this.state.now;
+  }
 
   /** Begins with another scan: its middle, all of each slice. */
   open(scan: Scan): void {
     this.frame = frameOf(scan);
     this.scanName = scan.name;
-    this.habits = recall("slices", this.habits);
+    this.habits = recalledHabits(this.habits);
     this.views = {};
     this.followed = null;
     const middle = scan.dimensions.map((n) => n / 2) as unknown as Vec3;
     this.crosshair = transformPoint(this.frame.sceneFromGrid, middle);
-    this.windowLevel = recall(`window.${scan.name}`, firstWindow(scan));
+    this.state.open({ ...recall(`window.${scan.name}`, firstWindow(scan)), ...recalledDrawing() });
   }
 
   change(part: Partial<Habits>): void {
     this.habits = { ...this.habits, ...part };
-    remember("slices", this.habits);
+    this.keep();
+  }
+
+  /** Slabs and segments; what is chosen of a list is a step of its own. */
+  draw<Key extends keyof Drawing>(key: Key, value: Drawing[Key]): void {
+    this.state.change(drawingNames[key], { ...this.look, [key]: value }, key !== "slabMode");
   }
 
   nextLayout(): void {
@@ -113,13 +128,12 @@ export class SliceControl {
     this.change({ layout: layouts[next] ?? "view" });
   }
 
-  setWindow(windowLevel: WindowLevel): void {
-    this.windowLevel = windowLevel;
-    remember(`window.${this.scanName}`, windowLevel);
+  setWindow({ window, level }: WindowLevel): void {
+    this.state.change("window and level of slices", { ...this.look, window, level }, true);
   }
 
   dragWindow(right: number, down: number): void {
-    this.setWindow(draggedWindow(this.windowLevel, right, down));
+    this.setWindow(draggedWindow(this.look, right, down));
   }
 
   /** Moves the crosshair, as far as the scan goes. */
@@ -187,6 +201,12 @@ export class SliceControl {
     return planeThrough(crosshair, axes, view);
   }
 
+  private keep(): void {
+    const { window, level, slab, slabMode, fill, outline } = this.look;
+    remember(`window.${this.scanName}`, { window, level });
+    remember("slices", { ...this.habits, slab, slabMode, fill, outline });
+  }
+
   private axesOf(name: SliceName): SliceAxes | null {
     const camera = this.camera();
     return this.frame === null || camera === null ? null : sliceAxes(name, this.frame.axes, camera);
@@ -195,6 +215,16 @@ export class SliceControl {
   private rectOf(name: SliceName): { readonly width: number; readonly height: number } | null {
     return this.panes.slices.find((slice) => slice.name === name)?.rect ?? null;
   }
+}
+
+function recalledHabits(fallback: Habits): Habits {
+  const { layout, single, follows } = recall("slices", fallback);
+  return { layout, single, follows };
+}
+
+function recalledDrawing(): Drawing {
+  const { slab, slabMode, fill, outline } = recall("slices", firstDrawing);
+  return { slab, slabMode, fill, outline };
 }
 
 /** The corners of a scan in the scene. */

@@ -23,6 +23,7 @@ import { drawOn } from "./canvas_loop";
 import { ClipControl } from "./clip_control.svelte";
 import { CutControl } from "./cut_control.svelte";
 import { EditPaceControl } from "./edit_pace_control.svelte";
+import { EngineSteps } from "./engine_steps.svelte";
 import { FrameRate } from "./frame_rate.svelte";
 import { GrowControl } from "./grow_control.svelte";
 import { HandedViews } from "./handed_views";
@@ -37,6 +38,7 @@ import { ReadOut } from "./read_out.svelte";
 import { RegistrationControl } from "./registration_control.svelte";
 import { mostValues, ScanLoader } from "./scan_loader.svelte";
 import { SecondControl } from "./second_control.svelte";
+import { SegmentLooks } from "./segment_looks";
 import type { Session } from "./session.svelte";
 import { needsLabels, ShownEdits, type HeldScan } from "./shown_edits.svelte";
 import { SliceControl } from "./slice_control.svelte";
@@ -50,11 +52,13 @@ export class Stage {
   /** Where it is seen from. */
   readonly view: ViewControl;
   /** The slices beside it. */
-  readonly slices = new SliceControl(() => this.view.camera);
+  readonly slices: SliceControl;
   /** What each eye sees of the 3-D view. */
-  readonly stereo = new StereoControl(() => this.view.camera, () => this.slices.panes.view);
+  readonly stereo: StereoControl;
   /** How the scan is shown. */
-  readonly looks = new LookControl();
+  readonly looks: LookControl;
+  /** How segments look. */
+  readonly segmentLooks: SegmentLooks;
   /** What of the 3-D view is cut away. */
   readonly clips: ClipControl;
   /** Range of a segment while its slider is dragged, before the engine is asked. */
@@ -81,8 +85,10 @@ export class Stage {
   readonly second: SecondControl;
   /** How it is brought to the first. */
   readonly registration: RegistrationControl;
-  /** Steps of marks, clipping and registration, in their order. */
+  /** Steps of undo that only the page knows, in their order. */
   readonly steps: PageSteps;
+  /** How many of the engine came before each. */
+  readonly engineSteps: EngineSteps;
   /** Points, distances and angles that a person has set. */
   readonly marks: MarkControl;
   /** Which of them something stands before. */
@@ -109,6 +115,14 @@ export class Stage {
     token: string,
   ) {
     this.view = new ViewControl(session);
+    this.engineSteps = new EngineSteps(session, () => {
+      this.steps.forgetUndone();
+    });
+    this.steps = new PageSteps(() => this.engineSteps.count);
+    this.slices = new SliceControl(this.steps, () => this.view.camera);
+    this.stereo = new StereoControl(() => this.view.camera, () => this.slices.panes.view);
+    this.looks = new LookControl(this.steps);
+    this.segmentLooks = new SegmentLooks(session, this.steps);
     this.loader = new ScanLoader({
       token,
       largestEdge: support.largestEdge,
@@ -123,7 +137,6 @@ export class Stage {
     this.cutting = new CutControl(session);
     this.growing = new GrowControl(session);
     this.brush = new BrushControl(session);
-    this.steps = new PageSteps(() => session.latest?.edit ?? 0);
     this.clips = new ClipControl(this.steps);
     this.marks = new MarkControl(this.steps);
     this.player = new Player(session);
@@ -131,6 +144,7 @@ export class Stage {
     this.picker = new Picker(this, session);
     this.sight = new MarkSight(this.marks, this.picker.hides.bind(this.picker));
     this.second = new SecondControl({
+      steps: this.steps,
       token,
       first: () => session.scan?.name ?? "",
       limits: { edge: support.largestEdge, values: mostValues },

@@ -1,39 +1,50 @@
 /**
- * Undo and redo of the whole page: edits, which the engine takes back, and marks and clipping, which only the
- * page knows. What was changed last is taken back first.
+ * Undo and redo of the whole page, in the order in which things were changed: edits, which the engine takes back, and
+ * what only the page knows: marks, clipping, how scan, slices and segments look.
  */
+import type { EngineSteps } from "./engine_steps.svelte";
 import type { PageSteps } from "./page_steps.svelte";
-import type { Session } from "./session.svelte";
 
 export class UndoControl {
   constructor(
-    private readonly session: Session,
+    private readonly engine: EngineSteps,
     private readonly steps: PageSteps,
   ) {}
 
   get canUndo(): boolean {
-    return this.steps.canUndo || this.session.live?.can_undo === true;
+    return this.steps.canUndo || this.engine.canUndo;
   }
 
   get canRedo(): boolean {
-    return this.steps.canRedo || this.session.live?.can_redo === true;
+    return this.steps.canRedo || this.engine.canRedo;
+  }
+
+  /** What would be taken back or made again, where the page knows its name. */
+  get toUndo(): string | null {
+    return this.steps.toUndo;
+  }
+
+  get toRedo(): string | null {
+    return this.steps.toRedo;
   }
 
   undo(): void {
-    const { steps, session } = this;
-    if (steps.canUndo && (steps.changedLast || session.latest?.can_undo !== true)) {
+    const { engine, steps } = this;
+    steps.forgetLost();
+    if (steps.canUndo && (steps.toUndo !== null || !engine.canUndo)) {
       steps.undo();
     } else {
-      session.send({ type: "undo" });
+      engine.undo();
     }
   }
 
   redo(): void {
-    const { steps, session } = this;
-    if (steps.canRedo && (steps.changedLast || session.latest?.can_redo !== true)) {
+    const { engine, steps } = this;
+    steps.forgetLost();
+    if (steps.canRedo && (steps.toRedo !== null || !engine.canRedo)) {
       steps.redo();
     } else {
-      session.send({ type: "redo" });
+      engine.redo();
     }
   }
 }

@@ -14,7 +14,6 @@ import {
   type Curve,
 } from "../../src/core/curve";
 import { curveOfPreset, presets } from "../../src/core/curve_presets";
-import { advance, back, begin, forth } from "../../src/core/history";
 import { readSlicerPreset } from "../../src/core/slicer_preset";
 import { bakeTransferFunction, integrateRow, sample } from "../../src/core/transfer_function";
 import { swatchOf } from "../../src/ui/swatch";
@@ -64,12 +63,6 @@ test("points stay between their neighbours, and two are always left", () => {
   expect(removed(row, 2)).toEqual(curve.opacities);
   expect(removed(curve.colours, 0)).toBe(curve.colours);
   expect([snapped(123, 10), roundStep(380), roundStep(1200), roundStep(0.7)]).toEqual([120, 5, 20, 0.01]);
-});
-
-test("steps are taken back and made again, and a new one ends what was taken back", () => {
-  const two = advance(advance(begin("a"), "b"), "c");
-  expect([back(two).now, back(back(back(two))).now, forth(back(two)).now]).toEqual(["b", "a", "c"]);
-  expect(advance(back(two), "d")).toEqual({ past: ["a", "b"], now: "d", future: [] });
 });
 
 test("running integrals end at the mean of a row", () => {

@@ -28,7 +28,6 @@ const bone: Segment = {
 const leftLung: Segment = { ...bone, id: 2, name: "lung upper lobe left", shown_as: "surface" };
 const rightLung: Segment = { ...bone, id: 3, name: "lung upper lobe right", visible: false };
 const all = [bone, leftLung, rightLung];
-const seen = (messages: ReturnType<typeof shownAlone>): unknown => messages.map(({ id, visible }) => [id, visible]);
 
 describe("properties of segments", () => {
   it("changes what is asked and nothing else", () => {
@@ -38,16 +37,17 @@ describe("properties of segments", () => {
   });
 
   it("asks for all only of those that differ", () => {
-    expect(changedForAll(all, { shown_as: "surface" }).map(({ id }) => id)).toEqual([1, 3]);
+    const part = { shown_as: "surface" } as const;
+    expect(changedForAll(all, part)).toEqual({ 1: part, 3: part });
     expect(commonWay(all)).toBeNull();
     expect(commonWay([bone, rightLung])).toBe("volume");
     expect(commonWay([])).toBeNull();
   });
 
   it("shows one alone, and all again where it is alone", () => {
-    expect(seen(shownAlone(all, 3))).toEqual([[1, false], [2, false], [3, true]]);
+    expect(shownAlone(all, 3)).toEqual({ 1: { visible: false }, 2: { visible: false }, 3: { visible: true } });
     const alone = all.map((segment) => ({ ...segment, visible: segment.id === 3 }));
-    expect(seen(shownAlone(alone, 3))).toEqual([[1, true], [2, true]]);
+    expect(shownAlone(alone, 3)).toEqual({ 1: { visible: true }, 2: { visible: true } });
   });
 
   it("finds by words in any order", () => {

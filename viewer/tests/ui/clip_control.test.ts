@@ -41,14 +41,16 @@ test("a drag of a face is one step, and all of them come back in turn", () => {
   const cutOf = (): number => clips.clip.box[face.side][face.axis];
   clips.switchBox(true);
   for (const millimetres of [2, 5, 9]) clips.cut(face, millimetres);
-  clips.drop();
+  steps.endGesture();
   clips.addPlane(camera);
   const offset = clips.clip.planes[0]?.offset ?? NaN;
   clips.movePlane(0, offset + 3);
   clips.movePlane(0, offset + 4);
-  clips.drop();
-  // nothing was dragged: no step
-  clips.drop();
+  steps.endGesture();
+  // dragged there and back: no step
+  clips.movePlane(0, offset + 5);
+  clips.movePlane(0, offset + 4);
+  steps.endGesture();
   const seen = [];
   while (steps.canUndo) {
     seen.push([clips.clip.box.on, cutOf(), clips.clip.planes.map((plane) => plane.offset - offset)]);

@@ -1,19 +1,15 @@
 /** Marks in a person's hand: set point by point, dragged as one step, taken back, remembered. */
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
-import type { FromPage, Scan } from "../../src/core/protocol";
+import type { Scan } from "../../src/core/protocol";
 import { MarkControl } from "../../src/ui/mark_control.svelte";
 import { PageSteps } from "../../src/ui/page_steps.svelte";
-import type { Session } from "../../src/ui/session.svelte";
-import { UndoControl } from "../../src/ui/undo_control";
 
 const scan = { name: "head" } as Scan;
-let edit = 7;
-let steps = new PageSteps(() => edit);
+let steps = new PageSteps(() => 0);
 let kept = new Map<string, string>();
 
 beforeEach(() => {
-  edit = 7;
-  steps = new PageSteps(() => edit);
+  steps = new PageSteps(() => 0);
   kept = new Map();
   vi.stubGlobal("localStorage", {
     getItem: (key: string) => kept.get(key) ?? null,
@@ -55,8 +51,6 @@ test("a drag is one step, and every step can be taken back and made again", () =
   marks.add("distance", [[0, 0, 0], [1, 0, 0]]);
   marks.drag(1, 1, [2, 0, 0]);
   marks.drag(1, 1, [3, 0, 0]);
-  marks.drop();
-  marks.drop();
   marks.rename(1, "gap");
   // nothing has changed: no step
   marks.rename(1, " ");
@@ -90,40 +84,4 @@ test("marks are remembered with their scan, and what was kept may be anything", 
     kept.set("palpate.marks.head", text);
     expect(opened().all).toEqual([]);
   }
-});
-
-test("what was changed last is taken back first: a mark or an edit", () => {
-  const sent: string[] = [];
-  const session = {
-    get latest() {
-      return { edit, can_undo: true, can_redo: true };
-    },
-    send: ({ type }: FromPage) => {
-      sent.push(type);
-    },
-  } as unknown as Session;
-  const marks = opened();
-  const undo = new UndoControl(session, steps);
-  marks.add("point", [[0, 0, 0]]);
-  undo.undo();
-  expect([marks.all.length, sent]).toEqual([0, []]);
-  undo.redo();
-  expect([marks.all.length, sent]).toEqual([1, []]);
-  // the engine edits voxels meanwhile
-  edit += 1;
-  undo.undo();
-  undo.redo();
-  expect([marks.all.length, sent]).toEqual([1, ["undo", "redo"]]);
-});
-
-test("where the engine has nothing to take back, marks are taken back", () => {
-  const session = { latest: { edit: 99, can_undo: false, can_redo: false }, send: expect.unreachable } as unknown as Session;
-  const marks = opened();
-  const undo = new UndoControl(session, steps);
-  marks.add("point", [[0, 0, 0]]);
-  edit = 99;
-  undo.undo();
-  expect(marks.all).toEqual([]);
-  undo.redo();
-  expect(marks.all).toHaveLength(1);
 });

@@ -125,19 +125,20 @@ test("an engine that begins anew is told again, and takes nothing from what is k
   expect(visit.sent).toHaveLength(2);
 });
 
-test("regions are a step of the page's undo, which a later material goes before", () => {
+test("regions are a step of the page's undo; a material is one of the engine's", () => {
   const visit = new Visit(new Map());
   visit.holds(liver, "lattice");
   const rigid: MatterRegion = { treatment: "rigid", shared_with: null, box: null };
   const segment = visit.segments[0] as never;
   visit.sent.length = 0;
   visit.control.setRegions(segment, [rigid]);
-  expect(visit.steps.changedLast).toBe(true);
+  expect(visit.steps.toUndo).toBe("regions of matter");
   visit.steps.undo();
   visit.steps.redo();
   expect(visit.sent).toEqual([[rigid], [], [rigid]].map((regions) => ({ type: "set_regions", id: 1, regions })));
+  visit.steps.undo();
   visit.control.make(segment, "liver", null);
-  expect(visit.steps.changedLast).toBe(false);
+  expect(visit.steps.canUndo).toBe(false);
 });
 
 test("what is felt is a step of the page's undo, kept, and told to the next engine", () => {
