@@ -23,6 +23,13 @@ pub struct Feel {
 }
 
 impl Feel {
+    /// Without friction, whatever the segment is made of.
+    pub const SLIPPERY: Self = Self {
+        stiffness: None,
+        friction_static: Some(0.0),
+        friction_kinetic: Some(0.0),
+    };
+
     /// The settings for a contact with the segment.
     #[must_use]
     pub fn over(self, settings: &Settings) -> Settings {

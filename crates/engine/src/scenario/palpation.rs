@@ -12,6 +12,7 @@ use palpate_volume::segment::Segment;
 use super::drive::{Drive, Sample};
 use super::rig::Rig;
 use crate::error::SessionError;
+use crate::feel::Feel;
 use crate::scene::Properties;
 
 /// A layer of the body.
@@ -52,6 +53,8 @@ pub fn press(
     for layer in layers {
         let properties = Properties {
             law: layer.law,
+            // what holds the ball aside would be taken for what is under it
+            feel: Feel::SLIPPERY,
             ..Properties::of_threshold(true, None)
         };
         let segment = layer.segment.clone();

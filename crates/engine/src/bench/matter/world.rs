@@ -44,13 +44,6 @@ pub const BONE_ID: SegmentId = SegmentId(3);
 /// Iterations of an answer: what a model does in the time that it has in a session.
 const ITERATIONS: u32 = 24;
 
-/// Without the friction of what a segment is made of: only then a force must never pull.
-const SLIPPERY: Feel = Feel {
-    stiffness: None,
-    friction_static: Some(0.0),
-    friction_kinetic: Some(0.0),
-};
-
 /// What a run works on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct World {
@@ -143,7 +136,8 @@ impl World {
             rig.simulation.set_material(id, Some(law), false)?;
         }
         for id in [SKIN_ID, SOFT_ID, BONE_ID] {
-            rig.simulation.set_feel(id, SLIPPERY)?;
+            // only then a force must never pull
+            rig.simulation.set_feel(id, Feel::SLIPPERY)?;
         }
         rig.simulation
             .set_deformation(Some(model), &ModelOptions::default(), false)?;
