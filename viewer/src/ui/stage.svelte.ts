@@ -33,6 +33,7 @@ import { ObjectControl } from "./object_control.svelte";
 import { PageSteps } from "./page_steps.svelte";
 import { Picker } from "./picker";
 import { Player, type ShownTouch } from "./player.svelte";
+import { QualityControl } from "./quality_control.svelte";
 import { ReadOut } from "./read_out.svelte";
 import { RegistrationControl } from "./registration_control.svelte";
 import { mostValues, ScanLoader } from "./scan_loader.svelte";
@@ -53,6 +54,8 @@ export class Stage {
   readonly slices = new SliceControl(() => this.view.camera);
   /** What each eye sees of the 3-D view. */
   readonly stereo = new StereoControl(() => this.view.camera, () => this.slices.panes.view);
+  /** How fine it is drawn. */
+  readonly quality: QualityControl;
   /** How the scan is shown. */
   readonly looks = new LookControl();
   /** What of the 3-D view is cut away. */
@@ -109,6 +112,7 @@ export class Stage {
     token: string,
   ) {
     this.view = new ViewControl(session);
+    this.quality = new QualityControl(support.software);
     this.loader = new ScanLoader({
       token,
       largestEdge: support.largestEdge,
@@ -321,10 +325,10 @@ export class Stage {
     return this.picture;
   }
 
-  /** How fine the picture on display is. */
-  get quality(): Picture["quality"] | null {
+  /** How fine the picture on display is; null before there is one. */
+  get shown(): Picture["shown"] | null {
     const { handed, picture } = this;
-    return picture && { ...picture.quality, finished: picture.quality.finished && handed.isWhole };
+    return picture && { ...picture.shown, finished: picture.shown.finished && handed.isWhole };
   }
 
   /** Draws nothing any more, or again; edits are uploaded all the same. For the benchmark of edits. */
@@ -437,7 +441,7 @@ export class Stage {
     }
     picture.advance(now);
     this.loader.follow(picture);
-    this.sight.follow(picture.quality.finished);
+    this.sight.follow(picture.shown.finished);
   }
 
   /** Hands edits to the GPU as they come: all of one before anything is drawn again. */
