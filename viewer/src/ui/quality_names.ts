@@ -1,6 +1,6 @@
+/** What the qualities of the picture are called on the page. */
 import { restingPictures, type Quality } from "../core/quality";
 
-/** How qualities are called, and what they are. */
 export const qualityNames: Readonly<Record<Quality, { readonly name: string; readonly title: string }>> = {
   fast: { name: "Fast", title: told("The quickest picture at rest", "fast") },
   balanced: { name: "Balanced", title: told("Smooth edges, soon after the view rests", "balanced") },

@@ -26,6 +26,7 @@ import { EditPaceControl } from "./edit_pace_control.svelte";
 import { FrameRate } from "./frame_rate.svelte";
 import { GrowControl } from "./grow_control.svelte";
 import { HandedViews } from "./handed_views";
+import { ImageControl } from "./image_control.svelte";
 import { LookControl } from "./look_control.svelte";
 import { MarkControl } from "./mark_control.svelte";
 import { MarkSight } from "./mark_sight.svelte";
@@ -92,6 +93,8 @@ export class Stage {
   readonly sight: MarkSight;
   /** What is where in the picture. */
   readonly picker: Picker;
+  /** Pictures and films of it as files. */
+  readonly images: ImageControl;
   readonly frameRate = new FrameRate();
 
   drawingSuspended = false;
@@ -150,6 +153,7 @@ export class Stage {
     session.onRegistration((told) => {
       this.registration.take(told);
     });
+    this.images = new ImageControl(this, session);
     this.handed = new HandedViews(this, support.software);
     this.edits = new ShownEdits({
       complain: (text) => {
