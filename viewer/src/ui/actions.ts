@@ -160,7 +160,7 @@ function slices({ session, stage }: Doors): readonly Action[] {
     { group, name: "3-D view with three slices", keys: [], run: () => { stage.slices.change({ layout: "four" }); } },
     ...sliceNames.map((single) => ({
       group,
-      name: single === "oblique" ? "Oblique slice, as the 3-D view lies" : `Slice: ${single}`,
+      name: single === "oblique" ? "Oblique slice, along the view" : `Slice: ${single}`,
       keys: [],
       run: () => { stage.slices.change({ layout: "slice", single }); },
     }) as const),
