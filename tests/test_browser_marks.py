@@ -223,6 +223,100 @@ def test_the_palette_does_what_is_typed_and_says_what_it_is(page: Browser) -> No
     page.wait("window.palpate.slices.length === 1")
 
 
+def test_what_panels_do_is_done_by_name_from_the_palette(page: Browser) -> None:
+    act(page, "Oblique slice")
+    page.wait("window.palpate.slices[0]?.name === 'oblique'")
+    act(page, "3-D view with three slices")
+    act(page, "Quality: Fine")
+    page.finish()
+    assert page.read("window.palpate.shown.stepsPerVoxel") == 2
+    act(page, "Quality: Fast")
+
+    # half of the picture is cut away, and comes back
+    page.finish()
+    middle = "(([x, y]) => window.palpate.pick(x, y)?.point)(window.palpate.middle)"
+    before = page.read(middle)
+    act(page, "Add a clip plane")
+    page.finish()
+    toward = page.read("window.palpate.camera.back")
+    assert np.dot(np.subtract(before, page.read(middle)), toward) > 30
+    act(page, "Clip nothing")
+    page.finish()
+    np.testing.assert_allclose(page.read(middle), before, atol=0.5)
+
+    blend = "document.querySelector('[data-testid=blend]').value"
+    assert page.read(blend) == "shaded"
+    act(page, "Lighting on")
+    assert page.read(blend) == "composite"
+    act(page, "Lighting on")
+    assert page.read(blend) == "shaded"
+
+    segments = "document.querySelectorAll('[data-testid^=visible-]').length"
+    count = page.read(segments)
+    act(page, "Add a segment by threshold")
+    page.wait(f"{segments} === {count + 1}")
+    act(page, "Undo")
+    page.wait(f"{segments} === {count}")
+
+    # files are handed to the browser under their names
+    page.read(
+        "void (window.__kept = [],"
+        " HTMLAnchorElement.prototype.click = function () { window.__kept.push(this.download) })"
+    )
+    act(page, "Save a picture")
+    page.wait("window.__kept.length === 1", seconds=240.0)
+    act(page, "Export: Segments for 3D Slicer")
+    page.wait("window.__kept.length === 2", seconds=240.0)
+    kept = page.read("window.__kept")
+    assert kept[0].endswith(".png")
+    assert kept[1].endswith(".seg.nrrd")
+
+
+def test_view_slices_and_marks_follow_keys_alone(page: Browser) -> None:
+    camera = page.read("window.palpate.camera")
+    page.do("press", key="Shift+ArrowRight")
+    turned = page.read("window.palpate.camera")
+    # what is nearer goes to the right
+    assert np.dot(turned["back"], camera["right"]) < -0.02
+    np.testing.assert_allclose(turned["target"], camera["target"])
+    page.do("press", key="Shift+PageUp")
+    nearer = page.read("window.palpate.camera")
+    assert nearer["distance"] < 0.99 * turned["distance"]
+    page.do("press", key="Control+ArrowRight")
+    moved = page.read("window.palpate.camera")
+    assert np.dot(np.subtract(moved["target"], nearer["target"]), nearer["right"]) < -0.5
+    assert moved["distance"] == nearer["distance"]
+
+    # in a slice that has the focus the same keys move the slice
+    page.do("clickAt", testid="slice-axial", x=0.45, y=0.5)
+    place = plane_of(page, "axial")
+    page.do("press", key="Control+ArrowLeft")
+    page.do("press", key="+")
+    after = plane_of(page, "axial")
+    assert np.linalg.norm(np.subtract(after["centre"], place["centre"])) > 1
+    assert after["pixel"] < place["pixel"]
+    assert page.read("window.palpate.camera") == moved
+
+    # a distance from the probe to the crosshair, a point at the crosshair
+    page.do("press", key="Escape")
+    proxy = page.settled()["proxy"]
+    crosshair = page.read("window.palpate.crosshair")
+    for key in ("m", "j", "Shift+J", "Shift+J"):
+        page.do("press", key=key)
+    page.wait("window.palpate.marks.length === 2")
+    distance, point = page.read("window.palpate.marks")
+    assert (distance["kind"], point["kind"]) == ("distance", "point")
+    np.testing.assert_allclose(distance["points"], [proxy, crosshair], atol=0.05)
+    np.testing.assert_allclose(point["points"], [crosshair], atol=1e-6)
+
+    page.do("press", key="?")
+    page.wait("document.querySelector('#help-title') !== null")
+    told = page.read("document.querySelector('[role=dialog][aria-modal]').textContent")
+    for text in ("Shift + arrows", "Ctrl + arrows", "Set a point at the probe"):
+        assert text in told
+    page.do("press", key="Escape")
+
+
 def test_no_serious_fault_of_accessibility_in_either_theme(page: Browser) -> None:
     page.do("press", key="m")
     page.do("clickAt", testid="slice-axial", x=0.4, y=0.4)

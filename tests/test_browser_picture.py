@@ -20,6 +20,8 @@ pytestmark = pytest.mark.browser
 OUTPUT = ROOT / "tests" / "output"
 SIZE = {"width": 1000, "height": 460}
 """Small: each picture is drawn in software until it is as fine as it gets."""
+SMALL = {"width": 780, "height": 360}
+"""For what is drawn a hundred times."""
 Array = NDArray[np.float64]
 
 
@@ -223,4 +225,43 @@ def test_two_eyes_see_the_scan_and_each_of_them_points(opened: Opened) -> None:
     page.do("clickText", text="Stereo")
     assert page.read("document.querySelector('[data-testid=stereo]').value") == "side"
     page.do("choose", testid="stereo", value="off")
+    assert not page.complaints
+
+
+@pytest.mark.data
+def test_a_finer_quality_takes_more_steps_and_comes_nearer_to_a_still_image(opened: Opened) -> None:
+    page = opened.page
+    page.do("open", url=page.read("location.href"), **SIZE)
+    page.do("resize", **SMALL)
+    page.do("choose", testid="blend", value="mip")
+    page.do("clickText", text="Quality")
+    # drawn in software: one picture of one step per voxel unless a person wants more
+    assert page.read("document.querySelector('[data-testid=quality]').value") == "fast"
+    assert page.text("frame-budget-value") == "33 ms"
+
+    shown, pictures = {}, {}
+    for quality in ("still", "fine", "fast"):
+        page.do("choose", testid="quality", value=quality)
+        page.frames()
+        page.wait("window.palpate.finished", seconds=240.0)
+        shown[quality] = page.read("window.palpate.shown")
+        path = OUTPUT / f"quality-{quality}.png"
+        page.do("screenshot", path=str(path), testid="canvas")
+        pixels = SimpleITK.GetArrayFromImage(SimpleITK.ReadImage(str(path)))
+        pictures[quality] = pixels[..., :3] / 255.0
+    # the view rests: all are whole, the finest of 32 pictures with three steps per voxel
+    told = {quality: (each["stepsPerVoxel"], each["passes"]) for quality, each in shown.items()}
+    assert told == {"still": (3, 32), "fine": (2, 16), "fast": (1, 1)}
+    assert {each["divisor"] for each in shown.values()} == {1}
+    fast, fine = (np.abs(pictures[each] - pictures["still"]).mean() for each in ("fast", "fine"))
+    assert fine < 0.5 * fast, (fine, fast)
+
+    # both choices are there at the next visit
+    page.do("slide", testid="frame-budget", value=8)
+    page.do("choose", testid="quality", value="balanced")
+    page.do("open", url=page.read("location.href"), **SIZE)
+    assert page.read("document.querySelector('[data-testid=quality]').value") == "balanced"
+    assert page.text("frame-budget-value") == "8 ms"
+    page.do("choose", testid="quality", value="fast")
+    page.do("slide", testid="frame-budget", value=33)
     assert not page.complaints

@@ -10,6 +10,7 @@ import type { Displaced } from "../core/displaced";
 import type { Look } from "../core/look";
 import { isGrey } from "../core/optics";
 import type { Rect } from "../core/picture_layout";
+import { firstQuality, restingPictures, type QualityChoice } from "../core/quality";
 import type { MovedPose, Segment } from "../core/protocol";
 import type { ScanVolume } from "../core/scan_volume";
 import { drawnFromVoxels, type InsideModes } from "../core/shown_segments";
@@ -25,7 +26,7 @@ import { LabelTexture } from "./label_texture";
 import { labelColours } from "./lookup_textures";
 import type { MarkerState } from "./markers";
 import { RayMarcher } from "./ray_marcher";
-import { Refiner } from "./refiner";
+import { Refiner, type Shown } from "./refiner";
 import { sameInView, type ShownSecond } from "./second_texture";
 import { Snapshot, type SnapshotWish } from "./snapshot";
 import { Slices, type ShownSlice, type SliceLook } from "./slices";
@@ -59,6 +60,7 @@ export class Picture {
   private ready = false;
   /** The GPU has the programs for a first picture, or cannot have them before it. */
   private prepared = false;
+  private quality: QualityChoice;
   private gives = false;
   /** There was a picture of a scan: before it nothing else is drawn, since each program takes its time to be made. */
   private begun = false;
@@ -91,10 +93,12 @@ export class Picture {
     this.renderer.autoClear = false;
     this.renderer.outputColorSpace = THREE.SRGBColorSpace;
     this.surfaces = new Surfaces(this.marcher, support.halfFloatTarget);
-    const quality = { software: support.software, halfFloat: support.halfFloatTarget };
-    this.refiner = new Refiner(this.renderer, new GpuClock(this.gl), this.marcher, this.surfaces, quality, (eye) => {
+    this.quality = firstQuality(support.software);
+    const means = { software: support.software, halfFloat: support.halfFloatTarget };
+    this.refiner = new Refiner(this.renderer, new GpuClock(this.gl), this.marcher, this.surfaces, means, (eye) => {
       this.aimEye(eye);
     });
+    this.setQuality(this.quality);
     this.pane = new ViewPane(this.renderer, this.compositor, (eye) => this.refiner.pictureOf(eye));
     const programs = [this.refiner.prepare(this.format), this.compositor.prepare(this.renderer)];
     void Promise.allSettled(programs).then(() => {
@@ -120,10 +124,16 @@ export class Picture {
     return this.ready && this.refiner.drawnPieces > 0;
   }
 
-  /** Divisor of the resolution on display, and whether it is final. */
-  get quality(): { readonly divisor: number; readonly finished: boolean } {
+  /** With what the picture on display was drawn, and whether it is final. */
+  get shown(): Shown & { readonly finished: boolean } {
     const whole = this.begun && !this.screenStale && !this.slices.isStale && !this.marcher.second.isAwaited;
-    return { divisor: this.refiner.shownDivisor, finished: this.refiner.finished && whole };
+    return { ...this.refiner.shown, finished: this.refiner.finished && whole };
+  }
+
+  /** How fine pictures are at rest, those that are saved too, and how long they may take while the view moves. */
+  setQuality(quality: QualityChoice): void {
+    this.quality = quality;
+    this.refiner.setQuality(restingPictures[quality.quality], quality.frameBudget);
   }
 
   set jitter(on: boolean) {
@@ -324,10 +334,11 @@ export class Picture {
     }
     const { software, halfFloatTarget: halfFloat } = this.options.support;
     const { camera, size, stereo } = wish;
+    const quality = { ...restingPictures[this.quality.quality], software, halfFloat };
     const { extent } = this.view;
     const eyes = eyesOf(stereo, size);
     const seen = viewportOf(stereo, size);
-    const snapshot = new Snapshot(this.renderer, this.marcher, this.surfaces, this.compositor, { software, halfFloat }, (eye) => {
+    const snapshot = new Snapshot(this.renderer, this.marcher, this.surfaces, this.compositor, quality, (eye) => {
       this.aim(eyeCamera(camera, eyes[eye]?.aside ?? 0), extent, seen.width / seen.height, eye);
     });
     this.snapping = true;

@@ -1,13 +1,14 @@
 /**
- * Draws the cached picture in pieces that fit into the time there is: at once and coarse
- * while the view moves; then, at rest, level by level in strips of rows; last, where the
- * GPU is quick, several shifted pictures averaged for smooth edges. Surfaces are drawn with
- * each level before its first strip. Two eyes have a picture each: while the view moves both are drawn
+ * Draws the cached picture in pieces that fit into the time of a frame: at once and coarse
+ * while the view moves; then, at rest, level by level in strips of rows; last, as the quality
+ * says, several shifted pictures averaged for smooth edges. Surfaces are drawn with
+ * each of them before its first strip. Two eyes have a picture each: while the view moves both are drawn
  * at once, so that they never see different views; at rest one after the other.
  */
 import type * as THREE from "three";
 import { halton } from "../core/halton";
 import { levelsAfter, Pace } from "../core/pace";
+import type { RestingPicture } from "../core/quality";
 import type { FieldFormat } from "./field_texture";
 import type { GpuClock } from "./gpu_clock";
 import { PictureTarget } from "./picture_target";
@@ -20,12 +21,18 @@ export interface RefinerOptions {
   readonly halfFloat: boolean;
 }
 
+/** With what the picture on display was drawn. */
+export interface Shown {
+  /** Of the resolution; 0 before the first picture. */
+  readonly divisor: number;
+  /** Per smallest voxel edge. */
+  readonly stepsPerVoxel: number;
+  /** Pictures that are averaged in it. */
+  readonly passes: number;
+}
+
 /** Rest before refining starts [ms]: a drag that pauses should not wait for a strip. */
 const settleMilliseconds = 90;
-
-/** Time of a whole picture up to which several are averaged at rest [ms]. */
-const quickPicture = 60;
-const averaged = 8;
 
 /** Layers of the light volume that are worked out at once, at first; then as many as fit into a strip's time. */
 const firstLayers = 4;
@@ -34,16 +41,19 @@ const mostPieces = 6;
 /** And while the view moves, where the GPU draws. */
 const movingLayers = 8;
 
-/** Steps per voxel edge while the view moves and at rest; fewer where the CPU draws. By the light program they are cheap. */
-const steps = { gpu: { light: 1.5, moving: 1, resting: 1.5 }, software: { light: 1.5, moving: 0.75, resting: 1 } } as const;
+/** Steps per voxel edge while the view moves, at the finest: by the light program and by the whole one. */
+const movingSteps = { light: 1.5, whole: 1 } as const;
+
+/** First guess of the cost of a sample [ms]. */
+const sampleCost = { gpu: 1e-5, software: 5e-3 } as const;
+const unshifted: Shift = [0, 0, 0];
 
 export class Refiner {
   /** A picture for each eye. */
-  private readonly shown: PictureTarget[];
+  private readonly pictures: PictureTarget[];
   private working: PictureTarget;
   private readonly pace: Pace;
-  /** Time for a piece at rest [ms]. */
-  private readonly stripBudget: number;
+  private resting: RestingPicture = { stepsPerVoxel: 1, passes: 1 };
   private stale = true;
   private drawnAt = 0;
   private levels: number[] = [];
@@ -55,8 +65,7 @@ export class Refiner {
   private completing: Promise<void> | null = null;
   /** Whether rays start at random shares of a step. */
   jitter = true;
-  /** Divisor of the resolution on display; 0 before the first picture. */
-  shownDivisor = 0;
+  shown: Shown = { divisor: 0, stepsPerVoxel: 0, passes: 0 };
   /** Pieces that the GPU has drawn to the end. */
   drawnPieces = 0;
 
@@ -69,28 +78,32 @@ export class Refiner {
     /** Turns ray caster and surfaces to what an eye sees now. */
     private readonly aim: (eye: number) => void,
   ) {
-    this.shown = [new PictureTarget(options.halfFloat)];
+    this.pictures = [new PictureTarget(options.halfFloat)];
     this.working = new PictureTarget(options.halfFloat);
-    this.stripBudget = options.software ? 40 : 24;
-    this.pace = new Pace({
-      frameBudget: options.software ? 70 : 24,
-      stripBudget: this.stripBudget,
-      pixelCost: options.software ? 5e-3 : 1e-5,
-    });
+    this.pace = new Pace(0, options.software ? sampleCost.software : sampleCost.gpu);
   }
 
   /** The picture of an eye; of the first one where there are no more. */
   pictureOf(eye: number): PictureTarget {
-    return this.shown[eye] ?? this.first;
+    return this.pictures[eye] ?? this.first;
   }
 
   /** How many pictures there are; to be followed by `resize`. */
   set eyes(count: number) {
-    for (const picture of this.shown.splice(count)) {
+    for (const picture of this.pictures.splice(count)) {
       picture.dispose();
     }
-    while (this.shown.length < count) {
-      this.shown.push(new PictureTarget(this.options.halfFloat));
+    while (this.pictures.length < count) {
+      this.pictures.push(new PictureTarget(this.options.halfFloat));
+    }
+  }
+
+  /** What pictures at rest are drawn with, and the time of a frame [ms]. */
+  setQuality(resting: RestingPicture, frameBudget: number): void {
+    this.pace.frameBudget = frameBudget;
+    if (resting !== this.resting) {
+      this.resting = resting;
+      this.restart();
     }
   }
 
@@ -100,7 +113,7 @@ export class Refiner {
   }
 
   resize(width: number, height: number): void {
-    for (const picture of [...this.shown, this.working]) {
+    for (const picture of [...this.pictures, this.working]) {
       picture.resize(width, height);
     }
     this.restart();
@@ -146,15 +159,16 @@ export class Refiner {
       this.workOutLight();
       return false;
     }
-    if (this.levels.length > 0) {
-      return this.drawStrip();
+    const [level] = this.levels;
+    if (level !== undefined) {
+      return this.drawLevel(level);
     }
     return this.averaging && this.drawAverage();
   }
 
   dispose(): void {
     this.clock.forget();
-    for (const picture of [...this.shown, this.working]) {
+    for (const picture of [...this.pictures, this.working]) {
       picture.dispose();
     }
   }
@@ -166,12 +180,12 @@ export class Refiner {
   }
 
   private get first(): PictureTarget {
-    return this.shown[0] ?? this.working;
+    return this.pictures[0] ?? this.working;
   }
 
-  private get steps(): { readonly moving: number; readonly resting: number } {
-    const { light, moving, resting } = this.options.software ? steps.software : steps.gpu;
-    return { moving: this.marcher.isWhole ? moving : light, resting };
+  /** Of a ray while the view moves, at the finest. */
+  private get movingSteps(): number {
+    return this.marcher.isWhole ? movingSteps.whole : movingSteps.light;
   }
 
   /** Translucent layers while the view moves: each costs all triangles once, however coarse the picture. */
@@ -179,18 +193,15 @@ export class Refiner {
     return this.options.software ? 2 : mostLayers;
   }
 
+  /** Without half floats an average would be one of rounded bytes. */
   private get averaging(): boolean {
-    return (
-      this.jitter &&
-      this.pass < averaged &&
-      this.options.halfFloat &&
-      this.pace.expected(this.pixels(1)) < quickPicture
-    );
+    return this.jitter && this.options.halfFloat && this.pass < this.resting.passes;
   }
 
-  private pixels(divisor: number): number {
+  /** Of a whole picture. */
+  private get pixels(): number {
     const { width, height } = this.first.target;
-    return (width * height) / divisor ** 2;
+    return width * height;
   }
 
   /** What is drawn at rest waits for its light: pictures that move show the light before. */
@@ -200,7 +211,7 @@ export class Refiner {
     const layers = Math.max(this.layers, Math.ceil(light.counts[2] / mostPieces));
     light.advance(this.renderer, layers);
     this.clock.start((milliseconds) => {
-      const fitting = (layers * this.stripBudget) / Math.max(milliseconds, 1);
+      const fitting = (layers * this.pace.frameBudget) / Math.max(milliseconds, 1);
       this.layers = Math.max(1, Math.min(2 * layers, Math.round(fitting)));
     });
   }
@@ -209,17 +220,18 @@ export class Refiner {
     if (!this.options.software && this.marcher.light.pending) {
       this.marcher.light.advance(this.renderer, movingLayers);
     }
-    const eyes = this.shown.length;
-    const divisor = this.pace.movingDivisor(eyes * this.pixels(1));
+    const eyes = this.pictures.length;
+    const { divisor, step } = this.pace.moving(eyes * this.pixels * this.movingSteps);
+    const stepsPerVoxel = step * this.movingSteps;
     for (let eye = 0; eye < eyes; ++eye) {
       this.aim(eye);
       this.working.useLevel(divisor);
-      this.surfaces.draw(this.renderer, this.working, { divisor, shift: [0, 0, 0], depth: this.movingLayers });
-      this.drawRows(0, this.working.height, this.steps.moving, [0, 0, 0]);
+      this.surfaces.draw(this.renderer, this.working, { divisor, shift: unshifted, depth: this.movingLayers });
+      this.drawRows(this.working, [0, this.working.height], stepsPerVoxel, unshifted);
       this.swap(eye);
     }
-    this.learn(eyes * this.first.width * this.first.height);
-    this.shownDivisor = divisor;
+    this.learn(eyes * this.first.width * this.first.height * stepsPerVoxel);
+    this.shown = { divisor, stepsPerVoxel, passes: 1 };
     this.stale = false;
     this.drawnAt = now;
     this.levels = levelsAfter(divisor);
@@ -228,81 +240,80 @@ export class Refiner {
     this.eye = 0;
   }
 
-  private drawStrip(): boolean {
-    const level = this.levels[0] ?? 1;
-    this.turn();
-    this.working.useLevel(level);
-    if (this.row === 0) {
-      this.surfaces.draw(this.renderer, this.working, { divisor: level, shift: [0, 0, 0], depth: mostLayers });
-    }
-    const { width, height } = this.working;
-    const to = Math.min(height, this.row + this.pace.stripRows(width, height));
-    this.drawRows(this.row, to, this.steps.resting, [0, 0, 0]);
-    this.learn(width * (to - this.row));
-    this.row = to;
-    if (to < height) {
+  /** Draws a strip of a finer picture, which replaces the one on display once it is whole. */
+  private drawLevel(divisor: number): boolean {
+    this.working.useLevel(divisor);
+    if (!this.drawStrip(this.working, divisor, unshifted)) {
       return false;
     }
     this.swap(this.eye);
-    this.row = 0;
     if (this.nextEye()) {
-      this.shownDivisor = level;
+      this.shown = { divisor, stepsPerVoxel: this.resting.stepsPerVoxel, passes: 1 };
       this.levels.shift();
       this.pass = 1;
     }
     return true;
   }
 
-  /** Blends one more picture, shifted within the pixel, into the one on display. */
+  /** Blends a strip of one more picture, shifted within the pixel, into the one on display. */
   private drawAverage(): boolean {
     const count = this.pass + 1;
     // covers the pixel evenly
     const shift: Shift = [halton(count, 2) - 0.5, halton(count, 3) - 0.5, count];
-    const shown = this.pictureOf(this.eye);
-    const { working } = this;
-    this.turn();
-    this.working = shown;
-    this.surfaces.draw(this.renderer, this.working, { divisor: 1, shift, depth: mostLayers });
     this.marcher.blend = 1 / count;
-    this.drawRows(0, shown.height, this.steps.resting, shift);
+    const whole = this.drawStrip(this.pictureOf(this.eye), 1, shift);
     this.marcher.blend = null;
-    this.working = working;
-    this.learn(shown.width * shown.height);
-    if (this.nextEye()) {
+    if (whole && this.nextEye()) {
       this.pass = count;
+      this.shown = { ...this.shown, passes: count };
     }
-    return true;
+    return whole;
   }
 
-  private drawRows(from: number, to: number, stepsPerVoxel: number, shift: Shift): void {
-    this.working.useRows(from, to);
-    this.marcher.draw(this.renderer, this.working, { stepsPerVoxel, jitter: this.jitter }, shift);
+  /** Draws the next rows that fit into a frame; true where they were the last. */
+  private drawStrip(target: PictureTarget, divisor: number, shift: Shift): boolean {
+    const { stepsPerVoxel } = this.resting;
+    this.turn();
+    if (this.row === 0) {
+      this.surfaces.draw(this.renderer, target, { divisor, shift, depth: mostLayers });
+    }
+    const { width, height } = target;
+    const to = Math.min(height, this.row + this.pace.stripRows(width, height, stepsPerVoxel));
+    this.drawRows(target, [this.row, to], stepsPerVoxel, shift);
+    this.learn(width * (to - this.row) * stepsPerVoxel);
+    this.row = to < height ? to : 0;
+    return to === height;
   }
 
-  /** Learns what the pixels cost that were just drawn. */
-  private learn(pixels: number): void {
+  private drawRows(target: PictureTarget, rows: readonly [number, number], stepsPerVoxel: number, shift: Shift): void {
+    target.useRows(...rows);
+    this.marcher.draw(this.renderer, target, { stepsPerVoxel, jitter: this.jitter }, shift);
+  }
+
+  /** Learns what the samples cost that were just drawn. */
+  private learn(samples: number): void {
     this.clock.start((milliseconds) => {
-      this.pace.learn(pixels, milliseconds);
+      this.pace.learn(samples, milliseconds);
       this.drawnPieces += 1;
     });
   }
 
   /** Turns to the eye whose picture is drawn; a single one stays where the view left it. */
   private turn(): void {
-    if (this.shown.length > 1) {
+    if (this.pictures.length > 1) {
       this.aim(this.eye);
     }
   }
 
   /** Goes on to the next eye; true where all had their turn. */
   private nextEye(): boolean {
-    this.eye = (this.eye + 1) % this.shown.length;
+    this.eye = (this.eye + 1) % this.pictures.length;
     return this.eye === 0;
   }
 
   private swap(eye: number): void {
     const drawn = this.working;
     this.working = this.pictureOf(eye);
-    this.shown[eye] = drawn;
+    this.pictures[eye] = drawn;
   }
 }

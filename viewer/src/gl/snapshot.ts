@@ -1,16 +1,18 @@
 /**
  * Draws a view as a picture of any size, tile by tile, so that neither the GPU's textures nor the time
- * of a frame limits it, for one eye or for two. Nothing in it is random: the same view is the same picture on every
- * machine.
+ * of a frame limits it, for one eye or for two. Nothing in it is random, and steps and passes go by the quality alone:
+ * what a GPU draws differs from what a CPU draws only by its rounding and by the cells in which light is worked out.
  */
 import * as THREE from "three";
 import type { Camera, Viewport } from "../core/camera";
 import { halton } from "../core/halton";
 import { tilesOf, type Tile } from "../core/image_size";
 import type { Rect } from "../core/picture_layout";
+import type { RestingPicture } from "../core/quality";
 import { eyesOf, type Stereo } from "../core/stereo";
 import { Anaglyph } from "./anaglyph";
 import type { Compositor } from "./compositor";
+import { GpuClock } from "./gpu_clock";
 import { PictureTarget } from "./picture_target";
 import type { RayMarcher, Shift } from "./ray_marcher";
 import { mostLayers } from "./surface_layers";
@@ -38,11 +40,15 @@ interface Part {
   readonly rect: Rect;
 }
 
-/** Edge of a tile [pixels], pictures within a pixel that are averaged, steps per voxel edge. */
-const quality = {
-  gpu: { tile: 512, averaged: 8, stepsPerVoxel: 2 },
-  software: { tile: 192, averaged: 1, stepsPerVoxel: 1 },
-} as const;
+/** How fine a picture is, and what draws it. */
+interface SnapshotQuality extends RestingPicture {
+  readonly software: boolean;
+  /** Without it an average would be one of rounded bytes: there is one pass then. */
+  readonly halfFloat: boolean;
+}
+
+/** Edge of a tile [pixels]: the page stays fluent between tiles. No pixel depends on it. */
+const tileEdge = { gpu: 512, software: 192 } as const;
 
 /** Layers of the light volume that are worked out at once. */
 const lightLayers = 8;
@@ -51,7 +57,7 @@ export class Snapshot {
   private readonly drawn: PictureTarget;
   private readonly shown = new THREE.WebGLRenderTarget(1, 1, { generateMipmaps: false });
   private readonly anaglyph = new Anaglyph();
-  private readonly quality;
+  private readonly clock: GpuClock;
 
   /** @param aim turns ray caster and surfaces to what an eye sees. */
   constructor(
@@ -59,12 +65,11 @@ export class Snapshot {
     private readonly marcher: RayMarcher,
     private readonly surfaces: Surfaces,
     private readonly compositor: Compositor,
-    { software, halfFloat }: { readonly software: boolean; readonly halfFloat: boolean },
+    private readonly quality: SnapshotQuality,
     private readonly aim: (eye: number) => void,
   ) {
-    this.drawn = new PictureTarget(halfFloat);
-    // without half floats an average would be one of rounded bytes
-    this.quality = software || !halfFloat ? quality.software : quality.gpu;
+    this.drawn = new PictureTarget(quality.halfFloat);
+    this.clock = new GpuClock(renderer.getContext() as WebGL2RenderingContext);
   }
 
   /**
@@ -74,7 +79,7 @@ export class Snapshot {
    */
   async draw(context: CanvasRenderingContext2D, wish: SnapshotWish): Promise<void> {
     const { signal, progress } = wish;
-    const parts = partsOf(wish, this.quality.tile);
+    const parts = partsOf(wish, this.quality.software ? tileEdge.software : tileEdge.gpu);
     this.aim(0);
     while (this.marcher.light.pending) {
       signal.throwIfAborted();
@@ -83,23 +88,22 @@ export class Snapshot {
     }
     for (const [i, part] of parts.entries()) {
       signal.throwIfAborted();
-      this.drawPart(part, wish);
+      await this.drawPart(part, wish);
       const { tile, rect } = part;
       context.putImageData(this.read(tile), rect.x + tile.x, rect.y + rect.height - tile.y - tile.height);
       progress?.((i + 1) / parts.length);
-      // the page stays fluent
-      await new Promise((resolve) => setTimeout(resolve));
     }
     signal.throwIfAborted();
   }
 
   dispose(): void {
+    this.clock.forget();
     this.drawn.dispose();
     this.shown.dispose();
     this.anaglyph.dispose();
   }
 
-  private drawPart({ tile, eyes, rect }: Part, { transparent }: SnapshotWish): void {
+  private async drawPart({ tile, eyes, rect }: Part, { signal, transparent }: SnapshotWish): Promise<void> {
     const { anaglyph, drawn, renderer, shown } = this;
     const { width, height } = tile;
     if (drawn.target.width !== width || drawn.target.height !== height) {
@@ -112,7 +116,7 @@ export class Snapshot {
     }
     for (const eye of eyes) {
       this.aim(eye);
-      this.drawTile(tile);
+      await this.drawTile(tile, signal);
       const into = eyes.length > 1 ? anaglyph.eyes[eye === 0 ? 0 : 1] : shown;
       this.compositor.draw(renderer, drawn, { into, corner: [0, 0], transparent });
     }
@@ -121,18 +125,38 @@ export class Snapshot {
     }
   }
 
-  private drawTile(tile: Tile): void {
-    const { averaged, stepsPerVoxel } = this.quality;
+  /** @throws the signal's reason where it is aborted. */
+  private async drawTile(tile: Tile, signal: AbortSignal): Promise<void> {
+    const { halfFloat, passes, software, stepsPerVoxel } = this.quality;
+    const averaged = halfFloat ? passes : 1;
     const { drawn, marcher, renderer, surfaces } = this;
     drawn.useLevel(1);
     drawn.useRows(0, tile.height);
     for (let count = 1; count <= averaged; ++count) {
+      if (count > 1 && software) {
+        // all passes at once would hold the page up
+        await this.done(signal);
+      }
       const shift: Shift = averaged === 1 ? [0, 0, 0] : [halton(count, 2) - 0.5, halton(count, 3) - 0.5, 0];
       surfaces.draw(renderer, drawn, { divisor: 1, shift, depth: mostLayers });
       marcher.blend = count === 1 ? null : 1 / count;
       marcher.draw(renderer, drawn, { stepsPerVoxel, jitter: false }, shift);
+      marcher.blend = null;
     }
-    marcher.blend = null;
+    await this.done(signal);
+  }
+
+  /**
+   * Waits, while the page stays fluent, until the GPU has drawn what it was given.
+   *
+   * @throws the signal's reason where it is aborted.
+   */
+  private async done(signal: AbortSignal): Promise<void> {
+    await new Promise<void>((resolve) => {
+      signal.addEventListener("abort", () => { resolve(); }, { once: true });
+      this.clock.start(() => { resolve(); });
+    });
+    signal.throwIfAborted();
   }
 
   /** The tile as a canvas takes it: rows from the top, colours not multiplied by opacity. */

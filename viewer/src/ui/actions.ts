@@ -5,12 +5,18 @@
 import type { Letter } from "../core/anatomy";
 import { presets } from "../core/curve_presets";
 import { blends } from "../core/optics";
+import { qualities } from "../core/quality";
+import { sliceNames } from "../core/slice_plane";
 import { stereoModes } from "../core/stereo";
 import { toolChoices } from "../core/tools";
 import { larger, stiffer } from "../core/touch_settings";
+import type { Vec3 } from "../core/vector";
+import { windowPresets } from "../core/window_level";
 import { blendNames } from "./blend_names";
+import { formats, type Exporter } from "./exporter.svelte";
 import type { HandControl } from "./hand_control.svelte";
 import { anatomy } from "./look_control.svelte";
+import { qualityNames } from "./quality_names";
 import type { Session } from "./session.svelte";
 import type { Stage } from "./stage.svelte";
 import { stereoNames } from "./stereo_names";
@@ -40,12 +46,15 @@ export interface Doors {
   readonly hand: HandControl;
   readonly tool: ToolHand;
   readonly undo: UndoControl;
+  readonly exporter: Exporter;
   readonly theme: ThemeControl;
   /** What concerns the page as a whole. */
   readonly page: {
     readonly open: () => void;
     readonly second: () => void;
     readonly segments: () => void;
+    /** Asks for the file of a preset of transfer functions. */
+    readonly preset: () => void;
     readonly save: () => void;
     readonly help: () => void;
     readonly palette: () => void;
@@ -64,7 +73,7 @@ const views: readonly (readonly [Letter, string])[] = [
 ];
 
 export function actionsOf(doors: Doors): readonly Action[] {
-  return [look, slices, touch, tools, marks, work].flatMap((group) => group(doors));
+  return [look, picture, slices, touch, tools, marks, work].flatMap((group) => group(doors));
 }
 
 function look({ stage }: Doors): readonly Action[] {
@@ -92,7 +101,6 @@ function look({ stage }: Doors): readonly Action[] {
       keys: [],
       run: () => { stage.stereo.choose({ mode }); },
     }) as const),
-    { group, name: "Clip nothing", keys: [], ready: () => stage.clips.cutting.length > 0, run: () => { stage.clips.reset(); } },
     ...blends.map((blend) => ({
       group,
       name: `Draw as ${blendNames[blend].name}`,
@@ -108,13 +116,61 @@ function look({ stage }: Doors): readonly Action[] {
   ];
 }
 
-function slices({ stage }: Doors): readonly Action[] {
+/** How the picture is made, cut and kept. */
+function picture({ stage, page }: Doors): readonly Action[] {
+  const group = "Look";
+  const { clips, images, looks } = stage;
+  const drawable = (): boolean => stage.view.camera !== null && images.job === null;
+  const lit = (): boolean => looks.choice?.blend === "shaded";
+  return [
+    { group, name: "Import a transfer function of 3D Slicer", keys: [], run: page.preset },
+    {
+      group,
+      name: "Lighting on, off",
+      keys: [],
+      ready: () => lit() || looks.choice?.blend === "composite",
+      run: () => { looks.choose("blend", lit() ? "composite" : "shaded"); },
+    },
+    ...qualities.map((quality) => ({
+      group,
+      name: `Quality: ${qualityNames[quality].name}`,
+      keys: [],
+      run: () => { stage.quality.choose({ quality }); },
+    }) as const),
+    { group, name: "Clip box on, off", keys: [], run: () => { clips.switchBox(!clips.clip.box.on); } },
+    {
+      group,
+      name: "Add a clip plane through the middle of the view",
+      keys: [],
+      ready: () => stage.view.camera !== null && !clips.full,
+      run: () => { if (stage.view.camera !== null) clips.addPlane(stage.view.camera); },
+    },
+    { group, name: "Clip nothing", keys: [], ready: () => clips.cutting.length > 0, run: () => { clips.reset(); } },
+    { group, name: "Save a picture of the view", keys: [], ready: () => drawable() && images.fits(images.choice.magnification), run: () => void images.saveImage() },
+    { group, name: "Record a turntable of the view", keys: [], ready: () => drawable() && images.filming, run: () => void images.saveFilm() },
+  ];
+}
+
+function slices({ session, stage }: Doors): readonly Action[] {
   const group = "Slices";
   return [
     { group, name: "3-D view alone, with a slice, with three", keys: ["L"], run: () => { stage.slices.nextLayout(); } },
     { group, name: "3-D view alone", keys: [], run: () => { stage.slices.change({ layout: "view" }); } },
     { group, name: "3-D view with a slice", keys: [], run: () => { stage.slices.change({ layout: "slice" }); } },
     { group, name: "3-D view with three slices", keys: [], run: () => { stage.slices.change({ layout: "four" }); } },
+    ...sliceNames.map((single) => ({
+      group,
+      name: single === "oblique" ? "Oblique slice, along the view" : `Slice: ${single}`,
+      keys: [],
+      run: () => { stage.slices.change({ layout: "slice", single }); },
+    }) as const),
+    ...windowPresets.map(({ name, window, level }) => ({
+      group,
+      name: `Window ${name} ${String(window)} / ${String(level)}`,
+      keys: [],
+      ready: () => session.scan?.unit === "HU",
+      run: () => { stage.slices.setWindow({ window, level }); },
+    }) as const),
     { group, name: "Show all of each slice", keys: [], run: () => { stage.slices.fit(); } },
   ];
 }
@@ -193,17 +249,24 @@ function tools({ stage, tool }: Doors): readonly Action[] {
   ];
 }
 
-function marks({ stage }: Doors): readonly Action[] {
+function marks({ session, stage }: Doors): readonly Action[] {
   const group = "Marks";
+  const put = (point: Vec3 | undefined | null): void => {
+    if (point !== undefined && point !== null) {
+      stage.marks.set(point);
+    }
+  };
   return [
     { group, name: "Mark a point", keys: ["B"], run: () => { stage.marks.start("point"); } },
     { group, name: "Measure a distance", keys: ["M"], run: () => { stage.marks.start("distance"); } },
     { group, name: "Measure an angle", keys: ["Shift+M"], run: () => { stage.marks.start("angle"); } },
+    { group, name: "Set a point at the probe", keys: ["J"], ready: () => session.latest !== null, run: () => { put(session.latest?.proxy); } },
+    { group, name: "Set a point at the crosshair of slices", keys: ["Shift+J"], ready: () => stage.slices.crosshair !== null, run: () => { put(stage.slices.crosshair); } },
     { group, name: "Delete all marks", keys: [], ready: () => stage.marks.all.length > 0, run: () => { stage.marks.removeAll(); } },
   ];
 }
 
-function work({ undo, theme, page }: Doors): readonly Action[] {
+function work({ session, undo, exporter, theme, page }: Doors): readonly Action[] {
   const group = "Work";
   return [
     { group, name: "Undo", keys: ["Ctrl+Z"], run: () => { undo.undo(); } },
@@ -211,6 +274,17 @@ function work({ undo, theme, page }: Doors): readonly Action[] {
     { group, name: "Open another scan", keys: ["Ctrl+O"], run: page.open },
     { group, name: "Add a second scan", keys: [], run: page.second },
     { group, name: "Add segments from a file", keys: [], run: page.segments },
+    { group, name: "Add a segment by threshold", keys: [], ready: () => session.scan !== null, run: () => { session.addThreshold(); } },
+    ...formats.map(({ name, label }) => ({
+      group,
+      name: `Export: ${label}`,
+      keys: [],
+      ready: () => !exporter.busy,
+      run: () => {
+        exporter.choose(name);
+        void exporter.export();
+      },
+    }) as const),
     { group, name: "Save the scene", keys: ["Ctrl+S"], run: page.save },
     { group, name: "All actions and their keys", keys: ["Ctrl+K"], run: page.palette },
     { group, name: "Help: mouse and keys", keys: ["?"], run: page.help },

@@ -1,13 +1,16 @@
 /**
- * Hands slices, clip planes, marks and the second scan to the picture as they change, and knows whether it has them.
+ * Hands slices, clip planes, marks, the second scan and how fine all is drawn to the picture as they change, and
+ * knows whether it has them.
  */
 import type { Plane } from "../core/clip";
+import type { QualityChoice } from "../core/quality";
 import type { Vec3 } from "../core/vector";
 import type { Picture } from "../gl/picture";
 import type { ShownSecond } from "../gl/second_texture";
 import type { ShownSlice, SliceLook } from "../gl/slices";
 import type { ClipControl } from "./clip_control.svelte";
 import type { MarkControl } from "./mark_control.svelte";
+import type { QualityControl } from "./quality_control.svelte";
 import type { SecondControl } from "./second_control.svelte";
 import type { SliceControl } from "./slice_control.svelte";
 
@@ -16,12 +19,14 @@ const slicePause = 60;
 
 interface Views {
   readonly slices: SliceControl;
+  readonly quality: QualityControl;
   readonly clips: ClipControl;
   readonly marks: MarkControl;
   readonly second: SecondControl;
 }
 
 export class HandedViews {
+  private quality: QualityChoice | null = null;
   private clip: readonly Plane[] | null = null;
   private marks: readonly (readonly Vec3[])[] | null = null;
   private slices: readonly ShownSlice[] | null = null;
@@ -37,6 +42,7 @@ export class HandedViews {
 
   /** A new picture has nothing yet. */
   forget(): void {
+    this.quality = null;
     this.clip = null;
     this.marks = null;
     this.slices = null;
@@ -46,15 +52,19 @@ export class HandedViews {
 
   /** Whether the picture has all that is to be seen. */
   get isWhole(): boolean {
-    const { clips, marks, second, slices } = this.views;
+    const { clips, marks, quality, second, slices } = this.views;
     const sliced = slices.shown === this.slices && slices.look === this.sliceLook;
-    return sliced && clips.cutting === this.clip && marks.lines === this.marks && second.shown === this.second && second.progress === null;
+    return sliced && quality.choice === this.quality && clips.cutting === this.clip && marks.lines === this.marks && second.shown === this.second && second.progress === null;
   }
 
   /** @param scan whether the picture has the first scan: it tells in which form values go to the GPU. */
   hand(picture: Picture, now: number, scan: boolean): void {
     this.handSlices(picture, now);
-    const { clips, marks, second } = this.views;
+    const { clips, marks, quality, second } = this.views;
+    if (quality.choice !== this.quality) {
+      this.quality = quality.choice;
+      picture.setQuality(this.quality);
+    }
     if (clips.cutting !== this.clip) {
       this.clip = clips.cutting;
       picture.setClip(this.clip);

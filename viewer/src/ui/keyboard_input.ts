@@ -1,13 +1,14 @@
 /**
- * Keys of the page. Arrow and page keys move the hand while they are held; the others do what the
- * table of actions says.
+ * Keys of the page. Arrow and page keys move the hand while they are held, with Shift turn the view and come nearer or
+ * farther, with Ctrl move the picture; the others do what the table of actions says.
  */
 import { shortcutsOf } from "../core/shortcuts";
 import type { Action } from "./actions";
 import type { HandControl } from "./hand_control.svelte";
 import type { Session } from "./session.svelte";
+import type { ViewControl } from "./view_control.svelte";
 
-/** Direction of the hand for a key: right, down, away. */
+/** Direction for a key: right, down, away. */
 const moves: Readonly<Record<string, readonly [number, number, number]>> = {
   ArrowRight: [1, 0, 0],
   ArrowLeft: [-1, 0, 0],
@@ -20,8 +21,15 @@ const moves: Readonly<Record<string, readonly [number, number, number]>> = {
 /** Speed of the hand while a key is held, and with Alt [pixels per second]. */
 const speed = 60;
 const fineSpeed = 12;
-/** A key that is only touched moves the hand as if held this long [s]. */
+/** Of the view: turn [rad/s], move of the picture [pixels per second], change of the distance by e each so many seconds. */
+const turnSpeed = 1;
+const panSpeed = 240;
+const nearSpeed = 0.8;
+/** A key that is only touched counts as held this long [s]. */
 const shortest = 1 / 30;
+
+/** What the keys lead. */
+type Led = "hand" | "turn" | "picture";
 
 export class KeyboardInput {
   private readonly byKey: ReadonlyMap<string, Action>;
@@ -31,11 +39,13 @@ export class KeyboardInput {
   /** A field in which something was typed that does not hold yet. */
   private typed: EventTarget | null = null;
   private fine = false;
+  private led: Led = "hand";
   private movedAt = 0;
 
   constructor(
     private readonly session: Session,
     private readonly hand: HandControl,
+    private readonly view: ViewControl,
     actions: readonly Action[],
   ) {
     this.byKey = new Map(actions.flatMap((action) => action.keys.map((key) => [key, action] as const)));
@@ -118,6 +128,7 @@ export class KeyboardInput {
 
   private hold(event: KeyboardEvent): void {
     this.fine = event.altKey;
+    this.led = event.ctrlKey || event.metaKey ? "picture" : event.shiftKey ? "turn" : "hand";
     if (event.repeat || this.held.has(event.key)) {
       return;
     }
@@ -140,15 +151,23 @@ export class KeyboardInput {
   }
 
   private step(seconds: number): void {
-    const pixels = (this.fine ? fineSpeed : speed) * seconds;
-    let [right, down, away] = [0, 0, 0];
-    for (const key of this.held) {
-      const [x, y, z] = moves[key] ?? [0, 0, 0];
-      right += x;
-      down += y;
-      away += z;
+    const [right, down, away] = [...this.held].reduce<readonly [number, number, number]>(
+      ([x, y, z], key) => {
+        const [moreX, moreY, moreZ] = moves[key] ?? [0, 0, 0];
+        return [x + moreX * seconds, y + moreY * seconds, z + moreZ * seconds];
+      },
+      [0, 0, 0],
+    );
+    if (this.led === "hand") {
+      const pixels = this.fine ? fineSpeed : speed;
+      this.hand.move(right * pixels, down * pixels, away * pixels);
+    } else if (this.led === "turn") {
+      this.view.turn(right * turnSpeed, down * turnSpeed);
+      this.view.approach(Math.exp(-away * nearSpeed));
+    } else {
+      this.view.move(right * panSpeed, down * panSpeed);
+      this.view.approach(Math.exp(-away * nearSpeed));
     }
-    this.hand.move(right * pixels, down * pixels, away * pixels);
   }
 }
 

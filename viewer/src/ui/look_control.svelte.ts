@@ -10,6 +10,7 @@ import { firstLighting, type Lighting, type Look } from "../core/look";
 import { blends, firstChoice, isGrey, opticsOf, usesTransferFunction, type OpticsChoice } from "../core/optics";
 import type { Scan } from "../core/protocol";
 import type { InsideMode, InsideModes } from "../core/shown_segments";
+import { readSlicerPreset } from "../core/slicer_preset";
 import { draggedWindow, type WindowLevel } from "../core/window_level";
 import { PageState } from "./page_state.svelte";
 import type { PageSteps } from "./page_steps.svelte";
@@ -155,6 +156,15 @@ export class LookControl {
     const preset = presets.find((other) => other.name === name);
     const curve = preset === undefined ? null : curveOfPreset(preset, this.anchors, this.lowest, this.brightest);
     this.draw({ ...firstCurve, name: preset?.name ?? anatomy, curve });
+  }
+
+  /**
+   * The function of a volume property of 3D Slicer, by its text.
+   *
+   * @throws where it is none.
+   */
+  useImported(text: string): void {
+    this.draw({ ...firstCurve, ...readSlicerPreset(text) });
   }
 
   /** What a preset looks like on this scan; the sliders' function by its other name. */

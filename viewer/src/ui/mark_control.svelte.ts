@@ -72,6 +72,14 @@ export class MarkControl {
     }
   }
 
+  /** A point of what is being set; a mark of its own where nothing is. */
+  set(point: Vec3): void {
+    if (this.placing === null) {
+      this.start("point");
+    }
+    this.put(point);
+  }
+
   add(kind: MarkKind, points: readonly Vec3[]): void {
     this.change(withMark(this.all, kind, points));
   }

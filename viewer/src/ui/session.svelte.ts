@@ -3,6 +3,7 @@
  */
 import { ForceHistory } from "../core/force_history";
 import { decodeParts, type MatterParts } from "../core/matter_parts";
+import { newThreshold } from "../core/new_threshold";
 import { recalled, remembered, sameSettings } from "../core/touch_settings";
 import {
   PROTOCOL_VERSION,
@@ -194,6 +195,13 @@ export class Session {
       });
     };
     this.waiters = [...this.waiters, { fence: this.fence(), passed }];
+  }
+
+  /** Adds a segment by a threshold that suits the scan. */
+  addThreshold(): void {
+    if (this.scan !== null) {
+      this.send({ type: "threshold", id: null, ...newThreshold(this.scan, this.segments) });
+    }
   }
 
   /** Begins a recording, or ends it; the engine's states tell whether it runs. */

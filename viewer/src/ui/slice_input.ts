@@ -5,7 +5,7 @@
  * grows a region, right drag sets window and level, middle or
  * Ctrl + left drag moves the picture, the wheel goes through the slices and zooms with Ctrl. Shift + move,
  * or any move in touch mode, leads the hand in the plane; a double click brings the probe there.
- * With the focus, arrows up and down go through the slices, + and − zoom.
+ * With the focus, arrows up and down go through the slices, with Ctrl they move the picture, + and − zoom.
  */
 import type { Rect } from "../core/picture_layout";
 import { pointOnSlice, type SliceName, type SlicePlane } from "../core/slice_plane";
@@ -23,6 +23,14 @@ const pixelsPerSlice = 60;
 const zoomSpeed = 0.0014;
 /** Zoom by a press of a key. */
 const zoomStep = 1.15;
+/** Move of the picture by a press of a key, as a drag would [pixels]. */
+const panStep = 24;
+const panKeys: Readonly<Record<string, readonly [number, number]>> = {
+  ArrowRight: [panStep, 0],
+  ArrowLeft: [-panStep, 0],
+  ArrowDown: [0, panStep],
+  ArrowUp: [0, -panStep],
+};
 
 export class SliceInput {
   private drag: Drag | null = null;
@@ -264,6 +272,13 @@ export class SliceInput {
         event.preventDefault();
         event.stopPropagation();
       }
+      return;
+    }
+    const move = panKeys[event.key];
+    if ((event.ctrlKey || event.metaKey) && move !== undefined) {
+      event.preventDefault();
+      event.stopPropagation();
+      this.slices.pan(this.name, ...move);
       return;
     }
     if (event.ctrlKey || event.metaKey || (slices === undefined && factor === undefined && size === undefined)) {

@@ -27,6 +27,7 @@ import { EngineSteps } from "./engine_steps.svelte";
 import { FrameRate } from "./frame_rate.svelte";
 import { GrowControl } from "./grow_control.svelte";
 import { HandedViews } from "./handed_views";
+import { ImageControl } from "./image_control.svelte";
 import { LookControl } from "./look_control.svelte";
 import { MarkControl } from "./mark_control.svelte";
 import { MarkSight } from "./mark_sight.svelte";
@@ -34,6 +35,7 @@ import { ObjectControl } from "./object_control.svelte";
 import { PageSteps } from "./page_steps.svelte";
 import { Picker } from "./picker";
 import { Player, type ShownTouch } from "./player.svelte";
+import { QualityControl } from "./quality_control.svelte";
 import { ReadOut } from "./read_out.svelte";
 import { RegistrationControl } from "./registration_control.svelte";
 import { mostValues, ScanLoader } from "./scan_loader.svelte";
@@ -55,6 +57,8 @@ export class Stage {
   readonly slices: SliceControl;
   /** What each eye sees of the 3-D view. */
   readonly stereo: StereoControl;
+  /** How fine it is drawn. */
+  readonly quality: QualityControl;
   /** How the scan is shown. */
   readonly looks: LookControl;
   /** How segments look. */
@@ -95,6 +99,8 @@ export class Stage {
   readonly sight: MarkSight;
   /** What is where in the picture. */
   readonly picker: Picker;
+  /** Pictures and films of it as files. */
+  readonly images: ImageControl;
   readonly frameRate = new FrameRate();
 
   drawingSuspended = false;
@@ -123,6 +129,7 @@ export class Stage {
     this.stereo = new StereoControl(() => this.view.camera, () => this.slices.panes.view);
     this.looks = new LookControl(this.steps);
     this.segmentLooks = new SegmentLooks(session, this.steps);
+    this.quality = new QualityControl(support.software);
     this.loader = new ScanLoader({
       token,
       largestEdge: support.largestEdge,
@@ -160,6 +167,7 @@ export class Stage {
     session.onRegistration((told) => {
       this.registration.take(told);
     });
+    this.images = new ImageControl(this, session);
     this.handed = new HandedViews(this, support.software);
     this.edits = new ShownEdits({
       complain: (text) => {
@@ -335,10 +343,10 @@ export class Stage {
     return this.picture;
   }
 
-  /** How fine the picture on display is. */
-  get quality(): Picture["quality"] | null {
+  /** How fine the picture on display is; null before there is one. */
+  get shown(): Picture["shown"] | null {
     const { handed, picture } = this;
-    return picture && { ...picture.quality, finished: picture.quality.finished && handed.isWhole };
+    return picture && { ...picture.shown, finished: picture.shown.finished && handed.isWhole };
   }
 
   /** Draws nothing any more, or again; edits are uploaded all the same. For the benchmark of edits. */
@@ -451,7 +459,7 @@ export class Stage {
     }
     picture.advance(now);
     this.loader.follow(picture);
-    this.sight.follow(picture.quality.finished);
+    this.sight.follow(picture.shown.finished);
   }
 
   /** Hands edits to the GPU as they come: all of one before anything is drawn again. */

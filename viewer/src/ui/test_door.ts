@@ -8,6 +8,7 @@ import type { Picked } from "../core/pick_surface";
 import { decodeToPage, type Registration, type Scan, type SecondScan, type Settings, type State } from "../core/protocol";
 import type { Vec3 } from "../core/vector";
 import { benchDoor, type BenchDoor } from "./bench_door";
+import type { Shown } from "../gl/refiner";
 import type { ShownSlice } from "../gl/slices";
 import type { HandControl } from "./hand_control.svelte";
 import type { Hearing } from "./hearing.svelte";
@@ -23,6 +24,8 @@ export interface TestDoor {
   readonly ready: boolean;
   /** The picture is as fine as it gets. */
   readonly finished: boolean;
+  /** With what the picture on display was drawn; null before there is one. */
+  readonly shown: Shown | null;
   /** What is now; null before the engine has told. */
   readonly state: State | null;
   /** As the page shows them; null before the engine has told. */
@@ -98,8 +101,9 @@ export function openTestDoor(session: Session, stage: Stage, hand: HandControl, 
       return stage.loader.wholePicture !== null && session.connection.kind === "open" && session.latest !== null;
     },
     get finished() {
-      return stage.quality?.finished ?? false;
+      return stage.shown?.finished ?? false;
     },
+    get shown() { return stage.shown; },
     get state() {
       return session.latest;
     },

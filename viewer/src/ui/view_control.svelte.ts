@@ -2,7 +2,7 @@
  * The view of the 3-D picture: where it is seen from, in which projection, and what of it fills the pane.
  */
 import type { Letter } from "../core/anatomy";
-import { firstView, frame, inProjection, lookFrom, reshaped, sameView, type Camera, type Extent, type Viewport } from "../core/camera";
+import { firstView, frame, inProjection, lookFrom, orbit, pan, reshaped, sameView, zoom, type Camera, type Extent, type Viewport } from "../core/camera";
 import type { Vec3 } from "../core/vector";
 import { recall, remember } from "./remembered";
 import type { Session } from "./session.svelte";
@@ -29,6 +29,21 @@ export class ViewControl {
 
   frameAll(): void {
     this.camera = this.content && this.camera && frame(this.camera, this.content, this.viewport);
+  }
+
+  /** Turns the picture as if its content were dragged by these angles [rad]. */
+  turn(horizontal: number, vertical: number): void {
+    this.camera = this.camera && orbit(this.camera, horizontal, vertical);
+  }
+
+  /** Moves the picture's content [CSS pixels]. */
+  move(x: number, y: number): void {
+    this.camera = this.camera && pan(this.camera, x, y, this.viewport);
+  }
+
+  /** Comes nearer (`factor` < 1) or goes away. */
+  approach(factor: number): void {
+    this.camera = this.content && this.camera && zoom(this.camera, factor, this.content);
   }
 
   /** Moves the picture so that a point is in its middle. */

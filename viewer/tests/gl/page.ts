@@ -6,12 +6,12 @@ import { hasNorm16, reading } from "./formats_page";
 import { light } from "./light_page";
 import { march } from "./march_page";
 import { programs } from "./programs_page";
-import { resizedMiddle, screen, show } from "./screen_page";
+import { refined, resizedMiddle, screen, show } from "./screen_page";
 import { second } from "./second_page";
 import { cancelled, snapshot } from "./snapshot_page";
 import { coarseLevel, drawnTriangles } from "./surface_page";
 
-const glTests = { programs, march, light, second, reading, hasNorm16, screen, show, snapshot, cancelled, resizedMiddle, edit, drawnTriangles, coarseLevel };
+const glTests = { programs, march, light, second, reading, hasNorm16, screen, show, snapshot, cancelled, refined, resizedMiddle, edit, drawnTriangles, coarseLevel };
 
 declare global {
   interface Window {

@@ -7,6 +7,7 @@ import { project, rayThrough } from "../../src/core/camera";
 import { srgbFromHex } from "../../src/core/colour";
 import { flatShare } from "../../src/core/look";
 import { throughBox } from "../../src/core/pick_surface";
+import { qualities, restingPictures } from "../../src/core/quality";
 import { frameOf } from "../../src/core/scan_volume";
 import { distance, type Vec3 } from "../../src/core/vector";
 import { scanOf } from "../core/volumes";
@@ -306,6 +307,21 @@ test("several jittered pictures average to the plain one", async () => {
   // the outline is smoothed, the inside is the same: 8 starts of a ray against the middle one
   expect(mean(differences)).toBeLessThan(2);
   expect(mean(plain.map((value, i) => value - (averaged[i] ?? 0)))).toBeLessThan(0.5);
+});
+
+test("a finer quality takes more steps and averages more pictures at rest, and comes nearer to the finest", async () => {
+  const tissue: MarchTest = { ...ball, softTissue: 0.6, segment: "hidden" };
+  const drawn = await Promise.all(
+    qualities.map((quality) =>
+      browser.page.evaluate(([t, q]) => window.glTests?.refined(t, q) ?? Promise.reject(new Error("no page")), [tissue, quality] as const),
+    ),
+  );
+  expect(drawn.map(({ shown }) => shown)).toEqual(
+    qualities.map((quality) => ({ divisor: 1, finished: true, ...restingPictures[quality] })),
+  );
+  const off = drawn.map(({ pixels }) => mean(pixels.map((value, i) => Math.abs(value - (drawn.at(-1)?.pixels[i] ?? 0)))));
+  expect(off).toEqual([...off].sort((a, b) => b - a));
+  expect(off[2]).toBeLessThan(0.5 * (off[0] ?? 0));
 });
 
 test("the programs of a first picture are there before the scan, and what it shows is what the whole one shows", async () => {

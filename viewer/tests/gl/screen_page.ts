@@ -5,6 +5,7 @@ import * as THREE from "three";
 import { decodeDisplaced, type Displaced } from "../../src/core/displaced";
 import { PathTrail } from "../../src/core/path_trail";
 import type { Segment } from "../../src/core/protocol";
+import { firstQuality, type Quality } from "../../src/core/quality";
 import type { Stereo } from "../../src/core/stereo";
 import { decodeSurface } from "../../src/core/surface_patches";
 import { addScaled, type Vec3 } from "../../src/core/vector";
@@ -96,6 +97,22 @@ export function screen(test: MarchTest, markers: MarkerTest | null, jitter = fal
   return show({ scan: test, jitter, ...(markers === null ? {} : { markers }) });
 }
 
+/** A scan drawn at a quality: with what it was drawn at rest, and how it looks; sRGB bytes, rows from the bottom. */
+export async function refined(test: MarchTest, quality: Quality): Promise<{ readonly shown: Picture["shown"]; readonly pixels: number[] }> {
+  const drawn = pictureOf(true);
+  const { picture } = drawn;
+  const volume = fieldOf(test);
+  const extent = outlineOf(test);
+  picture.setQuality({ ...firstQuality(true), quality });
+  picture.setScan(volume, bricksOf(volume, true));
+  picture.setLook(lookOf(test));
+  picture.setCamera(viewOf(test, extent), extent);
+  const pixels = await finished(drawn);
+  const { shown } = picture;
+  picture.dispose();
+  return { shown, pixels };
+}
+
 /** A picture on a canvas of its own, before anything stands on it. */
 export function pictureOf(jitter: boolean): { readonly picture: Picture; readonly gl: WebGL2RenderingContext } {
   const support = gpuSupport();
@@ -105,6 +122,8 @@ export function pictureOf(jitter: boolean): { readonly picture: Picture; readonl
   }
   const picture = new Picture(canvas, { support, mostPixelRatio: 1 });
   picture.jitter = jitter;
+  // averages are what it is about: the same on the CPU as on a GPU
+  picture.setQuality(firstQuality(!jitter));
   picture.resize(edge, edge);
   const gl = canvas.getContext("webgl2");
   if (gl === null) {
@@ -119,7 +138,7 @@ export async function finished(drawn: ReturnType<typeof pictureOf>): Promise<num
   do {
     picture.advance(performance.now());
     await new Promise((resolve) => setTimeout(resolve, 5));
-  } while (!picture.quality.finished || !picture.hasPicture);
+  } while (!picture.shown.finished || !picture.hasPicture);
   return pixelsOf(drawn);
 }
 

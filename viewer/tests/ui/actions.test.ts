@@ -4,13 +4,14 @@ import { actionsOf, type Doors } from "../../src/ui/actions";
 import type { HandControl } from "../../src/ui/hand_control.svelte";
 import { KeyboardInput } from "../../src/ui/keyboard_input";
 import type { Session } from "../../src/ui/session.svelte";
+import type { ViewControl } from "../../src/ui/view_control.svelte";
 
 afterEach(() => {
   vi.unstubAllGlobals();
 });
 
 // what actions do is the doors' matter: the table only names them
-const actions = actionsOf({ session: {}, stage: {}, hand: {}, tool: {}, undo: {}, theme: {}, page: {} } as unknown as Doors);
+const actions = actionsOf({ session: {}, stage: {}, hand: {}, tool: {}, undo: {}, exporter: {}, theme: {}, page: {} } as unknown as Doors);
 
 test("no two actions have the same name or key", () => {
   const names = actions.map(({ group, name }) => `${group} ${name}`);
@@ -19,6 +20,8 @@ test("no two actions have the same name or key", () => {
   expect(new Set(keys).size).toBe(keys.length);
   expect(keys.length).toBeGreaterThan(30);
 });
+
+const signs = (by: readonly number[]): string => by.map(Math.sign).join(" ");
 
 /** A page's keyboard, the keys of which can be pressed here. */
 function keyboard() {
@@ -39,7 +42,14 @@ function keyboard() {
     { group: "Work", name: "grab", keys: ["G"], run: told("grab"), end: told("let go") },
     { group: "Work", name: "cut", keys: ["Enter"], ready: () => ready, run: told("cut") },
   ] as const;
-  const stop = new KeyboardInput({ offer: null } as Session, {} as HandControl, table).listen();
+  vi.stubGlobal("requestAnimationFrame", () => 0);
+  const hand = { move: (...by: number[]) => done.push(`hand ${signs(by)}`) } as unknown as HandControl;
+  const view = {
+    turn: (...by: number[]) => done.push(`turn ${signs(by)}`),
+    move: (...by: number[]) => done.push(`picture ${signs(by)}`),
+    approach: (factor: number) => done.push(...(factor === 1 ? [] : [factor < 1 ? "nearer" : "farther"])),
+  } as unknown as ViewControl;
+  const stop = new KeyboardInput({ offer: null } as Session, hand, view, table).listen();
   const send = (type: string, key: string, held: object = {}): boolean => {
     let taken = false;
     const event = { key, ctrlKey: false, metaKey: false, shiftKey: false, altKey: false, target: null, ...held };
@@ -73,4 +83,20 @@ test("what lasts as long as a key is held ends with it, once, also where Shift c
   send("blur", "");
   stop();
   expect(done).toEqual(["grab", "let go", "grab", "let go"]);
+});
+
+test("arrows move the hand, with Shift turn the view, with Ctrl move the picture; page keys go along the view", () => {
+  const { send, done } = keyboard();
+  for (const [key, held] of [
+    ["ArrowRight", {}],
+    ["ArrowRight", { shiftKey: true }],
+    ["PageUp", { shiftKey: true }],
+    ["ArrowDown", { ctrlKey: true }],
+    ["ArrowLeft", { metaKey: true }],
+    ["PageDown", {}],
+  ] as const) {
+    expect(send("keydown", key, held)).toBe(true);
+    send("keyup", key, held);
+  }
+  expect(done).toEqual(["hand 1 0 0", "turn 1 0", "turn 0 0", "nearer", "picture 0 1", "picture -1 0", "hand 0 0 -1"]);
 });
