@@ -27,6 +27,7 @@ from palpate.second_scan import placed, read_transform
 from palpate.server import PAGE, serve
 from palpate.server_coming import Coming
 from palpate.server_open_scan import OpenScan
+from palpate.server_resume import kept_key
 from palpate.server_security import Access
 from palpate.server_workbench import Workbench
 from palpate.volume import Volume
@@ -278,7 +279,8 @@ def serve_page(
     seconds: float | None = None,
 ) -> None:
     """Serves a workbench until Ctrl-C, or for so long."""
-    access = Access(port=listener.getsockname()[1])
+    port = listener.getsockname()[1]
+    access = Access(port=port, key=kept_key(port))
 
     coming, opened = workbench.coming, workbench.opened
     shown = opened if coming is None else coming
