@@ -84,3 +84,33 @@ def test_a_damaged_scene_is_refused(tmp_path: Path) -> None:
     assert ended.returncode == 2
     assert "is no scene file, or a damaged one" in ended.stderr
     assert ended.stderr.count("\n") == 1
+
+
+def test_the_autosave_of_a_damaged_scene_is_opened_from_the_page(
+    data_folder: Path, tmp_path: Path
+) -> None:
+    scan, state = data_folder / "cthead_stanford" / "CThead.mha", tmp_path / "state"
+    path = tmp_path / "head.palpate"
+    rows = "document.querySelectorAll('[data-testid^=visible-]').length"
+    with palpate("open", scan, "--threshold", "1350", state=state) as command, browser() as page:
+        page.do("open", url=command.url, **SIZE)
+        page.do("click", testid="find-segments")
+        page.do("click", testid="otsu-make")
+        # bone by its threshold, and the classes above the lowest
+        page.wait(f"{rows} === 3")
+        page.do("download", testid="save-scene", path=str(path))
+        assert command.stop() == 0
+    path.write_bytes(path.read_bytes()[:4000])
+    # the browser has named it as the engine did
+    dropped = tmp_path / "CThead.palpate"
+    path.rename(dropped)
+    with palpate("open", state=state) as command, browser() as page:
+        page.do("open", url=command.url, **SIZE)
+        page.do("drop", paths=[str(dropped)])
+        page.shows("open-failure", "text.includes('damaged')")
+        page.shows("open-autosave", "text.startsWith('Open the last autosave (')")
+        page.do("screenshot", path=str(OUTPUT / "scene_damaged.png"))
+        assert page.do("axe")["value"] == []
+        page.do("click", testid="open-autosave")
+        page.wait(f"window.palpate?.ready === true && {rows} === 3", seconds=120.0)
+        assert page.complaints == []

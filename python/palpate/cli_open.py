@@ -13,6 +13,7 @@ from threading import Thread
 import numpy as np
 import typer
 
+from palpate.autosave import note_scene, with_autosave
 from palpate.console import Display, warn
 from palpate.errors import OptionError, SceneFormatError
 from palpate.io import read
@@ -21,11 +22,12 @@ from palpate.opening import Opening, is_scene, offer_bone
 from palpate.progress import Progress
 from palpate.recent import note_recent
 from palpate.scene import Scene
-from palpate.scene_file import kept_changes, open_scene
+from palpate.scene_file import open_scene
 from palpate.second_scan import placed, read_transform
 from palpate.server import PAGE, serve
 from palpate.server_coming import Coming
 from palpate.server_open_scan import OpenScan
+from palpate.server_resume import kept_key
 from palpate.server_security import Access
 from palpate.server_workbench import Workbench
 from palpate.volume import Volume
@@ -231,6 +233,8 @@ def show(
                 "the page asks whether to bring them back; --recover and --no-recover answer before"
             )
         note_recent(made.scene.volume, None if made.saved is None else made.saved.path)
+        if made.saved is not None:
+            note_scene(made.saved.scan, made.saved.path)
         return opened
 
     coming = Coming(name, begin)
@@ -258,20 +262,13 @@ def saved_scene(path: Path, progress: Progress) -> Opening:
     """Returns a scene that was saved.
 
     Raises:
-        SceneFormatError: It cannot be opened; what is kept of its scan's changes is named then.
+        SceneFormatError: It cannot be opened; its last autosave is named then.
     """
     try:
         saved = open_scene(path, progress=progress)
         return Opening(saved.scene(), saved, saved.told)
     except SceneFormatError as error:
-        kept = kept_changes(path)
-        if kept is None:
-            raise
-        scan, when = kept
-        raise SceneFormatError(
-            f"{error}; the last changes of its scan are kept from {when:%d %B %Y, %H:%M}: "
-            f"palpate open {scan} offers them"
-        ) from None
+        raise with_autosave(error, path) from None
 
 
 def serve_page(
@@ -282,7 +279,8 @@ def serve_page(
     seconds: float | None = None,
 ) -> None:
     """Serves a workbench until Ctrl-C, or for so long."""
-    access = Access(port=listener.getsockname()[1])
+    port = listener.getsockname()[1]
+    access = Access(port=port, key=kept_key(port))
 
     coming, opened = workbench.coming, workbench.opened
     shown = opened if coming is None else coming

@@ -73,7 +73,8 @@ def open_scan(  # noqa: PLR0913  # one per option of the command line
     from palpate.cli_surface import add_mesh
     from palpate.errors import OptionError
     from palpate.opening import Opening
-    from palpate.server import bind
+    from palpate.server import bind_again
+    from palpate.server_resume import note_port
 
     check_start(rate)
     bounds = parse_threshold(threshold)
@@ -83,7 +84,8 @@ def open_scan(  # noqa: PLR0913  # one per option of the command line
             what = "no scan is given" if path is None else f"{path} is a scene"
             raise OptionError(f"{what}: options of scans are allowed with scans only")
     if path is None:
-        with bind(port) as listener, quiet_libraries():
+        with bind_again("", port) as listener, quiet_libraries():
+            note_port("", listener.getsockname()[1])
             choose_on_page(listener, rate=rate, browser=browser, journalled=journal)
         return
     given = path
@@ -100,7 +102,9 @@ def open_scan(  # noqa: PLR0913  # one per option of the command line
             add_mesh(scene, mesh, frame=mesh_frame, unit=mesh_unit, spacing=mesh_spacing)
         return Opening(scene, None, tuple(volume.warnings))
 
-    with bind(port) as listener, quiet_libraries():
+    place = str(given.resolve())
+    with bind_again(place, port) as listener, quiet_libraries():
+        note_port(place, listener.getsockname()[1])
         show(
             path.name,
             make,

@@ -97,7 +97,7 @@ class Journal:
         with self._lock:
             try:
                 self.path.parent.mkdir(parents=True, exist_ok=True)
-                self._look()
+                self._look(wanted=recover is True)
             except (OSError, OptionError) as error:
                 self._give_up(error)
         if self.problem is None and (self.offer is None or recover is not None):
@@ -152,7 +152,8 @@ class Journal:
         else:
             self.path.unlink(missing_ok=True)
 
-    def _look(self) -> None:
+    def _look(self, *, wanted: bool) -> None:
+        """Finds what can be brought back; a beginning without steps only where it is ``wanted``."""
         try:
             found = self._session.look_at_journal(self.path, self._hash)
         except OptionError as error:
@@ -161,7 +162,7 @@ class Journal:
             self._tell(f"{error}; it was kept aside as {aside}")
             return
         second = second_name(self._second_path)
-        if (found is not None and found != (0, 0)) or second is not None:
+        if (found is not None and (wanted or found != (0, 0))) or second is not None:
             steps, lost = found or (0, 0)
             newest = max(
                 path.stat().st_mtime for path in (self.path, self._second_path) if path.exists()

@@ -17,6 +17,7 @@ from typing import IO
 import numpy as np
 from numpy.typing import NDArray
 
+from palpate.anatomical_colour import colour_of_name
 from palpate.errors import OptionError
 from palpate.io import read
 from palpate.labels_grid import (
@@ -31,7 +32,7 @@ from palpate.labels_grid import (
 from palpate.progress import Progress
 from palpate.volume import Volume
 
-__all__ = ["ENDINGS", "colour_of_name", "read_label_map", "read_mask_folder"]
+__all__ = ["ENDINGS", "read_label_map", "read_mask_folder"]
 
 MOST_LABELS = 255
 """More values than this are intensities, not labels."""
@@ -42,32 +43,6 @@ NUMBERS = ("id", "value", "index", "number")
 COLOURS = ("red", "green", "blue")
 """Each 0..1."""
 ENDINGS = (".nii.gz", ".nii", ".nrrd", ".mha", ".mhd", ".mnc")
-
-BY_NAME: tuple[tuple[str, Colour], ...] = (
-    ("vertebra|rib|sternum|hip|sacrum|femur|humerus|scapula|clavicula|skull|bone|costal",
-     (0.94, 0.89, 0.78)),
-    ("aorta|arter|trunk", (0.80, 0.16, 0.14)),
-    ("vein|vena", (0.22, 0.36, 0.72)),
-    ("heart|atri|ventric|myocard", (0.72, 0.22, 0.24)),
-    ("lung|trachea|bronch", (0.93, 0.70, 0.72)),
-    ("gallbladder", (0.42, 0.62, 0.26)),
-    ("liver", (0.62, 0.28, 0.20)),
-    ("spleen", (0.52, 0.24, 0.40)),
-    ("kidney|adrenal", (0.66, 0.36, 0.22)),
-    ("pancreas", (0.90, 0.70, 0.40)),
-    ("bladder|prostate", (0.92, 0.84, 0.44)),
-    ("stomach|bowel|colon|duodenum|esophagus|rectum", (0.82, 0.62, 0.52)),
-    ("glut|iliopsoas|autochthon|muscle", (0.70, 0.32, 0.28)),
-    ("brain|spinal|nerve", (0.86, 0.82, 0.72)),
-    ("fat|skin|body", (0.92, 0.76, 0.62)),
-)  # fmt: skip
-"""Colours by which structures are known in atlases."""
-
-
-def colour_of_name(name: str) -> Colour | None:
-    """Returns a structure's usual colour; None where its name tells none."""
-    found = (colour for pattern, colour in BY_NAME if re.search(pattern, name.lower()))
-    return next(found, None)
 
 
 def read_label_map(

@@ -4,11 +4,16 @@ from __future__ import annotations
 
 import zipfile
 import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from palpate.errors import SceneFormatError
 
-__all__ = ["check_size", "member", "opened"]
+__all__ = ["check_size", "check_whole", "member", "opened"]
+
+CHUNK = 1 << 20
+"""As much as is unpacked at once [bytes]."""
 
 
 def opened(path: Path) -> zipfile.ZipFile:
@@ -32,12 +37,19 @@ def member(path: Path, archive: zipfile.ZipFile, name: str) -> bytes:
     Raises:
         SceneFormatError: It is missing or damaged.
     """
-    try:
+    with _damage_told(path, name):
         return archive.read(name)
-    except KeyError:
-        raise SceneFormatError(f"{path}: {name} is missing; the file is damaged") from None
-    except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError) as error:
-        raise SceneFormatError(f"{path}: {name} is damaged: {error}") from None
+
+
+def check_whole(path: Path, archive: zipfile.ZipFile, name: str) -> None:
+    """Refuses a member whose check sum is wrong, without holding all of it.
+
+    Raises:
+        SceneFormatError: It is missing or damaged.
+    """
+    with _damage_told(path, name), archive.open(name) as file:
+        while file.read(CHUNK):
+            pass
 
 
 def check_size(path: Path, archive: zipfile.ZipFile, name: str, *, exact: int) -> None:
@@ -48,3 +60,13 @@ def check_size(path: Path, archive: zipfile.ZipFile, name: str, *, exact: int) -
     """
     if any(each.filename == name and each.file_size != exact for each in archive.filelist):
         raise SceneFormatError(f"{path}: {name} is damaged: not {exact} bytes")
+
+
+@contextmanager
+def _damage_told(path: Path, name: str) -> Iterator[None]:
+    try:
+        yield
+    except KeyError:
+        raise SceneFormatError(f"{path}: {name} is missing; the file is damaged") from None
+    except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError) as error:
+        raise SceneFormatError(f"{path}: {name} is damaged: {error}") from None

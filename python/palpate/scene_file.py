@@ -17,7 +17,6 @@ from __future__ import annotations
 import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass
-from datetime import datetime
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -25,12 +24,11 @@ from typing import Any
 import msgspec
 
 from palpate.errors import PalpateError, SceneFormatError
-from palpate.journal import journal_place
 from palpate.package_version import package_version
 from palpate.progress import Progress, silent
 from palpate.scan_hash import scan_hash
 from palpate.scene import Scene
-from palpate.scene_archive import member, opened
+from palpate.scene_archive import check_whole, member, opened
 from palpate.scene_matter import SavedMatter, restore_matter, saved_matter
 from palpate.scene_scan import (
     SavedScan,
@@ -45,7 +43,7 @@ from palpate.session import Session
 from palpate.volume import Volume
 from palpate.whole_file import whole_file
 
-__all__ = ["ENDING", "SavedScene", "kept_changes", "open_scene", "save_scene"]
+__all__ = ["ENDING", "SavedScene", "kept_scan", "open_scene", "save_scene"]
 
 ENDING = ".palpate"
 FORMAT = "palpate-scene-1"
@@ -80,6 +78,11 @@ class SavedScene:
     second: SecondScan | None = None
     missing: str | None = None
     """Why the second scan that it had is not shown."""
+
+    @property
+    def scan(self) -> SavedScan:
+        """Its scan, as the file keeps it."""
+        return self.about.scan
 
     @property
     def told(self) -> tuple[str, ...]:
@@ -121,7 +124,7 @@ def save_scene(
     looks: bytes = b"[]",
     view: Mapping[str, Any] | None = None,
     copy: bool = False,
-) -> None:
+) -> SavedScan:
     """Writes a session's scene: all of the file, or none of it where that fails.
 
     Args:
@@ -130,6 +133,9 @@ def save_scene(
         looks: Names and colours, as pages keep them.
         view: What the page keeps of its view.
         copy: Whether scans go into the file; one that was read from no file always does.
+
+    Returns:
+        The scan, as the file keeps it.
 
     Raises:
         OSError: The disk refuses the file.
@@ -160,6 +166,7 @@ def save_scene(
                 _write_values(archive, SCAN, volume)
             if second is not None and second_copied:
                 _write_values(archive, SECOND, second.volume)
+    return about.scan
 
 
 def open_scene(path: Path, *, progress: Progress = silent) -> SavedScene:
@@ -170,24 +177,20 @@ def open_scene(path: Path, *, progress: Progress = silent) -> SavedScene:
     """
     with opened(path) as archive:
         about = _about(path, archive)
+        # before a scan that is open makes room for this one
+        check_whole(path, archive, SEGMENTS)
         volume = _scan(path, archive, about.scan, values=SCAN, progress=progress)
         second, missing = _second(path, archive, about.second, progress=progress)
     return SavedScene(path, volume, about.view, bytes(about.looks), about, second, missing)
 
 
-def kept_changes(path: Path) -> tuple[str, datetime] | None:
-    """Returns the scan of a damaged scene and when its journal was written last, in local time.
-
-    None where the file does not tell its scan, or no journal of it is kept.
-    """
+def kept_scan(path: Path) -> SavedScan | None:
+    """Returns which scan a damaged scene is of; None where its file does not tell any more."""
     try:
         with opened(path) as archive:
-            scan = _about(path, archive).scan
-        journal = journal_place(bytes.fromhex(scan.hash))
-        when = datetime.fromtimestamp(journal.stat().st_mtime).astimezone()
-    except (SceneFormatError, OSError, ValueError):
+            return _about(path, archive).scan
+    except (SceneFormatError, OSError):
         return None
-    return (scan.path or scan.name), when
 
 
 def _scan(

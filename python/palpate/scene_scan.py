@@ -21,7 +21,7 @@ from palpate.scan_hash import scan_hash
 from palpate.scene_archive import check_size, member
 from palpate.volume import Volume, VolumeTraits
 
-__all__ = ["SavedScan", "check_same", "copied_scan", "linked_scan", "saved_scan"]
+__all__ = ["SavedScan", "check_same", "copied_scan", "linked_scan", "places_of", "saved_scan"]
 
 
 class SavedGrid(msgspec.Struct, frozen=True):
@@ -105,15 +105,23 @@ def copied_scan(path: Path, archive: zipfile.ZipFile, scan: SavedScan, *, values
         raise SceneFormatError(f"{path}: {error}") from None
 
 
+def places_of(path: Path, scan: SavedScan) -> list[Path]:
+    """Returns where the scan of the file at ``path`` may be, seen from there first.
+
+    Both may have been moved.
+    """
+    places = [path.resolve().parent / scan.beside] if scan.beside is not None else []
+    return places + ([Path(scan.path)] if scan.path is not None else [])
+
+
 def linked_scan(path: Path, scan: SavedScan, progress: Progress) -> Volume:
-    """Reads a scan from where it is, seen from the file first: both may have been moved.
+    """Reads a scan from where it is.
 
     Raises:
         SceneFormatError: It is in neither place.
         PalpateError: It cannot be read.
     """
-    places = [path.resolve().parent / scan.beside] if scan.beside is not None else []
-    places += [Path(scan.path)] if scan.path is not None else []
+    places = places_of(path, scan)
     for place in places:
         if place.exists():
             return read(place, **scan.options, progress=progress)

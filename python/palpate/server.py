@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import socket
 from collections.abc import AsyncIterator, Callable
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, suppress
 from pathlib import Path
 from threading import Timer
 from typing import Any
@@ -23,10 +23,11 @@ from starlette.staticfiles import StaticFiles
 
 from palpate.errors import OptionError
 from palpate.server_library import Library
+from palpate.server_resume import Resuming, kept_port
 from palpate.server_security import Access, AccessMiddleware
 from palpate.server_workbench import Workbench
 
-__all__ = ["PAGE", "bind", "make_app", "serve"]
+__all__ = ["PAGE", "bind", "bind_again", "make_app", "serve"]
 
 PAGE = Path(__file__).parent / "viewer"
 """The built page, as the wheel carries it."""
@@ -36,6 +37,18 @@ PAGE_PATIENCE: float | None = 60.0
 
 MOST_MESSAGE_BYTES = 1 << 16
 """Of one message of the page; all of them are far smaller."""
+
+
+def bind_again(name: str, port: int) -> socket.socket:
+    """Reserves a port for a scan: that given, else the one where it was shown last, else any.
+
+    Raises:
+        OptionError: The port given is in use, or not allowed.
+    """
+    if port == 0 and (before := kept_port(name)) != 0:
+        with suppress(OptionError):
+            return bind(before)
+    return bind(port)
 
 
 def bind(port: int) -> socket.socket:
@@ -78,6 +91,7 @@ def make_app(workbench: Workbench, *, access: Access, page: Path = PAGE) -> Star
     return Starlette(
         routes=[
             Route("/", index),
+            *Resuming(access).routes,
             Mount("/api/library", library),
             Mount("/api", workbench),
             # scripts, styles and icons of the page

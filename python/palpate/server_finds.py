@@ -16,6 +16,7 @@ from typing import Literal, NoReturn
 
 import msgspec
 
+from palpate.autosave import Autosave
 from palpate.errors import OptionError, VolumeFormatError
 from palpate.io_browse import Choice, Fetch, browsed, previews
 from palpate.io_browse_web import MOST_PICTURED, browsed_web
@@ -107,6 +108,8 @@ class Place:
     """Whether the path is a folder of our own, whose name says nothing."""
     name: str | None = None
     """Of the scan, where that of the path is none."""
+    autosave: Autosave | None = None
+    """What is brought back with the scan."""
 
 
 @dataclass(frozen=True)
@@ -121,6 +124,8 @@ class Find:
     """What is there, where it is projections and no scan."""
     bare: Bare | None = None
     """What is there, where its layout or the size of its voxels is to be told."""
+    autosave: Autosave | None = None
+    """What is kept of a scene whose file is damaged."""
 
 
 class Finds:
@@ -180,6 +185,12 @@ class Finds:
             bare = replace(bare, name=bare.begins or "slices")
         number = self._keep(Find([], place.upload, place.path, bare=bare))
         tell({"kind": "bare", "find": number, **bare_told(bare)})
+
+    def offer(self, autosave: Autosave, tell: Tell) -> None:
+        """Tells the autosave of a damaged scene; it can be opened where its scan is there."""
+        find = None if autosave.place is None else self._keep(Find([], autosave=autosave))
+        when = autosave.when.isoformat(timespec="seconds")
+        tell({"kind": "autosave", "find": find, "scan": autosave.scan.name, "when": when})
 
     def look_at_web(self, address: str, progress: Progress, tell: Tell) -> None:
         """Tells the scans of a DICOMweb service, then pictures of the first of them.
@@ -268,6 +279,8 @@ class Finds:
                 voxel_size=wanted.voxel_size,
                 name=find.bare.name,
             )
+        if find is not None and find.autosave is not None:
+            return Place(find.autosave.path, autosave=find.autosave)
         if find is None or not 0 <= wanted.choice < len(find.choices):
             raise OptionError("that list is gone; allowed: look for scans again")
         choice = find.choices[wanted.choice]

@@ -22,12 +22,13 @@ from starlette.responses import Response
 from starlette.routing import Route, Router
 from starlette.types import ASGIApp, Receive, Scope, Send
 
-from palpate.errors import OptionError, PalpateError, SeriesChoiceError
+from palpate.autosave import autosave_of, note_scene
+from palpate.errors import OptionError, PalpateError, SceneFormatError, SeriesChoiceError
 from palpate.io import read
 from palpate.io_dicomweb_address import is_web_address
 from palpate.labels import read_labels
 from palpate.labels_kind import labels_in
-from palpate.opening import is_scene, opening, opening_of
+from palpate.opening import Opening, is_scene, opening, opening_of
 from palpate.progress import Progress
 from palpate.recent import Recent, forget_recent, note_recent, recent_scans
 from palpate.second_scan import placed
@@ -220,7 +221,12 @@ class Library:
         Where they hold several volumes, such as times, these are told instead, to choose from.
         """
         if place.fetch is None:
-            show(place, None, progress)
+            try:
+                show(place, None, progress)
+            except SceneFormatError:
+                if (autosave := autosave_of(place.path)) is not None:
+                    self._finds.offer(autosave, tell)
+                raise
             return
         with ExitStack() as unless_shown:
             files = TemporaryDirectory(prefix="palpate-")
@@ -241,16 +247,7 @@ class Library:
         if place.upload is not None:
             # its files may be those of a scan by now
             self._uploads.of(place.upload)
-        if place.make is None:
-            read = opening(
-                place.path,
-                series=place.series,
-                raw=place.raw,
-                voxel_size=place.voxel_size,
-                progress=progress,
-            )
-        else:
-            read = opening_of(place.make(progress))
+        read = _read(place, progress)
         # from here on it cannot be taken back
         progress("starting", None)
 
@@ -259,6 +256,7 @@ class Library:
                 read.scene,
                 rate=self._workbench.rate,
                 journalled=self._workbench.journalled,
+                recover=None if place.autosave is None else True,
                 saved=read.saved,
                 tell=self._workbench.tell,
             )
@@ -268,6 +266,8 @@ class Library:
                 opened.files = fetched
             else:
                 note_recent(read.scene.volume, place.path if read.saved is not None else None)
+            if read.saved is not None:
+                note_scene(read.saved.scan, place.path, passing=place.upload is not None)
             return opened
 
         for sentence in read.told:
@@ -339,3 +339,18 @@ class Library:
         # those that are refused may be asked for again, resampled
         if wanted.upload is not None:
             self._uploads.drop(wanted.upload)
+
+
+def _read(place: Place, progress: Progress) -> Opening:
+    """Reads what is at a place, or makes it."""
+    if place.make is not None:
+        return opening_of(place.make(progress))
+    if place.autosave is not None:
+        return opening_of(place.autosave.read(progress))
+    return opening(
+        place.path,
+        series=place.series,
+        raw=place.raw,
+        voxel_size=place.voxel_size,
+        progress=progress,
+    )

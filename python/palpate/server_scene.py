@@ -9,6 +9,7 @@ from typing import Any
 import msgspec
 from starlette.responses import Response
 
+from palpate.autosave import note_scene
 from palpate.scene_file import ENDING, save_scene
 from palpate.server_file import file_name, file_response
 from palpate.server_segments import ShownSegments
@@ -40,7 +41,9 @@ def scene_response(
     def write(wanted: WantedScene, folder: Path) -> tuple[Path, list[str]]:
         path = folder / f"{file_name(session.scene.volume.title, 'scene')}{ENDING}"
         copy = wanted.copy or passing
-        save_scene(path, session, looks=segments.kept(), view=wanted.view, copy=copy)
+        scan = save_scene(path, session, looks=segments.kept(), view=wanted.view, copy=copy)
+        # the browser puts it where only it knows
+        note_scene(scan, path, passing=True)
         return path, []
 
     return file_response(body, WantedScene, write, most_bytes=MOST_VIEW_BYTES, called="view")

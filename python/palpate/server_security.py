@@ -21,9 +21,11 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from palpate.server_pages import refusal
 
-__all__ = ["Access", "AccessMiddleware"]
+__all__ = ["RESUME", "Access", "AccessMiddleware"]
 
 HOSTS = ("127.0.0.1", "localhost")
+RESUME = "/api/resume"
+"""The one route without a token: there pages prove in another way that they were let in before."""
 
 
 @dataclass(frozen=True)
@@ -32,6 +34,8 @@ class Access:
 
     port: int
     token: str = field(default_factory=lambda: secrets.token_urlsafe(24), repr=False)
+    key: str = field(default_factory=lambda: secrets.token_hex(32), repr=False)
+    """By which pages of an earlier start of this port come back."""
 
     @property
     def url(self) -> str:
@@ -44,6 +48,11 @@ class Access:
         return f"palpate-{self.port}"
 
     @property
+    def set_cookie(self) -> str:
+        """What has a browser keep the token, out of reach of scripts."""
+        return f"{self.cookie}={self.token}; Path=/; HttpOnly; SameSite=Strict"
+
+    @property
     def hosts(self) -> tuple[str, ...]:
         """Values of Host that are let in."""
         return tuple(f"{host}:{self.port}" for host in HOSTS)
@@ -53,14 +62,16 @@ class Access:
         """Values of Origin that are let in."""
         return tuple(f"http://{host}" for host in self.hosts)
 
-    def refuses(self, headers: Headers, query: str, *, websocket: bool) -> str | None:
-        """Says why a request is not let in; None where it is."""
+    def refuses(
+        self, headers: Headers, query: str, *, websocket: bool, resumes: bool = False
+    ) -> str | None:
+        """Says why a request is not let in; None where it is. One that ``resumes`` has no token."""
         if headers.getlist("host") not in [[host] for host in self.hosts]:
             return "this address is not the one that Palpate printed"
         origin = headers.get("origin")
         if origin not in self.origins and (origin is not None or websocket):
             return "another page asked for this"
-        if not self._knows(headers, query):
+        if not resumes and not self._knows(headers, query):
             return "the token is missing or wrong"
         return None
 
@@ -107,7 +118,10 @@ class AccessMiddleware:
             return
         query = scope["query_string"].decode("latin-1")
         websocket = scope["type"] == "websocket"
-        reason = self.access.refuses(Headers(scope=scope), query, websocket=websocket)
+        resumes = not websocket and (scope["method"], scope["path"]) == ("POST", RESUME)
+        reason = self.access.refuses(
+            Headers(scope=scope), query, websocket=websocket, resumes=resumes
+        )
         if reason is None:
             await self.app(scope, receive, self._guarded(send, query))
         elif websocket:
@@ -136,5 +150,4 @@ class AccessMiddleware:
         headers["Cross-Origin-Opener-Policy"] = "same-origin"
         headers["Cross-Origin-Resource-Policy"] = "same-origin"
         if self.access.gives_token(query):
-            kept = f"{self.access.cookie}={self.access.token}; Path=/; HttpOnly; SameSite=Strict"
-            headers.append("Set-Cookie", kept)
+            headers.append("Set-Cookie", self.access.set_cookie)

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate import protocol
+from palpate.anatomical_colour import colour_of_name
 from palpate.errors import OptionError
 from palpate.scene import PALETTE, Scene
 from palpate.segment import Segment
@@ -35,7 +36,7 @@ _UNMOVED = [float(row == column) for row in range(4) for column in range(4)]
 
 @dataclass(frozen=True)
 class Look:
-    """How a segment is shown; from opacity on it is about its surface."""
+    """How a segment is shown; from opacity to the wireframe it is about its surface."""
 
     name: str
     colour: tuple[float, float, float]
@@ -45,6 +46,8 @@ class Look:
     smoothing: int = DEFAULT_SMOOTHING
     surface_from: protocol.SurfaceSource = "intensities"
     wireframe: bool = False
+    chosen: bool = True
+    """Whether the colour is that of a person or a file, and not told by name or number."""
 
 
 @dataclass(frozen=True)
@@ -64,7 +67,13 @@ class ShownSegments:
         self._session = session
         self._keep = keep
         self._looks = {
-            segment_id: Look(shown.name, shown.colour, shown.visible, shown.shown_as)
+            segment_id: Look(
+                shown.name,
+                shown.colour,
+                shown.visible,
+                shown.shown_as,
+                chosen=shown.colour not in (*PALETTE, colour_of_name(shown.name)),
+            )
             for segment_id, shown in zip(session.ids, session.scene, strict=True)
         }
         self._lock = Lock()
@@ -95,9 +104,11 @@ class ShownSegments:
     def change(self, wanted: protocol.SegmentProperties) -> None:
         """Changes how a segment looks and whether it can be touched."""
         self._session.set_touchable(wanted.id, touchable=wanted.touchable)
+        colour, chosen = self._colour_after(wanted.id, name=wanted.name, colour=wanted.colour)
         look = Look(
             name=wanted.name,
-            colour=wanted.colour,
+            colour=colour,
+            chosen=chosen,
             visible=wanted.visible,
             shown_as=wanted.shown_as,
             opacity=wanted.opacity,
@@ -120,13 +131,17 @@ class ShownSegments:
             self.add(segment)
             return
         self._session.replace_segment(wanted.id, segment)
-        self._set_look(wanted.id, replace(self._look_of(wanted.id), name=wanted.name))
+        look = self._look_of(wanted.id)
+        colour, chosen = self._colour_after(wanted.id, name=wanted.name, colour=look.colour)
+        self._set_look(wanted.id, replace(look, name=wanted.name, colour=colour, chosen=chosen))
         self.keep()
 
     def add(self, segment: Segment, *, colour: tuple[float, float, float] | None = None) -> None:
         """Adds a segment under its name, in a colour of its own where none is given."""
         segment_id = self._session.add_segment(segment)
-        self._set_look(segment_id, Look(segment.name, colour or _colour_of(segment_id)))
+        own = _own_colour(segment_id, segment.name)
+        chosen = colour is not None and colour != own
+        self._set_look(segment_id, Look(segment.name, colour or own, chosen=chosen))
         self.keep()
 
     def add_empty(self, name: str) -> None:
@@ -204,7 +219,7 @@ class ShownSegments:
         part = cut()
         look = self._look_of(segment_id)
         name = f"{look.name[:80]}, part {part}"
-        self._set_look(part, replace(look, name=name, colour=_colour_of(part)))
+        self._set_look(part, replace(look, name=name, colour=_colour_of(part), chosen=False))
         self.keep()
 
     def take_notices(self) -> list[str]:
@@ -264,8 +279,24 @@ class ShownSegments:
 
     def _look_of(self, segment_id: int) -> Look:
         # a program beside the page may have added it
-        other = Look(f"segment {segment_id}", _colour_of(segment_id))
+        other = Look(f"segment {segment_id}", _colour_of(segment_id), chosen=False)
         return self._looks.get(segment_id, other)
+
+    def _colour_after(
+        self, segment_id: int, *, name: str, colour: tuple[float, float, float]
+    ) -> tuple[tuple[float, float, float], bool]:
+        """Returns the colour of a segment that gets this name and colour, and if it is chosen.
+
+        One that nobody has chosen follows the name from and to those of the body.
+        """
+        before = self._look_of(segment_id)
+        if colour != before.colour:
+            # undo of a name gives its own colour back
+            return colour, colour != _own_colour(segment_id, name)
+        told = colour_of_name(name) is not None or colour_of_name(before.name) is not None
+        if name != before.name and not before.chosen and told:
+            return _own_colour(segment_id, name), False
+        return colour, before.chosen
 
     def _make_message(self, voxels_version: int) -> protocol.Segments:
         states = self._session.segments()
@@ -328,6 +359,11 @@ def _surface_of(look: Look) -> MadeSurface | None:
     if not look.visible or look.shown_as == "volume":
         return None
     return MadeSurface(look.smoothing, look.surface_from)
+
+
+def _own_colour(segment_id: int, name: str) -> tuple[float, float, float]:
+    """Returns the colour by which a name is known, else that of the number."""
+    return colour_of_name(name) or _colour_of(segment_id)
 
 
 def _colour_of(segment_id: int) -> tuple[float, float, float]:

@@ -12,10 +12,10 @@ import palpate
 import pytest
 import SimpleITK
 from numpy.typing import NDArray
+from palpate.anatomical_colour import colour_of_name
 from palpate.cli_open import add_labels
 from palpate.errors import OptionError, PalpateError, VolumeFormatError
 from palpate.labels_dicom import colour_of_lab
-from palpate.labels_map import colour_of_name
 from palpate.progress import silent
 from palpate.scene import Scene
 from palpate.volume import Volume

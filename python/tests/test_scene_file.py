@@ -15,11 +15,10 @@ import SimpleITK
 from palpate import scene_file
 from palpate.errors import SceneFormatError
 from palpate.io import read
-from palpate.journal import Journal
 from palpate.material import LinearMaterial, Material, Region
 from palpate.model_options import ModelOptions, Prony
 from palpate.scene import Scene
-from palpate.scene_file import kept_changes, open_scene, save_scene
+from palpate.scene_file import open_scene, save_scene
 from palpate.second_scan import SecondScan
 from palpate.session import Session, SessionOptions
 from palpate.volume import Volume
@@ -238,20 +237,6 @@ def test_a_member_that_is_too_large_is_not_unpacked(
     write_members(path, members)
     with pytest.raises(SceneFormatError, match=f"{member} is too large"):
         open_scene(path)
-
-
-def test_a_damaged_scene_names_what_is_kept_of_its_scan(scan: Path, tmp_path: Path) -> None:
-    path = tmp_path / "scene.palpate"
-    with Session(Scene(read(scan)), options=STANDING) as session:
-        save_scene(path, session)
-        assert kept_changes(path) is None
-        journal = Journal(session, tell=lambda _: None)
-        journal.start()
-        found = kept_changes(path)
-        session.stop()
-        journal.close()
-    assert found is not None
-    assert found[0] == str(scan)
 
 
 def with_second(scan: Path, second: Path) -> Scene:

@@ -25,25 +25,32 @@ export const names: Readonly<Record<Letter, string>> = {
 
 export const letters: readonly Letter[] = ["A", "P", "L", "R", "S", "I"];
 
+/** What stands for sides where no file tells which they are: the scan's own axes. */
+export const axisSides: Readonly<Record<Letter, string>> = { L: "+x", R: "−x", P: "+y", A: "−y", S: "+z", I: "−z" };
+
+/** Said beside axes of the scan. */
+export const unknownOrientation =
+  "The file does not tell which sides of the body these are: x, y and z are the scan's own axes. --orientation gives it.";
+
 /** Share of a direction below which its letter is left out, about 27 degrees. */
 const smallestShare = 0.45;
 
-/** Letters toward which a unit direction points, the strongest first: "LA" is left, some anterior. */
-export function lettersOf(direction: Vec3): string {
+/** Letters toward which a unit direction points, the strongest first: "LA" is left, some anterior; axes where sides are not known. */
+export function lettersOf(direction: Vec3, known = true): string {
   return letters
     .map((letter) => ({ letter, share: dot(directions[letter], direction) }))
     .filter(({ share }) => share > smallestShare)
     .sort((a, b) => b.share - a.share)
-    .map(({ letter }) => letter)
-    .join("");
+    .map(({ letter }) => (known ? letter : axisSides[letter]))
+    .join(known ? "" : " ");
 }
 
 /** Letters at the right, left, top and bottom edge of the picture. */
-export function edgeLetters(right: Vec3, up: Vec3): Record<"right" | "left" | "top" | "bottom", string> {
+export function edgeLetters(right: Vec3, up: Vec3, known: boolean): Record<"right" | "left" | "top" | "bottom", string> {
   return {
-    right: lettersOf(right),
-    left: lettersOf(scale(right, -1)),
-    top: lettersOf(up),
-    bottom: lettersOf(scale(up, -1)),
+    right: lettersOf(right, known),
+    left: lettersOf(scale(right, -1), known),
+    top: lettersOf(up, known),
+    bottom: lettersOf(scale(up, -1), known),
   };
 }

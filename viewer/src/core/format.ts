@@ -52,8 +52,11 @@ export function formatSeconds(seconds: number): string {
   return `${Math.floor(whole / 60).toString()}:${(whole % 60).toString().padStart(2, "0")}`;
 }
 
-/** "L 12.3  P 4.0  S 806.0 mm": a point by the directions of the body. */
-export function formatPlace([x, y, z]: Vec3): string {
+/** "L 12.3  P 4.0  S 806.0 mm": a point by the directions of the body, by the scan's axes where those are not known. */
+export function formatPlace([x, y, z]: Vec3, known: boolean): string {
+  if (!known) {
+    return `x ${x.toFixed(1)}  y ${y.toFixed(1)}  z ${z.toFixed(1)} mm`;
+  }
   const along = (value: number, positive: string, negative: string): string =>
     `${value < 0 ? negative : positive} ${Math.abs(value).toFixed(1)}`;
   return `${along(x, "L", "R")}  ${along(y, "P", "A")}  ${along(z, "S", "I")} mm`;

@@ -61,6 +61,16 @@ export interface FoundLabels {
   readonly image: boolean;
 }
 
+/** What is kept of a scene whose file is damaged. */
+export interface Autosave {
+  /** By which it is opened; null where its scan is in no place that is known. */
+  readonly find: number | null;
+  /** Name of its scan. */
+  readonly scan: string;
+  /** ISO 8601. */
+  readonly when: string;
+}
+
 /** A line of what the engine tells while it works. */
 export type JobLine =
   | { readonly kind: "progress"; readonly what: string; readonly share: number | null }
@@ -68,6 +78,7 @@ export type JobLine =
   | ({ readonly kind: "projections" } & Projections)
   | ({ readonly kind: "bare" } & Bare)
   | ({ readonly kind: "labels" } & FoundLabels)
+  | ({ readonly kind: "autosave" } & Autosave)
   | { readonly kind: "picture"; readonly choice: number; readonly png: string }
   | { readonly kind: "done" }
   | { readonly kind: "failed"; readonly reason: string };

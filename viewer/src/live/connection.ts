@@ -4,6 +4,7 @@
 import type { FromPage, ToPage } from "../core/protocol";
 import { takeWorker } from "./early_workers";
 import type { FromConnection, ToConnection } from "./connection_messages";
+import { Resumption } from "./resume";
 
 export type ConnectionState =
   | { readonly kind: "connecting" }
@@ -12,6 +13,8 @@ export type ConnectionState =
   | { readonly kind: "lost"; readonly reason: string }
   /** The engine does not let this page in: another token is needed. */
   | { readonly kind: "refused" }
+  /** The engine was started anew and has let this page in again: the page is to be loaded anew. */
+  | { readonly kind: "restarted" }
   /** Another scan has taken the place of this one: the page is to be loaded anew. */
   | { readonly kind: "exchanged" };
 
@@ -29,12 +32,14 @@ const slowestRetry = 4000;
 
 export class Connection {
   private readonly worker = takeWorker("connection");
+  private readonly resumption: Resumption;
   private retry = firstRetry;
 
   constructor(
     private readonly token: string,
     private readonly events: ConnectionEvents,
   ) {
+    this.resumption = new Resumption(apiAddress("/api/resume/key", token));
     this.worker.onmessage = (event: MessageEvent<FromConnection>) => {
       this.receive(event.data);
     };
@@ -53,6 +58,7 @@ export class Connection {
     switch (message.kind) {
       case "opened":
         this.retry = firstRetry;
+        void this.resumption.learn();
         this.events.state({ kind: "open" });
         break;
       case "batch":
@@ -89,7 +95,8 @@ export class Connection {
     // a refused WebSocket tells no reason, a refused page does
     const answer = await fetch(apiAddress("/", this.token), { cache: "no-store" }).catch(() => null);
     if (answer?.status === 403) {
-      this.events.state({ kind: "refused" });
+      const kind = (await this.resumption.resume()) ? "restarted" : "refused";
+      this.events.state({ kind });
       return;
     }
     this.events.state({ kind: "lost", reason });

@@ -1,7 +1,7 @@
 /** Opens scans: looks for them, takes those that are dropped, and has the engine show one. */
 import { layoutText, wholeVoxel, type Bare, type LaidOut, type ToldLayout } from "../core/bare";
 import { formatBytes, formatCount } from "../core/format";
-import { isSingle, refusalOf, type About, type FoundLabels, type GivenFile, type JobLine, type ListedScan, type RecentScan } from "../core/library";
+import { isSingle, refusalOf, type About, type Autosave, type FoundLabels, type GivenFile, type JobLine, type ListedScan, type RecentScan } from "../core/library";
 import type { Projections, ReconstructionGrid, ReconstructionRequest } from "../core/reconstruction";
 import type { Vec3 } from "../core/vector";
 import { askAbout, askGrid, askLayout, bring, forgetRecent, work } from "../live/library_requests";
@@ -30,6 +30,8 @@ export class Library {
   resample = $state.raw(false);
   work = $state.raw<Work | null>(null);
   failure = $state.raw<string | null>(null);
+  /** What is kept of the scene that failed to open. */
+  autosave = $state.raw<Autosave | null>(null);
   found = $state.raw<Found | null>(null);
   /** Pictures of the scans that were found, by their places in the list. */
   pictures = $state.raw<Readonly<Record<number, string>>>({});
@@ -228,6 +230,11 @@ export class Library {
     await this.attempt((signal) => this.exchange({ path, series, raw, voxel_size }, signal));
   }
 
+  /** Opens the scan of a damaged scene as the last autosave has it. */
+  async openAutosave(find: number): Promise<void> {
+    await this.attempt((signal) => this.exchange({ find }, signal));
+  }
+
   async forget(): Promise<void> {
     await forgetRecent(this.token);
     await this.look();
@@ -297,6 +304,9 @@ export class Library {
       case "labels":
         this.labels = line;
         break;
+      case "autosave":
+        this.autosave = line;
+        break;
       case "picture":
         this.pictures = { ...this.pictures, [line.choice]: `data:image/png;base64,${line.png}` };
         break;
@@ -311,6 +321,7 @@ export class Library {
     const asking = new AbortController();
     this.asking = asking;
     this.failure = null;
+    this.autosave = null;
     this.work = { what: "Looking", share: null };
     try {
       await act(asking.signal);

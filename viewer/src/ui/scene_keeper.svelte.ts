@@ -6,6 +6,7 @@ import type { Scan } from "../core/protocol";
 import { isPoint } from "../core/vector";
 import { apiAddress } from "../live/connection";
 import { fetchFile } from "./download";
+import { pass, takePassed } from "./passed_view";
 import { bring, keptOf, recall, remember } from "./remembered";
 import type { Session } from "./session.svelte";
 import type { Stage } from "./stage.svelte";
@@ -15,6 +16,8 @@ export class SceneKeeper {
   /** The scan goes into the file, which then stands alone. */
   withScan = $state.raw(recall("scene", { withScan: false }).withScan);
 
+  /** What the page before this one had shown when its engine ended; null where there was none. */
+  private passed = takePassed();
   /** The view of the opened scene, on its way from the beginning on: a page takes it once. */
   private asked: Promise<Response> | null;
 
@@ -41,9 +44,7 @@ export class SceneKeeper {
     }
     this.saving = true;
     try {
-      const { slices } = this.stage;
-      const { camera } = this.stage.view;
-      const view = { camera, crosshair: slices.crosshair, remembered: keptOf(scan.name) };
+      const view = this.viewOf(scan);
       await fetchFile("/api/scene", this.token, { view, copy: this.withScan }, "scene.palpate");
     } catch (error) {
       const reason = error instanceof Error ? error.message : String(error);
@@ -53,9 +54,23 @@ export class SceneKeeper {
     }
   }
 
-  /** Opens a scan, the first time as the scene that was opened has it. */
+  /** Keeps the view for the page that takes the place of this one once the engine is back. */
+  passOn(): void {
+    const { scan } = this.session;
+    if (scan !== null) {
+      pass({ scan: JSON.stringify(scan), view: this.viewOf(scan) });
+    }
+  }
+
+  /** Whether this page goes on with a scan that was open when the engine ended. */
+  goesOnWith(scan: Scan | null): boolean {
+    return this.passed !== null && this.passed.scan === JSON.stringify(scan);
+  }
+
+  /** Opens a scan, the first time as the scene that was opened has it, or the page before has shown it. */
   async open(scan: Scan): Promise<void> {
-    const view = await this.view();
+    const saved = await this.view();
+    const view = this.goesOnWith(scan) ? { ...this.passed?.view } : saved;
     bring(scan.name, view["remembered"]);
     this.stage.second.again();
     await this.stage.open(scan);
@@ -67,6 +82,11 @@ export class SceneKeeper {
     if (isPoint(crosshair)) {
       this.stage.slices.goTo(crosshair);
     }
+  }
+
+  private viewOf(scan: Scan): Record<string, unknown> {
+    const { slices, view } = this.stage;
+    return { camera: view.camera, crosshair: slices.crosshair, remembered: keptOf(scan.name) };
   }
 
   private async view(): Promise<Record<string, unknown>> {

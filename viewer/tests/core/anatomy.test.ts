@@ -11,7 +11,7 @@ test("directions along an axis have one letter, oblique ones two, the stronger f
 });
 
 test("letters at the edges of a view from before are those of a radiograph", () => {
-  expect(edgeLetters([1, 0, 0], [0, 0, 1])).toEqual({ right: "L", left: "R", top: "S", bottom: "I" });
+  expect(edgeLetters([1, 0, 0], [0, 0, 1], true)).toEqual({ right: "L", left: "R", top: "S", bottom: "I" });
 });
 
 test("the cube shows one face from before and three from a corner, the nearest last", () => {
@@ -24,4 +24,9 @@ test("the cube shows one face from before and three from a corner, the nearest l
   const right = normalize([1, 0.5, 0]);
   const corner = cubeFaces(right, [-0.2, 0.4, 0.9], back);
   expect(corner.map(({ letter }) => letter)).toEqual(["S", "L", "A"]);
+});
+
+test("sides that no file tells are axes of the scan", () => {
+  expect(edgeLetters([1, 0, 0], [0, 0, 1], false)).toEqual({ right: "+x", left: "−x", top: "+z", bottom: "−z" });
+  expect(lettersOf(normalize([-2, -1.2, 0]), false)).toBe("−x −y");
 });

@@ -31,7 +31,7 @@ describe("axes", () => {
     const turned = [upright[2], upright[0], upright[1]] as const;
     for (const axes of [upright, flipped, turned]) {
       const { right, up } = sliceAxes(name, axes, camera);
-      expect(edgeLetters(right, up)).toEqual(letters);
+      expect(edgeLetters(right, up, true)).toEqual(letters);
     }
   });
 
