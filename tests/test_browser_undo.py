@@ -5,7 +5,7 @@ The oracle is what the page showed before each gesture.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -77,7 +77,7 @@ def preset(page: Browser) -> None:
     page.do("click", testid="preset-CT-Bone")
 
 
-GESTURES = {
+GESTURES: dict[str, Callable[[Browser], Any]] = {
     "colour": colour,
     "drawn as a surface": lambda page: page.do("click", testid="shown-as-surface"),
     "opacity": lambda page: page.do("slide", testid="surface-opacity", value=0.4),
