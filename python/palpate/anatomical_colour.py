@@ -6,8 +6,9 @@ Colours are sRGB, each 0..1.
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 
-__all__ = ["colour_of_name"]
+__all__ = ["Colour", "colour_of_name", "first_colour"]
 
 Colour = tuple[float, float, float]
 
@@ -37,3 +38,14 @@ def colour_of_name(name: str) -> Colour | None:
     """Returns a structure's usual colour; None where its name tells none."""
     found = (colour for pattern, colour in BY_NAME if re.search(pattern, name.lower()))
     return next(found, None)
+
+
+def first_colour(name: str, others: Iterable[str], *, otherwise: Colour) -> Colour:
+    """Returns the colour of a segment for which nobody has chosen one.
+
+    It is that by which its name is known; ``otherwise`` where the name tells none, or where one of
+    the ``others`` is called the same, so that the two can be told apart.
+    """
+    if any(other.casefold() == name.casefold() for other in others):
+        return otherwise
+    return colour_of_name(name) or otherwise

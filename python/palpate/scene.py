@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Literal
 
-from palpate.anatomical_colour import colour_of_name
+from palpate.anatomical_colour import first_colour
 from palpate.errors import OptionError
 from palpate.second_scan import SecondScan
 from palpate.segment import Segment
@@ -81,8 +81,8 @@ class Scene:
 
         Args:
             segment: Voxels of this scan, or with a grid of its own; that is shown as a surface.
-            colour: sRGB, each 0..1; by default that by which its name is known, else the next of
-                the palette.
+            colour: sRGB, each 0..1; by default that by which its name is known, else, as for a
+                second one of that name, the next of the palette.
             visible: Whether it is shown.
             touchable: Whether the probe is stopped by it.
             shown_as: Drawn from its voxels, as a surface, or both.
@@ -101,8 +101,9 @@ class Scene:
             raise OptionError(
                 f"segment {segment.name!r} is one too many; allowed: {MOST_SEGMENTS} in a scene"
             )
-        own = colour_of_name(segment.name) or PALETTE[len(self._segments) % len(PALETTE)]
-        chosen = colour or own
+        next_one = PALETTE[len(self._segments) % len(PALETTE)]
+        names = [other.name for other in self._segments]
+        chosen = colour or first_colour(segment.name, names, otherwise=next_one)
         added = SceneSegment(segment, segment.name, chosen, visible, touchable, shown_as)
         self._segments.append(added)
         return added

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from palpate import protocol
-from palpate.anatomical_colour import colour_of_name
+from palpate.anatomical_colour import colour_of_name, first_colour
 from palpate.errors import OptionError
 from palpate.scene import PALETTE, Scene
 from palpate.segment import Segment
@@ -139,7 +139,7 @@ class ShownSegments:
     def add(self, segment: Segment, *, colour: tuple[float, float, float] | None = None) -> None:
         """Adds a segment under its name, in a colour of its own where none is given."""
         segment_id = self._session.add_segment(segment)
-        own = _own_colour(segment_id, segment.name)
+        own = self._own_colour(segment_id, segment.name)
         chosen = colour is not None and colour != own
         self._set_look(segment_id, Look(segment.name, colour or own, chosen=chosen))
         self.keep()
@@ -292,11 +292,15 @@ class ShownSegments:
         before = self._look_of(segment_id)
         if colour != before.colour:
             # undo of a name gives its own colour back
-            return colour, colour != _own_colour(segment_id, name)
+            return colour, colour != self._own_colour(segment_id, name)
         told = colour_of_name(name) is not None or colour_of_name(before.name) is not None
         if name != before.name and not before.chosen and told:
-            return _own_colour(segment_id, name), False
+            return self._own_colour(segment_id, name), False
         return colour, before.chosen
+
+    def _own_colour(self, segment_id: int, name: str) -> tuple[float, float, float]:
+        others = [look.name for other, look in self._looks.items() if other != segment_id]
+        return first_colour(name, others, otherwise=_colour_of(segment_id))
 
     def _make_message(self, voxels_version: int) -> protocol.Segments:
         states = self._session.segments()
@@ -359,11 +363,6 @@ def _surface_of(look: Look) -> MadeSurface | None:
     if not look.visible or look.shown_as == "volume":
         return None
     return MadeSurface(look.smoothing, look.surface_from)
-
-
-def _own_colour(segment_id: int, name: str) -> tuple[float, float, float]:
-    """Returns the colour by which a name is known, else that of the number."""
-    return colour_of_name(name) or _colour_of(segment_id)
 
 
 def _colour_of(segment_id: int) -> tuple[float, float, float]:

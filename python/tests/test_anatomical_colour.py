@@ -64,6 +64,17 @@ def test_a_segment_that_is_made_has_the_colour_of_its_name(shown: ShownSegments)
     assert now(shown, 2).colour == colour_of_name("liver")
 
 
+def test_of_two_that_are_called_the_same_the_second_has_another_colour(
+    shown: ShownSegments,
+) -> None:
+    for number in (2, 3):
+        shown.add_empty("Bone")
+        assert now(shown, number).colour == (colour_of_name("bone") if number == 2 else PALETTE[2])
+    # left and right are two names of one colour
+    assert change(shown, 2, name="left kidney").colour == colour_of_name("kidney")
+    assert change(shown, 3, name="right kidney").colour == colour_of_name("kidney")
+
+
 def test_a_new_name_brings_its_colour_and_an_old_one_takes_it_back(shown: ShownSegments) -> None:
     before = now(shown, 1).colour
     assert change(shown, 1, name="kidney").colour == colour_of_name("kidney")
