@@ -255,6 +255,8 @@ def test_what_panels_do_is_done_by_name_from_the_palette(page: Browser) -> None:
     count = page.read(segments)
     act(page, "Add a segment by threshold")
     page.wait(f"{segments} === {count + 1}")
+    # until the engine's state tells of it, the last step is one of the page's own
+    page.wait("window.palpate.state.can_undo")
     act(page, "Undo")
     page.wait(f"{segments} === {count}")
 
