@@ -1,8 +1,7 @@
 """The last autosave of a scene whose file is damaged: found by the file's name, not by its content.
 
 An autosave is the journal of the scene's scan. Which scan a scene is of is noted when its file is
-written or opened, in one JSON file in the folder of the program's state; a damaged one counts as
-empty.
+written or opened, in one JSON file in the folder of the program's state.
 """
 
 from __future__ import annotations
@@ -17,12 +16,12 @@ from pathlib import Path
 import msgspec
 
 from palpate.errors import SceneFormatError
-from palpate.journal import journal_place, state_folder
+from palpate.journal import journal_place
 from palpate.progress import Progress
 from palpate.scene_file import kept_scan
 from palpate.scene_scan import SavedScan, check_same, linked_scan, places_of
+from palpate.state_folder import keep, kept, state_folder
 from palpate.volume import Volume
-from palpate.whole_file import whole_file
 
 __all__ = ["Autosave", "autosave_of", "note_scene", "with_autosave"]
 
@@ -82,11 +81,7 @@ def note_scene(scan: SavedScan, path: Path, *, passing: bool = False) -> None:
     place = None if passing else str(path.resolve())
     newest = NotedScene(path.name, place, scan)
     others = [one for one in _noted() if (one.name, one.path) != (newest.name, newest.path)]
-    # a disk that refuses it only means that nothing is noted
-    with suppress(OSError):
-        _file().parent.mkdir(parents=True, exist_ok=True)
-        with whole_file(_file()) as unfinished:
-            unfinished.write_bytes(msgspec.json.encode([newest, *others][:MOST]))
+    keep(_file(), [newest, *others][:MOST])
 
 
 def autosave_of(path: Path) -> Autosave | None:
@@ -136,7 +131,4 @@ def _file() -> Path:
 
 
 def _noted() -> list[NotedScene]:
-    try:
-        return msgspec.json.decode(_file().read_bytes(), type=list[NotedScene])
-    except (OSError, msgspec.DecodeError):
-        return []
+    return kept(_file(), list[NotedScene]) or []

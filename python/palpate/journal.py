@@ -6,8 +6,6 @@ that holds steps is offered for recovery; one that is not wanted is kept aside u
 
 from __future__ import annotations
 
-import os
-import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import datetime
@@ -19,19 +17,9 @@ from palpate.scan_hash import scan_hash
 from palpate.second_note import keep_second, kept_second, second_name
 from palpate.second_scan import SecondScan
 from palpate.session import Session
+from palpate.state_folder import state_folder
 
-__all__ = ["Journal", "Offer", "journal_place", "state_folder"]
-
-
-def state_folder() -> Path:
-    """Returns where journals are kept: ``PALPATE_STATE``, or the user's folder for state."""
-    if given := os.environ.get("PALPATE_STATE"):
-        return Path(given)
-    if sys.platform == "darwin":
-        return Path.home() / "Library" / "Application Support" / "palpate"
-    if sys.platform == "win32" and (local := os.environ.get("LOCALAPPDATA")):
-        return Path(local) / "palpate"
-    return Path(os.environ.get("XDG_STATE_HOME") or Path.home() / ".local" / "state") / "palpate"
+__all__ = ["Journal", "Offer", "journal_place"]
 
 
 def journal_place(of_scan: bytes, folder: Path | None = None) -> Path:

@@ -1,6 +1,6 @@
 """Scans that were opened last, to open them again: where they are, and nothing of patients.
 
-One JSON file in the folder of the program's state; a damaged one counts as empty.
+One JSON file in the folder of the program's state.
 """
 
 from __future__ import annotations
@@ -11,9 +11,8 @@ from pathlib import Path
 
 import msgspec
 
-from palpate.journal import state_folder
+from palpate.state_folder import keep, kept, state_folder
 from palpate.volume import Volume
-from palpate.whole_file import whole_file
 
 __all__ = ["Recent", "forget_recent", "note_recent", "recent_scans"]
 
@@ -57,7 +56,7 @@ def note_recent(volume: Volume, path: Path | None = None) -> None:
         voxel_size=options.get("voxel_size"),
     )
     others = [one for one in _kept() if (one.path, one.series) != (newest.path, series)]
-    _keep([newest, *others][:MOST])
+    keep(_file(), [newest, *others][:MOST])
 
 
 def forget_recent() -> None:
@@ -71,15 +70,4 @@ def _file() -> Path:
 
 
 def _kept() -> list[Recent]:
-    try:
-        return msgspec.json.decode(_file().read_bytes(), type=list[Recent])
-    except (OSError, msgspec.DecodeError):
-        return []
-
-
-def _keep(scans: list[Recent]) -> None:
-    # a disk that refuses it only means that nothing is remembered
-    with suppress(OSError):
-        _file().parent.mkdir(parents=True, exist_ok=True)
-        with whole_file(_file()) as unfinished:
-            unfinished.write_bytes(msgspec.json.encode(scans))
+    return kept(_file(), list[Recent]) or []

@@ -25,9 +25,9 @@ from starlette.responses import PlainTextResponse, Response
 from starlette.routing import Route
 from starlette.types import ASGIApp
 
-from palpate.journal import state_folder
 from palpate.server_answers import answered, as_json, body_of
 from palpate.server_security import RESUME, Access
+from palpate.state_folder import keep, kept, state_folder
 
 __all__ = ["Resuming", "kept_key", "kept_port", "note_port"]
 
@@ -112,16 +112,15 @@ def note_port(name: str, port: int) -> None:
     """Keeps where a scan is shown, so that it comes back there."""
     others = {known: at for known, at in _ports().items() if known != name and at != port}
     newest = dict([*others.items(), (name, port)][-MOST_PORTS:])
-    with suppress(OSError):
-        _folder().mkdir(parents=True, exist_ok=True, mode=0o700)
-        (_folder() / "ports.json").write_bytes(msgspec.json.encode(newest))
+    keep(_ports_file(), newest)
 
 
 def _ports() -> dict[str, int]:
-    try:
-        return msgspec.json.decode((_folder() / "ports.json").read_bytes(), type=dict[str, int])
-    except (OSError, msgspec.DecodeError):
-        return {}
+    return kept(_ports_file(), dict[str, int]) or {}
+
+
+def _ports_file() -> Path:
+    return state_folder() / "ports.json"
 
 
 def _folder() -> Path:

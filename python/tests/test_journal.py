@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 import SimpleITK
 from palpate.io import read
-from palpate.journal import Journal, state_folder
+from palpate.journal import Journal
 from palpate.scan_hash import scan_hash
 from palpate.scene import Scene
 from palpate.second_scan import SecondScan
@@ -166,15 +166,6 @@ def test_a_folder_that_cannot_be_written_is_told_of_once_and_work_goes_on(tmp_pa
         assert told[0].startswith("Changes are not kept for a crash")
         open_box(session, 18)
         assert session.frame()["can_undo"]
-
-
-def test_the_folder_is_the_users_unless_said_otherwise(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("PALPATE_STATE", "/somewhere")
-    assert state_folder() == Path("/somewhere")
-    monkeypatch.delenv("PALPATE_STATE")
-    monkeypatch.setenv("XDG_STATE_HOME", "/state")
-    if sys.platform == "linux":
-        assert state_folder() == Path("/state/palpate")
 
 
 CRASH = """
