@@ -23,8 +23,8 @@ export default defineConfig({
   },
   test: {
     include: ["tests/**/*.test.ts"],
-    // browser tests of two files at once would compete for the same two cores
-    fileParallelism: false,
+    // a picture on a CPU waits on one core for its programs, so that two files go at once
+    maxWorkers: 2,
     // browsers start and pictures are drawn on a CPU that may be busy with something else
     testTimeout: 300_000,
     hookTimeout: 300_000,
