@@ -41,6 +41,8 @@ def test_unknown_sides_are_axes_and_given_ones_are_letters(tmp_path: Path) -> No
             )
             is False
         )
+        names = "[...document.querySelectorAll('[data-testid^=slice-]')].map((e) => e.ariaLabel)"
+        assert {"x–y slice", "x–z slice", "y–z slice"} <= set(page.read(names))
         page.do("screenshot", path=str(OUTPUT / "orientation-unknown.png"))
         assert page.complaints == []
     with (

@@ -28,6 +28,11 @@ export const letters: readonly Letter[] = ["A", "P", "L", "R", "S", "I"];
 /** What stands for sides where no file tells which they are: the scan's own axes. */
 export const axisSides: Readonly<Record<Letter, string>> = { L: "+x", R: "−x", P: "+y", A: "−y", S: "+z", I: "−z" };
 
+/** A side in words; that of the scan's axis where sides are not known. */
+export function sideName(letter: Letter, known: boolean): string {
+  return known ? names[letter] : axisSides[letter];
+}
+
 /** Said beside axes of the scan. */
 export const unknownOrientation =
   "The file does not tell which sides of the body these are: x, y and z are the scan's own axes. --orientation gives it.";

@@ -87,9 +87,13 @@ export function formatMeasured(mark: Pick<Mark, "kind" | "points">): string {
   return mark.kind === "angle" ? `${degrees(value).toFixed(1)}°` : `${value.toFixed(1)} mm`;
 }
 
-/** A table of marks for a spreadsheet (RFC 4180): a line each, lengths in mm, angles in degrees. */
-export function marksTable(marks: readonly Mark[]): string {
-  const head = ["name", "kind", "value", "unit", ...[1, 2, 3].flatMap((i) => ["L", "P", "S"].map((axis) => `${axis}${String(i)} (mm)`))];
+/**
+ * A table of marks for a spreadsheet (RFC 4180): a line each, lengths in mm, angles in degrees; places along the
+ * scan's own axes where the sides of the body are not known.
+ */
+export function marksTable(marks: readonly Mark[], known: boolean): string {
+  const axes = known ? ["L", "P", "S"] : ["x", "y", "z"];
+  const head = ["name", "kind", "value", "unit", ...[1, 2, 3].flatMap((i) => axes.map((axis) => `${axis}${String(i)} (mm)`))];
   const rows = marks.map((mark) => {
     const value = measured(mark);
     const number = value === null ? "" : (mark.kind === "angle" ? degrees(value) : value).toFixed(2);

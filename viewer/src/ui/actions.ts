@@ -2,11 +2,11 @@
  * All that a person can have the page do by a key or by its name: one table, which the keyboard, the
  * help and the palette of commands share.
  */
-import type { Letter } from "../core/anatomy";
+import { letters, sideName } from "../core/anatomy";
 import { presets } from "../core/curve_presets";
 import { blends } from "../core/optics";
 import { qualities } from "../core/quality";
-import { sliceNames } from "../core/slice_plane";
+import { sliceNames, sliceTitle } from "../core/slice_plane";
 import { stereoModes } from "../core/stereo";
 import { toolChoices } from "../core/tools";
 import { larger, stiffer } from "../core/touch_settings";
@@ -68,23 +68,20 @@ export interface Doors {
 /** Turn of what the probe holds by one press [rad]. */
 const turnStep = (2 * Math.PI) / 180;
 
-const views: readonly (readonly [Letter, string])[] = [
-  ["A", "anterior"], ["P", "posterior"], ["L", "left"], ["R", "right"], ["S", "superior"], ["I", "inferior"],
-];
-
 export function actionsOf(doors: Doors): readonly Action[] {
   return [look, picture, slices, touch, tools, marks, work].flatMap((group) => group(doors));
 }
 
-function look({ stage }: Doors): readonly Action[] {
+function look({ session, stage }: Doors): readonly Action[] {
   const group = "Look";
+  const known = session.scan?.orientation_known ?? true;
   return [
     { group, name: "Show all", keys: ["F"], run: () => { stage.view.frameAll(); } },
     { group, name: "Bring the probe to the middle", keys: ["C"], run: () => { stage.centreOnProbe(); } },
     { group, name: "Back to the first view", keys: ["R"], run: () => { stage.view.reset(); } },
-    ...views.map(([letter, name], i) => ({
+    ...letters.map((letter, i) => ({
       group,
-      name: `Look from ${name}`,
+      name: `Look from ${sideName(letter, known)}`,
       keys: [String(i + 1)],
       run: () => { stage.view.lookFrom(letter); },
     }) as const),
@@ -153,6 +150,7 @@ function picture({ stage, page }: Doors): readonly Action[] {
 
 function slices({ session, stage }: Doors): readonly Action[] {
   const group = "Slices";
+  const known = session.scan?.orientation_known ?? true;
   return [
     { group, name: "3-D view alone, with a slice, with three", keys: ["L"], run: () => { stage.slices.nextLayout(); } },
     { group, name: "3-D view alone", keys: [], run: () => { stage.slices.change({ layout: "view" }); } },
@@ -160,7 +158,7 @@ function slices({ session, stage }: Doors): readonly Action[] {
     { group, name: "3-D view with three slices", keys: [], run: () => { stage.slices.change({ layout: "four" }); } },
     ...sliceNames.map((single) => ({
       group,
-      name: single === "oblique" ? "Oblique slice, along the view" : `Slice: ${single}`,
+      name: single === "oblique" ? "Oblique slice, along the view" : `Slice: ${sliceTitle(single, known)}`,
       keys: [],
       run: () => { stage.slices.change({ layout: "slice", single }); },
     }) as const),

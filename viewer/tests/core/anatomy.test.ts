@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { edgeLetters, lettersOf } from "../../src/core/anatomy";
+import { edgeLetters, lettersOf, sideName } from "../../src/core/anatomy";
 import { cubeFaces } from "../../src/core/orientation_cube";
 import { normalize } from "../../src/core/vector";
 
@@ -29,4 +29,6 @@ test("the cube shows one face from before and three from a corner, the nearest l
 test("sides that no file tells are axes of the scan", () => {
   expect(edgeLetters([1, 0, 0], [0, 0, 1], false)).toEqual({ right: "+x", left: "−x", top: "+z", bottom: "−z" });
   expect(lettersOf(normalize([-2, -1.2, 0]), false)).toBe("−x −y");
+  expect(sideName("A", false)).toBe("−y");
+  expect(sideName("A", true)).toBe("anterior");
 });
