@@ -1,0 +1,44 @@
+"""Pages that share a session, and graphics that are lost, on a real scan in a real browser."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from browser import ROOT, browser, palpate
+
+pytestmark = [pytest.mark.browser, pytest.mark.data]
+
+OUTPUT = ROOT / "tests" / "output"
+BONE = 1350
+LOSE = """(() => {
+  const gl = document.querySelector("canvas").getContext("webgl2");
+  window.__graphics = gl.getExtension("WEBGL_lose_context");
+  window.__graphics.loseContext();
+})()"""
+VISIBLE = "document.querySelector('[data-testid=visible-1]').ariaPressed"
+
+
+def test_two_pages_follow_one_another_and_lost_graphics_come_back(data_folder: Path) -> None:
+    scan = data_folder / "cthead_stanford" / "CThead.mha"
+    with (
+        palpate("open", scan, "--threshold", str(BONE)) as command,
+        browser() as page,
+        browser() as other,
+    ):
+        page.do("open", url=command.url, width=1366, height=768)
+        before = page.picture(OUTPUT / "graphics_before.png")
+
+        page.read(LOSE)
+        other.do("open", url=command.url, width=1366, height=768)
+        other.do("click", testid="visible-1")
+        page.wait(f"{VISIBLE} === 'false'")
+        page.read("window.__graphics.restoreContext()")
+        restored = page.picture(OUTPUT / "graphics_restored.png")
+        never_lost = other.picture(OUTPUT / "graphics_never_lost.png")
+
+        assert np.abs(never_lost - before).mean() > 2 / 255, "the bone is hidden"
+        assert np.abs(restored - never_lost).mean() < 1 / 255
+        assert page.complaints == []
+        assert other.complaints == []
