@@ -42,22 +42,29 @@ float shareAt(vec3 grid, bool second) {
   return segmentAt(grid, value) < 0 ? -none : value * grey.x + grey.y;
 }
 
-#if BLEND == MIP
-// The largest value beside a sample: a thin bone lies between two of them.
-float refinedMost(Ray ray, vec2 span, bool second, float place, float most) {
+#if BLEND == MIP || BLEND == MINIP
+// The largest value beside a sample, or the least: a thin bone, or an airway, lies between two of them.
+// What counts lies in `counted`, or is tissue.
+float refined(Ray ray, vec2 span, vec2 counted, float from, bool second, float place, float found) {
   float reach = 0.5 * stepLength;
-  for (int i = 0; i < 4 && most > 0.0 && most < 1.0; ++i) {
+  for (int i = 0; i < 4 && found > 0.0 && found < 1.0; ++i) {
     for (int side = -1; side <= 1; side += 2) {
       float t = place + float(side) * reach;
       float share = shareAt(ray.origin + ray.inGrid * t, second);
-      if (share > most && span.x <= t && t <= span.y) {
-        most = share;
+#if BLEND == MIP
+      bool beyond = share > found;
+#else
+      bool counts = share >= from || (counted.x <= t && t <= counted.y);
+      bool beyond = share < found && share != -none && counts;
+#endif
+      if (beyond && span.x <= t && t <= span.y) {
+        found = share;
         place = t;
       }
     }
     reach *= 0.5;
   }
-  return most;
+  return found;
 }
 #endif
 
@@ -73,6 +80,9 @@ float shareAlong(Ray ray, vec2 span, bool second) {
   // of what counts, and of what counts as soon as tissue comes after it
   float least = none;
   float leastWaiting = none;
+  float placeWaiting = 0.0;
+  // from the first tissue to the last
+  vec2 counted = vec2(0.0);
   vec2 sum = vec2(0.0);
   vec2 sumWaiting = vec2(0.0);
   float t = span.x + ray.start * stepLength;
@@ -106,10 +116,13 @@ float shareAlong(Ray ray, vec2 span, bool second) {
 #else
     bool tissue = share >= from;
     if (tissue || least < none) {
+      placeWaiting = share < leastWaiting ? before : placeWaiting;
       leastWaiting = min(leastWaiting, share);
       sumWaiting += vec2(share, 1.0);
     }
     if (tissue) {
+      counted = vec2(least < none ? counted.x : before, before);
+      place = leastWaiting < least ? placeWaiting : place;
       least = min(least, leastWaiting);
       sum += sumWaiting;
       sumWaiting = vec2(0.0);
@@ -118,9 +131,9 @@ float shareAlong(Ray ray, vec2 span, bool second) {
 #endif
   }
 #if BLEND == MIP
-  return refinedMost(ray, span, second, place, most);
+  return refined(ray, span, span, from, second, place, most);
 #elif BLEND == MINIP
-  return least < none ? least : -none;
+  return least < none ? refined(ray, span, counted, from, second, place, least) : -none;
 #else
   return sum.y > 0.0 ? sum.x / sum.y : -none;
 #endif
