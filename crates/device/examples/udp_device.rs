@@ -12,10 +12,10 @@ use palpate_device::{DeviceLimits, DeviceState, HapticDevice, saturated};
 /// The device, and what was read last.
 pub struct UdpDevice {
     /// Connected, and told not to block.
-    pub socket: UdpSocket,
-    pub limits: DeviceLimits,
-    pub velocity: VelocityEstimate,
-    pub state: DeviceState,
+    pub(crate) socket: UdpSocket,
+    pub(crate) limits: DeviceLimits,
+    pub(crate) velocity: VelocityEstimate,
+    pub(crate) state: DeviceState,
 }
 
 impl HapticDevice for UdpDevice {
