@@ -118,6 +118,12 @@ def held(page: Browser, name: str) -> Any:
     return page.read(f"window.palpate.settings.{name}")
 
 
+def fold(page: Browser, title: str) -> None:
+    """Opens what is folded away under a title, or closes it."""
+    folds = "[...document.querySelectorAll('button[aria-expanded]')]"
+    page.read(f"{folds}.find((each) => each.textContent.trim() === '{title}').click()")
+
+
 # --- settings while touching ------------------------------------------------------------
 
 
@@ -134,6 +140,21 @@ def test_stiffness_changes_the_force_while_touching(page: Browser) -> None:
 
     page.do("press", key="[")
     assert held(page, "stiffness") == pytest.approx(1.44, rel=0.05)
+
+
+def test_damping_is_moved_while_touching_and_held_by_the_engine(page: Browser) -> None:
+    press(page)
+    fold(page, "Damping and limit")
+    before = held(page, "damping")
+    page.do("slide", testid="damping", value=0.012)
+    # a step of the slider, whose thumb can be set to a pixel
+    assert held(page, "damping") == pytest.approx(0.012, abs=0.001)
+    assert before < 0.011
+
+    damped = page.settled()
+    assert damped["contact"]
+    assert damped["safety"]["violations"] == 0
+    fold(page, "Damping and limit")
 
 
 def test_a_ball_stands_its_radius_before_the_surface(page: Browser) -> None:

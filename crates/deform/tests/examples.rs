@@ -27,9 +27,3 @@ fn the_example_of_a_model_pushes_by_its_springs_and_moves_nothing() {
     assert_eq!(bench.changed(&untouched), 0);
     assert!(bench.advance(DVec3::NAN).contacts[0].contact.is_none());
 }
-
-#[test]
-fn the_page_shows_the_example_as_it_is() {
-    let page = include_str!("../../../docs/algorithms/adding-a-model.md");
-    assert!(page.contains(include_str!("../examples/simple_model.rs")));
-}

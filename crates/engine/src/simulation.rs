@@ -325,12 +325,11 @@ impl Simulation {
             point,
             reach: REACH,
         })?;
-        let moved = free.distance(point);
-        // a voxel's length is what clicking on a surface misses by
-        if moved > grid.spacing().length() {
+        if free != point {
+            let moved = free.distance(point);
             self.tell(Notice::info(format!(
-                "The point is inside a touchable segment: the probe was placed in the nearest \
-                 free voxel, {moved:.1} mm away."
+                "The probe has no room at the point, in or at a touchable segment: it was placed \
+                 in the nearest free voxel, {moved:.1} mm away."
             )));
         }
         self.touch.send(ServoCommand::Place {
