@@ -325,11 +325,12 @@ impl Simulation {
             point,
             reach: REACH,
         })?;
-        if free != point {
-            let moved = free.distance(point);
+        let moved = free.distance(point);
+        // a voxel's length is what clicking on a surface misses by
+        if moved > grid.spacing().length() {
             self.tell(Notice::info(format!(
-                "The probe has no room at the point, in or at a touchable segment: it was placed \
-                 in the nearest free voxel, {moved:.1} mm away."
+                "The point is inside a touchable segment: the probe was placed in the nearest \
+                 free voxel, {moved:.1} mm away."
             )));
         }
         self.touch.send(ServoCommand::Place {

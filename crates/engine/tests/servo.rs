@@ -107,24 +107,6 @@ fn hand_targets_from_before_a_placement_are_forgotten() {
     assert_eq!(rig.tick_at(pressed).hand, DVec3::splat(30.0));
 }
 
-#[test]
-fn a_probe_that_has_no_room_where_it_is_placed_is_told_of_once_however_near_it_goes() {
-    let (mut rig, _) = pressing();
-    let before = DVec3::new(20.0, 19.9, 20.0);
-    assert_eq!(rig.simulation.place(before, 0, true).unwrap(), before);
-    rig.ticks(ARRIVED, before);
-    assert!(rig.notices.try_recv().is_err());
-
-    // a tenth of a voxel in it goes to the middle of the voxel before
-    let inside = DVec3::new(20.5, 20.1, 20.5);
-    let placed = rig.simulation.place(inside, 0, true).unwrap();
-    assert!(placed.distance(inside.with_y(19.5)) < 1e-9, "{placed}");
-    rig.ticks(ARRIVED, placed);
-    let told: Vec<_> = rig.notices.try_iter().collect();
-    assert_eq!(told.len(), 1);
-    assert!(told[0].text.contains("0.6 mm away"), "{told:?}");
-}
-
 /// A status goes over every tick and a command waits in a ring of 4096: what is long and rare has
 /// ways of its own.
 #[test]
