@@ -55,8 +55,10 @@ class State(Message, frozen=True, tag="state"):
     [mm]: less than the settings' where there is no room for it. ``poses`` says where moved
     segments stand by now, ``grabbed`` which segment is in the hand, 0 for none.
     ``clutched`` says that the device moves without the probe, ``device_origin`` is the middle of
-    its workspace. ``recording`` says since how
-    long every input of the servo is kept [s].
+    its workspace. ``step`` counts the steps of undo that were made, less those that were taken
+    back; one that is not ended counts. ``steps_made`` counts those that were made and ended, ever:
+    where it rises, undone ones are forgotten. ``recording`` says since how long every input of the
+    servo is kept [s].
     """
 
     tick: int
@@ -79,6 +81,8 @@ class State(Message, frozen=True, tag="state"):
     pending: int
     can_undo: bool
     can_redo: bool
+    step: int
+    steps_made: int
     tool: ToolState
     needle: NeedleState
     matter: MatterState

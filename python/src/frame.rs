@@ -53,6 +53,8 @@ pub fn frame_dict<'py>(py: Python<'py>, frame: &Frame) -> PyResult<Bound<'py, Py
         "pending": frame.pending,
         "can_undo": frame.can_undo,
         "can_redo": frame.can_redo,
+        "step": frame.step,
+        "steps_made": frame.steps_made,
         "tool": tool_dict(py, frame)?,
         "needle": needle_dict(py, &frame.needle)?,
         "matter": deformation_dict(py, &frame.matter)?,

@@ -41,7 +41,9 @@ def test_an_erasers_stroke_is_one_step_of_undo(ball_scene: Scene) -> None:
         assert (tool["kind"], tool["on"], tool["energy"]) == ("eraser", False, 0.0)
         assert 0 < session.frame()["tool"]["undo_bytes"] < session.frame()["tool"]["undo_budget"]
 
+        steps = session.frame()["step"], session.frame()["steps_made"]
         assert session.undo()
+        assert (session.frame()["step"], session.frame()["steps_made"]) == (steps[0] - 1, steps[1])
         np.testing.assert_array_equal(session.segment(1).mask(), before)
         assert not session.undo()
         assert session.redo()

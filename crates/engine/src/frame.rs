@@ -169,6 +169,10 @@ pub struct Frame {
     pub can_undo: bool,
     /// Whether there is an undone edit to apply again.
     pub can_redo: bool,
+    /// Steps that were made, less those that were taken back; one that is not ended counts.
+    pub step: u64,
+    /// Steps that were made and ended, ever: where this rises, undone ones are forgotten.
+    pub steps_made: u64,
     /// Rises with each change of a segment's voxels or of the list of segments.
     pub segments_version: u64,
     /// Rises with each change of voxels that no [`crate::surfaces::PictureChange`] tells.

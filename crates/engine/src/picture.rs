@@ -145,6 +145,8 @@ impl Picture {
             pending: status.pending,
             can_undo: status.can_undo,
             can_redo: status.can_redo,
+            step: status.step,
+            steps_made: status.steps_made,
             segments_version: status.segments_version,
             voxels_version: status.voxels_version,
             tool: status.tool,

@@ -71,6 +71,10 @@ pub struct SimulationStatus {
     pub can_undo: bool,
     /// Whether there is an undone change to do again.
     pub can_redo: bool,
+    /// Steps that were made, less those that were taken back; one that is not ended counts.
+    pub step: u64,
+    /// Steps that were made and ended, ever.
+    pub steps_made: u64,
     /// Rises with each change of a segment's voxels or of the list of segments.
     pub segments_version: u64,
     /// Rises with each change of voxels that the picture is not told box by box.

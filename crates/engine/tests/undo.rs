@@ -109,6 +109,30 @@ fn a_new_change_forgets_what_was_undone() {
 }
 
 #[test]
+fn a_frame_tells_how_many_steps_were_made_and_not_taken_back() {
+    let session = session();
+    let first = session.frame();
+    let told = || {
+        let frame = session.frame();
+        (frame.step - first.step, frame.steps_made - first.steps_made)
+    };
+    let fill = |at: i32| {
+        let (low, high) = (IVec3::splat(at), IVec3::splat(at + 2));
+        session.fill_box(SegmentId(1), low, high, true).unwrap();
+        session.run(0.02).unwrap();
+    };
+    fill(1);
+    fill(4);
+    assert_eq!(told(), (2, 2));
+    session.undo().unwrap();
+    session.run(0.02).unwrap();
+    assert_eq!(told(), (1, 2));
+    // another step in the place of one that was taken back is told too
+    fill(7);
+    assert_eq!(told(), (2, 3));
+}
+
+#[test]
 fn what_changes_nothing_is_not_noted() {
     let session = session();
     let id = SegmentId(1);

@@ -17,6 +17,9 @@ pub struct UndoJournal<S> {
     redo: Vec<(S, usize)>,
     bytes: usize,
     budget: usize,
+    /// How many of the oldest were let go.
+    forgotten: u64,
+    made: u64,
 }
 
 impl<S> Default for UndoJournal<S> {
@@ -34,6 +37,8 @@ impl<S> UndoJournal<S> {
             redo: Vec::new(),
             bytes: 0,
             budget,
+            forgotten: 0,
+            made: 0,
         }
     }
 
@@ -61,6 +66,18 @@ impl<S> UndoJournal<S> {
         !self.redo.is_empty()
     }
 
+    /// Steps that were made, less those that were taken back; those that are forgotten count.
+    #[must_use]
+    pub fn position(&self) -> u64 {
+        self.forgotten + self.undo.len() as u64
+    }
+
+    /// Steps that were made, ever: where this rises, what was undone is forgotten.
+    #[must_use]
+    pub fn made(&self) -> u64 {
+        self.made
+    }
+
     /// All steps.
     pub fn steps(&self) -> impl Iterator<Item = &S> {
         self.undo.iter().chain(&self.redo).map(|(step, _)| step)
@@ -83,6 +100,7 @@ impl<S> UndoJournal<S> {
         for (_, freed) in self.redo.drain(..) {
             self.bytes -= freed;
         }
+        self.made += 1;
         self.redone(inverse, bytes);
     }
 
@@ -115,6 +133,7 @@ impl<S> UndoJournal<S> {
         while self.bytes > self.budget && self.undo.len() > 1 {
             if let Some((_, freed)) = self.undo.pop_front() {
                 self.bytes -= freed;
+                self.forgotten += 1;
             }
         }
     }

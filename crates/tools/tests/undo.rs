@@ -19,6 +19,26 @@ fn steps_come_back_newest_first_and_a_new_change_forgets_what_was_undone() {
 }
 
 #[test]
+fn the_position_rises_with_each_step_and_falls_where_one_is_taken_back() {
+    let mut journal = UndoJournal::new(400);
+    let place = |journal: &UndoJournal<char>| (journal.position(), journal.made());
+    assert_eq!(place(&journal), (0, 0));
+    journal.done('a', 1);
+    journal.done('b', 1);
+    assert_eq!(place(&journal), (2, 2));
+    let step = journal.pop_undo().unwrap();
+    journal.undone(step, 1);
+    assert_eq!(place(&journal), (1, 2));
+    let step = journal.pop_redo().unwrap();
+    journal.redone(step, 1);
+    assert_eq!(place(&journal), (2, 2));
+    // 'a' and 'b' are forgotten, and count
+    journal.done('c', 400);
+    assert_eq!(journal.steps().count(), 1);
+    assert_eq!(place(&journal), (3, 3));
+}
+
+#[test]
 fn the_oldest_steps_are_forgotten_where_they_hold_too_much_and_the_newest_never() {
     let mut journal = UndoJournal::default();
     journal.done("small", 1);

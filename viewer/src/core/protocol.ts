@@ -456,8 +456,10 @@ export interface Safety {
  * [mm]: less than the settings' where there is no room for it. `poses` says where moved
  * segments stand by now, `grabbed` which segment is in the hand, 0 for none.
  * `clutched` says that the device moves without the probe, `device_origin` is the middle of
- * its workspace. `recording` says since how
- * long every input of the servo is kept [s].
+ * its workspace. `step` counts the steps of undo that were made, less those that were taken
+ * back; one that is not ended counts. `steps_made` counts those that were made and ended, ever:
+ * where it rises, undone ones are forgotten. `recording` says since how long every input of the
+ * servo is kept [s].
  */
 export interface State {
   readonly type: "state";
@@ -481,6 +483,8 @@ export interface State {
   readonly pending: number;
   readonly can_undo: boolean;
   readonly can_redo: boolean;
+  readonly step: number;
+  readonly steps_made: number;
   readonly tool: ToolState;
   readonly needle: NeedleState;
   readonly matter: MatterState;
@@ -1637,6 +1641,8 @@ const isState = record({
   pending: whole(),
   can_undo: flag,
   can_redo: flag,
+  step: whole(),
+  steps_made: whole(),
   tool: isToolState,
   needle: isNeedleState,
   matter: isMatterState,

@@ -1,25 +1,23 @@
 /**
- * Steps of undo that the engine makes, as the page sees them in its states: how many there are, so that the page's own
- * find their place among them. What others take back or make again is known only in part; then a step of the page
- * may come before one of the engine that is newer, but none is lost.
+ * Steps of undo that the engine makes, as its states tell of them: how many there are, so that the page's own find
+ * their place among them.
  */
 import type { State } from "../core/protocol";
+import type { PageSteps } from "./page_steps.svelte";
 import type { Session } from "./session.svelte";
 
 export class EngineSteps {
-  /** How many were made since the page was opened, less those that were taken back. */
+  /** How many were made, less those that were taken back. */
   count = $state.raw(0);
 
-  /** What the engine's history holds and whether something can be made again: another step changes one of them. */
-  private seen: { readonly bytes: number; readonly canRedo: boolean } | null = null;
-  /** Undo and redo that were asked for and are not answered yet: what changes meanwhile is theirs. */
-  private asked = 0;
+  /** How many were made when the engine last told of it, and in which greeting that was. */
+  private made = 0;
   private greetings = 0;
 
-  /** @param made is called when the engine has made a step. */
+  /** @param steps those of the page, which follow what the engine tells. */
   constructor(
     private readonly session: Session,
-    private readonly made: () => void,
+    private readonly steps: Pick<PageSteps, "forgetUndone" | "fallBack">,
   ) {
     session.onState((state) => {
       this.follow(state);
@@ -35,11 +33,11 @@ export class EngineSteps {
   }
 
   undo(): void {
-    this.ask("undo", this.canUndo ? -1 : 0);
+    this.session.send({ type: "undo" });
   }
 
   redo(): void {
-    this.ask("redo", this.canRedo ? 1 : 0);
+    this.session.send({ type: "redo" });
   }
 
   /** The newest state; what shows it is told at the pace that can be read. */
@@ -47,30 +45,17 @@ export class EngineSteps {
     return this.session.live && this.session.latest;
   }
 
-  private ask(type: "undo" | "redo", change: number): void {
-    this.count += change;
-    this.asked += 1;
-    this.session.send({ type });
-    this.session.whenTold(() => {
-      this.asked -= 1;
-    });
-  }
-
-  private follow({ tool, can_redo: canRedo }: State): void {
-    const { seen } = this;
+  private follow({ step, steps_made: made }: State): void {
     const { greetings } = this.session;
-    const isAnother = greetings !== this.greetings;
-    this.seen = { bytes: tool.undo_bytes, canRedo };
+    // another engine has counted from another beginning
+    if (made > this.made && greetings === this.greetings) {
+      this.steps.forgetUndone();
+    }
+    if (step < this.count) {
+      this.steps.fallBack(step);
+    }
+    this.count = step;
+    this.made = made;
     this.greetings = greetings;
-    if (seen === null || isAnother || this.asked > 0 || (seen.bytes === tool.undo_bytes && seen.canRedo === canRedo)) {
-      return;
-    }
-    if (!canRedo) {
-      this.count += 1;
-      this.made();
-    } else if (!seen.canRedo) {
-      // another page has taken it back
-      this.count -= 1;
-    }
   }
 }

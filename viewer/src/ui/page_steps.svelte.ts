@@ -84,6 +84,11 @@ export class PageSteps {
     this.future = this.future.filter((step) => step.owner !== owner);
   }
 
+  /** The engine has so few steps left: what it makes next is newer than all that is here. */
+  fallBack(engineSteps: number): void {
+    this.past = this.past.map((step) => ({ ...step, at: Math.min(step.at, engineSteps) }));
+  }
+
   /** A step was made elsewhere: what was taken back is not made again. */
   forgetUndone(): void {
     this.future = [];

@@ -43,6 +43,8 @@ const plottedSamples = 1500;
 const readingPace = { usual: 80, calm: 200 } as const;
 /** An answer of the engine that comes while a slider still moves waits this long [ms]. */
 const answerRest = 250;
+/** What is sent all the time and changes nothing that is taken back, and what asks whether all is done. */
+const passing: ReadonlySet<FromPage["type"]> = new Set(["hand", "view", "turn_grabbed", "fence"]);
 const noticeTime = { info: 5000, warning: 12000, error: 30000 } as const;
 
 export class Session {
@@ -105,6 +107,9 @@ export class Session {
   private fences = 0;
   private passed = 0;
   private waiters: readonly { readonly fence: number; readonly passed: (tick: number) => void }[] = [];
+  /** Commands that were sent, and how many of them the engine has told a state after. */
+  private commands = 0;
+  private toldCommands = 0;
   private changedAt = -Infinity;
   private askingForSettings = false;
   private readAt = 0;
@@ -129,6 +134,7 @@ export class Session {
   }
 
   send(message: FromPage): void {
+    this.commands += passing.has(message.type) ? 0 : 1;
     this.link.send(message);
   }
 
@@ -186,15 +192,31 @@ export class Session {
    * touch follows it; or once another engine greets.
    */
   whenTold(told: () => void): void {
+    const { commands } = this;
     const passed = (tick: number): void => {
       const stop = this.onState((state) => {
         if (state.tick >= tick) {
           stop();
+          this.toldCommands = Math.max(this.toldCommands, commands);
           told();
         }
       });
     };
     this.waiters = [...this.waiters, { fence: this.fence(), passed }];
+  }
+
+  /** Whether the engine has told a state after all commands that were sent. */
+  get isSettled(): boolean {
+    return this.toldCommands === this.commands;
+  }
+
+  /** Calls back as `whenTold` does; at once where nothing is left to be told. */
+  whenSettled(settled: () => void): void {
+    if (this.isSettled) {
+      settled();
+    } else {
+      this.whenTold(settled);
+    }
   }
 
   /** Adds a segment by a threshold that suits the scan. */

@@ -121,10 +121,8 @@ export class Stage {
     token: string,
   ) {
     this.view = new ViewControl(session);
-    this.engineSteps = new EngineSteps(session, () => {
-      this.steps.forgetUndone();
-    });
     this.steps = new PageSteps(() => this.engineSteps.count);
+    this.engineSteps = new EngineSteps(session, this.steps);
     this.slices = new SliceControl(this.steps, () => this.view.camera);
     this.stereo = new StereoControl(() => this.view.camera, () => this.slices.panes.view);
     this.looks = new LookControl(this.steps);

@@ -113,13 +113,7 @@ export function openTestDoor(session: Session, stage: Stage, hand: HandControl, 
     get settingsHold() {
       return session.settingsHold;
     },
-    allDone: async () => {
-      // some goes out with the next frame
-      await new Promise((resolve) => requestAnimationFrame(resolve));
-      await new Promise<void>((resolve) => {
-        session.whenTold(resolve);
-      });
-    },
+    allDone: () => allDone(session),
     get sound() {
       return { running: hearing.running, level: hearing.level };
     },
@@ -182,4 +176,16 @@ export function openTestDoor(session: Session, stage: Stage, hand: HandControl, 
       return stage.marks.all;
     },
   };
+}
+
+/** Waits until the engine has done all that was asked for. */
+async function allDone(session: Session): Promise<void> {
+  // some goes out with the next frame
+  await new Promise((resolve) => requestAnimationFrame(resolve));
+  // what waits for an answer, such as undo, may ask for more
+  do {
+    await new Promise<void>((resolve) => {
+      session.whenTold(resolve);
+    });
+  } while (!session.isSettled);
 }

@@ -4,9 +4,14 @@
  */
 import type { EngineSteps } from "./engine_steps.svelte";
 import type { PageSteps } from "./page_steps.svelte";
+import type { Session } from "./session.svelte";
 
 export class UndoControl {
+  /** What was asked for, in turn: which step is the newest is known once the engine has told of all before. */
+  private waiting: readonly (() => void)[] = [];
+
   constructor(
+    private readonly session: Session,
     private readonly engine: EngineSteps,
     private readonly steps: PageSteps,
   ) {}
@@ -29,6 +34,36 @@ export class UndoControl {
   }
 
   undo(): void {
+    this.ask(() => {
+      this.undoNewest();
+    });
+  }
+
+  redo(): void {
+    this.ask(() => {
+      this.redoNext();
+    });
+  }
+
+  private ask(what: () => void): void {
+    this.waiting = [...this.waiting, what];
+    if (this.waiting.length === 1) {
+      this.next();
+    }
+  }
+
+  private next(): void {
+    this.session.whenSettled(() => {
+      const [first, ...rest] = this.waiting;
+      first?.();
+      this.waiting = rest;
+      if (rest.length > 0) {
+        this.next();
+      }
+    });
+  }
+
+  private undoNewest(): void {
     const { engine, steps } = this;
     steps.forgetLost();
     if (steps.canUndo && (steps.toUndo !== null || !engine.canUndo)) {
@@ -38,7 +73,7 @@ export class UndoControl {
     }
   }
 
-  redo(): void {
+  private redoNext(): void {
     const { engine, steps } = this;
     steps.forgetLost();
     if (steps.canRedo && (steps.toRedo !== null || !engine.canRedo)) {

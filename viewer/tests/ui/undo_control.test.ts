@@ -7,24 +7,22 @@ import { PageSteps } from "../../src/ui/page_steps.svelte";
 import type { Session } from "../../src/ui/session.svelte";
 import { UndoControl } from "../../src/ui/undo_control";
 
-/** An engine that does what it is asked for when it is let to, and tells of it; and a page with one value. */
+/** An engine that does what it is asked for when it is let to, and tells of it later; and a page with one value. */
 class Bench {
   done: string[] = [];
   undone: string[] = [];
   latest: State | null = null;
   greetings = 1;
   readonly kept: string[] = [];
-  private bytes = 0;
+  private made = 0;
   private asked: string[] = [];
   private waiters: (() => void)[] = [];
   private listener: (state: State) => void = () => undefined;
 
-  private readonly engine = new EngineSteps(this as unknown as Session, () => {
-    this.steps.forgetUndone();
-  });
   readonly steps: PageSteps = new PageSteps(() => this.engine.count);
+  private readonly engine = new EngineSteps(this as unknown as Session, this.steps);
   readonly value = new PageState("red", this.steps, (value) => this.kept.push(value));
-  readonly undo = new UndoControl(this.engine, this.steps);
+  readonly undo = new UndoControl(this as unknown as Session, this.engine, this.steps);
 
   constructor() {
     this.tell();
@@ -42,16 +40,20 @@ class Bench {
     this.asked.push(type);
   }
 
-  whenTold(told: () => void): void {
-    this.waiters.push(told);
+  whenSettled(settled: () => void): void {
+    if (this.asked.length === 0) settled();
+    else this.waiters.push(settled);
   }
 
   /** The engine makes a step, as by a stroke, or another page has it made. */
   edit(name: string): void {
-    this.done.push(name);
-    this.undone = [];
-    this.bytes += 100;
+    this.make(name);
     this.tell();
+  }
+
+  /** The page asks the engine for a step. */
+  ask(name: string): void {
+    this.asked.push(name);
   }
 
   /** Another page takes the engine's last step back. */
@@ -60,27 +62,41 @@ class Bench {
     this.tell();
   }
 
-  /** The engine does what the page has asked for, and tells of it. */
+  /** The engine does all that the page has asked for, and tells of it. */
   answer(): void {
-    for (const type of this.asked.splice(0)) {
-      const [from, to] = type === "undo" ? [this.done, this.undone] : [this.undone, this.done];
-      const step = from.pop();
-      if (step !== undefined) to.push(step);
-      // the inverse of a step weighs something else
-      this.bytes += 7;
-    }
-    this.tell();
-    for (const told of this.waiters.splice(0)) told();
+    do {
+      for (const asked of this.asked.splice(0)) this.obey(asked);
+      this.tell();
+      for (const told of this.waiters.splice(0)) told();
+    } while (this.asked.length > 0);
+  }
+
+  private obey(asked: string): void {
+    if (asked === "undo") move(this.done, this.undone);
+    else if (asked === "redo") move(this.undone, this.done);
+    else this.make(asked);
+  }
+
+  private make(name: string): void {
+    this.done.push(name);
+    this.undone = [];
+    this.made += 1;
   }
 
   private tell(): void {
-    this.latest = { tool: { undo_bytes: this.bytes }, can_undo: this.done.length > 0, can_redo: this.undone.length > 0 } as State;
+    const [can_undo, can_redo] = [this.done.length > 0, this.undone.length > 0];
+    this.latest = { step: this.done.length, steps_made: this.made, can_undo, can_redo } as State;
     this.listener(this.latest);
   }
 
   get now(): readonly [string, string] {
     return [this.value.now, this.done.join(" ")];
   }
+}
+
+function move(from: string[], to: string[]): void {
+  const step = from.pop();
+  if (step !== undefined) to.push(step);
 }
 
 function mixed(): Bench {
@@ -169,6 +185,37 @@ test("where another page has taken an edit back, the page's own steps go on", ()
   bench.undo.undo();
   bench.answer();
   expect(bench.now).toEqual(["green", "cut"]);
+});
+
+test("an edit after one that another page took back is newer than the page's own step", () => {
+  const bench = mixed();
+  bench.takeBackElsewhere();
+  bench.edit("dent");
+  bench.undo.undo();
+  bench.answer();
+  expect(bench.now).toEqual(["white", "cut hole"]);
+});
+
+test("another page's edit ends what was taken back, also where one came back between", () => {
+  const bench = mixed();
+  bench.undo.undo();
+  bench.takeBackElsewhere();
+  bench.edit("dent");
+  expect([bench.undo.canRedo, bench.now]).toEqual([false, ["blue", "cut hole dent"]]);
+});
+
+test("undo that is asked for before the engine has told of a step takes back that one", () => {
+  const bench = mixed();
+  bench.ask("dent");
+  bench.undo.undo();
+  bench.undo.undo();
+  expect(bench.now).toEqual(["white", "cut hole scratch"]);
+  bench.answer();
+  expect(bench.now).toEqual(["blue", "cut hole scratch"]);
+  bench.undo.redo();
+  bench.undo.redo();
+  bench.answer();
+  expect(bench.now).toEqual(["white", "cut hole scratch dent"]);
 });
 
 test("changes of one name in one gesture are one step, others and those after it are not", () => {

@@ -60,6 +60,8 @@ impl Simulation {
             pending: self.touch.pending(),
             can_undo: self.journal.can_undo() || self.stroke.has_changed(),
             can_redo: self.journal.can_redo(),
+            step: self.journal.position() + u64::from(self.stroke.has_changed()),
+            steps_made: self.journal.made(),
             segments_version: self.segments_version,
             voxels_version: self.voxels_version,
             tool: self.stroke.now(),
