@@ -94,10 +94,7 @@ def leave(page: Browser) -> None:
 
 def press(page: Browser, *, depth: float = 3.0, x: float = MIDDLE) -> dict[str, Any]:
     """Pulls the hand into the block and returns the state once everything rests."""
-    wanted = [x, SURFACE + depth, MIDDLE]
-    page.read(f"window.palpate.hand({wanted})")
-    # a slow page sends it with its next frame
-    page.wait(f"window.palpate.state.hand.every((c, i) => Math.abs(c - {wanted}[i]) < 0.01)")
+    page.read(f"window.palpate.hand({[x, SURFACE + depth, MIDDLE]})")
     page.wait("window.palpate.state.contact")
     return page.settled()
 
