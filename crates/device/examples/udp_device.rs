@@ -29,9 +29,8 @@ impl HapticDevice for UdpDevice {
 
     fn read(&mut self, dt: f64) -> DeviceState {
         // the newest datagram counts; a flood of them must not hold up the tick
-        let mut text = [0; 96];
-        for _ in 0..16 {
-            let length = self.socket.recv(&mut text).unwrap_or(0);
+        let (mut text, mut reads) = ([0; 96], 0..16);
+        while let (Some(_), Ok(length)) = (reads.next(), self.socket.recv(&mut text)) {
             self.state.position = point(&text[..length]).unwrap_or(self.state.position);
         }
         self.state.velocity = self.velocity.update(self.state.position, dt);

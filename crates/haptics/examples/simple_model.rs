@@ -2,7 +2,7 @@
 //!
 //! Frame: the world's grid. `docs/algorithms/adding-a-contact-model.md` shows this file.
 
-use glam::{DMat3, DVec3, UVec3};
+use glam::{DMat3, DVec3, IVec3, UVec3};
 use palpate_haptics::contact::{Contact, ContactModel};
 use palpate_haptics::proxy::Proxy;
 use palpate_haptics::scene::{Solid, TouchScene};
@@ -53,5 +53,7 @@ pub fn main() {
     let mut proxy = Proxy::at(DVec3::new(4.5, 4.5, 9.0)).expect("a finite point");
     let scene = TouchScene::of_world(&block, &grid);
     let contact = HardStop.advance(&scene, DVec3::new(4.5, 4.5, 2.0), &mut proxy);
-    assert!(contact.touching && (proxy.point().z - 4.0).abs() < 1e-6);
+    let stop = Solid::of_world(IVec3::new(4, 4, 3));
+    assert_eq!(contact.stopped_by, Some(stop));
+    assert!((proxy.point().z - 4.0).abs() < 1e-6);
 }
