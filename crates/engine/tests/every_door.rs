@@ -10,9 +10,10 @@
 
 mod common;
 
-use common::brute_force::{Parts, Volume};
+use common::brute_force::{Parts, leaves_free, overlaps};
 use common::*;
 use glam::{DAffine3, DMat3, DVec3, IVec3, UVec3};
+use palpate_engine::bench::stress::dense::{Dense, Finder};
 use palpate_engine::handover::TickRecord;
 use palpate_engine::scene::Properties;
 use palpate_engine::settings::Settings;
@@ -22,26 +23,28 @@ use palpate_volume::segment::Segment;
 use palpate_volume::voxel_box::VoxelBox;
 
 const EDGE: i32 = 24;
+const BOX: IVec3 = IVec3::splat(EDGE);
 const DIMENSIONS: UVec3 = UVec3::splat(EDGE as u32);
 const MIDDLE: DVec3 = DVec3::splat(EDGE as f64 / 2.0);
 /// Places of the segments: two of noise that are edited, and a shell that is moved.
 const EDITED: u64 = 2;
 const SHELL: usize = 2;
 const TICKS: u64 = 4_000;
-/// Voxels that a tick may ask for, whatever there is.
+/// Voxels that a tick may ask for, whatever there is: the whole box and half of it again is more than
+/// any tick of these needs, and far less than a search without end.
 const MOST_VISITS: u32 = 20_000;
 
 /// What the doors were told of one segment, as far as undo takes it back.
 #[derive(Clone, PartialEq)]
 struct Told {
-    solid: Volume,
+    solid: Dense,
     pose: Option<DAffine3>,
 }
 
 /// A room with a thin wall through it, which stay as they are, and what is changed in there.
 struct World {
     rig: Rig,
-    room: Volume,
+    room: Dense,
     rooms: Parts,
     inside_shell: Parts,
     ids: Vec<SegmentId>,
@@ -58,7 +61,7 @@ struct Moment {
     /// Whether touch does not follow all that it was told.
     waits: bool,
     /// All but the shell.
-    solid: Volume,
+    solid: Dense,
     radius: f64,
     /// Where the shell stands, if it is touched.
     shell: Option<DAffine3>,
@@ -88,24 +91,29 @@ fn whatever_is_changed_by_whatever_door_every_guarantee_holds() {
 
 #[test]
 fn the_slow_way_sees_balls_in_voxels_and_what_walls_part() {
-    let wall = |hole: bool| Volume::from_fn(8, |voxel| voxel.x == 4 && !(hole && voxel.y == 7));
+    let wall = |hole: bool| {
+        Dense::from_fn(IVec3::splat(8), |voxel| {
+            voxel.x == 4 && !(hole && voxel.y == 7)
+        })
+    };
     let [closed, open] = [false, true].map(wall);
     let before = DVec3::new(3.0, 2.5, 2.5);
-    assert!(!closed.overlaps(before, 1.0) && closed.overlaps(before, 1.01));
-    assert!(closed.overlaps(DVec3::new(4.5, 2.5, 2.5), 0.0));
+    assert!(!overlaps(&closed, before, 1.0) && overlaps(&closed, before, 1.01));
+    assert!(overlaps(&closed, DVec3::new(4.5, 2.5, 2.5), 0.0));
     let cell = IVec3::new(2, 2, 2);
-    assert!(closed.leaves_free(cell, 1.0) && !closed.leaves_free(cell, 1.01));
+    assert!(leaves_free(&closed, cell, 1.0) && !leaves_free(&closed, cell, 1.01));
 
     let ends = [cell, IVec3::new(6, 2, 2)];
-    let is_way =
-        |volume: &Volume, radius| Volume::is_way(8, ends, |cell| volume.leaves_free(cell, radius));
+    let is_way = |volume: &Dense, radius| {
+        Finder::default().is_way(volume, ends, 8, |cell| leaves_free(volume, cell, radius))
+    };
     assert!(is_way(&open, 0.0) && !is_way(&open, 0.5) && !is_way(&closed, 0.0));
 
     // beside the wall one can go around it
-    let closed_box = Volume::from_fn(8, |voxel| {
+    let closed_box = Dense::from_fn(IVec3::splat(8), |voxel| {
         voxel.min_element() == 0 || voxel.max_element() == 7
     });
-    let side = |volume: &Volume, x| volume.parts().of(DVec3::new(x, 2.5, 2.5));
+    let side = |volume: &Dense, x| Parts::beside(volume).of(DVec3::new(x, 2.5, 2.5));
     assert_eq!(side(&closed, 2.5), side(&closed, 6.5));
     assert_ne!(side(&closed_box, 2.5), side(&closed_box, -2.5));
 }
@@ -142,18 +150,18 @@ impl World {
         let shell = shell();
         let noise = |random: &mut Random| {
             let share = random.between(0.02, 0.3);
-            Volume::from_fn(EDGE, |_| random.share() < share)
+            Dense::from_fn(BOX, |_| random.share() < share)
         };
         let told = |solid, pose| Told { solid, pose };
         // a body of its own from the start: one that was moved once stays that
         let place = Some(DAffine3::IDENTITY);
-        let inside_shell = shell.parts();
+        let inside_shell = Parts::beside(&shell);
         let told = vec![
             told(noise(random), None),
             told(noise(random), None),
             told(shell, place),
         ];
-        let mut add = |solid: &Volume, pose| {
+        let mut add = |solid: &Dense, pose| {
             let segment = Segment::from_fn(DIMENSIONS, |voxel| solid.is_solid(voxel));
             let properties = Properties { pose, ..OBSTACLE };
             let id = rig.simulation.add_segment(segment, properties, false);
@@ -167,7 +175,7 @@ impl World {
             .collect();
         Self {
             rig,
-            rooms: room.parts(),
+            rooms: Parts::beside(&room),
             room,
             inside_shell,
             ids,
@@ -295,13 +303,13 @@ impl World {
         }
     }
 
-    fn touched(&self) -> Volume {
+    fn touched(&self) -> Dense {
         let bits = self.rig.servo.solid();
-        Volume::from_fn(EDGE, |voxel| bits.is_solid(voxel))
+        Dense::from_fn(BOX, |voxel| bits.is_solid(voxel))
     }
 
     /// What is to be solid where nothing waits: the room, and all that is touchable and was not moved.
-    fn wanted(&self) -> Volume {
+    fn wanted(&self) -> Dense {
         let stands = |(told, on): &(&Told, bool)| *on && told.pose.is_none();
         let standing: Vec<_> = self
             .told
@@ -309,7 +317,7 @@ impl World {
             .zip(self.touchable)
             .filter(stands)
             .collect();
-        Volume::from_fn(EDGE, |voxel| {
+        Dense::from_fn(BOX, |voxel| {
             self.room.is_solid(voxel) || standing.iter().any(|(told, _)| told.solid.is_solid(voxel))
         })
     }
@@ -317,14 +325,14 @@ impl World {
     fn check(&self, [before, after]: &[&Moment; 2], record: &TickRecord, place: &str) {
         let ball = (after.proxy, after.radius);
         assert!(
-            !after.solid.overlaps(ball.0, ball.1),
+            !overlaps(&after.solid, ball.0, ball.1),
             "{place}: in the world, {ball:?}"
         );
         if let Some(pose) = after.shell {
             let own = pose.inverse().transform_point3(ball.0);
             let solid = &self.told[SHELL].solid;
             assert!(
-                !solid.overlaps(own, ball.1),
+                !overlaps(solid, own, ball.1),
                 "{place}: in the shell, {ball:?}"
             );
         }
@@ -368,7 +376,7 @@ impl World {
         let touched = self.rig.status.read().touched;
         seen.contacts += u32::from(record.contact);
         seen.held += u32::from(after.waits);
-        seen.pushed += u32::from(after.solid.overlaps(before.proxy, after.radius));
+        seen.pushed += u32::from(overlaps(&after.solid, before.proxy, after.radius));
         seen.grown_in_contact += u32::from(record.contact && after.radius > before.radius);
         seen.carried += u32::from(before.shell != after.shell && touched == self.ids[SHELL].0);
     }
@@ -404,15 +412,15 @@ fn is_way(before: &Moment, after: &Moment) -> bool {
     let ends = [before, after].map(|moment| moment.proxy.floor().as_ivec3());
     let radius = before.radius.min(after.radius);
     ends[0] == ends[1]
-        || Volume::is_way(EDGE, ends, |cell| {
-            before.solid.leaves_free(cell, radius) || after.solid.leaves_free(cell, radius)
+        || Finder::default().is_way(&before.solid, ends, EDGE, |cell| {
+            leaves_free(&before.solid, cell, radius) || leaves_free(&after.solid, cell, radius)
         })
 }
 
 /// A closed border, and through the middle the thinnest wall that no way through faces crosses.
-fn room(normal: DVec3) -> Volume {
+fn room(normal: DVec3) -> Dense {
     let half = normal.abs().max_element() / 2.0;
-    Volume::from_fn(EDGE, |voxel| {
+    Dense::from_fn(BOX, |voxel| {
         let is_border = [voxel.min_element(), EDGE - 1 - voxel.max_element()].contains(&0);
         let offset = normal.dot(voxel.as_dvec3() + 0.5 - MIDDLE);
         is_border || -half <= offset && offset < half
@@ -420,9 +428,9 @@ fn room(normal: DVec3) -> Volume {
 }
 
 /// A hollow ball, as thin as voxels allow.
-fn shell() -> Volume {
+fn shell() -> Dense {
     let inside = |voxel: IVec3| (voxel.as_dvec3() + 0.5).distance(MIDDLE) < 4.5;
-    Volume::from_fn(EDGE, |voxel| {
+    Dense::from_fn(BOX, |voxel| {
         let faces = IVec3::AXES.into_iter().flat_map(|axis| [axis, -axis]);
         inside(voxel) && faces.into_iter().any(|face| !inside(voxel + face))
     })

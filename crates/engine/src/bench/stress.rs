@@ -23,7 +23,7 @@
 //! Goal: none in 10⁸ moves.
 
 mod checker;
-mod dense;
+pub mod dense;
 #[cfg(test)]
 mod examples;
 mod felt;
