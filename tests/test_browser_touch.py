@@ -94,7 +94,10 @@ def leave(page: Browser) -> None:
 
 def press(page: Browser, *, depth: float = 3.0, x: float = MIDDLE) -> dict[str, Any]:
     """Pulls the hand into the block and returns the state once everything rests."""
-    page.read(f"window.palpate.hand({[x, SURFACE + depth, MIDDLE]})")
+    wanted = [x, SURFACE + depth, MIDDLE]
+    page.read(f"window.palpate.hand({wanted})")
+    # the device takes it in its own thread, which a busy machine may hold up while the servo runs
+    page.wait(f"window.palpate.state.hand.every((c, i) => Math.abs(c - {wanted}[i]) < 0.01)")
     page.wait("window.palpate.state.contact")
     return page.settled()
 

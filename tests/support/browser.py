@@ -90,8 +90,6 @@ class Browser:
         row. Ticks are counted instead of the page's time: a page that shows an old state for a
         while looks at rest too, and so does a device whose thread a busy machine holds up.
         """
-        # a move of the hand is sent with the page's next frame
-        self.frames()
         self.all_done()
         self.read("void (window.__last = window.__settled = undefined, window.__rested = 0)")
         self.wait(

@@ -1,8 +1,9 @@
 """A volume renderer on the CPU, in NumPy: what pictures of the page are held against.
 
-It follows ``docs/algorithms/picture.md`` and shares nothing with the shaders. Where they take the
-mean of the transfer function between two samples, leap, quarter steps and end early, this one takes
-samples eight times as dense as the voxels, the transfer function of each, and goes on to the end.
+It follows ``docs/algorithms/picture.md``: the formulas of light are the shaders' too, code and
+sampling are its own. Where they take the mean of the transfer function between two samples, leap,
+quarter steps and end early, this one takes samples eight times as dense as the voxels, the transfer
+function of each, and goes on to the end.
 Lengths are in mm, colours linear RGB 0..1. There is no light volume: occlusion and shadow are 0.
 """
 
