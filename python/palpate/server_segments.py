@@ -57,6 +57,7 @@ class KeptLook:
     id: protocol.SegmentId
     touchable: bool
     look: Look
+    locked: bool = False
 
 
 class ShownSegments:
@@ -102,8 +103,9 @@ class ShownSegments:
         return True
 
     def change(self, wanted: protocol.SegmentProperties) -> None:
-        """Changes how a segment looks and whether it can be touched."""
+        """Changes how a segment looks and whether it can be touched, and its voxels changed."""
         self._session.set_touchable(wanted.id, touchable=wanted.touchable)
+        self._session.set_locked(wanted.id, locked=wanted.locked)
         colour, chosen = self._colour_after(wanted.id, name=wanted.name, colour=wanted.colour)
         look = Look(
             name=wanted.name,
@@ -180,14 +182,19 @@ class ShownSegments:
         return scene, told
 
     def keep(self) -> None:
-        """Hands the looks over to be kept, with which segments can be touched."""
+        """Hands the looks over to be kept, with which segments can be touched and changed."""
         if self._keep is not None:
             self._keep(self.kept())
 
     def kept(self) -> bytes:
-        """Returns the looks, with which segments can be touched, for ``restore``."""
+        """Returns the looks, with which segments can be touched and changed, for ``restore``."""
         kept = [
-            KeptLook(id=state["id"], touchable=state["touchable"], look=self._look_of(state["id"]))
+            KeptLook(
+                id=state["id"],
+                touchable=state["touchable"],
+                look=self._look_of(state["id"]),
+                locked=state["locked"],
+            )
             for state in self._session.segments()
         ]
         return msgspec.json.encode(kept)
@@ -206,6 +213,7 @@ class ShownSegments:
         for each in looks:
             if each.id in there:
                 self._session.set_touchable(each.id, touchable=each.touchable)
+                self._session.set_locked(each.id, locked=each.locked)
                 self._set_look(each.id, each.look)
             else:
                 self._remember(each.id, each.look)
@@ -327,6 +335,7 @@ class ShownSegments:
             colour=look.colour,
             visible=look.visible,
             touchable=state["touchable"],
+            locked=state["locked"],
             range=state["range"],
             made_by=state["made_by"],
             voxels=state["voxels"],

@@ -44,6 +44,7 @@ PROPERTIES = {
     "colour": [1, 1, 1],
     "visible": True,
     "touchable": True,
+    "locked": False,
     "shown_as": "both",
     "opacity": 0.5,
     "smoothing": 12,

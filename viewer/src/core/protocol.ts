@@ -195,7 +195,7 @@ export interface MatterRegion {
  * open; null where it is empty. `material` is null where it is hard; `regions` are those that
  * take part in their own way. `grid` is the `patient_from_grid` of its voxels where they are
  * not the scan's. `opacity`, `smoothing`, `surface_from` and `wireframe` are those of its
- * surface.
+ * surface. The voxels of a `locked` one stay as they are.
  */
 export interface Segment {
   readonly id: SegmentId;
@@ -203,6 +203,7 @@ export interface Segment {
   readonly colour: Colour;
   readonly visible: boolean;
   readonly touchable: boolean;
+  readonly locked: boolean;
   readonly range: readonly [Value, Value] | null;
   readonly made_by: readonly [Value, Value] | null;
   readonly voxels: number;
@@ -935,7 +936,7 @@ export interface FillOutline {
   readonly values: readonly [Value, Value] | null;
 }
 
-/** Changes how a segment looks and whether it can be touched. */
+/** Changes how a segment looks and whether it can be touched, and its voxels changed. */
 export interface SegmentProperties {
   readonly type: "segment_properties";
   readonly id: SegmentId;
@@ -943,6 +944,7 @@ export interface SegmentProperties {
   readonly colour: Colour;
   readonly visible: boolean;
   readonly touchable: boolean;
+  readonly locked: boolean;
   readonly shown_as: ShownAs;
   readonly opacity: Share;
   readonly smoothing: SmoothingDegree;
@@ -1447,6 +1449,7 @@ const isSegment = record({
   colour: isColour,
   visible: flag,
   touchable: flag,
+  locked: flag,
   range: nullable(tuple(isValue, isValue)),
   made_by: nullable(tuple(isValue, isValue)),
   voxels: whole(),

@@ -8,6 +8,7 @@ const bone: Segment = {
   colour: [1, 1, 1],
   visible: true,
   touchable: true,
+  locked: false,
   range: null,
   made_by: null,
   voxels: 8,
