@@ -11,6 +11,7 @@ from palpate.protocol_types import (
     Colour,
     Friction,
     GridPlace,
+    LightFactor,
     Message,
     Name,
     Pose,
@@ -76,7 +77,8 @@ class Segment(msgspec.Struct, frozen=True):
     open; null where it is empty. ``material`` is null where it is hard; ``regions`` are those that
     take part in their own way. ``grid`` is the ``patient_from_grid`` of its voxels where they are
     not the scan's. ``opacity``, ``smoothing``, ``surface_from`` and ``wireframe`` are those of its
-    surface. The voxels of a ``locked`` one stay as they are.
+    surface; ``ambient`` and ``specular`` are factors on its light. The voxels of a ``locked`` one
+    stay as they are.
     """
 
     id: SegmentId
@@ -101,6 +103,8 @@ class Segment(msgspec.Struct, frozen=True):
     smoothing: SmoothingDegree
     surface_from: SurfaceSource
     wireframe: bool
+    ambient: LightFactor
+    specular: LightFactor
 
 
 class MovedPose(msgspec.Struct, frozen=True):
@@ -243,6 +247,8 @@ class SegmentProperties(Message, frozen=True, tag="segment_properties"):
     smoothing: SmoothingDegree
     surface_from: SurfaceSource
     wireframe: bool
+    ambient: LightFactor
+    specular: LightFactor
 
 
 class SegmentFeel(Message, frozen=True, tag="segment_feel"):

@@ -46,6 +46,8 @@ class Look:
     smoothing: int = DEFAULT_SMOOTHING
     surface_from: protocol.SurfaceSource = "intensities"
     wireframe: bool = False
+    ambient: float = 1.0
+    specular: float = 1.0
     chosen: bool = True
     """Whether the colour is that of a person or a file, and not told by name or number."""
 
@@ -117,6 +119,8 @@ class ShownSegments:
             smoothing=wanted.smoothing,
             surface_from=wanted.surface_from,
             wireframe=wanted.wireframe,
+            ambient=wanted.ambient,
+            specular=wanted.specular,
         )
         self._set_look(wanted.id, look)
         self._show(wanted.id, look)
@@ -352,6 +356,8 @@ class ShownSegments:
             smoothing=look.smoothing,
             surface_from=look.surface_from,
             wireframe=look.wireframe,
+            ambient=look.ambient,
+            specular=look.specular,
         )
 
 

@@ -243,6 +243,8 @@ def test_a_page_is_asked_and_names_come_back_with_the_voxels(tmp_path: Path) -> 
         "smoothing": 2,
         "surface_from": "bits",
         "wireframe": False,
+        "ambient": 0.5,
+        "specular": 0.0,
     }
     with (
         running(make_ball(), page_folder, state=tmp_path / "state") as server,

@@ -20,6 +20,8 @@ SURFACE_LOOK = {
     "smoothing": 3,
     "surface_from": "intensities",
     "wireframe": False,
+    "ambient": 1.0,
+    "specular": 1.0,
 }
 """How a surface looks as long as nobody says otherwise."""
 
@@ -194,6 +196,8 @@ def test_how_a_surface_looks_is_kept_with_its_segment(server: Any) -> None:
         "smoothing": 5,
         "surface_from": "bits",
         "wireframe": True,
+        "ambient": 0.5,
+        "specular": 0.0,
     }
     change = {"type": "segment_properties", "id": 1, "name": "ball", "colour": [1, 0, 0]}
     with server.page() as page:

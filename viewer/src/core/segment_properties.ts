@@ -20,6 +20,8 @@ const names: Readonly<Record<keyof SegmentLook, string>> = {
   smoothing: "smoothing",
   surface_from: "surface",
   wireframe: "wireframe",
+  ambient: "ambient light",
+  specular: "specular light",
 };
 
 export function nameOfPart(part: Partial<SegmentLook>): string {
@@ -29,11 +31,11 @@ export function nameOfPart(part: Partial<SegmentLook>): string {
 /** A segment's properties with some of them changed. */
 export function changedProperties(segment: Segment, part: Partial<SegmentLook>): SegmentProperties {
   const { id, name, colour, visible, touchable, locked, ...rest } = { ...segment, ...part };
-  const { shown_as, opacity, smoothing, surface_from, wireframe } = rest;
+  const { shown_as, opacity, smoothing, surface_from, wireframe, ambient, specular } = rest;
   return {
     type: "segment_properties",
     ...{ id, name, colour, visible, touchable, locked },
-    ...{ shown_as, opacity, smoothing, surface_from, wireframe },
+    ...{ shown_as, opacity, smoothing, surface_from, wireframe, ambient, specular },
   };
 }
 

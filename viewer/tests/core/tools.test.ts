@@ -29,6 +29,8 @@ function segment(id: number, touchable = true, range: Segment["range"] = null): 
     opacity: 1,
     smoothing: 3,
     wireframe: false,
+    ambient: 1,
+    specular: 1,
   };
 }
 

@@ -69,6 +69,8 @@ export const segment: Segment = {
   opacity: 1,
   smoothing: 3,
   wireframe: false,
+  ambient: 1,
+  specular: 1,
 };
 
 export const settings: Settings = {

@@ -33,9 +33,10 @@ Seen seenAlong(Ray ray, inout Layers layers) {
       float extinction = density * tissue.a * mix(edge.y, 1.0, boundary);
       float opacity = solid ? 1.0 : 1.0 - exp(-extinction * stepLength);
 #if BLEND == SHADED
-      vec3 colour = solid ? litSurface(own, normal, toEye, 1.0, vec2(1.0)) : litTissue(own, normal, toEye, boundary, vec2(1.0));
+      vec2 factors = segmentMaterial(segment);
+      vec3 colour = solid ? litSurface(own, normal, toEye, 1.0, vec2(1.0), factors) : litTissue(own, normal, toEye, boundary, vec2(1.0), factors);
 #else
-      vec3 colour = solid ? litSurface(own, normal, toEye, 1.0, vec2(1.0)) : own;
+      vec3 colour = solid ? litSurface(own, normal, toEye, 1.0, vec2(1.0), segmentMaterial(segment)) : own;
 #endif
       seen.light += seen.clarity * opacity * colour;
       seen.clarity *= 1.0 - opacity;
