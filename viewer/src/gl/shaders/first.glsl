@@ -26,7 +26,7 @@ Seen seenAlong(Ray ray, inout Layers layers) {
       float low = segment > 0 ? rangeBounds[segment - 1].x : 0.0;
       bool entered = solid && front >= 0.0 && front < low;
       float place = entered ? t - stepLength * (value - low) / (value - front) : t;
-      vec3 gradient = coarseGradientAt(ray.origin + ray.inGrid * place);
+      vec3 gradient = gradientAt(ray.origin + ray.inGrid * place);
       float boundary = smoothstep(0.0, edge.x, length(gradient));
       vec3 normal = facing(gradient, toEye, toEye);
       vec3 own = segment > 0 ? segmentColour(segment) : tissue.rgb;

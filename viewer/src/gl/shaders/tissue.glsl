@@ -17,7 +17,7 @@ vec4 litFirst(vec3 grid, vec3 toEye, vec4 tissue, int segment) {
   if (tissue.a <= 0.0) {
     return vec4(0.0);
   }
-  vec3 gradient = coarseGradientAt(grid);
+  vec3 gradient = gradientAt(grid);
   float boundary = smoothstep(0.0, edge.x, length(gradient));
   tissue.a *= mix(edge.y, 1.0, boundary);
 #if BLEND == SHADED
