@@ -584,7 +584,7 @@ def bench_passivity(
     rate_hz: int,
     seconds: float,
     search_seconds: float,
-    wall: tuple[Volume, Segment] | None = None,
+    wall: tuple[Volume, Segment, tuple[float, float] | None] | None = None,
 ) -> dict[str, float]:
     """Presses, taps and slides with a simulated device on a flat wall, or on a segment.
 
