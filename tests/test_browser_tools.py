@@ -234,10 +234,20 @@ def hole_seen(page: Browser) -> tuple[float, float]:
 
 
 def test_a_tool_without_a_segment_says_so(page: Browser) -> None:
+    page.do("click", testid="lock-1")
+    page.wait("document.querySelector('[data-testid=lock-1]').ariaPressed === 'true'")
+    page.do("press", key="e")
+    page.wait("document.body.textContent.includes('what can be touched is locked')")
+    remove = "document.querySelector('[aria-label=\"Remove threshold\"]')"
+    assert page.read(f"{remove}.disabled")
+    page.do("screenshot", path=str(OUTPUT / "locked.png"))
+    page.do("press", key="Control+z")
+    page.wait("document.querySelector('[data-testid=lock-1]').ariaPressed === 'false'")
+
     page.do("press", key="e")
     page.wait(f"{TOOL}.kind === 'eraser'")
     page.do("press", key="h")
-    page.read("document.querySelector('[aria-label=\"Remove threshold\"]').click()")
+    page.read(f"{remove}.click()")
     page.wait("document.querySelector('[data-testid=segment-1]') === null")
     page.do("press", key="e")
     page.wait("document.body.textContent.includes('There is no segment to work on')")

@@ -241,6 +241,9 @@ class Session:
     def set_touchable(self, segment_id: int, touchable: bool) -> None:
         """Makes a segment an obstacle or none; this is not undone."""
 
+    def set_locked(self, segment_id: int, locked: bool) -> None:
+        """Locks the voxels of a segment or lets them be changed; this is not undone."""
+
     def threshold(self, low: float, high: float, segment_id: int | None = None) -> int:
         """Makes a touchable segment of the voxels with low <= value <= high, edits included.
 
@@ -376,7 +379,7 @@ class Session:
         """The voxels of a segment as they are now."""
 
     def segments_state(self) -> list[dict[str, Any]]:
-        """``id``, ``voxels``, ``touchable``, ``pending`` and ``range`` of each segment.
+        """``id``, ``voxels``, ``touchable``, ``locked``, ``pending`` and ``range`` of each segment.
 
         ``range`` follows edits, undo and redo: None once the voxels are not that threshold;
         ``made_by`` is the threshold that made them, whatever edits did since.
@@ -581,7 +584,7 @@ def bench_passivity(
     rate_hz: int,
     seconds: float,
     search_seconds: float,
-    wall: tuple[Volume, Segment] | None = None,
+    wall: tuple[Volume, Segment, tuple[float, float] | None] | None = None,
 ) -> dict[str, float]:
     """Presses, taps and slides with a simulated device on a flat wall, or on a segment.
 

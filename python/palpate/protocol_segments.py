@@ -11,6 +11,7 @@ from palpate.protocol_types import (
     Colour,
     Friction,
     GridPlace,
+    LightFactor,
     Message,
     Name,
     Pose,
@@ -76,7 +77,8 @@ class Segment(msgspec.Struct, frozen=True):
     open; null where it is empty. ``material`` is null where it is hard; ``regions`` are those that
     take part in their own way. ``grid`` is the ``patient_from_grid`` of its voxels where they are
     not the scan's. ``opacity``, ``smoothing``, ``surface_from`` and ``wireframe`` are those of its
-    surface.
+    surface; ``ambient`` and ``specular`` are factors on its light. The voxels of a ``locked`` one
+    stay as they are.
     """
 
     id: SegmentId
@@ -84,6 +86,7 @@ class Segment(msgspec.Struct, frozen=True):
     colour: Colour
     visible: bool
     touchable: bool
+    locked: bool
     range: tuple[Value, Value] | None
     made_by: tuple[Value, Value] | None
     voxels: int
@@ -100,6 +103,8 @@ class Segment(msgspec.Struct, frozen=True):
     smoothing: SmoothingDegree
     surface_from: SurfaceSource
     wireframe: bool
+    ambient: LightFactor
+    specular: LightFactor
 
 
 class MovedPose(msgspec.Struct, frozen=True):
@@ -229,18 +234,21 @@ class StopSegmentWork(Message, frozen=True, tag="stop_segment_work"):
 
 
 class SegmentProperties(Message, frozen=True, tag="segment_properties"):
-    """Changes how a segment looks and whether it can be touched."""
+    """Changes how a segment looks and whether it can be touched, and its voxels changed."""
 
     id: SegmentId
     name: Name
     colour: Colour
     visible: bool
     touchable: bool
+    locked: bool
     shown_as: ShownAs
     opacity: Share
     smoothing: SmoothingDegree
     surface_from: SurfaceSource
     wireframe: bool
+    ambient: LightFactor
+    specular: LightFactor
 
 
 class SegmentFeel(Message, frozen=True, tag="segment_feel"):

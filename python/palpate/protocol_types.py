@@ -18,6 +18,7 @@ __all__ = [
     "Friction",
     "GridPlace",
     "Index",
+    "LightFactor",
     "Message",
     "ModelName",
     "Name",
@@ -77,6 +78,9 @@ ShownAs = Literal["volume", "surface", "both"]
 
 SurfaceSource = Literal["intensities", "bits"]
 """What a surface is made from: the scan's values where a threshold made the segment, or bits."""
+
+LightFactor = Annotated[float, msgspec.Meta(ge=0.0, le=3.0)]
+"""On the light of one segment: 1 is that of the picture."""
 
 SmoothingDegree = Annotated[int, msgspec.Meta(ge=0, le=12)]
 """How often the vertices of a surface are moved to the mean of their neighbours."""

@@ -62,6 +62,8 @@ class _About(SavedMatter, frozen=True, kw_only=True):
     looks: msgspec.Raw
     view: dict[str, Any] | None
     second: SavedSecond | None = None
+    locked: tuple[int, ...] = ()
+    """Numbers of segments whose voxels stay as they are."""
 
 
 @dataclass(frozen=True)
@@ -115,6 +117,8 @@ class SavedScene:
         if lost:
             raise SceneFormatError(f"{self.path}: {SEGMENTS} is damaged: {lost} bytes are missing")
         restore_matter(session, self.about)
+        for each in self.about.locked:
+            session.set_locked(each, locked=True)
 
 
 def save_scene(
@@ -151,6 +155,7 @@ def save_scene(
         looks=msgspec.Raw(looks),
         view=None if view is None else dict(view),
         second=None if second is None else saved_second(second, path, copied=second_copied),
+        locked=tuple(each["id"] for each in session.segments() if each["locked"]),
         **saved_matter(session),
     )
     with TemporaryDirectory(prefix="palpate-") as folder:

@@ -171,6 +171,12 @@ class SegmentWork:
     ) -> None:
         """Smooths a segment together with all that are shown and stand with it."""
         ids = [wanted.id, *self._shown_beside(wanted.id)]
+        locked = {state["id"] for state in self._session.segments() if state["locked"]}
+        for segment_id in locked.intersection(ids):
+            raise OptionError(
+                f"{self._segments.name_of(segment_id)} is locked; allowed: to unlock it, or to "
+                "hide it meanwhile"
+            )
         before = [self._now(segment_id) for segment_id in ids]
         progress(f"smoothing {len(ids)} segments together", None)
         after = smoothed_together(before, deviation=wanted.amount)

@@ -46,6 +46,8 @@ class Look:
     smoothing: int = DEFAULT_SMOOTHING
     surface_from: protocol.SurfaceSource = "intensities"
     wireframe: bool = False
+    ambient: float = 1.0
+    specular: float = 1.0
     chosen: bool = True
     """Whether the colour is that of a person or a file, and not told by name or number."""
 
@@ -57,6 +59,7 @@ class KeptLook:
     id: protocol.SegmentId
     touchable: bool
     look: Look
+    locked: bool = False
 
 
 class ShownSegments:
@@ -102,8 +105,9 @@ class ShownSegments:
         return True
 
     def change(self, wanted: protocol.SegmentProperties) -> None:
-        """Changes how a segment looks and whether it can be touched."""
+        """Changes how a segment looks and whether it can be touched, and its voxels changed."""
         self._session.set_touchable(wanted.id, touchable=wanted.touchable)
+        self._session.set_locked(wanted.id, locked=wanted.locked)
         colour, chosen = self._colour_after(wanted.id, name=wanted.name, colour=wanted.colour)
         look = Look(
             name=wanted.name,
@@ -115,6 +119,8 @@ class ShownSegments:
             smoothing=wanted.smoothing,
             surface_from=wanted.surface_from,
             wireframe=wanted.wireframe,
+            ambient=wanted.ambient,
+            specular=wanted.specular,
         )
         self._set_look(wanted.id, look)
         self._show(wanted.id, look)
@@ -180,14 +186,19 @@ class ShownSegments:
         return scene, told
 
     def keep(self) -> None:
-        """Hands the looks over to be kept, with which segments can be touched."""
+        """Hands the looks over to be kept, with which segments can be touched and changed."""
         if self._keep is not None:
             self._keep(self.kept())
 
     def kept(self) -> bytes:
-        """Returns the looks, with which segments can be touched, for ``restore``."""
+        """Returns the looks, with which segments can be touched and changed, for ``restore``."""
         kept = [
-            KeptLook(id=state["id"], touchable=state["touchable"], look=self._look_of(state["id"]))
+            KeptLook(
+                id=state["id"],
+                touchable=state["touchable"],
+                look=self._look_of(state["id"]),
+                locked=state["locked"],
+            )
             for state in self._session.segments()
         ]
         return msgspec.json.encode(kept)
@@ -206,6 +217,7 @@ class ShownSegments:
         for each in looks:
             if each.id in there:
                 self._session.set_touchable(each.id, touchable=each.touchable)
+                self._session.set_locked(each.id, locked=each.locked)
                 self._set_look(each.id, each.look)
             else:
                 self._remember(each.id, each.look)
@@ -327,6 +339,7 @@ class ShownSegments:
             colour=look.colour,
             visible=look.visible,
             touchable=state["touchable"],
+            locked=state["locked"],
             range=state["range"],
             made_by=state["made_by"],
             voxels=state["voxels"],
@@ -343,6 +356,8 @@ class ShownSegments:
             smoothing=look.smoothing,
             surface_from=look.surface_from,
             wireframe=look.wireframe,
+            ambient=look.ambient,
+            specular=look.specular,
         )
 
 

@@ -43,6 +43,16 @@ class SessionSegments(SessionMatter):
         with given():
             self._internal.set_touchable(segment_id, touchable)
 
+    def set_locked(self, segment_id: int, *, locked: bool) -> None:
+        """Sets whether the voxels of a segment stay as they are.
+
+        No tool, threshold, change of shape, cut or matter that gives way changes a locked one, and
+        it is not removed; its looks, feel and place are free. Undo and redo reach what was done
+        before.
+        """
+        with given():
+            self._internal.set_locked(segment_id, locked)
+
     def move_segment(
         self, segment_id: int, pose: NDArray[np.float64], *, goes_on: bool = False
     ) -> None:
@@ -181,9 +191,9 @@ class SessionSegments(SessionMatter):
     def segments(self) -> list[dict[str, Any]]:
         """Lists the segments as they are now.
 
-        Each has id, voxels, volume [mm³], bounds, touchable, pending, range, made_by, feel, pose,
-        and grid: ``patient_from_grid`` by rows where it has a grid of its own, to which bounds
-        belong then.
+        Each has id, voxels, volume [mm³], bounds, touchable, locked, pending, range, made_by, feel,
+        pose, and grid: ``patient_from_grid`` by rows where it has a grid of its own, to which
+        bounds belong then.
         """
         return self._internal.segments_state()
 

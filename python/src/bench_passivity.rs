@@ -3,6 +3,8 @@
 use palpate_engine::bench::passivity::{
     FlatWall, Report, Wall, device_named, device_names, report,
 };
+use palpate_engine::scan_values::{ScanValues, Threshold};
+use palpate_engine::scene::ThresholdRange;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -23,6 +25,13 @@ pub fn passivity_devices() -> Vec<&'static str> {
     device_names()
 }
 
+/// A volume, a segment of it, and the threshold that made that.
+type BoneWall<'py> = (
+    PyRef<'py, PyVolume>,
+    PyRef<'py, PySegment>,
+    Option<ThresholdRange>,
+);
+
 /// Presses, taps and slides on a flat wall, or on a segment of a volume.
 #[pyfunction]
 #[pyo3(signature = (device, rate_hz, seconds, search_seconds, wall = None))]
@@ -32,7 +41,7 @@ pub fn bench_passivity<'py>(
     rate_hz: u32,
     seconds: f64,
     search_seconds: f64,
-    wall: Option<(PyRef<'py, PyVolume>, PyRef<'py, PySegment>)>,
+    wall: Option<BoneWall<'py>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let settings = device_named(device).ok_or_else(|| {
         let allowed = device_names().join(", ");
@@ -59,7 +68,7 @@ pub fn bench_passivity<'py>(
             let flat = FlatWall::default();
             report(&flat.wall(), &settings, rate_hz, times)
         }),
-        Some((volume, segment)) => {
+        Some((volume, segment, range)) => {
             let (volume, segment) = (&*volume, &*segment);
             let (grid, segment) = (volume.grid, segment.segment.clone());
             if segment.dimensions() != grid.dimensions() {
@@ -70,8 +79,13 @@ pub fn bench_passivity<'py>(
                 ))
                 .into());
             }
+            let threshold = range.map(|range| Threshold {
+                range,
+                values: ScanValues::of(&volume.intensities),
+            });
             py.detach(|| {
-                let wall = Wall::on(&grid, segment.occupancy(), SEED)?;
+                let made = (segment.occupancy(), threshold.as_ref());
+                let wall = Wall::on(&grid, made, SEED)?;
                 Some(report(&wall, &settings, rate_hz, times))
             })
             .ok_or_else(|| {

@@ -77,6 +77,7 @@ pub fn segment_dict<'py>(py: Python<'py>, segment: &SegmentState) -> PyResult<Bo
         "grid": segment.own_grid.map(|grid| rows_of(grid.patient_from_grid())),
         "bounds": segment.bounds.map(|bounds| (bounds.min.to_array(), bounds.max.to_array())),
         "touchable": segment.touchable,
+        "locked": segment.locked,
         "pending": segment.pending,
         "range": segment.range,
         "made_by": segment.made_by,

@@ -191,6 +191,10 @@ impl PySession {
         Ok(py.detach(|| self.session.set_touchable(SegmentId(segment_id), touchable))?)
     }
 
+    fn set_locked(&self, py: Python<'_>, segment_id: u8, locked: bool) -> Result<(), CoreError> {
+        Ok(py.detach(|| self.session.set_locked(SegmentId(segment_id), locked))?)
+    }
+
     /// Changes how the surface of a segment feels; None is as the settings say.
     #[pyo3(signature = (segment_id, stiffness = None, friction_static = None,
         friction_kinetic = None))]

@@ -36,6 +36,7 @@ pub fn tool_settings(
         tissues: tissues.into_iter().map(Tissue::of_figures).collect(),
         paint: PaintSettings { depth, overlaps },
         spared: SegmentSet::EMPTY,
+        locked: SegmentSet::EMPTY,
     })
 }
 

@@ -35,16 +35,19 @@ def scene(unit: str = "HU") -> Scene:
     return Scene(volume, [volume.threshold(0.0, 100.0, name="gel")])
 
 
-def pressed(material: Material | LinearMaterial | str | None, model: str | None) -> Recording:
+def pressed(
+    material: Material | LinearMaterial | str | None, model: str | None, *, locked: bool = False
+) -> Recording:
     path = ScriptedPath((24.3, 24.4, 30.0))
     path = path.move((24.3, 24.4, TOP - DEEP), seconds=1.0)
     path = path.move((24.3, 24.4, TOP - DEEP), seconds=0.6)
     with Session(scene(), device=path, options=OFFLINE) as session:
         session.set_material(1, material)
         session.set_deformation(model)
+        session.set_locked(1, locked=locked)
         recording = session.run(1.5)
         answers = session.deformation()["answers"]
-    assert (answers > 10) == (model is not None and material is not None)
+    assert (answers > 10) == (model is not None and material is not None and not locked)
     return recording
 
 
@@ -55,6 +58,11 @@ def test_soft_matter_pushes_less_than_hard_matter_and_as_its_stiffness_says() ->
     assert 0.0 < soft < 0.2 * hard
     # twice as stiff, less what the coupling gives way itself
     assert 1.7 < stiffer / soft < 2.05
+
+
+def test_what_is_locked_is_hard() -> None:
+    hard = pressed(None, None).forces
+    np.testing.assert_allclose(pressed(GEL, "lattice", locked=True).forces, hard, atol=1e-9)
 
 
 def test_no_force_comes_before_the_matter_is_touched_and_none_pulls() -> None:

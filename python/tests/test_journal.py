@@ -237,11 +237,14 @@ def test_a_page_is_asked_and_names_come_back_with_the_voxels(tmp_path: Path) -> 
         "colour": [0.5, 0.25, 0.0],
         "visible": True,
         "touchable": False,
+        "locked": False,
         "shown_as": "both",
         "opacity": 0.5,
         "smoothing": 2,
         "surface_from": "bits",
         "wireframe": False,
+        "ambient": 0.5,
+        "specular": 0.0,
     }
     with (
         running(make_ball(), page_folder, state=tmp_path / "state") as server,
@@ -252,6 +255,8 @@ def test_a_page_is_asked_and_names_come_back_with_the_voxels(tmp_path: Path) -> 
         page.receive("segments", until=lambda m: m["segments"][0]["name"] == "tumour")
         open_box(server.session, 18)
         expected = server.session.segment(1).mask()
+        page.send(properties | {"locked": True})
+        page.receive("segments", until=lambda m: m["segments"][0]["locked"])
     with (
         running(make_ball(), page_folder, state=tmp_path / "state") as server,
         server.page() as page,
@@ -263,6 +268,7 @@ def test_a_page_is_asked_and_names_come_back_with_the_voxels(tmp_path: Path) -> 
         named = page.receive("segments", until=lambda m: m["segments"][0]["name"] == "tumour")
         (segment,) = named["segments"]
         assert not segment["touchable"]
+        assert segment["locked"]
         assert (segment["colour"], segment["shown_as"]) == ([0.5, 0.25, 0.0], "both")
         np.testing.assert_array_equal(server.session.segment(1).mask(), expected)
 

@@ -44,11 +44,14 @@ PROPERTIES = {
     "colour": [1, 1, 1],
     "visible": True,
     "touchable": True,
+    "locked": False,
     "shown_as": "both",
     "opacity": 0.5,
     "smoothing": 12,
     "surface_from": "bits",
     "wireframe": True,
+    "ambient": 1.0,
+    "specular": 3.0,
 }
 
 
@@ -83,6 +86,7 @@ PROPERTIES = {
         PROPERTIES | {"smoothing": 13},
         PROPERTIES | {"smoothing": 0.5},
         PROPERTIES | {"wireframe": 1},
+        PROPERTIES | {"specular": 3.1},
     ],
 )
 def test_what_is_not_of_the_schema_is_refused(message: Any) -> None:

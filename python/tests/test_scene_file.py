@@ -55,6 +55,7 @@ def edited(volume: Volume) -> Session:
     session.move_segment(box, pose)
     session.set_feel(box, stiffness=0.5)
     session.set_touchable(box, touchable=False)
+    session.set_locked(box, locked=True)
     session.set_material(box, Material(young=5000.0, poisson=0.4, density=1000.0))
     session.set_material(1, FOLLOWS)
     lump = session.add_segment(volume.segment(mask, name="lump"))
@@ -67,7 +68,7 @@ def edited(volume: Volume) -> Session:
 
 def state(session: Session) -> list[dict[str, Any]]:
     """What is known of segments, and their voxels."""
-    known = ("id", "voxels", "touchable", "range", "made_by", "feel", "pose", "material")
+    known = ("id", "voxels", "touchable", "locked", "range", "made_by", "feel", "pose", "material")
     return [
         {name: each[name] for name in known} | {"mask": session.segment(each["id"]).mask().tolist()}
         for each in session.segments()

@@ -20,6 +20,8 @@ SURFACE_LOOK = {
     "smoothing": 3,
     "surface_from": "intensities",
     "wireframe": False,
+    "ambient": 1.0,
+    "specular": 1.0,
 }
 """How a surface looks as long as nobody says otherwise."""
 
@@ -66,7 +68,7 @@ def test_labels_hold_edited_segments_while_they_are_visible(server: Any) -> None
         np.testing.assert_array_equal(voxels(server, "/api/labels", "u1"), expected)
 
         hidden = {"type": "segment_properties", "id": 1, "name": "ball", "colour": [1, 0, 0]}
-        page.send(hidden | SURFACE_LOOK | {"visible": False, "touchable": True})
+        page.send(hidden | SURFACE_LOOK | {"visible": False, "touchable": True, "locked": False})
         page.receive("segments", until=lambda m: m["labels"] > after["labels"])
         assert not voxels(server, "/api/labels", "u1").any()
 
@@ -180,7 +182,7 @@ def test_a_drag_of_a_threshold_ends_at_its_last_position(server: Any) -> None:
 def test_properties_are_told_to_all_pages(server: Any) -> None:
     with server.page() as first, server.page() as second:
         change = {"type": "segment_properties", "id": 1, "name": "stone", "colour": [0, 0.5, 1]}
-        first.send(change | SURFACE_LOOK | {"visible": True, "touchable": False})
+        first.send(change | SURFACE_LOOK | {"visible": True, "touchable": False, "locked": False})
         for page in (first, second):
             told = page.receive("segments", until=lambda m: m["segments"][0]["name"] == "stone")
             assert told["segments"][0]["colour"] == [0.0, 0.5, 1.0]
@@ -194,10 +196,12 @@ def test_how_a_surface_looks_is_kept_with_its_segment(server: Any) -> None:
         "smoothing": 5,
         "surface_from": "bits",
         "wireframe": True,
+        "ambient": 0.5,
+        "specular": 0.0,
     }
     change = {"type": "segment_properties", "id": 1, "name": "ball", "colour": [1, 0, 0]}
     with server.page() as page:
-        page.send(change | wanted | {"visible": True, "touchable": True})
+        page.send(change | wanted | {"visible": True, "touchable": True, "locked": False})
         page.receive("segments", until=lambda m: m["segments"][0]["shown_as"] == "both")
         # another threshold is still the same segment
         threshold = {"type": "threshold", "id": 1, "name": "stone", "low": 50.0, "high": 200.0}
@@ -211,7 +215,8 @@ def test_how_a_surface_looks_is_kept_with_its_segment(server: Any) -> None:
 
 def test_a_surface_is_made_from_what_its_segment_says(server: Any) -> None:
     change = {"type": "segment_properties", "id": 1, "name": "ball", "colour": [1, 0, 0]}
-    change |= SURFACE_LOOK | {"visible": True, "touchable": True, "shown_as": "surface"}
+    change |= SURFACE_LOOK | {"visible": True, "touchable": True, "locked": False}
+    change |= {"shown_as": "surface"}
     found: dict[str, list[Any]] = {}
     with server.page() as page:
         for source in ("intensities", "bits", "intensities"):
@@ -229,7 +234,8 @@ def test_a_surface_is_made_from_what_its_segment_says(server: Any) -> None:
 def test_a_new_segment_under_the_number_of_a_surface_is_none(server: Any) -> None:
     """Undo can bring a removed segment back only as long as nothing new was done."""
     change = {"type": "segment_properties", "id": 2, "name": "old", "colour": [1, 0, 0]}
-    change |= SURFACE_LOOK | {"visible": True, "touchable": True, "shown_as": "surface"}
+    change |= SURFACE_LOOK | {"visible": True, "touchable": True, "locked": False}
+    change |= {"shown_as": "surface"}
     threshold = {"type": "threshold", "id": None, "name": "old", "low": 0.0, "high": 200.0}
     with server.page() as page:
         page.send(threshold)

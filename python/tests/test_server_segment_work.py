@@ -44,6 +44,11 @@ def test_shown_segments_are_smoothed_together(server: Any) -> None:
     session.add_segment(volume.segment(halves[1], name="right"))
     with server.page() as page:
         page.receive("segments", until=lambda m: len(m["segments"]) == 2)
+        session.set_locked(2, locked=True)
+        page.send(SHAPE | {"kind": "joint", "amount": 2.0})
+        page.receive("notice", until=lambda m: "is locked; allowed" in m["text"])
+        np.testing.assert_array_equal(session.segment(1).mask(), halves[0])
+        session.set_locked(2, locked=False)
         page.send(SHAPE | {"kind": "joint", "amount": 2.0})
         page.receive("notice", until=lambda m: "2 segments were smoothed" in m["text"])
         now = [session.segment(number).mask().astype(int) for number in (1, 2)]

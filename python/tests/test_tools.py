@@ -28,6 +28,27 @@ def press(session: Session, *, depth: float = 10.0, seconds: float = 1.0) -> dic
     return tool
 
 
+def test_what_is_locked_stays_as_it_is_until_it_is_unlocked(ball_scene: Scene) -> None:
+    with Session(ball_scene, options=ABOVE) as session:
+        before = session.segment(1).mask()
+        session.set_locked(1, locked=True)
+        assert session.segments()[0]["locked"]
+        session.set_tool("eraser", radius=2.0, segment_ids=[1])
+        for change in (
+            lambda: session.stroke(on=True),
+            lambda: session.remove_segment(1),
+            lambda: session.replace_segment(1, session.segment(1)),
+            lambda: session.fill_box(1, low=(0, 0, 0), high=(9, 9, 9), solid=True),
+            lambda: session.cut(1, (20.0, 20.0, 20.0), (0.0, 0.0, 1.0)),
+        ):
+            with pytest.raises(OptionError, match=r"segment 1 given, which is locked.*unlock it"):
+                change()
+        np.testing.assert_array_equal(session.segment(1).mask(), before)
+        session.set_locked(1, locked=False)
+        press(session)
+        assert session.segment(1).mask().sum() < before.sum()
+
+
 def test_an_erasers_stroke_is_one_step_of_undo(ball_scene: Scene) -> None:
     with Session(ball_scene, options=ABOVE) as session:
         before = session.segment(1).mask()

@@ -130,12 +130,6 @@ class Reference:
         ]
         return np.stack(each, axis=-1)
 
-    def tissue_gradient(self, grid: Array) -> Array:
-        """Returns the gradient of soft tissue, from the corners of a tetrahedron [value per mm]."""
-        corners = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
-        total = sum(each * self.at(grid + 0.75 * each)[..., None] for each in corners)
-        return np.asarray(total / (4 * 0.75 * self.spacing))
-
     def _samples(self, view: View) -> Samples:
         """Returns places in the middle of equal steps from where rays enter the scan."""
         origins = (view.origins - self.origin) / self.spacing
@@ -168,7 +162,7 @@ class Reference:
             return with_opacity(light, np.minimum(light.max(axis=1), 1))
 
         ray, place = np.nonzero(extinction)
-        gradient = self.tissue_gradient(samples.grid[ray, place])
+        gradient = self.gradient(samples.grid[ray, place])
         boundary = smoothstep(np.linalg.norm(gradient, axis=1) / look.edge_gradient)
         extinction[ray, place] *= look.flat_share + (1 - look.flat_share) * boundary
         if mode == "shaded":

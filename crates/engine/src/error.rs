@@ -66,6 +66,9 @@ pub enum SessionError {
          or a new segment"
     )]
     OtherGrid(u8),
+    /// A change of what is locked.
+    #[error("a change of segment {0} given, which is locked; allowed: unlock it first")]
+    Locked(u8),
     /// The drill works on the scan's matter alone.
     #[error(
         "segments with a grid of their own given to the drill; allowed: segments of the scan, \
@@ -74,8 +77,8 @@ pub enum SessionError {
     NothingToDrill,
     /// The painter has nothing to take voxels from.
     #[error(
-        "all segments to be painted stand elsewhere than the one to paint with, or on another \
-         grid; allowed: segments that stand together as in the scan"
+        "all segments to be painted are locked, or stand elsewhere than the one to paint with or on \
+         another grid; allowed: segments that are not, and stand together as in the scan"
     )]
     NothingToPaint,
     /// A plane that is none.

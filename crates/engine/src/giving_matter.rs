@@ -97,12 +97,17 @@ pub fn soft_segments(scene: &Scene, place: DVec3, reach: f64) -> SegmentSet {
 }
 
 /// What takes part in a deformation, by rising number: obstacles that stand where the scan has
-/// them, and what they are made of.
+/// them, and what they are made of. What is locked is an obstacle to matter, and hard.
 fn matter_in(scene: &Scene) -> impl Iterator<Item = (SegmentId, &Segment, Option<MaterialLaw>)> {
     scene
-        .obstacles()
-        .filter(|(_, _, properties)| properties.pose.is_none())
-        .map(|(id, segment, properties)| (id, segment, properties.law))
+        .segments()
+        .filter(|(id, _, properties)| scene.is_obstacle(*id) || properties.locked)
+        .filter(|(_, segment, properties)| {
+            properties.pose.is_none() && segment.own_grid().is_none()
+        })
+        .map(|(id, segment, properties)| {
+            (id, segment, properties.law.filter(|_| !properties.locked))
+        })
 }
 
 /// Of matter that does not give way, of which only that it is stiff counts.

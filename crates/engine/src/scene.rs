@@ -47,6 +47,8 @@ pub struct Properties {
     pub pose: Option<DAffine3>,
     /// What it is made of; none where it does not give way.
     pub law: Option<MaterialLaw>,
+    /// Whether its voxels stay as they are, but for undo and redo.
+    pub locked: bool,
 }
 
 impl Properties {
@@ -181,6 +183,18 @@ impl Scene {
         let differs = properties.touchable != touchable;
         properties.touchable = touchable;
         Ok(differs)
+    }
+
+    /// Locks the voxels of a segment, or lets them be changed; false where it was so already.
+    ///
+    /// # Errors
+    /// Where there is no such segment.
+    pub fn set_locked(&mut self, id: SegmentId, locked: bool) -> Result<bool, VoxelsError> {
+        let properties = self
+            .properties
+            .get_mut(&id)
+            .ok_or(VoxelsError::UnknownSegment(id.0))?;
+        Ok(std::mem::replace(&mut properties.locked, locked) != locked)
     }
 
     /// How each segment feels, by its number.

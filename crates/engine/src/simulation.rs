@@ -118,6 +118,8 @@ pub struct SegmentState {
     pub law: Option<MaterialLaw>,
     /// Where it was moved [mm, from the scan to the scene]; none where the scan has it.
     pub pose: Option<DAffine3>,
+    /// Whether its voxels stay as they are.
+    pub locked: bool,
 }
 
 /// Where the simulation tells what is shown: its status, sentences, and changes of voxels.
@@ -245,6 +247,7 @@ impl Simulation {
                 feel: properties.feel,
                 law: self.material(id),
                 pose: properties.pose,
+                locked: properties.locked,
             })
             .collect()
     }

@@ -2,7 +2,7 @@
 //!
 //! Frame: scene. Where the chosen segments were moved, the tool works in their own frame, that
 //! of the first one; segments that stand elsewhere, or on another grid, are passed over, and a
-//! drill spares them.
+//! drill spares them. Those that are locked are passed over too.
 
 use std::collections::BTreeMap;
 
@@ -108,6 +108,10 @@ impl ToolStroke {
             if settings.segments.is_empty() && chosen > 0 {
                 return Err(SessionError::NothingToDrill);
             }
+        }
+        // a needle changes nothing
+        if settings.kind != ToolKind::Needle {
+            pass_over_locked(scene, &mut settings)?;
         }
         let pose = pose_of(scene, &settings.segments);
         let first = settings.segments.first().copied();
@@ -247,6 +251,27 @@ impl ToolStroke {
     pub fn report(&self) -> ToolReport {
         self.report
     }
+}
+
+/// Leaves out what is locked; refuses where that is all, or what a painter paints with.
+fn pass_over_locked(scene: &Scene, settings: &mut ToolSettings) -> Result<(), SessionError> {
+    let is_locked = |id: &SegmentId| scene.properties_of(*id).locked;
+    let needed = match settings.kind {
+        ToolKind::Painter => 1,
+        _ => settings.segments.len(),
+    };
+    let refused = settings.segments.iter().take(needed);
+    if let Some(first) = settings.segments.first()
+        && refused.clone().all(is_locked)
+    {
+        return Err(SessionError::Locked(first.0));
+    }
+    settings.segments.retain(|id| !is_locked(id));
+    let all = scene.segments().map(|(id, ..)| id);
+    settings.locked = all
+        .filter(|id| is_locked(id) && placement(scene, *id) == DAffine3::IDENTITY)
+        .collect();
+    Ok(())
 }
 
 /// Where the first of some segments stands.

@@ -173,7 +173,7 @@ fn on_real_looking_bone_sliding_gives_no_energy_either() {
         point.length() < 20.0 + wave
     });
     let grid = grid(dimensions);
-    let wall = Wall::on(&grid, lumps.occupancy(), 3).expect("a surface");
+    let wall = Wall::on(&grid, (lumps.occupancy(), None), 3).expect("a surface");
     for rates in RATES {
         for motion in Motion::ALL {
             let case = case(SimulatedSettings::default(), rates, motion);
@@ -209,7 +209,7 @@ fn with_friction_pressing_tapping_and_sliding_give_the_hand_no_energy_either() {
         (voxel.as_dvec3() + 0.5 - 32.0).length() < 22.0
     });
     let grid = grid(dimensions);
-    let ball = Wall::on(&grid, ball.occupancy(), 3).expect("a surface");
+    let ball = Wall::on(&grid, (ball.occupancy(), None), 3).expect("a surface");
     for (name, wall) in [("floor", floor.wall()), ("ball", ball)] {
         for rates in RATES {
             for motion in Motion::ALL {

@@ -15,6 +15,7 @@ use palpate_engine::handover::{DeviceSample, TickRecord};
 use palpate_engine::scene::Properties;
 use palpate_tools::tool::{ToolKind, ToolSettings};
 use palpate_volume::edit::SegmentId;
+use palpate_volume::voxel_box::VoxelBox;
 use palpate_volume::voxels::VoxelsError;
 
 const DIMENSIONS: UVec3 = UVec3::splat(40);
@@ -97,6 +98,58 @@ fn an_erasers_stroke_frees_its_way_and_is_one_step() {
     rig.simulation.undo().unwrap();
     rig.simulation.undo().unwrap();
     assert!(rig.simulation.voxels().segment(BLOCK).is_none());
+}
+
+#[test]
+fn a_drill_through_two_segments_leaves_the_locked_one_whole() {
+    let mut rig = rig();
+    // the far half of the block, one voxel below its face, and one below all of it
+    let half = box_segment(DIMENSIONS, IVec3::new(20, 0, 0), IVec3::new(40, 40, 20));
+    let half = rig.simulation.add_segment(half, OBSTACLE, true).unwrap();
+    rig.simulation.set_locked(half, true).unwrap();
+    let before = mask(&rig, half);
+    let inside = IVec3::new(20, 20, 19);
+    let stored = rig.simulation.voxels().stored(inside);
+    let settings = tool(ToolKind::Drill, 3.0, &[BLOCK, half]);
+    rig.simulation.set_tool(Some(settings)).unwrap();
+    rig.simulation.stroke(true).unwrap();
+    for _ in 0..60 {
+        pass(&mut rig, DVec3::new(20.0, 20.4, 18.0), 5.0);
+    }
+    rig.simulation.stroke(false).unwrap();
+    let block = rig.simulation.voxels().segment(BLOCK).unwrap();
+    assert!(!block.contains(IVec3::new(19, 20, 19)));
+    // what both have stays in both, with its value
+    assert!(block.contains(inside));
+    assert_eq!(rig.simulation.voxels().stored(inside), stored);
+    assert_eq!(mask(&rig, half), before);
+    assert!(rig.simulation.tool_report().voxels > 0);
+}
+
+#[test]
+fn what_is_locked_is_refused_until_it_is_unlocked() {
+    let mut rig = rig();
+    rig.simulation.set_locked(BLOCK, true).unwrap();
+    let before = mask(&rig, BLOCK);
+    let none = || box_segment(DIMENSIONS, IVec3::ZERO, IVec3::ZERO);
+    let all = VoxelBox::new(IVec3::ZERO, IVec3::splat(9));
+    let settings = tool(ToolKind::Eraser, 2.0, &[BLOCK]);
+    rig.simulation.set_tool(Some(settings)).unwrap();
+    let simulation = &mut rig.simulation;
+    let refused = [
+        simulation.stroke(true).err(),
+        simulation.remove_segment(BLOCK).err(),
+        simulation.replace_segment(BLOCK, none(), None).err(),
+        simulation.fill_box(BLOCK, &all, false).err(),
+        simulation.part_segment(BLOCK, (none(), none())).err(),
+    ];
+    for error in refused {
+        assert!(matches!(error, Some(SessionError::Locked(1))), "{error:?}");
+    }
+    assert!(simulation.segments()[0].locked);
+    simulation.set_locked(BLOCK, false).unwrap();
+    simulation.fill_box(BLOCK, &all, false).unwrap();
+    assert_ne!(mask(&rig, BLOCK), before);
 }
 
 #[test]

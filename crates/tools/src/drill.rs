@@ -120,6 +120,7 @@ pub struct Drill {
     segments: Vec<SegmentId>,
     settings: DrillSettings,
     spared: SegmentSet,
+    locked: SegmentSet,
     carried: f64,
     report: ToolReport,
 }
@@ -129,13 +130,14 @@ impl Drill {
         radius: f64,
         segments: Vec<SegmentId>,
         settings: DrillSettings,
-        spared: SegmentSet,
+        (spared, locked): (SegmentSet, SegmentSet),
     ) -> Self {
         Self {
             radius,
             segments,
             settings,
             spared,
+            locked,
             carried: 0.0,
             report: ToolReport::default(),
         }
@@ -160,7 +162,8 @@ impl Drill {
         Some((work, [centre + back, centre]))
     }
 
-    /// Voxels of the cut segments that the burr reaches, the nearest first.
+    /// Voxels of the cut segments that the burr reaches and that no locked one has, the nearest
+    /// first.
     fn reached(&self, voxels: &Voxels, segments: &[&Segment], way: &BurrWay) -> Vec<Reached> {
         let grid = voxels.grid();
         let reach = self.radius + grid.spacing().length();
@@ -168,10 +171,18 @@ impl Drill {
         // a voxel's box is at most half a diagonal nearer than its centre
         let around = reach + grid.spacing().length() / 2.0;
         let sweep = Sweep::new(grid, from, to, around);
+        let is_locked = |(id, segment): &(SegmentId, &Segment)| {
+            self.locked.contains(*id) && segment.own_grid().is_none()
+        };
+        let locked: Vec<_> = voxels.segments().filter(is_locked).collect();
+        let can_cut = |voxel| {
+            segments.iter().any(|segment| segment.contains(voxel))
+                && !locked.iter().any(|(_, segment)| segment.contains(voxel))
+        };
         let mut found = Vec::new();
         for voxel in sweep.boxes().iter().flat_map(|region| region.voxels()) {
             let distance = distance_to_box(grid, from, to, voxel);
-            if distance <= reach && segments.iter().any(|segment| segment.contains(voxel)) {
+            if distance <= reach && can_cut(voxel) {
                 let value = voxels.value(voxel).unwrap_or_default();
                 let per_volume = self.settings.specific_energy.at(value);
                 let cost = per_volume * grid.voxel_volume();

@@ -232,6 +232,8 @@ pub struct ToolSettings {
     pub paint: PaintSettings,
     /// Segments that lose nothing to the drill, since they were moved elsewhere.
     pub spared: SegmentSet,
+    /// Segments whose voxels the drill leaves as they are, for other segments too.
+    pub locked: SegmentSet,
 }
 
 impl ToolSettings {
@@ -246,6 +248,7 @@ impl ToolSettings {
             tissues: Vec::new(),
             paint: PaintSettings::default(),
             spared: SegmentSet::EMPTY,
+            locked: SegmentSet::EMPTY,
         }
     }
 
@@ -260,7 +263,12 @@ impl ToolSettings {
         Ok(match self.kind {
             ToolKind::Eraser => Box::new(Eraser::new(self.radius, segments)),
             ToolKind::Adder => Box::new(Adder::new(self.radius, segments)),
-            ToolKind::Drill => Box::new(Drill::new(self.radius, segments, self.drill, self.spared)),
+            ToolKind::Drill => Box::new(Drill::new(
+                self.radius,
+                segments,
+                self.drill,
+                (self.spared, self.locked),
+            )),
             ToolKind::Needle => Box::new(Needle::default()),
             ToolKind::Painter => Box::new(Painter::new(self.radius, segments, self.paint)),
         })

@@ -1,9 +1,10 @@
 """``palpate bench passivity``: whether touch gives the hand energy.
 
 Simulated devices with the limits, damping, encoder steps and delay of real ones press, tap and
-slide on a flat wall and on the bone of a scan, each at the stiffness that it begins with; then
-the largest stiffness is searched at which no contact gains anything. The loops are those of a
-session, with device and servo at one rate, and run in the engine, in simulated time.
+slide on a flat wall and on the bone of a scan, felt by its values where a threshold made it, each
+at the stiffness that it begins with; then the largest stiffness is searched at which no contact
+gains anything. The loops are those of a session, with device and servo at one rate, and run in the
+engine, in simulated time.
 """
 
 from __future__ import annotations
@@ -75,7 +76,7 @@ def rub(
     """
     wall = None
     if segment is not None:
-        wall = (segment.volume._internal, segment._internal)  # noqa: SLF001
+        wall = (segment.volume._internal, segment._internal, segment.range)  # noqa: SLF001
     try:
         return _core.bench_passivity(device, rate_hz, seconds, search_seconds, wall)
     except ValueError as error:

@@ -48,8 +48,13 @@ export function firstValues({ soft_tissue, bone }: Pick<Scan, "soft_tissue" | "b
   return { low: Math.round(soft_tissue), high: Math.round(bone) };
 }
 
-/** Whether a segment stands on the scan's voxels, so that slices can be painted. */
-export function canBePainted({ grid, pose }: Pick<Segment, "grid" | "pose">): boolean {
+/** Whether slices of a segment can be painted. */
+export function canBePainted(segment: Pick<Segment, "grid" | "pose" | "locked">): boolean {
+  return !segment.locked && standsOnScan(segment);
+}
+
+/** Whether a segment stands on the scan's voxels. */
+export function standsOnScan({ grid, pose }: Pick<Segment, "grid" | "pose">): boolean {
   return grid === null && (pose === null || pose.every((c, i) => c === (i % 5 === 0 ? 1 : 0)));
 }
 

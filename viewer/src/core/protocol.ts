@@ -45,6 +45,9 @@ export type ShownAs = "volume" | "surface" | "both";
 /** What a surface is made from: the scan's values where a threshold made the segment, or bits. */
 export type SurfaceSource = "intensities" | "bits";
 
+/** On the light of one segment: 1 is that of the picture. */
+export type LightFactor = number;
+
 /** How often the vertices of a surface are moved to the mean of their neighbours. */
 export type SmoothingDegree = number;
 
@@ -195,7 +198,8 @@ export interface MatterRegion {
  * open; null where it is empty. `material` is null where it is hard; `regions` are those that
  * take part in their own way. `grid` is the `patient_from_grid` of its voxels where they are
  * not the scan's. `opacity`, `smoothing`, `surface_from` and `wireframe` are those of its
- * surface.
+ * surface; `ambient` and `specular` are factors on its light. The voxels of a `locked` one
+ * stay as they are.
  */
 export interface Segment {
   readonly id: SegmentId;
@@ -203,6 +207,7 @@ export interface Segment {
   readonly colour: Colour;
   readonly visible: boolean;
   readonly touchable: boolean;
+  readonly locked: boolean;
   readonly range: readonly [Value, Value] | null;
   readonly made_by: readonly [Value, Value] | null;
   readonly voxels: number;
@@ -219,6 +224,8 @@ export interface Segment {
   readonly smoothing: SmoothingDegree;
   readonly surface_from: SurfaceSource;
   readonly wireframe: boolean;
+  readonly ambient: LightFactor;
+  readonly specular: LightFactor;
 }
 
 /** What a person can set about touch; `gain` is scene mm per mm of the device. */
@@ -935,7 +942,7 @@ export interface FillOutline {
   readonly values: readonly [Value, Value] | null;
 }
 
-/** Changes how a segment looks and whether it can be touched. */
+/** Changes how a segment looks and whether it can be touched, and its voxels changed. */
 export interface SegmentProperties {
   readonly type: "segment_properties";
   readonly id: SegmentId;
@@ -943,11 +950,14 @@ export interface SegmentProperties {
   readonly colour: Colour;
   readonly visible: boolean;
   readonly touchable: boolean;
+  readonly locked: boolean;
   readonly shown_as: ShownAs;
   readonly opacity: Share;
   readonly smoothing: SmoothingDegree;
   readonly surface_from: SurfaceSource;
   readonly wireframe: boolean;
+  readonly ambient: LightFactor;
+  readonly specular: LightFactor;
 }
 
 /** Changes how the surface of a segment feels. */
@@ -1360,6 +1370,8 @@ const isShownAs = oneOf("volume", "surface", "both");
 
 const isSurfaceSource = oneOf("intensities", "bits");
 
+const isLightFactor = real({ ge: 0, le: 3 });
+
 const isSmoothingDegree = whole({ ge: 0, le: 12 });
 
 const isRegistrationKind = oneOf("rigid", "affine", "bspline");
@@ -1447,6 +1459,7 @@ const isSegment = record({
   colour: isColour,
   visible: flag,
   touchable: flag,
+  locked: flag,
   range: nullable(tuple(isValue, isValue)),
   made_by: nullable(tuple(isValue, isValue)),
   voxels: whole(),
@@ -1463,6 +1476,8 @@ const isSegment = record({
   smoothing: isSmoothingDegree,
   surface_from: isSurfaceSource,
   wireframe: flag,
+  ambient: isLightFactor,
+  specular: isLightFactor,
 });
 
 const isSettings = record({

@@ -14,11 +14,14 @@ const names: Readonly<Record<keyof SegmentLook, string>> = {
   colour: "colour",
   visible: "visibility",
   touchable: "touch",
+  locked: "lock",
   shown_as: "display mode",
   opacity: "opacity",
   smoothing: "smoothing",
   surface_from: "surface",
   wireframe: "wireframe",
+  ambient: "ambient light",
+  specular: "specular light",
 };
 
 export function nameOfPart(part: Partial<SegmentLook>): string {
@@ -27,9 +30,13 @@ export function nameOfPart(part: Partial<SegmentLook>): string {
 
 /** A segment's properties with some of them changed. */
 export function changedProperties(segment: Segment, part: Partial<SegmentLook>): SegmentProperties {
-  const { id, name, colour, visible, touchable, ...rest } = { ...segment, ...part };
-  const { shown_as, opacity, smoothing, surface_from, wireframe } = rest;
-  return { type: "segment_properties", id, name, colour, visible, touchable, shown_as, opacity, smoothing, surface_from, wireframe };
+  const { id, name, colour, visible, touchable, locked, ...rest } = { ...segment, ...part };
+  const { shown_as, opacity, smoothing, surface_from, wireframe, ambient, specular } = rest;
+  return {
+    type: "segment_properties",
+    ...{ id, name, colour, visible, touchable, locked },
+    ...{ shown_as, opacity, smoothing, surface_from, wireframe, ambient, specular },
+  };
 }
 
 /** Whether all of them are drawn in the same way, and which; null where they are not. */

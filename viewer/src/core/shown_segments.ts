@@ -24,6 +24,8 @@ export interface ShownRange {
   readonly tinted?: boolean;
   /** Opacity of the surface that is drawn where its voxels are, instead of them. */
   readonly surface?: number;
+  /** Factors on ambient and specular light; 1 where nothing is told. */
+  readonly material?: readonly [number, number];
 }
 
 /** How a visible segment's voxels look inside the volume: a body, tissue in its colour, or as the scan. */
@@ -49,7 +51,7 @@ export function drawnInSlices({ visible, pose, grid }: Segment): boolean {
 /** All of segments that the picture depends on: not how many voxels they have, nor their names. */
 export function drawnKey(segments: readonly Segment[]): string {
   return JSON.stringify(
-    segments.map(({ id, colour, visible, range, made_by, pose, shown_as, opacity, wireframe }) => [
+    segments.map(({ id, colour, visible, range, made_by, pose, shown_as, opacity, wireframe, ambient, specular }) => [
       id,
       colour,
       visible,
@@ -59,6 +61,8 @@ export function drawnKey(segments: readonly Segment[]): string {
       shown_as,
       opacity,
       wireframe,
+      ambient,
+      specular,
     ]),
   );
 }
@@ -120,9 +124,10 @@ export function shownRanges(
       return [];
     }
     const [low, high] = biasedRange(range[0], range[1], rescale);
-    const { id, colour } = segment;
+    const { id, colour, ambient, specular } = segment;
     const label = segment.range === null ? id : 0;
-    return [{ id, low, high, colour: linearFromSrgb(colour), visible: drawn(segment), label, surface: surfaceInPlace(segment) }];
+    const look = { colour: linearFromSrgb(colour), material: [ambient, specular], surface: surfaceInPlace(segment) } as const;
+    return [{ id, low, high, ...look, visible: drawn(segment), label }];
   });
 }
 

@@ -87,7 +87,8 @@ export function fittingDepth(spacing: Vec3, wanted: number): number {
  */
 export function segmentsOf(kind: ToolName, works: Works, segments: readonly Segment[], touched: number): readonly number[] {
   // the drill works on the scan's matter: what has voxels of its own has none of it
-  const canWorkOn = (segment: Segment): boolean => segment.touchable && (kind !== "drill" || segment.grid === null);
+  const canWorkOn = (segment: Segment): boolean =>
+    segment.touchable && !segment.locked && (kind !== "drill" || segment.grid === null);
   const touchable = segments.filter(canWorkOn).map((segment) => segment.id);
   const has = (id: number): boolean => segments.some((segment) => segment.id === id);
   if (typeof works === "number" && has(works)) {

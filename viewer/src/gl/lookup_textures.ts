@@ -45,21 +45,23 @@ const alphaOf: Readonly<Record<InsideMode, number>> = { solid: 1, tinted: 0.75, 
 
 /**
  * Linear colour by segment id; alpha 1 where its voxels are `drawn` as a body, 0.75 as tissue in its colour, 0.3 where its surface stands for
- * them, and up to 0.55 by how opaque that is, 0 where its values tell where it is.
+ * them, and up to 0.55 by how opaque that is, 0 where its values tell where it is. A second row has its factors on ambient and
+ * specular light.
  */
 export function labelColours(
   segments: readonly Segment[],
   drawn: (segment: Segment) => boolean = drawnFromVoxels,
   modes: InsideModes = {},
 ): THREE.DataTexture {
-  const row = new Float32Array(4 * 256);
+  const rows = new Float32Array(2 * 4 * 256);
   const byValue = new Set(shownByValue(segments).map(({ id }) => id));
   for (const segment of segments) {
     const told = drawn(segment) ? alphaOf[modes[segment.id] ?? "solid"] : segment.visible ? 0.3 + 0.25 * surfaceInPlace(segment) : 0;
     const alpha = byValue.has(segment.id) ? 0 : told;
-    row.set([...linearFromSrgb(segment.colour), alpha], 4 * segment.id);
+    rows.set([...linearFromSrgb(segment.colour), alpha], 4 * segment.id);
+    rows.set([segment.ambient, segment.specular], 4 * (256 + segment.id));
   }
-  const texture = new THREE.DataTexture(row, 256, 1, THREE.RGBAFormat, THREE.FloatType);
+  const texture = new THREE.DataTexture(rows, 256, 2, THREE.RGBAFormat, THREE.FloatType);
   texture.needsUpdate = true;
   return texture;
 }

@@ -28,6 +28,7 @@ export function marchUniforms() {
     slope: { value: 1 },
     rangeBounds: { value: Array.from({ length: mostRanges }, () => new THREE.Vector4()) },
     rangeColours: { value: many() },
+    rangeMaterials: { value: Array.from({ length: mostRanges }, () => new THREE.Vector2(1, 1)) },
     rangeCount: { value: 0 },
     labelTexture: { value: null as THREE.Texture | null },
     labelColours: { value: null as THREE.Texture | null },

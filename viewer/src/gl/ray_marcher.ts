@@ -142,6 +142,7 @@ export class RayMarcher {
     ranges.forEach((range, i) => {
       u.rangeBounds.value[i]?.set(range.low, range.high, range.visible ? (range.tinted === true ? 1 : 2) : -(range.surface ?? 0), range.label);
       u.rangeColours.value[i]?.set(...range.colour);
+      u.rangeMaterials.value[i]?.set(...(range.material ?? [1, 1]));
     });
     this.empty.setDrawn(drawnBy(look, rescale));
     this.second.setBlend(optics.blend);

@@ -25,6 +25,7 @@ export class SurfaceMesh {
   private readonly own = {
     colour: { value: new THREE.Vector3() },
     opacity: { value: 1 },
+    factors: { value: new THREE.Vector2(1, 1) },
     bare: { value: 0 },
     ownRange: { value: new THREE.Vector2(1, 0) },
     ownLabel: { value: 0 },
@@ -77,6 +78,7 @@ export class SurfaceMesh {
     const { own } = this;
     own.colour.value.set(...linearFromSrgb(segment.colour));
     own.opacity.value = segment.opacity;
+    own.factors.value.set(segment.ambient, segment.specular);
     own.bare.value = segment.wireframe ? 1 : 0;
     this.material.wireframe = segment.wireframe;
     own.ownLabel.value = segment.range === null && segment.grid === null ? segment.id : 0;

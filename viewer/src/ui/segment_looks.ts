@@ -16,6 +16,9 @@ import {
 import type { PageSteps, StepOwner } from "./page_steps.svelte";
 import type { Session } from "./session.svelte";
 
+/** What of a look has a slider. */
+const degrees: readonly (keyof SegmentLook)[] = ["opacity", "smoothing", "ambient", "specular"];
+
 export class SegmentLooks implements StepOwner<LookParts> {
   /** What was asked for and is not answered yet: the next change must not take it back. */
   private asked: Readonly<Record<number, Partial<SegmentLook>>> = {};
@@ -28,7 +31,7 @@ export class SegmentLooks implements StepOwner<LookParts> {
 
   /** Changes one; degrees have sliders, on which a held key is one gesture. */
   change(segment: Segment, part: Partial<SegmentLook>): void {
-    const slides = "opacity" in part || "smoothing" in part;
+    const slides = degrees.some((degree) => degree in part);
     this.step(`${nameOfPart(part)} of ${segment.name}`, { [segment.id]: part }, slides);
   }
 

@@ -116,7 +116,7 @@ export class ToolHand {
     const { kind, radius } = this;
     const [segments, tissues] = this.worked();
     if (kind !== "none" && segments.length === 0) {
-      this.session.notify("info", nothingToWorkOn(kind));
+      this.session.notify("info", nothingToWorkOn(kind, this.session.segments));
       return false;
     }
     const how = kind === "painter" ? this.paint.how : { depth: null, overlaps: false };
@@ -184,7 +184,10 @@ export class ToolHand {
   }
 }
 
-function nothingToWorkOn(kind: ToolKind): string {
+function nothingToWorkOn(kind: ToolKind, segments: readonly Segment[]): string {
+  if (kind !== "needle" && segments.some(({ touchable, locked }) => touchable && locked)) {
+    return "There is nothing to work on: what can be touched is locked. The lock in a segment's row opens it.";
+  }
   switch (kind) {
     case "needle":
       return "Nothing here is soft for the needle: choose a tissue for a segment that can be touched.";

@@ -2,8 +2,8 @@
  * Painting by touch: the segment that is painted with, which is that of the brush in slices, and how.
  * Lengths [mm].
  */
-import type { Segment } from "../core/protocol";
 import { canBePainted } from "../core/brush";
+import { changedProperties } from "../core/segment_properties";
 import { fittingDepth, segmentsOf, type Works } from "../core/tools";
 import type { Vec3 } from "../core/vector";
 import type { BrushControl } from "./brush_control.svelte";
@@ -79,13 +79,8 @@ export class TouchPaint {
   makeTouchable(): void {
     const { segment } = this.brush;
     if (segment !== null && !segment.touchable && !this.habits.overlaps) {
-      this.session.send({ type: "segment_properties", ...lookOf(segment), touchable: true });
+      this.session.send(changedProperties(segment, { touchable: true }));
       this.session.notify("info", `${segment.name} can be touched now: else the probe would sink in where it paints.`);
     }
   }
-}
-
-function lookOf(segment: Segment) {
-  const { id, name, colour, visible, shown_as, opacity, smoothing, surface_from, wireframe } = segment;
-  return { id, name, colour, visible, shown_as, opacity, smoothing, surface_from, wireframe };
 }

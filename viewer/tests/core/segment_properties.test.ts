@@ -8,6 +8,7 @@ const bone: Segment = {
   colour: [1, 1, 1],
   visible: true,
   touchable: true,
+  locked: false,
   range: null,
   made_by: null,
   voxels: 8,
@@ -24,6 +25,8 @@ const bone: Segment = {
   smoothing: 4,
   surface_from: "bits",
   wireframe: false,
+  ambient: 1,
+  specular: 1,
 };
 const leftLung: Segment = { ...bone, id: 2, name: "lung upper lobe left", shown_as: "surface" };
 const rightLung: Segment = { ...bone, id: 3, name: "lung upper lobe right", visible: false };

@@ -40,6 +40,8 @@ test("what the picture is handed stays the same where an edit only changed numbe
     { shown_as: "both" },
     { opacity: 0.5 },
     { wireframe: true },
+    { ambient: 0.5 },
+    { specular: 0 },
     { pose: Array.from({ length: 16 }, () => 1) },
   ];
   for (const part of parts) {

@@ -12,6 +12,7 @@ function segment(id: number, touchable = true, range: Segment["range"] = null): 
     colour: [1, 1, 1],
     visible: true,
     touchable,
+    locked: false,
     range,
     voxels: 1,
     volume_ml: 1,
@@ -28,10 +29,20 @@ function segment(id: number, touchable = true, range: Segment["range"] = null): 
     opacity: 1,
     smoothing: 3,
     wireframe: false,
+    ambient: 1,
+    specular: 1,
   };
 }
 
 const all = [segment(1, false), segment(2), segment(5)];
+
+test("burr and painter pass over what is locked; what is touched is for the engine to refuse", () => {
+  const some = [segment(1), { ...segment(2), locked: true }, segment(5)];
+  expect(segmentsOf("drill", "touched", some, 2)).toEqual([1, 5]);
+  expect(segmentsOf("painter", "touched", some, 2)).toEqual([1, 5]);
+  expect(segmentsOf("eraser", "touchable", some, 2)).toEqual([1, 5]);
+  expect(segmentsOf("eraser", "touched", some, 2)).toEqual([2]);
+});
 
 test("a tool works on what is touched, or was last, or else on the first that can be", () => {
   expect(segmentsOf("eraser", "touched", all, 5)).toEqual([5]);

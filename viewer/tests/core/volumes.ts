@@ -52,6 +52,7 @@ export const segment: Segment = {
   colour: [1, 1, 1],
   visible: true,
   touchable: true,
+  locked: false,
   range: [0, 3000],
   voxels: 0,
   volume_ml: 0,
@@ -68,6 +69,8 @@ export const segment: Segment = {
   opacity: 1,
   smoothing: 3,
   wireframe: false,
+  ambient: 1,
+  specular: 1,
 };
 
 export const settings: Settings = {

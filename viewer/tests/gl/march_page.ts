@@ -22,7 +22,8 @@ export function march(test: MarchTest): MarchResult {
   marcher.setLook(lookOf(test));
   marcher.setClip(test.clip ?? []);
   if (test.field === "label") {
-    const colours = labelColours([{ ...segment, id: 7, colour: [1, 0, 0], range: null }]);
+    const [ambient, specular] = test.material ?? [1, 1];
+    const colours = labelColours([{ ...segment, id: 7, colour: [1, 0, 0], range: null, ambient, specular }]);
     const ids = labelsInBox();
     const dimensions: Vec3 = [voxels, voxels, voxels];
     marcher.setLabelColours(colours);

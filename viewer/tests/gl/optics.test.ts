@@ -215,6 +215,21 @@ test("light is the sum of its parts, and boundaries are as strong as they are as
   expect(await opacity(0)).toBeGreaterThan(5 * (await opacity(0.94)));
 });
 
+test.each([
+  { field: "ball", segment: "visible" },
+  { field: "ball", segment: "tinted" },
+  { field: "label" },
+] as const)("a segment's own light is that of a picture which is lit so: $field $segment", async (scene) => {
+  const seen = { ...scene, softTissue: 0 };
+  const own = await march({ ...seen, material: [0.5, 0] });
+  const all = await march({ ...seen, lighting: { ambient: 0.5, specular: 0 } });
+  const plain = await march(seen);
+  own.pixels.forEach((value, i) => {
+    expect(Math.abs(value - (all.pixels[i] ?? 0))).toBeLessThan(0.002);
+  });
+  expect(mean(channel(plain, 0)) + mean(channel(plain, 1))).toBeGreaterThan(1.1 * (mean(channel(own, 0)) + mean(channel(own, 1))));
+});
+
 test("a slab shows what is inside of it and nothing else", async () => {
   const optics = { blend: "mip", window: { window: 400, level: 300 } } as const;
   const whole = await march({ field: "ball", optics });

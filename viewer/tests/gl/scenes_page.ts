@@ -35,6 +35,8 @@ export interface MarchTest {
   readonly softTissue?: number;
   /** The ball as a visible or hidden segment; or as a red one around a green one 0.5 mm below. */
   readonly segment?: "visible" | "hidden" | "nested" | "tinted";
+  /** The segment's own factors on ambient and specular light; those of the box of labels too. */
+  readonly material?: readonly [number, number];
   /** The segment has labels too, as an edited one: those of its values, without a box in front or not. */
   readonly labels?: "as values" | "with hole" | "without values";
 }
@@ -68,7 +70,7 @@ export function lookOf(test: MarchTest): Look {
     ],
   };
   const usual = { ...defaultAppearance({ softTissue: 40, bone: 250 }), softTissue: test.softTissue ?? 0 };
-  const segment = { id: 1, low: 32768, high: 65535, colour: [0, 1, 0] as const, visible: test.segment !== "hidden", label: test.labels === undefined ? 0 : 1, tinted: test.segment === "tinted" };
+  const segment = { id: 1, low: 32768, high: 65535, colour: [0, 1, 0] as const, visible: test.segment !== "hidden", label: test.labels === undefined ? 0 : 1, tinted: test.segment === "tinted", material: test.material ?? [1, 1] } as const;
   const nested = [{ ...segment, low: 32968 }, { ...segment, id: 2, colour: [1, 0, 0] as const }];
   const ranges = test.segment === undefined || test.labels === "without values" ? [] : test.segment === "nested" ? nested : [segment];
   return {

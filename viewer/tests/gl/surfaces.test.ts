@@ -152,6 +152,23 @@ test("translucent surfaces in one another look the same in whatever order they a
   expect(rimBlue).toBeGreaterThan(2 * rimRed);
 });
 
+test("each surface has its own ambient and specular light", async () => {
+  const ball = (x: number, look: SurfaceTest["look"]): SurfaceTest => ({ centre: [x, 24, 24], radius: 8, sectors: 4, look: { colour: [1, 0, 0], ...look } });
+  const middles = async (look: SurfaceTest["look"]): Promise<readonly [number, number]> => {
+    const pixels = await show({ scan: air, surfaces: [ball(12, look), ball(36, {})] });
+    const brightest = (from: number): number => {
+      const places = Array.from({ length: edge * (edge / 2) }, (_, i) => pixelAt(pixels, from + (i % (edge / 2)), Math.floor(i / (edge / 2))));
+      // green of a red ball is its highlight
+      return Math.max(...places.filter(([red]) => red > 40).map(([, green]) => green));
+    };
+    return [brightest(0), brightest(edge / 2)];
+  };
+  const [plain, other] = await middles({});
+  const [dull, beside] = await middles({ specular: 0 });
+  expect(beside).toBe(other);
+  expect(dull).toBeLessThan(0.7 * plain);
+});
+
 test("a wireframe is lines between which one looks through", async () => {
   const ball = (wireframe: boolean): SurfaceTest => ({ centre: middle, radius: 20, sectors: 4, rings: 8, look: { colour: [1, 0, 0], wireframe } });
   const reds = async (wireframe: boolean): Promise<number> => {

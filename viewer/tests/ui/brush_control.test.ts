@@ -118,10 +118,11 @@ test("a radius covers a voxel at least and each step changes it", () => {
   expect(resizedBrush(max, -1, [0.7, 0.7, 2])).toBeLessThan(max);
 });
 
-test("what stands elsewhere than the scan's voxels cannot be painted, and new names are free", () => {
+test("what stands elsewhere than the scan's voxels, or is locked, cannot be painted, and new names are free", () => {
   const still = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1];
-  expect(canBePainted({ grid: null, pose: still })).toBe(true);
-  expect(canBePainted({ grid: null, pose: [...still.slice(0, 3), 5, ...still.slice(4)] })).toBe(false);
+  expect(canBePainted({ grid: null, pose: still, locked: false })).toBe(true);
+  expect(canBePainted({ grid: null, pose: [...still.slice(0, 3), 5, ...still.slice(4)], locked: false })).toBe(false);
+  expect(canBePainted({ grid: null, pose: null, locked: true })).toBe(false);
   expect(paintedName(["Painted 1", "Bone"])).toBe("Painted 2");
 });
 

@@ -15,7 +15,7 @@ const one = (id: number): Segment => segments.find((segment) => segment.id === i
 const seen = (): readonly boolean[] => segments.map(({ visible }) => visible);
 
 beforeEach(() => {
-  const first = { id: 1, name: "Bone", colour: [1, 0, 0], visible: true, touchable: true, shown_as: "volume", opacity: 1, smoothing: 3 } as unknown as Segment;
+  const first = { id: 1, name: "Bone", colour: [1, 0, 0], visible: true, touchable: true, locked: false, shown_as: "volume", opacity: 1, smoothing: 3 } as unknown as Segment;
   segments = [first, { ...first, id: 2, name: "Skin", visible: false }, { ...first, id: 3, name: "Fat" }];
   sent = [];
   waiters = [];
@@ -87,6 +87,17 @@ test("what another page has changed since stays as it is", () => {
   // nothing is left of the step before: it is left out
   steps.forgetLost();
   expect(steps.canUndo).toBe(false);
+});
+
+test("a lock is a step of its own, which leaves the looks as they are", () => {
+  looks.change(one(1), { colour: [0, 1, 0] });
+  answer();
+  looks.change(one(1), { locked: true });
+  expect([steps.toUndo, sent]).toMatchObject(["lock of Bone", [{ id: 1, locked: true, colour: [0, 1, 0] }]]);
+  answer();
+  steps.undo();
+  answer();
+  expect(one(1)).toMatchObject({ locked: false, colour: [0, 1, 0] });
 });
 
 test("of a segment that is gone nothing is asked", () => {

@@ -28,6 +28,7 @@ use crate::device_loop::DeviceLoop;
 use crate::feel::Feels;
 use crate::handover::Channels;
 use crate::mapping::Mapping;
+use crate::scan_values::Threshold;
 use crate::servo::{ServoLoop, ServoStart};
 use crate::settings::Settings;
 use crate::shared::Shared;
@@ -53,6 +54,8 @@ pub struct Wall<'a> {
     pub grid: &'a Grid,
     /// Its voxels.
     pub solid: &'a Bits,
+    /// What made them, by which it is felt then; else by its voxels.
+    pub threshold: Option<&'a Threshold>,
     /// A point of its surface [mm].
     pub point: DVec3,
     /// Out of the wall there, of length 1.
@@ -66,7 +69,7 @@ impl<'a> Wall<'a> {
             id: SegmentId(1),
             bits: self.solid.clone(),
             moved: None,
-            threshold: None,
+            threshold: self.threshold.cloned(),
             shares: None,
             punctured: false,
             rigid: None,
@@ -77,12 +80,17 @@ impl<'a> Wall<'a> {
     /// A place on a solid that is met from outside, of some the one on which a hand slides in
     /// contact the longest; none where there is no surface.
     #[must_use]
-    pub fn on(grid: &'a Grid, solid: &'a Bits, seed: u64) -> Option<Self> {
+    pub fn on(
+        grid: &'a Grid,
+        (solid, threshold): (&'a Bits, Option<&'a Threshold>),
+        seed: u64,
+    ) -> Option<Self> {
         let mut random = Random(seed);
         let places = (0..PLACES).filter_map(|_| touched_point(grid, solid, &mut random));
         let walls = places.map(|touch| Self {
             grid,
             solid,
+            threshold,
             point: touch.free,
             outward: (touch.free - touch.solid).normalize(),
         });
@@ -121,6 +129,7 @@ impl FlatWall {
         Wall {
             grid: &self.grid,
             solid: &self.solid,
+            threshold: None,
             // no whole number of voxels from anything
             point: DVec3::new(24.3, 24.6, 16.0),
             outward: DVec3::Z,

@@ -77,6 +77,15 @@ impl Session {
         self.ask(move |simulation| simulation.drag_segment(id, pose))?
     }
 
+    /// Locks the voxels of a segment, or lets them be changed: locked, no tool, threshold, shape or
+    /// matter that gives way changes them, and it is not removed.
+    ///
+    /// # Errors
+    /// Where there is no such segment or the session has ended.
+    pub fn set_locked(&self, id: SegmentId, locked: bool) -> Result<(), SessionError> {
+        self.ask(move |simulation| simulation.set_locked(id, locked))?
+    }
+
     /// Changes how the surface of a segment feels.
     ///
     /// # Errors

@@ -88,12 +88,13 @@ impl Simulation {
     /// before it; one step of undo. Gives the new one's number.
     ///
     /// # Errors
-    /// Where there is no such segment, or no room for one more.
+    /// Where there is no such segment, it is locked, or there is no room for one more.
     pub fn part_segment(
         &mut self,
         id: SegmentId,
         (behind, before): (Segment, Segment),
     ) -> Result<SegmentId, SessionError> {
+        self.check_unlocked(id)?;
         self.let_go();
         let properties = self.scene.properties_of(id);
         if self.scene.is_moved(id) {

@@ -455,5 +455,6 @@ fn properties_of(facts: &Facts) -> Properties {
         },
         pose: facts.pose,
         law: None,
+        locked: false,
     }
 }

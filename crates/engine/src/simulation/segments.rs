@@ -62,7 +62,7 @@ impl Simulation {
     /// Gives a segment other voxels.
     ///
     /// # Errors
-    /// Where there is no such segment, or the voxels belong to another grid.
+    /// Where there is no such segment, it is locked, or the voxels belong to another grid.
     pub fn replace_segment(
         &mut self,
         id: SegmentId,
@@ -72,6 +72,7 @@ impl Simulation {
         if segment.own_grid() != self.voxels().segment(id).and_then(Segment::own_grid) {
             return Err(SessionError::OtherGrid(id.0));
         }
+        self.check_unlocked(id)?;
         self.change(Step::Replace {
             id,
             segment,
@@ -83,8 +84,9 @@ impl Simulation {
     /// Removes a segment.
     ///
     /// # Errors
-    /// Where there is no such segment.
+    /// Where there is no such segment, or it is locked.
     pub fn remove_segment(&mut self, id: SegmentId) -> Result<(), SessionError> {
+        self.check_unlocked(id)?;
         self.let_go();
         self.change(Step::Remove { id })
     }
@@ -101,6 +103,28 @@ impl Simulation {
             self.publish();
         }
         Ok(())
+    }
+
+    /// Locks the voxels of a segment, or lets them be changed; a stroke that is on ends. Undo and redo
+    /// still reach what was done before. This changes no voxel and is not undone.
+    ///
+    /// # Errors
+    /// Where there is no such segment.
+    pub fn set_locked(&mut self, id: SegmentId, locked: bool) -> Result<(), SessionError> {
+        if self.scene.set_locked(id, locked)? {
+            self.end_stroke();
+            // what is locked does not give way
+            self.deformation.forget_displacements();
+            self.segments_version += 1;
+            self.publish();
+        }
+        Ok(())
+    }
+
+    /// Refuses a change of what is locked.
+    pub(super) fn check_unlocked(&self, id: SegmentId) -> Result<(), SessionError> {
+        let locked = self.scene.properties_of(id).locked;
+        (!locked).then_some(()).ok_or(SessionError::Locked(id.0))
     }
 
     /// Changes how the surface of a segment feels. This changes no voxel and is not undone.
@@ -163,11 +187,14 @@ impl Simulation {
     /// Applies a label edit that was built from the present voxels.
     ///
     /// # Errors
-    /// Where it does not fit.
+    /// Where it does not fit, or changes a locked segment.
     pub fn apply(&mut self, edit: Edit) -> Result<(), SessionError> {
         // what is as wanted already leaves nothing to take back
         if edit.is_empty() {
             return Ok(());
+        }
+        for (id, _) in &edit.segments {
+            self.check_unlocked(*id)?;
         }
         self.change(Step::of_edit(edit))
     }

@@ -50,8 +50,8 @@ impl Simulation {
         let left_out = self.stroke.begin(&self.scene)?;
         if left_out > 0 {
             self.tell(Notice::info(format!(
-                "{left_out} of the chosen segments stand elsewhere than the first one, or on another \
-                 grid: the tool passes them over."
+                "{left_out} of the chosen segments are locked, or stand elsewhere than the first one or \
+                 on another grid: the tool passes them over."
             )));
         }
         if let Some(tissues) = self.stroke.needle() {

@@ -61,6 +61,7 @@ pub const OBSTACLE: Properties = Properties {
     },
     pose: None,
     law: None,
+    locked: false,
 };
 
 /// A motion of the scene [mm].

@@ -47,7 +47,7 @@ float extinctionAt(vec3 grid) {
   return value * grey.x + grey.y >= 0.0 ? full : 0.0;
 #else
   float extinction = tissueAt(value * transferScale.x + transferScale.y).a * density;
-  return extinction > 0.0 ? extinction * mix(edge.y, 1.0, smoothstep(0.0, edge.x, length(coarseGradientAt(grid)))) : 0.0;
+  return extinction > 0.0 ? extinction * mix(edge.y, 1.0, smoothstep(0.0, edge.x, length(gradientAt(grid)))) : 0.0;
 #endif
 }
 

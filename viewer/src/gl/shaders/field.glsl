@@ -47,16 +47,3 @@ vec3 gradientAt(vec3 grid) {
     biasedAt(grid + dz) - biasedAt(grid - dz));
   return slope * difference / (2.0 * sampleStep * spacing);
 }
-
-// The same from the four corners of a tetrahedron: two thirds of the cost, for soft tissue,
-// whose boundaries are many and weak.
-vec3 coarseGradientAt(vec3 grid) {
-  const vec3 a = vec3(1.0, 1.0, 1.0);
-  const vec3 b = vec3(1.0, -1.0, -1.0);
-  const vec3 c = vec3(-1.0, 1.0, -1.0);
-  const vec3 d = vec3(-1.0, -1.0, 1.0);
-  vec3 reach = 0.75 * sampleStep;
-  vec3 sum = a * biasedAt(grid + a * reach) + b * biasedAt(grid + b * reach)
-    + c * biasedAt(grid + c * reach) + d * biasedAt(grid + d * reach);
-  return slope * sum / (4.0 * reach * spacing);
-}

@@ -26,16 +26,17 @@ Seen seenAlong(Ray ray, inout Layers layers) {
       float low = segment > 0 ? rangeBounds[segment - 1].x : 0.0;
       bool entered = solid && front >= 0.0 && front < low;
       float place = entered ? t - stepLength * (value - low) / (value - front) : t;
-      vec3 gradient = coarseGradientAt(ray.origin + ray.inGrid * place);
+      vec3 gradient = gradientAt(ray.origin + ray.inGrid * place);
       float boundary = smoothstep(0.0, edge.x, length(gradient));
       vec3 normal = facing(gradient, toEye, toEye);
       vec3 own = segment > 0 ? segmentColour(segment) : tissue.rgb;
       float extinction = density * tissue.a * mix(edge.y, 1.0, boundary);
       float opacity = solid ? 1.0 : 1.0 - exp(-extinction * stepLength);
 #if BLEND == SHADED
-      vec3 colour = solid ? litSurface(own, normal, toEye, 1.0, vec2(1.0)) : litTissue(own, normal, toEye, boundary, vec2(1.0));
+      vec2 factors = segmentMaterial(segment);
+      vec3 colour = solid ? litSurface(own, normal, toEye, 1.0, vec2(1.0), factors) : litTissue(own, normal, toEye, boundary, vec2(1.0), factors);
 #else
-      vec3 colour = solid ? litSurface(own, normal, toEye, 1.0, vec2(1.0)) : own;
+      vec3 colour = solid ? litSurface(own, normal, toEye, 1.0, vec2(1.0), segmentMaterial(segment)) : own;
 #endif
       seen.light += seen.clarity * opacity * colour;
       seen.clarity *= 1.0 - opacity;

@@ -37,15 +37,16 @@ bool cameFromNextCell(Ray ray, vec3 grid, out vec3 before, out vec3 face) {
   return true;
 }
 
-// Gradient of its biased value along the first scan's axes [per mm], from a tetrahedron of half a voxel.
+// Gradient of its biased value along the first scan's axes [per mm], by central differences.
 vec3 secondGradient(vec3 grid) {
-  vec3 reach = 0.75 * sampleStep;
-  vec3 sum = vec3(0.0);
-  for (int i = 0; i < 4; ++i) {
-    vec3 corner = vec3(i < 2 ? 1.0 : -1.0, (i & 1) == 0 ? 1.0 : -1.0, i == 0 || i == 3 ? 1.0 : -1.0);
-    sum += corner * secondBiased(placeOnSecond(grid + corner * reach));
-  }
-  return sum / (4.0 * reach * spacing);
+  vec3 dx = vec3(sampleStep.x, 0.0, 0.0);
+  vec3 dy = vec3(0.0, sampleStep.y, 0.0);
+  vec3 dz = vec3(0.0, 0.0, sampleStep.z);
+  vec3 difference = vec3(
+    secondBiased(placeOnSecond(grid + dx)) - secondBiased(placeOnSecond(grid - dx)),
+    secondBiased(placeOnSecond(grid + dy)) - secondBiased(placeOnSecond(grid - dy)),
+    secondBiased(placeOnSecond(grid + dz)) - secondBiased(placeOnSecond(grid - dz)));
+  return difference / (2.0 * sampleStep * spacing);
 }
 
 // Light is known where the first scan is, and nothing shades what lies beside it.

@@ -33,7 +33,7 @@ vec4 litSecond(vec3 grid, vec3 toEye) {
   tissue.a *= mix(edge.y, 1.0, boundary);
 #if BLEND == SHADED
   vec3 normal = facing(gradient, toEye, toEye);
-  tissue.rgb = litTissue(tissue.rgb, normal, toEye, boundary, lightOnSecond(grid, normal * boundary));
+  tissue.rgb = litTissue(tissue.rgb, normal, toEye, boundary, lightOnSecond(grid, normal * boundary), vec2(1.0));
 #endif
 #endif
   return tissue;

@@ -10,12 +10,15 @@
 // opacity of the surface that stands for it; and its id where it was edited, else 0
 uniform vec4 rangeBounds[RANGES];
 uniform vec3 rangeColours[RANGES];
+// factors on ambient and specular light
+uniform vec2 rangeMaterials[RANGES];
 uniform int rangeCount;
 
 #ifdef LABELS
 uniform sampler3D labelTexture;
 // colour of each id (linear); alpha 1 where its voxels are solid, 0.75 where tissue in its colour,
-// 0.3 where nothing is drawn, and up to 0.55 by how opaque its surface is, 0 where there is no such segment or a range tells of it
+// 0.3 where nothing is drawn, and up to 0.55 by how opaque its surface is, 0 where there is no such segment or a range tells of it;
+// in a second row its factors on ambient and specular light
 uniform sampler2D labelColours;
 
 int labelAt(vec3 grid) {
@@ -84,6 +87,19 @@ vec3 segmentColour(int segment) {
   }
 #endif
   return rangeColours[segment - 1];
+}
+
+// Factors of a segment on ambient and specular light; what is in none has its light as it is.
+vec2 segmentMaterial(int segment) {
+  if (segment <= 0) {
+    return vec2(1.0);
+  }
+#ifdef LABELS
+  if (segment > RANGES) {
+    return texelFetch(labelColours, ivec2(segment - RANGES, 1), 0).rg;
+  }
+#endif
+  return rangeMaterials[segment - 1];
 }
 
 // Whether a segment is a solid body, and no tissue in its colour.

@@ -62,5 +62,6 @@ vec3 surfaceNormal(vec3 grid, int segment) {
 vec3 lightOfSegment(Ray ray, vec3 grid, int segment, bool cut) {
   vec3 toEye = -ray.direction;
   vec3 normal = cut ? ray.face : facing(surfaceNormal(grid, segment), toEye, toEye);
-  return litSurface(segmentColour(segment), normal, toEye, openness(grid, normal, segment), lightAt(grid, normal));
+  float open = openness(grid, normal, segment);
+  return litSurface(segmentColour(segment), normal, toEye, open, lightAt(grid, normal), segmentMaterial(segment));
 }

@@ -16,6 +16,8 @@ uniform vec4 eye;
 uniform mat4 gridFromScene;
 uniform vec3 colour;
 uniform float opacity;
+// the segment's factors on ambient and specular light
+uniform vec2 factors;
 // 1 where lines are drawn: what lies between them does not cover them
 uniform float bare;
 
@@ -82,7 +84,7 @@ bool findCap(out Cap cap) {
 void drawCap(Cap cap) {
   vec3 toEye = normalize(eye.xyz - eye.w * cap.place);
   vec2 light = lightAt((gridFromScene * vec4(cap.place, 1.0)).xyz, mat3(gridFromScene) * cap.normal * spacing);
-  picture = vec4(litSurface(colour, cap.normal, toEye, 1.0, light) * opacity, opacity);
+  picture = vec4(litSurface(colour, cap.normal, toEye, 1.0, light, factors) * opacity, opacity);
   gl_FragDepth = cap.depth;
 }
 #endif
@@ -121,5 +123,5 @@ void main() {
   float open = bare > 0.5 ? 1.0 : openness(grid, unit(gridNormal, vec3(0.0, 0.0, 1.0)), 0);
   normal = dot(normal, toEye) < 0.0 ? -normal : normal;
   vec2 light = lightAt((gridFromScene * vec4(posed, 1.0)).xyz, mat3(gridFromScene) * normal * spacing);
-  picture = vec4(litSurface(colour, normal, toEye, open, light) * opacity, opacity);
+  picture = vec4(litSurface(colour, normal, toEye, open, light, factors) * opacity, opacity);
 }

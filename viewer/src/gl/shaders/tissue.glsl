@@ -10,35 +10,35 @@ const float opaqueStep = 0.12;
 const int quarters = 4;
 const float unknown = -1e9;
 
-// Tissue as it is lit, weighted by the boundary that it is here.
-vec4 litFirst(vec3 grid, vec3 toEye, vec4 tissue) {
+// Tissue of a segment or of none as it is lit, weighted by the boundary that it is here.
+vec4 litFirst(vec3 grid, vec3 toEye, vec4 tissue, int segment) {
   tissue.a *= density;
 #if BLEND == SHADED || BLEND == COMPOSITE
   if (tissue.a <= 0.0) {
     return vec4(0.0);
   }
-  vec3 gradient = coarseGradientAt(grid);
+  vec3 gradient = gradientAt(grid);
   float boundary = smoothstep(0.0, edge.x, length(gradient));
   tissue.a *= mix(edge.y, 1.0, boundary);
 #if BLEND == SHADED
   vec3 normal = facing(gradient, toEye, toEye);
-  tissue.rgb = litTissue(tissue.rgb, normal, toEye, boundary, lightAt(grid, normal * boundary));
+  tissue.rgb = litTissue(tissue.rgb, normal, toEye, boundary, lightAt(grid, normal * boundary), segmentMaterial(segment));
 #endif
 #endif
   return tissue;
 }
 
 // Adds the light of an interval of tissue; false where it is too opaque for its length.
-bool addTissue(Ray ray, vec2 interval, vec4 tissue, bool dividable, inout Layers layers, inout Seen seen) {
+bool addTissue(Ray ray, vec2 interval, vec4 tissue, int segment, bool dividable, inout Layers layers, inout Seen seen) {
   float size = interval.y - interval.x;
   float middle = 0.5 * (interval.x + interval.y);
   vec3 grid = ray.origin + ray.inGrid * middle;
   vec3 toEye = -ray.direction;
 #ifdef SECOND
   tissue.a = isSecondsTurn(grid) ? 0.0 : tissue.a;
-  vec4 seenHere = mixed(litFirst(grid, toEye, tissue), litSecond(grid, toEye));
+  vec4 seenHere = mixed(litFirst(grid, toEye, tissue, segment), litSecond(grid, toEye));
 #else
-  vec4 seenHere = litFirst(grid, toEye, tissue);
+  vec4 seenHere = litFirst(grid, toEye, tissue, segment);
 #endif
   float extinction = seenHere.a;
 #if BLEND == SHADED || BLEND == COMPOSITE
@@ -86,7 +86,7 @@ void passSecond(Ray ray, vec2 span, inout Layers layers, inout Seen seen) {
       continue;
     }
     bool dividable = fine == 0 && t - last > 0.3 * stepLength;
-    if (!addTissue(ray, vec2(last, t), vec4(0.0), dividable, layers, seen)) {
+    if (!addTissue(ray, vec2(last, t), vec4(0.0), 0, dividable, layers, seen)) {
       fine = quarters;
       t = last + 0.25 * stepLength;
       continue;
@@ -164,7 +164,7 @@ Seen seenAlong(Ray ray, inout Layers layers) {
         tissue.rgb = segmentColour(segment);
       }
       bool dividable = fine == 0 && end - last > 0.3 * stepLength;
-      if (!addTissue(ray, vec2(last, end), tissue, dividable, layers, seen)) {
+      if (!addTissue(ray, vec2(last, end), tissue, solid ? 0 : segment, dividable, layers, seen)) {
         front = first;
         fine = quarters;
         t = last + 0.25 * stepLength;
