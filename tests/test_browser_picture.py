@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import SimpleITK
-from browser import ROOT, browser, palpate
+from browser import ROOT, Browser, browser, palpate
 from numpy.typing import NDArray
 from opened_scan import Opened
 
@@ -31,6 +31,8 @@ def opened(data_folder: Path) -> Iterator[Opened]:
     path = data_folder / "amos_0336" / "amos_0336.mhd"
     with palpate("open", path, "--unit", "HU") as command, browser() as page:
         assert page.do("open", url=command.url, **SIZE)["firstPicture"] is not None
+        # tests draw on the CPU, which people are told of
+        assert "without a graphics card" in page.read("document.body.textContent")
         page.read("window.palpate.setView('A')")
         yield Opened(page, SimpleITK.ReadImage(str(path)))
 
@@ -154,6 +156,36 @@ def test_a_preset_its_points_and_an_imported_one_change_the_picture(opened: Open
 
 
 @pytest.mark.data
+def test_a_stop_changes_the_colour_of_its_values_and_is_taken_back(opened: Opened) -> None:
+    page = opened.page
+    page.do("choose", testid="blend", value="composite")
+    page.do("click", testid="preset")
+    page.do("click", testid="preset-CT-Muscle")
+    unfold(page, "Curve", testid="colour-stop-1")
+    muscle = page.picture(OUTPUT / "stop.png")
+    stop = "document.querySelector('[data-testid=colour-stop-1]')"
+    page.do("click", testid="colour-stop-1")
+    before = page.read(f"{stop}.ariaValueText")
+    page.read(
+        "(() => { const field = document.querySelector('[aria-label=\"Colour of the stop\"]');"
+        " field.value = '#00ff00';"
+        " field.dispatchEvent(new Event('change', { bubbles: true })); })()"
+    )
+    page.wait(f"{stop}.ariaValueText.endsWith('#00ff00')")
+    green = page.picture(OUTPUT / "stop_green.png")
+    assert (green[..., 1] - green[..., 0]).mean() > (muscle[..., 1] - muscle[..., 0]).mean() + 0.02
+    page.do("press", key="Control+z")
+    page.wait(f"{stop}.ariaValueText === {before!r}")
+    assert not page.complaints
+
+
+def unfold(page: Browser, title: str, *, testid: str) -> None:
+    """Opens what is folded under a title, if what is wanted there is not seen."""
+    if page.read(f"document.querySelector('[data-testid={testid}]') === null"):
+        page.do("clickText", text=title)
+
+
+@pytest.mark.data
 def test_a_segment_is_a_body_or_tissue_inside_the_volume(opened: Opened) -> None:
     page = opened.page
     page.do("choose", testid="blend", value="shaded")
@@ -224,6 +256,24 @@ def test_two_eyes_see_the_scan_and_each_of_them_points(opened: Opened) -> None:
     page.do("open", url=page.read("location.href"), **SIZE)
     page.do("clickText", text="Stereo")
     assert page.read("document.querySelector('[data-testid=stereo]').value") == "side"
+    page.do("choose", testid="stereo", value="off")
+    assert not page.complaints
+
+
+@pytest.mark.data
+def test_the_picture_of_one_eye_can_stand_above_that_of_the_other(opened: Opened) -> None:
+    page = opened.page
+    page.do("choose", testid="blend", value="shaded")
+    unfold(page, "Stereo", testid="stereo")
+    page.do("choose", testid="stereo", value="stacked")
+    page.read("window.palpate.setView('A')")
+    both = page.picture(OUTPUT / "top_bottom.png")
+    height = both.shape[0] // 2
+    upper, lower = both[:height, 100:-100], both[-height:, 100:-100]
+    # the same rows in both, shifted sideways
+    apart = np.abs(upper - lower).mean()
+    assert 0.002 < apart < 0.05
+    assert np.abs(upper[:-20] - lower[20:]).mean() > 2 * apart
     page.do("choose", testid="stereo", value="off")
     assert not page.complaints
 
