@@ -477,7 +477,7 @@ def test_a_recording_is_made_saved_and_read_again(page: Browser, tmp_path: Path)
 # --- room -------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("width", [480, 640, 960, 1280, 1920])
+@pytest.mark.parametrize("width", [480, 640, 960, 1280, 1920, 3840])
 def test_nothing_is_cut_off_or_overlaps_at_any_width(opened: Browser, width: int) -> None:
     opened.do("resize", width=width, height=700)
     opened.wait(f"window.innerWidth === {width}")
