@@ -176,7 +176,7 @@ def bench_servo(
         Path | None, typer.Option("--json", help="Write the figures to this file.")
     ] = None,
 ) -> None:
-    """Measure how late the ticks of the servo begin, at rest and with all cores busy."""
+    """Measure how late servo ticks begin: at rest, with all cores busy, with matter giving way."""
     from palpate.bench.report import print_rows, write_rows
     from palpate.bench.servo import measure, rows_of, told
 

@@ -312,18 +312,21 @@ def _quality(
 
 RATES = (1000, 2000, 4000)
 """Rates of the servo [Hz]."""
-LOADS = (False, True)
-"""Whether all cores are busy besides."""
+BUSY = "all cores busy"
+GIVING = "matter gives way"
+LOADS = ("at rest", BUSY, GIVING)
+"""What else the machine does."""
 
 
-def servo_case(rate: int, load: bool) -> str:  # noqa: FBT001  # a pair
+def servo_case(rate: int, load: str) -> str:
     """Returns the name of a case of the servo."""
-    return f"{rate / 1000:g} kHz, {'all cores busy' if load else 'at rest'}"
+    return f"{rate / 1000:g} kHz, {load}"
 
 
-def _servo(case: str, *, late: float | None) -> tuple[Goal, ...]:
+def _servo(rate: int, load: str) -> tuple[Goal, ...]:
     """Returns what is told of the servo; only 1 kHz has a goal."""
-    return (
+    case, late = servo_case(rate, load), 0.1 if rate == 1000 else None
+    rows = (
         Goal(case, "median", "p50_ms", 1e3, "µs", None, "lower"),
         Goal(case, "p99", "p99_ms", 1e3, "µs", None, "lower"),
         Goal(case, "p99.9", "p999_ms", 1e3, "µs", None, "lower"),
@@ -331,6 +334,9 @@ def _servo(case: str, *, late: float | None) -> tuple[Goal, ...]:
         Goal(case, "more than 2 ms late", "late_share", 100.0, "%", late, "lower"),
         Goal(case, "fell out", "missed_share", 100.0, "%", None, "lower"),
     )
+    if load != GIVING:
+        return rows
+    return (*rows, Goal(case, "answers of the model", "answers_hz", 1.0, "1/s", None, "higher"))
 
 
 FLAT_WALL = "flat wall"
@@ -485,12 +491,7 @@ GOALS: dict[str, tuple[Goal, ...]] = {
         Goal(RANDOM, "forces that fell, lest they pull", "cuts", 1e-6, "M", None, "lower"),
         Goal(RANDOM, "rate", "per_second", 1e-6, "M/s", None, "higher"),
     ),
-    "servo": tuple(
-        row
-        for load in LOADS
-        for rate in RATES
-        for row in _servo(servo_case(rate, load), late=0.1 if rate == 1000 else None)
-    ),
+    "servo": tuple(row for load in LOADS for rate in RATES for row in _servo(rate, load)),
     "deform": DEFORM_ROWS,
     "session": SESSION_ROWS,
     "truth-cube": TRUTH_CUBE_ROWS,

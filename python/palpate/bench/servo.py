@@ -1,8 +1,9 @@
 """``palpate bench servo``: how late the ticks of the real servo thread begin.
 
-A session on the built-in phantom runs at each rate, at rest and beside processes that keep all
-cores busy, while the hand is led in circles through the bone. Lateness is counted by the thread
-itself, in bins; quantiles are read off between the ends of a bin.
+A session on the built-in phantom runs at each rate: at rest and beside processes that keep all
+cores busy, while the hand is led in circles through the bone; and with the lattice at work, while
+it is led into the liver and out again. Lateness is counted by the thread itself, in bins; quantiles
+are read off between the ends of a bin.
 """
 
 from __future__ import annotations
@@ -18,10 +19,13 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Any
 
-from palpate.bench.goals import GOALS, LOADS, RATES, servo_case
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate.bench.goals import BUSY, GIVING, GOALS, LOADS, RATES, servo_case
 from palpate.bench.report import Row, row_of
 from palpate.errors import OptionError
-from palpate.phantom_scan import phantom
+from palpate.phantom_scan import Phantom, phantom
 from palpate.progress import Progress, silent
 from palpate.scene import Scene
 from palpate.session import Session, SessionOptions
@@ -51,6 +55,8 @@ class Lateness:
     """Upper ends of the bins [µs]; one more bin holds the rest."""
     counts: tuple[int, ...]
     worst_ms: float
+    answers_hz: float = 0.0
+    """How often a model of deformation answered [1/s]."""
 
     def quantile_ms(self, share: float) -> float:
         """Returns the lateness [ms] that this share of the ticks keeps below."""
@@ -73,7 +79,22 @@ class Lateness:
             "max_ms": self.worst_ms,
             "late_share": self.late / max(1, self.ticks + self.missed),
             "missed_share": self.missed / max(1, self.ticks + self.missed),
+            "answers_hz": self.answers_hz,
         }
+
+
+@dataclass(frozen=True)
+class Way:
+    """A circle on which the hand is led, patient frame LPS [mm]."""
+
+    centre: NDArray[np.float64]
+    arms: tuple[NDArray[np.float64], NDArray[np.float64]]
+    """From its middle to two of its points, a right angle apart."""
+
+    def at(self, angle: float) -> tuple[float, float, float]:
+        """Returns the point at an angle [rad]."""
+        x, y, z = self.centre + math.cos(angle) * self.arms[0] + math.sin(angle) * self.arms[1]
+        return float(x), float(y), float(z)
 
 
 def measure(seconds: float, progress: Progress = silent) -> list[Lateness]:
@@ -88,34 +109,59 @@ def measure(seconds: float, progress: Progress = silent) -> list[Lateness]:
         )
     progress("making the phantom", None)
     made = phantom()
-    scene = Scene(made.volume)
-    scene.add(made.volume.offered_bone())
     cases = list(itertools.product(LOADS, RATES))
     found = []
     for done, (load, rate) in enumerate(cases):
         progress(f"{servo_case(rate, load)}, {seconds:g} s", done / len(cases))
-        with _busy(os.cpu_count() or 1 if load else 0):
-            found.append(_watch(scene, rate, load=load, seconds=seconds))
+        with _busy(os.cpu_count() or 1 if load == BUSY else 0):
+            found.append(_watch(made, rate, load, seconds=seconds))
     return found
 
 
-def _watch(scene: Scene, rate: int, *, load: bool, seconds: float) -> Lateness:
-    options = SessionOptions(rate_hz=rate)
-    with Session(scene, options=options) as session:
-        half = [count / 2.0 for count in scene.volume.dimensions]
-        x, y, z = (scene.volume.patient_from_grid @ [*half, 1.0])[:3].tolist()
-        ends, step = time.monotonic() + seconds, 0
-        while time.monotonic() < ends:
-            angle = step * math.tau / 80.0
-            session.hand((x + 40.0 * math.cos(angle), y, z + 40.0 * math.sin(angle)))
+def _watch(made: Phantom, rate: int, load: str, *, seconds: float) -> Lateness:
+    scene = Scene(made.volume)
+    scene.add(made.part("liver") if load == GIVING else made.volume.offered_bone())
+    way = _into_liver(made) if load == GIVING else _through_bone(made)
+    with Session(scene, options=SessionOptions(rate_hz=rate)) as session:
+        if load == GIVING:
+            session.set_material(1, "liver")
+            session.set_deformation("lattice")
+        begins, step = time.monotonic(), 0
+        while (passed := time.monotonic() - begins) < seconds:
+            session.hand(way.at(step * math.tau / 80.0))
             time.sleep(1.0 / HAND_RATE)
             step += 1
-        servo = session.lateness()["servo"]
-        real_time = bool(session.frame()["rates"]["real_time"])
-    return _lateness(servo_case(rate, load), servo, real_time=real_time)
+        servo, frame = session.lateness()["servo"], session.frame()
+    return _lateness(
+        servo_case(rate, load),
+        servo,
+        real_time=bool(frame["rates"]["real_time"]),
+        answers_hz=frame["matter"]["answers"] / passed,
+    )
 
 
-def _lateness(case: str, servo: dict[str, Any], *, real_time: bool) -> Lateness:
+def _through_bone(made: Phantom) -> Way:
+    half = [count / 2.0 for count in made.volume.dimensions]
+    return _way(made, half, 40.0, across=(1.0, 0.0, 0.0))
+
+
+def _into_liver(made: Phantom) -> Way:
+    """Returns a circle half in the liver and half before it, about the front of its middle."""
+    liver = np.argwhere(made.labels == made.names["liver"])
+    z, _, x = np.round(liver.mean(axis=0)).astype(int).tolist()
+    front = liver[(liver[:, 0] == z) & (liver[:, 2] == x), 1].min()
+    return _way(made, [x + 0.5, float(front), z + 0.5], 5.0, across=(0.0, 1.0, 0.0))
+
+
+def _way(
+    made: Phantom, middle: list[float], radius: float, *, across: tuple[float, float, float]
+) -> Way:
+    """Returns an upright circle about a place of the grid [voxels], its radius in mm."""
+    centre = (made.volume.patient_from_grid @ [*middle, 1.0])[:3]
+    return Way(centre, (radius * np.array(across), radius * np.array([0.0, 0.0, 1.0])))
+
+
+def _lateness(case: str, servo: dict[str, Any], *, real_time: bool, answers_hz: float) -> Lateness:
     return Lateness(
         case=case,
         real_time=real_time,
@@ -125,6 +171,7 @@ def _lateness(case: str, servo: dict[str, Any], *, real_time: bool) -> Lateness:
         ends_us=tuple(servo["lateness_bins_us"]),
         counts=tuple(servo["lateness"]),
         worst_ms=servo["worst_ever_ms"],
+        answers_hz=answers_hz,
     )
 
 
