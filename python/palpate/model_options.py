@@ -93,6 +93,10 @@ class Model:
     """A model, and what it offers to choose."""
 
     name: str
+    title: str
+    """Its name, as a person reads it."""
+    bonded: bool
+    """Whether it is of nodes and bonds that can break; else of particles."""
     boxes: Boxes | None
     """None where it takes all matter."""
     binding: Shares | None
@@ -110,6 +114,8 @@ def offered_models() -> list[Model]:
     return [
         Model(
             name=each["name"],
+            title=each["title"],
+            bonded=each["bonded"],
             boxes=None if each["boxes"] is None else Boxes(*each["boxes"]),
             binding=None if each["binding"] is None else Shares(*each["binding"]),
             walls=each["walls"],

@@ -121,12 +121,15 @@ class Fading(msgspec.Struct, frozen=True):
 class DeformationModel(msgspec.Struct, frozen=True):
     """A model by which matter gives way, and what it offers to choose.
 
-    ``boxes`` is null where it takes all matter, ``binding`` where nothing is bound, ``fades`` where
-    its force cannot; ``yields`` tells strains from which on matter can stay as it is pressed, null
-    where it always comes back.
+    ``title`` is its name as a person reads it. ``bonded`` ones are of nodes and bonds that can
+    break, the others of particles. ``boxes`` is null where it takes all matter, ``binding`` where
+    nothing is bound, ``fades`` where its force cannot; ``yields`` tells strains from which on
+    matter can stay as it is pressed, null where it always comes back.
     """
 
     name: ModelName
+    title: str
+    bonded: bool
     boxes: Boxes | None
     binding: Shares | None
     walls: bool

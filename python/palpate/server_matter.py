@@ -43,6 +43,8 @@ def models() -> list[protocol.DeformationModel]:
     return [
         protocol.DeformationModel(
             name=each.name,
+            title=each.title,
+            bonded=each.bonded,
             boxes=None if each.boxes is None else protocol.Boxes(*each.boxes),
             binding=None if each.binding is None else protocol.Shares(*each.binding),
             walls=each.walls,

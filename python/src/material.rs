@@ -164,6 +164,8 @@ fn offered<'py>(py: Python<'py>, model: &Registered) -> PyResult<Bound<'py, PyDi
     let offers = &model.offers;
     dictionary!(py,
         "name": model.name,
+        "title": model.title,
+        "bonded": model.bonded,
         "boxes": offers.boxes.map(|b| (b.least, b.usual, b.most)),
         "binding": offers.binding.map(|b| (b.least, b.usual, b.most)),
         "walls": offers.walls,

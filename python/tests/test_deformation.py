@@ -189,6 +189,9 @@ def test_materials_are_named_with_their_sources() -> None:
     models = {model.name: model for model in offered_models()}
     assert list(models) == deformation_models()
     assert set(models) == {"lattice", "fcc-lj", "cuboid-lj", "global-lj"}
+    assert [name for name, model in models.items() if model.bonded] == ["lattice"]
+    # more would be cut off in the page's panel
+    assert max(len(model.title) for model in models.values()) < 26
     assert models["lattice"].boxes == (9, 21, 41)
     assert models["lattice"].fades == ((0.01, 0.95), (0.01, 1000.0))
     assert models["lattice"].yields == (0.005, 0.5)

@@ -279,6 +279,10 @@ pub trait DeformationModel: Send + fmt::Debug {
 pub struct Registered {
     /// As users write it.
     pub name: &'static str,
+    /// As they read it.
+    pub title: &'static str,
+    /// Whether it is of nodes and bonds that can break; else of particles.
+    pub bonded: bool,
     /// What can be chosen of it.
     pub offers: Offers,
     /// Makes it with its default settings, but for what was chosen and is offered.
@@ -317,6 +321,8 @@ const PARTICLES: Offers = Offers {
 pub const MODELS: &[Registered] = &[
     Registered {
         name: "lattice",
+        title: "Lattice",
+        bonded: true,
         offers: Offers {
             boxes: Some(Boxes {
                 least: 9,
@@ -345,16 +351,22 @@ pub const MODELS: &[Registered] = &[
     },
     Registered {
         name: "fcc-lj",
+        title: "Particles, FCC",
+        bonded: false,
         offers: PARTICLES,
         make: |options| Box::new(LocalModel::fcc_lj(LocalSettings::of(options))),
     },
     Registered {
         name: "cuboid-lj",
+        title: "Particles, cuboid",
+        bonded: false,
         offers: PARTICLES,
         make: |options| Box::new(LocalModel::cuboid_lj(LocalSettings::of(options))),
     },
     Registered {
         name: "global-lj",
+        title: "Particles, whole segment",
+        bonded: false,
         offers: Offers {
             boxes: None,
             binding: Some(Shares {

@@ -21,26 +21,6 @@ export const forceSources: readonly { readonly value: ForceSource; readonly name
   },
 ];
 
-const modelNames: Readonly<Record<string, string>> = {
-  lattice: "Lattice",
-  "fcc-lj": "Particles, FCC",
-  "cuboid-lj": "Particles, cuboid",
-  "global-lj": "Particles, whole segment",
-};
-
-/** Models of the thesis' particles: they have no bonds that could break. */
-const ofParticles: ReadonlySet<string> = new Set(["fcc-lj", "cuboid-lj", "global-lj"]);
-
-/** Whether a model is made of particles, and not of bonded nodes. */
-export function isOfParticles(model: string): boolean {
-  return ofParticles.has(model);
-}
-
-/** The name of a model, as a person reads it. */
-export function modelName(model: string): string {
-  return modelNames[model] ?? model;
-}
-
 /** "Cortical bone", of "cortical-bone". */
 export function presetName(preset: string): string {
   const words = preset.replaceAll("-", " ");

@@ -294,12 +294,15 @@ export interface Fading {
 /**
  * A model by which matter gives way, and what it offers to choose.
  *
- * `boxes` is null where it takes all matter, `binding` where nothing is bound, `fades` where
- * its force cannot; `yields` tells strains from which on matter can stay as it is pressed, null
- * where it always comes back.
+ * `title` is its name as a person reads it. `bonded` ones are of nodes and bonds that can
+ * break, the others of particles. `boxes` is null where it takes all matter, `binding` where
+ * nothing is bound, `fades` where its force cannot; `yields` tells strains from which on
+ * matter can stay as it is pressed, null where it always comes back.
  */
 export interface DeformationModel {
   readonly name: ModelName;
+  readonly title: string;
+  readonly bonded: boolean;
   readonly boxes: Boxes | null;
   readonly binding: Shares | null;
   readonly walls: boolean;
@@ -1530,6 +1533,8 @@ const isFading = record({
 
 const isDeformationModel = record({
   name: isModelName,
+  title: text(),
+  bonded: flag,
   boxes: nullable(isBoxes),
   binding: nullable(isShares),
   walls: flag,

@@ -6,8 +6,6 @@ import {
   describeMaterial,
   edgeOf,
   formatModulus,
-  isOfParticles,
-  modelName,
   oddEdge,
   presetsFor,
   presetTitle,
@@ -26,17 +24,9 @@ const presets: readonly MaterialPreset[] = [
   { name: "thesis-bone", source: "thesis", needs_hounsfield: true, low: { ...hard, young: 5e9, poisson: 0.3 }, high: hard },
 ];
 const models: readonly DeformationModel[] = [
-  { name: "lattice", boxes: { least: 9, usual: 21, most: 41 }, binding: null, walls: false, fades, yields },
-  { name: "global-lj", boxes: null, binding: { least: 0.01, usual: 0.3, most: 2 }, walls: false, fades: null, yields: null },
+  { name: "lattice", title: "Lattice", bonded: true, boxes: { least: 9, usual: 21, most: 41 }, binding: null, walls: false, fades, yields },
+  { name: "global-lj", title: "Particles", bonded: false, boxes: null, binding: { least: 0.01, usual: 0.3, most: 2 }, walls: false, fades: null, yields: null },
 ];
-
-test("models are named so that the list shows all of it, and those of particles break no bonds", () => {
-  const names = ["lattice", "fcc-lj", "cuboid-lj", "global-lj"];
-  expect(names.map(isOfParticles)).toEqual([false, true, true, true]);
-  // more would be cut off in a panel
-  expect(Math.max(...names.map((name) => modelName(name).length))).toBeLessThan(26);
-  expect(modelName("jelly")).toBe("jelly");
-});
 
 test("moduli are written with three digits and the unit that fits", () => {
   expect([500, 999.6, 5500, 4.2e5, 18.6e9].map(formatModulus)).toEqual(["500 Pa", "1.00 kPa", "5.50 kPa", "420 kPa", "18.6 GPa"]);
