@@ -231,3 +231,37 @@ def test_a_pressed_liver_gives_way_on_the_page_and_comes_back(page: Browser) -> 
     above = slice(0, still.shape[0] // 3)
     assert is_alike(page.picture(OUTPUT / "matter_after.png")[above], still[above])
     assert page.complaints == []
+
+
+def test_matter_that_yields_keeps_its_dent_until_it_is_undone(page: Browser) -> None:
+    tell(page, NOTHING)
+    start = page.read("window.palpate.pick(...window.palpate.middle)")["point"]
+    page.do("choose", testid="material-1", value="liver")
+    page.wait(f"{MATTER}.model === 'lattice'")
+    page.do("click", testid="matter-options")
+    page.do("slide", testid="matter-yields", value=0.02)
+    page.wait(f"{MATTER}.options.yield_strain === 0.02")
+    page.do("slide", testid="radius", value=4)
+    page.wait("Math.abs(window.palpate.state.probe_radius - 4) < 0.5")
+    before = [start[0], start[1] - 10.0, start[2]]
+    page.read(f"window.palpate.place({before})")
+    page.all_done()
+    still = page.picture(OUTPUT / "matter_whole.png")
+
+    page.read(f"window.palpate.hand({[start[0], start[1] + 4.0, start[2]]})")
+    page.wait(f"Math.hypot(...{MATTER}.force) > 0.03")
+    pressed = page.read(f"{MATTER}.answers")
+    page.wait(f"{MATTER}.answers > {pressed + 40}")
+    page.read(f"window.palpate.place({before})")
+    page.wait(f"Math.hypot(...{MATTER}.force) === 0")
+    lifted = page.read(f"{MATTER}.answers")
+    page.wait(f"{MATTER}.answers > {lifted + 20}")
+    page.all_done()
+    dented = page.picture(OUTPUT / "matter_dented.png")
+    assert np.sum(np.abs(dented - still).max(axis=-1) > 0.05) > 300
+
+    page.do("press", key="Control+z")
+    page.all_done()
+    undone = page.picture(OUTPUT / "matter_undented.png")
+    assert np.sum(np.abs(undone - still).max(axis=-1) > 0.05) < 30
+    assert page.complaints == []
