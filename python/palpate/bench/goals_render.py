@@ -16,7 +16,17 @@ __all__ = [
     "processor_rows",
 ]
 
-MODES = ("composite", "shaded", "mip", "iso", "surfaces")
+MODES = (
+    "absorption",
+    "emission",
+    "composite",
+    "shaded",
+    "mip",
+    "minip",
+    "average",
+    "iso",
+    "surfaces",
+)
 """Blend modes of the page; ``surfaces``: bone as triangles beside shaded tissue."""
 SIZES = ((640, 480), (1366, 768))
 """Of the picture [pixels]."""
