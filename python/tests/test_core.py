@@ -137,6 +137,7 @@ def test_thresholds_follow_undo() -> None:
         "volume": 20_000.0,
         "grid": None,
         "touchable": True,
+        "locked": False,
         "pending": False,
         "range": (500.0, 2000.0),
         "made_by": (500.0, 2000.0),
