@@ -225,12 +225,8 @@ def _read_bare(
 
 
 def _apply_orientation(scan: RawScan, orientation: str | None) -> None:
-    """Lays the file's axes as told; warns where nobody tells, or where the file disagrees."""
+    """Lays the file's axes as told; warns where the file disagrees."""
     if orientation is None:
-        if not scan.orientation_known:
-            scan.warnings.append(
-                "the file does not tell its orientation; give it with --orientation, such as LPS"
-            )
         return
     direction = direction_of(orientation)
     told = letters_of(scan.direction)

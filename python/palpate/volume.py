@@ -24,6 +24,10 @@ from palpate.segment import Segment
 __all__ = ["Source", "Volume", "VolumeTraits"]
 
 HISTOGRAM_BINS = 512
+UNKNOWN_SIDES = (
+    "nothing tells the orientation, so left and right may be swapped; give it with --orientation, "
+    "such as LPS"
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -142,8 +146,9 @@ class Volume:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Sentences on what was assumed or lost in reading."""
-        return self.traits.warnings
+        """Sentences on what was assumed or lost in reading, and on sides that nobody told."""
+        sides = () if self.traits.orientation_known else (UNKNOWN_SIDES,)
+        return self.traits.warnings + sides
 
     @property
     def dimensions(self) -> tuple[int, int, int]:
