@@ -50,7 +50,11 @@ def merged(
         slope=volume.slope,
         intercept=volume.intercept,
         traits=VolumeTraits(
-            name=volume.name, modality=volume.modality, unit=volume.unit, warnings=volume.warnings
+            name=volume.name,
+            modality=volume.modality,
+            unit=volume.unit,
+            warnings=volume.traits.warnings,
+            orientation_known=volume.traits.orientation_known,
         ),
     )
     return larger_volume, {

@@ -273,7 +273,7 @@ class Library:
         for sentence in read.told:
             self._workbench.tell(sentence)
         volume = read.scene.volume
-        warnings = volume.warnings
+        warnings = volume.traits.warnings
         if place.make is not None:
             warnings = (*warnings, MADE)
         elif place.upload is not None or fetched is not None:

@@ -80,6 +80,8 @@ def test_dropped_slices_have_a_name_and_pictures_a_size(
     assert opened.session.scene.volume.name == "skull"
     warnings = opened.session.scene.volume.warnings
     assert any("a copy that goes" in warning for warning in warnings)
+    # each is told once
+    assert len(set(warnings)) == len(warnings)
     assert client.about()["recent"] == []
 
     folder = tmp_path / "pictures"
