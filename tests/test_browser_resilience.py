@@ -27,11 +27,11 @@ def test_two_pages_follow_one_another_and_lost_graphics_come_back(data_folder: P
         browser() as page,
         browser() as other,
     ):
-        page.do("open", url=command.url, width=1366, height=768)
+        page.do("open", url=command.url, width=1000, height=460)
         before = page.picture(OUTPUT / "graphics_before.png")
 
         page.read(LOSE)
-        other.do("open", url=command.url, width=1366, height=768)
+        other.do("open", url=command.url, width=1000, height=460)
         other.do("click", testid="visible-1")
         page.wait(f"{VISIBLE} === 'false'")
         page.read("window.__graphics.restoreContext()")
