@@ -30,7 +30,7 @@ impl HapticDevice for UdpDevice {
     fn read(&mut self, dt: f64) -> DeviceState {
         // the newest datagram counts; a flood of them must not hold up the tick
         let (mut text, mut reads) = ([0; 96], 0..16);
-        while let (Some(_), Ok(length)) = (reads.next(), self.socket.recv(&mut text)) {
+        while let Some(Ok(length)) = reads.next().map(|_: u8| self.socket.recv(&mut text)) {
             self.state.position = point(&text[..length]).unwrap_or(self.state.position);
         }
         self.state.velocity = self.velocity.update(self.state.position, dt);
