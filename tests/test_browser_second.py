@@ -5,6 +5,7 @@ The oracle is SimpleITK: it lays the second file on the plane of a slice, throug
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -130,6 +131,39 @@ def test_a_click_says_the_values_of_both_scans(lungs: Browser, data_folder: Path
     assert float(lungs.text("picked-second").removesuffix(" HU")) == pytest.approx(expected)
     assert lungs.text("picked-tissue") == f"Second scan: {tissue(expected, lungs)}"
     lungs.do("press", key="Escape")
+
+
+@pytest.mark.data
+def test_points_of_its_own_transfer_function_are_dragged_and_taken_back(lungs: Browser) -> None:
+    lungs.do("choose", testid="second-preset", value="CT-Lung")
+    lungs.do("choose", testid="second-fusion", value="blend")
+    preset = lungs.picture(OUTPUT / "second_curve_preset.png")
+    lungs.do("clickText", text="Curve of the second scan")
+    is_same = "document.querySelector('[data-testid=second-curve-reset]').disabled"
+    assert lungs.read(is_same)
+
+    point = "document.querySelector('[data-testid=second-opacity-point-2]')"
+    lungs.read(f"void {point}.scrollIntoView({{ block: 'center' }})")
+    # its first tissue counts for much more, the first scan's for as much as before
+    lungs.do("dragElement", testid="second-opacity-point-2", y=-40)
+    lungs.wait(f"!{is_same}")
+    denser = lungs.picture(OUTPUT / "second_curve_denser.png")
+    # unchanged it differs by nothing at all
+    assert np.abs(denser - preset).mean() > 1 / 255
+    name = lungs.read("window.palpate.scan.name")
+    kept = json.loads(lungs.read(f"localStorage.getItem('palpate.second.{name}')"))
+    assert kept["preset"] == "CT-Lung"
+    assert len(kept["curve"]["opacities"]) >= 3
+
+    # the drag is one step, and the button leads back as well
+    lungs.do("press", key="Control+z")
+    lungs.wait(is_same)
+    np.testing.assert_allclose(lungs.picture(OUTPUT / "second_curve_undone.png"), preset, atol=0.01)
+    lungs.do("press", key="Control+y")
+    lungs.wait(f"!{is_same}")
+    lungs.do("click", testid="second-curve-reset")
+    lungs.wait(is_same)
+    lungs.do("clickText", text="Curve of the second scan")
 
 
 @pytest.mark.data

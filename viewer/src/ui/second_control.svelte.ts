@@ -2,7 +2,7 @@
  * The second scan on the page: its values, and how a person wants it shown; remembered for the first scan.
  */
 import { transformPoint } from "../core/affine";
-import { transferFunctionOfCurve } from "../core/curve";
+import { isCurve, transferFunctionOfCurve, type Curve } from "../core/curve";
 import { curveOfPreset, presets } from "../core/curve_presets";
 import { valueInVoxel } from "../core/field";
 import { valueAbove } from "../core/histogram";
@@ -27,8 +27,9 @@ export interface SecondChoice {
   readonly inSlices: boolean;
   /** How view and slices show both. */
   readonly fusion: Fusion;
-  /** Of the 3-D view. */
+  /** Transfer function of the 3-D view: one by name, or points of its own that began as that. */
   readonly preset: string;
+  readonly curve: Curve | null;
   readonly density: number;
   /** Value of its iso-surface. */
   readonly iso: number;
@@ -48,6 +49,7 @@ const partNames: Readonly<Record<keyof SecondChoice, string>> = {
   inSlices: "shown in slices",
   fusion: "fusion",
   preset: "transfer function",
+  curve: "transfer function",
   density: "density",
   iso: "iso-value",
   windows: "window and level in the view",
@@ -116,20 +118,27 @@ export class SecondControl {
     this.follow();
   }
 
-  /** All that is shown of it; null before it is here. */
-  readonly shown = $derived.by((): ShownSecond | null => {
-    const { choice, held, told, turn, only } = this;
-    const place = told === null ? null : placeOf(told);
+  /** Points of its transfer function; null before there is one. */
+  readonly curve = $derived.by((): Curve | null => {
+    const { choice, told } = this;
     const scan = told?.scan ?? null;
-    if (choice === null || held === null || scan === null || place === null) {
+    const preset = presets.find(({ name }) => name === choice?.preset);
+    if (choice === null || scan === null || preset === undefined) {
       return null;
     }
     const anchors = { softTissue: scan.soft_tissue, bone: scan.bone };
-    const preset = presets.find(({ name }) => name === choice.preset);
-    const curve = preset && curveOfPreset(preset, anchors, scan.range[0], valueAbove(scan.histogram, fewVoxels));
-    if (curve === undefined) {
+    return choice.curve ?? curveOfPreset(preset, anchors, scan.range[0], valueAbove(scan.histogram, fewVoxels));
+  });
+
+  /** All that is shown of it; null before it is here. */
+  readonly shown = $derived.by((): ShownSecond | null => {
+    const { choice, curve, held, told, turn, only } = this;
+    const place = told === null ? null : placeOf(told);
+    const scan = told?.scan ?? null;
+    if (choice === null || curve === null || held === null || scan === null || place === null) {
       return null;
     }
+    const anchors = { softTissue: scan.soft_tissue, bone: scan.bone };
     const transferFunction = this.sameFunction.of(transferFunctionOfCurve(curve), JSON.stringify(curve));
     const edgeGradient = edgeShare * Math.abs(anchors.bone - anchors.softTissue);
     const { inView, inSlices, density, iso, windows, window, level, fusion, tint, opacity, square } = choice;
@@ -156,12 +165,19 @@ export class SecondControl {
 
   /** Shows it otherwise; numbers and windows have sliders. */
   change(part: Partial<SecondChoice>): void {
-    if (this.choice !== null) {
-      const keys = Object.keys(part) as (keyof SecondChoice)[];
-      const slides = Object.values(part).every((value) => typeof value === "number" || typeof value === "object");
-      const names = keys.map((key) => partNames[key]).join(", ");
-      this.state.change(`second scan, ${names}`, { ...this.choice, ...part }, slides);
-    }
+    const keys = Object.keys(part) as (keyof SecondChoice)[];
+    const slides = Object.values(part).every((value) => typeof value === "number" || typeof value === "object");
+    this.set(part, keys.map((key) => partNames[key]).join(", "), slides);
+  }
+
+  /** The transfer function of this name, without changes. */
+  usePreset(preset: string): void {
+    this.set({ preset, curve: null }, "transfer function", false);
+  }
+
+  /** Other points of its transfer function; while they are dragged all are one step of undo. */
+  drawPoints(curve: Curve, live: boolean): void {
+    this.set({ curve }, "transfer function", live);
   }
 
   /** Shows it as was remembered meanwhile. */
@@ -170,6 +186,12 @@ export class SecondControl {
     if (scan !== null) {
       this.state.open(choiceFor(scan, this.outside.first()));
       this.follow();
+    }
+  }
+
+  private set(part: Partial<SecondChoice>, name: string, slides: boolean): void {
+    if (this.choice !== null) {
+      this.state.change(`second scan, ${name}`, { ...this.choice, ...part }, slides);
     }
   }
 
@@ -237,6 +259,7 @@ function choiceFor(scan: Scan, first: string): SecondChoice {
     inView: true,
     inSlices: true,
     preset: scan.unit === "HU" ? "CT-Bone" : "MR-Default",
+    curve: null,
     // the first scan is seen through it
     density: 0.4,
     iso: scan.bone,
@@ -249,6 +272,7 @@ function choiceFor(scan: Scan, first: string): SecondChoice {
     square: 20,
   };
   const { of, ...kept } = recall(`second.${first}`, { ...fitting, of: "" });
-  const known = of === scan.name && fusions.includes(kept.fusion) && tints.includes(kept.tint) && presets.some(({ name }) => name === kept.preset);
+  const named = fusions.includes(kept.fusion) && tints.includes(kept.tint) && presets.some(({ name }) => name === kept.preset);
+  const known = of === scan.name && named && (kept.curve === null || isCurve(kept.curve));
   return known ? kept : fitting;
 }
