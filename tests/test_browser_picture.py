@@ -299,9 +299,9 @@ def test_a_finer_quality_takes_more_steps_and_comes_nearer_to_a_still_image(open
         page.do("screenshot", path=str(path), testid="canvas")
         pixels = SimpleITK.GetArrayFromImage(SimpleITK.ReadImage(str(path)))
         pictures[quality] = pixels[..., :3] / 255.0
-    # the view rests: all are whole, the finest of 32 pictures with three steps per voxel
+    # the view rests: all are whole, the finest of 24 pictures with five steps per voxel
     told = {quality: (each["stepsPerVoxel"], each["passes"]) for quality, each in shown.items()}
-    assert told == {"still": (3, 32), "fine": (2, 16), "fast": (1, 1)}
+    assert told == {"still": (5, 24), "fine": (2, 16), "fast": (1, 1)}
     assert {each["divisor"] for each in shown.values()} == {1}
     fast, fine = (np.abs(pictures[each] - pictures["still"]).mean() for each in ("fast", "fine"))
     assert fine < 0.5 * fast, (fine, fast)

@@ -18,7 +18,7 @@ export const restingPictures: Readonly<Record<Quality, RestingPicture>> = {
   fast: { stepsPerVoxel: 1, passes: 1 },
   balanced: { stepsPerVoxel: 1.5, passes: 8 },
   fine: { stepsPerVoxel: 2, passes: 16 },
-  still: { stepsPerVoxel: 3, passes: 32 },
+  still: { stepsPerVoxel: 5, passes: 24 },
 };
 
 export interface QualityChoice {
