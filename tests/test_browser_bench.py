@@ -25,7 +25,7 @@ def test_bench_edit_tells_of_edits_with_drawing_suspended_and_in_software(tmp_pa
     report = json.loads(told.read_text(encoding="utf-8"))
     assert report["bench"] == "edit"
     found = {(row["case"], row["metric"]): row["value"] for row in report["rows"]}
-    for case in ("drawing suspended", "drawn in software"):
+    for case in ("drawing suspended", "drawn in software", "matter gives way, drawing suspended"):
         assert found[case, "edits"] >= 1
         way, page = found[case, "engine to page, median"], found[case, "page, median"]
         assert way > 0.0

@@ -7,6 +7,10 @@ all but drawing, and while the picture is drawn in software, which takes all cor
 case the time that an edit waits for a frame that is being drawn is told apart. Without drawing the
 picture follows every edit; with it as often as the page finds time for.
 
+A third case presses the same bone, made as soft as liver, in circles with the probe, drawing
+suspended: each answer of the lattice changes voxels, surface and the field of what stands beside
+its voxels.
+
 The switch that suspends drawing is there for this benchmark only (``window.palpate``): uploads go
 out as always, and no picture is drawn.
 """
@@ -19,14 +23,14 @@ from pathlib import Path
 
 import numpy as np
 
-from palpate.bench.goals import EDIT_DRAWN, EDIT_SUSPENDED, GOALS
+from palpate.bench.goals import EDIT_DRAWN, EDIT_PRESSED, EDIT_SUSPENDED, GOALS
 from palpate.bench.haptics_data import CTHEAD, data_file
 from palpate.bench.page import Page, chromium, opened, served
 from palpate.bench.report import Row, row_of
 from palpate.errors import OptionError
 from palpate.progress import Progress, silent
 
-__all__ = ["erased", "figures_of", "measure", "rows_of"]
+__all__ = ["erased", "figures_of", "measure", "pressed", "rows_of"]
 
 SIZE = {"width": 960, "height": 400}
 """Of the browser's window [pixels]."""
@@ -36,6 +40,13 @@ CIRCLE = 15.0
 """Radius of the circles in which the eraser is led [mm]."""
 DEEPER = 1.0
 """How fast it goes deeper [mm/s]."""
+PRESS_DEPTH, PRESS_CIRCLE = 4.0, 6.0
+"""How deep soft matter is pressed, and in circles of which radius [mm]."""
+SOFT = "liver"
+"""The material that is pressed."""
+
+FIRST_SEGMENT = 1
+"""Number of the bone."""
 
 Times = list[dict[str, float]]
 """What edits took on their way [ms]: ``way``, ``wait``, ``work``."""
@@ -56,12 +67,12 @@ def measure(
     with served(path) as url, opened(url, **SIZE) as page:
         page.read("document.querySelector('[data-testid=shown-as-both]').click()")
         page.wait("Object.values(window.palpate.triangles).some(count => count > 0)")
-        for done, case in enumerate((EDIT_SUSPENDED, EDIT_DRAWN)):
-            progress(case, done / 2)
-            suspended = case == EDIT_SUSPENDED
+        for done, case in enumerate((EDIT_SUSPENDED, EDIT_PRESSED, EDIT_DRAWN)):
+            progress(case, done / 3)
+            suspended = case != EDIT_DRAWN
             page.read(f"void window.palpate.suspendDrawing({str(suspended).lower()})")
-            _choose_pace(page, "1" if suspended else "auto")
-            found[case] = erased(page, seconds)
+            _choose(page, "edit-pace", "1" if suspended else "auto")
+            found[case] = (pressed if case == EDIT_PRESSED else erased)(page, seconds)
     for case, times in found.items():
         if not times:
             raise OptionError(f"no edit while {case}; allowed: a scan with bone in its middle")
@@ -120,11 +131,37 @@ def erased(page: Page, seconds: float) -> Times:
     return times
 
 
-def _choose_pace(page: Page, pace: str) -> None:
-    """Chooses how often the picture follows edits, as a person does."""
+def pressed(page: Page, seconds: float) -> Times:
+    """Presses soft matter for a while; returns what its changes took, and leaves it hard again."""
+    page.wait("window.palpate.finished || window.palpate.drawingSuspended")
+    seen, (right, up, back) = _aim(page)
+    _choose(page, f"material-{FIRST_SEGMENT}", SOFT)
+    page.wait("window.palpate.state.matter.model !== null")
+    above = [p + 2.0 * PRESS_DEPTH * b for p, b in zip(seen, back, strict=True)]
+    page.read(f"window.palpate.place({above})")
+    first = page.read("window.palpate.lastEdit")
+    began = time.monotonic()
+    while (passed := time.monotonic() - began) < seconds:
+        across, along = (PRESS_CIRCLE * turn(2.0 * passed) for turn in (math.cos, math.sin))
+        point = [
+            p + across * r + along * u - PRESS_DEPTH * b
+            for p, r, u, b in zip(seen, right, up, back, strict=True)
+        ]
+        page.read(f"window.palpate.hand({point})")
+        time.sleep(0.005)
+    times: Times = page.read(f"window.palpate.editTimes.filter(({{edit}}) => edit > {first})")
+    page.read(f"window.palpate.place({above})")
+    page.read("document.querySelector('[data-testid=reset-matter]').click()")
+    page.wait("window.palpate.state.matter.model === null")
+    return times
+
+
+def _choose(page: Page, testid: str, value: str) -> None:
+    """Chooses from a list, as a person does."""
     page.read(
-        "(() => { const list = document.querySelector('[data-testid=edit-pace]');"
-        f" list.value = '{pace}'; list.dispatchEvent(new Event('change', {{bubbles: true}})); }})()"
+        f"(() => {{ const list = document.querySelector('[data-testid={testid}]');"
+        f" list.value = '{value}';"
+        " list.dispatchEvent(new Event('change', {bubbles: true})); })()"
     )
 
 

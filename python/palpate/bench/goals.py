@@ -25,6 +25,7 @@ __all__ = [
     "DEFAULT_STIFFNESS",
     "DRILLED",
     "EDIT_DRAWN",
+    "EDIT_PRESSED",
     "EDIT_SUSPENDED",
     "EMBEDDED",
     "EMBEDDED_ROWS",
@@ -431,6 +432,7 @@ SURFACE_ROWS = (
 
 EDIT_SUSPENDED = "drawing suspended"
 EDIT_DRAWN = "drawn in software"
+EDIT_PRESSED = "matter gives way, drawing suspended"
 
 
 def _edit_rows(case: str, *, goal: float | None) -> tuple[Goal, ...]:
@@ -456,6 +458,7 @@ GOALS: dict[str, tuple[Goal, ...]] = {
     "edit": (
         # the budget leaves drawing out, which takes all cores where there is no graphics card
         *_edit_rows(EDIT_SUSPENDED, goal=50.0),
+        *_edit_rows(EDIT_PRESSED, goal=50.0),
         *_edit_rows(EDIT_DRAWN, goal=None),
     ),
     "open": OPEN_ROWS,
