@@ -259,7 +259,7 @@ def _print_table(run: ScenarioRun) -> None:
             is_word = name in ("event", "segment")
             table.add_column(name, justify="left" if is_word else "right")
         for event in run.events:
-            felt = (f"{event.time:.2f}", f"{event.depth:.1f}", f"{event.force:.2f}")
+            felt = (f"{event.time:.2f}", f"{event.depth:.1f}", f"{event.force:z.2f}")
             table.add_row(event.kind, event.segment, *felt)
     # brackets are units there, not styles
     Console(markup=False).print(table)

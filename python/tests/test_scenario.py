@@ -21,10 +21,11 @@ from palpate.scenario_run import UNITS, Press, ScenarioEvent, ScenarioRun, read_
 from palpate.volume import Volume
 
 
-def told(name: str, tmp_path: Path, *options: str) -> ScenarioRun:
-    """Runs a scenario on the phantom, with its files; reads what it wrote."""
+def told(name: str, tmp_path: Path, *options: str | Path) -> ScenarioRun:
+    """Runs a scenario, by default on the phantom, with its files; reads what it wrote."""
     table, chart = tmp_path / "run.json", tmp_path / "run.png"
-    assert run(["scenario", name, "--json", str(table), "--plot", str(chart), *options]) == 0
+    given = map(str, options)
+    assert run(["scenario", name, "--json", str(table), "--plot", str(chart), *given]) == 0
     assert chart.stat().st_size > 10_000
     assert json.loads(table.read_text())["figures"]["violations"] == 0
     return read_run(table)
@@ -62,6 +63,41 @@ def test_a_drill_goes_in_with_a_steady_force_and_leaves_a_hole(tmp_path: Path) -
     behind = driven.travel - driven.tip
     assert behind.max() < driven.force.max() / 4.0 + 0.1
     assert driven.radius == 2.0
+
+
+@pytest.mark.data
+def test_a_needle_goes_through_a_real_liver_and_never_into_the_bone_behind_it(
+    data_folder: Path, tmp_path: Path
+) -> None:
+    folder = data_folder / "amos_0336"
+    labels = folder / "labels_from_meshes.nii.gz"
+    driven = told("needle-liver", tmp_path, folder / "amos_0336.mhd", "--segments", labels)
+    assert driven.spikes() == 0
+    assert driven.wall_at is not None
+    assert max(driven.tip.max(), driven.probe.max()) <= driven.wall_at
+    punctured = {event.segment: event for event in driven.events if event.kind == "punctured"}
+    assert list(punctured) == ["soft tissue", "liver"]
+    # the capsule rises above all that was before it; bone, far behind, to the limit
+    capsule = driven.time < punctured["liver"].time
+    assert driven.force[capsule].argmax() == np.count_nonzero(capsule) - 1
+    assert driven.wall_at > punctured["liver"].depth + 20.0
+    assert driven.force.max() >= 6.0
+
+
+@pytest.mark.data
+@pytest.mark.parametrize("scan", ["cthead_stanford/CThead.mha", "amos_0336/amos_0336.mhd"])
+def test_a_drill_makes_a_hole_in_real_bone_and_its_contact_begins_with_its_force(
+    scan: str, data_folder: Path, tmp_path: Path
+) -> None:
+    driven = told("drilling", tmp_path, data_folder / scan)
+    assert driven.spikes() == 0
+    contact = driven.events[0]
+    assert contact.kind == "contact"
+    # samples are some ticks apart
+    felt = np.flatnonzero(driven.force > 0.0)[0]
+    assert driven.time[felt - 1] < contact.time <= driven.time[felt]
+    assert driven.samples["volume"][-1] > 30.0
+    assert driven.samples["volume"][driven.time < contact.time].max() == 0.0
 
 
 def test_soft_tissue_is_stiffer_where_bone_is_near(tmp_path: Path) -> None:

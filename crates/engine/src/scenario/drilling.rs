@@ -100,13 +100,14 @@ pub fn drive_drill(
     Ok(run)
 }
 
-/// Contacts that began and ended; one that is gone for some passes of the simulation goes on.
+/// Contacts that began and ended, by their force, which can begin later than voxels hold the burr; one
+/// that is gone for some passes of the simulation goes on.
 fn events(samples: &[Sample]) -> Vec<DrillEvent> {
     let apart = APART_TICKS.max(TICKS_PER_PASS) as usize;
     let mut events = Vec::new();
     let mut last_contact = None;
     for (place, sample) in samples.iter().enumerate() {
-        let is_contact = sample.segment != 0;
+        let is_contact = sample.force > 0.0;
         let event = |is_contact, sample: &Sample| DrillEvent {
             is_contact,
             time: sample.time,
