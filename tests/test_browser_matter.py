@@ -184,7 +184,15 @@ def test_options_of_a_model_are_chosen_and_taken_back(page: Browser) -> None:
     page.do("press", key="Control+z")
     page.wait(f"{MATTER}.options.yield_strain === null")
     page.shows("matter-yields-value", "text === 'never, usual'")
+    page.do("click", testid="matter-options")
+    page.do("click", testid="reset-matter")
+    page.wait(f"{MATTER}.model === null")
 
+
+def test_options_of_particles_are_chosen_and_taken_back(page: Browser) -> None:
+    page.do("choose", testid="material-1", value="liver")
+    page.wait(f"{MATTER}.model === 'lattice'")
+    page.do("click", testid="matter-options")
     # another model offers other options
     page.do("choose", testid="deformation", value="fcc-lj")
     page.wait(f"{MATTER}.model === 'fcc-lj'")
@@ -193,9 +201,30 @@ def test_options_of_a_model_are_chosen_and_taken_back(page: Browser) -> None:
     page.wait(f"{MATTER}.options.binding === 0.5")
     page.do("click", testid="matter-walls")
     page.wait(f"{MATTER}.options.walls")
+    page.do("slide", testid="matter-layers", value=3)
+    page.wait(f"{MATTER}.options.layers === 3")
+    page.shows("matter-layers-value", "text === '3'")
+    page.do("click", testid="matter-calibration-wave-speed")
+    page.wait(f"{MATTER}.options.calibration === 'wave-speed'")
+    page.do("click", testid="matter-motion-fire")
+    page.wait(f"{MATTER}.options.motion === 'fire'")
+    chosen = "document.querySelector('[data-testid=matter-motion] .chosen').textContent.trim()"
+    page.wait(f"{chosen} === 'FIRE'")
+    page.do("press", key="Control+z")
+    page.wait(f"{MATTER}.options.motion === null")
+    page.wait(f"{chosen} === 'Friction'")
+    page.do("screenshot", path=str(OUTPUT / "matter_options_panel.png"))
     page.picture(OUTPUT / "matter_options.png")
     page.do("click", testid="usual-options")
     page.wait(f"!{MATTER}.options.walls && {MATTER}.options.binding === null")
+    page.wait(f"{MATTER}.options.layers === null && {MATTER}.options.calibration === null")
+    page.shows("matter-layers-value", "text === '1, usual'")
+
+    # one without an energy has no FIRE
+    page.do("choose", testid="deformation", value="cuboid-lj")
+    page.wait(f"{MATTER}.model === 'cuboid-lj'")
+    page.shows("matter-layers-value", "text === '1, usual'")
+    page.wait("document.querySelector('[data-testid=matter-motion]') === null")
     page.do("click", testid="matter-options")
     page.do("click", testid="reset-matter")
     page.wait(f"{MATTER}.model === null")

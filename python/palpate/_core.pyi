@@ -282,12 +282,22 @@ class Session:
     def set_deformation(
         self,
         model: str | None,
-        options: tuple[int | None, float | None, bool, tuple[float, float] | None, float | None],
+        options: tuple[
+            int | None,
+            float | None,
+            bool,
+            tuple[float, float] | None,
+            float | None,
+            int | None,
+            str | None,
+            str | None,
+        ],
         undoable: bool,
     ) -> None:
         """Chooses the model by which matter gives way; None makes all matter hard.
 
-        ``options``: edge, binding, walls, share and time [s] of what fades, and yield strain.
+        ``options``: edge, binding, walls, share and time [s] of what fades, yield strain, layers,
+        calibration and motion.
         """
 
     def set_material(

@@ -6,21 +6,31 @@ docs/algorithms/deformation.md says what the options do.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 from palpate import _core
 
 __all__ = [
     "Boxes",
+    "Calibration",
     "Fading",
     "Model",
     "ModelOptions",
+    "Motion",
     "Prony",
     "Range",
     "Shares",
     "deformation_models",
     "offered_models",
 ]
+
+
+Calibration = Literal["young", "wave-speed"]
+"""How the stiffness of particles follows from the material: by E, or by the speed of longitudinal
+waves as in the thesis (5.14)."""
+
+Motion = Literal["scaled-time", "fire"]
+"""How particles come to rest: they swing in scaled time with friction (thesis 5.17), or FIRE."""
 
 
 class Prony(NamedTuple):
@@ -48,6 +58,10 @@ class ModelOptions(NamedTuple):
     """Force that fades while matter is held; None for elastic matter."""
     yield_strain: float | None = None
     """Strain from which on matter stays as it is pressed; None where it comes back."""
+    layers: int | None = None
+    """Parts of the work of an answer, from the tool outward (thesis 5.21)."""
+    calibration: Calibration | None = None
+    motion: Motion | None = None
 
     @classmethod
     def of_state(cls, state: dict[str, Any]) -> ModelOptions:
@@ -107,6 +121,12 @@ class Model:
     """How its force can fade; None where it cannot."""
     yields: Range | None
     """Strains from which on its matter stays as it is pressed; None where it comes back."""
+    layers: int | None
+    """Layers at most, one is usual; None where its work is not parted."""
+    calibration: bool
+    """Whether calibrations can be chosen."""
+    motion: bool
+    """Whether motions can be chosen."""
 
 
 def offered_models() -> list[Model]:
@@ -121,6 +141,9 @@ def offered_models() -> list[Model]:
             walls=each["walls"],
             fades=None if each["fades"] is None else Fading(*(Range(*r) for r in each["fades"])),
             yields=None if each["yields"] is None else Range(*each["yields"]),
+            layers=each["layers"],
+            calibration=each["calibration"],
+            motion=each["motion"],
         )
         for each in _core.deformation_models()
     ]

@@ -115,6 +115,7 @@ from palpate.protocol_touch import (
 )
 from palpate.protocol_types import (
     BeforeOrAfter,
+    Calibration,
     Colour,
     Coordinate,
     ForceSource,
@@ -123,6 +124,7 @@ from palpate.protocol_types import (
     Index,
     Message,
     ModelName,
+    Motion,
     Name,
     NeedleEventKind,
     NodeCount,
@@ -149,6 +151,7 @@ __all__ = [
     "PROTOCOL_VERSION",
     "BeforeOrAfter",
     "Boxes",
+    "Calibration",
     "ChangeSettings",
     "ChangeShape",
     "Changed",
@@ -189,6 +192,7 @@ __all__ = [
     "Message",
     "ModelName",
     "ModelOptions",
+    "Motion",
     "MoveSegment",
     "MovedPose",
     "Name",

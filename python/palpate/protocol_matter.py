@@ -7,10 +7,12 @@ from typing import Annotated
 import msgspec
 
 from palpate.protocol_types import (
+    Calibration,
     ForceSource,
     GridPlace,
     Message,
     ModelName,
+    Motion,
     Name,
     NodeCount,
     SegmentId,
@@ -124,7 +126,8 @@ class DeformationModel(msgspec.Struct, frozen=True):
     ``title`` is its name as a person reads it. ``bonded`` ones are of nodes and bonds that can
     break, the others of particles. ``boxes`` is null where it takes all matter, ``binding`` where
     nothing is bound, ``fades`` where its force cannot; ``yields`` tells strains from which on
-    matter can stay as it is pressed, null where it always comes back.
+    matter can stay as it is pressed, null where it always comes back. ``layers`` are so many at
+    most, null where its work is not parted.
     """
 
     name: ModelName
@@ -135,6 +138,9 @@ class DeformationModel(msgspec.Struct, frozen=True):
     walls: bool
     fades: Fading | None
     yields: Range | None
+    layers: int | None
+    calibration: bool
+    motion: bool
 
 
 class Prony(msgspec.Struct, frozen=True):
@@ -149,7 +155,7 @@ class ModelOptions(msgspec.Struct, frozen=True):
 
     ``edge`` counts nodes or cells along its box, ``binding`` is a share of a link's stiffness
     (thesis 5.12), ``walls`` keep particles out of empty voxels (5.13), from ``yield_strain`` on
-    matter stays as it is pressed.
+    matter stays as it is pressed, ``layers`` part the work of an answer (5.21).
     """
 
     edge: Annotated[int, msgspec.Meta(ge=1, le=1001)] | None
@@ -157,6 +163,9 @@ class ModelOptions(msgspec.Struct, frozen=True):
     walls: bool
     prony: Prony | None
     yield_strain: Annotated[float, msgspec.Meta(gt=0.0, le=10.0)] | None
+    layers: Annotated[int, msgspec.Meta(ge=1, le=100)] | None
+    calibration: Calibration | None
+    motion: Motion | None
 
 
 class MatterState(msgspec.Struct, frozen=True):

@@ -12,6 +12,7 @@ import msgspec
 
 __all__ = [
     "BeforeOrAfter",
+    "Calibration",
     "Colour",
     "Coordinate",
     "ForceSource",
@@ -21,6 +22,7 @@ __all__ = [
     "LightFactor",
     "Message",
     "ModelName",
+    "Motion",
     "Name",
     "NeedleEventKind",
     "NodeCount",
@@ -132,6 +134,12 @@ Treatment = Literal["deformable", "rigid", "empty"]
 
 ForceSource = Literal["matter", "voxels"]
 """What a tool feels of matter that gives way: the model's force, or its voxels until they move."""
+
+Calibration = Literal["young", "wave-speed"]
+"""How the stiffness of particles follows from the material: by E, or by the speed of waves."""
+
+Motion = Literal["scaled-time", "fire"]
+"""How particles come to rest: in scaled time with friction, or FIRE."""
 
 ModelName = Annotated[str, msgspec.Meta(min_length=1, max_length=40)]
 """A model of deformation."""

@@ -52,6 +52,9 @@ def models() -> list[protocol.DeformationModel]:
             if each.fades is None
             else protocol.Fading(*(protocol.Range(*each) for each in each.fades)),
             yields=None if each.yields is None else protocol.Range(*each.yields),
+            layers=each.layers,
+            calibration=each.calibration,
+            motion=each.motion,
         )
         for each in offered_models()
     ]
@@ -66,6 +69,9 @@ def asked_options(wanted: protocol.ModelOptions) -> ModelOptions:
         walls=wanted.walls,
         prony=prony,
         yield_strain=wanted.yield_strain,
+        layers=wanted.layers,
+        calibration=wanted.calibration,
+        motion=wanted.motion,
     )
 
 

@@ -4,7 +4,7 @@ use palpate_deform::material::{
     MaterialError, MaterialLaw, PRESETS, Preset, Region, Solid, SolidSi, Treatment, preset,
 };
 use palpate_deform::model::{MODELS, Registered};
-use palpate_deform::model_options::{ModelOptions, Prony, Range};
+use palpate_deform::model_options::{Calibration, ModelOptions, Motion, Prony, Range};
 use palpate_engine::deformation::{DeformationNow, ForceSource};
 use palpate_engine::matter_view::ShownParts;
 use palpate_volume::edit::SegmentId;
@@ -171,6 +171,9 @@ fn offered<'py>(py: Python<'py>, model: &Registered) -> PyResult<Bound<'py, PyDi
         "walls": offers.walls,
         "fades": offers.fades.map(|fading| (range(fading.shares), range(fading.times))),
         "yields": offers.yields.map(range),
+        "layers": offers.layers,
+        "calibration": offers.calibration,
+        "motion": offers.motion,
     )
 }
 
@@ -178,25 +181,43 @@ fn range(range: Range) -> (f64, f64) {
     (range.least, range.most)
 }
 
-/// What of a model is not as usual: edge, binding, walls, share and time [s] of what fades, and the
-/// strain from which on matter yields.
+/// What of a model is not as usual: edge, binding, walls, share and time [s] of what fades, the
+/// strain from which on matter yields, layers, calibration and motion.
 pub type OptionsTuple = (
     Option<u32>,
     Option<f64>,
     bool,
     Option<(f64, f64)>,
     Option<f64>,
+    Option<u32>,
+    Option<String>,
+    Option<String>,
 );
 
+/// How the stiffness of particles follows from the material, by name.
+const CALIBRATIONS: [(&str, Calibration); 2] = [
+    ("young", Calibration::Young),
+    ("wave-speed", Calibration::WaveSpeed),
+];
+
+/// How particles come to rest, by name.
+const MOTIONS: [(&str, Motion); 2] = [("scaled-time", Motion::SCALED_TIME), ("fire", Motion::Rest)];
+
 /// What is chosen of a model.
-pub fn model_options((edge, binding, walls, prony, yield_strain): OptionsTuple) -> ModelOptions {
-    ModelOptions {
+pub fn model_options(options: OptionsTuple) -> Result<ModelOptions, CoreError> {
+    let (edge, binding, walls, prony, yield_strain, layers, calibration, motion) = options;
+    let calibration = calibration.map(|name| named("calibration", &CALIBRATIONS, &name));
+    let motion = motion.map(|name| named("motion", &MOTIONS, &name));
+    Ok(ModelOptions {
         edge,
         binding,
         walls,
         prony: prony.map(|(share, time)| Prony { share, time }),
         yield_strain,
-    }
+        layers,
+        calibration: calibration.transpose()?,
+        motion: motion.transpose()?,
+    })
 }
 
 fn options_dict<'py>(py: Python<'py>, options: &ModelOptions) -> PyResult<Bound<'py, PyDict>> {
@@ -212,7 +233,26 @@ fn options_dict<'py>(py: Python<'py>, options: &ModelOptions) -> PyResult<Bound<
         "walls": options.walls,
         "prony": prony.transpose()?,
         "yield_strain": options.yield_strain,
+        "layers": options.layers,
+        "calibration": options.calibration.and_then(|each| name_of(&CALIBRATIONS, each)),
+        "motion": options.motion.and_then(|each| name_of(&MOTIONS, each)),
     )
+}
+
+/// What is called so.
+fn named<T: Copy>(what: &str, known: &[(&str, T)], name: &str) -> Result<T, CoreError> {
+    let found = known.iter().find(|(known, _)| *known == name);
+    found.map(|(_, value)| *value).ok_or_else(|| {
+        let names: Vec<_> = known.iter().map(|(name, _)| *name).collect();
+        let names = names.join(", ");
+        CoreError::value(format!("{what} {name:?} given; allowed: {names}"))
+    })
+}
+
+/// How it is called.
+fn name_of<T: PartialEq>(known: &[(&'static str, T)], value: T) -> Option<&'static str> {
+    let found = known.iter().find(|(_, known)| *known == value);
+    found.map(|(name, _)| *name)
 }
 
 /// What a tool can feel of matter that gives way, by name.
@@ -223,16 +263,7 @@ const FORCE_SOURCES: [(&str, ForceSource); 2] = [
 
 /// What a tool is to feel, by its name.
 pub fn force_source(name: &str) -> Result<ForceSource, CoreError> {
-    let known = FORCE_SOURCES.iter().find(|(known, _)| *known == name);
-    known.map(|(_, source)| *source).ok_or_else(|| {
-        let names = FORCE_SOURCES.map(|(name, _)| name).join(", ");
-        CoreError::value(format!("force source {name:?} given; allowed: {names}"))
-    })
-}
-
-fn source_name(source: ForceSource) -> &'static str {
-    let known = FORCE_SOURCES.iter().find(|(_, known)| *known == source);
-    known.map_or("matter", |(name, _)| name)
+    named("force source", &FORCE_SOURCES, name)
 }
 
 /// How the deformation goes.
@@ -243,7 +274,7 @@ pub fn deformation_dict<'py>(
     dictionary!(py,
         "model": now.model,
         "options": options_dict(py, &now.options)?,
-        "force_source": source_name(now.source),
+        "force_source": name_of(&FORCE_SOURCES, now.source),
         "force": now.force.to_array(),
         "answers": now.answers,
         "late": now.late,

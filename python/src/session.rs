@@ -421,7 +421,7 @@ impl PySession {
         options: OptionsTuple,
         undoable: bool,
     ) -> Result<(), CoreError> {
-        let options = model_options(options);
+        let options = model_options(options)?;
         Ok(py.detach(|| self.session.set_deformation(model, options, undoable))?)
     }
 

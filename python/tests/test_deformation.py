@@ -198,6 +198,16 @@ def test_materials_are_named_with_their_sources() -> None:
     assert (models["fcc-lj"].fades, models["fcc-lj"].yields) == (None, None)
     assert models["fcc-lj"].binding == (0.0, 0.0, 2.0)
     assert models["fcc-lj"].walls
+    particles = {
+        name: (model.layers, model.calibration, model.motion) for name, model in models.items()
+    }
+    assert particles == {
+        "lattice": (None, False, False),
+        "fcc-lj": (8, True, True),
+        # it has no energy to be at rest in
+        "cuboid-lj": (8, True, False),
+        "global-lj": (None, True, False),
+    }
     assert models["global-lj"].boxes is None
     assert models["global-lj"].binding == (0.01, 0.3, 2.0)
     bone = next(preset for preset in material_presets() if preset.name == "thesis-bone")
@@ -206,11 +216,11 @@ def test_materials_are_named_with_their_sources() -> None:
     assert (bone.low.young, bone.high.young) == pytest.approx((5e9, 21e9))
 
 
-def pressing() -> Session:
+def pressing(deep: float = DEEP) -> Session:
     """A session that presses the gel for 1.6 s, and is away from it 0.6 s later."""
     path = ScriptedPath((24.3, 24.4, 30.0))
-    path = path.move((24.3, 24.4, TOP - DEEP), seconds=1.0)
-    path = path.move((24.3, 24.4, TOP - DEEP), seconds=0.6)
+    path = path.move((24.3, 24.4, TOP - deep), seconds=1.0)
+    path = path.move((24.3, 24.4, TOP - deep), seconds=0.6)
     path = path.move((24.3, 24.4, TOP + 20.0), seconds=0.4)
     path = path.move((24.3, 24.4, TOP + 20.0), seconds=0.6)
     session = Session(scene(), device=path, options=OFFLINE)
@@ -312,6 +322,20 @@ def test_a_model_takes_the_boxes_that_it_offers() -> None:
             ModelOptions(yield_strain=0.0),
             "a yield strain of 0 given for lattice; allowed: 0.005 to 0.5",
         ),
+        ("fcc-lj", ModelOptions(layers=9), "layers of 9 given for fcc-lj; allowed: 1 to 8"),
+        ("global-lj", ModelOptions(layers=2), "layers given for global-lj; allowed: none"),
+        ("lattice", ModelOptions(calibration="young"), "calibration given for lattice"),
+        ("cuboid-lj", ModelOptions(motion="fire"), "motion given for cuboid-lj; allowed: none"),
+        (
+            "fcc-lj",
+            ModelOptions(calibration="cheese"),  # type: ignore[arg-type]
+            'calibration "cheese" given; allowed: young, wave-speed',
+        ),
+        (
+            "fcc-lj",
+            ModelOptions(motion="clock"),  # type: ignore[arg-type]
+            'motion "clock" given; allowed: scaled-time, fire',
+        ),
         ("fcc-lj", ModelOptions(binding=float("nan")), "binding of NaN given"),
         ("lattice", ModelOptions(prony=Prony(1.0, 1.0)), "a share that fades of 1 given"),
         ("lattice", ModelOptions(prony=Prony(0.5, 0.0)), "a time of fading of 0 s given"),
@@ -386,6 +410,30 @@ def test_springs_to_where_particles_rest_make_them_stiffer() -> None:
     bound = held("fcc-lj", ModelOptions(edge=9, binding=1.0))
     # a spring as stiff as a link on each particle; by how much it counts depends on the dent
     assert bound > 1.1 * loose > 0.0
+
+
+def test_layers_calibrations_and_motions_are_felt_in_a_session() -> None:
+    def felt(**options: Any) -> float:
+        # deeper, the crystal slips, and each way to rest may end in another one
+        with pressing(deep=0.0) as session:
+            session.set_deformation("fcc-lj", ModelOptions(edge=9, **options))
+            session.run(1.55)
+            now = session.deformation()
+            assert now["options"] == ModelOptions(edge=9, **options)
+            assert now["slips"] == 0
+            assert session.undo()
+            assert session.deformation()["options"] == ModelOptions()
+            return float(np.linalg.norm(now["force"]))
+
+    usual = felt()
+    assert felt(layers=1, calibration="young", motion="scaled-time") == usual
+    # the same rest, reached on other ways
+    for options in ({"layers": 3}, {"motion": "fire"}):
+        other = felt(**options)
+        assert other != usual
+        assert other == pytest.approx(usual, rel=0.002)
+    # D is 2.36 times the usual with this ratio of Poisson; the coupling gives way to it
+    assert 2.0 < felt(calibration="wave-speed") / usual < 2.36
 
 
 def test_walls_keep_particles_out_of_empty_voxels() -> None:

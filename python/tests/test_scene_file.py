@@ -222,6 +222,33 @@ def test_a_scene_of_before_options_has_its_box(scan: Path, tmp_path: Path) -> No
         assert session.deformation()["options"] == ModelOptions(edge=11)
 
 
+def test_options_of_particles_come_back_and_of_before_them_there_are_none(
+    scan: Path, tmp_path: Path
+) -> None:
+    def of_before(about: dict[str, Any]) -> None:
+        about["options"] = about["options"][:5]
+
+    def restored() -> ModelOptions:
+        saved = open_scene(path)
+        with Session(Scene(saved.volume), options=STANDING) as session:
+            saved.restore(session)
+            session.run(0.01)
+            options: ModelOptions = session.deformation()["options"]
+            return options
+
+    path = tmp_path / "scene.palpate"
+    chosen = ModelOptions(edge=11, layers=3, calibration="wave-speed", motion="fire")
+    with edited(read(scan, unit="HU")) as session:
+        session.set_deformation("fcc-lj", chosen)
+        save_scene(path, session, copy=True)
+    assert restored() == chosen
+    rewritten(path, of_before)
+    assert restored() == ModelOptions(edge=11)
+    rewritten(path, lambda about: about.update(options=[11, None, False, None, None, 3, "cheese"]))
+    with pytest.raises(SceneFormatError, match="cannot be read"):
+        open_scene(path)
+
+
 @pytest.mark.parametrize("member", ["scene.json", "segments.journal"])
 def test_a_member_that_is_too_large_is_not_unpacked(
     scan: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, member: str

@@ -16,7 +16,16 @@ ZERO = (0.0, 0.0, 0.0)
 
 NO_TOOL = protocol.ToolState("none", 0.0, False, 0, 0.0, 0.0, 0.0, 0.0, 0, 1)  # noqa: FBT003
 
-USUAL = protocol.ModelOptions(None, None, walls=False, prony=None, yield_strain=None)
+USUAL = protocol.ModelOptions(
+    None,
+    None,
+    walls=False,
+    prony=None,
+    yield_strain=None,
+    layers=None,
+    calibration=None,
+    motion=None,
+)
 NO_NEEDLE = protocol.NeedleState(False, 0.0, 0, 0.0, 0.0, 0.0, 0)  # noqa: FBT003
 
 

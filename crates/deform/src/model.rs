@@ -20,6 +20,7 @@ use thiserror::Error;
 use crate::lattice::{LatticeModel, LatticeSettings};
 use crate::material::Materials;
 use crate::model_options::{Boxes, Fading, ModelOptions, Offers, Range, Shares, WrongOption};
+use crate::particles::local_model::MOST_LAYERS;
 use crate::particles::{GlobalModel, GlobalSettings, LocalModel, LocalSettings};
 
 /// Sizes of tools that make sense [mm].
@@ -315,6 +316,9 @@ const PARTICLES: Offers = Offers {
     walls: true,
     fades: None,
     yields: None,
+    layers: Some(MOST_LAYERS),
+    calibration: true,
+    motion: true,
 };
 
 /// All models; a new one is one entry here.
@@ -346,6 +350,9 @@ pub const MODELS: &[Registered] = &[
                 least: 0.005,
                 most: 0.5,
             }),
+            layers: None,
+            calibration: false,
+            motion: false,
         },
         make: |options| Box::new(LatticeModel::new(LatticeSettings::of(options))),
     },
@@ -360,7 +367,11 @@ pub const MODELS: &[Registered] = &[
         name: "cuboid-lj",
         title: "Particles, cuboid",
         bonded: false,
-        offers: PARTICLES,
+        offers: Offers {
+            // FIRE needs an energy
+            motion: false,
+            ..PARTICLES
+        },
         make: |options| Box::new(LocalModel::cuboid_lj(LocalSettings::of(options))),
     },
     Registered {
@@ -377,6 +388,9 @@ pub const MODELS: &[Registered] = &[
             walls: false,
             fades: None,
             yields: None,
+            layers: None,
+            calibration: true,
+            motion: false,
         },
         make: |options| Box::new(GlobalModel::global_lj(GlobalSettings::of(options))),
     },

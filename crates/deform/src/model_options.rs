@@ -1,11 +1,13 @@
 //! What can be chosen of a model beside its name, what each model offers, and what is refused.
 //!
-//! Source: thesis 5.9 (box), 5.12 (binding), 5.13 (walls); errata, sections 6 and 7
-//! (what yields and fades).
+//! Source: thesis 5.9 (box), 5.12 (binding), 5.13 (walls), 5.14 (calibration), 5.17 (motion),
+//! 5.21 (layers); errata, sections 6 and 7 (what yields and fades).
 
 use thiserror::Error;
 
 pub use crate::lattice::Prony;
+pub use crate::particles::Motion;
+pub use crate::particles::calibration::Calibration;
 
 /// What is chosen of a model; nothing chosen is as usual.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -20,6 +22,12 @@ pub struct ModelOptions {
     pub prony: Option<Prony>,
     /// Strain from which on matter stays as it is pressed; none where it comes back.
     pub yield_strain: Option<f64>,
+    /// Parts of the work of an answer, from the tool outward (5.21).
+    pub layers: Option<u32>,
+    /// How the stiffness of particles follows from the material.
+    pub calibration: Option<Calibration>,
+    /// How particles come to rest.
+    pub motion: Option<Motion>,
 }
 
 /// What a model lets choose.
@@ -35,6 +43,12 @@ pub struct Offers {
     pub fades: Option<Fading>,
     /// Strains from which on its matter can stay as it is pressed; none where it always comes back.
     pub yields: Option<Range>,
+    /// Layers at most, one is usual; none where its work is not parted.
+    pub layers: Option<u32>,
+    /// Whether calibrations can be chosen.
+    pub calibration: bool,
+    /// Whether motions can be chosen.
+    pub motion: bool,
 }
 
 /// Boxes of a model that moves with the tool, by the nodes or cells along each edge: odd.
@@ -92,9 +106,6 @@ impl Offers {
             };
             check_within(name, "binding", "", binding, Range { least, most })?;
         }
-        if options.walls && !self.walls {
-            return Err(not_offered(name, "walls"));
-        }
         if let Some(Prony { share, time }) = options.prony {
             let Some(Fading { shares, times }) = self.fades else {
                 return Err(not_offered(name, "a force that fades"));
@@ -108,7 +119,35 @@ impl Offers {
             };
             check_within(name, "a yield strain", "", strain, strains)?;
         }
-        Ok(())
+        self.check_particles(name, options)
+    }
+
+    fn check_particles(
+        &self,
+        name: &'static str,
+        options: &ModelOptions,
+    ) -> Result<(), WrongOption> {
+        if let Some(layers) = options.layers {
+            let most = self.layers.ok_or(not_offered(name, "layers"))?;
+            let range = Range {
+                least: 1.0,
+                most: f64::from(most),
+            };
+            check_within(name, "layers", "", f64::from(layers), range)?;
+        }
+        let chosen = [
+            ("walls", options.walls, self.walls),
+            (
+                "calibration",
+                options.calibration.is_some(),
+                self.calibration,
+            ),
+            ("motion", options.motion.is_some(), self.motion),
+        ];
+        match chosen.iter().find(|(_, is, may)| *is && !*may) {
+            Some((option, ..)) => Err(not_offered(name, option)),
+            None => Ok(()),
+        }
     }
 
     fn check_edge(&self, name: &'static str, edge: u32) -> Result<(), WrongOption> {

@@ -2,11 +2,17 @@
 
 mod liver;
 
+use std::time::{Duration, Instant};
+
 use glam::{DMat3, DQuat, DVec3, UVec3};
-use liver::{H, SIDE, TOP, advance, ball, force, models, scan};
+use liver::{H, SIDE, TOP, advance, ball, force, models, picture, scan};
 use palpate_deform::material::{MaterialLaw, Materials, Region, SegmentMatter, Treatment, preset};
-use palpate_deform::model::{ToolShape, ToolState};
-use palpate_deform::particles::{LocalModel, LocalSettings, Motion};
+use palpate_deform::model::{
+    Budget, DeformationModel, ModelInput, ToolShape, ToolState, model_from_name,
+};
+use palpate_deform::model_options::{Calibration, ModelOptions};
+use palpate_deform::particles::calibration::{LatticeKind, LatticeScale};
+use palpate_deform::particles::{FadedLaw, LocalModel, LocalSettings, Motion};
 use palpate_volume::grid::Grid;
 use palpate_volume::intensities::Intensities;
 use palpate_volume::segment::Segment;
@@ -143,6 +149,148 @@ fn binding_walls_and_layers_do_what_they_say() {
         (layered.0 / free.0 - 1.0).abs() < 0.05,
         "{layered:?} {free:?}"
     );
+}
+
+/// Nothing but these layers, calibration and motion.
+fn chosen(
+    layers: Option<u32>,
+    calibration: Option<Calibration>,
+    motion: Option<Motion>,
+) -> ModelOptions {
+    ModelOptions {
+        layers,
+        calibration,
+        motion,
+        ..ModelOptions::default()
+    }
+}
+
+#[test]
+fn layers_calibrations_and_motions_are_refused_where_a_model_has_none() {
+    let refused = |name: &str, options: &ModelOptions| {
+        let model = model_from_name(name).unwrap().with(options);
+        model.unwrap_err().to_string()
+    };
+    let layers = |count| chosen(Some(count), None, None);
+    let waves = chosen(None, Some(Calibration::WaveSpeed), None);
+    let resting = chosen(None, None, Some(Motion::Rest));
+    for (name, option, options) in [
+        ("lattice", "layers", layers(1)),
+        ("global-lj", "layers", layers(2)),
+        ("lattice", "calibration", waves),
+        ("lattice", "motion", resting),
+        ("global-lj", "motion", resting),
+        // its law has no energy to be at rest in
+        ("cuboid-lj", "motion", resting),
+    ] {
+        let none = "allowed: none, this model has no such option";
+        assert_eq!(
+            refused(name, &options),
+            format!("{option} given for {name}; {none}")
+        );
+    }
+    for count in [0, 9] {
+        assert_eq!(
+            refused("fcc-lj", &layers(count)),
+            format!("layers of {count} given for fcc-lj; allowed: 1 to 8")
+        );
+    }
+}
+
+/// The first layer alone would come to rest in more than twice the time there is.
+#[test]
+fn each_layer_has_its_share_of_the_time() {
+    let (mut voxels, materials) = scan(DVec3::splat(H));
+    let mut model = LocalModel::fcc_lj(LocalSettings {
+        box_cells: 25,
+        layers: 3,
+        ..Default::default()
+    });
+    let tool = ball(&voxels, 0.6);
+    // the box is there, and nothing has moved yet
+    advance(&mut model, &mut voxels, &materials, &[tool], 0);
+    let outer = |model: &LocalModel<FadedLaw>| {
+        let middle = H * f64::from(SIDE / 2);
+        let homes = model
+            .particles()
+            .map(|(place, moved)| (place - moved, moved));
+        let outer = homes.filter(|(home, _)| (home.x - middle).abs() > 6.0 * H);
+        outer.map(|(_, moved)| moved.length()).fold(0.0, f64::max)
+    };
+    assert_eq!(outer(&model), 0.0);
+    model.advance(&ModelInput {
+        voxels: &voxels,
+        materials: &materials,
+        tools: &[tool],
+        dt: 0.03,
+        budget: Budget {
+            iterations: u32::MAX,
+            deadline: Some(Instant::now() + Duration::from_millis(100)),
+        },
+    });
+    assert!(outer(&model) > 0.0);
+}
+
+/// As in a session: so many iterations for an answer, and the tool stays for some answers.
+#[test]
+fn layers_calibrations_and_motions_of_a_session_do_what_they_say() {
+    let press = |name: &str, options: ModelOptions| {
+        let edge = model_from_name(name).unwrap().offers.boxes.map(|_| 11);
+        let options = ModelOptions { edge, ..options };
+        let mut model = model_from_name(name).unwrap().with(&options).unwrap();
+        let (mut voxels, materials) = scan(DVec3::splat(H));
+        let before = picture(&voxels);
+        let mut answers = |depth: f64, count: u32| {
+            let tool = ball(&voxels, depth);
+            let answers =
+                (0..count).map(|_| advance(&mut *model, &mut voxels, &materials, &[tool], 80));
+            answers.last().map_or(0.0, |answer| force(&answer).z)
+        };
+        // deeper, the crystal slips, and each way to rest may end in another one
+        for step in 0..6 {
+            answers(0.1 * f64::from(step), 1);
+        }
+        let pressed = answers(0.6, 10);
+        answers(-6.0, 40);
+        assert!(picture(&voxels) == before, "{name}: {options:?}");
+        pressed
+    };
+    let nothing = chosen(None, None, None);
+    let usual = press("fcc-lj", nothing);
+    // what is usual can be said, and is the same to the bit
+    let said = chosen(Some(1), Some(Calibration::Young), Some(Motion::SCALED_TIME));
+    assert_eq!(press("fcc-lj", said), usual);
+
+    // the same rest, reached on other ways
+    for options in [
+        chosen(Some(3), None, None),
+        chosen(None, None, Some(Motion::Rest)),
+        chosen(Some(3), None, Some(Motion::Rest)),
+    ] {
+        let other = press("fcc-lj", options);
+        assert!(other != usual, "{options:?}");
+        // what is left of unbalanced force, a ten-thousandth of this at each of many particles
+        assert!(
+            (other / usual - 1.0).abs() < 0.002,
+            "{options:?}: {other} {usual}"
+        );
+    }
+    // all forces go with D: 2.36 times the usual for liver on FCC
+    let liver = preset("liver").unwrap().law().unwrap().at(0.0);
+    let waves = chosen(None, Some(Calibration::WaveSpeed), None);
+    for (name, kind) in [
+        ("fcc-lj", LatticeKind::Fcc),
+        ("cuboid-lj", LatticeKind::Cuboid),
+        ("global-lj", LatticeKind::Fcc),
+    ] {
+        let depth = |by| LatticeScale::new(kind, H).depth(&liver, by);
+        let stiffer = depth(Calibration::WaveSpeed) / depth(Calibration::Young);
+        let ratio = press(name, waves) / press(name, nothing);
+        assert!(
+            stiffer > 1.5 && (ratio / stiffer - 1.0).abs() < 1e-3,
+            "{name}: {ratio} {stiffer}"
+        );
+    }
 }
 
 #[test]

@@ -84,6 +84,12 @@ export type Treatment = "deformable" | "rigid" | "empty";
 /** What a tool feels of matter that gives way: the model's force, or its voxels until they move. */
 export type ForceSource = "matter" | "voxels";
 
+/** How the stiffness of particles follows from the material: by E, or by the speed of waves. */
+export type Calibration = "young" | "wave-speed";
+
+/** How particles come to rest: in scaled time with friction, or FIRE. */
+export type Motion = "scaled-time" | "fire";
+
 /** A model of deformation. */
 export type ModelName = string;
 
@@ -297,7 +303,8 @@ export interface Fading {
  * `title` is its name as a person reads it. `bonded` ones are of nodes and bonds that can
  * break, the others of particles. `boxes` is null where it takes all matter, `binding` where
  * nothing is bound, `fades` where its force cannot; `yields` tells strains from which on
- * matter can stay as it is pressed, null where it always comes back.
+ * matter can stay as it is pressed, null where it always comes back. `layers` are so many at
+ * most, null where its work is not parted.
  */
 export interface DeformationModel {
   readonly name: ModelName;
@@ -308,6 +315,9 @@ export interface DeformationModel {
   readonly walls: boolean;
   readonly fades: Fading | null;
   readonly yields: Range | null;
+  readonly layers: number | null;
+  readonly calibration: boolean;
+  readonly motion: boolean;
 }
 
 /**
@@ -383,7 +393,7 @@ export interface Prony {
  *
  * `edge` counts nodes or cells along its box, `binding` is a share of a link's stiffness
  * (thesis 5.12), `walls` keep particles out of empty voxels (5.13), from `yield_strain` on
- * matter stays as it is pressed.
+ * matter stays as it is pressed, `layers` part the work of an answer (5.21).
  */
 export interface ModelOptions {
   readonly edge: number | null;
@@ -391,6 +401,9 @@ export interface ModelOptions {
   readonly walls: boolean;
   readonly prony: Prony | null;
   readonly yield_strain: Stiffness | null;
+  readonly layers: number | null;
+  readonly calibration: Calibration | null;
+  readonly motion: Motion | null;
 }
 
 /**
@@ -1389,6 +1402,10 @@ const isTreatment = oneOf("deformable", "rigid", "empty");
 
 const isForceSource = oneOf("matter", "voxels");
 
+const isCalibration = oneOf("young", "wave-speed");
+
+const isMotion = oneOf("scaled-time", "fire");
+
 const isModelName = text({ ge: 1, le: 40 });
 
 const isIndex = whole({ ge: -2147483648, lt: 2147483648 });
@@ -1540,6 +1557,9 @@ const isDeformationModel = record({
   walls: flag,
   fades: nullable(isFading),
   yields: nullable(isRange),
+  layers: nullable(whole()),
+  calibration: flag,
+  motion: flag,
 });
 
 const isHello = record({
@@ -1595,6 +1615,9 @@ const isModelOptions = record({
   walls: flag,
   prony: nullable(isProny),
   yield_strain: nullable(isStiffness),
+  layers: nullable(whole({ ge: 1, le: 100 })),
+  calibration: nullable(isCalibration),
+  motion: nullable(isMotion),
 });
 
 const isMatterState = record({

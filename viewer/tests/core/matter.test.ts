@@ -24,8 +24,8 @@ const presets: readonly MaterialPreset[] = [
   { name: "thesis-bone", source: "thesis", needs_hounsfield: true, low: { ...hard, young: 5e9, poisson: 0.3 }, high: hard },
 ];
 const models: readonly DeformationModel[] = [
-  { name: "lattice", title: "Lattice", bonded: true, boxes: { least: 9, usual: 21, most: 41 }, binding: null, walls: false, fades, yields },
-  { name: "global-lj", title: "Particles", bonded: false, boxes: null, binding: { least: 0.01, usual: 0.3, most: 2 }, walls: false, fades: null, yields: null },
+  { name: "lattice", title: "Lattice", bonded: true, boxes: { least: 9, usual: 21, most: 41 }, binding: null, walls: false, fades, yields, layers: null, calibration: false, motion: false },
+  { name: "global-lj", title: "Particles", bonded: false, boxes: null, binding: { least: 0.01, usual: 0.3, most: 2 }, walls: false, fades: null, yields: null, layers: null, calibration: true, motion: false },
 ];
 
 test("moduli are written with three digits and the unit that fits", () => {

@@ -9,8 +9,8 @@ const yields = { least: 0.005, most: 0.5 };
 const soft: Constants = { young: 5500, poisson: 0.45, density: 1060, breaking_strain: 0.34, friction: 0.2 };
 const presets: readonly MaterialPreset[] = [{ name: "liver", source: "a paper", needs_hounsfield: false, low: soft, high: soft }];
 const models: readonly DeformationModel[] = [
-  { name: "lattice", title: "Lattice", bonded: true, boxes: { least: 9, usual: 21, most: 41 }, binding: null, walls: false, fades, yields },
-  { name: "global-lj", title: "Particles", bonded: false, boxes: null, binding: { least: 0.01, usual: 0.3, most: 2 }, walls: false, fades: null, yields: null },
+  { name: "lattice", title: "Lattice", bonded: true, boxes: { least: 9, usual: 21, most: 41 }, binding: null, walls: false, fades, yields, layers: null, calibration: false, motion: false },
+  { name: "global-lj", title: "Particles", bonded: false, boxes: null, binding: { least: 0.01, usual: 0.3, most: 2 }, walls: false, fades: null, yields: null, layers: null, calibration: true, motion: false },
 ];
 
 test("what was chosen comes back, by the names of segments", () => {

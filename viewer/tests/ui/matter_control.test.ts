@@ -22,7 +22,7 @@ class Visit {
     { id: 1, name: "Liver", material: null, regions: [] },
   ];
   readonly presets = [{ name: "liver" }];
-  readonly models = [{ name: "lattice", boxes: null, binding: null, walls: false, fades, yields }];
+  readonly models = [{ name: "lattice", boxes: null, binding: null, walls: false, fades, yields, layers: null, calibration: false, motion: false }];
   latest: State | null = null;
   parts: MatterParts | null = null;
   source: ForceSource = "matter";

@@ -84,6 +84,7 @@ impl GlobalSettings {
         let usual = Self::default();
         Self {
             binding: options.binding.unwrap_or(usual.binding),
+            calibration: options.calibration.unwrap_or(usual.calibration),
             ..usual
         }
     }
@@ -230,11 +231,8 @@ impl GlobalState {
         let side = (4.0 * volume / f64::from(settings.max_particles)).cbrt();
         let scale = LatticeScale::new(LatticeKind::Fcc, side.max(grid.smallest_spacing()));
         let length = (region.size().as_dvec3() * grid.spacing()).max_element();
-        let motion = Motion::ScaledTime {
-            step_share: 0.05,
-            friction: None,
-        };
-        let body = ParticleBody::new(grid, scale, settings.max_particles as usize, motion);
+        let most = settings.max_particles as usize;
+        let body = ParticleBody::new(grid, scale, most, Motion::SCALED_TIME);
         let length = length.max(scale.cell).min(20.0 * scale.cell);
         let mut state = Self {
             body: body.bound(0.0, length),

@@ -19,6 +19,9 @@ use crate::model_options::ModelOptions;
 /// Half axis of a tool, at least: a thinner one would slip between particles [a].
 const THINNEST: f64 = 0.5;
 
+/// Layers at most.
+pub const MOST_LAYERS: u32 = 8;
+
 /// How particles come to rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Motion {
@@ -33,6 +36,14 @@ pub enum Motion {
     },
     /// FIRE. For conservative laws only: `cuboid-lj` takes scaled time instead.
     Rest,
+}
+
+impl Motion {
+    /// As usual.
+    pub const SCALED_TIME: Self = Self::ScaledTime {
+        step_share: 0.05,
+        friction: None,
+    };
 }
 
 /// What can be chosen.
@@ -64,10 +75,7 @@ impl Default for LocalSettings {
             box_cells: 13,
             border_cells: 2,
             calibration: Calibration::Young,
-            motion: Motion::ScaledTime {
-                step_share: 0.05,
-                friction: None,
-            },
+            motion: Motion::SCALED_TIME,
             binding: 0.0,
             walls: false,
             layers: 1,
@@ -85,6 +93,9 @@ impl LocalSettings {
             box_cells: options.edge.map_or(usual.box_cells, |cells| cells as i32),
             binding: options.binding.unwrap_or(usual.binding),
             walls: options.walls,
+            layers: options.layers.unwrap_or(usual.layers),
+            calibration: options.calibration.unwrap_or(usual.calibration),
+            motion: options.motion.unwrap_or(usual.motion),
             ..usual
         }
     }
@@ -93,7 +104,7 @@ impl LocalSettings {
     pub(super) fn sane(mut self) -> Self {
         self.box_cells = self.box_cells.clamp(7, 41) | 1;
         self.border_cells = self.border_cells.clamp(1, (self.box_cells - 3) / 2);
-        self.layers = self.layers.clamp(1, 8);
+        self.layers = self.layers.clamp(1, MOST_LAYERS);
         // comparisons with NaN are false
         self.binding = if self.binding > 0.0 {
             self.binding.min(10.0)
@@ -182,7 +193,7 @@ impl<L: LocalLaw> LocalModel<L> {
     fn new(settings: LocalSettings) -> Self {
         let mut settings = settings.sane();
         if !L::CONSERVATIVE && settings.motion == Motion::Rest {
-            settings.motion = LocalSettings::default().motion;
+            settings.motion = Motion::SCALED_TIME;
         }
         Self {
             settings,

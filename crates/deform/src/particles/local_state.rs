@@ -1,5 +1,7 @@
 //! The state of a local model: its box, its particles and what it has written.
 
+use std::time::Instant;
+
 use glam::{DVec3, IVec3, UVec3};
 use palpate_volume::edit::Edit;
 use palpate_volume::grid::Grid;
@@ -266,19 +268,22 @@ impl<L: LocalLaw> LocalState<L> {
 
     /// Moves particles until they rest or the budget is spent, layer by layer.
     pub fn relax(&mut self, tools: &[(u32, ParticleTool)], budget: &Budget) -> Relaxed {
+        let began = Instant::now();
         let layers = self.settings.layers;
-        let part = Budget {
-            iterations: budget.iterations / layers,
-            ..*budget
-        };
+        let part = budget.iterations / layers;
         let mut done = 0;
         for layer in 1..layers {
             self.freeze_outside(layer);
+            let share = f64::from(layer) / f64::from(layers);
+            let part = Budget {
+                iterations: part,
+                ..budget.until(began, share)
+            };
             done += self.relax_now(tools, &part).report.iterations;
         }
         self.freeze_outside(layers);
         let rest = Budget {
-            iterations: budget.iterations - part.iterations * (layers - 1),
+            iterations: budget.iterations - part * (layers - 1),
             ..*budget
         };
         let mut relaxed = self.relax_now(tools, &rest);
