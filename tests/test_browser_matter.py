@@ -209,10 +209,11 @@ def test_options_of_particles_are_chosen_and_taken_back(page: Browser) -> None:
     page.do("click", testid="matter-motion-fire")
     page.wait(f"{MATTER}.options.motion === 'fire'")
     chosen = "document.querySelector('[data-testid=matter-motion] .chosen').textContent.trim()"
-    page.wait(f"{chosen} === 'FIRE'")
+    # also where it is taken back before the page has drawn it
     page.do("press", key="Control+z")
     page.wait(f"{MATTER}.options.motion === null")
     page.wait(f"{chosen} === 'Friction'")
+    page.wait("document.querySelector('[data-testid=matter-motion-scaled-time]').checked")
     page.do("screenshot", path=str(OUTPUT / "matter_options_panel.png"))
     page.picture(OUTPUT / "matter_options.png")
     page.do("click", testid="usual-options")
