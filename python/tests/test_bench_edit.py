@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 from palpate.bench.edit import figures_of, rows_of
-from palpate.bench.goals import EDIT_DRAWN, EDIT_SUSPENDED, GOALS
+from palpate.bench.goals import EDIT_DRAWN, EDIT_PRESSED, EDIT_SUSPENDED, GOALS
 from palpate.bench.page import chromium
 from palpate.errors import OptionError
 
@@ -26,11 +26,12 @@ def test_figures_are_in_seconds_with_the_wait_and_without() -> None:
 
 
 def test_every_goal_has_its_row_and_the_budget_is_that_of_the_design() -> None:
-    rows = rows_of({EDIT_SUSPENDED: TIMES, EDIT_DRAWN: TIMES})
+    rows = rows_of({EDIT_SUSPENDED: TIMES, EDIT_PRESSED: TIMES, EDIT_DRAWN: TIMES})
     assert len(rows) == len(GOALS["edit"])
     assert {(row.case, row.metric) for row in rows if row.goal is not None} == {
-        (EDIT_SUSPENDED, "applied to last upload, median"),
-        (EDIT_SUSPENDED, "applied to last upload, 95 %"),
+        (case, f"applied to last upload, {quantile}")
+        for case in (EDIT_SUSPENDED, EDIT_PRESSED)
+        for quantile in ("median", "95 %")
     }
     assert {row.goal for row in rows} == {None, 50.0}
 
