@@ -175,6 +175,14 @@ def test_the_view_shows_it_too_and_follows_another_transform(lungs: Browser) -> 
     without = lungs.picture(OUTPUT / "second_view_without.png")
     assert np.abs(shown - without).mean() > 0.5 / 255
     lungs.do("click", testid="second-view")
+    # a switch that is taken back before the page is drawn again shows what is
+    switch = "document.querySelector('[data-testid=second-view]')"
+    undo = "new KeyboardEvent('keydown', { key: 'z', ctrlKey: true })"
+    shown_at_once = lungs.read(
+        f"({switch}.click(), window.dispatchEvent({undo}), {switch}.checked)"
+    )
+    assert not shown_at_once
+    lungs.wait(f"{switch}.checked")
     # cells of one and the other are neither both at once nor the first alone
     lungs.do("choose", testid="second-fusion", value="checkerboard")
     lungs.do("slide", testid="second-square", value=60)

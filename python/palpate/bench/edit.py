@@ -19,6 +19,7 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -108,20 +109,12 @@ PARTS = ("way", "wait", "work")
 def erased(page: Page, seconds: float) -> Times:
     """Erases for a while; returns what the edits took, and takes them back."""
     page.wait("window.palpate.finished || window.palpate.drawingSuspended")
-    seen, (right, up, back) = _aim(page)
+    seen, axes = _aim(page)
     first = page.read("window.palpate.lastEdit")
     page.read(f"window.palpate.place({seen})")
     _key(page, "e")
     _key(page, "x")
-    began = time.monotonic()
-    while (passed := time.monotonic() - began) < seconds:
-        across, along = CIRCLE * math.cos(2.0 * passed), CIRCLE * math.sin(2.0 * passed)
-        point = [
-            p + across * r + along * u - DEEPER * passed * b
-            for p, r, u, b in zip(seen, right, up, back, strict=True)
-        ]
-        page.read(f"window.palpate.hand({point})")
-        time.sleep(0.005)
+    _lead(page, seen, axes, seconds=seconds, radius=CIRCLE, depth=lambda t: DEEPER * t)
     _key(page, "x", kind="keyup")
     page.wait("!window.palpate.state.tool.on")
     times: Times = page.read(f"window.palpate.editTimes.filter(({{edit}}) => edit > {first})")
@@ -134,26 +127,39 @@ def erased(page: Page, seconds: float) -> Times:
 def pressed(page: Page, seconds: float) -> Times:
     """Presses soft matter for a while; returns what its changes took, and leaves it hard again."""
     page.wait("window.palpate.finished || window.palpate.drawingSuspended")
-    seen, (right, up, back) = _aim(page)
+    seen, axes = _aim(page)
     _choose(page, f"material-{FIRST_SEGMENT}", SOFT)
     page.wait("window.palpate.state.matter.model !== null")
-    above = [p + 2.0 * PRESS_DEPTH * b for p, b in zip(seen, back, strict=True)]
+    above = [p + 2.0 * PRESS_DEPTH * b for p, b in zip(seen, axes[2], strict=True)]
     page.read(f"window.palpate.place({above})")
     first = page.read("window.palpate.lastEdit")
-    began = time.monotonic()
-    while (passed := time.monotonic() - began) < seconds:
-        across, along = (PRESS_CIRCLE * turn(2.0 * passed) for turn in (math.cos, math.sin))
-        point = [
-            p + across * r + along * u - PRESS_DEPTH * b
-            for p, r, u, b in zip(seen, right, up, back, strict=True)
-        ]
-        page.read(f"window.palpate.hand({point})")
-        time.sleep(0.005)
+    _lead(page, seen, axes, seconds=seconds, radius=PRESS_CIRCLE, depth=lambda _: PRESS_DEPTH)
     times: Times = page.read(f"window.palpate.editTimes.filter(({{edit}}) => edit > {first})")
     page.read(f"window.palpate.place({above})")
     page.read("document.querySelector('[data-testid=reset-matter]').click()")
     page.wait("window.palpate.state.matter.model === null")
     return times
+
+
+def _lead(
+    page: Page,
+    seen: list[float],
+    axes: list[list[float]],
+    *,
+    seconds: float,
+    radius: float,
+    depth: Callable[[float], float],
+) -> None:
+    """Leads the hand in circles about what is seen, as deep [mm] as it is after some seconds."""
+    began = time.monotonic()
+    while (passed := time.monotonic() - began) < seconds:
+        across, along = (radius * turn(2.0 * passed) for turn in (math.cos, math.sin))
+        point = [
+            p + across * r + along * u - depth(passed) * b
+            for p, r, u, b in zip(seen, *axes, strict=True)
+        ]
+        page.read(f"window.palpate.hand({point})")
+        time.sleep(0.005)
 
 
 def _choose(page: Page, testid: str, value: str) -> None:

@@ -61,3 +61,8 @@ export function formatPlace([x, y, z]: Vec3, known: boolean): string {
     `${value < 0 ? negative : positive} ${Math.abs(value).toFixed(1)}`;
   return `${along(x, "L", "R")}  ${along(y, "P", "A")}  ${along(z, "S", "I")} mm`;
 }
+
+/** The same with a capital. */
+export function capitalised(text: string): string {
+  return text.charAt(0).toUpperCase() + text.slice(1);
+}

@@ -2,6 +2,7 @@
  * What segments are made of and by which model they give way, as the page offers it: names, and
  * ranges of the controls. Moduli [Pa].
  */
+import { capitalised } from "./format";
 import { described, writtenConstants } from "./matter_constants";
 import type { Boxes, Constants, DeformationModel, ForceSource, MaterialPreset, SegmentMaterial } from "./protocol";
 
@@ -23,8 +24,7 @@ export const forceSources: readonly { readonly value: ForceSource; readonly name
 
 /** "Cortical bone", of "cortical-bone". */
 export function presetName(preset: string): string {
-  const words = preset.replaceAll("-", " ");
-  return words.charAt(0).toUpperCase() + words.slice(1);
+  return capitalised(preset.replaceAll("-", " "));
 }
 
 /** "Thesis bone (by HU)": with what its constants follow. */

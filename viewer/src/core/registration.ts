@@ -3,6 +3,7 @@
  * Points of the first scan are scene [mm], those of the second its own patient [mm].
  */
 import { invertAffine, transformPoint, type Affine } from "./affine";
+import { capitalised } from "./format";
 import type { Mark } from "./measure";
 import type { FoundRegistration, PointPair, RegistrationKind, RegistrationLevel, RegistrationMetric, RegistrationStart } from "./protocol";
 import { distance, isPoint, type Vec3 } from "./vector";
@@ -80,7 +81,7 @@ export function curveColumns(curve: readonly RegistrationLevel[]): readonly [num
 /** What was found, in two sentences. */
 export function saidOf({ metric, before, after, overlap, moved_mean, moved_most }: FoundRegistration): readonly [string, string] {
   const name = metrics.find((choice) => choice.name === metric)?.label ?? metric;
-  const alike = `${name.charAt(0).toUpperCase()}${name.slice(1)} ${number(before)} → ${number(after)}, less is better; ${(100 * overlap).toFixed(0)} % covered.`;
+  const alike = `${capitalised(name)} ${number(before)} → ${number(after)}, less is better; ${(100 * overlap).toFixed(0)} % covered.`;
   return [alike, `Points moved by ${moved_mean.toFixed(1)} mm, at most ${moved_most.toFixed(1)} mm.`];
 }
 

@@ -1,6 +1,6 @@
 /** Opens scans: looks for them, takes those that are dropped, and has the engine show one. */
 import { layoutText, wholeVoxel, type Bare, type LaidOut, type ToldLayout } from "../core/bare";
-import { formatBytes, formatCount } from "../core/format";
+import { capitalised, formatBytes, formatCount } from "../core/format";
 import { isSingle, refusalOf, type About, type Autosave, type FoundLabels, type GivenFile, type JobLine, type ListedScan, type RecentScan } from "../core/library";
 import type { Projections, ReconstructionGrid, ReconstructionRequest } from "../core/reconstruction";
 import type { Vec3 } from "../core/vector";
@@ -350,5 +350,5 @@ export function titleOf({ beside, segments }: Pick<Library, "beside" | "segments
 
 /** The engine's sentences begin small, as on the command line; a file's name stays as it is. */
 function sentence(text: string): string {
-  return /^[a-z]+(?=[\s,;:]|$)/.test(text) ? text.charAt(0).toUpperCase() + text.slice(1) : text;
+  return /^[a-z]+(?=[\s,;:]|$)/.test(text) ? capitalised(text) : text;
 }
