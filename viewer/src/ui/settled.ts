@@ -6,7 +6,9 @@
 /** Until an answer of the engine is there, nearly always [ms]; a control does not jump to and fro meanwhile. */
 const patience = 1000;
 
-/** Has a control show what is, some time after it was used. */
-export function settle(show: () => void): void {
-  setTimeout(show, patience);
+/** Has a control show what is, some time after it was used, if it is still on the page. */
+export function settle(control: HTMLElement, show: () => void): void {
+  setTimeout(() => {
+    if (control.isConnected) show();
+  }, patience);
 }
