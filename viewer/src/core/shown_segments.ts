@@ -36,7 +36,7 @@ export type InsideMode = (typeof insideModes)[number];
 export type InsideModes = Readonly<Partial<Record<number, InsideMode>>>;
 
 /** Segments whose values can tell of them at once. In sync with `gl/shaders/segments.glsl`. */
-export const mostRanges = 16;
+export const mostRanges = 32;
 
 /** Whether a segment's voxels are coloured in the picture; where its surface stands for them they are left out. */
 export function drawnFromVoxels({ visible, shown_as }: Segment): boolean {
@@ -110,6 +110,12 @@ export function shownByValue(segments: readonly Segment[]): Segment[] {
   return segments
     .filter(({ range, made_by, visible }) => range !== null || (made_by !== null && visible))
     .slice(0, mostRanges);
+}
+
+/** Those that only their values tell of, and for which there is no room: nothing of their voxels is seen. */
+export function withoutRoom(segments: readonly Segment[]): Segment[] {
+  const shown = new Set(shownByValue(segments));
+  return segments.filter((segment) => segment.range !== null && !shown.has(segment));
 }
 
 /** The ranges of these segments, visible where `drawn` says so. */

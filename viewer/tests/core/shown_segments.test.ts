@@ -6,8 +6,10 @@ import {
   drawnAsSurface,
   drawnKey,
   drawnFromVoxels,
+  mostRanges,
   showable,
   shownRanges,
+  withoutRoom,
 } from "../../src/core/shown_segments";
 import { segment } from "./volumes";
 
@@ -64,4 +66,12 @@ test("while a range is dragged the voxels of the new range are drawn, not the ol
   const dragged = showable({ ...segment, shown_as: "both" }, true, [100, 200]);
   expect(dragged.range).toEqual([100, 200]);
   expect(drawnAsSurface(dragged)).toBe(false);
+});
+
+test("thresholds for which the picture has no room are told; those that were edited have labels and need none", () => {
+  const many = Array.from({ length: mostRanges + 2 }, (_, id): Segment => ({ ...segment, id: id + 1, range: [id, id] }));
+  expect(withoutRoom(many.slice(0, mostRanges))).toEqual([]);
+  expect(withoutRoom(many)).toEqual(many.slice(-2));
+  const edited = many.map((one, place) => (place > mostRanges ? { ...one, range: null, made_by: one.range } : one));
+  expect(withoutRoom(edited)).toEqual(edited.slice(mostRanges, -1));
 });

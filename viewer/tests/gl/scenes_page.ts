@@ -9,6 +9,7 @@ import type { Plane } from "../../src/core/clip";
 import { firstLighting, type Lighting, type Look } from "../../src/core/look";
 import { shadedOptics, type Optics } from "../../src/core/optics";
 import type { ScanVolume } from "../../src/core/scan_volume";
+import { mostRanges } from "../../src/core/shown_segments";
 import type { TransferFunction } from "../../src/core/transfer_function";
 import { distance, type Vec3 } from "../../src/core/vector";
 import type { FieldFormat } from "../../src/gl/field_texture";
@@ -33,8 +34,8 @@ export interface MarchTest {
   /** Extinction everywhere [1/mm]; else the usual look with this opacity of soft tissue. */
   readonly extinction?: number;
   readonly softTissue?: number;
-  /** The ball as a visible or hidden segment; or as a red one around a green one 0.5 mm below. */
-  readonly segment?: "visible" | "hidden" | "nested" | "tinted";
+  /** The ball as a visible or hidden segment; or as a red one around a green one 0.5 mm below; or as the last of many. */
+  readonly segment?: "visible" | "hidden" | "nested" | "tinted" | "last";
   /** The segment's own factors on ambient and specular light; those of the box of labels too. */
   readonly material?: readonly [number, number];
   /** The segment has labels too, as an edited one: those of its values, without a box in front or not. */
@@ -72,7 +73,10 @@ export function lookOf(test: MarchTest): Look {
   const usual = { ...defaultAppearance({ softTissue: 40, bone: 250 }), softTissue: test.softTissue ?? 0 };
   const segment = { id: 1, low: 32768, high: 65535, colour: [0, 1, 0] as const, visible: test.segment !== "hidden", label: test.labels === undefined ? 0 : 1, tinted: test.segment === "tinted", material: test.material ?? [1, 1] } as const;
   const nested = [{ ...segment, low: 32968 }, { ...segment, id: 2, colour: [1, 0, 0] as const }];
-  const ranges = test.segment === undefined || test.labels === "without values" ? [] : test.segment === "nested" ? nested : [segment];
+  const nowhere = { ...segment, low: 65535, high: 65534, colour: [1, 0, 0] as const };
+  const many = [...Array.from({ length: mostRanges - 1 }, (_, place) => ({ ...nowhere, id: place + 2 })), segment];
+  const shown = { nested, last: many, visible: [segment], hidden: [segment], tinted: [segment] };
+  const ranges = test.segment === undefined || test.labels === "without values" ? [] : shown[test.segment];
   return {
     transferFunction: test.extinction === undefined ? transferFunctionOf(usual) : flat,
     ranges,

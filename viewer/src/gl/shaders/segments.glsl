@@ -4,7 +4,7 @@
 // their value says: so an edit brings steps of voxels where it was, and nowhere else.
 // Keep RANGES in sync with `gl/ray_marcher.ts`.
 
-#define RANGES 16
+#define RANGES 32
 
 // low and high biased value; 2 where solid, 1 where tissue in its colour, 0 where left out, less by the
 // opacity of the surface that stands for it; and its id where it was edited, else 0
