@@ -1,7 +1,8 @@
 #!/bin/sh
-# Prints the path of a Chromium for the browser tests.
+# Prints the path of a Chromium for the browser tests, and sees to it that Mesa can draw for it.
 #
 # In this order: PALPATE_CHROMIUM, CHROMIUM, one in PATH, Debian's own (installed here where we are root).
+# Chromium draws by its own software GL; what that lacks (16-bit textures) is tested on Mesa's.
 # There is no silent way around: without a browser the tests fail.
 set -eu
 
@@ -11,6 +12,21 @@ find_chromium() {
     done
     return 1
 }
+
+install() {
+    if [ "$(id -u)" != 0 ] || ! command -v apt-get >/dev/null; then
+        return 1
+    fi
+    echo "installing Debian's $* for the browser tests" >&2
+    apt-get update -qq >&2
+    DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "$@" >&2
+}
+
+# EGL and the drivers that draw on the CPU
+if ! PATH="$PATH:/usr/sbin:/sbin" ldconfig -p 2>/dev/null | grep -q libEGL_mesa && ! install libegl1 libgles2 libgl1-mesa-dri; then
+    echo "missing: Mesa's EGL, for tests of 16-bit textures" >&2
+    echo "    get it: apt install libegl1 libgles2 libgl1-mesa-dri" >&2
+fi
 
 given="${PALPATE_CHROMIUM:-${CHROMIUM:-}}"
 if [ -n "$given" ]; then
@@ -22,13 +38,7 @@ if [ -n "$given" ]; then
     exit 0
 fi
 find_chromium && exit 0
-
-if [ "$(id -u)" = 0 ] && command -v apt-get >/dev/null; then
-    echo "installing Debian's chromium for the browser tests" >&2
-    apt-get update -qq >&2
-    DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends chromium >&2
-    find_chromium && exit 0
-fi
+install chromium && find_chromium && exit 0
 echo "missing: Chromium for the browser tests" >&2
 echo "    get it: apt install chromium, or set PALPATE_CHROMIUM to an installed one" >&2
 exit 1

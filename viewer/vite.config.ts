@@ -23,6 +23,7 @@ export default defineConfig({
   },
   test: {
     include: ["tests/**/*.test.ts"],
+    globalSetup: "tests/gl/server.ts",
     // a picture on a CPU waits on one core for its programs, so that two files go at once
     maxWorkers: 2,
     // browsers start and pictures are drawn on a CPU that may be busy with something else

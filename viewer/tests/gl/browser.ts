@@ -1,20 +1,20 @@
 /**
- * A headless browser on the page of the GL tests, served from the sources.
+ * A headless browser on the page of the GL tests.
  */
 import type { Browser, Page } from "playwright-core";
-import { createServer, type ViteDevServer } from "vite";
+import { inject } from "vitest";
 import { launchChromium } from "../../e2e/chromium.mjs";
 import type {} from "./page";
+import type {} from "./server";
 
 export interface GlBrowser {
   readonly page: Page;
   readonly close: () => Promise<void>;
 }
 
-export async function openGlBrowser(): Promise<GlBrowser> {
-  const server: ViteDevServer = await createServer({ logLevel: "error", server: { port: 0, host: "127.0.0.1" } });
-  await server.listen();
-  const browser: Browser = await launchChromium();
+/** @param flags for Chromium, beside the usual ones. */
+export async function openGlBrowser(flags: readonly string[] = []): Promise<GlBrowser> {
+  const browser: Browser = await launchChromium([...flags]);
   const page = await browser.newPage();
   page.setDefaultTimeout(120_000);
   const errors: string[] = [];
@@ -24,15 +24,9 @@ export async function openGlBrowser(): Promise<GlBrowser> {
       errors.push(message.text());
     }
   });
-  await page.goto(`${server.resolvedUrls?.local[0] ?? ""}tests/gl/page.html`);
+  await page.goto(inject("glPage"));
   await page.waitForFunction(() => window.glTests !== undefined).catch((error: unknown) => {
     throw new Error(`the page did not start: ${errors.join("; ")}`, { cause: error });
   });
-  return {
-    page,
-    close: async () => {
-      await browser.close();
-      await server.close();
-    },
-  };
+  return { page, close: () => browser.close() };
 }

@@ -15,7 +15,7 @@ let browser: GlBrowser;
 
 beforeAll(async () => {
   browser = await openGlBrowser();
-}, 60_000);
+});
 
 afterAll(async () => {
   await browser.close();

@@ -2,7 +2,7 @@
  * Runs in the browser: what shaders read of a scan that holds each of the 65 536 stored values once.
  */
 import * as THREE from "three";
-import { FieldTexture, type FieldFormat } from "../../src/gl/field_texture";
+import { FieldTexture, fieldFormatFor, type FieldFormat } from "../../src/gl/field_texture";
 import { FullscreenPass } from "../../src/gl/fullscreen_pass";
 import { gpuSupport } from "../../src/gl/gpu_support";
 import { RayMarcher } from "../../src/gl/ray_marcher";
@@ -52,7 +52,8 @@ export function reading({ format, aside }: Reading): number[] {
   return Array.from({ length: edge * edge }, (_, i) => texels[4 * i] ?? NaN);
 }
 
-/** Whether this GPU has 16-bit textures of its own. */
-export function hasNorm16(): boolean {
-  return gpuSupport()?.norm16 === true;
+/** The format that the page takes on this GPU. */
+export function usualFormat(): FieldFormat | null {
+  const support = gpuSupport();
+  return support === null ? null : fieldFormatFor(support);
 }

@@ -2,7 +2,7 @@
  * Runs in the browser: what the tests ask of it.
  */
 import { edit } from "./edit_page";
-import { hasNorm16, reading } from "./formats_page";
+import { reading, usualFormat } from "./formats_page";
 import { light } from "./light_page";
 import { march } from "./march_page";
 import { programs } from "./programs_page";
@@ -11,7 +11,7 @@ import { second } from "./second_page";
 import { cancelled, snapshot } from "./snapshot_page";
 import { coarseLevel, drawnTriangles } from "./surface_page";
 
-const glTests = { programs, march, light, second, reading, hasNorm16, screen, show, snapshot, cancelled, refined, resizedMiddle, edit, drawnTriangles, coarseLevel };
+const glTests = { programs, march, light, second, reading, usualFormat, screen, show, snapshot, cancelled, refined, resizedMiddle, edit, drawnTriangles, coarseLevel };
 
 declare global {
   interface Window {
