@@ -11,6 +11,8 @@ import numpy as np
 import pytest
 import SimpleITK
 from browser import ROOT, Browser, browser, palpate
+from held_back import held_back
+from numpy.typing import NDArray
 from orthanc import orthanc
 from pydicom import dcmread
 from pydicom.uid import generate_uid
@@ -296,3 +298,54 @@ def test_a_large_scan_is_seen_coarsely_until_all_of_it_is_there(tmp_path: Path) 
         picked = page.read("window.palpate.pick(...window.palpate.middle)?.point")
         assert picked[1] == pytest.approx(150.0, abs=1.0)
         assert page.complaints == []
+
+
+def test_what_has_arrived_of_a_large_scan_is_seen_while_the_rest_is_on_its_way(
+    data_folder: Path, tmp_path: Path
+) -> None:
+    path = data_folder / "lidc0001_totalseg" / "cxr.nii.gz"
+    planes, plane_bytes, coarse_planes = 133, 512 * 512 * 2, 45
+    with (
+        palpate("open", path, state=tmp_path) as command,
+        held_back(command.url, asked="/api/volume?step=1&", most=70 * plane_bytes) as way,
+        browser() as page,
+    ):
+        page.do("open", url=way.url, **SIZE, seconds=0.001)
+        page.wait("window.palpate?.firstPicture > 0", seconds=120.0)
+        page.do("click", testid="layout-four")
+        page.wait(f"window.palpate.drawnPlanes > {coarse_planes}")
+        # a view that a person has turned stays as it is
+        page.do("drag", x=60, y=15)
+        arrived = page.read("window.palpate.drawnPlanes")
+        # planes are handed on by fours
+        assert 60 <= arrived <= 70
+        assert not page.read(READY)
+        assert 0.4 < page.read("document.querySelector('progress').value") < 0.5
+        camera = page.read("window.palpate.camera")
+        part = seen_of(page, "part")
+
+        way.released.set()
+        page.wait(READY, seconds=120.0)
+        assert page.read("window.palpate.drawnPlanes") == planes
+        assert page.read("window.palpate.camera") == camera
+        whole = seen_of(page, "whole")
+        off = {name: np.abs(part[name] - whole[name]).mean(axis=2) for name in part}
+        # the scan begins at the feet, and its middle is in the middle: two fifths of the height
+        # have arrived, two fifths surely not, and no pixel of a slice is between both
+        fifth = off["slice"].shape[0] // 5
+        assert off["slice"][3 * fifth :].max() < 1.0 / 255.0
+        assert off["slice"][: 2 * fifth].mean() > 2.0 / 255.0
+        # rays go up and down a little, and shade is that of the coarse scan until all is there
+        third = off["view"].shape[0] // 3
+        assert off["view"][2 * third :].mean() < 0.2 * off["view"][:third].mean()
+        assert page.complaints == []
+        assert command.stop() == 0
+
+
+def seen_of(page: Browser, name: str) -> dict[str, NDArray[np.float64]]:
+    """Returns the 3-D view and a slice as they are drawn, RGB 0..1, shape [h, w, 3]."""
+    view = page.picture(OUTPUT / f"open-{name}-view.png")
+    path = OUTPUT / f"open-{name}-slice.png"
+    page.do("screenshot", path=str(path), testid="slice-coronal")
+    pixels = SimpleITK.GetArrayFromImage(SimpleITK.ReadImage(str(path)))
+    return {"view": view, "slice": np.asarray(pixels[..., :3], np.float64) / 255.0}

@@ -23,7 +23,7 @@ export interface BrickRanges {
 /** Finds the range of every brick; reads each voxel about twice. */
 export function brickRanges(volume: StoredVolume): BrickRanges {
   const ranges = noRanges(volume.dimensions);
-  widenRanges(ranges, volume, 0, volume.dimensions[2]);
+  widenRanges(ranges, volume, 0);
   return ranges;
 }
 
@@ -34,20 +34,21 @@ export function noRanges(dimensions: Vec3): BrickRanges {
   return { counts, low: new Uint16Array(total).fill(65535), high: new Uint16Array(total) };
 }
 
-/** Takes planes of voxels, from `from` up to, but without, `to`, into the ranges. */
-export function widenRanges({ counts, low, high }: BrickRanges, { dimensions, values }: StoredVolume, from: number, to: number): void {
-  const [width, height] = dimensions;
+/** Takes whole planes of voxels into the ranges; `first` is the number of the first one in its scan. */
+export function widenRanges({ counts, low, high }: BrickRanges, planes: StoredVolume, first: number): void {
+  const { values } = planes;
+  const [width, height, depth] = planes.dimensions;
   // one row of voxels at a time, into every brick row whose interpolation reads it
   const rowLow = new Uint16Array(counts[0]);
   const rowHigh = new Uint16Array(counts[0]);
-  for (let z = from; z < to; ++z) {
+  for (let z = 0; z < depth; ++z) {
     for (let y = 0; y < height; ++y) {
       rangesOfRow(values, width * (y + height * z), width, rowLow, rowHigh);
-      for (const bz of bricksReading(z, counts[2])) {
+      for (const bz of bricksReading(first + z, counts[2])) {
         for (const by of bricksReading(y, counts[1])) {
-          const first = counts[0] * (by + counts[1] * bz);
+          const row = counts[0] * (by + counts[1] * bz);
           for (let bx = 0; bx < counts[0]; ++bx) {
-            const i = first + bx;
+            const i = row + bx;
             low[i] = Math.min(low[i] ?? 0, rowLow[bx] ?? 0);
             high[i] = Math.max(high[i] ?? 0, rowHigh[bx] ?? 0);
           }
@@ -55,6 +56,15 @@ export function widenRanges({ counts, low, high }: BrickRanges, { dimensions, va
       }
     }
   }
+}
+
+/** The least ranges that cover both of two of the same scan. */
+export function coveringRanges(one: BrickRanges, other: BrickRanges): BrickRanges {
+  return {
+    counts: one.counts,
+    low: one.low.map((value, i) => Math.min(value, other.low[i] ?? value)),
+    high: one.high.map((value, i) => Math.max(value, other.high[i] ?? value)),
+  };
 }
 
 function rangesOfRow(values: Uint16Array, start: number, width: number, low: Uint16Array, high: Uint16Array): void {

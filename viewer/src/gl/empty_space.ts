@@ -19,6 +19,7 @@ export class EmptySpace {
 
   setBricks(bricks: BrickRanges): void {
     this.bricks = bricks;
+    this.fill();
   }
 
   setDrawn(drawn: Drawn): void {

@@ -1,5 +1,6 @@
 /**
- * The scan's values on the GPU, uploaded slab by slab so that no frame waits for all of it.
+ * The scan's values on the GPU, uploaded slab by slab so that no frame waits for all of it, and again where
+ * they have arrived since.
  *
  * R16 where the GPU has it; else RG8, the same bytes as two texels of 8 bits, which the
  * shader joins; R32F (twice the memory) where it is asked for. Keep the formats in sync with
@@ -24,7 +25,10 @@ export class FieldTexture {
   readonly texture: THREE.Data3DTexture;
   private readonly source: THREE.Data3DTexture;
   private readonly slabPlanes: number;
-  private uploaded = 0;
+  /** Slabs that are still to be sent. */
+  private readonly waiting: Set<number>;
+  /** Planes, from the first on, that were told to be there. */
+  private arrived = 0;
 
   constructor(
     readonly volume: ScanVolume,
@@ -37,31 +41,44 @@ export class FieldTexture {
     this.texture.needsUpdate = true;
     const planeBytes = volume.dimensions[0] * volume.dimensions[1] * (format === "r32f" ? 4 : 2);
     this.slabPlanes = Math.max(1, Math.floor(slabBytes / planeBytes));
+    this.waiting = new Set(Array(this.slabs).keys());
   }
 
-  /** Share of the scan that is on the GPU. */
+  /** Share of the scan that is on the GPU as it is by now. */
   get progress(): number {
-    return this.uploaded / this.volume.dimensions[2];
+    return 1 - this.waiting.size / this.slabs;
+  }
+
+  /** Planes up to, but without, `arrived` have their own values by now: those that had not are sent again. */
+  follow(arrived: number): void {
+    for (let slab = Math.floor(this.arrived / this.slabPlanes); slab * this.slabPlanes < arrived; ++slab) {
+      this.waiting.add(slab);
+    }
+    this.arrived = arrived;
   }
 
   /** Sends the next planes; true once all are there. */
   uploadSlab(renderer: THREE.WebGLRenderer): boolean {
     const [width, height, depth] = this.volume.dimensions;
-    const from = this.uploaded;
-    const to = Math.min(depth, from + this.slabPlanes);
-    if (from < to) {
-      copyBox(renderer, this.source, this.texture, { low: [0, 0, from], high: [width, height, to] });
-      this.uploaded = to;
+    const [slab] = this.waiting;
+    if (slab !== undefined) {
+      this.waiting.delete(slab);
+      const from = slab * this.slabPlanes;
+      this.uploadBox(renderer, { low: [0, 0, from], high: [width, height, Math.min(depth, from + this.slabPlanes)] });
     }
-    return this.uploaded === depth;
+    return this.waiting.size === 0;
   }
 
-  /** Sends the values of a box again, and only those. */
+  /** Sends the values of a box, and only those. */
   uploadBox(renderer: THREE.WebGLRenderer, box: Box): void {
     if (this.format === "r32f") {
       refill(this.source.image.data as unknown as Float32Array, this.volume, box);
     }
     copyBox(renderer, this.source, this.texture, box);
+  }
+
+  private get slabs(): number {
+    return Math.ceil(this.volume.dimensions[2] / this.slabPlanes);
   }
 
   dispose(): void {
@@ -81,7 +98,7 @@ export function copyBox(
   renderer.copyTextureToTexture(source, texture, new THREE.Box3(from, new THREE.Vector3(...high)), from);
 }
 
-/** Floats are a copy of the scan's values: those of the box are made again. */
+/** Floats are a copy of the scan's values: those of the box are made when they are sent. */
 function refill(floats: Float32Array, { values, dimensions }: ScanVolume, box: Box): void {
   forEachCell(box, dimensions, (i) => {
     floats[i] = values[i] ?? 0;
@@ -95,7 +112,7 @@ function texelsOf(values: Uint16Array, format: FieldFormat): Uint16Array | Uint8
     case "rg8":
       return new Uint8Array(values.buffer, values.byteOffset, values.byteLength);
     case "r32f":
-      return Float32Array.from(values);
+      return new Float32Array(values.length);
   }
 }
 

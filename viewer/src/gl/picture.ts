@@ -45,6 +45,16 @@ export interface PictureOptions {
   readonly format?: FieldFormat;
 }
 
+/** A scan that is drawn as soon as its values are on the GPU; until then one is that is coarser, or less of it. */
+interface ComingScan {
+  readonly field: FieldTexture;
+  readonly bricks: BrickRanges;
+  /** Planes, from the first on, that have their own values. */
+  readonly arrived: number;
+}
+
+const isWhole = ({ field, arrived }: ComingScan): boolean => arrived === field.volume.dimensions[2];
+
 export class Picture {
   private readonly renderer: THREE.WebGLRenderer;
   private readonly marcher: RayMarcher;
@@ -57,6 +67,9 @@ export class Picture {
   /** Nothing is drawn, and all is uploaded as always: for the benchmark of edits. */
   suspended = false;
   private field: FieldTexture | null = null;
+  private coming: ComingScan | null = null;
+  /** Planes that are drawn with their own values; in others something stands in for them. */
+  arrived = 0;
   private ready = false;
   /** The GPU has the programs for a first picture, or cannot have them before it. */
   private prepared = false;
@@ -116,17 +129,17 @@ export class Picture {
 
   /** Share of the scan that is on the GPU. */
   get uploaded(): number {
-    return this.field?.progress ?? 0;
+    return (this.coming?.field ?? this.field)?.progress ?? 0;
   }
 
-  /** A picture of the scan is on the screen. */
+  /** A picture of the scan, with all of the values that were given, is on the screen. */
   get hasPicture(): boolean {
-    return this.ready && this.refiner.drawnPieces > 0;
+    return this.coming === null && this.ready && this.refiner.drawnPieces > 0;
   }
 
   /** With what the picture on display was drawn, and whether it is final. */
   get shown(): Shown & { readonly finished: boolean } {
-    const whole = this.begun && !this.screenStale && !this.slices.isStale && !this.marcher.second.isAwaited;
+    const whole = this.begun && this.coming === null && !this.screenStale && !this.slices.isStale && !this.marcher.second.isAwaited;
     return { ...this.refiner.shown, finished: this.refiner.finished && whole };
   }
 
@@ -143,15 +156,34 @@ export class Picture {
     }
   }
 
+  /** Shows a scan. One that is drawn already, more coarsely or in part, is drawn so until these values are on the GPU. */
   setScan(volume: ScanVolume, bricks: BrickRanges): void {
-    this.field?.dispose();
+    if (volume.frame === this.field?.volume.frame) {
+      this.bring(volume, bricks, volume.dimensions[2]);
+      return;
+    }
+    this.dropScan();
     this.field = new FieldTexture(volume, this.format);
+    this.arrived = volume.dimensions[2];
     this.ready = false;
-    this.refiner.drawnPieces = 0;
+    this.refiner.recount();
     this.marcher.setField(this.field, bricks);
     this.slices.follow(volume.frame);
     this.surfaces.setFrame(volume.frame);
     this.refiner.restart();
+  }
+
+  /**
+   * Shows more finely what is drawn of a scan; nothing else is drawn by that.
+   *
+   * @param volume the same object each time, with more values.
+   * @param bricks ranges that cover all of them.
+   * @param arrived planes, from the first on, that have their own values; what stands in for others does not change.
+   */
+  refineScan(volume: ScanVolume, bricks: BrickRanges, arrived: number): void {
+    if (volume.frame === this.field?.volume.frame) {
+      this.bring(volume, bricks, arrived);
+    }
   }
 
   setLook(look: Look): void {
@@ -192,10 +224,14 @@ export class Picture {
   /** Values, labels or both have changed in a box of the arrays that this picture was given. */
   changeVoxels(box: Box, what: { readonly values: boolean; readonly labels: boolean }): void {
     if (what.values) {
-      this.field?.uploadBox(this.renderer, box);
+      (this.coming?.field ?? this.field)?.uploadBox(this.renderer, box);
     }
     if (what.labels) {
       this.labels?.uploadBox(this.renderer, box);
+    }
+    if (this.coming !== null) {
+      // it is drawn with the scan that comes
+      return;
     }
     this.marcher.changeVoxels(box, this.renderer);
     this.slices.changed();
@@ -289,11 +325,12 @@ export class Picture {
 
   /** Does the work of one frame; `now` [ms]. */
   advance(now: number): void {
-    if (this.field !== null && !this.ready) {
-      this.ready = this.field.uploadSlab(this.renderer);
+    this.upload();
+    if (!this.ready || !this.prepared || this.view === null || this.suspended || this.snapping) {
       return;
     }
-    if (!this.ready || !this.prepared || this.view === null || this.suspended || this.snapping) {
+    if (this.coming !== null && isWhole(this.coming) && !this.refiner.isStale) {
+      // all of the scan is drawn soon: what is on display stays until then, however fine it could be
       return;
     }
     if (this.marcher.second.isAwaited) {
@@ -377,10 +414,60 @@ export class Picture {
     this.slices.dispose();
     this.compositor.dispose();
     this.pane.dispose();
-    this.field?.dispose();
+    this.dropScan();
     this.labels?.dispose();
     this.colours?.dispose();
     this.renderer.dispose();
+  }
+
+  /** Sends the next values to the GPU. */
+  private upload(): void {
+    const { coming, field, renderer } = this;
+    if (coming !== null) {
+      if (!this.snapping && coming.field.uploadSlab(renderer)) {
+        this.take(coming);
+      }
+    } else if (field !== null && !this.ready) {
+      this.ready = field.uploadSlab(renderer);
+    }
+  }
+
+  private bring(volume: ScanVolume, bricks: BrickRanges, arrived: number): void {
+    const known = [this.coming?.field, this.field].find((field) => field?.volume === volume);
+    const field = known ?? new FieldTexture(volume, this.format);
+    field.follow(arrived);
+    this.coming = { field, bricks, arrived };
+  }
+
+  /** Draws what has come to the GPU from now on. */
+  private take(coming: ComingScan): void {
+    const { field, bricks, arrived } = coming;
+    this.coming = null;
+    this.arrived = arrived;
+    this.ready = true;
+    if (field === this.field) {
+      this.marcher.setBricks(bricks);
+    } else {
+      this.field?.dispose();
+      this.field = field;
+      this.marcher.setField(field, bricks);
+    }
+    this.slices.changed();
+    if (isWhole(coming)) {
+      this.marcher.light.changed();
+      this.refiner.recount();
+      this.refiner.restart();
+    } else {
+      this.refiner.renew();
+    }
+  }
+
+  private dropScan(): void {
+    if (this.coming?.field !== this.field) {
+      this.coming?.field.dispose();
+    }
+    this.field?.dispose();
+    this.coming = null;
   }
 
   /** Turns to what an eye sees: picture and markers change their view in the same frame. */
@@ -419,7 +506,7 @@ export class Picture {
       this.renderer.clear();
       this.pane.drawPicture();
     }
-    this.begun = this.hasPicture;
+    this.begun = this.refiner.drawnPieces > 0;
     this.screenStale = this.begun;
   }
 

@@ -100,16 +100,27 @@ export class RayMarcher {
     await this.program.complete(renderer, target);
   }
 
-  /** Shows another scan. */
+  /** Shows another scan, or the same more finely: then the light stays until it is told that what is drawn has changed. */
   setField(field: FieldTexture, bricks: BrickRanges): void {
     const { frame, step } = field.volume;
     const u = this.uniforms;
-    this.frame = frame;
     this.empty.setBricks(bricks);
-    this.light.setFrame(frame);
     this.step = step;
     u.fieldTexture.value = field.texture;
     standAt(u, field.volume);
+    if (frame !== this.frame) {
+      this.setFrame(frame, field);
+    }
+  }
+
+  /** The scan is as before, but for values in these bricks. */
+  setBricks(bricks: BrickRanges): void {
+    this.empty.setBricks(bricks);
+  }
+
+  private setFrame(frame: ScanFrame, field: FieldTexture): void {
+    this.frame = frame;
+    this.light.setFrame(frame);
     this.format = formatDefines[field.format];
     this.second.format = field.format;
     this.second.stand(frame);

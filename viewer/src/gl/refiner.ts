@@ -7,10 +7,11 @@
  */
 import type * as THREE from "three";
 import { halton } from "../core/halton";
-import { levelsAfter, Pace } from "../core/pace";
+import { levelsAfter, Pace, type Detail } from "../core/pace";
 import type { RestingPicture } from "../core/quality";
 import type { FieldFormat } from "./field_texture";
 import type { GpuClock } from "./gpu_clock";
+import type { Tally } from "./patch_mesh";
 import { PictureTarget } from "./picture_target";
 import type { RayMarcher, Shift } from "./ray_marcher";
 import { mostLayers } from "./surface_layers";
@@ -29,6 +30,8 @@ export interface Shown {
   readonly stepsPerVoxel: number;
   /** Pictures that are averaged in it. */
   readonly passes: number;
+  /** Of surfaces, in all layers of it. */
+  readonly triangles: number;
 }
 
 /** Rest before refining starts [ms]: a drag that pauses should not wait for a strip. */
@@ -44,8 +47,10 @@ const movingLayers = 8;
 /** Steps per voxel edge while the view moves, at the finest: by the light program and by the whole one. */
 const movingSteps = { light: 1.5, whole: 1 } as const;
 
-/** First guess of the cost of a sample [ms]. */
-const sampleCost = { gpu: 1e-5, software: 5e-3 } as const;
+/** First guesses of costs [ms]. */
+const firstCosts = { gpu: { sample: 1e-5, triangle: 1e-6 }, software: { sample: 5e-3, triangle: 2e-4 } } as const;
+/** Share of a frame in which the few triangles of patches are made, where they are wanted. */
+const shareOfPreparing = 0.25;
 const unshifted: Shift = [0, 0, 0];
 
 export class Refiner {
@@ -63,9 +68,17 @@ export class Refiner {
   /** Whose picture is drawn at rest. */
   private eye = 0;
   private completing: Promise<void> | null = null;
+  /** 1 while what is on display is drawn again, 2 where it will have to be once more. */
+  private renewals = 0;
+  /** Of surfaces while the view moves. */
+  private detail: Detail = "all";
+  /** Triangles of the last picture that moved: those in view, and those that were drawn. */
+  private seen: Tally = { all: 0, drawn: 0 };
+  /** Triangles of the picture that is drawn at rest. */
+  private triangles = 0;
   /** Whether rays start at random shares of a step. */
   jitter = true;
-  shown: Shown = { divisor: 0, stepsPerVoxel: 0, passes: 0 };
+  shown: Shown = { divisor: 0, stepsPerVoxel: 0, passes: 0, triangles: 0 };
   /** Pieces that the GPU has drawn to the end. */
   drawnPieces = 0;
 
@@ -80,7 +93,7 @@ export class Refiner {
   ) {
     this.pictures = [new PictureTarget(options.halfFloat)];
     this.working = new PictureTarget(options.halfFloat);
-    this.pace = new Pace(0, options.software ? sampleCost.software : sampleCost.gpu);
+    this.pace = new Pace(0, options.software ? firstCosts.software : firstCosts.gpu);
   }
 
   /** The picture of an eye; of the first one where there are no more. */
@@ -123,6 +136,35 @@ export class Refiner {
   restart(): void {
     this.stale = true;
     this.levels = [];
+    this.renewals = 0;
+  }
+
+  /** Values are finer than before: what is on display stays until it is drawn again, just as fine at least. */
+  renew(): void {
+    if (this.stale) {
+      return;
+    }
+    if (this.renewals > 0) {
+      this.renewals = 2;
+      return;
+    }
+    const { divisor } = this.shown;
+    this.renewals = 1;
+    this.levels = divisor > 1 ? [divisor, ...levelsAfter(divisor)] : [divisor];
+    this.row = 0;
+    this.pass = 0;
+    this.eye = 0;
+  }
+
+  /** Whether the view has changed since it was drawn. */
+  get isStale(): boolean {
+    return this.stale;
+  }
+
+  /** Counts pieces from here on: what the GPU has not drawn to the end yet is not counted. */
+  recount(): void {
+    this.clock.forget();
+    this.drawnPieces = 0;
   }
 
   /** Has the GPU ready what the first picture will be drawn with. */
@@ -148,18 +190,24 @@ export class Refiner {
       this.drawMoving(now);
       return true;
     }
+    const settled = now - this.drawnAt >= settleMilliseconds;
+    const [level] = this.levels;
+    // what is finer is seen at once, by what program there is and in the light before
+    if (this.renewals > 0 && settled && level !== undefined) {
+      return this.drawLevel(level);
+    }
     if (!this.marcher.isWhole) {
       this.completing ??= this.complete();
       return false;
     }
-    if (now - this.drawnAt < settleMilliseconds) {
+    if (!settled) {
       return false;
     }
+    this.chooseDetail();
     if (this.marcher.light.pending) {
       this.workOutLight();
       return false;
     }
-    const [level] = this.levels;
     if (level !== undefined) {
       return this.drawLevel(level);
     }
@@ -186,6 +234,11 @@ export class Refiner {
   /** Of a ray while the view moves, at the finest. */
   private get movingSteps(): number {
     return this.marcher.isWhole ? movingSteps.whole : movingSteps.light;
+  }
+
+  /** Of all eyes' pictures while the view moves, at the finest. */
+  private get movingSamples(): number {
+    return this.pictures.length * this.pixels * this.movingSteps;
   }
 
   /** Translucent layers while the view moves: each costs all triangles once, however coarse the picture. */
@@ -221,23 +274,37 @@ export class Refiner {
       this.marcher.light.advance(this.renderer, movingLayers);
     }
     const eyes = this.pictures.length;
-    const { divisor, step } = this.pace.moving(eyes * this.pixels * this.movingSteps);
+    this.chooseDetail();
+    const { divisor, step } = this.pace.moving(this.movingSamples, this.detail === "all" ? this.seen.all : this.seen.drawn);
     const stepsPerVoxel = step * this.movingSteps;
+    const seen = { all: 0, drawn: 0 };
     for (let eye = 0; eye < eyes; ++eye) {
       this.aim(eye);
       this.working.useLevel(divisor);
-      this.surfaces.draw(this.renderer, this.working, { divisor, shift: unshifted, depth: this.movingLayers });
+      const surfaces = { divisor, shift: unshifted, depth: this.movingLayers, detail: this.detail };
+      const { all, drawn } = this.surfaces.draw(this.renderer, this.working, surfaces);
+      seen.all += all;
+      seen.drawn += drawn;
       this.drawRows(this.working, [0, this.working.height], stepsPerVoxel, unshifted);
       this.swap(eye);
     }
-    this.learn(eyes * this.first.width * this.first.height * stepsPerVoxel);
-    this.shown = { divisor, stepsPerVoxel, passes: 1 };
+    this.seen = seen;
+    this.learn(eyes * this.first.width * this.first.height * stepsPerVoxel, seen.drawn);
+    this.shown = { divisor, stepsPerVoxel, passes: 1, triangles: seen.drawn };
     this.stale = false;
     this.drawnAt = now;
     this.levels = levelsAfter(divisor);
     this.row = 0;
     this.pass = 0;
     this.eye = 0;
+  }
+
+  /** Chooses how much of surfaces is drawn while the view moves, and makes some of the few triangles where they are wanted. */
+  private chooseDetail(): void {
+    this.detail = this.pace.detail(this.movingSamples, this.seen.all);
+    if (this.detail === "few") {
+      this.surfaces.prepareFew(shareOfPreparing * this.pace.frameBudget);
+    }
   }
 
   /** Draws a strip of a finer picture, which replaces the one on display once it is whole. */
@@ -248,11 +315,21 @@ export class Refiner {
     }
     this.swap(this.eye);
     if (this.nextEye()) {
-      this.shown = { divisor, stepsPerVoxel: this.resting.stepsPerVoxel, passes: 1 };
+      this.shown = { divisor, stepsPerVoxel: this.resting.stepsPerVoxel, passes: 1, triangles: this.triangles };
       this.levels.shift();
       this.pass = 1;
+      this.endRenewal();
     }
     return true;
+  }
+
+  /** What has become finer meanwhile is drawn too. */
+  private endRenewal(): void {
+    const again = this.renewals > 1;
+    this.renewals = 0;
+    if (again) {
+      this.renew();
+    }
   }
 
   /** Blends a strip of one more picture, shifted within the pixel, into the one on display. */
@@ -274,15 +351,20 @@ export class Refiner {
   private drawStrip(target: PictureTarget, divisor: number, shift: Shift): boolean {
     const { stepsPerVoxel } = this.resting;
     this.turn();
-    if (this.row === 0) {
-      this.surfaces.draw(this.renderer, target, { divisor, shift, depth: mostLayers });
-    }
+    const triangles = this.row === 0 ? this.drawSurfaces(target, divisor, shift) : 0;
     const { width, height } = target;
     const to = Math.min(height, this.row + this.pace.stripRows(width, height, stepsPerVoxel));
     this.drawRows(target, [this.row, to], stepsPerVoxel, shift);
-    this.learn(width * (to - this.row) * stepsPerVoxel);
+    this.learn(width * (to - this.row) * stepsPerVoxel, triangles);
     this.row = to < height ? to : 0;
     return to === height;
+  }
+
+  /** Draws all of the surfaces for a picture at rest; returns their triangles. */
+  private drawSurfaces(target: PictureTarget, divisor: number, shift: Shift): number {
+    const { drawn } = this.surfaces.draw(this.renderer, target, { divisor, shift, depth: mostLayers, detail: "all" });
+    this.triangles = this.eye === 0 ? drawn : this.triangles + drawn;
+    return drawn;
   }
 
   private drawRows(target: PictureTarget, rows: readonly [number, number], stepsPerVoxel: number, shift: Shift): void {
@@ -290,10 +372,10 @@ export class Refiner {
     this.marcher.draw(this.renderer, target, { stepsPerVoxel, jitter: this.jitter }, shift);
   }
 
-  /** Learns what the samples cost that were just drawn. */
-  private learn(samples: number): void {
+  /** Learns what the samples and triangles cost that were just drawn. */
+  private learn(samples: number, triangles: number): void {
     this.clock.start((milliseconds) => {
-      this.pace.learn(samples, milliseconds);
+      this.pace.learn(samples, milliseconds, triangles);
       this.drawnPieces += 1;
     });
   }

@@ -1,20 +1,20 @@
 /**
- * The surface of one segment on the GPU: a mesh for each patch, with its vertices as they
- * arrived (shares of the patch's box), so that a patch is exchanged without touching others.
+ * The surface of one segment on the GPU: a mesh for each patch, so that a patch is exchanged
+ * without touching others.
  */
 import * as THREE from "three";
 import { columnMajor, linearColumnMajor, type Affine } from "../core/affine";
 import { linearFromSrgb } from "../core/colour";
+import type { Detail } from "../core/pace";
 import type { Segment } from "../core/protocol";
 import type { ScanFrame } from "../core/scan_volume";
 import { biasedRange } from "../core/stored_values";
 import type { Patch, SurfaceChange } from "../core/surface_patches";
+import { PatchMesh, upload, type Tally } from "./patch_mesh";
 import { shaders } from "./shaders";
 
-type PatchMesh = THREE.Mesh<THREE.BufferGeometry, THREE.RawShaderMaterial>;
-
-/** The ball around the unit cube, in which every patch's vertices lie. */
-const unitBall = new THREE.Sphere(new THREE.Vector3(0.5, 0.5, 0.5), Math.sqrt(3) / 2);
+/** How long a patch that an edit has changed is drawn with all its triangles [ms]: what a tool does is seen as it is. */
+const fineAfterEdit = 2000;
 
 const nowhere: Affine = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0];
 
@@ -37,8 +37,14 @@ export class SurfaceMesh {
   };
   private readonly material: THREE.RawShaderMaterial;
 
-  /** @param shared uniforms of all surfaces. */
-  constructor(shared: Readonly<Record<string, THREE.IUniform>>) {
+  /**
+   * @param shared uniforms of all surfaces.
+   * @param tally counts what is drawn of it.
+   */
+  constructor(
+    shared: Readonly<Record<string, THREE.IUniform>>,
+    private readonly tally: Tally,
+  ) {
     this.material = new THREE.RawShaderMaterial({
       glslVersion: THREE.GLSL3,
       vertexShader: shaders.surface.vertex,
@@ -65,11 +71,24 @@ export class SurfaceMesh {
     }
     const added = patches.flatMap((patch) => {
       this.drop(patch.key);
-      return patch.triangles.length > 0 ? [this.add(patch)] : [];
+      return patch.triangles.length > 0 ? [this.add(patch, whole ? -Infinity : performance.now())] : [];
     });
     if (added.length > 0) {
       upload(renderer, added);
-      this.group.add(...added);
+      this.group.add(...added.map(({ mesh }) => mesh));
+    }
+  }
+
+  /** Patches whose few triangles are still to be made, without those that were edited just now. */
+  get unprepared(): readonly PatchMesh[] {
+    const now = performance.now();
+    return [...this.meshes.values()].filter((patch) => !patch.isPrepared && now - patch.changed > fineAfterEdit);
+  }
+
+  /** Draws all triangles from now on, or of what is no wireframe the few that are there. */
+  use(detail: Detail): void {
+    for (const patch of this.meshes.values()) {
+      patch.use(this.material.wireframe ? "all" : detail);
     }
   }
 
@@ -117,41 +136,18 @@ export class SurfaceMesh {
     own.gridAxesFromSurface.value.set(...x, ...y, ...z);
   }
 
-  private add(patch: Patch): PatchMesh {
-    const geometry = new THREE.BufferGeometry();
-    geometry.setAttribute("position", new THREE.BufferAttribute(patch.vertices, 3, true));
-    geometry.setAttribute("normal", new THREE.BufferAttribute(patch.normals, 4, true));
-    geometry.setIndex(new THREE.BufferAttribute(patch.triangles, 1));
-    geometry.boundingSphere = unitBall;
-    const mesh = new THREE.Mesh(geometry, this.material);
-    mesh.matrixAutoUpdate = false;
-    const [sx, sy, sz] = patch.size;
-    mesh.matrix.makeScale(sx, sy, sz).setPosition(...patch.origin);
+  private add(patch: Patch, changed: number): PatchMesh {
+    const mesh = new PatchMesh(patch, changed, this.material, this.tally);
     this.meshes.set(patch.key, mesh);
     return mesh;
   }
 
   private drop(key: string): void {
-    const mesh = this.meshes.get(key);
-    if (mesh !== undefined) {
-      mesh.geometry.dispose();
-      this.group.remove(mesh);
+    const patch = this.meshes.get(key);
+    if (patch !== undefined) {
+      patch.dispose();
+      this.group.remove(patch.mesh);
       this.meshes.delete(key);
     }
-  }
-}
-
-/** Sends buffers to the GPU before they are seen: three.js does so for what it draws, here no triangles. */
-function upload(renderer: THREE.WebGLRenderer, meshes: readonly PatchMesh[]): void {
-  const scene = new THREE.Scene();
-  scene.add(...meshes);
-  for (const mesh of meshes) {
-    mesh.frustumCulled = false;
-    mesh.geometry.setDrawRange(0, 0);
-  }
-  renderer.render(scene, new THREE.Camera());
-  for (const mesh of meshes) {
-    mesh.frustumCulled = true;
-    mesh.geometry.setDrawRange(0, Infinity);
   }
 }

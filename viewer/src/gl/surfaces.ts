@@ -7,11 +7,13 @@ import * as THREE from "three";
 import { columnMajor } from "../core/affine";
 import { eyeOf, sightOf, type Camera } from "../core/camera";
 import { mostPlanes, type Plane } from "../core/clip";
+import type { Detail } from "../core/pace";
 import type { MovedPose, Segment } from "../core/protocol";
 import type { ScanFrame } from "../core/scan_volume";
 import { drawnAsSurface } from "../core/shown_segments";
 import type { SurfaceChange } from "../core/surface_patches";
 import { keyLight } from "./key_light";
+import type { Tally } from "./patch_mesh";
 import type { RayMarcher, Shift } from "./ray_marcher";
 import type { PictureTarget } from "./picture_target";
 import { layersWithin, SurfaceLayers } from "./surface_layers";
@@ -23,6 +25,8 @@ export interface SurfaceDrawing {
   readonly shift: Shift;
   /** Translucent layers behind one another that are drawn, at most. */
   readonly depth: number;
+  /** Of the triangles. */
+  readonly detail: Detail;
 }
 
 export class Surfaces {
@@ -34,6 +38,7 @@ export class Surfaces {
   private segments: readonly Segment[] = [];
   private frame: ScanFrame | null = null;
   private poses: readonly MovedPose[] = [];
+  private readonly tally: Tally = { drawn: 0, all: 0 };
 
   constructor(
     private readonly marcher: RayMarcher,
@@ -68,7 +73,7 @@ export class Surfaces {
   /** Takes what an edit changes and sends it to the GPU; drawn from the next picture on. */
   apply(renderer: THREE.WebGLRenderer, changes: readonly SurfaceChange[]): void {
     for (const change of changes) {
-      const mesh = this.meshes.get(change.id) ?? new SurfaceMesh(this.shared);
+      const mesh = this.meshes.get(change.id) ?? new SurfaceMesh(this.shared, this.tally);
       this.meshes.set(change.id, mesh);
       this.scene.add(mesh.group);
       mesh.compile(this.defines);
@@ -120,12 +125,24 @@ export class Surfaces {
     upDirection.value.set(...view.up);
   }
 
-  /** Draws all surfaces for a level of the picture and hands them to the ray caster. */
-  draw(renderer: THREE.WebGLRenderer, picture: PictureTarget, { divisor, shift, depth }: SurfaceDrawing): void {
+  /** Makes the few triangles of patches that have none yet, as long as `milliseconds` are not over. */
+  prepareFew(milliseconds: number): void {
+    const ends = performance.now() + milliseconds;
+    for (const patch of this.shown.flatMap((mesh) => mesh.unprepared)) {
+      if (performance.now() >= ends) {
+        return;
+      }
+      patch.prepare();
+    }
+  }
+
+  /** Draws all surfaces for a level of the picture and hands them to the ray caster; tells what they had of triangles. */
+  draw(renderer: THREE.WebGLRenderer, picture: PictureTarget, { divisor, shift, depth, detail }: SurfaceDrawing): Readonly<Tally> {
     const shown = this.shown;
+    Object.assign(this.tally, { drawn: 0, all: 0 });
     if (shown.length === 0) {
       this.marcher.setSurfaces(null);
-      return;
+      return { ...this.tally };
     }
     const { layers, shared } = this;
     const translucent = shown.filter((mesh) => mesh.translucent);
@@ -133,6 +150,7 @@ export class Surfaces {
     layers.use(picture.target, divisor, translucent.length > 0 ? Math.min(depth, room) : 0);
     for (const mesh of shown) {
       mesh.compile(this.defines);
+      mesh.use(detail);
     }
     const camera = shifted(this.camera, picture, shift);
     shared.sceneFromCube.value.multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse).invert();
@@ -146,6 +164,7 @@ export class Surfaces {
       shared.peeled.value = 1;
     }
     this.marcher.setSurfaces(layers);
+    return { ...this.tally };
   }
 
   dispose(): void {

@@ -1,25 +1,27 @@
 /**
  * Downloads voxels and prepares them for the picture, off the page's thread.
  */
-import { labelledBricks, noRanges, widenRanges } from "../core/bricks";
-import { biasInPlace } from "../core/stored_values";
-import type { VolumeAnswer, VolumeRequest } from "./volume_messages";
+import { ArrivingScan, StandIn, type Planes } from "../core/arriving_scan";
+import { labelledBricks } from "../core/bricks";
+import type { LabelsRequest, ValuesRequest, VolumeAnswer, VolumeRequest } from "./volume_messages";
+
+/** Between two looks at how quickly a scan arrives [ms]. */
+const lookMilliseconds = 500;
 
 function tell(answer: VolumeAnswer, transfer: Transferable[] = []): void {
   postMessage(answer, { transfer });
 }
 
-/** Receives exactly `size` bytes, with progress; `took` is told how many are there by now. */
-async function download(
-  url: string,
-  size: number,
-  took: (bytes: Uint8Array<ArrayBuffer>, received: number) => void = () => undefined,
-): Promise<Uint8Array<ArrayBuffer>> {
+function tellPlanes(planes: Planes): void {
+  tell({ kind: "planes", planes }, [planes.values.buffer]);
+}
+
+/** Receives exactly `size` bytes, with progress; hands them on as they come. */
+async function download(url: string, size: number, take: (bytes: Uint8Array) => void): Promise<void> {
   const response = await fetch(url, { cache: "no-store" });
   if (!response.ok || response.body === null) {
     throw new Error(`the engine answered ${String(response.status)} ${response.statusText}`);
   }
-  const bytes = new Uint8Array(size);
   let received = 0;
   for (const reader = response.body.getReader(); ; ) {
     const { done, value } = await reader.read();
@@ -29,44 +31,70 @@ async function download(
     if (received + value.length > size) {
       throw new Error(`the engine sent more than the ${String(size)} bytes of this scan`);
     }
-    bytes.set(value, received);
+    take(value);
     received += value.length;
-    took(bytes, received);
     tell({ kind: "progress", share: received / size });
   }
   if (received < size) {
     throw new Error(`the engine sent ${String(received)} of ${String(size)} bytes`);
   }
-  return bytes;
 }
 
-async function answer({ kind, url, dimensions }: VolumeRequest): Promise<void> {
-  const voxels = dimensions[0] * dimensions[1] * dimensions[2];
-  if (kind === "labels") {
-    const ids = await download(url, voxels);
-    const labels = { ids, dimensions, bricks: labelledBricks(ids, dimensions) };
-    tell({ kind: "labels", labels }, [ids.buffer]);
-    return;
-  }
-  const bricks = noRanges(dimensions);
-  const plane = dimensions[0] * dimensions[1];
-  let done = 0;
-  // planes that are whole are worked on while the next ones are on their way
-  const bytes = await download(url, 2 * voxels, ({ buffer }, received) => {
-    const whole = Math.floor(received / (2 * plane));
-    if (whole > done) {
-      const values = new Uint16Array(buffer);
-      biasInPlace(values.subarray(plane * done, plane * whole));
-      widenRanges(bricks, { dimensions, values }, done, whole);
-      done = whole;
-    }
+async function bringLabels({ url, dimensions }: LabelsRequest): Promise<void> {
+  const ids = new Uint8Array(dimensions[0] * dimensions[1] * dimensions[2]);
+  let received = 0;
+  await download(url, ids.length, (bytes) => {
+    ids.set(bytes, received);
+    received += bytes.length;
   });
-  const values = new Uint16Array(bytes.buffer);
-  tell({ kind: "values", values, bricks }, [values.buffer]);
+  const labels = { ids, dimensions, bricks: labelledBricks(ids, dimensions) };
+  tell({ kind: "labels", labels }, [ids.buffer]);
 }
 
-onmessage = (event: MessageEvent<VolumeRequest>) => {
-  answer(event.data).catch((error: unknown) => {
+async function bringValues({ url, dimensions, step, meanwhile }: ValuesRequest): Promise<void> {
+  const scan = new ArrivingScan(dimensions);
+  const standIn = meanwhile && new StandIn(meanwhile.coarse, dimensions, step, meanwhile.parts);
+  if (standIn !== null) {
+    void fillIn(scan, standIn, dimensions[2], meanwhile?.soon ?? 0);
+  }
+  await download(url, 2 * dimensions[0] * dimensions[1] * dimensions[2], (bytes) => {
+    for (const planes of scan.take(bytes)) {
+      tellPlanes(planes);
+    }
+    tellArrival(scan, standIn);
+  });
+  tell({ kind: "values", bricks: scan.bricks });
+}
+
+/** Hands on what stands in for planes that are not there soon. */
+async function fillIn(scan: ArrivingScan, standIn: StandIn, depth: number, soon: number): Promise<void> {
+  const begun = performance.now();
+  const left = (): number => ((performance.now() - begun) * (depth - scan.arrived)) / scan.arrived;
+  do {
+    await pause(lookMilliseconds);
+  } while (left() < soon && scan.arrived < depth);
+  for (let planes = standIn.make(scan.arrived); planes !== null; planes = standIn.make(scan.arrived)) {
+    tellPlanes(planes);
+    // what has arrived meanwhile is taken between two slabs
+    await pause(0);
+  }
+  tellArrival(scan, standIn);
+}
+
+function tellArrival(scan: ArrivingScan, standIn: StandIn | null): void {
+  const arrival = standIn?.next(scan) ?? null;
+  if (arrival !== null) {
+    tell({ kind: "arrival", arrival });
+  }
+}
+
+function pause(milliseconds: number): Promise<void> {
+  return new Promise((resolve) => setTimeout(resolve, milliseconds));
+}
+
+onmessage = ({ data }: MessageEvent<VolumeRequest>) => {
+  const work = data.kind === "labels" ? bringLabels(data) : bringValues(data);
+  work.catch((error: unknown) => {
     tell({ kind: "failed", text: error instanceof Error ? error.message : String(error) });
   });
 };

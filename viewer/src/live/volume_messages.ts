@@ -1,20 +1,48 @@
 /**
  * What page and volume worker say to each other.
  */
+import type { Arrival, Planes } from "../core/arriving_scan";
 import type { BrickRanges } from "../core/bricks";
+import type { CoarseScan } from "../core/planes_between";
 import type { Vec3 } from "../core/vector";
 import type { LabelVolume } from "../core/voxel_change";
 
-export interface VolumeRequest {
-  /** The scan's values, or the segment of each voxel. */
-  readonly kind: "values" | "labels";
+/** The segment of each voxel. */
+export interface LabelsRequest {
+  readonly kind: "labels";
   readonly url: string;
   /** Voxels along x, y, z that the answer must hold. */
   readonly dimensions: Vec3;
 }
 
+/** The scan's values. */
+export interface ValuesRequest {
+  readonly kind: "values";
+  readonly url: string;
+  readonly dimensions: Vec3;
+  /** Every how many voxels along each axis a value is asked for. */
+  readonly step: number;
+  /** What stands in for values on their way is made from a coarse scan; null where nothing does. */
+  readonly meanwhile: (ShownParts & { readonly coarse: CoarseScan }) | null;
+}
+
+/** How a scan is shown while it arrives. */
+export interface ShownParts {
+  /** How often, at most. */
+  readonly parts: number;
+  /** Not at all where the rest is expected sooner than this [ms]. */
+  readonly soon: number;
+}
+
+export type VolumeRequest = LabelsRequest | ValuesRequest;
+
 export type VolumeAnswer =
   | { readonly kind: "progress"; readonly share: number }
-  | { readonly kind: "values"; readonly values: Uint16Array; readonly bricks: BrickRanges }
+  /** Some planes: their own, or what stands in for them. */
+  | { readonly kind: "planes"; readonly planes: Planes }
+  /** All planes have been told, in part by what stands in for them. */
+  | { readonly kind: "arrival"; readonly arrival: Arrival }
+  /** All planes have been told. */
+  | { readonly kind: "values"; readonly bricks: BrickRanges }
   | { readonly kind: "labels"; readonly labels: LabelVolume }
   | { readonly kind: "failed"; readonly text: string };

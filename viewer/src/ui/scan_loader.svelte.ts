@@ -1,12 +1,14 @@
 /**
- * Brings a scan to the page, a large one coarsely first, and tells how far that is.
+ * Brings a scan to the page, a large one coarsely first and finer as it arrives, and tells how far that is.
  */
+import type { Arrival } from "../core/arriving_scan";
 import type { BrickRanges } from "../core/bricks";
 import type { Scan } from "../core/protocol";
-import { frameOf, type ScanVolume } from "../core/scan_volume";
+import { frameOf, type ScanFrame, type ScanVolume } from "../core/scan_volume";
 import { previewStep, subsamplingStep } from "../core/subsampling";
 import type { Picture } from "../gl/picture";
-import { downloadVolume } from "../live/volume_download";
+import { downloadVolume, type Meanwhile } from "../live/volume_download";
+import type { ShownParts } from "../live/volume_messages";
 import type { Work } from "./library.svelte";
 import type { HeldScan } from "./shown_edits.svelte";
 
@@ -20,6 +22,10 @@ interface Outside {
   readonly largestEdge: number;
   /** Shows a scan for the time being; false where nothing can be shown yet. */
   readonly preview: (volume: ScanVolume, bricks: BrickRanges, scan: Scan) => boolean;
+  /** Shows what has arrived of it. */
+  readonly refine: (volume: ScanVolume, arrival: Arrival) => void;
+  /** How often that is done, and when. */
+  readonly shownParts: ShownParts;
   /** Shows all of a scan, which is held from now on. */
   readonly show: (held: HeldScan, scan: Scan) => void;
   readonly warn: (text: string) => void;
@@ -63,12 +69,15 @@ export class ScanLoader {
     const step = subsamplingStep(frame.dimensions, { edge: largestEdge, values: mostValues });
     this.tellCoarseness(step);
     try {
-      await this.showCoarsely(scan, step, request);
+      const coarse = await this.showCoarsely(scan, frame, step, request);
       if (request !== this.request) {
         return;
       }
-      const held = await downloadVolume(frame, step, token, (share) => {
-        this.progress = request === this.request ? 0.9 * share : this.progress;
+      const held = await downloadVolume(frame, step, token, {
+        progress: (share) => {
+          this.progress = request === this.request ? 0.9 * share : this.progress;
+        },
+        ...(coarse === null ? {} : { meanwhile: this.refining(coarse, request) }),
       });
       if (request === this.request) {
         this.held = held;
@@ -106,21 +115,31 @@ export class ScanLoader {
     this.previewShown = null;
   }
 
-  /** Shows a large scan coarsely while all of it is on its way; what else the page does waits for that. */
-  private async showCoarsely(scan: Scan, step: number, request: number): Promise<void> {
-    const frame = frameOf(scan);
+  /** Shows a large scan coarsely while all of it is on its way; what else the page does waits for that. Null where it does not. */
+  private async showCoarsely(scan: Scan, frame: ScanFrame, step: number, request: number): Promise<ScanVolume | null> {
     const coarse = previewStep(frame.dimensions, step);
     // what is not seen is not drawn
     if (coarse === null || document.hidden) {
-      return;
+      return null;
     }
-    const { volume, bricks } = await downloadVolume(frame, coarse, this.outside.token, () => undefined);
+    const { volume, bricks } = await downloadVolume(frame, coarse, this.outside.token);
     if (request !== this.request || !this.outside.preview(volume, bricks, scan)) {
-      return;
+      return null;
     }
     await new Promise<void>((shown) => {
       this.previewShown = shown;
     });
+    return volume;
+  }
+
+  /** A coarse scan becomes finer as the fine one arrives. */
+  private refining(coarse: ScanVolume, request: number): Meanwhile {
+    const show: Meanwhile["show"] = (volume, arrival) => {
+      if (request === this.request) {
+        this.outside.refine(volume, arrival);
+      }
+    };
+    return { coarse, ...this.outside.shownParts, show };
   }
 
   private tellCoarseness(step: number): void {

@@ -222,9 +222,12 @@ export class SecondControl {
     const still = (): boolean => this.told?.version === version;
     try {
       const step = subsamplingStep(frame.dimensions, this.outside.limits);
-      const held = await downloadVolume(frame, step, this.outside.token, (share) => {
-        this.progress = still() ? share : this.progress;
-      }, "/api/second");
+      const held = await downloadVolume(frame, step, this.outside.token, {
+        path: "/api/second",
+        progress: (share) => {
+          this.progress = still() ? share : this.progress;
+        },
+      });
       this.held = still() ? held : this.held;
     } catch (error) {
       if (still()) {

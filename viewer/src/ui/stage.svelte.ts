@@ -48,6 +48,9 @@ import { StereoControl } from "./stereo_control.svelte";
 import { TouchMarks } from "./touch_marks.svelte";
 import { ViewControl } from "./view_control.svelte";
 
+/** How a large scan is shown while it arrives: where the CPU draws, that takes of the time in which the whole one could be there. */
+const shownParts = { gpu: { parts: 8, soon: 1000 }, software: { parts: 4, soon: 4000 } } as const;
+
 export class Stage {
   /** The scan, on its way or here. */
   readonly loader: ScanLoader;
@@ -132,6 +135,10 @@ export class Stage {
       token,
       largestEdge: support.largestEdge,
       preview: this.showCoarsely.bind(this),
+      refine: (volume, { bricks, arrived }) => {
+        this.picture?.refineScan(volume, bricks, arrived);
+      },
+      shownParts: support.software ? shownParts.software : shownParts.gpu,
       show: this.show.bind(this),
       warn: (text) => {
         session.notify("warning", text);

@@ -20,6 +20,8 @@ import type { Stage } from "./stage.svelte";
 export interface TestDoor {
   /** When the first picture stood on the screen [ms since the page was opened], or null; it may be coarse. */
   readonly firstPicture: number | null;
+  /** Planes that are drawn with their own values: of the coarse scan at first, then of the arriving one. */
+  readonly drawnPlanes: number;
   /** The picture of all of the scan is there and the engine is connected. */
   readonly ready: boolean;
   /** The picture is as fine as it gets. */
@@ -96,6 +98,9 @@ export function openTestDoor(session: Session, stage: Stage, hand: HandControl, 
   window.palpate = {
     get firstPicture() {
       return stage.loader.firstPicture;
+    },
+    get drawnPlanes() {
+      return stage.drawn?.arrived ?? 0;
     },
     get ready() {
       return stage.loader.wholePicture !== null && session.connection.kind === "open" && session.latest !== null;

@@ -7,7 +7,7 @@ const coarsest = movingPictures.at(-1);
 
 /** A renderer with a fixed latency and a cost per sample [ms]. */
 function learned(latency: number, perSample: number, budget = frameBudget): Pace {
-  const pace = new Pace(budget, 1e-3);
+  const pace = new Pace(budget, { sample: 1e-3, triangle: 1e-4 });
   for (let i = 0; i < 60; ++i) {
     const samples = i % 3 === 0 ? 2000 : 50000;
     pace.learn(samples, latency + samples * perSample);
@@ -76,4 +76,45 @@ test("every picture ends at full resolution", () => {
   for (const { divisor } of movingPictures) {
     expect(levelsAfter(divisor).at(-1)).toBe(1);
   }
+});
+
+/** Has drawn pictures that move, with all triangles and with few by turns, and strips at rest without any. */
+function learnedTriangles(perTriangle: number): Pace {
+  const pace = new Pace(frameBudget, { sample: 1e-4, triangle: 1e-5 });
+  for (let i = 0; i < 300; ++i) {
+    const [samples, triangles] = [i % 3 === 0 ? 10_000 : 40_000, [600_000, 0, 80_000, 0][i % 4] ?? 0];
+    pace.learn(samples, 2 + 1e-4 * samples + perTriangle * triangles, triangles);
+  }
+  return pace;
+}
+
+test("surfaces that are drawn in time are drawn with all their triangles", () => {
+  const pace = learnedTriangles(1e-6);
+  expect(pace.detail(100_000, 600_000)).toBe("all");
+  // 10 ms of samples and 12 ms of triangles fit; 12 million take 120 ms
+  expect(learnedTriangles(1e-5).detail(100_000, 1_200_000)).toBe("all");
+  expect(learnedTriangles(1e-5).detail(100_000, 12_000_000)).toBe("few");
+});
+
+test("where a coarser picture makes room for them surfaces keep all triangles in up to half of a frame", () => {
+  // 16.5 ms are half of it; what is learned may be a tenth off
+  expect(learnedTriangles(1e-4).detail(1e6, 148_000)).toBe("all");
+  expect(learnedTriangles(1e-4).detail(1e6, 182_000)).toBe("few");
+});
+
+test("what takes about half of a frame does not come and go", () => {
+  const pace = learnedTriangles(1e-4);
+  expect(pace.detail(1e6, 300_000)).toBe("few");
+  expect(pace.detail(1e6, 148_000)).toBe("few");
+  expect(pace.detail(1e6, 110_000)).toBe("all");
+  expect(pace.detail(1e6, 148_000)).toBe("all");
+});
+
+test("triangles leave samples the rest of a frame, and half of it at least", () => {
+  const pace = learnedTriangles(1e-4);
+  const samples = 250_000;
+  expect(pace.moving(samples)).toEqual({ divisor: 1, step: 1 });
+  // 10 ms of triangles leave 21 ms for 25 ms of samples
+  expect(pace.moving(samples, 100_000)).toEqual({ divisor: 2, step: 1 });
+  expect(pace.moving(samples, 1e9)).toEqual({ divisor: 2, step: 1 });
 });

@@ -1,6 +1,7 @@
 /**
  * Runs in the browser: what the tests ask of it.
  */
+import { arriving } from "./arriving_page";
 import { edit } from "./edit_page";
 import { reading, usualFormat } from "./formats_page";
 import { light } from "./light_page";
@@ -9,9 +10,9 @@ import { programs } from "./programs_page";
 import { refined, resizedMiddle, screen, show } from "./screen_page";
 import { second } from "./second_page";
 import { cancelled, snapshot } from "./snapshot_page";
-import { coarseLevel, drawnTriangles } from "./surface_page";
+import { coarseLevel, detailed, drawnTriangles } from "./surface_page";
 
-const glTests = { programs, march, light, second, reading, usualFormat, screen, show, snapshot, cancelled, refined, resizedMiddle, edit, drawnTriangles, coarseLevel };
+const glTests = { arriving, programs, march, light, second, reading, usualFormat, screen, show, snapshot, cancelled, refined, resizedMiddle, edit, drawnTriangles, coarseLevel, detailed };
 
 declare global {
   interface Window {

@@ -32,7 +32,7 @@ function surfaceBench(test: MarchTest, balls: readonly SurfaceTest[], view: Came
   surfaces.setSegments(balls.map(({ look }, i) => ({ ...segment, shown_as: "surface", id: i + 1, ...look })));
   surfaces.apply(
     renderer,
-    balls.map(({ centre, radius, sectors }, i) => decodeSurface(ballSurface(i + 1, centre, radius, sectors))),
+    balls.map(({ centre, radius, sectors, rings }, i) => decodeSurface(ballSurface(i + 1, centre, radius, sectors, rings))),
   );
   const extent = outlineOf(test);
   const camera = new ThreeCamera();
@@ -55,7 +55,7 @@ export function drawnTriangles(ball: SurfaceTest, target: Vec3, away: number): n
   const { renderer, surfaces, picture, close } = surfaceBench(test, [ball], view);
   picture.useLevel(1);
   renderer.info.reset();
-  surfaces.draw(renderer, picture, { divisor: 1, shift: [0, 0, 0], depth: 4 });
+  surfaces.draw(renderer, picture, { divisor: 1, shift: [0, 0, 0], depth: 4, detail: "all" });
   const { triangles } = renderer.info.render;
   close();
   return triangles;
@@ -66,7 +66,7 @@ export function coarseLevel(test: MarchTest, balls: readonly SurfaceTest[], divi
   const view = lookFrom(test.from, outlineOf(test), viewport);
   const { renderer, marcher, surfaces, picture, close } = surfaceBench(test, balls, view);
   picture.useLevel(divisor);
-  surfaces.draw(renderer, picture, { divisor, shift: [0, 0, 0], depth: 4 });
+  surfaces.draw(renderer, picture, { divisor, shift: [0, 0, 0], depth: 4, detail: "all" });
   for (let row = 0; row < picture.height; row += strip) {
     picture.useRows(row, Math.min(picture.height, row + strip));
     marcher.draw(renderer, picture, { stepsPerVoxel: test.stepsPerVoxel, jitter: false }, [0, 0, 0]);
@@ -75,4 +75,40 @@ export function coarseLevel(test: MarchTest, balls: readonly SurfaceTest[], divi
   renderer.readRenderTargetPixels(picture.target, 0, 0, picture.width, picture.height, halves);
   close();
   return Array.from(halves, (half) => THREE.DataUtils.fromHalfFloat(half));
+}
+
+/** Pictures of surfaces: linear RGBA, rows from the bottom, and the triangles that were drawn in all layers. */
+export interface Detailed {
+  readonly pixels: number[];
+  readonly drawn: number;
+  readonly all: number;
+}
+
+/**
+ * Surfaces drawn with all triangles; with few; with few after edits exchanged all patches; and with all again.
+ */
+export function detailed(test: MarchTest, balls: readonly SurfaceTest[]): Detailed[] {
+  const view = lookFrom(test.from, outlineOf(test), viewport);
+  const { renderer, marcher, surfaces, picture, close } = surfaceBench(test, balls, view);
+  picture.useLevel(1);
+  picture.useRows(0, picture.height);
+  const drawn = (detail: "all" | "few"): Detailed => {
+    const tally = surfaces.draw(renderer, picture, { divisor: 1, shift: [0, 0, 0], depth: 4, detail });
+    marcher.draw(renderer, picture, { stepsPerVoxel: test.stepsPerVoxel, jitter: false }, [0, 0, 0]);
+    const halves = new Uint16Array(4 * picture.width * picture.height);
+    renderer.readRenderTargetPixels(picture.target, 0, 0, picture.width, picture.height, halves);
+    return { pixels: Array.from(halves, (half) => THREE.DataUtils.fromHalfFloat(half)), ...tally };
+  };
+  const all = drawn("all");
+  surfaces.prepareFew(Infinity);
+  const few = drawn("few");
+  surfaces.apply(
+    renderer,
+    balls.map(({ centre, radius, sectors, rings }, i) => ({ ...decodeSurface(ballSurface(i + 1, centre, radius, sectors, rings)), whole: false })),
+  );
+  surfaces.prepareFew(Infinity);
+  const edited = drawn("few");
+  const again = drawn("all");
+  close();
+  return [all, few, edited, again];
 }

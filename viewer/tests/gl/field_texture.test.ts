@@ -1,0 +1,39 @@
+/**
+ * What of a scan is sent to the GPU, and when; what it looks like there is tested with the picture.
+ */
+import type * as THREE from "three";
+import { expect, test } from "vitest";
+import { frameOf } from "../../src/core/scan_volume";
+import { FieldTexture } from "../../src/gl/field_texture";
+import { scanOf } from "../core/volumes";
+
+/** Planes that were sent, as from and up to, but without. */
+function watched(): { readonly renderer: THREE.WebGLRenderer; readonly sent: [number, number][] } {
+  const sent: [number, number][] = [];
+  const copyTextureToTexture = (_source: unknown, _texture: unknown, { min, max }: THREE.Box3): void => {
+    sent.push([min.z, max.z]);
+  };
+  return { renderer: { copyTextureToTexture } as unknown as THREE.WebGLRenderer, sent };
+}
+
+test("planes that have arrived since are sent again slab by slab, all others once", () => {
+  // planes of 2 MiB: four are sent at once
+  const frame = frameOf(scanOf([1024, 1024, 10], [1, 1, 1]));
+  const volume = { frame, step: 1, dimensions: frame.dimensions, values: new Uint16Array(1024 * 1024 * 10) };
+  const field = new FieldTexture(volume, "rg8");
+  const { renderer, sent } = watched();
+  field.follow(3);
+  expect([field.uploadSlab(renderer), field.uploadSlab(renderer)]).toEqual([false, false]);
+  expect(field.progress).toBeCloseTo(2 / 3);
+  // two more have arrived: the first slab is there, and the second not as it is now
+  field.follow(5);
+  while (!field.uploadSlab(renderer));
+  expect(sent).toEqual([[0, 4], [4, 8], [8, 10], [0, 4], [4, 8]]);
+  expect(field.progress).toBe(1);
+
+  field.follow(10);
+  while (!field.uploadSlab(renderer));
+  expect(sent.slice(5)).toEqual([[4, 8], [8, 10]]);
+  expect(field.uploadSlab(renderer)).toBe(true);
+  expect(sent.length).toBe(7);
+});
