@@ -188,8 +188,9 @@ TURNING = """new Promise((resolve) => {
   const { bench } = window.palpate, wanted = %d, times = [];
   let pieces = bench.pieces, last = null;
   const step = (now) => {
+    last ??= now;
     if (bench.pieces !== pieces) {
-      if (last !== null) times.push(now - last);
+      times.push(now - last);
       [pieces, last] = [bench.pieces, now];
     }
     bench.turn(%g);
@@ -197,7 +198,7 @@ TURNING = """new Promise((resolve) => {
   };
   requestAnimationFrame(step);
 })"""
-"""Turns the view with every frame; the times between pictures [ms]."""
+"""Turns a view that rests, with every frame: times to the first picture and between them [ms]."""
 
 
 # --- what edits send ----------------------------------------------------------------------

@@ -1,9 +1,9 @@
 /**
  * How much of the picture to draw at once, so that the page stays smooth on any renderer.
  *
- * What a piece costs is learned from what was drawn: a fixed part, which every piece waits
+ * What a picture costs is learned from what was drawn: a fixed part, which every picture waits
  * for, a part per sample, where samples are pixels times steps per voxel edge, and a part per triangle
- * of surfaces. While the view moves, the picture is drawn as fine as the budget of one frame allows, by resolution, step
+ * of surfaces. Only whole pictures tell: of one strip there is air, of the next one a skull. While the view moves, the picture is drawn as fine as the budget of one frame allows, by resolution, step
  * and detail of surfaces; at rest it is refined level by level, in strips of rows that each fit into that budget too.
  */
 
@@ -41,9 +41,9 @@ export const movingPictures: readonly [MovingPicture, ...MovingPicture[]] = [
 
 /** Share of what is known that each new measurement replaces. */
 const learning = 0.15;
-/** One slow piece alone tells little: no more than so many times the expected time is laid to samples and triangles. */
+/** One slow picture alone tells little: no more than so many times the expected time is laid to samples and triangles. */
 const mostWrong = 4;
-/** Least spread of the pieces' sizes that tells fixed cost from that of samples, as a share of their mean. */
+/** Least spread of the pictures' sizes that tells fixed cost from that of samples, as a share of their mean. */
 const leastSpread = 0.15;
 /** No renderer is believed to be quicker [ms per sample or triangle]. */
 const leastCost = 1e-9;
@@ -60,8 +60,10 @@ export class Pace {
   private sampleCost: number;
   private triangleCost: number;
   private chosen: Detail = "all";
-  /** Averages of samples, time, samples², samples·time over the last pieces. */
+  /** Averages of samples, time, samples², samples·time over the last pictures. */
   private means: Means | null = null;
+  /** The last picture that moved, as a place in `movingPictures`. */
+  private moved: number | null = null;
 
   /**
    * @param frameBudget time for a picture while the view moves, and for a strip at rest [ms].
@@ -75,7 +77,7 @@ export class Pace {
     this.triangleCost = guess.triangle;
   }
 
-  /** Learns from samples and triangles that took `milliseconds`. */
+  /** Learns from a whole picture, at once or in strips, whose samples and triangles took `milliseconds`. */
   learn(samples: number, milliseconds: number, triangles = 0): void {
     if (samples <= 0 || milliseconds <= 0) {
       return;
@@ -100,12 +102,18 @@ export class Pace {
     return this.chosen;
   }
 
-  /** The finest picture that is done within a frame beside so many triangles, else the coarsest; of `samples` at its finest. */
+  /**
+   * The finest picture that is done within a frame beside so many triangles, else the coarsest; of `samples` at its finest.
+   * From one to the next it becomes finer by one at most: so none is many times as slow as the one before, whatever
+   * was learned of another view.
+   */
   moving(samples: number, triangles = 0): MovingPicture {
     const others = this.fixedCost + triangles * this.triangleCost;
     const time = Math.max(leastShare * this.frameBudget, this.frameBudget - others);
     const fits = ({ divisor, step }: MovingPicture): boolean => this.expected((samples * step) / divisor ** 2) <= time;
-    return movingPictures.find(fits) ?? movingPictures.at(-1) ?? movingPictures[0];
+    const fitting = movingPictures.findIndex(fits);
+    this.moved = Math.max(fitting < 0 ? movingPictures.length - 1 : fitting, (this.moved ?? 0) - 1);
+    return movingPictures[this.moved] ?? movingPictures[0];
   }
 
   /** Rows of a level that are drawn within a frame. */
@@ -123,16 +131,17 @@ export class Pace {
     this.triangleCost = Math.max(leastCost, this.triangleCost * (1 + (learning * wrong * ofTriangles) / expected));
   }
 
-  /** A straight line through the last pieces without triangles. */
+  /** A straight line through the last pictures without triangles. */
   private fit(samples: number, milliseconds: number): void {
     const newest = [samples, milliseconds, samples * samples, samples * milliseconds] as const;
     const [x, y, xx, xy] = (this.means = mixed(this.means ?? newest, newest));
     const spread = xx - x * x;
-    if (spread > (leastSpread * x) ** 2) {
-      this.sampleCost = Math.max(leastCost, (xy - x * y) / spread);
+    const slope = (xy - x * y) / spread;
+    if (spread > (leastSpread * x) ** 2 && slope > 0) {
+      this.sampleCost = Math.max(leastCost, slope);
       this.fixedCost = Math.max(0, y - x * this.sampleCost);
     } else {
-      // pieces of one size tell only the sum
+      // pictures of one size tell only the sum, and so do those of which the larger ones were quicker
       this.sampleCost = Math.max(leastCost, (y - Math.min(this.fixedCost, 0.5 * y)) / x);
     }
   }

@@ -74,6 +74,8 @@ export class Refiner {
   private detail: Detail = "all";
   /** Triangles of the last picture that moved: those in view, and those that were drawn. */
   private seen: Tally = { all: 0, drawn: 0 };
+  /** What the picture that is drawn at rest costs, strip by strip. */
+  private level = { samples: 0, triangles: 0, milliseconds: 0 };
   /** Triangles of the picture that is drawn at rest. */
   private triangles = 0;
   /** Whether rays start at random shares of a step. */
@@ -289,7 +291,10 @@ export class Refiner {
       this.swap(eye);
     }
     this.seen = seen;
-    this.learn(eyes * this.first.width * this.first.height * stepsPerVoxel, seen.drawn);
+    const samples = eyes * this.first.width * this.first.height * stepsPerVoxel;
+    this.time((milliseconds) => {
+      this.pace.learn(samples, milliseconds, seen.drawn);
+    });
     this.shown = { divisor, stepsPerVoxel, passes: 1, triangles: seen.drawn };
     this.stale = false;
     this.drawnAt = now;
@@ -351,13 +356,22 @@ export class Refiner {
   private drawStrip(target: PictureTarget, divisor: number, shift: Shift): boolean {
     const { stepsPerVoxel } = this.resting;
     this.turn();
-    const triangles = this.row === 0 ? this.drawSurfaces(target, divisor, shift) : 0;
     const { width, height } = target;
+    if (this.row === 0) {
+      this.level = { samples: width * height * stepsPerVoxel, triangles: this.drawSurfaces(target, divisor, shift), milliseconds: 0 };
+    }
     const to = Math.min(height, this.row + this.pace.stripRows(width, height, stepsPerVoxel));
     this.drawRows(target, [this.row, to], stepsPerVoxel, shift);
-    this.learn(width * (to - this.row) * stepsPerVoxel, triangles);
-    this.row = to < height ? to : 0;
-    return to === height;
+    const { level } = this;
+    const whole = to === height;
+    this.time((milliseconds) => {
+      level.milliseconds += milliseconds;
+      if (whole) {
+        this.pace.learn(level.samples, level.milliseconds, level.triangles);
+      }
+    });
+    this.row = whole ? 0 : to;
+    return whole;
   }
 
   /** Draws all of the surfaces for a picture at rest; returns their triangles. */
@@ -372,10 +386,10 @@ export class Refiner {
     this.marcher.draw(this.renderer, target, { stepsPerVoxel, jitter: this.jitter }, shift);
   }
 
-  /** Learns what the samples and triangles cost that were just drawn. */
-  private learn(samples: number, triangles: number): void {
+  /** Counts a piece, and tells what it cost, once the GPU has drawn it. */
+  private time(done: (milliseconds: number) => void): void {
     this.clock.start((milliseconds) => {
-      this.pace.learn(samples, milliseconds, triangles);
+      done(milliseconds);
       this.drawnPieces += 1;
     });
   }

@@ -54,6 +54,29 @@ test("steps are coarser only once a quarter of the resolution is too slow, and b
   expect(costs).toEqual([...costs].sort((a, b) => b - a));
 });
 
+test("large pictures that were quicker than small ones do not make samples free", () => {
+  const pace = new Pace(frameBudget, { sample: 5e-3, triangle: 1e-4 });
+  // a skull that turns, and the same view of air
+  for (let i = 0; i < 10; ++i) {
+    pace.learn(4400, 57);
+    pace.learn(17_700, 10);
+    // at 20 to 35 ms for 10 000 samples a quarter of the resolution would take 70 at least
+    expect(pace.moving(560_000).divisor).toBeGreaterThan(4);
+  }
+});
+
+test("pictures that move become finer one by one, and coarser at once", () => {
+  const pace = learned(1, 1);
+  expect(pace.moving(600_000)).toEqual(coarsest);
+  for (let i = 0; i < 120; ++i) {
+    pace.learn(i % 2 === 0 ? 2000 : 50_000, 1);
+  }
+  const finer = movingPictures.map(() => pace.moving(600_000));
+  expect(finer).toEqual([...movingPictures.slice(0, -1).reverse(), movingPictures[0]]);
+  pace.learn(600_000, 4000);
+  expect(pace.moving(600_000)).toEqual(coarsest);
+});
+
 test("what no coarser picture saves makes none coarser than half of the budget asks for", () => {
   const pace = learned(500, 1e-5);
   expect(pace.moving(1e6)).toEqual({ divisor: 1, step: 1 });
