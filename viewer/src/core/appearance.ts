@@ -26,7 +26,7 @@ export interface Appearance {
 }
 
 export function defaultAppearance({ softTissue, bone }: Anchors): Appearance {
-  return { level: (softTissue + bone) / 2, window: bone - softTissue, softTissue: 0.42, bone: 1 };
+  return { level: (softTissue + bone) / 2, window: bone - softTissue, softTissue: 0.28, bone: 1 };
 }
 
 /** A stop of the curve: place in tissue units, colour, extinction at full strength [1/mm]. */
