@@ -186,6 +186,27 @@ bench-edit: setup chromium ## measure edits at the page with SCANS=PATH: applied
 pictures: setup chromium ## take the pictures of the page that the docs show
 	PYTHONPATH=tests/support $(BIN)/python scripts/take_pictures.py $(or $(PALPATE_DATA),../shared/data) docs/images
 
+# programs that are pictured beside ours: only their built pages, which need no packages of their own
+OHIF := 3.13.2
+NIIVUE := 0.69.0
+PEERS := target/peers
+PEERS_READY := $(PEERS)/.ohif-$(OHIF)-niivue-$(NIIVUE)
+
+$(PEERS_READY):
+	$(call say,OHIF $(OHIF); niivue $(NIIVUE))
+	rm -rf $(PEERS)
+	mkdir -p $(PEERS)/ohif $(PEERS)/niivue
+	npm pack --silent --pack-destination $(PEERS) @ohif/app@$(OHIF) @niivue/niivue@$(NIIVUE)
+	tar -xzf $(PEERS)/ohif-app-$(OHIF).tgz -C $(PEERS)/ohif --strip-components=1
+	tar -xzf $(PEERS)/niivue-niivue-$(NIIVUE).tgz -C $(PEERS)/niivue --strip-components=1
+	rm $(PEERS)/*.tgz
+	touch $@
+
+.PHONY: pictures-beside
+pictures-beside: setup chromium $(PEERS_READY) ## take pictures of OHIF and niivue with the same scan, and count clicks
+	CHROMIUM="$$(scripts/chromium.sh)" PYTHONPATH=tests/support \
+		$(BIN)/python scripts/take_peer_pictures.py $(or $(PALPATE_DATA),../shared/data) $(PEERS) docs/images
+
 .PHONY: bench-page
 bench-page: setup chromium ## measure the page with SCANS="PATH ...": first picture, late ticks, memory
 	$(call say,page)
