@@ -26,8 +26,8 @@ export interface MovingPicture {
 
 /**
  * From fine to coarse. A half of all steps still leads a ray through each second voxel, so that is given up
- * before the last of the resolution is. The last one is the limit, however slow it is: below it nobody sees any
- * more what is turned.
+ * before the last of the resolution is; where a pixel is as wide as eight, so are steps of four voxels, about. The last
+ * one is the limit, however slow it is: below it nobody sees any more what is turned.
  */
 export const movingPictures: readonly [MovingPicture, ...MovingPicture[]] = [
   { divisor: 1, step: 1 },
@@ -37,6 +37,8 @@ export const movingPictures: readonly [MovingPicture, ...MovingPicture[]] = [
   { divisor: 4, step: 0.5 },
   { divisor: 6, step: 0.5 },
   { divisor: 8, step: 0.5 },
+  { divisor: 8, step: 0.25 },
+  { divisor: 12, step: 0.25 },
 ];
 
 /** Share of what is known that each new measurement replaces. */

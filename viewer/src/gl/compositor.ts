@@ -3,9 +3,13 @@
  */
 import * as THREE from "three";
 import { linearFromHex } from "../core/colour";
+import { Enlarger } from "./enlarger";
 import { FullscreenPass } from "./fullscreen_pass";
 import type { PictureTarget } from "./picture_target";
 import { shaders } from "./shaders";
+
+/** Pictures that are so many times as coarse as their pane are put together before they are enlarged. */
+const coarse = 4;
 
 const centre = linearFromHex("#1b222b");
 const rim = linearFromHex("#0b0e12");
@@ -35,6 +39,7 @@ export class Compositor {
     backgroundEdge: { value: new THREE.Vector3(...rim) },
   };
   private readonly pass = new FullscreenPass(shaders.composite, this.uniforms);
+  private readonly enlarger = new Enlarger();
 
   /** Whether highlights are bent instead of clipped; grey by window and level is shown as it is. */
   set bendsHighlights(on: boolean) {
@@ -42,26 +47,40 @@ export class Compositor {
   }
 
   async prepare(renderer: THREE.WebGLRenderer): Promise<void> {
-    await this.pass.prepare(renderer);
+    await Promise.all([this.pass.prepare(renderer), this.enlarger.prepare(renderer)]);
   }
 
-  draw(renderer: THREE.WebGLRenderer, source: PictureTarget, { corner, into, transparent = false }: Composition): void {
+  draw(renderer: THREE.WebGLRenderer, source: PictureTarget, composition: Composition): void {
+    const { target, width, height } = source;
+    if (composition.into === undefined && target.width > (coarse - 1) * width) {
+      const { small } = this.enlarger;
+      small.setSize(width, height);
+      this.compose(renderer, source, { ...composition, corner: [0, 0], into: small });
+      this.enlarger.draw(renderer, source, composition.corner);
+    } else {
+      this.compose(renderer, source, composition);
+    }
+  }
+
+  dispose(): void {
+    this.pass.dispose();
+    this.enlarger.dispose();
+  }
+
+  private compose(renderer: THREE.WebGLRenderer, source: PictureTarget, { corner, into, transparent = false }: Composition): void {
     const u = this.uniforms;
     const { target, width, height } = source;
+    const pane = into === this.enlarger.small ? into : target;
     u.picture.value = target.texture;
     u.pictureDepth.value = target.depthTexture;
     u.share.value.set(width / target.width, height / target.height);
     u.used.value.set(width, height);
     u.paneCorner.value.set(...corner);
-    u.paneSize.value.set(target.width, target.height);
-    const whole = source.tile ?? { width: target.width, height: target.height, x: 0, y: 0 };
+    u.paneSize.value.set(pane.width, pane.height);
+    const whole = source.tile ?? { width: pane.width, height: pane.height, x: 0, y: 0 };
     u.groundCorner.value.set(corner[0] - whole.x, corner[1] - whole.y);
     u.groundSize.value.set(whole.width, whole.height);
     u.transparent.value = transparent ? 1 : 0;
     this.pass.draw(renderer, into ?? null);
-  }
-
-  dispose(): void {
-    this.pass.dispose();
   }
 }

@@ -10,6 +10,7 @@ import cells from "./shaders/cells.glsl?raw";
 import clip from "./shaders/clip.glsl?raw";
 import compositeFrag from "./shaders/composite.frag?raw";
 import displaced from "./shaders/displaced.glsl?raw";
+import enlargeFrag from "./shaders/enlarge.frag?raw";
 import facing from "./shaders/facing.glsl?raw";
 import field from "./shaders/field.glsl?raw";
 import first from "./shaders/first.glsl?raw";
@@ -79,6 +80,7 @@ export const shaders = {
   cellOpacity: joined(blends, displaced, field, segments, clip, bricks, transfer, cells, cellOpacity),
   cellLight: joined(displaced, field, segments, bricks, cells, cellLight),
   composite: joined(compositeFrag),
+  enlarge: joined(enlargeFrag),
   anaglyph: joined(anaglyphFrag),
   slice: joined(displaced, field, segments, second, secondGrey, secondSlice, sliceFrag),
   gauge: { vertex: joined(gaugeVert), fragment: joined(gaugeFrag) },

@@ -47,9 +47,9 @@ test.each([8, 33, 100])("a budget of %i ms is kept by resolution and step, and u
 
 test("steps are coarser only once a quarter of the resolution is too slow, and both to a limit", () => {
   const chosen = [1e-6, 1e-4, 5e-4, 1.3e-3, 2e-3, 1].map((perSample) => learned(1, perSample).moving(600_000));
-  expect(chosen.map(({ step }) => step)).toEqual([1, 1, 1, 0.5, 0.5, 0.5]);
+  expect(chosen.map(({ step }) => step)).toEqual([1, 1, 1, 0.5, 0.5, 0.25]);
   expect(chosen.at(-1)).toEqual(coarsest);
-  expect(coarsest).toEqual({ divisor: 8, step: 0.5 });
+  expect(coarsest).toEqual({ divisor: 12, step: 0.25 });
   const costs = movingPictures.map(({ divisor, step }) => step / divisor ** 2);
   expect(costs).toEqual([...costs].sort((a, b) => b - a));
 });
@@ -73,7 +73,7 @@ test("pictures that move become finer one by one, and coarser at once", () => {
   }
   const finer = movingPictures.map(() => pace.moving(600_000));
   expect(finer).toEqual([...movingPictures.slice(0, -1).reverse(), movingPictures[0]]);
-  pace.learn(600_000, 4000);
+  pace.learn(600_000, 40_000);
   expect(pace.moving(600_000)).toEqual(coarsest);
 });
 

@@ -226,6 +226,24 @@ test("a scan at half resolution shows the same ball", async () => {
   expect(differing.length).toBeLessThan(2 * Math.PI * 30 * 1.5);
 });
 
+test("a picture in haste is much coarser, and shows scan, ground and probe as they are", async () => {
+  const bone: MarchTest = { ...ball, segment: "visible" };
+  const at = (y: number): MarkerTest => ({ probe: [24, y, 24], device: [24, y, 24] });
+  const hasty = (markers: MarkerTest): Promise<{ divisor: number; pixels: number[] }> =>
+    browser.page.evaluate(([t, m]) => window.glTests?.hasty(t, m) ?? Promise.reject(new Error("no page")), [bone, markers] as const);
+  const [before, behind] = [await hasty(at(4)), await hasty(at(44))];
+  expect([before.divisor, behind.divisor]).toEqual([12, 12]);
+  const whole = await screen(bone, at(4));
+  const off = whole.map((value, i) => Math.abs(value - (before.pixels[i] ?? 0))).sort((a, b) => a - b);
+  // a pixel of it is as wide as 12: along outlines colours are far off, at most places they are not
+  expect(mean(off)).toBeLessThan(16);
+  expect(off[Math.floor(off.length / 2)]).toBeLessThan(8);
+  const blue = ({ pixels }: { pixels: readonly number[] }): number => pixelAt(pixels, edge / 2, edge / 2)[2] ?? 0;
+  // the probe's depth is held against that of the coarse picture: behind bone it is a ghost
+  expect(Math.abs(blue(before) - blue({ pixels: whole }))).toBeLessThan(10);
+  expect(blue(behind)).toBeLessThan(blue(before) - 50);
+});
+
 test("the background has its sRGB colours on the screen", async () => {
   const pixels = await screen({ ...ball, segment: "hidden" }, null);
   const expected = srgbFromHex("#1b222b").map((channel) => 255 * channel);

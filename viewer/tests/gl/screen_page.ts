@@ -178,6 +178,26 @@ export async function show({ scan: test, markers, jitter = false, surfaces = [],
   return pixels;
 }
 
+/** A view that moves where nothing is quick enough; what stands on the screen then, as sRGB bytes, rows from the bottom. */
+export async function hasty(test: MarchTest, markers: MarkerTest): Promise<{ readonly divisor: number; readonly pixels: number[] }> {
+  const drawn = pictureOf(false);
+  const { picture } = drawn;
+  const volume = fieldOf(test);
+  const extent = outlineOf(test);
+  picture.setQuality({ ...firstQuality(true), frameBudget: 1e-3 });
+  picture.setScan(volume, bricksOf(volume, true));
+  picture.setLook(lookOf(test));
+  picture.setMarkers({ ...stillMarkers(extent.centre), ...markers, trail: trailThrough([]) });
+  picture.setCamera(viewOf(test, extent), extent);
+  await finished(drawn);
+  picture.setCamera(viewOf(test, extent), extent);
+  picture.advance(performance.now());
+  const { divisor } = picture.shown;
+  const pixels = pixelsOf(drawn);
+  picture.dispose();
+  return { divisor, pixels };
+}
+
 /** The middle pixel after the canvas became smaller while the GPU was at work. */
 export async function resizedMiddle({ scan: test, surfaces = [] }: ScreenTest): Promise<number[]> {
   const drawn = pictureOf(false);

@@ -155,7 +155,7 @@ Seen seenAlong(Ray ray, inout Layers layers) {
     vec3 toEye = -ray.direction;
     if (segment == isoSegment) {
       vec3 normal = cut ? ray.face : facing(gradientAt(grid), toEye, toEye);
-      seen.light += seen.clarity * litSurface(isoColour, normal, toEye, openness(grid, normal, segment), lightAt(grid, normal), vec2(1.0));
+      seen.light += seen.clarity * litSurface(isoColour, normal, toEye, nearOpenness(grid, normal, segment), lightAt(grid, normal), vec2(1.0));
     } else {
       seen.light += seen.clarity * lightOfSegment(ray, grid, segment, cut);
     }
