@@ -21,6 +21,11 @@ export const restingPictures: Readonly<Record<Quality, RestingPicture>> = {
   still: { stepsPerVoxel: 5, passes: 24 },
 };
 
+/** Whether a picture is drawn in haste: with so few steps that shade from the nearest voxels is more than they tell. */
+export function isInHaste(stepsPerVoxel: number): boolean {
+  return stepsPerVoxel < 2 / 3;
+}
+
 export interface QualityChoice {
   readonly quality: Quality;
   /** Time for a picture while the view moves [ms]. */

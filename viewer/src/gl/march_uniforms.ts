@@ -47,6 +47,7 @@ export function marchUniforms() {
     clipPlanes: { value: Array.from({ length: mostPlanes }, () => new THREE.Vector4()) },
     clipCount: { value: 0 },
     stepLength: { value: 1 },
+    haste: { value: 0 },
     jitter: { value: 1 },
     slab: { value: new THREE.Vector2() },
     transferTexture: { value: null as THREE.Texture | null },

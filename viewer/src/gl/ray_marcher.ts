@@ -11,6 +11,7 @@ import type { Displaced } from "../core/displaced";
 import { drawnBy } from "../core/drawn_values";
 import { opacityKey, type Look } from "../core/look";
 import { blends, greyOf, isLit, type Blend, type Optics } from "../core/optics";
+import { isInHaste } from "../core/quality";
 import { smallestSpacing, type ScanFrame } from "../core/scan_volume";
 import { mostRanges } from "../core/shown_segments";
 import { biasedOf, largest, physical, type Rescale } from "../core/stored_values";
@@ -313,6 +314,7 @@ export class RayMarcher {
     const { x, y, width, height } = target.tile ?? { width: target.width, height: target.height, x: 0, y: 0 };
     u.pictureSize.value.set(width, height);
     u.stepLength.value = (smallestSpacing(this.frame) * this.step) / quality.stepsPerVoxel;
+    u.haste.value = isInHaste(quality.stepsPerVoxel) ? 1 : 0;
     u.jitter.value = quality.jitter ? 1 : 0;
     u.shift.value.set(x + shift[0], y + shift[1], shift[2]);
     this.program.draw(renderer, target);

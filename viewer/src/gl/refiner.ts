@@ -47,8 +47,8 @@ const movingLayers = 8;
 /** Steps per voxel edge while the view moves, at the finest: by the light program and by the whole one. */
 const movingSteps = { light: 1.5, whole: 1 } as const;
 
-/** First guesses of costs [ms]. */
-const firstCosts = { gpu: { sample: 1e-5, triangle: 1e-6 }, software: { sample: 5e-3, triangle: 2e-4 } } as const;
+/** First guesses of costs [ms each]. */
+const firstCosts = { gpu: { waits: 1, samples: 1e-5, triangles: 1e-6 }, software: { waits: 3, samples: 1e-2, triangles: 2e-4 } } as const;
 /** Share of a frame in which the few triangles of patches are made, where they are wanted. */
 const shareOfPreparing = 0.25;
 const unshifted: Shift = [0, 0, 0];
@@ -75,7 +75,7 @@ export class Refiner {
   /** Triangles of the last picture that moved: those in view, and those that were drawn. */
   private seen: Tally = { all: 0, drawn: 0 };
   /** What the picture that is drawn at rest costs, strip by strip. */
-  private level = { samples: 0, triangles: 0, milliseconds: 0 };
+  private level = { waits: 0, samples: 0, triangles: 0, milliseconds: 0 };
   /** Triangles of the picture that is drawn at rest. */
   private triangles = 0;
   /** Whether rays start at random shares of a step. */
@@ -275,15 +275,16 @@ export class Refiner {
     if (!this.options.software && this.marcher.light.pending) {
       this.marcher.light.advance(this.renderer, movingLayers);
     }
+    const begun = performance.now();
     const eyes = this.pictures.length;
     this.chooseDetail();
-    const { divisor, step } = this.pace.moving(this.movingSamples, this.detail === "all" ? this.seen.all : this.seen.drawn);
+    const { divisor, step } = this.pace.picture(this.movingSamples, this.detail === "all" ? this.seen.all : this.seen.drawn);
     const stepsPerVoxel = step * this.movingSteps;
     const seen = { all: 0, drawn: 0 };
     for (let eye = 0; eye < eyes; ++eye) {
       this.aim(eye);
       this.working.useLevel(divisor);
-      const surfaces = { divisor, shift: unshifted, depth: this.movingLayers, detail: this.detail };
+      const surfaces = { divisor, stepsPerVoxel, shift: unshifted, depth: this.movingLayers, detail: this.detail };
       const { all, drawn } = this.surfaces.draw(this.renderer, this.working, surfaces);
       seen.all += all;
       seen.drawn += drawn;
@@ -292,8 +293,8 @@ export class Refiner {
     }
     this.seen = seen;
     const samples = eyes * this.first.width * this.first.height * stepsPerVoxel;
-    this.time((milliseconds) => {
-      this.pace.learn(samples, milliseconds, seen.drawn);
+    this.time(() => {
+      this.pace.learnMoving({ waits: 1, samples, triangles: seen.drawn }, performance.now() - begun);
     });
     this.shown = { divisor, stepsPerVoxel, passes: 1, triangles: seen.drawn };
     this.stale = false;
@@ -358,16 +359,18 @@ export class Refiner {
     this.turn();
     const { width, height } = target;
     if (this.row === 0) {
-      this.level = { samples: width * height * stepsPerVoxel, triangles: this.drawSurfaces(target, divisor, shift), milliseconds: 0 };
+      const triangles = this.drawSurfaces(target, divisor, shift);
+      this.level = { waits: 0, samples: width * height * stepsPerVoxel, triangles, milliseconds: 0 };
     }
     const to = Math.min(height, this.row + this.pace.stripRows(width, height, stepsPerVoxel));
     this.drawRows(target, [this.row, to], stepsPerVoxel, shift);
     const { level } = this;
     const whole = to === height;
     this.time((milliseconds) => {
+      level.waits += 1;
       level.milliseconds += milliseconds;
       if (whole) {
-        this.pace.learn(level.samples, level.milliseconds, level.triangles);
+        this.pace.learnResting(level, level.milliseconds);
       }
     });
     this.row = whole ? 0 : to;
@@ -376,7 +379,8 @@ export class Refiner {
 
   /** Draws all of the surfaces for a picture at rest; returns their triangles. */
   private drawSurfaces(target: PictureTarget, divisor: number, shift: Shift): number {
-    const { drawn } = this.surfaces.draw(this.renderer, target, { divisor, shift, depth: mostLayers, detail: "all" });
+    const { stepsPerVoxel } = this.resting;
+    const { drawn } = this.surfaces.draw(this.renderer, target, { divisor, stepsPerVoxel, shift, depth: mostLayers, detail: "all" });
     this.triangles = this.eye === 0 ? drawn : this.triangles + drawn;
     return drawn;
   }

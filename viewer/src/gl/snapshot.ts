@@ -138,7 +138,7 @@ export class Snapshot {
         await this.done(signal);
       }
       const shift: Shift = averaged === 1 ? [0, 0, 0] : [halton(count, 2) - 0.5, halton(count, 3) - 0.5, 0];
-      surfaces.draw(renderer, drawn, { divisor: 1, shift, depth: mostLayers, detail: "all" });
+      surfaces.draw(renderer, drawn, { divisor: 1, stepsPerVoxel, shift, depth: mostLayers, detail: "all" });
       marcher.blend = count === 1 ? null : 1 / count;
       marcher.draw(renderer, drawn, { stepsPerVoxel, jitter: false }, shift);
       marcher.blend = null;

@@ -9,6 +9,7 @@ import { eyeOf, sightOf, type Camera } from "../core/camera";
 import { mostPlanes, type Plane } from "../core/clip";
 import type { Detail } from "../core/pace";
 import type { MovedPose, Segment } from "../core/protocol";
+import { isInHaste } from "../core/quality";
 import type { ScanFrame } from "../core/scan_volume";
 import { drawnAsSurface } from "../core/shown_segments";
 import type { SurfaceChange } from "../core/surface_patches";
@@ -22,6 +23,8 @@ import { SurfaceMesh } from "./surface_mesh";
 export interface SurfaceDrawing {
   /** Of the picture's resolution. */
   readonly divisor: number;
+  /** Of the rays, per smallest voxel edge. */
+  readonly stepsPerVoxel: number;
   readonly shift: Shift;
   /** Translucent layers behind one another that are drawn, at most. */
   readonly depth: number;
@@ -55,6 +58,7 @@ export class Surfaces {
       clipCount: { value: 0 },
       sceneFromCube: { value: new THREE.Matrix4() },
       layerSize: { value: new THREE.Vector2() },
+      haste: { value: 0 },
       peeled: { value: 0 },
       depthBefore: { value: null as THREE.Texture | null },
       depthOpaque: { value: null as THREE.Texture | null },
@@ -137,7 +141,7 @@ export class Surfaces {
   }
 
   /** Draws all surfaces for a level of the picture and hands them to the ray caster; tells what they had of triangles. */
-  draw(renderer: THREE.WebGLRenderer, picture: PictureTarget, { divisor, shift, depth, detail }: SurfaceDrawing): Readonly<Tally> {
+  draw(renderer: THREE.WebGLRenderer, picture: PictureTarget, { divisor, stepsPerVoxel, shift, depth, detail }: SurfaceDrawing): Readonly<Tally> {
     const shown = this.shown;
     Object.assign(this.tally, { drawn: 0, all: 0 });
     if (shown.length === 0) {
@@ -154,6 +158,7 @@ export class Surfaces {
     }
     const camera = shifted(this.camera, picture, shift);
     shared.sceneFromCube.value.multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse).invert();
+    shared.haste.value = isInHaste(stepsPerVoxel) ? 1 : 0;
     shared.layerSize.value.set(layers.opaque.width, layers.opaque.height);
     this.drawLayer(renderer, layers.opaque, camera, shown.filter((mesh) => !mesh.translucent));
     shared.depthOpaque.value = layers.opaque.target.depthTexture;

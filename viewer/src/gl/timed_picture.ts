@@ -38,7 +38,7 @@ export function drawTimed(renderer: THREE.WebGLRenderer, marcher: RayMarcher, su
   renderer.initRenderTarget(drawn.target);
   read(1, 1);
   const begun = performance.now();
-  surfaces.draw(renderer, drawn, { divisor: 1, shift: [0, 0, 0], depth: mostLayers, detail: "all" });
+  surfaces.draw(renderer, drawn, { divisor: 1, stepsPerVoxel, shift: [0, 0, 0], depth: mostLayers, detail: "all" });
   marcher.draw(renderer, drawn, { stepsPerVoxel, jitter: false }, [0, 0, 0]);
   read(1, 1);
   const milliseconds = performance.now() - begun;

@@ -4,20 +4,23 @@ import { firstQuality } from "../../src/core/quality";
 
 const { frameBudget } = firstQuality(false);
 const coarsest = movingPictures.at(-1);
+const guess = { waits: 1, samples: 1e-3, triangles: 1e-4 };
 
-/** A renderer with a fixed latency and a cost per sample [ms]. */
+/** A renderer with a fixed latency and a cost per sample [ms], whose pictures moved and rested by turns. */
 function learned(latency: number, perSample: number, budget = frameBudget): Pace {
-  const pace = new Pace(budget, { sample: 1e-3, triangle: 1e-4 });
+  const pace = new Pace(budget, guess);
   for (let i = 0; i < 60; ++i) {
     const samples = i % 3 === 0 ? 2000 : 50000;
-    pace.learn(samples, latency + samples * perSample);
+    pace.learnMoving({ waits: 1, samples, triangles: 0 }, latency + samples * perSample);
+    // ten strips
+    pace.learnResting({ waits: 10, samples: 100 * samples, triangles: 0 }, 10 * latency + 100 * samples * perSample);
   }
   return pace;
 }
 
 /** Time of a frame while the view moves [ms], of `samples` at their finest. */
 function frameTime(pace: Pace, latency: number, perSample: number, samples: number): number {
-  const { divisor, step } = pace.moving(samples);
+  const { divisor, step } = pace.picture(samples);
   return latency + (samples * step * perSample) / divisor ** 2;
 }
 
@@ -27,7 +30,7 @@ test("a frame is to take 33 ms where nobody has chosen, on a GPU and on the CPU"
 
 test("a quick renderer draws every picture in full", () => {
   const pace = learned(4, 5e-6);
-  expect(pace.moving(2e6)).toEqual({ divisor: 1, step: 1 });
+  expect(pace.picture(2e6)).toEqual({ divisor: 1, step: 1 });
   expect(pace.stripRows(1920, 1080, 1)).toBe(1080);
 });
 
@@ -36,7 +39,7 @@ test.each([8, 33, 100])("a budget of %i ms is kept by resolution and step, and u
     const samples = 600_000;
     const pace = learned(3, perSample, budget);
     const time = frameTime(pace, 3, perSample, samples);
-    const chosen = movingPictures.indexOf(pace.moving(samples));
+    const chosen = movingPictures.indexOf(pace.picture(samples));
     expect(time).toBeLessThanOrEqual(1.05 * budget);
     const finer = movingPictures[chosen - 1];
     if (finer !== undefined) {
@@ -46,7 +49,7 @@ test.each([8, 33, 100])("a budget of %i ms is kept by resolution and step, and u
 });
 
 test("steps are coarser only once a quarter of the resolution is too slow, and both to a limit", () => {
-  const chosen = [1e-6, 1e-4, 5e-4, 1.3e-3, 2e-3, 1].map((perSample) => learned(1, perSample).moving(600_000));
+  const chosen = [1e-6, 1e-4, 5e-4, 1.3e-3, 2e-3, 1].map((perSample) => learned(1, perSample).picture(600_000));
   expect(chosen.map(({ step }) => step)).toEqual([1, 1, 1, 0.5, 0.5, 0.25]);
   expect(chosen.at(-1)).toEqual(coarsest);
   expect(coarsest).toEqual({ divisor: 12, step: 0.25 });
@@ -55,32 +58,33 @@ test("steps are coarser only once a quarter of the resolution is too slow, and b
 });
 
 test("large pictures that were quicker than small ones do not make samples free", () => {
-  const pace = new Pace(frameBudget, { sample: 5e-3, triangle: 1e-4 });
+  const pace = new Pace(frameBudget, { ...guess, samples: 5e-3 });
   // a skull that turns, and the same view of air
   for (let i = 0; i < 10; ++i) {
-    pace.learn(4400, 57);
-    pace.learn(17_700, 10);
+    pace.learnMoving({ waits: 1, samples: 4400, triangles: 0 }, 57);
+    pace.learnMoving({ waits: 1, samples: 17_700, triangles: 0 }, 10);
     // at 20 to 35 ms for 10 000 samples a quarter of the resolution would take 70 at least
-    expect(pace.moving(560_000).divisor).toBeGreaterThan(4);
+    expect(pace.picture(560_000).divisor).toBeGreaterThan(4);
   }
 });
 
 test("pictures that move become finer one by one, and coarser at once", () => {
   const pace = learned(1, 1);
-  expect(pace.moving(600_000)).toEqual(coarsest);
+  expect(pace.picture(600_000)).toEqual(coarsest);
   for (let i = 0; i < 120; ++i) {
-    pace.learn(i % 2 === 0 ? 2000 : 50_000, 1);
+    pace.learnMoving({ waits: 1, samples: i % 2 === 0 ? 2000 : 50_000, triangles: 0 }, 1);
   }
-  const finer = movingPictures.map(() => pace.moving(600_000));
+  const finer = movingPictures.map(() => pace.picture(600_000));
   expect(finer).toEqual([...movingPictures.slice(0, -1).reverse(), movingPictures[0]]);
-  pace.learn(600_000, 40_000);
-  expect(pace.moving(600_000)).toEqual(coarsest);
+  pace.learnMoving({ waits: 1, samples: 600_000, triangles: 0 }, 40_000);
+  expect(pace.picture(600_000)).toEqual(coarsest);
 });
 
 test("what no coarser picture saves makes none coarser than half of the budget asks for", () => {
-  const pace = learned(500, 1e-5);
-  expect(pace.moving(1e6)).toEqual({ divisor: 1, step: 1 });
-  expect(pace.moving(2e6)).toEqual({ divisor: 2, step: 1 });
+  // a half are 16.5 ms
+  const pace = learned(60, 1e-4);
+  expect(pace.picture(1e5)).toEqual({ divisor: 1, step: 1 });
+  expect(pace.picture(2e5)).toEqual({ divisor: 2, step: 1 });
 });
 
 test("latency alone does not make strips thin: it is no cost of samples", () => {
@@ -103,10 +107,10 @@ test("every picture ends at full resolution", () => {
 
 /** Has drawn pictures that move, with all triangles and with few by turns, and strips at rest without any. */
 function learnedTriangles(perTriangle: number): Pace {
-  const pace = new Pace(frameBudget, { sample: 1e-4, triangle: 1e-5 });
+  const pace = new Pace(frameBudget, { waits: 1, samples: 1e-4, triangles: 1e-5 });
   for (let i = 0; i < 300; ++i) {
     const [samples, triangles] = [i % 3 === 0 ? 10_000 : 40_000, [600_000, 0, 80_000, 0][i % 4] ?? 0];
-    pace.learn(samples, 2 + 1e-4 * samples + perTriangle * triangles, triangles);
+    pace.learnMoving({ waits: 1, samples, triangles }, 2 + 1e-4 * samples + perTriangle * triangles);
   }
   return pace;
 }
@@ -136,8 +140,23 @@ test("what takes about half of a frame does not come and go", () => {
 test("triangles leave samples the rest of a frame, and half of it at least", () => {
   const pace = learnedTriangles(1e-4);
   const samples = 250_000;
-  expect(pace.moving(samples)).toEqual({ divisor: 1, step: 1 });
+  expect(pace.picture(samples)).toEqual({ divisor: 1, step: 1 });
   // 10 ms of triangles leave 21 ms for 25 ms of samples
-  expect(pace.moving(samples, 100_000)).toEqual({ divisor: 2, step: 1 });
-  expect(pace.moving(samples, 1e9)).toEqual({ divisor: 2, step: 1 });
+  expect(pace.picture(samples, 100_000)).toEqual({ divisor: 2, step: 1 });
+  expect(pace.picture(samples, 1e9)).toEqual({ divisor: 2, step: 1 });
+});
+
+test("first pictures that were slow, with programs to be made, leave nothing behind", () => {
+  const pace = new Pace(frameBudget, { waits: 3, samples: 1e-2, triangles: 2e-4 });
+  pace.learnMoving({ waits: 1, samples: 5300, triangles: 0 }, 145);
+  pace.learnMoving({ waits: 1, samples: 1800, triangles: 590_000 }, 490);
+  const [samples, triangles] = [300_000, 106_000];
+  const drawn = Array.from({ length: 60 }, () => {
+    const { divisor, step } = pace.picture(samples, triangles);
+    const taken = (samples * step) / divisor ** 2;
+    pace.learnMoving({ waits: 1, samples: taken, triangles }, 5 + 0.01 * taken + 2e-4 * triangles);
+    return taken;
+  });
+  // 26 ms are not the samples': they have a half of the budget, 16.5 ms
+  expect(Math.max(...drawn.slice(10)) * 0.01).toBeLessThan(0.5 * frameBudget);
 });

@@ -55,7 +55,7 @@ export function drawnTriangles(ball: SurfaceTest, target: Vec3, away: number): n
   const { renderer, surfaces, picture, close } = surfaceBench(test, [ball], view);
   picture.useLevel(1);
   renderer.info.reset();
-  surfaces.draw(renderer, picture, { divisor: 1, shift: [0, 0, 0], depth: 4, detail: "all" });
+  surfaces.draw(renderer, picture, { divisor: 1, stepsPerVoxel: 1, shift: [0, 0, 0], depth: 4, detail: "all" });
   const { triangles } = renderer.info.render;
   close();
   return triangles;
@@ -66,7 +66,7 @@ export function coarseLevel(test: MarchTest, balls: readonly SurfaceTest[], divi
   const view = lookFrom(test.from, outlineOf(test), viewport);
   const { renderer, marcher, surfaces, picture, close } = surfaceBench(test, balls, view);
   picture.useLevel(divisor);
-  surfaces.draw(renderer, picture, { divisor, shift: [0, 0, 0], depth: 4, detail: "all" });
+  surfaces.draw(renderer, picture, { divisor, stepsPerVoxel: test.stepsPerVoxel, shift: [0, 0, 0], depth: 4, detail: "all" });
   for (let row = 0; row < picture.height; row += strip) {
     picture.useRows(row, Math.min(picture.height, row + strip));
     marcher.draw(renderer, picture, { stepsPerVoxel: test.stepsPerVoxel, jitter: false }, [0, 0, 0]);
@@ -93,7 +93,7 @@ export function detailed(test: MarchTest, balls: readonly SurfaceTest[]): Detail
   picture.useLevel(1);
   picture.useRows(0, picture.height);
   const drawn = (detail: "all" | "few"): Detailed => {
-    const tally = surfaces.draw(renderer, picture, { divisor: 1, shift: [0, 0, 0], depth: 4, detail });
+    const tally = surfaces.draw(renderer, picture, { divisor: 1, stepsPerVoxel: test.stepsPerVoxel, shift: [0, 0, 0], depth: 4, detail });
     marcher.draw(renderer, picture, { stepsPerVoxel: test.stepsPerVoxel, jitter: false }, [0, 0, 0]);
     const halves = new Uint16Array(4 * picture.width * picture.height);
     renderer.readRenderTargetPixels(picture.target, 0, 0, picture.width, picture.height, halves);

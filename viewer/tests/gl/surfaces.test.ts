@@ -243,6 +243,22 @@ test.each([[2, 48], [3, 7], [4, 1]])("at 1/%d of the resolution, in strips of %d
   }
 });
 
+test("voxels around a surface shade it, but not in a picture in haste", async () => {
+  // all of the scan's values are in the one range, none in the other
+  const of = (range: readonly [number, number]): SurfaceTest => ({ ...red, look: { colour: [1, 0, 0], range } });
+  const [around, alone] = [of([-30_000, 30_000]), of([29_000, 30_000])];
+  const redness = async (stepsPerVoxel: number, ball: SurfaceTest): Promise<number> => {
+    const pixels = await browser.page.evaluate(
+      ([scan, b]) => window.glTests?.coarseLevel(scan, [b], 1, 96) ?? Promise.reject(new Error("no page")),
+      [{ ...air, stepsPerVoxel }, ball] as const,
+    );
+    return pixels[4 * (centre + edge * centre)] ?? 0;
+  };
+  const [free, covered, hasty] = [await redness(1, alone), await redness(1, around), await redness(0.5, around)];
+  expect(covered).toBeLessThan(0.8 * free);
+  expect(hasty).toBeCloseTo(free, 2);
+});
+
 test.each([1, 0.7])("the probe is plain before a surface and a ghost behind it, opacity %d", async (opacity) => {
   const probeAt = async (y: number): Promise<number> => {
     const probe: Vec3 = [24, y, 24];

@@ -1,6 +1,9 @@
 // How much of the sky reaches a surface, from the voxels around it. Who includes this says
 // before it what is inside: bool insideSegment(vec3 grid, int segment).
 
+// 1 in a picture in haste
+uniform float haste;
+
 // Share of the sky seen from a surface: four cones about the normal and one along it.
 float openness(vec3 grid, vec3 normal, int segment) {
   vec3 side = normalize(abs(normal.z) < 0.9 ? cross(normal, vec3(0, 0, 1)) : cross(normal, vec3(1, 0, 0)));
@@ -23,4 +26,9 @@ float openness(vec3 grid, vec3 normal, int segment) {
     covered += hit;
   }
   return 1.0 - 0.17 * covered;
+}
+
+// Share of the sky that the nearest voxels leave a surface; a picture in haste has the light volume's shade alone.
+float nearOpenness(vec3 grid, vec3 normal, int segment) {
+  return haste > 0.5 ? 1.0 : openness(grid, normal, segment);
 }

@@ -58,14 +58,6 @@ vec3 surfaceNormal(vec3 grid, int segment) {
   return gradientAt(grid);
 }
 
-// Share of the sky that the nearest voxels leave a surface. Steps that are longer than voxels are those of a picture
-// in haste: it has the light volume's shade alone.
-float nearOpenness(vec3 grid, vec3 normal, int segment) {
-  vec3 edges = spacing * sampleStep;
-  bool haste = stepLength > 1.5 * min(edges.x, min(edges.y, edges.z));
-  return haste ? 1.0 : openness(grid, normal, segment);
-}
-
 // Light of a solid segment at a point, seen through one of the faces that cut it or not.
 vec3 lightOfSegment(Ray ray, vec3 grid, int segment, bool cut) {
   vec3 toEye = -ray.direction;

@@ -120,7 +120,7 @@ void main() {
   }
   vec3 toEye = normalize(eye.xyz - eye.w * posed);
   vec3 normal = unit(posedNormal, toEye);
-  float open = bare > 0.5 ? 1.0 : openness(grid, unit(gridNormal, vec3(0.0, 0.0, 1.0)), 0);
+  float open = bare > 0.5 ? 1.0 : nearOpenness(grid, unit(gridNormal, vec3(0.0, 0.0, 1.0)), 0);
   normal = dot(normal, toEye) < 0.0 ? -normal : normal;
   vec2 light = lightAt((gridFromScene * vec4(posed, 1.0)).xyz, mat3(gridFromScene) * normal * spacing);
   picture = vec4(litSurface(colour, normal, toEye, open, light, factors) * opacity, opacity);
