@@ -125,6 +125,23 @@ export function filledBricks(ranges: BrickRanges, drawn: (low: number, high: num
   return filled;
 }
 
+/** The first and the last of filled bricks along each axis; null where none is. */
+export function boundsOf(filled: Uint8Array, counts: Vec3): { readonly low: Vec3; readonly high: Vec3 } | null {
+  const [columns, rows] = counts;
+  const low = [Infinity, Infinity, Infinity] as [number, number, number];
+  const high = [-1, -1, -1] as [number, number, number];
+  filled.forEach((full, i) => {
+    if (full > 0) {
+      const brick = [i % columns, Math.floor(i / columns) % rows, Math.floor(i / (columns * rows))] as const;
+      brick.forEach((place, axis) => {
+        low[axis] = Math.min(low[axis] ?? place, place);
+        high[axis] = Math.max(high[axis] ?? place, place);
+      });
+    }
+  });
+  return high[0] < 0 ? null : { low, high };
+}
+
 /** Bricks in which any voxel has a label. 1: some has, 0: none. */
 export function labelledBricks(ids: Uint8Array, dimensions: Vec3): Uint8Array {
   const [width, height, depth] = dimensions;

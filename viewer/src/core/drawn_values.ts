@@ -14,10 +14,10 @@ export interface Drawn {
   readonly any: (low: number, high: number) => boolean;
 }
 
-/** What a look draws. */
+/** What a look draws; with the bodies that can stand for surfaces, so that these may come and go with each picture. */
 export function drawnBy(look: Look, rescale: Rescale): Drawn {
   const { optics, ranges, transferFunction } = look;
-  const solids = drawsSolids(optics.blend) ? ranges.filter(({ tinted, visible }) => visible && tinted !== true) : [];
+  const solids = drawsSolids(optics.blend) ? ranges.filter(({ body, tinted, visible }) => body === true || (visible && tinted !== true)) : [];
   if (usesTransferFunction(optics.blend)) {
     return new DrawnValues(transferFunction, rescale, solids.map(({ low, high }) => [low, high]));
   }

@@ -29,7 +29,7 @@ export function middleOf({ bounds, grid }: Segment, sceneFromGrid: readonly numb
 }
 
 /** Corners of the segment's box where the scan has it [mm]; the bits of a place say low or high. */
-export function cornersOf({ bounds, grid }: Segment, sceneFromGrid: readonly number[]): readonly Vec3[] {
+export function cornersOf({ bounds, grid }: Pick<Segment, "bounds" | "grid">, sceneFromGrid: readonly number[]): readonly Vec3[] {
   if (bounds === null) {
     return [];
   }

@@ -24,6 +24,8 @@ export interface ShownRange {
   readonly tinted?: boolean;
   /** Opacity of the surface that is drawn where its voxels are, instead of them. */
   readonly surface?: number;
+  /** Whether a body of its voxels can stand for that surface. */
+  readonly body?: boolean;
   /** Factors on ambient and specular light; 1 where nothing is told. */
   readonly material?: readonly [number, number];
 }
@@ -75,6 +77,11 @@ export function drawnAsSurface({ visible, shown_as, opacity }: Segment): boolean
 /** Opacity of the surface that stands where the scan has the segment; 0 where there is none. */
 export function surfaceInPlace(segment: Segment): number {
   return drawnAsSurface(segment) && segment.pose === null && segment.grid === null ? segment.opacity : 0;
+}
+
+/** Whether a body of a segment's voxels can stand for its surface: that is opaque, closed, and where they are. */
+export function hasBody(segment: Segment): boolean {
+  return segment.shown_as === "surface" && !segment.wireframe && surfaceInPlace(segment) === 1;
 }
 
 /**
@@ -132,7 +139,7 @@ export function shownRanges(
     const [low, high] = biasedRange(range[0], range[1], rescale);
     const { id, colour, ambient, specular } = segment;
     const label = segment.range === null ? id : 0;
-    const look = { colour: linearFromSrgb(colour), material: [ambient, specular], surface: surfaceInPlace(segment) } as const;
+    const look = { colour: linearFromSrgb(colour), material: [ambient, specular], surface: surfaceInPlace(segment), body: hasBody(segment) } as const;
     return [{ id, low, high, ...look, visible: drawn(segment), label }];
   });
 }

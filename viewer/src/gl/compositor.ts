@@ -50,9 +50,14 @@ export class Compositor {
     await Promise.all([this.pass.prepare(renderer), this.enlarger.prepare(renderer)]);
   }
 
+  /** Whether a picture is put together before it is enlarged, its background with it. */
+  static isCoarse({ target, width }: PictureTarget): boolean {
+    return target.width > (coarse - 1) * width;
+  }
+
   draw(renderer: THREE.WebGLRenderer, source: PictureTarget, composition: Composition): void {
-    const { target, width, height } = source;
-    if (composition.into === undefined && target.width > (coarse - 1) * width) {
+    const { width, height } = source;
+    if (composition.into === undefined && Compositor.isCoarse(source)) {
       const { small } = this.enlarger;
       small.setSize(width, height);
       this.compose(renderer, source, { ...composition, corner: [0, 0], into: small });

@@ -3,7 +3,7 @@
  * the scan's values, its labels and its look.
  */
 import type * as THREE from "three";
-import { distanceToFilled, filledBricks, type BrickRanges } from "../core/bricks";
+import { boundsOf, distanceToFilled, filledBricks, type BrickRanges } from "../core/bricks";
 import type { Drawn } from "../core/drawn_values";
 import { bricksReadingBox, forEachCell, type Box } from "../core/voxel_change";
 import { byteTexture } from "./lookup_textures";
@@ -14,6 +14,8 @@ export class EmptySpace {
   private drawn: Drawn | null = null;
   /** Bricks that hold something drawn. */
   private filled: Uint8Array | null = null;
+  /** Their bounds, once they were asked for. */
+  private found: ReturnType<typeof boundsOf> = null;
 
   constructor(private readonly uniform: { value: THREE.Texture | null }) {}
 
@@ -56,6 +58,11 @@ export class EmptySpace {
     }
   }
 
+  /** The first and the last brick along each axis that hold something drawn; null where none does. */
+  get bounds(): ReturnType<typeof boundsOf> {
+    return this.filled === null || this.bricks === null ? null : (this.found ??= boundsOf(this.filled, this.bricks.counts));
+  }
+
   dispose(): void {
     this.uniform.value?.dispose();
   }
@@ -71,6 +78,7 @@ export class EmptySpace {
 
   /** Tells the shader how far it may leap. */
   private measure(): void {
+    this.found = null;
     if (this.filled !== null && this.bricks !== null) {
       const { counts } = this.bricks;
       this.uniform.value?.dispose();

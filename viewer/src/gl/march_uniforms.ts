@@ -30,6 +30,7 @@ export function marchUniforms() {
     rangeColours: { value: many() },
     rangeMaterials: { value: Array.from({ length: mostRanges }, () => new THREE.Vector2(1, 1)) },
     rangeCount: { value: 0 },
+    bodies: { value: 0 },
     labelTexture: { value: null as THREE.Texture | null },
     labelColours: { value: null as THREE.Texture | null },
     keyDirection: { value: vector() },

@@ -48,6 +48,11 @@ export class PatchMesh {
     };
   }
 
+  /** All that it has. */
+  get triangles(): number {
+    return trianglesOf(this.all);
+  }
+
   /** Whether the few triangles are there. */
   get isPrepared(): boolean {
     return this.few !== null;

@@ -347,8 +347,9 @@ export class Picture {
     }
     const pictureChanged = drawn || this.screenStale;
     if (pictureChanged || (this.slices.isStale && !this.keepsScreen)) {
+      const isAnywhere = this.screenStale || !this.keepsScreen || this.surfaces.stray;
       this.drawSlices();
-      this.pane.draw();
+      this.pane.draw(isAnywhere ? null : this.marcher.outline);
     } else {
       if (this.slices.isStale) {
         this.drawSlices();

@@ -4,19 +4,21 @@
  */
 import type * as THREE from "three";
 import { column } from "../core/affine";
-import type { BrickRanges } from "../core/bricks";
+import { brickEdge, type BrickRanges } from "../core/bricks";
 import { depthOf, nearAndFar, type Camera, type Extent } from "../core/camera";
 import type { Plane } from "../core/clip";
 import type { Displaced } from "../core/displaced";
 import { drawnBy } from "../core/drawn_values";
 import { opacityKey, type Look } from "../core/look";
-import { blends, greyOf, isLit, type Blend, type Optics } from "../core/optics";
+import { cornersOf } from "../core/object_pose";
+import { blends, drawsSolids, greyOf, isLit, type Blend, type Optics } from "../core/optics";
+import type { Segment } from "../core/protocol";
 import { isInHaste } from "../core/quality";
 import { smallestSpacing, type ScanFrame } from "../core/scan_volume";
-import { mostRanges } from "../core/shown_segments";
+import { mostRanges, type ShownRange } from "../core/shown_segments";
 import { biasedOf, largest, physical, type Rescale } from "../core/stored_values";
 import { domainOf, sample, type TransferFunction } from "../core/transfer_function";
-import { dot, multiply } from "../core/vector";
+import { add, addScaled, dot, multiply, type Vec3 } from "../core/vector";
 import type { Box } from "../core/voxel_change";
 import { DisplacedTexture } from "./displaced_texture";
 import { EmptySpace } from "./empty_space";
@@ -152,7 +154,7 @@ export class RayMarcher {
     const ranges = look.ranges.slice(0, mostRanges);
     u.rangeCount.value = ranges.length;
     ranges.forEach((range, i) => {
-      u.rangeBounds.value[i]?.set(range.low, range.high, range.visible ? (range.tinted === true ? 1 : 2) : -(range.surface ?? 0), range.label);
+      u.rangeBounds.value[i]?.set(range.low, range.high, drawnAs(range), range.label);
       u.rangeColours.value[i]?.set(...range.colour);
       u.rangeMaterials.value[i]?.set(...(range.material ?? [1, 1]));
     });
@@ -280,6 +282,31 @@ export class RayMarcher {
     }
   }
 
+  /** Corners of a box that holds all that is drawn of the scan; scene [mm]. Null where something may be drawn anywhere. */
+  get outline(): readonly Vec3[] | null {
+    const { empty, frame, gives, step, withSecond } = this;
+    const { bounds } = empty;
+    if (frame === null || bounds === null || gives || withSecond) {
+      return null;
+    }
+    // as `standAt` places bricks; with a voxel around them, by which smooth surfaces leave theirs at most
+    const low = addScaled([-step, -step, -step], bounds.low, brickEdge * step);
+    const high = addScaled([step, step, step], add(bounds.high, [1, 1, 1]), brickEdge * step);
+    return cornersOf({ bounds: [low, high], grid: null }, frame.sceneFromGrid);
+  }
+
+  /** Whether bodies of voxels stand for surfaces that have them. */
+  set bodies(on: boolean) {
+    this.uniforms.bodies.value = on ? 1 : 0;
+  }
+
+  /** Whether a segment that has a body is drawn with it, where bodies stand for surfaces. */
+  canEmbody(segment: Segment): boolean {
+    const isTold = segment.range !== null || this.labelled;
+    // between cells of a second scan its own body would be cut as the scan is
+    return isTold && drawsSolids(this.mode) && !this.withSecond;
+  }
+
   /** What other shaders need to read the scan as this one does (`field.glsl`). */
   get fieldUniforms(): Pick<MarchUniforms, FieldUniform> & LightVolume["uniforms"] {
     return { ...this.uniforms, ...this.light.uniforms };
@@ -372,6 +399,14 @@ export class RayMarcher {
     const { distance, slab } = this;
     this.uniforms.slab.value.set(slab === null ? 0 : distance - slab / 2, slab === null ? 1e9 : distance + slab / 2);
   }
+}
+
+/** How a range is drawn, as `shaders/segments.glsl` has it. */
+function drawnAs({ visible, tinted, body, surface }: ShownRange): number {
+  if (visible) {
+    return tinted === true ? 1 : 2;
+  }
+  return body === true ? -2 : -(surface ?? 0);
 }
 
 /** Grey per biased value and grey at 0; of the iso-surface, above 0 where it encloses. */

@@ -48,7 +48,7 @@ const movingLayers = 8;
 const movingSteps = { light: 1.5, whole: 1 } as const;
 
 /** First guesses of costs [ms each]. */
-const firstCosts = { gpu: { waits: 1, samples: 1e-5, triangles: 1e-6 }, software: { waits: 3, samples: 1e-2, triangles: 2e-4 } } as const;
+const firstCosts = { gpu: { waits: 1, samples: 1e-5, triangles: 1e-6 }, software: { waits: 10, samples: 1e-2, triangles: 2e-4 } } as const;
 /** Share of a frame in which the few triangles of patches are made, where they are wanted. */
 const shareOfPreparing = 0.25;
 const unshifted: Shift = [0, 0, 0];

@@ -85,6 +85,11 @@ export class SurfaceMesh {
     return [...this.meshes.values()].filter((patch) => !patch.isPrepared && now - patch.changed > fineAfterEdit);
   }
 
+  /** Triangles of patches that a view has in it. */
+  trianglesIn(view: THREE.Frustum): number {
+    return [...this.meshes.values()].reduce((sum, { mesh, triangles }) => sum + (view.intersectsObject(mesh) ? triangles : 0), 0);
+  }
+
   /** Draws all triangles from now on, or of what is no wireframe the few that are there. */
   use(detail: Detail): void {
     for (const patch of this.meshes.values()) {

@@ -11,7 +11,7 @@ import type { Detail } from "../core/pace";
 import type { MovedPose, Segment } from "../core/protocol";
 import { isInHaste } from "../core/quality";
 import type { ScanFrame } from "../core/scan_volume";
-import { drawnAsSurface } from "../core/shown_segments";
+import { drawnAsSurface, hasBody, withoutRoom } from "../core/shown_segments";
 import type { SurfaceChange } from "../core/surface_patches";
 import { keyLight } from "./key_light";
 import type { Tally } from "./patch_mesh";
@@ -28,7 +28,7 @@ export interface SurfaceDrawing {
   readonly shift: Shift;
   /** Translucent layers behind one another that are drawn, at most. */
   readonly depth: number;
-  /** Of the triangles. */
+  /** With few triangles, bodies of voxels stand for surfaces that have them. */
   readonly detail: Detail;
 }
 
@@ -129,10 +129,16 @@ export class Surfaces {
     upDirection.value.set(...view.up);
   }
 
-  /** Makes the few triangles of patches that have none yet, as long as `milliseconds` are not over. */
+  /** Whether surfaces are drawn that may stand elsewhere than the voxels of their segments, or where nothing tells of these. */
+  get stray(): boolean {
+    return this.shown.length > this.embodied.length;
+  }
+
+  /** Makes the few triangles of patches that have none yet and no body either, as long as `milliseconds` are not over. */
   prepareFew(milliseconds: number): void {
     const ends = performance.now() + milliseconds;
-    for (const patch of this.shown.flatMap((mesh) => mesh.unprepared)) {
+    const { embodied } = this;
+    for (const patch of this.shown.filter((mesh) => !embodied.includes(mesh)).flatMap((mesh) => mesh.unprepared)) {
       if (performance.now() >= ends) {
         return;
       }
@@ -142,9 +148,12 @@ export class Surfaces {
 
   /** Draws all surfaces for a level of the picture and hands them to the ray caster; tells what they had of triangles. */
   draw(renderer: THREE.WebGLRenderer, picture: PictureTarget, { divisor, stepsPerVoxel, shift, depth, detail }: SurfaceDrawing): Readonly<Tally> {
-    const shown = this.shown;
+    const seen = this.shown;
+    const embodied = detail === "few" ? this.embodied : [];
+    const shown = seen.filter((mesh) => !embodied.includes(mesh));
+    this.marcher.bodies = embodied.length > 0;
     Object.assign(this.tally, { drawn: 0, all: 0 });
-    if (shown.length === 0) {
+    if (seen.length === 0) {
       this.marcher.setSurfaces(null);
       return { ...this.tally };
     }
@@ -169,6 +178,8 @@ export class Surfaces {
       shared.peeled.value = 1;
     }
     this.marcher.setSurfaces(layers);
+    const view = new THREE.Frustum().setFromProjectionMatrix(camera.projectionMatrix.clone().multiply(camera.matrixWorldInverse));
+    this.tally.all += embodied.reduce((sum, mesh) => sum + mesh.trianglesIn(view), 0);
     return { ...this.tally };
   }
 
@@ -184,7 +195,17 @@ export class Surfaces {
   }
 
   private get shown(): SurfaceMesh[] {
-    return this.segments.filter(drawnAsSurface).flatMap(({ id }) => this.meshes.get(id) ?? []);
+    return this.meshesOf(this.segments.filter(drawnAsSurface));
+  }
+
+  /** Surfaces for which bodies of voxels can stand. */
+  private get embodied(): SurfaceMesh[] {
+    const without = withoutRoom(this.segments);
+    return this.meshesOf(this.segments.filter((one) => hasBody(this.standing(one)) && !without.includes(one) && this.marcher.canEmbody(one)));
+  }
+
+  private meshesOf(segments: readonly Segment[]): SurfaceMesh[] {
+    return segments.flatMap(({ id }) => this.meshes.get(id) ?? []);
   }
 
   /** A segment where it stands now; its list has where it was asked to go. */

@@ -3,15 +3,19 @@
  */
 import * as THREE from "three";
 import { project, type Camera } from "../core/camera";
+import { coarsest } from "../core/pace";
 import type { Rect } from "../core/picture_layout";
 import { eyesOf, firstStereo, viewportOf, type Stereo } from "../core/stereo";
 import type { Vec3 } from "../core/vector";
 import { Anaglyph } from "./anaglyph";
-import type { Composition, Compositor } from "./compositor";
+import { Compositor, type Composition } from "./compositor";
 import { MarkStrokes } from "./mark_strokes";
 import { markerMargin, Markers, type MarkerState } from "./markers";
 import type { PictureTarget } from "./picture_target";
 import { ThreeCamera } from "./three_camera";
+
+/** A pixel of the coarsest picture fades this far into its background, and markers reach less far [CSS pixels]. */
+const pictureMargin = 2 * coarsest;
 
 export class ViewPane {
   stereo: Stereo = firstStereo;
@@ -27,8 +31,14 @@ export class ViewPane {
   private readonly marks = new MarkStrokes();
   private readonly markers = new Markers();
   private markersShown = false;
-  /** Where markers were drawn last [CSS pixels from the upper left of the pane]. */
+  /** Where markers were drawn last [CSS pixels from the upper left of the pane]; null where that could be anywhere. */
   private marked: THREE.Box2 | null = null;
+  /** The same of all that stood before the background. */
+  private filled: THREE.Box2 | null = null;
+  /** Where the background was drawn with a coarse picture. */
+  private readonly coarse = new THREE.Box2();
+  /** Of all marks; scene [mm]. */
+  private markedPoints: readonly Vec3[] = [];
   /** Marks stand elsewhere than they were drawn. */
   private marksStale = false;
   private bare = false;
@@ -52,6 +62,7 @@ export class ViewPane {
   /** Points of each mark, in their order; scene [mm]. */
   setMarks(lines: readonly (readonly Vec3[])[]): void {
     this.marks.show(lines);
+    this.markedPoints = lines.flat();
     this.marksStale = true;
     this.stale = true;
   }
@@ -61,9 +72,16 @@ export class ViewPane {
     this.markersShown = true;
   }
 
-  /** Draws all of it. */
-  draw(): void {
-    this.drawPart(null);
+  /**
+   * Draws all of it, or where the background is seen before and after only the rest.
+   *
+   * @param outline points around all that is drawn of the scan [scene, mm]; null where the screen forgets, or that may be anywhere.
+   */
+  draw(outline: readonly Vec3[] | null): void {
+    const { filled: before } = this;
+    const now = outline === null ? null : this.boxAround([...outline, ...this.markedPoints, ...this.markers.outline], pictureMargin);
+    this.drawPart(before === null || now === null ? null : now.clone().union(before).union(this.isCoarse ? now : this.coarse));
+    this.filled = now;
   }
 
   /** Draws what is seen of the scan, without anything over it. */
@@ -76,14 +94,20 @@ export class ViewPane {
   /** Draws again where markers were and are; all of it where the screen forgets. */
   drawMarkers(keepsScreen: boolean): void {
     const before = this.marked;
-    const now = this.markedBox();
+    const now = this.boxAround(this.markers.outline, markerMargin);
     this.drawPart(keepsScreen && !this.marksStale && before !== null && now !== null ? now.clone().union(before) : null);
+    const over = this.boxAround([...this.markedPoints, ...this.markers.outline], markerMargin);
+    this.filled = over === null ? null : (this.filled?.union(over) ?? null);
   }
 
   dispose(): void {
     this.anaglyph.dispose();
     this.marks.dispose();
     this.markers.dispose();
+  }
+
+  private get isCoarse(): boolean {
+    return Compositor.isCoarse(this.pictureOf(0));
   }
 
   private drawPart(part: THREE.Box2 | null): void {
@@ -98,7 +122,12 @@ export class ViewPane {
       });
     }
     renderer.setScissorTest(false);
-    this.marked = this.markedBox();
+    if (this.isCoarse) {
+      this.coarse.union(part ?? new THREE.Box2(new THREE.Vector2(), new THREE.Vector2(pane.width, pane.height)));
+    } else if (part?.containsBox(this.coarse) !== false) {
+      this.coarse.makeEmpty();
+    }
+    this.marked = this.boxAround(this.markers.outline, markerMargin);
     this.stale = false;
     this.marksStale = false;
   }
@@ -139,19 +168,19 @@ export class ViewPane {
     return [x * ratio, y * ratio];
   }
 
-  /** Box around all markers; null where it cannot be told, or where each is drawn twice. */
-  private markedBox(): THREE.Box2 | null {
+  /** Box around points of the scene; null where it cannot be told, or where each is drawn twice. */
+  private boxAround(points: readonly Vec3[], margin: number): THREE.Box2 | null {
     if (this.stereo.mode !== "off") {
       return null;
     }
     const box = new THREE.Box2();
-    for (const point of this.markers.outline) {
+    for (const point of points) {
       const place = this.shownCamera === null ? null : project(this.shownCamera, point, this.rect);
       if (place === null) {
         return null;
       }
       box.expandByPoint(new THREE.Vector2(...place));
     }
-    return box.isEmpty() ? null : box.expandByScalar(markerMargin);
+    return box.isEmpty() ? null : box.expandByScalar(margin);
   }
 }

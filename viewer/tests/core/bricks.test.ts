@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { brickEdge, brickRanges, distanceToFilled, filledBricks } from "../../src/core/bricks";
+import { boundsOf, brickEdge, brickRanges, distanceToFilled, filledBricks } from "../../src/core/bricks";
 import { DrawnValues } from "../../src/core/drawn_values";
 import { sample } from "../../src/core/transfer_function";
 import type { Vec3 } from "../../src/core/vector";
@@ -93,4 +93,14 @@ test("only bricks that hold something drawn are filled", () => {
   const drawn = new DrawnValues(peak, rescale);
   const filled = filledBricks(ranges, (low, high) => drawn.any(low, high));
   expect([...filled.keys()].filter((i) => filled[i] === 1)).toEqual([0]);
+});
+
+test("bounds hold the first and the last filled brick along each axis", () => {
+  const counts: Vec3 = [3, 4, 5];
+  const filled = new Uint8Array(60);
+  expect(boundsOf(filled, counts)).toBeNull();
+  filled[1 + 3 * (2 + 4 * 3)] = 1;
+  expect(boundsOf(filled, counts)).toEqual({ low: [1, 2, 3], high: [1, 2, 3] });
+  filled[2 + 3 * (0 + 4 * 4)] = 1;
+  expect(boundsOf(filled, counts)).toEqual({ low: [1, 0, 3], high: [2, 2, 4] });
 });

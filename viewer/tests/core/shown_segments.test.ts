@@ -1,11 +1,15 @@
 import { expect, test } from "vitest";
 import { linearFromSrgb } from "../../src/core/colour";
+import { drawnBy } from "../../src/core/drawn_values";
+import { firstLighting, type Look } from "../../src/core/look";
+import { shadedOptics } from "../../src/core/optics";
 import type { Segment } from "../../src/core/protocol";
 import { Unchanged } from "../../src/core/unchanged";
 import {
   drawnAsSurface,
   drawnKey,
   drawnFromVoxels,
+  hasBody,
   mostRanges,
   showable,
   shownRanges,
@@ -74,4 +78,27 @@ test("thresholds for which the picture has no room are told; those that were edi
   expect(withoutRoom(many)).toEqual(many.slice(-2));
   const edited = many.map((one, place) => (place > mostRanges ? { ...one, range: null, made_by: one.range } : one));
   expect(withoutRoom(edited)).toEqual(edited.slice(mostRanges, -1));
+});
+
+test("a body stands for a surface that is opaque, closed and where its voxels are", () => {
+  const surface: Segment = { ...segment, shown_as: "surface" };
+  const moved = [1, 0, 0, 5, 0, 1, 0, 0, 0, 0, 1, 0];
+  expect(hasBody(surface)).toBe(true);
+  const others: readonly Partial<Segment>[] = [{ opacity: 0.9 }, { wireframe: true }, { pose: moved }, { grid: moved }, { visible: false }, { shown_as: "both" }];
+  expect(others.map((other) => hasBody({ ...surface, ...other }))).toEqual(others.map(() => false));
+});
+
+test("bricks of what a body can stand for are never empty, so that it can come and go with each picture", () => {
+  const look: Look = {
+    transferFunction: { points: [{ value: 0, colour: [1, 1, 1], extinction: 0 }] },
+    ranges: shownRanges([{ ...segment, range: [500, 600], shown_as: "surface" }], rescale),
+    edgeGradient: 40,
+    lighting: firstLighting,
+    optics: shadedOptics,
+  };
+  const [bone, air] = [32768 + 550, 32768 - 900];
+  expect(drawnBy(look, rescale).any(bone, bone)).toBe(true);
+  expect(drawnBy(look, rescale).any(air, air)).toBe(false);
+  // there voxels of segments are values like others
+  expect(drawnBy({ ...look, optics: { ...shadedOptics, blend: "emission" } }, rescale).any(bone, bone)).toBe(false);
 });

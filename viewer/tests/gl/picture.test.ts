@@ -244,6 +244,19 @@ test("a picture in haste is much coarser, and shows scan, ground and probe as th
   expect(blue(behind)).toBeLessThan(blue(before) - 50);
 });
 
+test("where only the background is seen nothing is left of what stood there before", async () => {
+  const bone: MarchTest = { ...ball, segment: "visible" };
+  // the ball is small, and all this stands by the sides of the view
+  const probes = [[-190, 24, 24], [24, 24, -190], [220, 24, -150]] as const;
+  const marks = [[[-180, 24, -180], [220, 24, -170]]] as const;
+  const [pixels, fresh] = await browser.page.evaluate(
+    ([t, p, m]) => window.glTests?.turned(t, p, m) ?? Promise.reject(new Error("no page")),
+    [bone, probes, marks] as const,
+  );
+  const off = pixels.map((value, i) => Math.abs(value - (fresh[i] ?? 0)));
+  expect(off.filter((one) => one > 1).length).toBe(0);
+});
+
 test("the background has its sRGB colours on the screen", async () => {
   const pixels = await screen({ ...ball, segment: "hidden" }, null);
   const expected = srgbFromHex("#1b222b").map((channel) => 255 * channel);

@@ -2,6 +2,7 @@
  * Runs in the browser: the picture as the page has it, on a canvas of its own.
  */
 import * as THREE from "three";
+import { orbit } from "../../src/core/camera";
 import { decodeDisplaced, type Displaced } from "../../src/core/displaced";
 import { PathTrail } from "../../src/core/path_trail";
 import type { Segment } from "../../src/core/protocol";
@@ -113,14 +114,14 @@ export async function refined(test: MarchTest, quality: Quality): Promise<{ read
   return { shown, pixels };
 }
 
-/** A picture on a canvas of its own, before anything stands on it. */
-export function pictureOf(jitter: boolean): { readonly picture: Picture; readonly gl: WebGL2RenderingContext } {
+/** A picture on a canvas of its own, before anything stands on it; `software`: as where the CPU draws, else as the renderer is. */
+export function pictureOf(jitter: boolean, software?: true): { readonly picture: Picture; readonly gl: WebGL2RenderingContext } {
   const support = gpuSupport();
   const canvas = document.createElement("canvas");
   if (support === null) {
     throw new Error("no WebGL2");
   }
-  const picture = new Picture(canvas, { support, mostPixelRatio: 1 });
+  const picture = new Picture(canvas, { support: { ...support, software: software ?? support.software }, mostPixelRatio: 1 });
   picture.jitter = jitter;
   // averages are what it is about: the same on the CPU as on a GPU
   picture.setQuality(firstQuality(!jitter));
@@ -133,20 +134,20 @@ export function pictureOf(jitter: boolean): { readonly picture: Picture; readonl
 }
 
 /** The picture once it is as fine as it gets; sRGB bytes, rows from the bottom. */
-export async function finished(drawn: ReturnType<typeof pictureOf>): Promise<number[]> {
+export async function finished(drawn: ReturnType<typeof pictureOf>, size = edge): Promise<number[]> {
   const { picture } = drawn;
   do {
     picture.advance(performance.now());
     await new Promise((resolve) => setTimeout(resolve, 5));
   } while (!picture.shown.finished || !picture.hasPicture);
-  return pixelsOf(drawn);
+  return pixelsOf(drawn, size);
 }
 
 /** What is on the screen; sRGB bytes, rows from the bottom. */
-export function pixelsOf({ gl }: ReturnType<typeof pictureOf>): number[] {
-  const bytes = new Uint8Array(4 * edge * edge);
+export function pixelsOf({ gl }: ReturnType<typeof pictureOf>, size = edge): number[] {
+  const bytes = new Uint8Array(4 * size * size);
   gl.bindFramebuffer(gl.FRAMEBUFFER, null);
-  gl.readPixels(0, 0, edge, edge, gl.RGBA, gl.UNSIGNED_BYTE, bytes);
+  gl.readPixels(0, 0, size, size, gl.RGBA, gl.UNSIGNED_BYTE, bytes);
   return [...bytes];
 }
 
@@ -196,6 +197,44 @@ export async function hasty(test: MarchTest, markers: MarkerTest): Promise<{ rea
   const pixels = pixelsOf(drawn);
   picture.dispose();
   return { divisor, pixels };
+}
+
+/**
+ * What stands on the screen once the view has turned, each time while a marker stood elsewhere, and the same drawn at once; sRGB bytes,
+ * rows from the bottom. With a canvas that keeps what is not drawn again, as where the CPU draws.
+ */
+export async function turned(test: MarchTest, probes: readonly Vec3[], marks: readonly (readonly Vec3[])[]): Promise<readonly [number[], number[]]> {
+  // much larger than the margin around what is drawn
+  const size = 3 * edge;
+  const extent = outlineOf(test);
+  const volume = fieldOf(test);
+  const view = { ...viewOf(test, extent), distance: 8 * viewOf(test, extent).distance };
+  const begun = (shown: typeof marks): ReturnType<typeof pictureOf> => {
+    const drawn = pictureOf(false, true);
+    drawn.picture.resize(size, size);
+    drawn.picture.setScan(volume, bricksOf(volume, true));
+    drawn.picture.setLook(lookOf(test));
+    drawn.picture.setMarks(shown);
+    return drawn;
+  };
+  const look = (drawn: ReturnType<typeof pictureOf>, i: number): Promise<number[]> => {
+    const probe = probes[i] ?? extent.centre;
+    drawn.picture.setMarkers({ ...stillMarkers(probe), trail: trailThrough([]) });
+    drawn.picture.setCamera(orbit(view, 0.4 * i, 0.1 * i), extent);
+    return finished(drawn, size);
+  };
+  const moved = begun(marks);
+  for (const [i, probe] of probes.entries()) {
+    await look(moved, i);
+    // it moves on while the view rests
+    moved.picture.setMarkers({ ...stillMarkers(addScaled(probe, [0, 0, 1], 100)), trail: trailThrough([]) });
+    await finished(moved);
+  }
+  const fresh = begun(marks);
+  const pixels = [await look(moved, 0), await look(fresh, 0)] as const;
+  moved.picture.dispose();
+  fresh.picture.dispose();
+  return pixels;
 }
 
 /** The middle pixel after the canvas became smaller while the GPU was at work. */

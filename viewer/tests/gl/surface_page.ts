@@ -2,18 +2,21 @@
  * Runs in the browser: surfaces and ray caster as the refiner drives them.
  */
 import * as THREE from "three";
-import { brickRanges } from "../../src/core/bricks";
+import { brickRanges, labelledBricks } from "../../src/core/bricks";
 import { lookFrom, type Camera } from "../../src/core/camera";
+import type { Segment } from "../../src/core/protocol";
+import { shownRanges } from "../../src/core/shown_segments";
 import { decodeSurface } from "../../src/core/surface_patches";
 import type { Vec3 } from "../../src/core/vector";
 import { FieldTexture } from "../../src/gl/field_texture";
+import { byteTexture, labelColours } from "../../src/gl/lookup_textures";
 import { PictureTarget } from "../../src/gl/picture_target";
 import { RayMarcher } from "../../src/gl/ray_marcher";
 import { Surfaces } from "../../src/gl/surfaces";
 import { ThreeCamera } from "../../src/gl/three_camera";
 import { ballSurface } from "../core/ball_surface";
 import { segment } from "../core/volumes";
-import { edge, fieldOf, lookOf, outlineOf, viewport, type MarchTest } from "./scenes_page";
+import { edge, fieldOf, labelsOfBall, lookOf, outlineOf, viewport, type MarchTest } from "./scenes_page";
 import type { SurfaceTest } from "./screen_page";
 
 /** Surfaces and ray caster as the refiner drives them, for one view of the scan. */
@@ -45,7 +48,42 @@ function surfaceBench(test: MarchTest, balls: readonly SurfaceTest[], view: Came
     renderer.dispose();
     renderer.forceContextLoss();
   };
-  return { renderer, marcher, surfaces, picture, close };
+  return { renderer, marcher, surfaces, picture, volume, close };
+}
+
+type Bench = ReturnType<typeof surfaceBench>;
+
+function drawnWith({ renderer, marcher, surfaces, picture }: Bench, stepsPerVoxel: number, detail: "all" | "few"): Detailed {
+  picture.useLevel(1);
+  picture.useRows(0, picture.height);
+  const tally = surfaces.draw(renderer, picture, { divisor: 1, stepsPerVoxel, shift: [0, 0, 0], depth: 4, detail });
+  marcher.draw(renderer, picture, { stepsPerVoxel, jitter: false }, [0, 0, 0]);
+  const halves = new Uint16Array(4 * picture.width * picture.height);
+  renderer.readRenderTargetPixels(picture.target, 0, 0, picture.width, picture.height, halves);
+  return { pixels: Array.from(halves, (half) => THREE.DataUtils.fromHalfFloat(half)), ...tally };
+}
+
+/**
+ * The surface of a segment that is the ball of the scan, with all triangles, with few and with all again: told by its
+ * values or by labels.
+ */
+export function embodied(test: MarchTest, ball: SurfaceTest, told: "by values" | "by labels"): Detailed[] {
+  const view = lookFrom(test.from, outlineOf(test), viewport);
+  const range = told === "by values" ? ([0, 1000] as const) : null;
+  const shown: Segment = { ...segment, shown_as: "surface", ...ball.look, range };
+  const bench = surfaceBench(test, [{ ...ball, look: shown }], view);
+  const { marcher, volume, close } = bench;
+  marcher.setLook({ ...lookOf(test), ranges: shownRanges([shown], volume.frame.rescale) });
+  marcher.setClip(test.clip ?? []);
+  bench.surfaces.setClip(test.clip ?? []);
+  if (told === "by labels") {
+    const ids = labelsOfBall(volume, false);
+    marcher.setLabelColours(labelColours([shown]));
+    marcher.setLabels({ texture: byteTexture(ids, volume.dimensions), bricks: labelledBricks(ids, volume.dimensions) });
+  }
+  const pictures = (["all", "few", "all"] as const).map((detail) => drawnWith(bench, test.stepsPerVoxel, detail));
+  close();
+  return pictures;
 }
 
 /** Triangles that are drawn of a ball in patches, from a camera `away` mm before `target`. */
@@ -89,16 +127,9 @@ export interface Detailed {
  */
 export function detailed(test: MarchTest, balls: readonly SurfaceTest[]): Detailed[] {
   const view = lookFrom(test.from, outlineOf(test), viewport);
-  const { renderer, marcher, surfaces, picture, close } = surfaceBench(test, balls, view);
-  picture.useLevel(1);
-  picture.useRows(0, picture.height);
-  const drawn = (detail: "all" | "few"): Detailed => {
-    const tally = surfaces.draw(renderer, picture, { divisor: 1, stepsPerVoxel: test.stepsPerVoxel, shift: [0, 0, 0], depth: 4, detail });
-    marcher.draw(renderer, picture, { stepsPerVoxel: test.stepsPerVoxel, jitter: false }, [0, 0, 0]);
-    const halves = new Uint16Array(4 * picture.width * picture.height);
-    renderer.readRenderTargetPixels(picture.target, 0, 0, picture.width, picture.height, halves);
-    return { pixels: Array.from(halves, (half) => THREE.DataUtils.fromHalfFloat(half)), ...tally };
-  };
+  const bench = surfaceBench(test, balls, view);
+  const { renderer, surfaces, close } = bench;
+  const drawn = (detail: "all" | "few"): Detailed => drawnWith(bench, test.stepsPerVoxel, detail);
   const all = drawn("all");
   surfaces.prepareFew(Infinity);
   const few = drawn("few");

@@ -8,6 +8,7 @@ import { distance, type Vec3 } from "../../src/core/vector";
 import { openGlBrowser, type GlBrowser } from "./browser";
 import type { MarchTest } from "./scenes_page";
 import type { ScreenTest, SurfaceTest } from "./screen_page";
+import type { Detailed } from "./surface_page";
 
 const edge = 96;
 const viewport = { width: edge, height: edge };
@@ -285,7 +286,8 @@ test.each([
 });
 
 test.each([1, 0.5])("with few triangles surfaces look nearly the same, with all of them the same, opacity %d", async (opacity) => {
-  const look = { colour: [1, 0, 0] as const, opacity };
+  // nothing tells of their voxels: no body can stand for them
+  const look = { colour: [1, 0, 0] as const, opacity, range: null };
   const balls: SurfaceTest[] = [{ centre: middle, radius: 17, sectors: 4, rings: 96, look }, { centre: [24, 6, 24], radius: 4, sectors: 1, rings: 96, look }];
   const pictures = await browser.page.evaluate(([scan, b]) => window.glTests?.detailed(scan, b) ?? Promise.reject(new Error("no page")), [green, balls] as const);
   const [all, few, edited, again] = pictures;
@@ -301,4 +303,42 @@ test.each([1, 0.5])("with few triangles surfaces look nearly the same, with all 
   expect(off.reduce((sum, one) => sum + one, 0) / off.length).toBeLessThan(0.01);
   // facets of a ball of 17 mm lie up to 0.7 mm inside: at most a rim of its outline, of a 35th of the picture
   expect(off.filter((one) => one > 0.15).length / off.length).toBeLessThan(1 / 35);
+});
+
+function embodied(scan: MarchTest, look: SurfaceTest["look"], told: "by values" | "by labels" = "by values"): Promise<Detailed[]> {
+  const ball: SurfaceTest = { centre: middle, radius: 14, sectors: 4, rings: 96, look: { colour: [1, 0, 0], ...look } };
+  return browser.page.evaluate(([s, b, t]) => window.glTests?.embodied(s, b, t) ?? Promise.reject(new Error("no page")), [scan, ball, told] as const);
+}
+
+const inBall: MarchTest = { ...air, field: "ball" };
+// the front half is gone: a cut face is seen
+const cutOpen: MarchTest = { ...inBall, clip: [{ normal: [0, -1, 0], offset: -20 }] };
+
+test.each([
+  ["by values", inBall],
+  ["by labels", inBall],
+  ["by values", cutOpen],
+] as const)("in haste the body of its voxels stands for a surface, and looks nearly the same: told %s", async (told, scan) => {
+  const [all, few, again] = await embodied(scan, {}, told);
+  if (all === undefined || few === undefined || again === undefined) {
+    throw new Error("no pictures");
+  }
+  expect(all.drawn).toBeGreaterThan(10_000);
+  expect([few.drawn, few.all]).toEqual([0, all.drawn]);
+  expect(again).toEqual(all);
+  const off = few.pixels.map((value, i) => Math.abs(value - (all.pixels[i] ?? 0)));
+  // labels have steps of a voxel; by values the outline alone differs
+  expect(off.reduce((sum, one) => sum + one, 0) / off.length).toBeLessThan(told === "by labels" ? 0.03 : 0.01);
+  expect(off.filter((one) => one > 0.15).length / off.length).toBeLessThan(told === "by labels" ? 1 / 10 : 1 / 35);
+});
+
+test.each([
+  ["one can be seen through", inBall, { opacity: 0.5 }],
+  ["it is a net", inBall, { wireframe: true }],
+  ["it was moved", inBall, { pose: [1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 2, 0] }],
+  ["voxels of segments are values like others", { ...inBall, optics: { blend: "mip" } }, {}],
+] as const)("no body stands for a surface where %s", async (_, scan, look) => {
+  const [all, few] = await embodied(scan, look);
+  expect(few?.drawn).toBe(all?.drawn);
+  expect(few?.pixels).toEqual(all?.pixels);
 });

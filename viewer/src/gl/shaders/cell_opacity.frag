@@ -23,7 +23,7 @@ float surfaceAt(vec3 grid, float value) {
 #endif
   for (int i = 0; i < RANGES; ++i) {
     if (i < rangeCount && rangeBounds[i].z < 0.0 && insideRange(grid, value, label, rangeBounds[i])) {
-      return -rangeBounds[i].z;
+      return min(-rangeBounds[i].z, 1.0);
     }
   }
   return 0.0;

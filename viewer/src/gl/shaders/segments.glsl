@@ -7,17 +7,20 @@
 #define RANGES 32
 
 // low and high biased value; 2 where solid, 1 where tissue in its colour, 0 where left out, less by the
-// opacity of the surface that stands for it; and its id where it was edited, else 0
+// opacity of the surface that stands for it, -2 where a body can stand for that; and its id where it was edited, else 0
 uniform vec4 rangeBounds[RANGES];
 uniform vec3 rangeColours[RANGES];
 // factors on ambient and specular light
 uniform vec2 rangeMaterials[RANGES];
 uniform int rangeCount;
+// 1 where bodies stand for surfaces that have them
+uniform float bodies;
 
 #ifdef LABELS
 uniform sampler3D labelTexture;
 // colour of each id (linear); alpha 1 where its voxels are solid, 0.75 where tissue in its colour,
-// 0.3 where nothing is drawn, and up to 0.55 by how opaque its surface is, 0 where there is no such segment or a range tells of it;
+// 0.3 where nothing is drawn, and up to 0.55 by how opaque its surface is, 0.58 where a body can stand for that,
+// 0 where there is no such segment or a range tells of it;
 // in a second row its factors on ambient and specular light
 uniform sampler2D labelColours;
 
@@ -64,7 +67,7 @@ int segmentAt(vec3 grid, float value) {
     }
     vec4 bounds = rangeBounds[i];
     if (insideRange(grid, value, label, bounds)) {
-      if (bounds.z > 0.5) {
+      if (bounds.z > 0.5 || (bodies > 0.5 && bounds.z < -1.5)) {
         return i + 1;
       }
       found = -1;
@@ -72,7 +75,7 @@ int segmentAt(vec3 grid, float value) {
   }
 #ifdef LABELS
   float drawn = label > 0 ? texelFetch(labelColours, ivec2(label, 0), 0).a : 0.0;
-  if (drawn > 0.6) {
+  if (drawn > (bodies > 0.5 ? 0.56 : 0.6)) {
     return RANGES + label;
   }
   found = drawn > 0.25 ? -1 : found;
@@ -102,15 +105,16 @@ vec2 segmentMaterial(int segment) {
   return rangeMaterials[segment - 1];
 }
 
-// Whether a segment is a solid body, and no tissue in its colour.
+// Whether a segment that is drawn is a solid body, and no tissue in its colour.
 bool isSolid(int segment) {
   if (segment <= 0) {
     return false;
   }
 #ifdef LABELS
   if (segment > RANGES) {
-    return texelFetch(labelColours, ivec2(segment - RANGES, 0), 0).a > 0.9;
+    float drawn = texelFetch(labelColours, ivec2(segment - RANGES, 0), 0).a;
+    return drawn > 0.9 || drawn < 0.6;
   }
 #endif
-  return rangeBounds[segment - 1].z > 1.5;
+  return abs(rangeBounds[segment - 1].z) > 1.5;
 }
