@@ -232,10 +232,11 @@ test("a picture in haste is much coarser, and shows scan, ground and probe as th
   const hasty = (markers: MarkerTest): Promise<{ divisor: number; pixels: number[] }> =>
     browser.page.evaluate(([t, m]) => window.glTests?.hasty(t, m) ?? Promise.reject(new Error("no page")), [bone, markers] as const);
   const [before, behind] = [await hasty(at(4)), await hasty(at(44))];
-  expect([before.divisor, behind.divisor]).toEqual([12, 12]);
+  // from a quarter on it is put together before it is enlarged
+  expect(Math.min(before.divisor, behind.divisor)).toBeGreaterThanOrEqual(4);
   const whole = await screen(bone, at(4));
   const off = whole.map((value, i) => Math.abs(value - (before.pixels[i] ?? 0))).sort((a, b) => a - b);
-  // a pixel of it is as wide as 12: along outlines colours are far off, at most places they are not
+  // a pixel of it is as wide as 12 at most: along outlines colours are far off, at most places they are not
   expect(mean(off)).toBeLessThan(16);
   expect(off[Math.floor(off.length / 2)]).toBeLessThan(8);
   const blue = ({ pixels }: { pixels: readonly number[] }): number => pixelAt(pixels, edge / 2, edge / 2)[2] ?? 0;
