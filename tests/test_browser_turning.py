@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
+import SimpleITK
 from browser import Browser, browser, palpate
 
 pytestmark = pytest.mark.browser
@@ -50,25 +52,66 @@ def test_a_view_that_turns_after_a_rest_begins_no_finer_than_it_goes_on(page: Br
         assert divisors[0] >= divisors[-1] / 2, divisors
 
 
-@pytest.mark.data
-def test_a_large_surface_has_few_triangles_while_the_view_turns_and_all_at_rest(
-    page: Browser,
-) -> None:
-    # of bone there are more than half a million
+@pytest.fixture(scope="module")
+def surface(page: Browser) -> int:
+    """The bone as a surface; gives its triangles: there are more than half a million."""
     page.do("click", testid="shown-as-surface")
     page.wait("window.palpate.triangles[1] > 500_000 && window.palpate.finished")
-    every = page.read("window.palpate.triangles[1]")
-    assert page.read("window.palpate.shown.triangles") == every
+    triangles: int = page.read("window.palpate.triangles[1]")
+    return triangles
+
+
+@contextmanager
+def moving(page: Browser) -> Iterator[None]:
+    """Turns the view a little to and fro."""
+    page.read(
+        "void (window.there = 0.002, window.turning = setInterval(() => {"
+        " window.palpate.bench.turn(window.there); window.there *= -1; }, 20))"
+    )
+    yield
+    page.read("void clearInterval(window.turning)")
+    page.finish()
+
+
+def bone(page: Browser, path: Path) -> float:
+    """Returns the share of the view that is as bright as bone."""
+    page.do("screenshot", path=str(path), testid="canvas")
+    pixels = SimpleITK.GetArrayFromImage(SimpleITK.ReadImage(str(path)))
+    return float((pixels[..., :3].min(axis=-1) > 110).mean())
+
+
+@pytest.mark.data
+def test_a_large_surface_is_its_voxels_while_the_view_turns_and_all_triangles_at_rest(
+    page: Browser, surface: int, tmp_path: Path
+) -> None:
+    assert page.read("window.palpate.shown.triangles") == surface
     picked = "window.palpate.pick(...window.palpate.middle)"
     before = page.read(picked)
+    resting = bone(page, tmp_path / "resting.png")
+    assert resting > 0.03
 
-    # on any CPU half a million take longer than half of a frame, 33 ms: about a fifth is drawn
-    page.read("void (window.turning = setInterval(() => { window.palpate.bench.turn(0.01); }, 20))")
-    page.wait(f"window.palpate.shown.triangles < {every / 4}", seconds=60.0)
-    page.read("clearInterval(window.turning)")
+    # on any CPU half a million take longer than half of a frame, 33 ms
+    with moving(page):
+        page.wait("window.palpate.shown.triangles === 0", seconds=60.0)
+        # fine pixels are wide ones now
+        assert bone(page, tmp_path / "moving.png") == pytest.approx(resting, rel=0.3)
 
-    page.wait("window.palpate.finished", seconds=60.0)
-    assert page.read("window.palpate.shown.triangles") == every
+    assert page.read("window.palpate.shown.triangles") == surface
+    assert bone(page, tmp_path / "again.png") == pytest.approx(resting, rel=0.02)
     # what is picked is of all triangles, whatever was drawn meanwhile
     assert before is not None
     assert page.read(picked) is not None
+
+
+@pytest.mark.data
+def test_a_large_surface_that_is_seen_through_has_few_triangles_while_the_view_turns(
+    page: Browser, surface: int
+) -> None:
+    page.do("slide", testid="surface-opacity", value=0.5)
+    page.finish()
+    assert page.read("window.palpate.shown.triangles") > surface
+    with moving(page):
+        # of two layers, of bone about a fifth each
+        page.wait(f"window.palpate.shown.triangles < {surface / 2}", seconds=60.0)
+        assert page.read("window.palpate.shown.triangles") > 0
+    assert page.read("window.palpate.shown.triangles") > surface
