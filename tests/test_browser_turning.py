@@ -74,7 +74,7 @@ def moving(page: Browser) -> Iterator[None]:
 
 
 def bone(page: Browser, path: Path) -> float:
-    """Returns the share of the view that is as bright as bone."""
+    """Returns the share of the view that is as bright as lit bone: tissue has less blue."""
     page.do("screenshot", path=str(path), testid="canvas")
     pixels = SimpleITK.GetArrayFromImage(SimpleITK.ReadImage(str(path)))
     return float((pixels[..., :3].min(axis=-1) > 110).mean())

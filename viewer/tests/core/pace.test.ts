@@ -42,11 +42,12 @@ test.each([8, 33, 100])("a budget of %i ms is kept by resolution and step, and u
     const pace = learned(3, perSample, budget);
     const time = frameTime(pace, 3, perSample, samples);
     const chosen = movingPictures.indexOf(pace.picture(samples));
-    expect(time).toBeLessThanOrEqual(1.05 * budget);
+    // a tenth is left for screens, which show nothing between their refreshes
+    const meant = 0.9 * budget;
+    expect(time).toBeLessThanOrEqual(1.05 * meant);
     const finer = movingPictures[chosen - 1];
     if (finer !== undefined) {
-      // a tenth is left for screens, which show nothing between their refreshes
-      expect(3 + (samples * finer.step * perSample) / finer.divisor ** 2).toBeGreaterThan(0.85 * budget);
+      expect(3 + (samples * finer.step * perSample) / finer.divisor ** 2).toBeGreaterThan(0.95 * meant);
     }
   }
 });
@@ -126,6 +127,7 @@ test("what is tried in vain is tried ever more rarely, and never takes many time
   const pace = learned(2, 0.03);
   const times = turnedFor(pace, 1000, 307_200, 2, 0.03);
   const late = times.filter((time) => time > frameBudget);
+  // a twelfth of the resolution takes 18 ms, an eighth 38: tried after 24 pictures, 48, 96, 192, 384 and 768
   expect(late.length).toBeGreaterThan(2);
   expect(late.length).toBeLessThan(10);
   expect(Math.max(...late)).toBeLessThan(2 * frameBudget);

@@ -315,19 +315,20 @@ const inBall: MarchTest = { ...air, field: "ball" };
 const cutOpen: MarchTest = { ...inBall, clip: [{ normal: [0, -1, 0], offset: -20 }] };
 
 test.each([
-  ["by values", inBall],
-  ["by labels", inBall],
-  ["by values", cutOpen],
-] as const)("in haste the body of its voxels stands for a surface, and looks nearly the same: told %s", async (told, scan) => {
+  ["by values", "whole", inBall],
+  ["by labels", "whole", inBall],
+  ["by values", "cut open", cutOpen],
+] as const)("in haste the body of its voxels stands for a surface, and looks nearly the same: told %s, %s", async (told, _, scan) => {
   const [all, few, again] = await embodied(scan, {}, told);
   if (all === undefined || few === undefined || again === undefined) {
     throw new Error("no pictures");
   }
-  expect(all.drawn).toBeGreaterThan(10_000);
+  // of 96 rings and 192 columns, two each
+  expect(all.drawn).toBeGreaterThan(30_000);
   expect([few.drawn, few.all]).toEqual([0, all.drawn]);
   expect(again).toEqual(all);
   const off = few.pixels.map((value, i) => Math.abs(value - (all.pixels[i] ?? 0)));
-  // labels have steps of a voxel; by values the outline alone differs
+  // by values the rim of the outline alone differs, of a 35th of the picture; labels have steps of a voxel, and normals of those
   expect(off.reduce((sum, one) => sum + one, 0) / off.length).toBeLessThan(told === "by labels" ? 0.03 : 0.01);
   expect(off.filter((one) => one > 0.15).length / off.length).toBeLessThan(told === "by labels" ? 1 / 10 : 1 / 35);
 });
