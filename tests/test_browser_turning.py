@@ -108,6 +108,7 @@ def test_a_large_surface_that_is_seen_through_has_few_triangles_while_the_view_t
     page: Browser, surface: int
 ) -> None:
     page.do("slide", testid="surface-opacity", value=0.5)
+    page.all_done()
     page.finish()
     assert page.read("window.palpate.shown.triangles") > surface
     with moving(page):

@@ -24,9 +24,14 @@ export class PictureTarget {
   }
 
   resize(width: number, height: number): void {
-    // else three.js gives the depth its old size if it is read before it is drawn
-    Object.assign(this.target.depthTexture?.image ?? {}, { width, height });
-    this.target.setSize(width, height);
+    const { target } = this;
+    if (width === target.width && height === target.height) {
+      return;
+    }
+    // three.js gives the depth the size that it had when it was read, even before anything was drawn
+    target.depthTexture?.dispose();
+    Object.assign(target.depthTexture?.image ?? {}, { width, height });
+    target.setSize(width, height);
   }
 
   /** Uses the part that a divided resolution needs. */

@@ -7,7 +7,7 @@ import { decodeDisplaced, type Displaced } from "../../src/core/displaced";
 import { PathTrail } from "../../src/core/path_trail";
 import type { Segment } from "../../src/core/protocol";
 import { firstQuality, type Quality } from "../../src/core/quality";
-import type { Stereo } from "../../src/core/stereo";
+import { firstStereo, type Stereo } from "../../src/core/stereo";
 import { decodeSurface } from "../../src/core/surface_patches";
 import { addScaled, type Vec3 } from "../../src/core/vector";
 import { forEachCell, type Box } from "../../src/core/voxel_change";
@@ -238,6 +238,35 @@ export async function turned(test: MarchTest, probes: readonly Vec3[], marks: re
   const pixels = [await look(moved, 0), await look(fresh, 0)] as const;
   moved.picture.dispose();
   fresh.picture.dispose();
+  return pixels;
+}
+
+/** The middle pixels of what two eyes see, one above the other, after the canvas was resized before either was drawn. */
+export async function resizedEyes({ scan: test }: ScreenTest): Promise<number[][]> {
+  const drawn = pictureOf(false);
+  const { picture, gl } = drawn;
+  const volume = fieldOf(test);
+  const extent = outlineOf(test);
+  picture.setScan(volume, bricksOf(volume, true));
+  picture.setLook(lookOf(test));
+  picture.setCamera(viewOf(test, extent), extent);
+  await finished(drawn);
+  picture.setCamera(viewOf(test, extent), extent);
+  picture.advance(performance.now());
+  const stereo: Stereo = { ...firstStereo, mode: "stacked" };
+  for (const size of [edge, edge / 2]) {
+    picture.setStereo(stereo);
+    picture.resize(size, size);
+    // the GPU is at work: the screen is drawn from pictures that are not there yet
+    picture.advance(performance.now());
+  }
+  await finished(drawn);
+  const pixels = [3, 1].map((quarters) => {
+    const pixel = new Uint8Array(4);
+    gl.readPixels(edge / 4, (quarters * edge) / 8, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
+    return [...pixel];
+  });
+  picture.dispose();
   return pixels;
 }
 

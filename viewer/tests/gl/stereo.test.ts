@@ -129,3 +129,9 @@ test("in an anaglyph the left eye's red stands at the right of what is before th
   expect(await redness(20)).toBeGreaterThan(1);
   expect(await redness(-20)).toBeLessThan(-1);
 });
+
+test("both eyes see the scan after the view was resized before either had drawn it", async () => {
+  const [[, { scan }, isGreen]] = things as [(typeof things)[number]];
+  const eyes = await browser.page.evaluate((t) => window.glTests?.resizedEyes(t) ?? Promise.reject(new Error("no page")), { scan });
+  expect(eyes.map(([r = 0, g = 0, b = 0]) => isGreen([r, g, b]))).toEqual([true, true]);
+});
