@@ -104,15 +104,32 @@ def test_a_large_surface_is_its_voxels_while_the_view_turns_and_all_triangles_at
 
 
 @pytest.mark.data
-def test_a_large_surface_that_is_seen_through_has_few_triangles_while_the_view_turns(
-    page: Browser, surface: int
-) -> None:
+def test_so_is_one_that_is_seen_through(page: Browser, surface: int, tmp_path: Path) -> None:
     page.do("slide", testid="surface-opacity", value=0.5)
     page.all_done()
     page.finish()
+    # in more layers than one
     assert page.read("window.palpate.shown.triangles") > surface
+    resting = bone(page, tmp_path / "resting.png")
+    assert resting > 0.03
     with moving(page):
-        # of two layers, of bone about a fifth each
+        page.wait("window.palpate.shown.triangles === 0", seconds=60.0)
+        assert bone(page, tmp_path / "moving.png") == pytest.approx(resting, rel=0.3)
+    assert page.read("window.palpate.shown.triangles") > surface
+    page.do("slide", testid="surface-opacity", value=1.0)
+    page.all_done()
+
+
+@pytest.mark.data
+def test_a_large_surface_has_few_triangles_while_the_view_turns_where_no_body_can_stand_for_it(
+    page: Browser, surface: int
+) -> None:
+    # there voxels of segments are values like others
+    page.do("choose", testid="blend", value="mip")
+    page.finish()
+    assert page.read("window.palpate.shown.triangles") == surface
+    with moving(page):
+        # of bone about a fifth
         page.wait(f"window.palpate.shown.triangles < {surface / 2}", seconds=60.0)
         assert page.read("window.palpate.shown.triangles") > 0
-    assert page.read("window.palpate.shown.triangles") > surface
+    assert page.read("window.palpate.shown.triangles") == surface

@@ -25,9 +25,11 @@ MODES = (
     "minip",
     "average",
     "iso",
-    "surfaces",
+    "surface",
+    "translucent surface",
+    "surface and voxels",
 )
-"""Blend modes of the page; ``surfaces``: bone as triangles beside shaded tissue."""
+"""Blend modes of the page; then bone as triangles beside shaded tissue."""
 SIZES = ((640, 480), (1366, 768))
 """Of the picture [pixels]."""
 PEER_MODES = ("composite", "shaded", "mip")

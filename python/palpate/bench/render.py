@@ -149,18 +149,29 @@ FRAMES = "new Promise(resolve => requestAnimationFrame(() => requestAnimationFra
 """Waits until what was changed is handed to the picture."""
 
 
+SURFACES = {
+    "surface": ("surface", 1),
+    "translucent surface": ("surface", 0.5),
+    "surface and voxels": ("both", 1),
+}
+"""How bone is shown in what is no blend mode, and the opacity of its surface."""
+CHOOSE = """(() => {
+  const control = document.querySelector('[data-testid=%s]');
+  control.value = '%s';
+  for (const name of ['input', 'change']) control.dispatchEvent(new Event(name, {bubbles: true}));
+})()"""
+"""Gives a list or a slider a value."""
+
+
 def _show(page: Page, mode: str) -> None:
     """Has the page draw in a mode."""
-    surface = mode == "surfaces"
-    shown = "surface" if surface else "volume"
+    shown, opacity = SURFACES.get(mode, ("volume", None))
     page.read(f"document.querySelector('[data-testid=shown-as-{shown}]')?.click()")
-    if surface:
+    if opacity is not None:
         page.wait("Object.values(window.palpate.triangles).some(count => count > 0)")
-    page.read(
-        "(() => { const list = document.querySelector('[data-testid=blend]');"
-        f" list.value = '{'shaded' if surface else mode}';"
-        " list.dispatchEvent(new Event('change', {bubbles: true})); })()"
-    )
+        page.read(CHOOSE % ("surface-opacity", opacity))
+    page.read(CHOOSE % ("blend", "shaded" if mode in SURFACES else mode))
+    page.read("window.palpate.allDone()")
     page.read(FRAMES)
     page.wait("window.palpate.finished")
 

@@ -17,7 +17,7 @@ export interface Drawn {
 /** What a look draws; with the bodies that can stand for surfaces, so that these may come and go with each picture. */
 export function drawnBy(look: Look, rescale: Rescale): Drawn {
   const { optics, ranges, transferFunction } = look;
-  const solids = drawsSolids(optics.blend) ? ranges.filter(({ body, tinted, visible }) => body === true || (visible && tinted !== true)) : [];
+  const solids = drawsSolids(optics.blend) ? ranges.filter(({ body = 0, tinted, visible }) => body > 0 || (visible && tinted !== true)) : [];
   if (usesTransferFunction(optics.blend)) {
     return new DrawnValues(transferFunction, rescale, solids.map(({ low, high }) => [low, high]));
   }

@@ -24,8 +24,8 @@ export interface ShownRange {
   readonly tinted?: boolean;
   /** Opacity of the surface that is drawn where its voxels are, instead of them. */
   readonly surface?: number;
-  /** Whether a body of its voxels can stand for that surface. */
-  readonly body?: boolean;
+  /** Opacity of the body of its voxels that can stand for that surface; 0 where none can. */
+  readonly body?: number;
   /** Factors on ambient and specular light; 1 where nothing is told. */
   readonly material?: readonly [number, number];
 }
@@ -79,9 +79,15 @@ export function surfaceInPlace(segment: Segment): number {
   return drawnAsSurface(segment) && segment.pose === null && segment.grid === null ? segment.opacity : 0;
 }
 
-/** Whether a body of a segment's voxels can stand for its surface: that is opaque, closed, and where they are. */
-export function hasBody(segment: Segment): boolean {
-  return segment.shown_as === "surface" && !segment.wireframe && surfaceInPlace(segment) === 1;
+/**
+ * Opacity of the body of a segment's voxels that can stand for its surface, which is closed then, and where they are; 0 where none can.
+ *
+ * @param mode how its voxels are drawn beside the surface: as a body they let nothing through.
+ */
+export function bodyOpacity(segment: Segment, mode: InsideMode = "solid"): number {
+  const inside = drawnFromVoxels(segment) ? mode : null;
+  const opacity = segment.wireframe || inside === "plain" ? 0 : surfaceInPlace(segment);
+  return opacity > 0 && inside === "solid" ? 1 : opacity;
 }
 
 /**
@@ -139,7 +145,7 @@ export function shownRanges(
     const [low, high] = biasedRange(range[0], range[1], rescale);
     const { id, colour, ambient, specular } = segment;
     const label = segment.range === null ? id : 0;
-    const look = { colour: linearFromSrgb(colour), material: [ambient, specular], surface: surfaceInPlace(segment), body: hasBody(segment) } as const;
+    const look = { colour: linearFromSrgb(colour), material: [ambient, specular], surface: surfaceInPlace(segment), body: bodyOpacity(segment) } as const;
     return [{ id, low, high, ...look, visible: drawn(segment), label }];
   });
 }
@@ -148,7 +154,12 @@ export function shownRanges(
 export function rangesInside(ranges: readonly ShownRange[], modes: InsideModes): ShownRange[] {
   return ranges
     .filter(({ id, visible }) => !visible || modes[id] !== "plain")
-    .map((range) => (range.visible && modes[range.id] === "tinted" ? { ...range, tinted: true } : range));
+    .map((range) => (range.visible && modes[range.id] === "tinted" ? tintedOf(range) : range));
+}
+
+function tintedOf(range: ShownRange): ShownRange {
+  const { body = 0, surface = 0 } = range;
+  return { ...range, tinted: true, body: body > 0 ? surface : 0 };
 }
 
 /** The segment that is just a threshold that a value belongs to: a visible one if any, else a hidden one, else none. */

@@ -5,7 +5,7 @@
 import * as THREE from "three";
 import { linearFromSrgb } from "../core/colour";
 import type { Segment } from "../core/protocol";
-import { drawnFromVoxels, hasBody, shownByValue, surfaceInPlace, type InsideMode, type InsideModes } from "../core/shown_segments";
+import { bodyOpacity, drawnFromVoxels, shownByValue, surfaceInPlace, type InsideMode, type InsideModes } from "../core/shown_segments";
 import { bakeTransferFunction, integrateRow, type TransferFunction } from "../core/transfer_function";
 import type { Vec3 } from "../core/vector";
 
@@ -45,8 +45,8 @@ const alphaOf: Readonly<Record<InsideMode, number>> = { solid: 1, tinted: 0.75, 
 
 /**
  * Linear colour by segment id; alpha 1 where its voxels are `drawn` as a body, 0.75 as tissue in its colour, 0.3 where its surface stands for
- * them, and up to 0.55 by how opaque that is, 0.58 where a body can stand for it, 0 where its values tell where it is. A second row has its
- * factors on ambient and specular light.
+ * them, and up to 0.55 by how opaque that is, 0 where its values tell where it is. A second row has its factors on ambient and specular
+ * light, and the opacity of the body that can stand for its surface.
  */
 export function labelColours(
   segments: readonly Segment[],
@@ -56,10 +56,11 @@ export function labelColours(
   const rows = new Float32Array(2 * 4 * 256);
   const byValue = new Set(shownByValue(segments).map(({ id }) => id));
   for (const segment of segments) {
-    const told = drawn(segment) ? alphaOf[modes[segment.id] ?? "solid"] : leftOut(segment);
+    const mode = modes[segment.id] ?? "solid";
+    const told = drawn(segment) ? alphaOf[mode] : leftOut(segment);
     const alpha = byValue.has(segment.id) ? 0 : told;
     rows.set([...linearFromSrgb(segment.colour), alpha], 4 * segment.id);
-    rows.set([segment.ambient, segment.specular], 4 * (256 + segment.id));
+    rows.set([segment.ambient, segment.specular, bodyOpacity(segment, mode)], 4 * (256 + segment.id));
   }
   const texture = new THREE.DataTexture(rows, 256, 2, THREE.RGBAFormat, THREE.FloatType);
   texture.needsUpdate = true;
@@ -68,8 +69,5 @@ export function labelColours(
 
 /** Alpha of a segment whose voxels are not drawn. */
 function leftOut(segment: Segment): number {
-  if (!segment.visible) {
-    return 0;
-  }
-  return hasBody(segment) ? 0.58 : 0.3 + 0.25 * surfaceInPlace(segment);
+  return segment.visible ? 0.3 + 0.25 * surfaceInPlace(segment) : 0;
 }

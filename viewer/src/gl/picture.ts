@@ -216,7 +216,7 @@ export class Picture {
     this.colours?.dispose();
     this.colours = labelColours(segments, drawnFromVoxels, modes);
     this.marcher.setLabelColours(this.colours);
-    this.surfaces.setSegments(segments);
+    this.surfaces.setSegments(segments, modes);
     this.slices.setSegments(segments);
     this.refiner.restart();
   }

@@ -77,7 +77,8 @@ export class RayMarcher {
 
   /** @param lightCells cells along the scan's longest edge in which light is worked out. */
   constructor(lightCells = 64) {
-    this.light = new LightVolume(this.uniforms, lightCells);
+    // the same whatever stands for surfaces while the view moves
+    this.light = new LightVolume({ ...this.uniforms, bodies: { value: 0 } }, lightCells);
     this.program = new MarchProgram({ ...this.uniforms, ...this.light.uniforms, ...this.second.uniforms });
   }
 
@@ -156,7 +157,7 @@ export class RayMarcher {
     ranges.forEach((range, i) => {
       u.rangeBounds.value[i]?.set(range.low, range.high, drawnAs(range), range.label);
       u.rangeColours.value[i]?.set(...range.colour);
-      u.rangeMaterials.value[i]?.set(...(range.material ?? [1, 1]));
+      u.rangeMaterials.value[i]?.set(...(range.material ?? [1, 1]), range.body ?? 0);
     });
     this.empty.setDrawn(drawnBy(look, rescale));
     this.second.setBlend(optics.blend);
@@ -295,12 +296,18 @@ export class RayMarcher {
     return cornersOf({ bounds: [low, high], grid: null }, frame.sceneFromGrid);
   }
 
-  /** Whether bodies of voxels stand for surfaces that have them. */
-  set bodies(on: boolean) {
-    this.uniforms.bodies.value = on ? 1 : 0;
+  /**
+   * Has bodies of voxels stand for surfaces that have them, or triangles again.
+   *
+   * @param opacities of these bodies; none where there are triangles.
+   * @param depth how often a ray goes through those that are translucent, at most.
+   */
+  setBodies(opacities: readonly number[], depth: number): void {
+    this.uniforms.bodies.value = opacities.length > 0 ? 1 : 0;
+    this.uniforms.mostShells.value = opacities.some((opacity) => opacity < 1) ? depth : 0;
   }
 
-  /** Whether a segment that has a body is drawn with it, where bodies stand for surfaces. */
+  /** Whether the body of a segment that has one is drawn, where bodies stand for surfaces. */
   canEmbody(segment: Segment): boolean {
     const isTold = segment.range !== null || this.labelled;
     // between cells of a second scan its own body would be cut as the scan is
@@ -402,11 +409,11 @@ export class RayMarcher {
 }
 
 /** How a range is drawn, as `shaders/segments.glsl` has it. */
-function drawnAs({ visible, tinted, body, surface }: ShownRange): number {
+function drawnAs({ visible, tinted, surface }: ShownRange): number {
   if (visible) {
     return tinted === true ? 1 : 2;
   }
-  return body === true ? -2 : -(surface ?? 0);
+  return -(surface ?? 0);
 }
 
 /** Grey per biased value and grey at 0; of the iso-surface, above 0 where it encloses. */

@@ -39,6 +39,7 @@ import secondRay from "./shaders/second_ray.glsl?raw";
 import secondSlice from "./shaders/second_slice.glsl?raw";
 import secondTissue from "./shaders/second_tissue.glsl?raw";
 import segments from "./shaders/segments.glsl?raw";
+import shells from "./shaders/shells.glsl?raw";
 import sliceFrag from "./shaders/slice.frag?raw";
 import solid from "./shaders/solid.glsl?raw";
 import surfaceFrag from "./shaders/surface.frag?raw";
@@ -63,6 +64,7 @@ ${first}
 #elif BLEND <= EMISSION
 ${transfer}
 ${solid}
+${shells}
 ${secondTissue}
 ${tissue}
 #elif BLEND <= AVERAGE
@@ -71,6 +73,7 @@ ${projection}
 #else
 ${secondGrey}
 ${solid}
+${shells}
 ${iso}
 #endif`;
 

@@ -61,6 +61,7 @@ export class Slices {
       rangeBounds: { value: Array.from({ length: mostRanges }, () => new THREE.Vector4()) },
       rangeColours: { value: Array.from({ length: mostRanges }, vector) },
       rangeCount: { value: 0 },
+      bodies: { value: 0 },
       labelColours: { value: null as THREE.Texture | null },
       paneCorner: { value: new THREE.Vector2() },
       gridCorner: { value: vector() },

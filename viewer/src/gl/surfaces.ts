@@ -11,7 +11,7 @@ import type { Detail } from "../core/pace";
 import type { MovedPose, Segment } from "../core/protocol";
 import { isInHaste } from "../core/quality";
 import type { ScanFrame } from "../core/scan_volume";
-import { drawnAsSurface, hasBody, withoutRoom } from "../core/shown_segments";
+import { bodyOpacity, drawnAsSurface, withoutRoom, type InsideModes } from "../core/shown_segments";
 import type { SurfaceChange } from "../core/surface_patches";
 import { keyLight } from "./key_light";
 import type { Tally } from "./patch_mesh";
@@ -39,6 +39,7 @@ export class Surfaces {
   private readonly camera = new THREE.Camera();
   private readonly shared;
   private segments: readonly Segment[] = [];
+  private modes: InsideModes = {};
   private frame: ScanFrame | null = null;
   private poses: readonly MovedPose[] = [];
   private readonly tally: Tally = { drawn: 0, all: 0 };
@@ -71,7 +72,7 @@ export class Surfaces {
   setFrame(frame: ScanFrame): void {
     this.frame = frame;
     this.shared.gridFromScene.value.fromArray(columnMajor(frame.gridFromScene));
-    this.setSegments(this.segments);
+    this.setSegments(this.segments, this.modes);
   }
 
   /** Takes what an edit changes and sends it to the GPU; drawn from the next picture on. */
@@ -86,11 +87,13 @@ export class Surfaces {
         this.forget(change.id);
       }
     }
-    this.setSegments(this.segments);
+    this.setSegments(this.segments, this.modes);
   }
 
-  setSegments(segments: readonly Segment[]): void {
+  /** @param modes how voxels are drawn beside surfaces. */
+  setSegments(segments: readonly Segment[], modes: InsideModes): void {
     this.segments = segments;
+    this.modes = modes;
     for (const segment of segments) {
       if (this.frame !== null) {
         this.meshes.get(segment.id)?.setSegment(this.standing(segment), this.frame);
@@ -131,14 +134,13 @@ export class Surfaces {
 
   /** Whether surfaces are drawn that may stand elsewhere than the voxels of their segments, or where nothing tells of these. */
   get stray(): boolean {
-    return this.shown.length > this.embodied.length;
+    return this.parted.others.length > 0;
   }
 
   /** Makes the few triangles of patches that have none yet and no body either, as long as `milliseconds` are not over. */
   prepareFew(milliseconds: number): void {
     const ends = performance.now() + milliseconds;
-    const { embodied } = this;
-    for (const patch of this.shown.filter((mesh) => !embodied.includes(mesh)).flatMap((mesh) => mesh.unprepared)) {
+    for (const patch of this.parted.others.flatMap((mesh) => mesh.unprepared)) {
       if (performance.now() >= ends) {
         return;
       }
@@ -148,12 +150,12 @@ export class Surfaces {
 
   /** Draws all surfaces for a level of the picture and hands them to the ray caster; tells what they had of triangles. */
   draw(renderer: THREE.WebGLRenderer, picture: PictureTarget, { divisor, stepsPerVoxel, shift, depth, detail }: SurfaceDrawing): Readonly<Tally> {
-    const seen = this.shown;
-    const embodied = detail === "few" ? this.embodied : [];
-    const shown = seen.filter((mesh) => !embodied.includes(mesh));
-    this.marcher.bodies = embodied.length > 0;
+    const { bodies, others } = this.parted;
+    const embodied = detail === "few" ? [...bodies.keys()] : [];
+    const shown = detail === "few" ? others : [...bodies.keys(), ...others];
+    this.marcher.setBodies(detail === "few" ? [...bodies.values()] : [], depth);
     Object.assign(this.tally, { drawn: 0, all: 0 });
-    if (seen.length === 0) {
+    if (bodies.size + others.length === 0) {
       this.marcher.setSurfaces(null);
       return { ...this.tally };
     }
@@ -194,18 +196,20 @@ export class Surfaces {
     return { ...this.marcher.surfaceDefines, ...(this.shared.clipCount.value > 0 ? { CLIPPED: "" } : {}) };
   }
 
-  private get shown(): SurfaceMesh[] {
-    return this.meshesOf(this.segments.filter(drawnAsSurface));
-  }
-
-  /** Surfaces for which bodies of voxels can stand. */
-  private get embodied(): SurfaceMesh[] {
+  /** The surfaces that are shown: those for which bodies of voxels can stand, with the opacity of each, and all others. */
+  private get parted(): { readonly bodies: ReadonlyMap<SurfaceMesh, number>; readonly others: readonly SurfaceMesh[] } {
+    const [bodies, others] = [new Map<SurfaceMesh, number>(), [] as SurfaceMesh[]];
     const without = withoutRoom(this.segments);
-    return this.meshesOf(this.segments.filter((one) => hasBody(this.standing(one)) && !without.includes(one) && this.marcher.canEmbody(one)));
-  }
-
-  private meshesOf(segments: readonly Segment[]): SurfaceMesh[] {
-    return segments.flatMap(({ id }) => this.meshes.get(id) ?? []);
+    for (const segment of this.segments.filter(drawnAsSurface)) {
+      const mesh = this.meshes.get(segment.id);
+      const opacity = without.includes(segment) ? 0 : bodyOpacity(this.standing(segment), this.modes[segment.id]);
+      if (mesh !== undefined && opacity > 0 && this.marcher.canEmbody(segment)) {
+        bodies.set(mesh, opacity);
+      } else if (mesh !== undefined) {
+        others.push(mesh);
+      }
+    }
+    return { bodies, others };
   }
 
   /** A segment where it stands now; its list has where it was asked to go. */

@@ -6,14 +6,16 @@ import { shadedOptics } from "../../src/core/optics";
 import type { Segment } from "../../src/core/protocol";
 import { Unchanged } from "../../src/core/unchanged";
 import {
+  bodyOpacity,
   drawnAsSurface,
   drawnKey,
   drawnFromVoxels,
-  hasBody,
   mostRanges,
+  rangesInside,
   showable,
   shownRanges,
   withoutRoom,
+  type InsideMode,
 } from "../../src/core/shown_segments";
 import { segment } from "./volumes";
 
@@ -80,12 +82,22 @@ test("thresholds for which the picture has no room are told; those that were edi
   expect(withoutRoom(edited)).toEqual(edited.slice(mostRanges, -1));
 });
 
-test("a body stands for a surface that is opaque, closed and where its voxels are", () => {
+test("a body stands for a surface that is closed and where its voxels are, as opaque as it or as these", () => {
   const surface: Segment = { ...segment, shown_as: "surface" };
+  const both: Segment = { ...surface, shown_as: "both", opacity: 0.3 };
   const moved = [1, 0, 0, 5, 0, 1, 0, 0, 0, 0, 1, 0];
-  expect(hasBody(surface)).toBe(true);
-  const others: readonly Partial<Segment>[] = [{ opacity: 0.9 }, { wireframe: true }, { pose: moved }, { grid: moved }, { visible: false }, { shown_as: "both" }];
-  expect(others.map((other) => hasBody({ ...surface, ...other }))).toEqual(others.map(() => false));
+  expect([bodyOpacity(surface), bodyOpacity({ ...surface, opacity: 0.9 })]).toEqual([1, 0.9]);
+  expect([bodyOpacity(both), bodyOpacity(both, "tinted"), bodyOpacity(both, "plain")]).toEqual([1, 0.3, 0]);
+  const others: readonly Partial<Segment>[] = [{ opacity: 0 }, { wireframe: true }, { pose: moved }, { grid: moved }, { visible: false }, { shown_as: "volume" }];
+  expect(others.map((other) => bodyOpacity({ ...surface, ...other }))).toEqual(others.map(() => 0));
+});
+
+test("what is told of a range inside of the volume has the body that stands for its surface there", () => {
+  const shown = (part: Partial<Segment>, mode: InsideMode): number | undefined =>
+    rangesInside(shownRanges([{ ...segment, range: [500, 600], ...part }], rescale), { [segment.id]: mode })[0]?.body;
+  const both: Partial<Segment> = { shown_as: "both", opacity: 0.3 };
+  expect((["solid", "tinted", "plain"] as const).map((mode) => shown(both, mode))).toEqual([1, 0.3, undefined]);
+  expect(shown({ ...both, wireframe: true }, "tinted")).toBe(0);
 });
 
 test("bricks of what a body can stand for are never empty, so that it can come and go with each picture", () => {

@@ -5,7 +5,7 @@ import * as THREE from "three";
 import { brickRanges, labelledBricks } from "../../src/core/bricks";
 import { lookFrom, type Camera } from "../../src/core/camera";
 import type { Segment } from "../../src/core/protocol";
-import { shownRanges } from "../../src/core/shown_segments";
+import { drawnFromVoxels, rangesInside, shownRanges, type InsideModes } from "../../src/core/shown_segments";
 import { decodeSurface } from "../../src/core/surface_patches";
 import type { Vec3 } from "../../src/core/vector";
 import { FieldTexture } from "../../src/gl/field_texture";
@@ -19,8 +19,12 @@ import { segment } from "../core/volumes";
 import { edge, fieldOf, labelsOfBall, lookOf, outlineOf, viewport, type MarchTest } from "./scenes_page";
 import type { SurfaceTest } from "./screen_page";
 
+function segmentsOf(balls: readonly SurfaceTest[]): Segment[] {
+  return balls.map(({ look }, i) => ({ ...segment, shown_as: "surface", id: i + 1, ...look }));
+}
+
 /** Surfaces and ray caster as the refiner drives them, for one view of the scan. */
-function surfaceBench(test: MarchTest, balls: readonly SurfaceTest[], view: Camera) {
+function surfaceBench(test: MarchTest, balls: readonly SurfaceTest[], view: Camera, modes: InsideModes = {}) {
   const renderer = new THREE.WebGLRenderer({ canvas: document.createElement("canvas") });
   renderer.autoClear = false;
   renderer.info.autoReset = false;
@@ -32,7 +36,7 @@ function surfaceBench(test: MarchTest, balls: readonly SurfaceTest[], view: Came
   marcher.setLook(lookOf(test));
   const surfaces = new Surfaces(marcher, true);
   surfaces.setFrame(volume.frame);
-  surfaces.setSegments(balls.map(({ look }, i) => ({ ...segment, shown_as: "surface", id: i + 1, ...look })));
+  surfaces.setSegments(segmentsOf(balls), modes);
   surfaces.apply(
     renderer,
     balls.map(({ centre, radius, sectors, rings }, i) => decodeSurface(ballSurface(i + 1, centre, radius, sectors, rings))),
@@ -63,22 +67,18 @@ function drawnWith({ renderer, marcher, surfaces, picture }: Bench, stepsPerVoxe
   return { pixels: Array.from(halves, (half) => THREE.DataUtils.fromHalfFloat(half)), ...tally };
 }
 
-/**
- * The surface of a segment that is the ball of the scan, with all triangles, with few and with all again: told by its
- * values or by labels.
- */
-export function embodied(test: MarchTest, ball: SurfaceTest, told: "by values" | "by labels"): Detailed[] {
+/** Surfaces of segments that are balls of the scan, with all triangles, with few and with all again; one without a range is told by labels. */
+export function embodied(test: MarchTest, balls: readonly SurfaceTest[], modes: InsideModes): Detailed[] {
   const view = lookFrom(test.from, outlineOf(test), viewport);
-  const range = told === "by values" ? ([0, 1000] as const) : null;
-  const shown: Segment = { ...segment, shown_as: "surface", ...ball.look, range };
-  const bench = surfaceBench(test, [{ ...ball, look: shown }], view);
+  const bench = surfaceBench(test, balls, view, modes);
   const { marcher, volume, close } = bench;
-  marcher.setLook({ ...lookOf(test), ranges: shownRanges([shown], volume.frame.rescale) });
+  const segments = segmentsOf(balls);
+  marcher.setLook({ ...lookOf(test), ranges: rangesInside(shownRanges(segments, volume.frame.rescale), modes) });
   marcher.setClip(test.clip ?? []);
   bench.surfaces.setClip(test.clip ?? []);
-  if (told === "by labels") {
+  if (segments.some(({ range }) => range === null)) {
     const ids = labelsOfBall(volume, false);
-    marcher.setLabelColours(labelColours([shown]));
+    marcher.setLabelColours(labelColours(segments, drawnFromVoxels, modes));
     marcher.setLabels({ texture: byteTexture(ids, volume.dimensions), bricks: labelledBricks(ids, volume.dimensions) });
   }
   const pictures = (["all", "few", "all"] as const).map((detail) => drawnWith(bench, test.stepsPerVoxel, detail));

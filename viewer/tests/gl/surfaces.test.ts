@@ -4,6 +4,7 @@
  */
 import { afterAll, beforeAll, expect, test } from "vitest";
 import { extentOf, lookFrom, project } from "../../src/core/camera";
+import type { InsideModes } from "../../src/core/shown_segments";
 import { distance, type Vec3 } from "../../src/core/vector";
 import { openGlBrowser, type GlBrowser } from "./browser";
 import type { MarchTest } from "./scenes_page";
@@ -305,41 +306,65 @@ test.each([1, 0.5])("with few triangles surfaces look nearly the same, with all 
   expect(off.filter((one) => one > 0.15).length / off.length).toBeLessThan(1 / 35);
 });
 
-function embodied(scan: MarchTest, look: SurfaceTest["look"], told: "by values" | "by labels" = "by values"): Promise<Detailed[]> {
-  const ball: SurfaceTest = { centre: middle, radius: 14, sectors: 4, rings: 96, look: { colour: [1, 0, 0], ...look } };
-  return browser.page.evaluate(([s, b, t]) => window.glTests?.embodied(s, b, t) ?? Promise.reject(new Error("no page")), [scan, ball, told] as const);
+const ball: SurfaceTest = { centre: middle, radius: 14, sectors: 4, rings: 96, look: { colour: [1, 0, 0], range: [0, 1000] } };
+const like = (look: SurfaceTest["look"]): SurfaceTest => ({ ...ball, look: { ...ball.look, ...look } });
+
+async function embodied(scan: MarchTest, balls: readonly SurfaceTest[], modes: InsideModes = {}): Promise<[Detailed, Detailed, Detailed]> {
+  const pictures = await browser.page.evaluate(
+    ([s, b, m]) => window.glTests?.embodied(s, b, m) ?? Promise.reject(new Error("no page")),
+    [scan, balls, modes] as const,
+  );
+  return pictures as [Detailed, Detailed, Detailed];
 }
 
 const inBall: MarchTest = { ...air, field: "ball" };
 // the front half is gone: a cut face is seen
 const cutOpen: MarchTest = { ...inBall, clip: [{ normal: [0, -1, 0], offset: -20 }] };
+// its own colour is seen through the surface
+const inTissue: MarchTest = { ...inBall, extinction: 0.05 };
+const labelled = { range: null };
+// values rise by 400 for each mm toward the middle
+const inner: SurfaceTest = { ...ball, radius: 12, look: { colour: [0, 0, 1], range: [800, 1000] } };
+const innerSeenThrough: SurfaceTest = { ...inner, look: { ...inner.look, opacity: 0.6 } };
+const seenThrough = { opacity: 0.5 };
+const both = { shown_as: "both" } as const;
 
 test.each([
-  ["by values", "whole", inBall],
-  ["by labels", "whole", inBall],
-  ["by values", "cut open", cutOpen],
-] as const)("in haste the body of its voxels stands for a surface, and looks nearly the same: told %s, %s", async (told, _, scan) => {
-  const [all, few, again] = await embodied(scan, {}, told);
-  if (all === undefined || few === undefined || again === undefined) {
-    throw new Error("no pictures");
-  }
+  ["opaque", inBall, [ball], {}],
+  ["opaque, told by labels", inBall, [like(labelled)], {}],
+  ["opaque, cut open", cutOpen, [ball], {}],
+  ["seen through", inBall, [like(seenThrough)], {}],
+  ["seen through, told by labels", inBall, [like({ ...seenThrough, ...labelled })], {}],
+  ["seen through, cut open", cutOpen, [like(seenThrough)], {}],
+  ["seen through, one in another", inBall, [like(seenThrough), innerSeenThrough], {}],
+  ["seen through, one in another, listed the other way round", inBall, [innerSeenThrough, like(seenThrough)], {}],
+  ["seen through, around an opaque one", inBall, [like(seenThrough), inner], {}],
+  ["seen through, before an iso-surface", { ...inBall, optics: { blend: "iso", isoValue: 800 } }, [like(seenThrough)], {}],
+  ["beside its voxels", inBall, [like(both)], {}],
+  ["seen through, beside its voxels", inBall, [like({ ...both, ...seenThrough })], {}],
+  ["around tinted voxels", inTissue, [like(both)], { 1: "tinted" }],
+  ["seen through, around tinted voxels", inTissue, [like({ ...both, ...seenThrough })], { 1: "tinted" }],
+  ["seen through, around tinted voxels, told by labels", inTissue, [like({ ...both, ...seenThrough, ...labelled })], { 1: "tinted" }],
+] as const)("in haste the body of its voxels stands for a surface, and looks nearly the same: %s", async (name, scan, balls, modes) => {
+  const [all, few, again] = await embodied(scan, balls, modes);
   // of 96 rings and 192 columns, two each
   expect(all.drawn).toBeGreaterThan(30_000);
-  expect([few.drawn, few.all]).toEqual([0, all.drawn]);
+  expect([few.drawn, few.all]).toEqual([0, balls.length * 36_864]);
   expect(again).toEqual(all);
   const off = few.pixels.map((value, i) => Math.abs(value - (all.pixels[i] ?? 0)));
   // by values the rim of the outline alone differs, of a 35th of the picture; labels have steps of a voxel, and normals of those
-  expect(off.reduce((sum, one) => sum + one, 0) / off.length).toBeLessThan(told === "by labels" ? 0.03 : 0.01);
-  expect(off.filter((one) => one > 0.15).length / off.length).toBeLessThan(told === "by labels" ? 1 / 10 : 1 / 35);
+  const byLabels = name.includes("labels");
+  expect(off.reduce((sum, one) => sum + one, 0) / off.length).toBeLessThan(byLabels ? 0.03 : 0.01);
+  expect(off.filter((one) => one > 0.15).length / off.length).toBeLessThan(byLabels ? 1 / 10 : 1 / 35);
 });
 
 test.each([
-  ["one can be seen through", inBall, { opacity: 0.5 }],
-  ["it is a net", inBall, { wireframe: true }],
-  ["it was moved", inBall, { pose: [1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 2, 0] }],
-  ["voxels of segments are values like others", { ...inBall, optics: { blend: "mip" } }, {}],
-] as const)("no body stands for a surface where %s", async (_, scan, look) => {
-  const [all, few] = await embodied(scan, look);
-  expect(few?.drawn).toBe(all?.drawn);
-  expect(few?.pixels).toEqual(all?.pixels);
+  ["it is a net", inBall, { wireframe: true }, {}],
+  ["it was moved", inBall, { pose: [1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 2, 0] }, {}],
+  ["its voxels are drawn as the scan beside it", inTissue, both, { 1: "plain" }],
+  ["voxels of segments are values like others", { ...inBall, optics: { blend: "mip" } }, {}, {}],
+] as const)("no body stands for a surface where %s", async (_, scan, look, modes) => {
+  const [all, few] = await embodied(scan, [like(look)], modes);
+  expect(few.drawn).toBe(all.drawn);
+  expect(few.pixels).toEqual(all.pixels);
 });

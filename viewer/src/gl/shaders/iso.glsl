@@ -111,6 +111,9 @@ Seen seenAlong(Ray ray, inout Layers layers) {
 #ifdef SECOND
   Meeting other = meetSecond(ray);
 #endif
+#ifdef SURFACES
+  Shells shells = enterShells(ray, layers, seen);
+#endif
   float last = ray.span.x;
   float t = last + ray.start * stepLength;
   for (int i = 0; i < 8192; ++i) {
@@ -118,14 +121,20 @@ Seen seenAlong(Ray ray, inout Layers layers) {
       break;
     }
     t = min(t, ray.span.y);
-    float leap = stepsOverEmpty(ray, ray.origin + ray.inGrid * t, t);
+    vec3 place = ray.origin + ray.inGrid * t;
+    float leap = stepsOverEmpty(ray, place, t);
+#ifdef SURFACES
+    if (shells.left > 0) {
+      passShells(ray, vec2(last, t), biasedAt(place), false, shells, layers, seen);
+    }
+#endif
     if (leap > 0.0) {
       t += leap;
       last = t - stepLength;
       continue;
     }
     int segment;
-    if (!enclosed(ray.origin + ray.inGrid * t, segment)) {
+    if (!enclosed(place, segment)) {
       last = t;
       t += stepLength;
       continue;

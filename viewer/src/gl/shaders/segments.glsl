@@ -7,21 +7,20 @@
 #define RANGES 32
 
 // low and high biased value; 2 where solid, 1 where tissue in its colour, 0 where left out, less by the
-// opacity of the surface that stands for it, -2 where a body can stand for that; and its id where it was edited, else 0
+// opacity of the surface that stands for it; and its id where it was edited, else 0
 uniform vec4 rangeBounds[RANGES];
 uniform vec3 rangeColours[RANGES];
-// factors on ambient and specular light
-uniform vec2 rangeMaterials[RANGES];
+// factors on ambient and specular light, and the opacity of the body that can stand for its surface, 0 where none can
+uniform vec3 rangeMaterials[RANGES];
 uniform int rangeCount;
 // 1 where bodies stand for surfaces that have them
-uniform float bodies;
+uniform int bodies;
 
 #ifdef LABELS
 uniform sampler3D labelTexture;
 // colour of each id (linear); alpha 1 where its voxels are solid, 0.75 where tissue in its colour,
-// 0.3 where nothing is drawn, and up to 0.55 by how opaque its surface is, 0.58 where a body can stand for that,
-// 0 where there is no such segment or a range tells of it;
-// in a second row its factors on ambient and specular light
+// 0.3 where nothing is drawn, and up to 0.55 by how opaque its surface is, 0 where there is no such segment or a
+// range tells of it; in a second row what `rangeMaterials` tells of others
 uniform sampler2D labelColours;
 
 int labelAt(vec3 grid) {
@@ -55,6 +54,10 @@ bool insideRange(vec3 grid, float value, int label, vec4 bounds) {
   return byValue;
 }
 
+bool isOpaqueBody(float opacity) {
+  return bodies == 1 && opacity == 1.0;
+}
+
 int segmentAt(vec3 grid, float value) {
   int found = 0;
   int label = 0;
@@ -67,7 +70,7 @@ int segmentAt(vec3 grid, float value) {
     }
     vec4 bounds = rangeBounds[i];
     if (insideRange(grid, value, label, bounds)) {
-      if (bounds.z > 0.5 || (bodies > 0.5 && bounds.z < -1.5)) {
+      if (bounds.z > 0.5 || isOpaqueBody(rangeMaterials[i].z)) {
         return i + 1;
       }
       found = -1;
@@ -75,7 +78,7 @@ int segmentAt(vec3 grid, float value) {
   }
 #ifdef LABELS
   float drawn = label > 0 ? texelFetch(labelColours, ivec2(label, 0), 0).a : 0.0;
-  if (drawn > (bodies > 0.5 ? 0.56 : 0.6)) {
+  if (drawn > 0.6 || (drawn > 0.0 && isOpaqueBody(texelFetch(labelColours, ivec2(label, 1), 0).b))) {
     return RANGES + label;
   }
   found = drawn > 0.25 ? -1 : found;
@@ -92,17 +95,26 @@ vec3 segmentColour(int segment) {
   return rangeColours[segment - 1];
 }
 
-// Factors of a segment on ambient and specular light; what is in none has its light as it is.
-vec2 segmentMaterial(int segment) {
+// Factors of a segment on ambient and specular light, and the opacity of its body; what is in none has its light as it is.
+vec3 toldOf(int segment) {
   if (segment <= 0) {
-    return vec2(1.0);
+    return vec3(1.0, 1.0, 0.0);
   }
 #ifdef LABELS
   if (segment > RANGES) {
-    return texelFetch(labelColours, ivec2(segment - RANGES, 1), 0).rg;
+    return texelFetch(labelColours, ivec2(segment - RANGES, 1), 0).rgb;
   }
 #endif
   return rangeMaterials[segment - 1];
+}
+
+vec2 segmentMaterial(int segment) {
+  return toldOf(segment).xy;
+}
+
+// Opacity of the body that can stand for a segment's surface.
+float bodyOpacity(int segment) {
+  return toldOf(segment).z;
 }
 
 // Whether a segment that is drawn is a solid body, and no tissue in its colour.
@@ -112,9 +124,8 @@ bool isSolid(int segment) {
   }
 #ifdef LABELS
   if (segment > RANGES) {
-    float drawn = texelFetch(labelColours, ivec2(segment - RANGES, 0), 0).a;
-    return drawn > 0.9 || drawn < 0.6;
+    return texelFetch(labelColours, ivec2(segment - RANGES, 0), 0).a > 0.9 || isOpaqueBody(bodyOpacity(segment));
   }
 #endif
-  return abs(rangeBounds[segment - 1].z) > 1.5;
+  return rangeBounds[segment - 1].z > 1.5 || isOpaqueBody(bodyOpacity(segment));
 }

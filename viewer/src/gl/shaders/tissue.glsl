@@ -105,6 +105,9 @@ Seen seenAlong(Ray ray, inout Layers layers) {
   vec2 first = ray.span.y > ray.span.x ? ray.span : vec2(farAway);
   passSecond(ray, vec2(ray.other.x, min(ray.other.y, first.x)), layers, seen);
 #endif
+#ifdef SURFACES
+  Shells shells = enterShells(ray, layers, seen);
+#endif
   // up to here the ray is done, and the value there
   float last = ray.span.x;
   float front = unknown;
@@ -132,6 +135,10 @@ Seen seenAlong(Ray ray, inout Layers layers) {
 
     float value = biasedAt(grid);
     int segment = seenSegmentAt(grid, value);
+    bool dividable = fine == 0;
+#ifdef SURFACES
+    dividable = !passShells(ray, vec2(last, t), value, false, shells, layers, seen) && dividable;
+#endif
     if (segment < 0) {
       // what is left out has no skin either
       front = value;
@@ -163,7 +170,7 @@ Seen seenAlong(Ray ray, inout Layers layers) {
       if (segment > 0 && !isSolid(segment)) {
         tissue.rgb = segmentColour(segment);
       }
-      bool dividable = fine == 0 && end - last > 0.3 * stepLength;
+      dividable = dividable && end - last > 0.3 * stepLength;
       if (!addTissue(ray, vec2(last, end), tissue, solid ? 0 : segment, dividable, layers, seen)) {
         front = first;
         fine = quarters;
