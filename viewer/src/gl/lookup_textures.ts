@@ -46,7 +46,7 @@ const alphaOf: Readonly<Record<InsideMode, number>> = { solid: 1, tinted: 0.75, 
 /**
  * Linear colour by segment id; alpha 1 where its voxels are `drawn` as a body, 0.75 as tissue in its colour, 0.3 where its surface stands for
  * them, and up to 0.55 by how opaque that is, 0 where its values tell where it is. A second row has its factors on ambient and specular
- * light, and the opacity of the body that can stand for its surface.
+ * light, and the opacity of the body that can stand for its surface where labels tell of that.
  */
 export function labelColours(
   segments: readonly Segment[],
@@ -58,9 +58,9 @@ export function labelColours(
   for (const segment of segments) {
     const mode = modes[segment.id] ?? "solid";
     const told = drawn(segment) ? alphaOf[mode] : leftOut(segment);
-    const alpha = byValue.has(segment.id) ? 0 : told;
+    const [alpha, body] = byValue.has(segment.id) ? [0, 0] : [told, bodyOpacity(segment, mode)];
     rows.set([...linearFromSrgb(segment.colour), alpha], 4 * segment.id);
-    rows.set([segment.ambient, segment.specular, bodyOpacity(segment, mode)], 4 * (256 + segment.id));
+    rows.set([segment.ambient, segment.specular, body], 4 * (256 + segment.id));
   }
   const texture = new THREE.DataTexture(rows, 256, 2, THREE.RGBAFormat, THREE.FloatType);
   texture.needsUpdate = true;

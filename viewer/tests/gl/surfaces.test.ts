@@ -323,6 +323,8 @@ const cutOpen: MarchTest = { ...inBall, clip: [{ normal: [0, -1, 0], offset: -20
 // its own colour is seen through the surface
 const inTissue: MarchTest = { ...inBall, extinction: 0.05 };
 const labelled = { range: null };
+// labels tell too, and are as its values say
+const edited = { range: null, made_by: [0, 1000] } as const;
 // values rise by 400 for each mm toward the middle
 const inner: SurfaceTest = { ...ball, radius: 12, look: { colour: [0, 0, 1], range: [800, 1000] } };
 const innerSeenThrough: SurfaceTest = { ...inner, look: { ...inner.look, opacity: 0.6 } };
@@ -335,6 +337,7 @@ test.each([
   ["opaque, cut open", cutOpen, [ball], {}],
   ["seen through", inBall, [like(seenThrough)], {}],
   ["seen through, told by labels", inBall, [like({ ...seenThrough, ...labelled })], {}],
+  ["seen through, edited", inBall, [like({ ...seenThrough, ...edited })], {}],
   ["seen through, cut open", cutOpen, [like(seenThrough)], {}],
   ["seen through, one in another", inBall, [like(seenThrough), innerSeenThrough], {}],
   ["seen through, one in another, listed the other way round", inBall, [innerSeenThrough, like(seenThrough)], {}],

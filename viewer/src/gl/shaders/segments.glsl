@@ -78,7 +78,7 @@ int segmentAt(vec3 grid, float value) {
   }
 #ifdef LABELS
   float drawn = label > 0 ? texelFetch(labelColours, ivec2(label, 0), 0).a : 0.0;
-  if (drawn > 0.6 || (drawn > 0.0 && isOpaqueBody(texelFetch(labelColours, ivec2(label, 1), 0).b))) {
+  if (drawn > 0.6 || isOpaqueBody(texelFetch(labelColours, ivec2(label, 1), 0).b)) {
     return RANGES + label;
   }
   found = drawn > 0.25 ? -1 : found;
