@@ -17,7 +17,7 @@ from palpate.bench.goals_render import (
     peer_case,
     picture_case,
 )
-from palpate.bench.render import measure, rows_of
+from palpate.bench.render import SURFACES, measure, rows_of
 from palpate.errors import OptionError
 
 
@@ -32,7 +32,7 @@ def test_every_mode_and_size_has_its_rows_and_goals_are_those_of_the_issue() -> 
     source = Path(__file__).parents[2] / "viewer" / "src" / "core" / "optics.ts"
     blends = re.search(r"export const blends = (\[.*?\])", source.read_text(encoding="utf-8"))
     assert blends is not None
-    assert set(MODES) == {*json.loads(blends[1]), "surfaces"}
+    assert set(MODES) == {*json.loads(blends[1]), *SURFACES}
     goals = {(row.case, row.metric): row.goal for row in rows if row.goal is not None}
     assert goals == {
         (OPENED_CASE, "first picture after the page"): 2.0,

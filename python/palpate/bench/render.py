@@ -42,7 +42,7 @@ from palpate.bench.report import Row, rows_told
 from palpate.errors import OptionError
 from palpate.progress import Progress, silent
 
-__all__ = ["QUICK", "Effort", "built_peer", "measure", "rows_of"]
+__all__ = ["QUICK", "SURFACES", "Effort", "built_peer", "measure", "rows_of"]
 
 PEER_SIZE = (320, 240)
 """Of the pictures that are compared [pixels]; fine ones of vtk.js take minutes in software."""
