@@ -241,18 +241,26 @@ export async function turned(test: MarchTest, probes: readonly Vec3[], marks: re
   return pixels;
 }
 
-/** The middle pixels of what two eyes see, one above the other, after the canvas was resized before either was drawn. */
-export async function resizedEyes({ scan: test }: ScreenTest): Promise<number[][]> {
+/** A picture that was whole, and of which the GPU is drawing the next. */
+async function atWork({ scan: test, surfaces = [] }: ScreenTest): Promise<ReturnType<typeof pictureOf>> {
   const drawn = pictureOf(false);
-  const { picture, gl } = drawn;
+  const { picture } = drawn;
   const volume = fieldOf(test);
   const extent = outlineOf(test);
   picture.setScan(volume, bricksOf(volume, true));
   picture.setLook(lookOf(test));
   picture.setCamera(viewOf(test, extent), extent);
+  showSurfaces(picture, surfaces);
   await finished(drawn);
   picture.setCamera(viewOf(test, extent), extent);
   picture.advance(performance.now());
+  return drawn;
+}
+
+/** The middle pixels of what two eyes see, one above the other, after the canvas was resized before either was drawn. */
+export async function resizedEyes({ scan }: ScreenTest): Promise<number[][]> {
+  const drawn = await atWork({ scan });
+  const { picture, gl } = drawn;
   const stereo: Stereo = { ...firstStereo, mode: "stacked" };
   for (const size of [edge, edge / 2]) {
     picture.setStereo(stereo);
@@ -271,18 +279,9 @@ export async function resizedEyes({ scan: test }: ScreenTest): Promise<number[][
 }
 
 /** The middle pixel after the canvas became smaller while the GPU was at work. */
-export async function resizedMiddle({ scan: test, surfaces = [] }: ScreenTest): Promise<number[]> {
-  const drawn = pictureOf(false);
+export async function resizedMiddle(test: ScreenTest): Promise<number[]> {
+  const drawn = await atWork(test);
   const { picture, gl } = drawn;
-  const volume = fieldOf(test);
-  const extent = outlineOf(test);
-  picture.setScan(volume, bricksOf(volume, true));
-  picture.setLook(lookOf(test));
-  picture.setCamera(viewOf(test, extent), extent);
-  showSurfaces(picture, surfaces);
-  await finished(drawn);
-  picture.setCamera(viewOf(test, extent), extent);
-  picture.advance(performance.now());
   const size = edge / 2;
   picture.resize(size, size);
   // what was begun is not done: the screen is drawn from a picture that is not there yet
