@@ -7,22 +7,33 @@ Seen seenAlong(Ray ray, inout Layers layers) {
   vec3 toEye = -ray.direction;
   float front = -1.0;
   float t = ray.span.x + ray.start * stepLength;
-  for (int i = 0; i < 8192; ++i) {
-    if (t >= ray.span.y || seen.clarity <= clearEnough) {
-      break;
+  int samples = 0;
+  while (t < ray.span.y && samples < mostSamples && seen.clarity > clearEnough) {
+    float value;
+    int segment;
+    bool solid;
+    vec4 tissue;
+    // over what is not seen, in a loop of its own as in `seek` (tissue.glsl)
+    bool found = false;
+    for (; !found && t < ray.span.y && samples < mostSamples; ++samples) {
+      vec3 grid = ray.origin + ray.inGrid * t;
+      float leap = stepsOverEmpty(ray, grid, t);
+      if (leap > 0.0) {
+        front = -1.0;
+        t += leap;
+        continue;
+      }
+      value = biasedAt(grid);
+      segment = segmentAt(grid, value);
+      solid = isSolid(segment);
+      tissue = segment < 0 ? vec4(0.0) : tissueAt(value * transferScale.x + transferScale.y);
+      found = solid || tissue.a > 0.0;
+      if (!found) {
+        front = value;
+        t += stepLength;
+      }
     }
-    vec3 grid = ray.origin + ray.inGrid * t;
-    float leap = stepsOverEmpty(ray, grid, t);
-    if (leap > 0.0) {
-      front = -1.0;
-      t += leap;
-      continue;
-    }
-    float value = biasedAt(grid);
-    int segment = segmentAt(grid, value);
-    bool solid = isSolid(segment);
-    vec4 tissue = segment < 0 ? vec4(0.0) : tissueAt(value * transferScale.x + transferScale.y);
-    if (solid || tissue.a > 0.0) {
+    if (found) {
       float low = segment > 0 ? rangeBounds[segment - 1].x : 0.0;
       bool entered = solid && front >= 0.0 && front < low;
       float place = entered ? t - stepLength * (value - low) / (value - front) : t;
@@ -41,9 +52,9 @@ Seen seenAlong(Ray ray, inout Layers layers) {
       seen.light += seen.clarity * opacity * colour;
       seen.clarity *= 1.0 - opacity;
       seen.depth = seen.depth < 0.0 && seen.clarity < 0.5 ? place : seen.depth;
+      front = value;
+      t += stepLength;
     }
-    front = value;
-    t += stepLength;
   }
   return seen;
 }

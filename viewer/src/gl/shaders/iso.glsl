@@ -57,36 +57,31 @@ bool opensCell(Ray ray, vec3 grid, bool second, inout vec3 side) {
 Meeting meetSecond(Ray ray) {
   float last = ray.other.x;
   float t = last + ray.start * stepLength;
-  for (int i = 0; i < 8192; ++i) {
-    if (last >= ray.other.y) {
-      break;
-    }
+  bool met = false;
+  for (int i = 0; i < mostSamples && !met && last < ray.other.y; ++i) {
     t = min(t, ray.other.y);
     vec3 grid = ray.origin + ray.inGrid * t;
     float leap = stepsOverSecond(ray, grid);
-    if (leap > 0.0) {
-      t += leap;
-      last = t - stepLength;
-      continue;
+    met = leap == 0.0 && enclosedBySecond(grid);
+    if (!met) {
+      last = leap > 0.0 ? t + leap - stepLength : t;
+      t = last + stepLength;
     }
-    if (!enclosedBySecond(grid)) {
-      last = t;
-      t += stepLength;
-      continue;
-    }
-    bool cut = last <= ray.other.x && enclosedBySecond(ray.origin + ray.inGrid * last);
-    float end = cut ? last : t;
-    for (int j = 0; j < refinements && !cut; ++j) {
-      float middle = 0.5 * (last + end);
-      bool inside = enclosedBySecond(ray.origin + ray.inGrid * middle);
-      end = inside ? middle : end;
-      last = inside ? last : middle;
-    }
-    vec3 face = ray.otherFace;
-    cut = cut || opensCell(ray, ray.origin + ray.inGrid * end, true, face);
-    return Meeting(end, cut, face);
   }
-  return Meeting(farAway, false, vec3(0.0));
+  if (!met) {
+    return Meeting(farAway, false, vec3(0.0));
+  }
+  bool cut = last <= ray.other.x && enclosedBySecond(ray.origin + ray.inGrid * last);
+  float end = cut ? last : t;
+  for (int j = 0; j < refinements && !cut; ++j) {
+    float middle = 0.5 * (last + end);
+    bool inside = enclosedBySecond(ray.origin + ray.inGrid * middle);
+    end = inside ? middle : end;
+    last = inside ? last : middle;
+  }
+  vec3 face = ray.otherFace;
+  cut = cut || opensCell(ray, ray.origin + ray.inGrid * end, true, face);
+  return Meeting(end, cut, face);
 }
 
 // Lets the light of its surface in, where that lies before `t`.
@@ -113,32 +108,41 @@ Seen seenAlong(Ray ray, inout Layers layers) {
 #endif
 #ifdef SURFACES
   Shells shells = enterShells(ray, layers, seen);
+  Shells now = shells;
 #endif
   float last = ray.span.x;
   float t = last + ray.start * stepLength;
-  for (int i = 0; i < 8192; ++i) {
-    if (last >= ray.span.y) {
-      break;
-    }
-    t = min(t, ray.span.y);
-    vec3 place = ray.origin + ray.inGrid * t;
-    float leap = stepsOverEmpty(ray, place, t);
+  int samples = 0;
+  int segment = 0;
+  bool met = false;
+  // to the surface, from one body that stands for another to the next
+  bool crossed = false;
+  do {
+    crossed = false;
+    for (; !met && !crossed && last < ray.span.y && samples < mostSamples; ++samples) {
+      t = min(t, ray.span.y);
+      vec3 grid = ray.origin + ray.inGrid * t;
+      float leap = stepsOverEmpty(ray, grid, t);
+      met = leap == 0.0 && enclosed(grid, segment);
 #ifdef SURFACES
-    if (shells.left > 0) {
-      passShells(ray, vec2(last, t), biasedAt(place), false, shells, layers, seen);
+      if (shells.left > 0) {
+        now = shellsAt(grid, biasedAt(grid), shells.left);
+        crossed = now != shells;
+      }
+#endif
+      if (!met && !crossed) {
+        last = leap > 0.0 ? t + leap - stepLength : t;
+        t = last + stepLength;
+      }
+    }
+#ifdef SURFACES
+    if (crossed) {
+      passShells(ray, vec2(last, t), now, false, shells, layers, seen);
+      met = false;
     }
 #endif
-    if (leap > 0.0) {
-      t += leap;
-      last = t - stepLength;
-      continue;
-    }
-    int segment;
-    if (!enclosed(place, segment)) {
-      last = t;
-      t += stepLength;
-      continue;
-    }
+  } while (crossed);
+  if (met) {
     int here;
     bool cut = last <= ray.span.x && enclosed(ray.origin + ray.inGrid * last, here);
     float end = cut ? last : t;
@@ -170,7 +174,6 @@ Seen seenAlong(Ray ray, inout Layers layers) {
     }
     seen.clarity = 0.0;
     seen.depth = seen.depth < 0.0 ? end : seen.depth;
-    break;
   }
 #ifdef SECOND
   passSecond(ray, other, farAway, layers, seen);

@@ -86,7 +86,7 @@ float shareAlong(Ray ray, vec2 span, bool second) {
   vec2 sum = vec2(0.0);
   vec2 sumWaiting = vec2(0.0);
   float t = span.x + ray.start * stepLength;
-  for (int i = 0; i < 8192; ++i) {
+  for (int i = 0; i < mostSamples; ++i) {
     if (t >= span.y) {
       break;
     }

@@ -17,6 +17,8 @@ uniform float jitter;
 uniform vec2 slab;
 
 const float clearEnough = 0.012;
+// along a ray, whatever it is given
+const int mostSamples = 8192;
 
 struct Ray {
   // where it begins [grid]

@@ -38,31 +38,39 @@ bool isIn(Shells shells, int segment) {
   return segment > RANGES ? shells.label == segment - RANGES : (shells.ranges >> (segment - 1) & 1u) == 1u;
 }
 
-// The range or label that is left or come into, by its place among all ranges, the label before and the label now; 0 for none.
-int crossedAt(int place, Shells before, Shells now) {
-  if (place < RANGES) {
-    return ((before.ranges ^ now.ranges) >> place & 1u) == 1u ? place + 1 : 0;
+// What is left or come into from one place to another: a bit for each range, and one each for the label before and now.
+uvec2 crossedBetween(Shells before, Shells now) {
+  uvec2 crossed = uvec2(before.ranges ^ now.ranges, 0u);
+  if (before.label != now.label) {
+    crossed.y = (before.label > 0 ? 1u : 0u) | (now.label > 0 ? 2u : 0u);
   }
-  int label = before.label == now.label ? 0 : place == RANGES ? before.label : now.label;
-  return label > 0 ? RANGES + label : 0;
+  return crossed;
 }
 
-// Lets the light of bodies in that a ray leaves or comes into between two samples, the later one of a value, or that
+// Takes the first of them out.
+int takeCrossed(inout uvec2 crossed, Shells before, Shells now) {
+  if (crossed.x != 0u) {
+    // a power of two is told by its exponent
+    uint lowest = crossed.x & (~crossed.x + 1u);
+    crossed.x ^= lowest;
+    return int(floatBitsToUint(float(lowest)) >> 23u) - 126;
+  }
+  bool left = (crossed.y & 1u) != 0u;
+  crossed.y = left ? crossed.y & 2u : 0u;
+  return RANGES + (left ? before.label : now.label);
+}
+
+// Lets the light of bodies in that a ray leaves or comes into between two samples, up to where it is in `now`, or that
 // are cut open where it begins; true where there are any.
-bool passShells(Ray ray, vec2 interval, float value, bool cut, inout Shells shells, inout Layers layers, inout Seen seen) {
-  if (shells.left == 0) {
+bool passShells(Ray ray, vec2 interval, Shells now, bool cut, inout Shells shells, inout Layers layers, inout Seen seen) {
+  if (shells.left == 0 || shells == now) {
     return false;
   }
   Shells before = shells;
-  shells = shellsAt(ray.origin + ray.inGrid * interval.y, value, before.left);
-  if (shells == before) {
-    return false;
-  }
-  for (int place = 0; place < RANGES + 2 && shells.left > 0; ++place) {
-    int segment = crossedAt(place, before, shells);
-    if (segment == 0) {
-      continue;
-    }
+  shells = now;
+  uvec2 crossed = crossedBetween(before, now);
+  for (; crossed != uvec2(0u) && shells.left > 0; --shells.left) {
+    int segment = takeCrossed(crossed, before, now);
     vec2 between = interval;
     for (int i = 0; i < refinements && !cut; ++i) {
       float middle = 0.5 * (between.x + between.y);
@@ -75,7 +83,6 @@ bool passShells(Ray ray, vec2 interval, float value, bool cut, inout Shells shel
     seen.light += seen.clarity * opacity * lightOfSegment(ray, ray.origin + ray.inGrid * between.y, segment, cut);
     seen.clarity *= 1.0 - opacity;
     seen.depth = seen.depth < 0.0 && seen.clarity < 0.5 ? between.y : seen.depth;
-    shells.left -= 1;
   }
   return true;
 }
@@ -84,7 +91,8 @@ bool passShells(Ray ray, vec2 interval, float value, bool cut, inout Shells shel
 Shells enterShells(Ray ray, inout Layers layers, inout Seen seen) {
   Shells shells = Shells(0u, 0, ray.span.x < ray.span.y ? mostShells : 0);
   if (shells.left > 0) {
-    passShells(ray, vec2(ray.span.x), biasedAt(ray.origin + ray.inGrid * ray.span.x), true, shells, layers, seen);
+    vec3 grid = ray.origin + ray.inGrid * ray.span.x;
+    passShells(ray, vec2(ray.span.x), shellsAt(grid, biasedAt(grid), shells.left), true, shells, layers, seen);
   }
   return shells;
 }

@@ -73,7 +73,7 @@ void passSecond(Ray ray, vec2 span, inout Layers layers, inout Seen seen) {
   float t = last + ray.start * stepLength;
   bool wasEmpty = true;
   int fine = 0;
-  for (int i = 0; i < 8192; ++i) {
+  for (int i = 0; i < mostSamples; ++i) {
     if (last >= span.y || seen.clarity <= clearEnough) {
       break;
     }
@@ -99,102 +99,156 @@ void passSecond(Ray ray, vec2 span, inout Layers layers, inout Seen seen) {
 }
 #endif
 
-Seen seenAlong(Ray ray, inout Layers layers) {
-  Seen seen = Seen(vec3(0.0), 1.0, -1.0);
-#ifdef SECOND
-  vec2 first = ray.span.y > ray.span.x ? ray.span : vec2(farAway);
-  passSecond(ray, vec2(ray.other.x, min(ray.other.y, first.x)), layers, seen);
-#endif
+// How far a ray was followed: up to `last`, with the value there or `unknown`. The next sample is at `t`; so many steps
+// from there on are quarters.
+struct March {
+  float last;
+  float front;
+  float t;
+  int fine;
+  int samples;
 #ifdef SURFACES
-  Shells shells = enterShells(ray, layers, seen);
+  Shells shells;
 #endif
-  // up to here the ray is done, and the value there
-  float last = ray.span.x;
-  float front = unknown;
-  float t = last + ray.start * stepLength;
-  int fine = 0;
-  for (int i = 0; i < 8192; ++i) {
-    if (last >= ray.span.y || seen.clarity <= clearEnough) {
-      break;
-    }
-    t = min(t, ray.span.y);
-    vec3 grid = ray.origin + ray.inGrid * t;
-    float leap = stepsOverEmpty(ray, grid, t);
+};
+
+// What is found between `last` and `t`: nothing that is seen, tissue, or a surface that comes before it.
+const int nothing = 0;
+const int justTissue = 1;
+const int someSurface = 2;
+
+struct Found {
+  int what;
+  // mean on the way
+  vec4 tissue;
+  // there at the end
+  float value;
+  int segment;
+  bool inEmptyBrick;
+#ifdef SURFACES
+  Shells shells;
+#endif
+};
+
+void goOn(Found found, inout March march) {
+  // an empty brick is leapt over from here on
+  march.front = found.inEmptyBrick ? unknown : found.value;
+  march.last = march.t;
+  march.fine = max(0, march.fine - 1);
+  march.t += march.fine > 0 ? 0.25 * stepLength : stepLength;
+}
+
+// Follows a ray over all that is not seen; `solid` ends it, or 0.
+void seek(Ray ray, int solid, inout March march, inout Found found) {
+  found.what = nothing;
+  for (; found.what == nothing && march.last < ray.span.y && march.samples < mostSamples; ++march.samples) {
+    march.t = min(march.t, ray.span.y);
+    vec3 grid = ray.origin + ray.inGrid * march.t;
+    float leap = stepsOverEmpty(ray, grid, march.t);
 #ifdef SECOND
     leap = min(leap, stepsOverSecond(ray, grid));
     const bool beside = true;
 #else
     const bool beside = false;
 #endif
-    if (leap > 0.0 && front == unknown) {
-      t += leap;
-      last = t - stepLength;
-      fine = 0;
+    if (leap > 0.0 && march.front == unknown) {
+      march.t += leap;
+      march.last = march.t - stepLength;
+      march.fine = 0;
       continue;
     }
-
-    float value = biasedAt(grid);
-    int segment = seenSegmentAt(grid, value);
-    bool dividable = fine == 0;
-#ifdef SURFACES
-    dividable = !passShells(ray, vec2(last, t), value, false, shells, layers, seen) && dividable;
-#endif
-    if (segment < 0) {
-      // what is left out has no skin either
-      front = value;
-      last = t;
-      t += stepLength;
-      fine = 0;
-      continue;
-    }
-    float first = front == unknown ? biasedAt(ray.origin + ray.inGrid * last) : front;
-    float end = t;
+    march.front = march.front == unknown ? biasedAt(ray.origin + ray.inGrid * march.last) : march.front;
+    found.value = biasedAt(grid);
+    found.segment = seenSegmentAt(grid, found.value);
+    found.tissue = tissueBetween(march.front, found.value);
+    found.inEmptyBrick = leap > 0.0;
+    found.what = found.segment >= 0 && (found.tissue.a > 0.0 || beside) ? justTissue : nothing;
 #if BLEND == SHADED || BLEND == COMPOSITE
-    bool solid = isSolid(segment);
-    bool cut = false;
-    if (solid) {
-      vec3 before = ray.origin + ray.inGrid * last;
-      cut = last <= ray.span.x && isSolid(seenSegmentAt(before, first));
-      end = cut ? last : refinedEntry(ray, last, t, segment);
-      grid = ray.origin + ray.inGrid * end;
-      value = biasedAt(grid);
-#ifdef SECOND
-      cut = cut || cutByCell(ray, grid);
+    found.what = solid == 0 && isSolid(found.segment) ? someSurface : found.what;
 #endif
+#ifdef SURFACES
+    if (march.shells.left > 0) {
+      found.shells = shellsAt(grid, found.value, march.shells.left);
+      found.what = found.shells != march.shells ? someSurface : found.what;
     }
-#else
-    const bool solid = false;
 #endif
-    vec4 tissue = tissueBetween(first, value);
-    if ((tissue.a > 0.0 || beside) && end > last) {
-      if (segment > 0 && !isSolid(segment)) {
+    if (found.what == nothing) {
+      march.fine = 0;
+      goOn(found, march);
+    }
+  }
+}
+
+// Follows a ray through tissue to the next surface, or to its end.
+void passTissue(Ray ray, int solid, inout March march, inout Found found, inout Layers layers, inout Seen seen) {
+  do {
+    seek(ray, solid, march, found);
+    if (found.what == justTissue) {
+      int segment = isSolid(found.segment) ? 0 : found.segment;
+      vec4 tissue = found.tissue;
+      if (segment > 0) {
         tissue.rgb = segmentColour(segment);
       }
-      dividable = dividable && end - last > 0.3 * stepLength;
-      if (!addTissue(ray, vec2(last, end), tissue, solid ? 0 : segment, dividable, layers, seen)) {
-        front = first;
-        fine = quarters;
-        t = last + 0.25 * stepLength;
+      bool dividable = march.fine == 0 && march.t - march.last > 0.3 * stepLength;
+      if (addTissue(ray, vec2(march.last, march.t), tissue, segment, dividable, layers, seen)) {
+        goOn(found, march);
+      } else {
+        march.fine = quarters;
+        march.t = march.last + 0.25 * stepLength;
+      }
+    }
+  } while (found.what == justTissue && seen.clarity > clearEnough);
+}
+
+// Loops lie in one another, and each holds only what belongs to it: a CPU that draws works through all of a loop's
+// body each time, whichever branches are taken.
+// Source: Aila and Laine, "Understanding the efficiency of ray traversal on GPUs", HPG (2009).
+Seen seenAlong(Ray ray, inout Layers layers) {
+  Seen seen = Seen(vec3(0.0), 1.0, -1.0);
+#ifdef SECOND
+  vec2 first = ray.span.y > ray.span.x ? ray.span : vec2(farAway);
+  passSecond(ray, vec2(ray.other.x, min(ray.other.y, first.x)), layers, seen);
+#endif
+  March march;
+  march.last = ray.span.x;
+  march.front = unknown;
+  march.t = ray.span.x + ray.start * stepLength;
+  march.fine = 0;
+  march.samples = 0;
+#ifdef SURFACES
+  march.shells = enterShells(ray, layers, seen);
+#endif
+  Found found;
+  // the segment that ends the ray, and whether a face cuts it there
+  int solid = 0;
+  bool cut = false;
+  do {
+    passTissue(ray, solid, march, found, layers, seen);
+    if (found.what == someSurface) {
+#ifdef SURFACES
+      if (passShells(ray, vec2(march.last, march.t), found.shells, false, march.shells, layers, seen)) {
         continue;
       }
-    } else {
-      fine = 0;
-    }
-#if BLEND == SHADED || BLEND == COMPOSITE
-    if (solid) {
-      passLayers(layers, end, seen.light, seen.clarity, seen.depth);
-      seen.light += seen.clarity * lightOfSegment(ray, grid, segment, cut);
-      seen.clarity = 0.0;
-      seen.depth = seen.depth < 0.0 ? end : seen.depth;
-      break;
-    }
 #endif
-    // an empty brick is leapt over from here on
-    front = leap > 0.0 ? unknown : value;
-    last = t;
-    fine = max(0, fine - 1);
-    t += fine > 0 ? 0.25 * stepLength : stepLength;
+#if BLEND == SHADED || BLEND == COMPOSITE
+      solid = found.segment;
+      cut = march.last <= ray.span.x && isSolid(seenSegmentAt(ray.origin + ray.inGrid * march.last, march.front));
+      ray.span.y = cut ? march.last : refinedEntry(ray, march.last, march.t, solid);
+#endif
+    }
+  } while (found.what == someSurface);
+#if BLEND == SHADED || BLEND == COMPOSITE
+  if (solid > 0 && seen.clarity > clearEnough) {
+    vec3 grid = ray.origin + ray.inGrid * ray.span.y;
+#ifdef SECOND
+    cut = cut || cutByCell(ray, grid);
+#endif
+    passLayers(layers, ray.span.y, seen.light, seen.clarity, seen.depth);
+    seen.light += seen.clarity * lightOfSegment(ray, grid, solid, cut);
+    seen.clarity = 0.0;
+    seen.depth = seen.depth < 0.0 ? ray.span.y : seen.depth;
   }
+#endif
 #ifdef SECOND
   passSecond(ray, vec2(max(ray.other.x, first.y), ray.other.y), layers, seen);
 #endif
