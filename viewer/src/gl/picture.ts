@@ -19,7 +19,8 @@ import type { SurfaceChange } from "../core/surface_patches";
 import type { Vec3 } from "../core/vector";
 import type { Box, LabelVolume } from "../core/voxel_change";
 import { Compositor } from "./compositor";
-import { FieldTexture, fieldFormatFor, type FieldFormat } from "./field_texture";
+import { DrawnScan } from "./drawn_scan";
+import { fieldFormatFor, type FieldFormat } from "./field_texture";
 import { GpuClock } from "./gpu_clock";
 import type { GpuSupport } from "./gpu_support";
 import { LabelTexture } from "./label_texture";
@@ -45,16 +46,6 @@ export interface PictureOptions {
   readonly format?: FieldFormat;
 }
 
-/** A scan that is drawn as soon as its values are on the GPU; until then one is that is coarser, or less of it. */
-interface ComingScan {
-  readonly field: FieldTexture;
-  readonly bricks: BrickRanges;
-  /** Planes, from the first on, that have their own values. */
-  readonly arrived: number;
-}
-
-const isWhole = ({ field, arrived }: ComingScan): boolean => arrived === field.volume.dimensions[2];
-
 export class Picture {
   private readonly renderer: THREE.WebGLRenderer;
   private readonly marcher: RayMarcher;
@@ -66,11 +57,7 @@ export class Picture {
   private readonly options: PictureOptions;
   /** Nothing is drawn, and all is uploaded as always: for the benchmark of edits. */
   suspended = false;
-  private field: FieldTexture | null = null;
-  private coming: ComingScan | null = null;
-  /** Planes that are drawn with their own values; in others something stands in for them. */
-  arrived = 0;
-  private ready = false;
+  private readonly scan: DrawnScan;
   /** The GPU has the programs for a first picture, or cannot have them before it. */
   private prepared = false;
   private quality: QualityChoice;
@@ -91,6 +78,7 @@ export class Picture {
   constructor(canvas: HTMLCanvasElement, options: PictureOptions) {
     const { support } = options;
     this.options = options;
+    this.scan = new DrawnScan(options.format ?? fieldFormatFor(support));
     this.marcher = new RayMarcher(support.software ? lightCells.software : lightCells.gpu);
     this.slices = new Slices(this.marcher);
     this.renderer = new THREE.WebGLRenderer({
@@ -113,7 +101,7 @@ export class Picture {
     });
     this.setQuality(this.quality);
     this.pane = new ViewPane(this.renderer, this.compositor, (eye) => this.refiner.pictureOf(eye));
-    const programs = [this.refiner.prepare(this.format), this.compositor.prepare(this.renderer)];
+    const programs = [this.refiner.prepare(this.scan.format), this.compositor.prepare(this.renderer)];
     void Promise.allSettled(programs).then(() => {
       this.prepared = true;
     });
@@ -123,23 +111,24 @@ export class Picture {
     return this.prepared;
   }
 
-  private get format(): FieldFormat {
-    return this.options.format ?? fieldFormatFor(this.options.support);
-  }
-
   /** Share of the scan that is on the GPU. */
   get uploaded(): number {
-    return (this.coming?.field ?? this.field)?.progress ?? 0;
+    return this.scan.uploaded;
+  }
+
+  /** Planes that are drawn with their own values; in others something stands in for them. */
+  get arrived(): number {
+    return this.scan.arrived;
   }
 
   /** A picture of the scan, with all of the values that were given, is on the screen. */
   get hasPicture(): boolean {
-    return this.coming === null && this.ready && this.refiner.drawnPieces > 0;
+    return !this.scan.isComing && this.scan.ready && this.refiner.drawnPieces > 0;
   }
 
   /** With what the picture on display was drawn, and whether it is final. */
   get shown(): Shown & { readonly finished: boolean } {
-    const whole = this.begun && this.coming === null && !this.screenStale && !this.slices.isStale && !this.marcher.second.isAwaited;
+    const whole = this.begun && !this.scan.isComing && !this.screenStale && !this.slices.isStale && !this.marcher.second.isAwaited;
     return { ...this.refiner.shown, finished: this.refiner.finished && whole };
   }
 
@@ -158,16 +147,13 @@ export class Picture {
 
   /** Shows a scan. One that is drawn already, more coarsely or in part, is drawn so until these values are on the GPU. */
   setScan(volume: ScanVolume, bricks: BrickRanges): void {
-    if (volume.frame === this.field?.volume.frame) {
-      this.bring(volume, bricks, volume.dimensions[2]);
+    if (volume.frame === this.scan.frame) {
+      this.scan.bring(volume, bricks, volume.dimensions[2]);
       return;
     }
-    this.dropScan();
-    this.field = new FieldTexture(volume, this.format);
-    this.arrived = volume.dimensions[2];
-    this.ready = false;
+    const field = this.scan.begin(volume);
     this.refiner.recount();
-    this.marcher.setField(this.field, bricks);
+    this.marcher.setField(field, bricks);
     this.slices.follow(volume.frame);
     this.surfaces.setFrame(volume.frame);
     this.refiner.restart();
@@ -181,8 +167,8 @@ export class Picture {
    * @param arrived planes, from the first on, that have their own values; what stands in for others does not change.
    */
   refineScan(volume: ScanVolume, bricks: BrickRanges, arrived: number): void {
-    if (volume.frame === this.field?.volume.frame) {
-      this.bring(volume, bricks, arrived);
+    if (volume.frame === this.scan.frame) {
+      this.scan.bring(volume, bricks, arrived);
     }
   }
 
@@ -197,14 +183,14 @@ export class Picture {
     this.labels?.dispose();
     this.labels = volume === null ? null : new LabelTexture(volume);
     this.marcher.setLabels(volume === null || this.labels === null ? null : { texture: this.labels.texture, bricks: volume.bricks });
-    this.slices.follow(this.field?.volume.frame ?? null);
+    this.slices.follow(this.scan.frame);
     this.refiner.restart();
   }
 
   /** Shows a second scan with the first, or shows it in another way or elsewhere; null shows none. */
   setSecond(shown: ShownSecond | null): void {
     this.marcher.setSecond(shown);
-    this.slices.follow(this.field?.volume.frame ?? null);
+    this.slices.follow(this.scan.frame);
     if (!sameInView(shown, this.second)) {
       this.refiner.restart();
     }
@@ -224,12 +210,12 @@ export class Picture {
   /** Values, labels or both have changed in a box of the arrays that this picture was given. */
   changeVoxels(box: Box, what: { readonly values: boolean; readonly labels: boolean }): void {
     if (what.values) {
-      (this.coming?.field ?? this.field)?.uploadBox(this.renderer, box);
+      this.scan.uploadBox(this.renderer, box);
     }
     if (what.labels) {
       this.labels?.uploadBox(this.renderer, box);
     }
-    if (this.coming !== null) {
+    if (this.scan.isComing) {
       // it is drawn with the scan that comes
       return;
     }
@@ -249,7 +235,7 @@ export class Picture {
     if (gives !== this.gives) {
       this.gives = gives;
       this.marcher.setGives(gives);
-      this.slices.follow(this.field?.volume.frame ?? null);
+      this.slices.follow(this.scan.frame);
       this.refiner.restart();
     }
   }
@@ -326,16 +312,16 @@ export class Picture {
   /** Does the work of one frame; `now` [ms]. */
   advance(now: number): void {
     this.upload();
-    if (!this.ready || !this.prepared || this.view === null || this.suspended || this.snapping) {
+    if (!this.scan.ready || !this.prepared || this.view === null || this.suspended || this.snapping) {
       return;
     }
-    if (this.coming !== null && isWhole(this.coming) && !this.refiner.isStale) {
+    if (this.scan.comesWhole && !this.refiner.isStale) {
       // all of the scan is drawn soon: what is on display stays until then, however fine it could be
       return;
     }
     if (this.marcher.second.isAwaited) {
       if (this.marcher.uploadSecond(this.renderer)) {
-        this.slices.follow(this.field?.volume.frame ?? null);
+        this.slices.follow(this.scan.frame);
         this.refiner.restart();
       }
       return;
@@ -367,7 +353,7 @@ export class Picture {
    * @throws where there is no picture yet, a snapshot is drawn already or the wish is aborted.
    */
   async snapshot(context: CanvasRenderingContext2D, wish: SnapshotWish): Promise<void> {
-    if (!this.ready || this.view === null || this.snapping) {
+    if (!this.scan.ready || this.view === null || this.snapping) {
       throw new Error("the picture is not ready");
     }
     const { software, halfFloatTarget: halfFloat } = this.options.support;
@@ -398,7 +384,7 @@ export class Picture {
 
   /** Draws the view once, away from the screen; null before there is one. */
   drawTimed(wish: TimedWish): TimedPicture | null {
-    if (!this.ready || this.view === null) {
+    if (!this.scan.ready || this.view === null) {
       return null;
     }
     this.aim(this.view.camera, this.view.extent, wish.width / wish.height);
@@ -415,60 +401,31 @@ export class Picture {
     this.slices.dispose();
     this.compositor.dispose();
     this.pane.dispose();
-    this.dropScan();
+    this.scan.dispose();
     this.labels?.dispose();
     this.colours?.dispose();
     this.renderer.dispose();
   }
 
-  /** Sends the next values to the GPU. */
+  /** Sends the next values to the GPU, and draws what has come there from now on. */
   private upload(): void {
-    const { coming, field, renderer } = this;
-    if (coming !== null) {
-      if (!this.snapping && coming.field.uploadSlab(renderer)) {
-        this.take(coming);
-      }
-    } else if (field !== null && !this.ready) {
-      this.ready = field.uploadSlab(renderer);
+    const taken = this.snapping ? null : this.scan.upload(this.renderer);
+    if (taken === null) {
+      return;
     }
-  }
-
-  private bring(volume: ScanVolume, bricks: BrickRanges, arrived: number): void {
-    const known = [this.coming?.field, this.field].find((field) => field?.volume === volume);
-    const field = known ?? new FieldTexture(volume, this.format);
-    field.follow(arrived);
-    this.coming = { field, bricks, arrived };
-  }
-
-  /** Draws what has come to the GPU from now on. */
-  private take(coming: ComingScan): void {
-    const { field, bricks, arrived } = coming;
-    this.coming = null;
-    this.arrived = arrived;
-    this.ready = true;
-    if (field === this.field) {
-      this.marcher.setBricks(bricks);
+    if (taken.isNew) {
+      this.marcher.setField(taken.field, taken.bricks);
     } else {
-      this.field?.dispose();
-      this.field = field;
-      this.marcher.setField(field, bricks);
+      this.marcher.setBricks(taken.bricks);
     }
     this.slices.changed();
-    if (isWhole(coming)) {
+    if (taken.isWhole) {
       this.marcher.light.changed();
       this.refiner.recount();
       this.refiner.restart();
     } else {
       this.refiner.renew();
     }
-  }
-
-  private dropScan(): void {
-    if (this.coming?.field !== this.field) {
-      this.coming?.field.dispose();
-    }
-    this.field?.dispose();
-    this.coming = null;
   }
 
   /** Turns to what an eye sees: picture and markers change their view in the same frame. */

@@ -138,10 +138,23 @@ void goOn(Found found, inout March march) {
   march.t += march.fine > 0 ? 0.25 * stepLength : stepLength;
 }
 
-// Follows a ray over all that is not seen; `solid` ends it, or 0.
-void seek(Ray ray, int solid, inout March march, inout Found found) {
+// Lets the light of the tissue in that was found; false where it is too opaque for the length of the way.
+bool addFound(Ray ray, March march, Found found, inout Layers layers, inout Seen seen) {
+  int segment = isSolid(found.segment) ? 0 : found.segment;
+  vec4 tissue = found.tissue;
+  if (segment > 0) {
+    tissue.rgb = segmentColour(segment);
+  }
+  bool dividable = march.fine == 0 && march.t - march.last > 0.3 * stepLength;
+  return addTissue(ray, vec2(march.last, march.t), tissue, segment, dividable, layers, seen);
+}
+
+// Follows a ray over all that is not seen; `solid` ends it, or 0. Tissue that nothing shines on costs little: it is
+// done here, at once.
+void seek(Ray ray, int solid, inout March march, inout Found found, inout Layers layers, inout Seen seen) {
   found.what = nothing;
-  for (; found.what == nothing && march.last < ray.span.y && march.samples < mostSamples; ++march.samples) {
+  while (found.what == nothing && march.last < ray.span.y && seen.clarity > clearEnough && march.samples < mostSamples) {
+    march.samples += 1;
     march.t = min(march.t, ray.span.y);
     vec3 grid = ray.origin + ray.inGrid * march.t;
     float leap = stepsOverEmpty(ray, grid, march.t);
@@ -172,6 +185,12 @@ void seek(Ray ray, int solid, inout March march, inout Found found) {
       found.what = found.shells != march.shells ? someSurface : found.what;
     }
 #endif
+#if BLEND == ABSORPTION || BLEND == EMISSION
+    if (found.what == justTissue) {
+      addFound(ray, march, found, layers, seen);
+      found.what = nothing;
+    }
+#endif
     if (found.what == nothing) {
       march.fine = 0;
       goOn(found, march);
@@ -182,22 +201,18 @@ void seek(Ray ray, int solid, inout March march, inout Found found) {
 // Follows a ray through tissue to the next surface, or to its end.
 void passTissue(Ray ray, int solid, inout March march, inout Found found, inout Layers layers, inout Seen seen) {
   do {
-    seek(ray, solid, march, found);
+    seek(ray, solid, march, found, layers, seen);
+#if BLEND == SHADED || BLEND == COMPOSITE
     if (found.what == justTissue) {
-      int segment = isSolid(found.segment) ? 0 : found.segment;
-      vec4 tissue = found.tissue;
-      if (segment > 0) {
-        tissue.rgb = segmentColour(segment);
-      }
-      bool dividable = march.fine == 0 && march.t - march.last > 0.3 * stepLength;
-      if (addTissue(ray, vec2(march.last, march.t), tissue, segment, dividable, layers, seen)) {
+      if (addFound(ray, march, found, layers, seen)) {
         goOn(found, march);
       } else {
         march.fine = quarters;
         march.t = march.last + 0.25 * stepLength;
       }
     }
-  } while (found.what == justTissue && seen.clarity > clearEnough);
+#endif
+  } while (found.what == justTissue);
 }
 
 // Loops lie in one another, and each holds only what belongs to it: a CPU that draws works through all of a loop's
