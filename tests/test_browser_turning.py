@@ -52,6 +52,26 @@ def test_a_view_that_turns_after_a_rest_begins_no_finer_than_it_goes_on(page: Br
         assert divisors[0] >= divisors[-1] / 2, divisors
 
 
+@pytest.mark.data
+def test_the_screen_has_fewer_pixels_while_it_shows_nothing_but_a_coarse_picture(page: Browser) -> None:
+    width = "document.querySelector('canvas[aria-hidden]').width"
+    page.finish()
+    whole = page.read(width)
+    with moving(page):
+        page.wait(f"window.palpate.shown.divisor >= 4 && {width} === {whole // 2}")
+    assert page.read(width) == whole
+
+    # slices beside it are as fine as ever
+    page.do("click", testid="layout-slice")
+    page.finish()
+    with moving(page):
+        page.wait("window.palpate.shown.divisor >= 4")
+        page.frames()
+        assert page.read(width) == whole
+    page.do("click", testid="layout-view")
+    page.finish()
+
+
 @pytest.fixture(scope="module")
 def surface(page: Browser) -> int:
     """The bone as a surface; gives its triangles: there are more than half a million."""

@@ -3,7 +3,7 @@
  */
 import * as THREE from "three";
 import { linearFromHex } from "../core/colour";
-import { Enlarger } from "./enlarger";
+import { Enlarger, type ScreenPane } from "./enlarger";
 import { FullscreenPass } from "./fullscreen_pass";
 import type { PictureTarget } from "./picture_target";
 import { shaders } from "./shaders";
@@ -15,8 +15,8 @@ const centre = linearFromHex("#1b222b");
 const rim = linearFromHex("#0b0e12");
 
 export interface Composition {
-  /** Lower left corner of the renderer's viewport [device pixels]. */
-  readonly corner: readonly [number, number];
+  /** The renderer's viewport; of the screen, a picture that is not coarse fills it pixel by pixel. */
+  readonly pane: ScreenPane;
   /** The screen where none is given. */
   readonly into?: THREE.WebGLRenderTarget;
   /** Without the background: colours that are not multiplied by opacity. */
@@ -60,8 +60,8 @@ export class Compositor {
     if (composition.into === undefined && Compositor.isCoarse(source)) {
       const { small } = this.enlarger;
       small.setSize(width, height);
-      this.compose(renderer, source, { ...composition, corner: [0, 0], into: small });
-      this.enlarger.draw(renderer, source, composition.corner);
+      this.compose(renderer, source, { ...composition, pane: { corner: [0, 0], size: [width, height] }, into: small });
+      this.enlarger.draw(renderer, source, composition.pane);
     } else {
       this.compose(renderer, source, composition);
     }
@@ -72,17 +72,16 @@ export class Compositor {
     this.enlarger.dispose();
   }
 
-  private compose(renderer: THREE.WebGLRenderer, source: PictureTarget, { corner, into, transparent = false }: Composition): void {
+  private compose(renderer: THREE.WebGLRenderer, source: PictureTarget, { pane: { corner, size }, into, transparent = false }: Composition): void {
     const u = this.uniforms;
     const { target, width, height } = source;
-    const pane = into === this.enlarger.small ? into : target;
     u.picture.value = target.texture;
     u.pictureDepth.value = target.depthTexture;
     u.share.value.set(width / target.width, height / target.height);
     u.used.value.set(width, height);
     u.paneCorner.value.set(...corner);
-    u.paneSize.value.set(pane.width, pane.height);
-    const whole = source.tile ?? { width: pane.width, height: pane.height, x: 0, y: 0 };
+    u.paneSize.value.set(...size);
+    const whole = source.tile ?? { width: size[0], height: size[1], x: 0, y: 0 };
     u.groundCorner.value.set(corner[0] - whole.x, corner[1] - whole.y);
     u.groundSize.value.set(whole.width, whole.height);
     u.transparent.value = transparent ? 1 : 0;

@@ -7,6 +7,12 @@ import { FullscreenPass } from "./fullscreen_pass";
 import type { PictureTarget } from "./picture_target";
 import { shaders } from "./shaders";
 
+/** Where the screen shows a picture: lower left corner, and size [pixels of the screen as it is drawn]. */
+export interface ScreenPane {
+  readonly corner: readonly [number, number];
+  readonly size: readonly [number, number];
+}
+
 export class Enlarger {
   /** The picture as it would stand on the screen, as small as it is. */
   readonly small = new THREE.WebGLRenderTarget(1, 1, { generateMipmaps: false, depthBuffer: false });
@@ -23,13 +29,13 @@ export class Enlarger {
     await this.pass.prepare(renderer);
   }
 
-  /** Draws onto the screen; `corner` is the pane's lower left one there [device pixels]. */
-  draw(renderer: THREE.WebGLRenderer, { target, width, height }: PictureTarget, corner: readonly [number, number]): void {
+  /** Draws into a pane of the screen. */
+  draw(renderer: THREE.WebGLRenderer, { target, width, height }: PictureTarget, { corner, size }: ScreenPane): void {
     const u = this.uniforms;
     u.pictureDepth.value = target.depthTexture;
     u.used.value.set(width, height);
     u.paneCorner.value.set(...corner);
-    u.paneSize.value.set(target.width, target.height);
+    u.paneSize.value.set(...size);
     this.pass.draw(renderer, null);
   }
 

@@ -13,6 +13,7 @@ import type { Rect } from "../core/picture_layout";
 import { firstQuality, restingPictures, type QualityChoice } from "../core/quality";
 import type { MovedPose, Segment } from "../core/protocol";
 import type { ScanVolume } from "../core/scan_volume";
+import { screenDivisor } from "../core/screen_divisor";
 import { drawnFromVoxels, type InsideModes } from "../core/shown_segments";
 import { eyeCamera, eyesOf, viewportOf, type Stereo } from "../core/stereo";
 import type { SurfaceChange } from "../core/surface_patches";
@@ -68,6 +69,8 @@ export class Picture {
   /** The whole canvas [CSS pixels]. */
   private canvas: Viewport = { width: 1, height: 1 };
   private screenStale = true;
+  /** Device pixels per CSS pixel of the screen at rest. */
+  private pixelRatio = 1;
   /** A snapshot is drawn: the screen waits. */
   private snapping = false;
   private readonly closing = new AbortController();
@@ -298,6 +301,7 @@ export class Picture {
   resize(width: number, height: number, pane: Rect = { x: 0, y: 0, width, height }): void {
     const ratio = Math.min(window.devicePixelRatio, this.options.mostPixelRatio);
     if (width !== this.canvas.width || height !== this.canvas.height || ratio !== this.renderer.getPixelRatio()) {
+      this.pixelRatio = ratio;
       this.renderer.setPixelRatio(ratio);
       this.renderer.setSize(width, height, false);
     }
@@ -327,6 +331,7 @@ export class Picture {
       return;
     }
     const drawn = this.refiner.advance(now);
+    this.fitScreen();
     if (!this.begun) {
       this.begin(drawn);
       return;
@@ -466,6 +471,17 @@ export class Picture {
     }
     this.begun = this.refiner.drawnPieces > 0;
     this.screenStale = this.begun;
+  }
+
+  /** Where the CPU draws, gives the screen fewer pixels while it shows nothing but a coarse picture. */
+  private fitScreen(): void {
+    const { canvas, pane, pixelRatio, refiner } = this;
+    const isFew = this.keepsScreen && this.slices.isEmpty && pane.stereo.mode === "off" && pane.isCoarse;
+    const ratio = isFew ? pixelRatio / screenDivisor(canvas.width * canvas.height * pixelRatio ** 2, refiner.shown.divisor) : pixelRatio;
+    if (ratio !== this.renderer.getPixelRatio()) {
+      this.renderer.setPixelRatio(ratio);
+      this.screenStale = true;
+    }
   }
 
   /** Draws slices: those that have changed, or all where the screen forgets. */

@@ -79,6 +79,11 @@ export class Slices {
     this.pass = new FullscreenPass(shaders.slice, this.uniforms);
   }
 
+  /** No slice is seen. */
+  get isEmpty(): boolean {
+    return this.shown.length === 0;
+  }
+
   get isStale(): boolean {
     return this.stale.size > 0;
   }

@@ -9,6 +9,7 @@ import { eyesOf, firstStereo, viewportOf, type Stereo } from "../core/stereo";
 import type { Vec3 } from "../core/vector";
 import { Anaglyph } from "./anaglyph";
 import { Compositor, type Composition } from "./compositor";
+import type { ScreenPane } from "./enlarger";
 import { MarkStrokes } from "./mark_strokes";
 import { markerMargin, Markers, type MarkerState } from "./markers";
 import type { PictureTarget } from "./picture_target";
@@ -52,6 +53,11 @@ export class ViewPane {
 
   cameraOf(eye: number): ThreeCamera {
     return this.cameras[eye === 0 ? 0 : 1];
+  }
+
+  /** The picture is enlarged on the screen. */
+  get isCoarse(): boolean {
+    return Compositor.isCoarse(this.pictureOf(0));
   }
 
   setStereo(stereo: Stereo): void {
@@ -106,10 +112,6 @@ export class ViewPane {
     this.markers.dispose();
   }
 
-  private get isCoarse(): boolean {
-    return Compositor.isCoarse(this.pictureOf(0));
-  }
-
   private drawPart(part: THREE.Box2 | null): void {
     const { rect: pane, renderer, stereo } = this;
     renderer.setScissorTest(true);
@@ -117,8 +119,7 @@ export class ViewPane {
       this.drawMixed();
     } else {
       eyesOf(stereo, pane).forEach(({ rect }, eye) => {
-        const corner = this.enter({ ...rect, x: pane.x + rect.x, y: pane.y + rect.y }, part);
-        this.drawEye(eye, { corner });
+        this.drawEye(eye, { pane: this.enter({ ...rect, x: pane.x + rect.x, y: pane.y + rect.y }, part) });
       });
     }
     renderer.setScissorTest(false);
@@ -149,14 +150,14 @@ export class ViewPane {
     const { width, height } = this.pictureOf(0).target;
     this.anaglyph.resize(width, height);
     this.anaglyph.eyes.forEach((into, eye) => {
-      this.drawEye(eye, { corner: [0, 0], into });
+      this.drawEye(eye, { pane: { corner: [0, 0], size: [width, height] }, into });
     });
     this.renderer.setRenderTarget(null);
-    this.anaglyph.draw(this.renderer, this.enter(this.rect, null));
+    this.anaglyph.draw(this.renderer, this.enter(this.rect, null).corner);
   }
 
-  /** Restricts drawing to a pane, or to a part of it; returns the pane's lower left corner [device pixels]. */
-  private enter({ x, y: top, width, height }: Rect, part: THREE.Box2 | null): readonly [number, number] {
+  /** Restricts drawing to a pane, or to a part of it; returns the pane. */
+  private enter({ x, y: top, width, height }: Rect, part: THREE.Box2 | null): ScreenPane {
     const { renderer } = this;
     const y = this.canvasHeight - top - height;
     const inside = new THREE.Box2(new THREE.Vector2(), new THREE.Vector2(width, height));
@@ -165,7 +166,7 @@ export class ViewPane {
     renderer.setScissor(x + box.min.x, y + height - box.max.y, size.x, size.y);
     renderer.setViewport(x, y, width, height);
     const ratio = renderer.getPixelRatio();
-    return [x * ratio, y * ratio];
+    return { corner: [x * ratio, y * ratio], size: [Math.floor(width * ratio), Math.floor(height * ratio)] };
   }
 
   /** Box around points of the scene; null where it cannot be told, or where each is drawn twice. */

@@ -1,0 +1,12 @@
+import { expect, test } from "vitest";
+import { screenDivisor } from "../src/core/screen_divisor";
+
+test.each([
+  [1366 * 768, 16, 2],
+  [3840 * 2160, 16, 4],
+  [3840 * 2160, 8, 4],
+  [3840 * 2160, 4, 2],
+  [7680 * 4320, 16, 8],
+])("a screen of %i pixels, with pictures that are divided by %i, divides its own by %i", (pixels, divisor, expected) => {
+  expect(screenDivisor(pixels, divisor)).toBe(expected);
+});
