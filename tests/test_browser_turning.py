@@ -53,7 +53,9 @@ def test_a_view_that_turns_after_a_rest_begins_no_finer_than_it_goes_on(page: Br
 
 
 @pytest.mark.data
-def test_the_screen_has_fewer_pixels_while_it_shows_nothing_but_a_coarse_picture(page: Browser) -> None:
+def test_the_screen_has_fewer_pixels_while_it_shows_nothing_but_a_coarse_picture(
+    page: Browser,
+) -> None:
     width = "document.querySelector('canvas[aria-hidden]').width"
     page.finish()
     whole = page.read(width)
