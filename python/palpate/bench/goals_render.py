@@ -10,6 +10,7 @@ __all__ = [
     "OPENED_CASE",
     "PEER_MODES",
     "RENDER_ROWS",
+    "RESTING",
     "SIZES",
     "peer_case",
     "picture_case",
@@ -36,6 +37,8 @@ PEER_MODES = ("composite", "shaded", "mip")
 """Modes that vtk.js draws too."""
 
 OPENED_CASE, EDIT_CASE = "opened", "an edit"
+RESTING = "full quality after the last turn"
+"""Its goal is one of GPUs."""
 
 
 def picture_case(mode: str, size: tuple[int, int]) -> str:
@@ -60,6 +63,7 @@ def _picture(case: str) -> tuple[Goal, ...]:
     return (
         Goal(case, "while turning, median", "turning median", 1e3, "ms", None, "lower"),
         Goal(case, "while turning, p99", "turning p99", 1e3, "ms", None, "lower"),
+        Goal(case, RESTING, "resting", 1.0, "s", 0.5, "lower"),
         Goal(case, "whole picture, median", "whole median", 1e3, "ms", None, "lower"),
         Goal(case, "whole picture, p99", "whole p99", 1e3, "ms", None, "lower"),
     )

@@ -2,9 +2,10 @@
 
 The first picture is that of a chest of 512×512×133, or of the given scan, as it was read: timed
 from the page's address on. For all else a page in a headless Chromium shows a scan, by default
-CThead. Two times are told of each mode and size: from picture to picture while the view turns, at
-the resolution that the page chooses then, and of one whole picture at full resolution with one
-step a voxel, drawn away from the screen. GL calls and bytes of edits are counted in a page of its
+CThead. Three times are told of each mode and size: from picture to picture while the view turns, at
+the resolution that the page chooses then; from the last turn until the picture has the full quality
+that the page chooses; and of one whole picture at full resolution with one step a voxel, drawn away
+from the screen. GL calls and bytes of edits are counted in a page of its
 own, since counting costs time.
 
 vtk.js draws the same values in the same page, with the same camera, size, transfer function and
@@ -17,7 +18,7 @@ compared.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -32,6 +33,7 @@ from palpate.bench.goals_render import (
     OPENED_CASE,
     PEER_MODES,
     RENDER_ROWS,
+    RESTING,
     SIZES,
     peer_case,
     picture_case,
@@ -42,7 +44,7 @@ from palpate.bench.report import Row, rows_told
 from palpate.errors import OptionError
 from palpate.progress import Progress, silent
 
-__all__ = ["QUICK", "SURFACES", "Effort", "built_peer", "measure", "rows_of"]
+__all__ = ["QUICK", "SURFACES", "Effort", "built_peer", "measure", "renderer", "rows_of"]
 
 PEER_SIZE = (320, 240)
 """Of the pictures that are compared [pixels]; fine ones of vtk.js take minutes in software."""
@@ -54,6 +56,8 @@ PEER_STEPS = (1, 2, 4, 8)
 """Steps a voxel that vtk.js is tried with."""
 STEP_ANGLE = 0.02
 """Turn of the view from picture to picture [rad]."""
+BEFORE_REST = 20
+"""Frames that the view turns before it rests."""
 
 Report = dict[str, dict[str, float]]
 """Figures by their case."""
@@ -67,19 +71,38 @@ class Effort:
     """Pictures while the view turns."""
     whole: int = 7
     """Whole pictures."""
+    rests: int = 3
+    """Times that the view comes to rest."""
     edits: float = 2.0
     """Seconds of erasing."""
     sizes: tuple[tuple[int, int], ...] = SIZES
     modes: tuple[str, ...] = MODES
 
 
-QUICK = Effort(turning=8, whole=2, edits=1.5, sizes=SIZES[:1])
+QUICK = Effort(turning=8, whole=2, rests=1, edits=1.5, sizes=SIZES[:1])
 
 
 def built_peer() -> Path | None:
     """Returns the script that draws with vtk.js, where the source tree has built it."""
     built = Path(__file__).parents[3] / "viewer" / "bench" / "dist" / "vtk.js"
     return built if built.is_file() else None
+
+
+def renderer() -> str:
+    """Returns what draws in the browser, as that tells it.
+
+    Raises:
+        OptionError: There is no browser.
+    """
+    with opened(None, width=320, height=240) as page:
+        return str(page.read(RENDERER) or "nothing")
+
+
+RENDERER = """(() => {
+  const gl = document.createElement("canvas").getContext("webgl2");
+  const told = gl?.getExtension("WEBGL_debug_renderer_info");
+  return told && gl.getParameter(told.UNMASKED_RENDERER_WEBGL);
+})()"""
 
 
 def measure(
@@ -101,6 +124,7 @@ def measure(
     effort = effort or Effort()
     path = data_file(CTHEAD) if scan is None else scan
     report: Report = {}
+    on_gpu = True
     with served(path) as url:
         progress("counting what edits send", 0.0)
         report |= _counted(url, effort)
@@ -109,6 +133,7 @@ def measure(
     with served(path) as url:
         for done, size in enumerate(effort.sizes):
             with opened(url, **WINDOW) as page:
+                on_gpu = not page.read("window.palpate.support.software")
                 _fit(page, size)
                 for mode in effort.modes:
                     progress(picture_case(mode, size), 0.2 + 0.5 * done / len(effort.sizes))
@@ -119,12 +144,17 @@ def measure(
                 progress("beside vtk.js", 0.7)
                 page.wait("window.palpate.finished")
                 report |= _beside(page, peer.read_text(encoding="utf-8"), effort)
-    return rows_of(report)
+    return rows_of(report, on_gpu=on_gpu)
 
 
-def rows_of(report: Report) -> list[Row]:
-    """Returns the figures of all cases that were measured."""
-    return rows_told(RENDER_ROWS, report)
+def rows_of(report: Report, *, on_gpu: bool) -> list[Row]:
+    """Returns the figures of all cases that were measured; some goals are those of a GPU."""
+    rows = rows_told(RENDER_ROWS, report)
+    return (
+        rows
+        if on_gpu
+        else [replace(row, goal=None) if row.metric == RESTING else row for row in rows]
+    )
 
 
 # --- what the page shows ------------------------------------------------------------------
@@ -181,6 +211,12 @@ def _show(page: Page, mode: str) -> None:
 
 def _times(page: Page, size: tuple[int, int], effort: Effort) -> dict[str, float]:
     turning = page.read(TURNING % (effort.turning, STEP_ANGLE))
+    # pictures are averaged only where rays start at random
+    page.read("window.palpate.setJitter(true)")
+    resting = [
+        float(page.read(RESTING_TIME % (BEFORE_REST, STEP_ANGLE))) for _ in range(effort.rests)
+    ]
+    page.read("window.palpate.setJitter(false)")
     width, height = size
     page.read("void window.palpate.suspendDrawing(true)")
     wish = f"{{width: {width}, height: {height}, stepsPerVoxel: 1}}"
@@ -188,11 +224,12 @@ def _times(page: Page, size: tuple[int, int], effort: Effort) -> dict[str, float
     page.read(draw)
     whole = [float(page.read(draw)) for _ in range(effort.whole)]
     page.read("void window.palpate.suspendDrawing(false)")
-    return {
+    times = {
         f"{name} {quantile}": float(np.quantile(taken, share)) / 1e3
         for name, taken in (("turning", turning), ("whole", whole))
         for quantile, share in (("median", 0.5), ("p99", 0.99))
     }
+    return times | {"resting": median(resting) / 1e3}
 
 
 TURNING = """new Promise((resolve) => {
@@ -210,6 +247,24 @@ TURNING = """new Promise((resolve) => {
   requestAnimationFrame(step);
 })"""
 """Turns a view that rests, with every frame: times to the first picture and between them [ms]."""
+
+
+RESTING_TIME = """new Promise((resolve) => {
+  const { bench } = window.palpate;
+  let turns = %d, last = 0;
+  const step = (now) => {
+    if (turns > 0) {
+      bench.turn(%g);
+      [last, turns] = [now, turns - 1];
+    } else if (now - last > 50 && window.palpate.finished) return resolve(now - last);
+    requestAnimationFrame(step);
+  };
+  requestAnimationFrame(step);
+})"""
+"""Turns a view with some frames; time from the last turn until the picture is final [ms].
+
+A turn is handed to the picture within 50 ms, and until then the one before may be final.
+"""
 
 
 # --- what edits send ----------------------------------------------------------------------

@@ -120,7 +120,7 @@ export class Stage {
 
   constructor(
     private readonly session: Session,
-    private readonly support: GpuSupport,
+    readonly support: GpuSupport,
     token: string,
   ) {
     this.view = new ViewControl(session);

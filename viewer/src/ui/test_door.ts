@@ -8,6 +8,7 @@ import type { Picked } from "../core/pick_surface";
 import { decodeToPage, type Registration, type Scan, type SecondScan, type Settings, type State } from "../core/protocol";
 import type { Vec3 } from "../core/vector";
 import { benchDoor, type BenchDoor } from "./bench_door";
+import type { GpuSupport } from "../gl/gpu_support";
 import type { Shown } from "../gl/refiner";
 import type { ShownSlice } from "../gl/slices";
 import type { HandControl } from "./hand_control.svelte";
@@ -79,6 +80,8 @@ export interface TestDoor {
   readonly setView: (direction: Letter) => void;
   /** What stands at a place of the picture [CSS pixels]. */
   readonly pick: (x: number, y: number) => Picked | null;
+  /** What the browser's graphics can do. */
+  readonly support: GpuSupport;
   readonly bench: BenchDoor;
   /** The second scan, as the engine has told; null where there is none. */
   readonly second: SecondScan | null;
@@ -172,6 +175,7 @@ export function openTestDoor(session: Session, stage: Stage, hand: HandControl, 
     hand: (point) => { hand.goTo(point); },
     setView: (direction) => { stage.view.lookFrom(direction); },
     pick: (x, y) => stage.picker.at(x, y),
+    support: stage.support,
     bench: benchDoor(stage),
     get second() {
       return stage.second.told;

@@ -145,10 +145,15 @@ export async function finished(drawn: ReturnType<typeof pictureOf>, size = edge)
 
 /** What is on the screen; sRGB bytes, rows from the bottom. */
 export function pixelsOf({ gl }: ReturnType<typeof pictureOf>, size = edge): number[] {
-  const bytes = new Uint8Array(4 * size * size);
+  // the screen may have fewer pixels, which the browser enlarges
+  const { drawingBufferWidth: width, drawingBufferHeight: height } = gl;
+  const bytes = new Uint8Array(4 * width * height);
   gl.bindFramebuffer(gl.FRAMEBUFFER, null);
-  gl.readPixels(0, 0, size, size, gl.RGBA, gl.UNSIGNED_BYTE, bytes);
-  return [...bytes];
+  gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, bytes);
+  return Array.from({ length: 4 * size * size }, (_, i) => {
+    const [x, y] = [Math.floor(i / 4) % size, Math.floor(i / (4 * size))];
+    return bytes[4 * (Math.floor((y * height) / size) * width + Math.floor((x * width) / size)) + (i % 4)] ?? 0;
+  });
 }
 
 export async function show({ scan: test, markers, jitter = false, surfaces = [], displaced, stereo, behind = 0, marks = [] }: ScreenTest): Promise<number[]> {

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { screenDivisor } from "../src/core/screen_divisor";
+import { screenDivisor } from "../../src/core/screen_divisor";
 
 test.each([
   [1366 * 768, 16, 2],
