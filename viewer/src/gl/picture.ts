@@ -99,9 +99,17 @@ export class Picture {
     this.surfaces = new Surfaces(this.marcher, support.halfFloatTarget);
     this.quality = firstQuality(support.software);
     const means = { software: support.software, halfFloat: support.halfFloatTarget };
-    this.refiner = new Refiner(this.renderer, new GpuClock(this.gl), this.marcher, this.surfaces, means, (eye) => {
-      this.aimEye(eye);
-    });
+    this.refiner = new Refiner(
+      this.renderer,
+      new GpuClock(this.gl),
+      this.marcher,
+      this.surfaces,
+      means,
+      (eye) => {
+        this.aimEye(eye);
+      },
+      () => this.begun && !this.suspended && !this.snapping,
+    );
     this.setQuality(this.quality);
     this.pane = new ViewPane(this.renderer, this.compositor, (eye) => this.refiner.pictureOf(eye));
     const programs = [this.refiner.prepare(this.scan.format), this.compositor.prepare(this.renderer)];

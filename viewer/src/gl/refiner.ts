@@ -2,7 +2,8 @@
  * Draws the cached picture in pieces that fit into the time of a frame: at once and coarse
  * while the view moves; then, at rest, level by level in strips of rows; last, as the quality
  * says, several shifted pictures averaged for smooth edges. Surfaces are drawn with
- * each of them before its first strip. Two eyes have a picture each: while the view moves both are drawn
+ * each of them before its first strip. At rest a GPU goes on as soon as it has drawn one, where the CPU draws
+ * the next one waits for the next frame: the engine and the page need that time. Two eyes have a picture each: while the view moves both are drawn
  * at once, so that they never see different views; at rest one after the other.
  */
 import type * as THREE from "three";
@@ -78,6 +79,8 @@ export class Refiner {
   private level = { waits: 0, samples: 0, triangles: 0, milliseconds: 0 };
   /** Triangles of the picture that is drawn at rest. */
   private triangles = 0;
+  /** What is on display has changed between two frames. */
+  private changed = false;
   /** Whether rays start at random shares of a step. */
   jitter = true;
   shown: Shown = { divisor: 0, stepsPerVoxel: 0, passes: 0, triangles: 0 };
@@ -92,6 +95,8 @@ export class Refiner {
     private readonly options: RefinerOptions,
     /** Turns ray caster and surfaces to what an eye sees now. */
     private readonly aim: (eye: number) => void,
+    /** Whether pieces may be drawn between two frames now. */
+    private readonly mayGoOn: () => boolean,
   ) {
     this.pictures = [new PictureTarget(options.halfFloat)];
     this.working = new PictureTarget(options.halfFloat);
@@ -124,7 +129,7 @@ export class Refiner {
 
   /** The picture is as fine as it gets. */
   get finished(): boolean {
-    return !this.stale && this.marcher.isWhole && !this.marcher.light.pending && this.levels.length === 0 && !this.averaging && !this.clock.busy;
+    return !this.stale && !this.changed && this.marcher.isWhole && !this.marcher.light.pending && this.levels.length === 0 && !this.averaging && !this.clock.busy;
   }
 
   resize(width: number, height: number): void {
@@ -183,14 +188,21 @@ export class Refiner {
     });
   }
 
-  /** Draws the next piece; true where what is on display has changed. */
+  /** Draws the next piece; true where what is on display has changed since the last frame. */
   advance(now: number): boolean {
-    if (this.clock.busy) {
-      return false;
-    }
-    if (this.stale) {
+    const before = this.changed;
+    this.changed = false;
+    if (this.stale && !this.clock.busy) {
       this.drawMoving(now);
       return true;
+    }
+    return this.refine(now) || before;
+  }
+
+  /** Draws the next piece at rest; true where what is on display has changed. */
+  private refine(now: number): boolean {
+    if (this.stale || this.clock.busy) {
+      return false;
     }
     const settled = now - this.drawnAt >= settleMilliseconds;
     const [level] = this.levels;
@@ -268,11 +280,13 @@ export class Refiner {
     this.clock.start((milliseconds) => {
       const fitting = (layers * this.pace.frameBudget) / Math.max(milliseconds, 1);
       this.layers = Math.max(1, Math.min(2 * layers, Math.round(fitting)));
+      this.goOn();
     });
   }
 
   private drawMoving(now: number): void {
-    if (!this.options.software && this.marcher.light.pending) {
+    // its program is not one of those that the first picture waits for
+    if (!this.options.software && this.marcher.isWhole && this.marcher.light.pending) {
       this.marcher.light.advance(this.renderer, movingLayers);
     }
     const begun = performance.now();
@@ -395,7 +409,15 @@ export class Refiner {
     this.clock.start((milliseconds) => {
       done(milliseconds);
       this.drawnPieces += 1;
+      this.goOn();
     });
+  }
+
+  /** Draws the next piece at rest without waiting for a frame, where a GPU draws. */
+  private goOn(): void {
+    if (!this.options.software && this.mayGoOn()) {
+      this.changed = this.refine(performance.now()) || this.changed;
+    }
   }
 
   /** Turns to the eye whose picture is drawn; a single one stays where the view left it. */

@@ -361,9 +361,24 @@ test("a finer quality takes more steps and averages more pictures at rest, and c
   expect(off[2]).toBeLessThan(0.5 * (off[0] ?? 0));
 });
 
-test("the programs of a first picture are there before the scan, and what it shows is what the whole one shows", async () => {
-  for (const test of [{ ...ball, softTissue: 0.5 }, { ...ball, segment: "visible" as const }]) {
-    const { links, first, whole } = await browser.page.evaluate((t) => window.glTests?.programs(t) ?? Promise.reject(new Error("no page")), test);
+test("at rest a GPU goes on without waiting for frames, and what it has drawn is final once it is on the screen; a CPU waits", async () => {
+  const drawn = await browser.page.evaluate(
+    async (scene) => [await window.glTests?.withoutFrames(scene, false), await window.glTests?.withoutFrames(scene, true)] as const,
+    { ...ball, segment: "visible" } as MarchTest,
+  );
+  const [gpu, cpu] = drawn;
+  // one level and all pictures that are averaged after it, in a strip each at least
+  expect(gpu?.pieces).toBeGreaterThanOrEqual(restingPictures.balanced.passes);
+  expect(gpu?.finished).toEqual([false, true]);
+  expect(cpu).toEqual({ pieces: 1, finished: [false, false] });
+});
+
+test.each([true, false])("the programs of a first picture are there before the scan, and what it shows is what the whole one shows; software: %s", async (software) => {
+  for (const scene of [{ ...ball, softTissue: 0.5 }, { ...ball, segment: "visible" as const }]) {
+    const { links, first, whole } = await browser.page.evaluate(
+      ([one, cpu]) => window.glTests?.programs(one, cpu) ?? Promise.reject(new Error("no page")),
+      [scene, software] as const,
+    );
     const [prepared, awaited, after] = links;
     expect(prepared).toBeGreaterThan(0);
     // nothing is compiled while the picture is awaited; the rest follows it

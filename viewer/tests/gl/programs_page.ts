@@ -12,7 +12,8 @@ export interface ProgramsResult {
   readonly whole: number[];
 }
 
-export async function programs(test: MarchTest): Promise<ProgramsResult> {
+/** @param software as where the CPU draws, or as a GPU draws. */
+export async function programs(test: MarchTest, software: boolean): Promise<ProgramsResult> {
   const { prototype } = WebGL2RenderingContext;
   const { linkProgram } = prototype;
   let links = 0;
@@ -20,7 +21,7 @@ export async function programs(test: MarchTest): Promise<ProgramsResult> {
     links += 1;
     linkProgram.call(this, program);
   };
-  const drawn = pictureOf(false);
+  const drawn = pictureOf(false, software);
   const { picture } = drawn;
   const until = async (is: () => boolean): Promise<void> => {
     while (!is()) {

@@ -114,8 +114,8 @@ export async function refined(test: MarchTest, quality: Quality): Promise<{ read
   return { shown, pixels };
 }
 
-/** A picture on a canvas of its own, before anything stands on it; `software`: as where the CPU draws, else as the renderer is. */
-export function pictureOf(jitter: boolean, software?: true): { readonly picture: Picture; readonly gl: WebGL2RenderingContext } {
+/** A picture on a canvas of its own, before anything stands on it; `software`: as where the CPU draws, or as a GPU draws; else as the renderer is. */
+export function pictureOf(jitter: boolean, software?: boolean): { readonly picture: Picture; readonly gl: WebGL2RenderingContext } {
   const support = gpuSupport();
   const canvas = document.createElement("canvas");
   if (support === null) {
@@ -206,6 +206,35 @@ export async function hasty(test: MarchTest, markers: MarkerTest): Promise<{ rea
   const pixels = pixelsOf(drawn);
   picture.dispose();
   return { divisor, pixels };
+}
+
+/** Pieces of a picture at rest that follow one frame when no other frame comes, and whether the picture is told as final without one. */
+export async function withoutFrames(test: MarchTest, software: boolean): Promise<{ readonly pieces: number; readonly finished: readonly [boolean, boolean] }> {
+  const drawn = pictureOf(true, software);
+  const { picture } = drawn;
+  const volume = fieldOf(test);
+  const extent = outlineOf(test);
+  const pause = (milliseconds: number): Promise<void> => new Promise((resolve) => setTimeout(resolve, milliseconds));
+  picture.setScan(volume, bricksOf(volume, true));
+  picture.setLook(lookOf(test));
+  picture.setCamera(viewOf(test, extent), extent);
+  await finished(drawn);
+  picture.setCamera(viewOf(test, extent), extent);
+  picture.advance(performance.now());
+  // the view has come to rest
+  await pause(500);
+  const before = picture.pieces;
+  picture.advance(performance.now());
+  let pieces: number;
+  do {
+    pieces = picture.pieces - before;
+    await pause(1000);
+  } while (picture.pieces - before > pieces);
+  const untold = picture.shown.finished;
+  picture.advance(performance.now());
+  const told = picture.shown.finished;
+  picture.dispose();
+  return { pieces, finished: [untold, told] };
 }
 
 /**
