@@ -16,7 +16,7 @@ export interface RestingPicture {
 
 export const restingPictures: Readonly<Record<Quality, RestingPicture>> = {
   fast: { stepsPerVoxel: 1, passes: 1 },
-  balanced: { stepsPerVoxel: 1.5, passes: 8 },
+  balanced: { stepsPerVoxel: 1, passes: 4 },
   fine: { stepsPerVoxel: 2, passes: 16 },
   still: { stepsPerVoxel: 5, passes: 24 },
 };

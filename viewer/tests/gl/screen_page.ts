@@ -157,7 +157,8 @@ export function pixelsOf({ gl }: ReturnType<typeof pictureOf>, size = edge): num
 }
 
 export async function show({ scan: test, markers, jitter = false, surfaces = [], displaced, stereo, behind = 0, marks = [] }: ScreenTest): Promise<number[]> {
-  const drawn = pictureOf(jitter);
+  // edges of markers are smooth only where a GPU draws: here they are the same everywhere
+  const drawn = pictureOf(jitter, true);
   const { picture } = drawn;
   const volume = fieldOf(test);
   const extent = outlineOf(test);
@@ -186,7 +187,7 @@ export async function show({ scan: test, markers, jitter = false, surfaces = [],
 
 /** A view that moves where nothing is quick enough; what stands on the screen then, as sRGB bytes, rows from the bottom. */
 export async function hasty(test: MarchTest, markers: MarkerTest): Promise<{ readonly divisor: number; readonly pixels: number[] }> {
-  const drawn = pictureOf(false);
+  const drawn = pictureOf(false, true);
   const { picture } = drawn;
   const volume = fieldOf(test);
   const extent = outlineOf(test);

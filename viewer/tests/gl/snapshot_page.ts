@@ -13,7 +13,8 @@ export async function snapshot(
   size: { readonly width: number; readonly height: number },
   transparent: boolean,
 ): Promise<{ readonly saved: number[]; readonly camera: Camera; readonly extent: Extent; readonly before: number[]; readonly after: number[]; readonly shares: number[] }> {
-  const drawn = pictureOf(false);
+  // in tiles as small as where the CPU draws
+  const drawn = pictureOf(false, true);
   const { picture } = drawn;
   const volume = fieldOf(test);
   const extent = outlineOf(test);
