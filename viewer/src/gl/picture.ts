@@ -82,7 +82,7 @@ export class Picture {
     const { support } = options;
     this.options = options;
     this.scan = new DrawnScan(options.format ?? fieldFormatFor(support));
-    this.marcher = new RayMarcher(support.software ? lightCells.software : lightCells.gpu);
+    this.marcher = new RayMarcher({ software: support.software, lightCells: support.software ? lightCells.software : lightCells.gpu });
     this.slices = new Slices(this.marcher);
     this.renderer = new THREE.WebGLRenderer({
       canvas,

@@ -44,6 +44,13 @@ export interface Labels {
   readonly bricks: Uint8Array;
 }
 
+export interface RayMarcherOptions {
+  /** The CPU draws. */
+  readonly software: boolean;
+  /** Cells along the scan's longest edge in which light is worked out. */
+  readonly lightCells: number;
+}
+
 const formatDefines: Readonly<Record<FieldFormat, string>> = { rg8: "FIELD_RG8", r16: "FIELD_R16", r32f: "FIELD_R32F" };
 
 /** Shift within the pixel [texels], and the number of the noise pattern. */
@@ -75,10 +82,9 @@ export class RayMarcher {
   /** Of the look on which the light was worked out. */
   private opacity = "";
 
-  /** @param lightCells cells along the scan's longest edge in which light is worked out. */
-  constructor(lightCells = 64) {
+  constructor(private readonly options: RayMarcherOptions = { software: true, lightCells: 64 }) {
     // the same whatever stands for surfaces while the view moves
-    this.light = new LightVolume({ ...this.uniforms, bodies: { value: 0 } }, lightCells);
+    this.light = new LightVolume({ ...this.uniforms, bodies: { value: 0 } }, options.lightCells);
     this.program = new MarchProgram({ ...this.uniforms, ...this.light.uniforms, ...this.second.uniforms });
   }
 
@@ -377,7 +383,7 @@ export class RayMarcher {
 
   private get variant(): Record<string, string> {
     const surfaces = this.layers < 0 ? { LAYERS: "0" } : { SURFACES: "", LAYERS: String(this.layers) };
-    return { ...this.textureDefines, ...surfaces, ...this.blendDefine };
+    return { ...this.textureDefines, ...surfaces, ...this.blendDefine, ...(this.options.software ? { CPU_DRAWS: "" } : {}) };
   }
 
   /** A scan alone is shown by a light program too, in modes of which most looks are. */

@@ -54,7 +54,7 @@ export function light(test: LightTest): LightResult {
   const bricks = brickRanges(volume);
   const field = new FieldTexture(volume, "rg8");
   while (!field.uploadSlab(renderer));
-  const marcher = new RayMarcher(32);
+  const marcher = new RayMarcher({ software: true, lightCells: 32 });
   marcher.setField(field, bricks);
   marcher.setLook({
     // straight in the value, so that what lies between two voxels keeps what both do

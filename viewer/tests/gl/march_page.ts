@@ -17,7 +17,7 @@ export function march(test: MarchTest): MarchResult {
   const volume = fieldOf(test);
   const field = new FieldTexture(volume, test.format ?? "rg8");
   while (!field.uploadSlab(renderer));
-  const marcher = new RayMarcher();
+  const marcher = new RayMarcher({ software: test.software ?? true, lightCells: 64 });
   marcher.setField(field, bricksOf(volume, test.skip ?? true));
   marcher.setLook(lookOf(test));
   marcher.setClip(test.clip ?? []);

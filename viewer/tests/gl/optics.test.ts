@@ -146,6 +146,14 @@ test.each([
   expect(Math.max(...channel(skipped, 3))).toBeGreaterThan(0.2);
 });
 
+test.each(["shaded", "composite", "absorption", "emission"] as const)("in mode %s rays are the same with a GPU's loops and with a CPU's", async (blend) => {
+  // tissue, where steps are quartered, around a solid segment
+  const scene = { field: "ball", softTissue: 0.6, segment: "visible", optics: { blend, density: blend === "emission" ? 0.02 : 1 } } as const;
+  const [cpu, gpu] = [await march({ ...scene, software: true }), await march({ ...scene, software: false })];
+  expect(gpu.pixels).toEqual(cpu.pixels);
+  expect(Math.max(...channel(cpu, 3))).toBeGreaterThan(0.2);
+});
+
 test.each(blends.filter((blend) => blend !== "minip" && blend !== "average"))(
   "in mode %s the step changes cost and not look: a quarter, a half and a whole voxel agree",
   async (blend) => {

@@ -29,6 +29,8 @@ export interface MarchTest {
   readonly format?: FieldFormat;
   /** Subsampling of the scan. */
   readonly step?: number;
+  /** As where the CPU draws, or as where a GPU does. */
+  readonly software?: boolean;
   /** Leaps over empty bricks. */
   readonly skip?: boolean;
   /** Extinction everywhere [1/mm]; else the usual look with this opacity of soft tissue. */

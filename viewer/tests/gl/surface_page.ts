@@ -31,7 +31,7 @@ function surfaceBench(test: MarchTest, balls: readonly SurfaceTest[], view: Came
   const volume = fieldOf(test);
   const field = new FieldTexture(volume, "rg8");
   while (!field.uploadSlab(renderer));
-  const marcher = new RayMarcher();
+  const marcher = new RayMarcher({ software: test.software ?? true, lightCells: 64 });
   marcher.setField(field, brickRanges(volume));
   marcher.setLook(lookOf(test));
   const surfaces = new Surfaces(marcher, true);

@@ -361,6 +361,13 @@ test.each([
   expect(off.filter((one) => one > 0.15).length / off.length).toBeLessThan(byLabels ? 1 / 10 : 1 / 35);
 });
 
+test("bodies that stand for surfaces are the same with a GPU's loops and with a CPU's", async () => {
+  const balls = [like(seenThrough), innerSeenThrough];
+  const [cpu, gpu] = await Promise.all([true, false].map((software) => embodied({ ...inTissue, software }, balls)));
+  expect(gpu?.[1].drawn).toBe(0);
+  expect(gpu?.[1].pixels).toEqual(cpu?.[1].pixels);
+});
+
 test.each([
   ["it is a net", inBall, { wireframe: true }, {}],
   ["it was moved", inBall, { pose: [1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 2, 0] }, {}],

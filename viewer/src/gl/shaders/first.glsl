@@ -13,7 +13,7 @@ Seen seenAlong(Ray ray, inout Layers layers) {
     int segment;
     bool solid;
     vec4 tissue;
-    // over what is not seen, in a loop of its own as in `seek` (tissue.glsl)
+    // over what is not seen, in a loop of its own (`OVER_NOTHING` in tissue.glsl)
     bool found = false;
     for (; !found && t < ray.span.y && samples < mostSamples; ++samples) {
       vec3 grid = ray.origin + ray.inGrid * t;

@@ -149,59 +149,72 @@ bool addFound(Ray ray, March march, Found found, inout Layers layers, inout Seen
   return addTissue(ray, vec2(march.last, march.t), tissue, segment, dividable, layers, seen);
 }
 
-// Follows a ray over all that is not seen; `solid` ends it, or 0. Tissue that nothing shines on costs little: it is
-// done here, at once.
-void seek(Ray ray, int solid, inout March march, inout Found found, inout Layers layers, inout Seen seen) {
-  found.what = nothing;
-  while (found.what == nothing && march.last < ray.span.y && seen.clarity > clearEnough && march.samples < mostSamples) {
-    march.samples += 1;
-    march.t = min(march.t, ray.span.y);
-    vec3 grid = ray.origin + ray.inGrid * march.t;
-    float leap = stepsOverEmpty(ray, grid, march.t);
+bool isUnderWay(Ray ray, March march, Seen seen) {
+  return march.last < ray.span.y && seen.clarity > clearEnough && march.samples < mostSamples;
+}
+
+// Looks at a ray's next sample, or leaps over an empty brick; `solid` is the segment that ends the ray, or 0. What is
+// not seen is left behind, and so is tissue that nothing shines on: it costs little, and its light is let in at once.
+void look(Ray ray, int solid, inout March march, inout Found found, inout Layers layers, inout Seen seen) {
+  march.samples += 1;
+  march.t = min(march.t, ray.span.y);
+  vec3 grid = ray.origin + ray.inGrid * march.t;
+  float leap = stepsOverEmpty(ray, grid, march.t);
 #ifdef SECOND
-    leap = min(leap, stepsOverSecond(ray, grid));
-    const bool beside = true;
+  leap = min(leap, stepsOverSecond(ray, grid));
+  const bool beside = true;
 #else
-    const bool beside = false;
+  const bool beside = false;
 #endif
-    if (leap > 0.0 && march.front == unknown) {
-      march.t += leap;
-      march.last = march.t - stepLength;
-      march.fine = 0;
-      continue;
-    }
-    march.front = march.front == unknown ? biasedAt(ray.origin + ray.inGrid * march.last) : march.front;
-    found.value = biasedAt(grid);
-    found.segment = seenSegmentAt(grid, found.value);
-    found.tissue = tissueBetween(march.front, found.value);
-    found.inEmptyBrick = leap > 0.0;
-    found.what = found.segment >= 0 && (found.tissue.a > 0.0 || beside) ? justTissue : nothing;
+  if (leap > 0.0 && march.front == unknown) {
+    march.t += leap;
+    march.last = march.t - stepLength;
+    march.fine = 0;
+    return;
+  }
+  march.front = march.front == unknown ? biasedAt(ray.origin + ray.inGrid * march.last) : march.front;
+  found.value = biasedAt(grid);
+  found.segment = seenSegmentAt(grid, found.value);
+  found.tissue = tissueBetween(march.front, found.value);
+  found.inEmptyBrick = leap > 0.0;
+  found.what = found.segment >= 0 && (found.tissue.a > 0.0 || beside) ? justTissue : nothing;
 #if BLEND == SHADED || BLEND == COMPOSITE
-    found.what = solid == 0 && isSolid(found.segment) ? someSurface : found.what;
+  found.what = solid == 0 && isSolid(found.segment) ? someSurface : found.what;
 #endif
 #ifdef SURFACES
-    if (march.shells.left > 0) {
-      found.shells = shellsAt(grid, found.value, march.shells.left);
-      found.what = found.shells != march.shells ? someSurface : found.what;
-    }
+  if (march.shells.left > 0) {
+    found.shells = shellsAt(grid, found.value, march.shells.left);
+    found.what = found.shells != march.shells ? someSurface : found.what;
+  }
 #endif
 #if BLEND == ABSORPTION || BLEND == EMISSION
-    if (found.what == justTissue) {
-      addFound(ray, march, found, layers, seen);
-      found.what = nothing;
-    }
+  if (found.what == justTissue) {
+    addFound(ray, march, found, layers, seen);
+    found.what = nothing;
+  }
 #endif
-    if (found.what == nothing) {
-      march.fine = 0;
-      goOn(found, march);
-    }
+  if (found.what == nothing) {
+    march.fine = 0;
+    goOn(found, march);
   }
 }
+
+// A CPU works through all of a loop's body for all rays of a group, whichever branches are taken: there rays go over
+// nothing in a loop of its own. A GPU leaves out what none of them does, and its rays would wait for each other.
+// Source: Aila and Laine, "Understanding the efficiency of ray traversal on GPUs", HPG (2009).
+#ifdef CPU_DRAWS
+#define OVER_NOTHING while
+#else
+#define OVER_NOTHING if
+#endif
 
 // Follows a ray through tissue to the next surface, or to its end.
 void passTissue(Ray ray, int solid, inout March march, inout Found found, inout Layers layers, inout Seen seen) {
   do {
-    seek(ray, solid, march, found, layers, seen);
+    found.what = nothing;
+    OVER_NOTHING (found.what == nothing && isUnderWay(ray, march, seen)) {
+      look(ray, solid, march, found, layers, seen);
+    }
 #if BLEND == SHADED || BLEND == COMPOSITE
     if (found.what == justTissue) {
       if (addFound(ray, march, found, layers, seen)) {
@@ -212,12 +225,10 @@ void passTissue(Ray ray, int solid, inout March march, inout Found found, inout 
       }
     }
 #endif
-  } while (found.what == justTissue);
+  } while (found.what != someSurface && isUnderWay(ray, march, seen));
 }
 
-// Loops lie in one another, and each holds only what belongs to it: a CPU that draws works through all of a loop's
-// body each time, whichever branches are taken.
-// Source: Aila and Laine, "Understanding the efficiency of ray traversal on GPUs", HPG (2009).
+// From surface to surface, each of which is met outside of the loop through tissue.
 Seen seenAlong(Ray ray, inout Layers layers) {
   Seen seen = Seen(vec3(0.0), 1.0, -1.0);
 #ifdef SECOND
