@@ -150,11 +150,9 @@ def measure(
 def rows_of(report: Report, *, on_gpu: bool) -> list[Row]:
     """Returns the figures of all cases that were measured; some goals are those of a GPU."""
     rows = rows_told(RENDER_ROWS, report)
-    return (
-        rows
-        if on_gpu
-        else [replace(row, goal=None) if row.metric == RESTING else row for row in rows]
-    )
+    if on_gpu:
+        return rows
+    return [replace(row, goal=None) if row.metric == RESTING else row for row in rows]
 
 
 # --- what the page shows ------------------------------------------------------------------

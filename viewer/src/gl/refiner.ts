@@ -2,9 +2,9 @@
  * Draws the cached picture in pieces that fit into the time of a frame: at once and coarse
  * while the view moves; then, at rest, level by level in strips of rows; last, as the quality
  * says, several shifted pictures averaged for smooth edges. Surfaces are drawn with
- * each of them before its first strip. At rest a GPU goes on as soon as it has drawn one, where the CPU draws
- * the next one waits for the next frame: the engine and the page need that time. Two eyes have a picture each: while the view moves both are drawn
- * at once, so that they never see different views; at rest one after the other.
+ * each of them before its first strip. At rest a GPU goes on as soon as it has drawn a piece; where the CPU draws the
+ * next one waits for the next frame, since engine and page need that time. Two eyes have a picture each: while the view
+ * moves both are drawn at once, so that they never see different views; at rest one after the other.
  */
 import type * as THREE from "three";
 import { halton } from "../core/halton";

@@ -341,7 +341,7 @@ test("several jittered pictures average to the plain one", async () => {
   const plain = await screen(tissue, null);
   const averaged = await screen(tissue, null, true);
   const differences = plain.map((value, i) => Math.abs(value - (averaged[i] ?? 0)));
-  // the outline is smoothed, the inside is the same: 8 starts of a ray against the middle one
+  // the outline is smoothed, the inside is the same: 4 starts of a ray against the middle one
   expect(mean(differences)).toBeLessThan(2);
   expect(mean(plain.map((value, i) => value - (averaged[i] ?? 0)))).toBeLessThan(0.5);
 });
