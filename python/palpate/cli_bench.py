@@ -107,17 +107,18 @@ def bench_render(
 ) -> None:
     """Measure pictures on the page, beside vtk.js; needs an installed Chromium."""
     from palpate.bench.haptics_data import MissingDataError
-    from palpate.bench.render import QUICK, Effort, built_peer, measure, renderer
+    from palpate.bench.render import QUICK, Effort, built_peer, measure
     from palpate.bench.report import print_rows, write_rows
     from palpate.errors import OptionError
 
     peer = vtk or built_peer()
     try:
         with quiet_libraries(), Display() as display:
-            rows = measure(scan, peer=peer, effort=QUICK if quick else Effort(), progress=display)
+            effort = QUICK if quick else Effort()
+            rows, renderer = measure(scan, peer=peer, effort=effort, progress=display)
     except MissingDataError as error:
         raise OptionError(f"no {error}; allowed: PALPATE_DATA with it, or SCAN") from None
-    print_rows(f"render, drawn by {renderer()}", rows)
+    print_rows(f"render, drawn by {renderer}", rows)
     if peer is None:
         warn(
             "not measured: vtk.js is not built; allowed: `npm run build:bench` in viewer/, or --vtk"

@@ -44,7 +44,7 @@ from palpate.bench.report import Row, rows_told
 from palpate.errors import OptionError
 from palpate.progress import Progress, silent
 
-__all__ = ["QUICK", "SURFACES", "Effort", "built_peer", "measure", "renderer", "rows_of"]
+__all__ = ["QUICK", "SURFACES", "Effort", "built_peer", "measure", "rows_of"]
 
 PEER_SIZE = (320, 240)
 """Of the pictures that are compared [pixels]; fine ones of vtk.js take minutes in software."""
@@ -88,31 +88,17 @@ def built_peer() -> Path | None:
     return built if built.is_file() else None
 
 
-def renderer() -> str:
-    """Returns what draws in the browser, as that tells it.
-
-    Raises:
-        OptionError: There is no browser.
-    """
-    with opened(None, width=320, height=240) as page:
-        return str(page.read(RENDERER) or "nothing")
-
-
-RENDERER = """(() => {
-  const gl = document.createElement("canvas").getContext("webgl2");
-  const told = gl?.getExtension("WEBGL_debug_renderer_info");
-  return told && gl.getParameter(told.UNMASKED_RENDERER_WEBGL);
-})()"""
-
-
 def measure(
     scan: Path | None = None,
     *,
     peer: Path | None = None,
     effort: Effort | None = None,
     progress: Progress = silent,
-) -> list[Row]:
+) -> tuple[list[Row], str]:
     """Measures pictures of a scan; beside ``peer``, a script that draws with vtk.js.
+
+    Returns:
+        The figures, and what drew, as the browser names it.
 
     Raises:
         OptionError: There is no browser, no such script, or nothing in the scan's middle.
@@ -124,7 +110,7 @@ def measure(
     effort = effort or Effort()
     path = data_file(CTHEAD) if scan is None else scan
     report: Report = {}
-    on_gpu = True
+    support: dict[str, Any] = {"software": True, "renderer": "nothing"}
     with served(path) as url:
         progress("counting what edits send", 0.0)
         report |= _counted(url, effort)
@@ -133,7 +119,7 @@ def measure(
     with served(path) as url:
         for done, size in enumerate(effort.sizes):
             with opened(url, **WINDOW) as page:
-                on_gpu = not page.read("window.palpate.support.software")
+                support = page.read("window.palpate.support")
                 _fit(page, size)
                 for mode in effort.modes:
                     progress(picture_case(mode, size), 0.2 + 0.5 * done / len(effort.sizes))
@@ -144,7 +130,7 @@ def measure(
                 progress("beside vtk.js", 0.7)
                 page.wait("window.palpate.finished")
                 report |= _beside(page, peer.read_text(encoding="utf-8"), effort)
-    return rows_of(report, on_gpu=on_gpu)
+    return rows_of(report, on_gpu=not support["software"]), support["renderer"]
 
 
 def rows_of(report: Report, *, on_gpu: bool) -> list[Row]:

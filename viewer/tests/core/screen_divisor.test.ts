@@ -1,6 +1,8 @@
 import { expect, test } from "vitest";
 import { screenDivisor } from "../../src/core/screen_divisor";
 
+// a half of 1366×768 is 0.26 M pixels, few enough; a quarter of 3840×2160 is 0.52 M, where a picture divided by 4 leaves no more
+// than a half; of 7680×4320 an eighth is 0.52 M
 test.each([
   [1366 * 768, 16, 2],
   [3840 * 2160, 16, 4],
