@@ -35,13 +35,14 @@ export const movingPictures: readonly [MovingPicture, ...MovingPicture[]] = [
   { divisor: 8, step: 0.25 },
   { divisor: 12, step: 0.25 },
   { divisor: 16, step: 0.25 },
+  { divisor: 20, step: 0.25 },
 ];
 
 /** By how much the coarsest picture divides the resolution. */
 export const coarsest = Math.max(...movingPictures.map(({ divisor }) => divisor));
 
 /** What is drawn with fewer samples is not divided by more than this. */
-const leastSamples = 1000;
+const leastSamples = 600;
 const divisorOfFew = 12;
 
 /** A picture that takes this many times as long as the coarsest is not much slower. */
@@ -116,7 +117,7 @@ export class Pace {
     const useful = movingPictures.filter((one) => one.divisor <= divisorOfFew || taken(one) >= leastSamples);
     const times = useful.map((one) => moving.expected({ waits: 1, samples: taken(one), triangles }));
     const most = Math.max(aimed * frameBudget, worthwhile * (times.at(-1) ?? 0));
-    const place = Math.max(times.findIndex((time) => time <= most), (this.moved ?? 0) - 1);
+    const place = Math.min(useful.length - 1, Math.max(times.findIndex((time) => time <= most), (this.moved ?? 0) - 1));
     this.count(place);
     return useful[this.tried(place, times)] ?? movingPictures[0];
   }

@@ -13,6 +13,8 @@ import type { Vec3 } from "../core/vector";
 export interface TransferTextures {
   readonly values: THREE.DataTexture;
   readonly integrals: THREE.DataTexture;
+  /** What is integrated, at the row's first and at its last texel: colour times extinction, and extinction. */
+  readonly ends: readonly [THREE.Vector4, THREE.Vector4];
 }
 
 export function transferTextures(transferFunction: TransferFunction): TransferTextures {
@@ -26,7 +28,12 @@ export function transferTextures(transferFunction: TransferFunction): TransferTe
   // differences of sums need all of 32 bits; the shader interpolates itself
   const integrals = new THREE.DataTexture(integrateRow(row), size, 1, THREE.RGBAFormat, THREE.FloatType);
   integrals.needsUpdate = true;
-  return { values, integrals };
+  return { values, integrals, ends: [weightedTexel(row, 0), weightedTexel(row, size - 1)] };
+}
+
+function weightedTexel(row: Float32Array, texel: number): THREE.Vector4 {
+  const [red = 0, green = 0, blue = 0, extinction = 0] = row.subarray(4 * texel, 4 * texel + 4);
+  return new THREE.Vector4(red * extinction, green * extinction, blue * extinction, extinction);
 }
 
 /** One byte per cell of a 3-D grid, read without filtering. */

@@ -54,6 +54,7 @@ export function marchUniforms() {
     slab: { value: new THREE.Vector2() },
     transferTexture: { value: null as THREE.Texture | null },
     integralTexture: { value: null as THREE.Texture | null },
+    transferEnds: { value: [new THREE.Vector4(), new THREE.Vector4()] as readonly [THREE.Vector4, THREE.Vector4] },
     transferScale: { value: new THREE.Vector2() },
     edge: { value: new THREE.Vector2() },
     density: { value: 1 },

@@ -401,9 +401,10 @@ export class RayMarcher {
     const u = this.uniforms;
     u.transferTexture.value?.dispose();
     u.integralTexture.value?.dispose();
-    const { values, integrals } = transferTextures(transferFunction);
+    const { values, integrals, ends } = transferTextures(transferFunction);
     u.transferTexture.value = values;
     u.integralTexture.value = integrals;
+    u.transferEnds.value = ends;
     const [low = 0, high = 1] = domainOf(transferFunction).map((value) => biasedOf(value, rescale));
     u.transferScale.value.set(1 / (high - low), -low / (high - low));
   }

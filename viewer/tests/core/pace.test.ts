@@ -3,8 +3,8 @@ import { levelsAfter, movingPictures, Pace } from "../../src/core/pace";
 import { firstQuality } from "../../src/core/quality";
 
 const { frameBudget } = firstQuality(false);
-/** Pictures of 600 000 samples at their finest: a sixteenth of the resolution would leave too few. */
-const usual = movingPictures.slice(0, -1);
+/** Pictures of 600 000 samples at their finest: a sixteenth of the resolution, and less, would leave too few. */
+const usual = movingPictures.slice(0, -2);
 const coarsest = usual.at(-1);
 const guess = { waits: 1, samples: 1e-3, triangles: 1e-4 };
 
@@ -86,9 +86,9 @@ test("pictures that move become finer one by one, and coarser at once", () => {
 
 test("large views are divided by more, small ones never to a few pixels", () => {
   const pace = learned(1, 1);
-  expect(pace.picture(1366 * 768)).toEqual({ divisor: 16, step: 0.25 });
+  expect(pace.picture(1366 * 768)).toEqual({ divisor: 20, step: 0.25 });
   expect(pace.picture(640 * 480)).toEqual({ divisor: 12, step: 0.25 });
-  expect(pace.picture(1366 * 768)).toEqual({ divisor: 16, step: 0.25 });
+  expect(pace.picture(1366 * 768)).toEqual({ divisor: 20, step: 0.25 });
 });
 
 test("a picture is no coarser where that would save next to nothing", () => {
