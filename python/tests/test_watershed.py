@@ -172,8 +172,12 @@ def test_a_page_grows_from_seeds_and_undo_takes_them_away(server: Any) -> None:
         page.send({"type": "end_paint", "keep": True})
         page.receive("segments", until=lambda m: m["segments"][1]["voxels"] > 0)
         page.send({"type": "grow_seeds", "ids": [1, 2], "smoothing": 1.0})
-        grown = page.receive("segments", until=lambda m: len(m["segments"]) == 4)["segments"]
-        assert [one["name"] for one in grown[2:]] == ["ball, grown", "around, grown"]
+        # the list is sent while they are still being named too
+        names = ["ball, grown", "around, grown"]
+        named = page.receive(
+            "segments", until=lambda m: [one["name"] for one in m["segments"][2:]] == names
+        )
+        grown = named["segments"]
         assert grown[2]["voxels"] == pytest.approx(grown[0]["voxels"], rel=0.3)
         for left in (3, 2):
             page.send({"type": "undo"})
