@@ -34,7 +34,7 @@ vec4 integralTo(float place) {
 vec4 tissueBetween(float front, float back) {
   float texel = 1.0 / float(textureSize(integralTexture, 0).x);
   float middle = 0.5 * (front + back) * transferScale.x + transferScale.y;
-  float reach = max(0.5 * abs(back - front) * transferScale.x, texel);
+  float reach = max(0.5 * abs((back - front) * transferScale.x), texel);
   vec4 mean = (integralTo(middle + reach) - integralTo(middle - reach)) / (2.0 * reach);
   return vec4(mean.rgb / max(mean.a, 1e-9), mean.a);
 }
