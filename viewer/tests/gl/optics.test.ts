@@ -167,6 +167,14 @@ test.each(blends.filter((blend) => blend !== "minip" && blend !== "average"))(
   },
 );
 
+test.each(["shaded", "composite", "absorption"] as const)("in mode %s a scan whose values fall as the stored ones rise is drawn the same", async (blend) => {
+  const at = async (slope: number): Promise<number[]> =>
+    (await march({ field: "ball", softTissue: 0.5, stepsPerVoxel: 1, slope, optics: { blend } })).pixels.map(seen);
+  const usual = await at(1);
+  expectAlike(await at(-1), usual);
+  expect(Math.max(...usual)).toBeGreaterThan(0.3);
+});
+
 test("an iso-surface is the analytic picture of a lit sphere", async () => {
   // the field falls by 400 per mm from the middle: 0 at 14 mm
   const result = await march({ field: "ball", extinction: 1, optics: { blend: "iso", isoValue: 0 } });

@@ -21,6 +21,8 @@ export interface MarchTest {
   readonly clip?: readonly Plane[];
   readonly field: "flat" | "ball" | "label" | "marble";
   readonly optics?: Partial<Optics>;
+  /** Physical value per stored one, of a ball. */
+  readonly slope?: number;
   readonly lighting?: Partial<Lighting>;
   readonly spacing: Vec3;
   readonly from: Letter;
@@ -55,12 +57,12 @@ export const edge = 96;
 export const voxels = 48;
 export const viewport = { width: edge, height: edge };
 
-export function fieldOf({ field, spacing, step = 1 }: MarchTest): ScanVolume {
-  const scan = scanOf([voxels, voxels, voxels], spacing);
+export function fieldOf({ field, spacing, step = 1, slope = 1 }: MarchTest): ScanVolume {
+  const scan = { ...scanOf([voxels, voxels, voxels], spacing), slope };
   const centre: Vec3 = [24 * spacing[0], 24 * spacing[1], 24 * spacing[2]];
   const value = (grid: Vec3): number => {
     const point: Vec3 = [grid[0] * spacing[0], grid[1] * spacing[1], grid[2] * spacing[2]];
-    return Math.min(1000, Math.max(-1000, 400 * (14 - distance(point, centre))));
+    return Math.min(1000, Math.max(-1000, 400 * (14 - distance(point, centre)))) / slope;
   };
   return volumeOf(scan, field === "ball" ? value : field === "marble" ? marble : () => (field === "flat" ? 100 : -1000), step);
 }
