@@ -272,11 +272,14 @@ def test_nothing_names_the_patient_in_what_is_shared(folder: Path, tmp_path: Pat
     }
     assert len(known) == 5 + 5 + 3
     for path in files:
-        content = path.read_bytes()
+        content, made = path.read_bytes(), dcmread(path)
+        assert [uid for uid in known if str(uid).encode() in content] == [], path
+        # new identifiers are random: one export in 300 has the digits of a number above
+        for each in made.iterall():
+            if each.VR == "UI":
+                content = content.replace(str(each.value).encode(), b" ")
         lower = content.lower()
         assert [name for name in NAMES if name in lower] == [], path
-        assert [uid for uid in known if str(uid).encode() in content] == [], path
-        made = dcmread(path)
         assert made.PatientIdentityRemoved == "YES"
         assert not any(element.tag.is_private for element in made.iterall())
 
