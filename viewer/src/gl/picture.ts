@@ -4,7 +4,7 @@
  */
 import * as THREE from "three";
 import type { BrickRanges } from "../core/bricks";
-import type { Camera, Extent, Viewport } from "../core/camera";
+import type { Camera, Extent } from "../core/camera";
 import type { Plane } from "../core/clip";
 import type { Displaced } from "../core/displaced";
 import type { Look } from "../core/look";
@@ -13,7 +13,6 @@ import type { Rect } from "../core/picture_layout";
 import { firstQuality, restingPictures, type QualityChoice } from "../core/quality";
 import type { MovedPose, Segment } from "../core/protocol";
 import type { ScanVolume } from "../core/scan_volume";
-import { screenDivisor } from "../core/screen_divisor";
 import { drawnFromVoxels, type InsideModes } from "../core/shown_segments";
 import { eyeCamera, eyesOf, viewportOf, type Stereo } from "../core/stereo";
 import type { SurfaceChange } from "../core/surface_patches";
@@ -21,6 +20,7 @@ import type { Vec3 } from "../core/vector";
 import type { Box, LabelVolume } from "../core/voxel_change";
 import { Compositor } from "./compositor";
 import { DrawnScan } from "./drawn_scan";
+import { DrawnScreen } from "./drawn_screen";
 import { fieldFormatFor, type FieldFormat } from "./field_texture";
 import { GpuClock } from "./gpu_clock";
 import type { GpuSupport } from "./gpu_support";
@@ -55,7 +55,8 @@ export class Picture {
   private readonly refiner: Refiner;
   private readonly pane: ViewPane;
   private readonly slices: Slices;
-  private readonly options: PictureOptions;
+  private readonly screen: DrawnScreen;
+  private readonly support: GpuSupport;
   /** Nothing is drawn, and all is uploaded as always: for the benchmark of edits. */
   suspended = false;
   private readonly scan: DrawnScan;
@@ -66,11 +67,6 @@ export class Picture {
   /** There was a picture of a scan: before it nothing else is drawn, since each program takes its time to be made. */
   private begun = false;
   private view: { readonly camera: Camera; readonly extent: Extent } | null = null;
-  /** The whole canvas [CSS pixels]. */
-  private canvas: Viewport = { width: 1, height: 1 };
-  private screenStale = true;
-  /** Device pixels per CSS pixel of the screen at rest. */
-  private pixelRatio = 1;
   /** A snapshot is drawn: the screen waits. */
   private snapping = false;
   private readonly closing = new AbortController();
@@ -80,7 +76,7 @@ export class Picture {
 
   constructor(canvas: HTMLCanvasElement, options: PictureOptions) {
     const { support } = options;
-    this.options = options;
+    this.support = support;
     this.scan = new DrawnScan(options.format ?? fieldFormatFor(support));
     this.marcher = new RayMarcher({ software: support.software, lightCells: support.software ? lightCells.software : lightCells.gpu });
     this.slices = new Slices(this.marcher);
@@ -112,6 +108,7 @@ export class Picture {
     );
     this.setQuality(this.quality);
     this.pane = new ViewPane(this.renderer, this.compositor, (eye) => this.refiner.pictureOf(eye));
+    this.screen = new DrawnScreen(this.renderer, this.pane, this.slices, support.software, options.mostPixelRatio);
     const programs = [this.refiner.prepare(this.scan.format), this.compositor.prepare(this.renderer)];
     void Promise.allSettled(programs).then(() => {
       this.prepared = true;
@@ -139,7 +136,7 @@ export class Picture {
 
   /** With what the picture on display was drawn, and whether it is final. */
   get shown(): Shown & { readonly finished: boolean } {
-    const whole = this.begun && !this.scan.isComing && !this.screenStale && !this.slices.isStale && !this.marcher.second.isAwaited;
+    const whole = this.begun && !this.scan.isComing && !this.screen.stale && !this.slices.isStale && !this.marcher.second.isAwaited;
     return { ...this.refiner.shown, finished: this.refiner.finished && whole };
   }
 
@@ -289,7 +286,7 @@ export class Picture {
   /** Which slices are seen beside the 3-D view. */
   setSlices(shown: readonly ShownSlice[]): void {
     if (this.slices.show(shown)) {
-      this.screenStale = true;
+      this.screen.stale = true;
     }
   }
 
@@ -307,18 +304,9 @@ export class Picture {
 
   /** Follows the size of the canvas on the page and the place of the 3-D view on it [CSS pixels]. */
   resize(width: number, height: number, pane: Rect = { x: 0, y: 0, width, height }): void {
-    const ratio = Math.min(window.devicePixelRatio, this.options.mostPixelRatio);
-    if (width !== this.canvas.width || height !== this.canvas.height || ratio !== this.renderer.getPixelRatio()) {
-      this.pixelRatio = ratio;
-      this.renderer.setPixelRatio(ratio);
-      this.renderer.setSize(width, height, false);
-    }
+    const ratio = this.screen.resize({ width, height }, pane);
     const drawn = eyesOf(this.pane.stereo, pane)[0]?.rect ?? pane;
     this.refiner.resize(Math.floor(drawn.width * ratio), Math.floor(drawn.height * ratio));
-    this.canvas = { width, height };
-    this.pane.rect = pane;
-    this.pane.canvasHeight = height;
-    this.screenStale = true;
   }
 
   /** Does the work of one frame; `now` [ms]. */
@@ -339,25 +327,12 @@ export class Picture {
       return;
     }
     const drawn = this.refiner.advance(now);
-    this.fitScreen();
-    if (!this.begun) {
-      this.begin(drawn);
-      return;
-    }
-    const pictureChanged = drawn || this.screenStale;
-    if (pictureChanged || (this.slices.isStale && !this.keepsScreen)) {
-      const isAnywhere = this.screenStale || !this.keepsScreen || this.surfaces.stray;
-      this.drawSlices();
-      this.pane.draw(isAnywhere ? null : this.marcher.outline);
+    this.screen.fit(this.refiner.shown.divisor);
+    if (this.begun) {
+      this.screen.draw(drawn, () => (this.surfaces.stray ? null : this.marcher.outline));
     } else {
-      if (this.slices.isStale) {
-        this.drawSlices();
-      }
-      if (this.pane.stale) {
-        this.drawMarkers();
-      }
+      this.begin(drawn);
     }
-    this.screenStale = false;
   }
 
   /**
@@ -369,7 +344,7 @@ export class Picture {
     if (!this.scan.ready || this.view === null || this.snapping) {
       throw new Error("the picture is not ready");
     }
-    const { software, halfFloatTarget: halfFloat } = this.options.support;
+    const { software, halfFloatTarget: halfFloat } = this.support;
     const { camera, size, stereo } = wish;
     const quality = { ...restingPictures[this.quality.quality], software, halfFloat };
     const { extent } = this.view;
@@ -385,7 +360,7 @@ export class Picture {
     } finally {
       snapshot.dispose();
       this.snapping = false;
-      this.screenStale = true;
+      this.screen.stale = true;
       this.refiner.restart();
     }
   }
@@ -465,48 +440,12 @@ export class Picture {
     return this.renderer.getContext() as WebGL2RenderingContext;
   }
 
-  /** Whether what is not drawn again stays on the screen. */
-  private get keepsScreen(): boolean {
-    return this.options.support.software;
-  }
-
   /** Draws the picture of the scan alone; once it stands all else follows. */
   private begin(drawn: boolean): void {
     if (drawn) {
-      this.renderer.setRenderTarget(null);
-      this.renderer.clear();
-      this.pane.drawPicture();
+      this.screen.drawPicture();
     }
     this.begun = this.refiner.drawnPieces > 0;
-    this.screenStale = this.begun;
-  }
-
-  /** Where the CPU draws, gives the screen fewer pixels while it shows nothing but a coarse picture. */
-  private fitScreen(): void {
-    const { canvas, pane, pixelRatio, refiner } = this;
-    const isFew = this.keepsScreen && this.slices.isEmpty && pane.stereo.mode === "off" && pane.isCoarse;
-    const ratio = isFew ? pixelRatio / screenDivisor(canvas.width * canvas.height * pixelRatio ** 2, refiner.shown.divisor) : pixelRatio;
-    if (ratio !== this.renderer.getPixelRatio()) {
-      this.renderer.setPixelRatio(ratio);
-      this.screenStale = true;
-    }
-  }
-
-  /** Draws slices: those that have changed, or all where the screen forgets. */
-  private drawSlices(): void {
-    const { renderer } = this;
-    if (this.screenStale) {
-      renderer.setRenderTarget(null);
-      renderer.clear();
-    }
-    this.slices.draw(renderer, this.canvas.height, renderer.getPixelRatio(), this.screenStale || !this.keepsScreen);
-  }
-
-  /** Draws again where markers were and are. */
-  private drawMarkers(): void {
-    if (!this.keepsScreen) {
-      this.drawSlices();
-    }
-    this.pane.drawMarkers(this.keepsScreen);
+    this.screen.stale = this.begun;
   }
 }
