@@ -29,8 +29,9 @@ MODES = (
     "surface",
     "translucent surface",
     "surface and voxels",
+    "surface before a MIP",
 )
-"""Blend modes of the page; then bone as triangles beside shaded tissue."""
+"""Blend modes of the page; then bone as triangles, beside shaded tissue or before a MIP."""
 SIZES = ((640, 480), (1366, 768))
 """Of the picture [pixels]."""
 PEER_MODES = ("composite", "shaded", "mip")

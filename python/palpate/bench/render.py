@@ -164,11 +164,12 @@ FRAMES = "new Promise(resolve => requestAnimationFrame(() => requestAnimationFra
 
 
 SURFACES = {
-    "surface": ("surface", 1),
-    "translucent surface": ("surface", 0.5),
-    "surface and voxels": ("both", 1),
+    "surface": ("surface", 1, "shaded"),
+    "translucent surface": ("surface", 0.5, "shaded"),
+    "surface and voxels": ("both", 1, "shaded"),
+    "surface before a MIP": ("surface", 1, "mip"),
 }
-"""How bone is shown in what is no blend mode, and the opacity of its surface."""
+"""How bone is shown in what is no blend mode, its opacity, and the blend mode of all else."""
 CHOOSE = """(() => {
   const control = document.querySelector('[data-testid=%s]');
   control.value = '%s';
@@ -179,12 +180,12 @@ CHOOSE = """(() => {
 
 def _show(page: Page, mode: str) -> None:
     """Has the page draw in a mode."""
-    shown, opacity = SURFACES.get(mode, ("volume", None))
+    shown, opacity, blend = SURFACES.get(mode, ("volume", None, mode))
     page.read(f"document.querySelector('[data-testid=shown-as-{shown}]')?.click()")
     if opacity is not None:
         page.wait("Object.values(window.palpate.triangles).some(count => count > 0)")
         page.read(CHOOSE % ("surface-opacity", opacity))
-    page.read(CHOOSE % ("blend", "shaded" if mode in SURFACES else mode))
+    page.read(CHOOSE % ("blend", blend))
     page.read("window.palpate.allDone()")
     page.read(FRAMES)
     page.wait("window.palpate.finished")

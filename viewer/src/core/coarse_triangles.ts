@@ -1,13 +1,12 @@
 /**
- * Fewer triangles of a patch over the same vertices, for pictures that are drawn in haste.
+ * Fewer triangles of a patch over the same vertices, for pictures that are drawn in haste while other patches of its surface are edited.
  *
- * Vertices fall into clusters, those in a cube whose normals look toward the same side of it; of each cluster the vertex
- * nearest to their mean stands for all, and triangles whose corners fall together are left out. By their sides the two faces
- * of a thin wall stay apart, and what is hollow does not come to the light. Vertices on the patch's border
- * stand for themselves: neighbouring patches meet there as before, whatever each of them leaves out.
- * Source: Rossignac and Borrel, "Multi-resolution 3D approximations for rendering complex scenes" (1993).
+ * Of each cluster of vertices the one nearest to their mean stands for all, and triangles whose corners fall together are left
+ * out. Vertices on the patch's border stand for themselves: neighbouring patches meet there as before, whatever each of them
+ * leaves out.
  */
 import type { Patch } from "./surface_patches";
+import { at, clusterName, next, pointsOf, sumOfEdges } from "./vertex_clusters";
 
 type Numbers = Patch["triangles"];
 
@@ -19,21 +18,6 @@ export function coarseTriangles(patch: Patch): Numbers {
   const points = pointsOf(patch);
   const clusters = clustersOf(patch, points);
   return remaining(patch.triangles, nearestToMean(points, clusters));
-}
-
-/** Places of the vertices in the patch's box [mm], shape [vertex_count, 3]. */
-function pointsOf({ vertices, size }: Patch): Float32Array {
-  return Float32Array.from(vertices, (share, i) => (share / 65535) * (size[i % 3] ?? 0));
-}
-
-function meanEdge(points: Float32Array, triangles: Numbers): number {
-  let sum = 0;
-  for (let corner = 0; corner < triangles.length; ++corner) {
-    const [a, b] = [3 * at(triangles, corner), 3 * at(triangles, next(corner))];
-    const along = (axis: number): number => at(points, b + axis) - at(points, a + axis);
-    sum += Math.sqrt(along(0) ** 2 + along(1) ** 2 + along(2) ** 2);
-  }
-  return sum / Math.max(1, triangles.length);
 }
 
 /**
@@ -51,36 +35,18 @@ function borderOf(count: number, triangles: Numbers): Uint8Array {
 
 /** The cluster of each vertex, numbered from 0; each vertex on the border has one of its own. */
 function clustersOf({ normals, triangles }: Patch, points: Float32Array): Uint32Array {
-  const edge = edgesPerCube * meanEdge(points, triangles);
+  const edge = (edgesPerCube * sumOfEdges(points, triangles)) / Math.max(1, triangles.length);
   const numbers = new Map<number, number>();
   let count = 0;
   return Uint32Array.from(borderOf(points.length / 3, triangles), (isBorder, vertex) => {
     if (isBorder === 1) {
       return count++;
     }
-    const along = (axis: number): number => Math.floor(at(points, 3 * vertex + axis) / edge);
-    const cube = (along(2) * mostAlong + along(1)) * mostAlong + along(0);
-    const name = 6 * cube + sideOf(normals, 4 * vertex);
+    const name = clusterName((axis) => Math.floor(at(points, 3 * vertex + axis) / edge), normals, vertex);
     const number = numbers.get(name) ?? count++;
     numbers.set(name, number);
     return number;
   });
-}
-
-/** More cubes than there are along any axis: vertices stand in 65536 places. */
-const mostAlong = 65537;
-
-/** The side of a cube that the normal which begins at a place looks toward, 0 to 5. */
-function sideOf(normals: Int8Array, place: number): number {
-  const [x, y, z] = [at(normals, place), at(normals, place + 1), at(normals, place + 2)];
-  const most = Math.max(Math.abs(x), Math.abs(y), Math.abs(z));
-  if (most === Math.abs(x)) {
-    return x > 0 ? 0 : 1;
-  }
-  if (most === Math.abs(y)) {
-    return y > 0 ? 2 : 3;
-  }
-  return z > 0 ? 4 : 5;
 }
 
 /** For each vertex the one that stands for it: of those in its cluster the nearest to their mean. */
@@ -120,13 +86,4 @@ function remaining(triangles: Numbers, standing: Uint32Array): Numbers {
     }
   }
   return left.slice(0, length);
-}
-
-/** The corner after one in its triangle. */
-function next(corner: number): number {
-  return corner % 3 === 2 ? corner - 2 : corner + 1;
-}
-
-function at(numbers: ArrayLike<number>, place: number): number {
-  return numbers[place] ?? 0;
 }

@@ -28,7 +28,7 @@ export class PatchMesh {
    * @param tally counts what is drawn of it.
    */
   constructor(
-    private readonly patch: Patch,
+    readonly patch: Patch,
     readonly changed: number,
     material: THREE.RawShaderMaterial,
     tally: Tally,

@@ -4,6 +4,7 @@
  */
 import * as THREE from "three";
 import { columnMajor, linearColumnMajor, type Affine } from "../core/affine";
+import { CoarseSurface } from "../core/coarse_surface";
 import { linearFromSrgb } from "../core/colour";
 import type { Detail } from "../core/pace";
 import type { Segment } from "../core/protocol";
@@ -16,12 +17,21 @@ import { shaders } from "./shaders";
 /** How long a patch that an edit has changed is drawn with all its triangles [ms]: what a tool does is seen as it is. */
 const fineAfterEdit = 2000;
 
+/** Triangles that a surface is drawn with however little time there is: what is small is not to vanish. */
+const fewEnough = 2000;
+
 const nowhere: Affine = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0];
 
 export class SurfaceMesh {
   /** Stands where the segment stands. */
   readonly group = new THREE.Group();
   private readonly meshes = new Map<string, PatchMesh>();
+  private readonly patches = new THREE.Group();
+  /** All of it with few triangles, as long as nothing is edited. */
+  private coarse: PatchMesh | null = null;
+  private making: CoarseSurface | null = null;
+  /** When an edit changed it [ms]. */
+  private changed = -Infinity;
   private readonly own = {
     colour: { value: new THREE.Vector3() },
     opacity: { value: 1 },
@@ -54,6 +64,8 @@ export class SurfaceMesh {
       blending: THREE.NoBlending,
     });
     this.group.matrixAutoUpdate = false;
+    this.patches.matrixAutoUpdate = false;
+    this.group.add(this.patches);
   }
 
   get translucent(): boolean {
@@ -66,34 +78,45 @@ export class SurfaceMesh {
 
   /** Exchanges patches and sends the new ones to the GPU at once. */
   apply(renderer: THREE.WebGLRenderer, { whole, dropped, patches }: SurfaceChange): void {
+    this.changed = whole ? -Infinity : performance.now();
+    this.dropCoarse();
     for (const key of whole ? [...this.meshes.keys()] : dropped) {
       this.drop(key);
     }
     const added = patches.flatMap((patch) => {
       this.drop(patch.key);
-      return patch.triangles.length > 0 ? [this.add(patch, whole ? -Infinity : performance.now())] : [];
+      return patch.triangles.length > 0 ? [this.add(patch)] : [];
     });
     if (added.length > 0) {
       upload(renderer, added);
-      this.group.add(...added.map(({ mesh }) => mesh));
+      this.patches.add(...added.map(({ mesh }) => mesh));
     }
   }
 
-  /** Patches whose few triangles are still to be made, without those that were edited just now. */
-  get unprepared(): readonly PatchMesh[] {
-    const now = performance.now();
-    return [...this.meshes.values()].filter((patch) => !patch.isPrepared && now - patch.changed > fineAfterEdit);
+  /** Makes the next of its few triangles; false where there are none to be made. */
+  prepareNext(): boolean {
+    if (this.material.wireframe || this.triangles <= fewEnough) {
+      return false;
+    }
+    return this.isEdited ? this.prepareNextPatch() : this.prepareCoarse();
   }
 
-  /** Triangles of patches that a view has in it. */
-  trianglesIn(view: THREE.Frustum): number {
+  /** Triangles of patches that a camera has in view. */
+  trianglesIn(camera: THREE.Camera): number {
+    const view = new THREE.Frustum().setFromProjectionMatrix(camera.projectionMatrix.clone().multiply(camera.matrixWorldInverse));
     return [...this.meshes.values()].reduce((sum, { mesh, triangles }) => sum + (view.intersectsObject(mesh) ? triangles : 0), 0);
   }
 
   /** Draws all triangles from now on, or of what is no wireframe the few that are there. */
   use(detail: Detail): void {
+    const wanted = this.material.wireframe ? "all" : detail;
+    const isCoarse = wanted === "few" && this.coarse !== null;
+    this.patches.visible = !isCoarse;
+    if (this.coarse !== null) {
+      this.coarse.mesh.visible = isCoarse;
+    }
     for (const patch of this.meshes.values()) {
-      patch.use(this.material.wireframe ? "all" : detail);
+      patch.use(wanted);
     }
   }
 
@@ -126,6 +149,7 @@ export class SurfaceMesh {
     for (const key of [...this.meshes.keys()]) {
       this.drop(key);
     }
+    this.dropCoarse();
     this.material.dispose();
   }
 
@@ -141,8 +165,58 @@ export class SurfaceMesh {
     own.gridAxesFromSurface.value.set(...x, ...y, ...z);
   }
 
-  private add(patch: Patch, changed: number): PatchMesh {
-    const mesh = new PatchMesh(patch, changed, this.material, this.tally);
+  private get triangles(): number {
+    return [...this.meshes.values()].reduce((sum, { triangles }) => sum + triangles, 0);
+  }
+
+  private get isEdited(): boolean {
+    return performance.now() - this.changed <= fineAfterEdit;
+  }
+
+  /** Makes the few triangles of a patch that was not edited just now. */
+  private prepareNextPatch(): boolean {
+    const now = performance.now();
+    const next = [...this.meshes.values()].find((patch) => !patch.isPrepared && now - patch.changed > fineAfterEdit);
+    next?.prepare();
+    return next !== undefined;
+  }
+
+  /** Takes the next patch into the surface with few triangles. */
+  private prepareCoarse(): boolean {
+    if (this.coarse !== null) {
+      return false;
+    }
+    this.making ??= new CoarseSurface([...this.meshes.values()].map(({ patch }) => patch));
+    this.making.takeNext();
+    if (this.making.isWhole) {
+      this.coarse = this.drawnInstead(this.making.patch);
+      this.making = null;
+      this.group.add(this.coarse.mesh);
+    }
+    return true;
+  }
+
+  /** A mesh of all of the surface, counted as the patches that it is drawn for. */
+  private drawnInstead(patch: Patch): PatchMesh {
+    const coarse = new PatchMesh(patch, -Infinity, this.material, this.tally);
+    coarse.mesh.onBeforeRender = (_renderer, _scene, camera) => {
+      this.tally.drawn += coarse.triangles;
+      this.tally.all += this.trianglesIn(camera);
+    };
+    return coarse;
+  }
+
+  private dropCoarse(): void {
+    this.making = null;
+    if (this.coarse !== null) {
+      this.group.remove(this.coarse.mesh);
+      this.coarse.dispose();
+      this.coarse = null;
+    }
+  }
+
+  private add(patch: Patch): PatchMesh {
+    const mesh = new PatchMesh(patch, this.changed, this.material, this.tally);
     this.meshes.set(patch.key, mesh);
     return mesh;
   }
@@ -151,7 +225,7 @@ export class SurfaceMesh {
     const patch = this.meshes.get(key);
     if (patch !== undefined) {
       patch.dispose();
-      this.group.remove(patch.mesh);
+      this.patches.remove(patch.mesh);
       this.meshes.delete(key);
     }
   }

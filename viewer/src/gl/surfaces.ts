@@ -137,14 +137,14 @@ export class Surfaces {
     return this.parted.others.length > 0;
   }
 
-  /** Makes the few triangles of patches that have none yet and no body either, as long as `milliseconds` are not over. */
+  /** Makes the few triangles of surfaces that have none yet and no body either, as long as `milliseconds` are not over. */
   prepareFew(milliseconds: number): void {
     const ends = performance.now() + milliseconds;
-    for (const patch of this.parted.others.flatMap((mesh) => mesh.unprepared)) {
-      if (performance.now() >= ends) {
-        return;
+    for (const mesh of this.parted.others) {
+      let isMaking = true;
+      while (isMaking && performance.now() < ends) {
+        isMaking = mesh.prepareNext();
       }
-      patch.prepare();
     }
   }
 
@@ -180,8 +180,7 @@ export class Surfaces {
       shared.peeled.value = 1;
     }
     this.marcher.setSurfaces(layers);
-    const view = new THREE.Frustum().setFromProjectionMatrix(camera.projectionMatrix.clone().multiply(camera.matrixWorldInverse));
-    this.tally.all += embodied.reduce((sum, mesh) => sum + mesh.trianglesIn(view), 0);
+    this.tally.all += embodied.reduce((sum, mesh) => sum + mesh.trianglesIn(camera), 0);
     return { ...this.tally };
   }
 

@@ -1,48 +1,16 @@
 import { describe, expect, test } from "vitest";
 import { coarseTriangles } from "../../src/core/coarse_triangles";
 import { throughTriangle } from "../../src/core/pick_patches";
-import { decodeSurface, type Patch } from "../../src/core/surface_patches";
+import { decodeSurface } from "../../src/core/surface_patches";
 import { length, type Vec3 } from "../../src/core/vector";
 import { Random } from "../random";
-import { ballSurface, patchOf } from "./ball_surface";
+import { ballSurface } from "./ball_surface";
+import { decoded, ends, faceVertices, listed, place, thinWall } from "./triangle_lists";
 
 const radius = 20;
 const rings = 96;
 /** A ball about the origin in four patches, of 36 864 triangles. */
 const ball = decodeSurface(ballSurface(1, [0, 0, 0], radius, 4, rings)).patches;
-
-function decoded(points: readonly Vec3[], normals: readonly Vec3[], triangles: readonly number[]): Patch {
-  const [patch] = decodeSurface({ id: 1, whole: true, dropped: [], patches: [patchOf([0, 0, 0], points, normals, triangles)] }).patches;
-  if (patch === undefined) {
-    throw new Error("no patch");
-  }
-  return patch;
-}
-
-type Triangle = readonly [number, number, number];
-
-function listed(numbers: ArrayLike<number>): Triangle[] {
-  return Array.from({ length: numbers.length / 3 }, (_, i) => [numbers[3 * i] ?? -1, numbers[3 * i + 1] ?? -1, numbers[3 * i + 2] ?? -1]);
-}
-
-function place({ origin, size, vertices }: Patch, vertex: number): Vec3 {
-  const along = (axis: 0 | 1 | 2): number => origin[axis] + ((vertices[3 * vertex + axis] ?? NaN) / 65535) * size[axis];
-  return [along(0), along(1), along(2)];
-}
-
-/** Edges that an odd number of triangles has: where a surface ends. */
-function ends(numbers: ArrayLike<number>): string[] {
-  const odd = new Set<string>();
-  for (const [a, b, c] of listed(numbers)) {
-    for (const [from, to] of [[a, b], [b, c], [c, a]] as const) {
-      const name = `${String(Math.min(from, to))} ${String(Math.max(from, to))}`;
-      if (!odd.delete(name)) {
-        odd.add(name);
-      }
-    }
-  }
-  return [...odd].sort();
-}
 
 describe.each(ball.map((patch) => [patch.key, patch] as const))("patch %s of a ball", (_, patch) => {
   const few = coarseTriangles(patch);
@@ -81,22 +49,13 @@ test("a ball stays closed, and its facets lie no deeper than their length allows
   }
 });
 
-/** A square of 30 × 30 at a height, facing up or down. */
-function sheet(height: number, up: number): { points: Vec3[]; normals: Vec3[] } {
-  const points = Array.from({ length: 31 * 31 }, (_, i): Vec3 => [i % 31, Math.floor(i / 31), height]);
-  return { points, normals: points.map(() => [0, 0, up]) };
-}
-
 test("the two faces of a thin wall stay apart", () => {
-  const [low, high] = [sheet(0, -1), sheet(1, 1)];
-  const squares = Array.from({ length: 31 * 31 }, (_, i) => i).filter((i) => i % 31 < 30 && i < 31 * 30);
-  const one = squares.flatMap((i) => [i, i + 1, i + 31, i + 31, i + 1, i + 32]);
-  const patch = decoded([...low.points, ...high.points], [...low.normals, ...high.normals], [...one, ...one.map((i) => i + 31 * 31)]);
-  const faces = listed(coarseTriangles(patch)).map((triangle) => new Set(triangle.map((vertex) => (vertex < 31 * 31 ? "low" : "high"))));
+  const patch = thinWall();
+  const faces = listed(coarseTriangles(patch)).map((triangle) => new Set(triangle.map((vertex) => (vertex < faceVertices ? "low" : "high"))));
   expect(faces.every((face) => face.size === 1)).toBe(true);
   const count = (face: "low" | "high"): number => faces.filter((one) => one.has(face)).length;
-  expect([count("low"), count("low")]).toEqual([count("high"), count("high")]);
-  expect(count("low")).toBeLessThan(one.length / 3 / 4);
+  expect(count("low")).toBe(count("high"));
+  expect(count("low")).toBeLessThan(patch.triangles.length / 2 / 3 / 4);
 });
 
 test("a patch without triangles has none left, and one of a single triangle keeps it", () => {

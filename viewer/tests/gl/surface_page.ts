@@ -123,23 +123,31 @@ export interface Detailed {
 }
 
 /**
- * Surfaces drawn with all triangles; with few; with few after edits exchanged all patches; and with all again.
+ * Surfaces drawn with all triangles; with few; with few after an edit exchanged a patch of the first; after edits exchanged all
+ * patches; some seconds later; and with all again.
  */
-export function detailed(test: MarchTest, balls: readonly SurfaceTest[]): Detailed[] {
+export function detailed(test: MarchTest, balls: readonly SurfaceTest[]): Record<"all" | "few" | "partly" | "edited" | "later" | "again", Detailed> {
   const view = lookFrom(test.from, outlineOf(test), viewport);
   const bench = surfaceBench(test, balls, view);
   const { renderer, surfaces, close } = bench;
-  const drawn = (detail: "all" | "few"): Detailed => drawnWith(bench, test.stepsPerVoxel, detail);
-  const all = drawn("all");
-  surfaces.prepareFew(Infinity);
-  const few = drawn("few");
-  surfaces.apply(
-    renderer,
-    balls.map(({ centre, radius, sectors, rings }, i) => ({ ...decodeSurface(ballSurface(i + 1, centre, radius, sectors, rings)), whole: false })),
-  );
-  surfaces.prepareFew(Infinity);
+  const drawn = (detail: "all" | "few"): Detailed => {
+    surfaces.prepareFew(Infinity);
+    return drawnWith(bench, test.stepsPerVoxel, detail);
+  };
+  const changes = balls.map(({ centre, radius, sectors, rings }, i) => ({
+    ...decodeSurface(ballSurface(i + 1, centre, radius, sectors, rings)),
+    whole: false,
+  }));
+  const [all, few] = [drawn("all"), drawn("few")];
+  surfaces.apply(renderer, changes.slice(0, 1).map((change) => ({ ...change, patches: change.patches.slice(0, 1) })));
+  const partly = drawn("few");
+  surfaces.apply(renderer, changes);
   const edited = drawn("few");
-  const again = drawn("all");
+  const { performance } = window;
+  const later = 5000;
+  Object.defineProperty(window, "performance", { configurable: true, value: { now: () => performance.now() + later } });
+  const pictures = { all, few, partly, edited, later: drawn("few"), again: drawn("all") };
+  Object.defineProperty(window, "performance", { configurable: true, value: performance });
   close();
-  return [all, few, edited, again];
+  return pictures;
 }
