@@ -50,7 +50,7 @@ const movingSteps = { light: 1.5, whole: 1 } as const;
 
 /** First guesses of costs [ms each]. */
 const firstCosts = { gpu: { waits: 1, samples: 1e-5, triangles: 1e-6 }, software: { waits: 10, samples: 1e-2, triangles: 2e-4 } } as const;
-/** Share of a frame in which the few triangles of patches are made, where they are wanted. */
+/** Time in which few triangles are made, where they are wanted: this much of a picture's, or of the budget where that is more. */
 const shareOfPreparing = 0.25;
 const unshifted: Shift = [0, 0, 0];
 
@@ -75,6 +75,8 @@ export class Refiner {
   private detail: Detail = "all";
   /** Triangles of the last picture that moved: those in view, and those that were drawn. */
   private seen: Tally = { all: 0, drawn: 0 };
+  /** How long that took [ms]. */
+  private took = 0;
   /** What the picture that is drawn at rest costs, strip by strip. */
   private level = { waits: 0, samples: 0, triangles: 0, milliseconds: 0 };
   /** Triangles of the picture that is drawn at rest. */
@@ -289,9 +291,9 @@ export class Refiner {
     if (!this.options.software && this.marcher.isWhole && this.marcher.light.pending) {
       this.marcher.light.advance(this.renderer, movingLayers);
     }
+    this.chooseDetail();
     const begun = performance.now();
     const eyes = this.pictures.length;
-    this.chooseDetail();
     const { divisor, step } = this.pace.picture(this.movingSamples, this.detail === "all" ? this.seen.all : this.seen.drawn);
     const stepsPerVoxel = step * this.movingSteps;
     const seen = { all: 0, drawn: 0 };
@@ -308,7 +310,8 @@ export class Refiner {
     this.seen = seen;
     const samples = eyes * this.first.width * this.first.height * stepsPerVoxel;
     this.time(() => {
-      this.pace.learnMoving({ waits: 1, samples, triangles: seen.drawn }, performance.now() - begun);
+      this.took = performance.now() - begun;
+      this.pace.learnMoving({ waits: 1, samples, triangles: seen.drawn }, this.took);
     });
     this.shown = { divisor, stepsPerVoxel, passes: 1, triangles: seen.drawn };
     this.stale = false;
@@ -323,7 +326,7 @@ export class Refiner {
   private chooseDetail(): void {
     this.detail = this.pace.detail(this.movingSamples, this.seen.all);
     if (this.detail === "few") {
-      this.surfaces.prepareFew(shareOfPreparing * this.pace.frameBudget);
+      this.surfaces.prepareFew(shareOfPreparing * Math.max(this.pace.frameBudget, this.took));
     }
   }
 

@@ -78,14 +78,17 @@ export class SurfaceMesh {
 
   /** Exchanges patches and sends the new ones to the GPU at once. */
   apply(renderer: THREE.WebGLRenderer, { whole, dropped, patches }: SurfaceChange): void {
-    this.changed = whole ? -Infinity : performance.now();
+    // a surface may come in several parts: what has its place for the first time is no edit
+    const isEdit = !whole && (dropped.length > 0 || patches.some(({ key }) => this.meshes.has(key)));
+    const changed = isEdit ? performance.now() : -Infinity;
+    this.changed = Math.max(changed, whole ? -Infinity : this.changed);
     this.dropCoarse();
     for (const key of whole ? [...this.meshes.keys()] : dropped) {
       this.drop(key);
     }
     const added = patches.flatMap((patch) => {
       this.drop(patch.key);
-      return patch.triangles.length > 0 ? [this.add(patch)] : [];
+      return patch.triangles.length > 0 ? [this.add(patch, changed)] : [];
     });
     if (added.length > 0) {
       upload(renderer, added);
@@ -215,8 +218,8 @@ export class SurfaceMesh {
     }
   }
 
-  private add(patch: Patch): PatchMesh {
-    const mesh = new PatchMesh(patch, this.changed, this.material, this.tally);
+  private add(patch: Patch, changed: number): PatchMesh {
+    const mesh = new PatchMesh(patch, changed, this.material, this.tally);
     this.meshes.set(patch.key, mesh);
     return mesh;
   }

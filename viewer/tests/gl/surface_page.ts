@@ -123,10 +123,10 @@ export interface Detailed {
 }
 
 /**
- * Surfaces drawn with all triangles; with few; with few after an edit exchanged a patch of the first; after edits exchanged all
- * patches; some seconds later; and with all again.
+ * Surfaces drawn with all triangles; with few; with few of patches that come one by one; after an edit exchanged a patch of
+ * the first; after edits exchanged all patches; some seconds later; and with all again.
  */
-export function detailed(test: MarchTest, balls: readonly SurfaceTest[]): Record<"all" | "few" | "partly" | "edited" | "later" | "again", Detailed> {
+export function detailed(test: MarchTest, balls: readonly SurfaceTest[]): Record<"all" | "few" | "inParts" | "partly" | "edited" | "later" | "again", Detailed> {
   const view = lookFrom(test.from, outlineOf(test), viewport);
   const bench = surfaceBench(test, balls, view);
   const { renderer, surfaces, close } = bench;
@@ -139,6 +139,12 @@ export function detailed(test: MarchTest, balls: readonly SurfaceTest[]): Record
     whole: false,
   }));
   const [all, few] = [drawn("all"), drawn("few")];
+  for (const change of changes) {
+    change.patches.forEach((patch, i) => {
+      surfaces.apply(renderer, [{ ...change, whole: i === 0, patches: [patch] }]);
+    });
+  }
+  const inParts = drawn("few");
   surfaces.apply(renderer, changes.slice(0, 1).map((change) => ({ ...change, patches: change.patches.slice(0, 1) })));
   const partly = drawn("few");
   surfaces.apply(renderer, changes);
@@ -146,7 +152,7 @@ export function detailed(test: MarchTest, balls: readonly SurfaceTest[]): Record
   const { performance } = window;
   const later = 5000;
   Object.defineProperty(window, "performance", { configurable: true, value: { now: () => performance.now() + later } });
-  const pictures = { all, few, partly, edited, later: drawn("few"), again: drawn("all") };
+  const pictures = { all, few, inParts, partly, edited, later: drawn("few"), again: drawn("all") };
   Object.defineProperty(window, "performance", { configurable: true, value: performance });
   close();
   return pictures;

@@ -291,9 +291,10 @@ test.each([1, 0.5])("with few triangles surfaces look nearly the same, with all 
   const look = { colour: [1, 0, 0] as const, opacity, range: null };
   const balls: SurfaceTest[] = [{ centre: middle, radius: 17, sectors: 4, rings: 96, look }, { centre: [24, 6, 24], radius: 4, sectors: 1, rings: 96, look }];
   const pictures = await browser.page.evaluate(([scan, b]) => window.glTests?.detailed(scan, b) ?? Promise.reject(new Error("no page")), [green, balls] as const);
-  const { all, few, partly, edited, later, again } = pictures;
+  const { all, few, inParts, partly, edited, later, again } = pictures;
   expect(few.all).toBe(all.drawn);
   expect(few.drawn).toBeLessThan(all.drawn / 10);
+  expect(inParts).toEqual(few);
   // a patch that was edited just now is seen as it is; the others of its surface meet it, vertex by vertex
   expect(partly.all).toBe(all.drawn);
   expect(partly.drawn).toBeGreaterThan(all.drawn / 8);
