@@ -52,6 +52,8 @@ const movingSteps = { light: 1.5, whole: 1 } as const;
 const firstCosts = { gpu: { waits: 1, samples: 1e-5, triangles: 1e-6 }, software: { waits: 10, samples: 1e-2, triangles: 2e-4 } } as const;
 /** Time in which few triangles are made, where they are wanted: this much of a picture's, or of the budget where that is more. */
 const shareOfPreparing = 0.25;
+/** Longer it does not take, however long a picture took: a drag would wait [ms]. */
+const mostPreparing = 100;
 const unshifted: Shift = [0, 0, 0];
 
 export class Refiner {
@@ -326,7 +328,7 @@ export class Refiner {
   private chooseDetail(): void {
     this.detail = this.pace.detail(this.movingSamples, this.seen.all);
     if (this.detail === "few") {
-      this.surfaces.prepareFew(shareOfPreparing * Math.max(this.pace.frameBudget, this.took));
+      this.surfaces.prepareFew(Math.min(mostPreparing, shareOfPreparing * Math.max(this.pace.frameBudget, this.took)));
     }
   }
 
