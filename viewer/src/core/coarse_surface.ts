@@ -3,9 +3,10 @@
  *
  * The mean of each cluster of vertices, whichever patches they belong to, stands for all of them, and triangles whose corners fall
  * together are left out: so patches join without borders. They are taken in one after the other, each in a short time.
+ * Frame: that of the patches, the scene before the segment's pose.
  */
 import type { Patch } from "./surface_patches";
-import { add, length, scale, subtract, type Vec3 } from "./vector";
+import { length, scale, subtract, type Vec3 } from "./vector";
 import { at, clusterName, pointsOf, sumOfEdges } from "./vertex_clusters";
 
 /** Edge of a cube, in mean edges of the surface's triangles. */
@@ -15,19 +16,23 @@ const sampled = 16;
 
 export class CoarseSurface {
   private readonly left: Patch[];
-  /** Lower corner of the box around all patches [mm]. */
+  /** Lower corner and edges of the box around all patches [mm]. */
   private readonly corner: Vec3;
+  private readonly size: Vec3;
+  /** Edge of a cube [mm]. */
   private readonly cube: number;
   private readonly numbers = new Map<number, number>();
-  /** Of each cluster: sums of its vertices' places [mm] and of their normals, shape [cluster_count, 6]. */
+  /** Of each cluster: sums of its vertices' places from the corner [mm] and of their normals, shape [cluster_count, 6]. */
   private readonly sums: number[] = [];
   private readonly counts: number[] = [];
   private readonly triangles: number[] = [];
 
   constructor(patches: readonly Patch[]) {
     this.left = [...patches];
-    const lowest = (axis: 0 | 1 | 2): number => patches.reduce((low, { origin }) => Math.min(low, origin[axis]), Infinity);
-    this.corner = [lowest(0), lowest(1), lowest(2)];
+    const low = (axis: 0 | 1 | 2): number => patches.reduce((least, { origin }) => Math.min(least, origin[axis]), Infinity);
+    const high = (axis: 0 | 1 | 2): number => patches.reduce((most, { origin, size }) => Math.max(most, origin[axis] + size[axis]), -Infinity);
+    this.corner = [low(0), low(1), low(2)];
+    this.size = subtract([high(0), high(1), high(2)], this.corner);
     this.cube = edgesPerCube * meanEdge(patches);
   }
 
@@ -56,10 +61,9 @@ export class CoarseSurface {
 
   /** What was taken in, as one patch. */
   get patch(): Patch {
-    const { counts, sums, triangles } = this;
+    const { corner, counts, size, sums, triangles } = this;
     const count = counts.length;
-    const means = Float64Array.from({ length: 3 * count }, (_, i) => at(sums, 6 * Math.floor(i / 3) + (i % 3)) / at(counts, Math.floor(i / 3)));
-    const [low, size] = boxOf(means);
+    const share = (cluster: number, axis: number): number => at(sums, 6 * cluster + axis) / at(counts, cluster) / Math.max(at(size, axis), 1e-9);
     const normals = new Int8Array(4 * count);
     for (let cluster = 0; cluster < count; ++cluster) {
       const sum: Vec3 = [at(sums, 6 * cluster + 3), at(sums, 6 * cluster + 4), at(sums, 6 * cluster + 5)];
@@ -67,9 +71,9 @@ export class CoarseSurface {
     }
     return {
       key: "",
-      origin: add(this.corner, low),
+      origin: corner,
       size,
-      vertices: Uint16Array.from(means, (x, i) => Math.round((65535 * (x - at(low, i % 3))) / Math.max(at(size, i % 3), 1e-9))),
+      vertices: Uint16Array.from({ length: 3 * count }, (_, i) => Math.round(65535 * share(Math.floor(i / 3), i % 3))),
       normals,
       triangles: count < 65536 ? Uint16Array.from(triangles) : Uint32Array.from(triangles),
     };
@@ -98,17 +102,6 @@ export class CoarseSurface {
       return number;
     });
   }
-}
-
-/** Lower corner and edges of the box around places, shape [count, 3]. */
-function boxOf(places: Float64Array): readonly [Vec3, Vec3] {
-  const [low, high] = [[0, 0, 0].fill(Infinity), [0, 0, 0].fill(-Infinity)];
-  places.forEach((x, i) => {
-    low[i % 3] = Math.min(at(low, i % 3), x);
-    high[i % 3] = Math.max(at(high, i % 3), x);
-  });
-  const corner: Vec3 = [at(low, 0), at(low, 1), at(low, 2)];
-  return [corner, subtract([at(high, 0), at(high, 1), at(high, 2)], corner)];
 }
 
 /** Mean edge of a surface's triangles, by some of its patches [mm]. */

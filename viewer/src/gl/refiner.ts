@@ -77,7 +77,7 @@ export class Refiner {
   private detail: Detail = "all";
   /** Triangles of the last picture that moved: those in view, and those that were drawn. */
   private seen: Tally = { all: 0, drawn: 0 };
-  /** How long that took [ms]. */
+  /** How long that picture took [ms]. */
   private took = 0;
   /** What the picture that is drawn at rest costs, strip by strip. */
   private level = { waits: 0, samples: 0, triangles: 0, milliseconds: 0 };

@@ -81,7 +81,7 @@ export class SurfaceMesh {
     // a surface may come in several parts: what has its place for the first time is no edit
     const isEdit = !whole && (dropped.length > 0 || patches.some(({ key }) => this.meshes.has(key)));
     const changed = isEdit ? performance.now() : -Infinity;
-    this.changed = Math.max(changed, whole ? -Infinity : this.changed);
+    this.changed = whole ? -Infinity : Math.max(this.changed, changed);
     this.dropCoarse();
     for (const key of whole ? [...this.meshes.keys()] : dropped) {
       this.drop(key);
