@@ -30,13 +30,10 @@ use std::hint::black_box;
 
 use glam::DVec3;
 use palpate_haptics::ball::BallError;
-use palpate_haptics::contact::ContactModel;
-use palpate_haptics::exact::Exact;
-use palpate_haptics::proxy::Proxy;
-use palpate_haptics::safety::{ForceLimits, Safety};
+use palpate_haptics::contact::{ContactModel, Exact, Proxy};
+use palpate_haptics::force::{ForceLimits, Safety};
 use palpate_haptics::smooth::Smoothing;
-use palpate_haptics::thesis_improved::ThesisImproved;
-use palpate_haptics::thesis_original::ThesisOriginal;
+use palpate_haptics::thesis::{ThesisImproved, ThesisOriginal};
 use palpate_haptics::tick::{TickCache, TickInput, TickState, tick};
 use palpate_volume::first_solid::first_solid;
 use palpate_volume::grid::Grid;

@@ -8,7 +8,7 @@
 
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use palpate_device::DeviceState;
-use palpate_haptics::local_force::LocalForce;
+use palpate_haptics::force::LocalForce;
 use palpate_haptics::needle::tissues::Tissues;
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::bits::Bits;

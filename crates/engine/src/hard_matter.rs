@@ -9,11 +9,8 @@
 
 use arrayvec::ArrayVec;
 use glam::{DVec3, IVec3};
-use palpate_haptics::ball::Ball;
-use palpate_haptics::ball_probe::ProbeView;
-use palpate_haptics::contact::ContactModel;
-use palpate_haptics::exact::Exact;
-use palpate_haptics::proxy::Proxy;
+use palpate_haptics::ball::{Ball, ProbeView};
+use palpate_haptics::contact::{ContactModel, Exact, Proxy};
 use palpate_haptics::scene::{MAX_OBJECTS, Solid, TouchScene};
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::bits::Bits;

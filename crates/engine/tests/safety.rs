@@ -21,8 +21,7 @@ use palpate_engine::handover::{Channels, ForceCommand};
 use palpate_engine::session::Session;
 use palpate_engine::session_config::{Reference, SessionConfig};
 use palpate_engine::shared::Shared;
-use palpate_haptics::local_force::LocalForce;
-use palpate_haptics::safety::{ForceOff, SafetySettings};
+use palpate_haptics::force::{ForceOff, LocalForce, SafetySettings};
 
 const DIMENSIONS: UVec3 = UVec3::splat(40);
 

@@ -26,8 +26,7 @@ use palpate_volume::matter::SegmentSet;
 use palpate_volume::tissue::Tissue;
 use serde::{Deserialize, Serialize};
 
-use crate::coupling::Coupling;
-use crate::friction::Friction;
+use crate::force::{Coupling, Friction};
 use crate::soft_contact::{STEP, SoftInput, gone_over, pushed_over, put};
 use crate::tick::TickOutput;
 

@@ -12,13 +12,11 @@
 
 mod felt;
 
-use crate::contact::{Contact, ContactModel, ForceInput};
-use crate::friction::{Friction, FrictionState};
-use crate::proxy::Proxy;
+use crate::contact::{Contact, ContactModel, ForceInput, Proxy};
+use crate::force::{Feel, Friction, FrictionState, Holders, SurfaceBlend, Surfaces};
 use crate::scene::{Solid, TouchScene};
 use crate::smooth::cache::{NearFields, SmoothCache, Source};
 use crate::smooth::{SmoothInput, SmoothState, Smoother, Smoothing};
-use crate::surface::{Feel, Holders, SurfaceBlend, Surfaces};
 use felt::Felt;
 pub use felt::TickOutput;
 use glam::DVec3;

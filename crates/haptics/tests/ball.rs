@@ -5,13 +5,11 @@ mod support;
 use std::cell::Cell;
 
 use glam::{DVec3, IVec3, UVec3};
-use palpate_haptics::ball::{Ball, BallError, BallShape, MAX_REACH};
-use palpate_haptics::ball_limits::{ball_limits, most_bricks};
-use palpate_haptics::ball_probe::ProbeSolid;
-use palpate_haptics::contact::ContactModel;
-use palpate_haptics::exact::Exact;
-use palpate_haptics::placement::nearest_free;
-use palpate_haptics::proxy::Proxy;
+use palpate_haptics::admission::nearest_free;
+use palpate_haptics::ball::{
+    Ball, BallError, BallShape, MAX_REACH, ProbeSolid, ball_limits, most_bricks,
+};
+use palpate_haptics::contact::{ContactModel, Exact, Proxy};
 use palpate_haptics::scene::TouchScene;
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::occupancy::Occupancy;

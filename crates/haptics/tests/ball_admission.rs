@@ -3,11 +3,9 @@
 mod support;
 
 use glam::{DAffine3, DVec3, IVec3, UVec3};
-use palpate_haptics::admission::{Admission, admit};
-use palpate_haptics::ball::{Ball, BallShape, MAX_REACH};
-use palpate_haptics::ball_probe::{MAX_BODIES, ProbeSolid, admit_radius};
-use palpate_haptics::placement::nearest_free;
-use palpate_haptics::proxy::Proxy;
+use palpate_haptics::admission::{Admission, admit, nearest_free};
+use palpate_haptics::ball::{Ball, BallShape, MAX_BODIES, MAX_REACH, ProbeSolid, admit_radius};
+use palpate_haptics::contact::Proxy;
 use palpate_haptics::scene::{Object, ObjectPose, TouchScene};
 use palpate_volume::grid::Grid;
 use palpate_volume::occupancy::Occupancy;

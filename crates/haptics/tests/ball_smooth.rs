@@ -3,13 +3,11 @@
 mod support;
 
 use glam::{DVec3, IVec3, UVec3};
-use palpate_haptics::ball_limits::ball_limits;
-use palpate_haptics::ball_probe::ProbeSolid;
-use palpate_haptics::exact::Exact;
-use palpate_haptics::proxy::Proxy;
+use palpate_haptics::ball::{ProbeSolid, ball_limits};
+use palpate_haptics::contact::{Exact, Proxy};
+use palpate_haptics::force::Uniform;
 use palpate_haptics::scene::TouchScene;
 use palpate_haptics::smooth::Smoothing;
-use palpate_haptics::surface::Uniform;
 use palpate_haptics::tick::{TickCache, TickInput, TickOutput, TickState, tick};
 use palpate_volume::grid::Grid;
 use palpate_volume::occupancy::Occupancy;

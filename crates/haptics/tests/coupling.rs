@@ -3,7 +3,7 @@
 mod support;
 
 use glam::DVec3;
-use palpate_haptics::coupling::{Coupling, CouplingError};
+use palpate_haptics::force::{Coupling, CouplingError};
 use proptest::prelude::*;
 use support::Random;
 

@@ -3,10 +3,8 @@
 mod support;
 
 use glam::{DMat3, DVec3, IVec3, UVec3};
-use palpate_haptics::contact::{Contact, ContactModel};
-use palpate_haptics::exact::{Exact, ExactLimits};
-use palpate_haptics::placement::nearest_free;
-use palpate_haptics::proxy::Proxy;
+use palpate_haptics::admission::nearest_free;
+use palpate_haptics::contact::{Contact, ContactModel, Exact, ExactLimits, Proxy};
 use palpate_haptics::scene::TouchScene;
 use palpate_volume::grid::Grid;
 use palpate_volume::occupancy::Occupancy;

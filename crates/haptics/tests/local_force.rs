@@ -3,8 +3,7 @@
 mod support;
 
 use glam::DVec3;
-use palpate_haptics::coupling::Coupling;
-use palpate_haptics::local_force::LocalForce;
+use palpate_haptics::force::{Coupling, LocalForce};
 use proptest::prelude::*;
 use support::Random;
 

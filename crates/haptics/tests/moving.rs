@@ -3,10 +3,8 @@
 mod support;
 
 use glam::{DAffine3, DMat3, DVec3, IVec3, UVec3};
-use palpate_haptics::contact::ContactModel;
-use palpate_haptics::exact::Exact;
-use palpate_haptics::moving::{PoseMotion, PoseStep, step_pose};
-use palpate_haptics::proxy::Proxy;
+use palpate_haptics::admission::{PoseMotion, PoseStep, step_pose};
+use palpate_haptics::contact::{ContactModel, Exact, Proxy};
 use palpate_haptics::scene::{Object, ObjectPose, PoseError, TouchScene};
 use palpate_volume::grid::Grid;
 use palpate_volume::occupancy::Occupancy;

@@ -3,7 +3,7 @@
 mod support;
 
 use glam::DVec3;
-use palpate_haptics::passivity::Passivity;
+use palpate_haptics::force::Passivity;
 use support::Random;
 
 const DT: f64 = 0.001;

@@ -3,7 +3,7 @@
 mod support;
 
 use glam::{DAffine3, DVec3, IVec3, UVec3};
-use palpate_haptics::placement::{nearest_free, nearest_free_in};
+use palpate_haptics::admission::{nearest_free, nearest_free_in};
 use palpate_haptics::scene::{Object, ObjectPose, TouchScene};
 use palpate_volume::occupancy::Occupancy;
 use palpate_volume::voxel_box::VoxelBox;

@@ -3,7 +3,7 @@
 mod support;
 
 use glam::DVec3;
-use palpate_haptics::safety::{ForceLimits, ForceOff, Safety, SafetyCounters, SafetySettings};
+use palpate_haptics::force::{ForceLimits, ForceOff, Safety, SafetyCounters, SafetySettings};
 use proptest::prelude::*;
 use support::Random;
 

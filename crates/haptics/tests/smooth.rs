@@ -3,12 +3,10 @@
 mod support;
 
 use glam::{DAffine3, DMat3, DQuat, DVec3, IVec3, UVec3};
-use palpate_haptics::contact::{Contact, ContactModel};
-use palpate_haptics::exact::Exact;
-use palpate_haptics::proxy::Proxy;
+use palpate_haptics::contact::{Contact, ContactModel, Exact, Proxy};
 use palpate_haptics::scene::{Object, ObjectPose, TouchScene};
 use palpate_haptics::smooth::cache::{SmoothCache, Source};
-use palpate_haptics::smooth::shares::{Around, Limits};
+use palpate_haptics::smooth::occupancy_fractions::{Around, Limits};
 use palpate_haptics::smooth::{SmoothContact, SmoothInput, SmoothState, Smoother};
 use palpate_volume::bits::Bits;
 use palpate_volume::grid::Grid;

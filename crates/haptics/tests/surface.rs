@@ -3,12 +3,10 @@
 mod support;
 
 use glam::{DAffine3, DVec3, IVec3};
-use palpate_haptics::coupling::MAX_STIFFNESS;
-use palpate_haptics::friction::Friction;
-use palpate_haptics::scene::{Object, ObjectPose, Solid, TouchScene};
-use palpate_haptics::surface::{
-    Feel, Holders, Surface, SurfaceBlend, SurfaceError, Surfaces, Uniform,
+use palpate_haptics::force::{
+    Feel, Friction, Holders, MAX_STIFFNESS, Surface, SurfaceBlend, SurfaceError, Surfaces, Uniform,
 };
+use palpate_haptics::scene::{Object, ObjectPose, Solid, TouchScene};
 use palpate_volume::voxel_box::VoxelBox;
 use support::{Body, Random};
 

@@ -3,12 +3,9 @@
 mod support;
 
 use glam::{DVec3, IVec3, UVec3};
-use palpate_haptics::contact::{Contact, ContactModel, ForceInput, SlidePath};
-use palpate_haptics::exact::Exact;
-use palpate_haptics::proxy::Proxy;
+use palpate_haptics::contact::{Contact, ContactModel, Exact, ForceInput, Proxy, SlidePath};
 use palpate_haptics::scene::TouchScene;
-use palpate_haptics::thesis_improved::ThesisImproved;
-use palpate_haptics::thesis_original::ThesisOriginal;
+use palpate_haptics::thesis::{ThesisImproved, ThesisOriginal};
 use palpate_volume::grid::Grid;
 use support::{Body, Random, SPACINGS, grid, noise};
 

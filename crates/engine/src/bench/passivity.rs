@@ -18,7 +18,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use glam::{DMat3, DVec3, UVec3};
 use palpate_device::simulated::{SimulatedDevice, SimulatedSettings};
-use palpate_haptics::safety::SafetySettings;
+use palpate_haptics::force::SafetySettings;
 use palpate_volume::bits::Bits;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;

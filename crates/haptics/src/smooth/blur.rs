@@ -13,12 +13,12 @@
 //! Frame: grid.
 
 use super::aim::Aim;
+use super::binomial_filter::{Cells, ChangesOfRows, unit_of};
 use super::cache::Source;
+use super::cell_fractions::CellShares;
 use super::cell_shape::{CELLS, CellShape};
-use super::cell_shares::CellShares;
 use super::field::{Field, FieldSample, Kernel};
 use super::spline::{Nodes, Place, Width};
-use super::tents::{Cells, ChangesOfRows, unit_of};
 use super::window::{Window, counts};
 use crate::wide::widest;
 use glam::{DVec3, IVec3, Vec3A};

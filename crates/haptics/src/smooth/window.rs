@@ -9,7 +9,7 @@
 
 use super::cell_shape::{CELLS, CellShape, MAX_WORDS};
 use super::rows::CellRows;
-use crate::flood::flood;
+use crate::contact::flood::flood;
 use crate::wide::widest;
 use glam::IVec3;
 use palpate_volume::occupancy::Occupancy;

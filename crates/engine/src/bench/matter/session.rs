@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 use glam::DVec3;
 use palpate_deform::material::{MaterialLaw, preset};
 use palpate_deform::model_options::ModelOptions;
-use palpate_haptics::exact::Exact;
+use palpate_haptics::contact::Exact;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
 use palpate_volume::intensities::Intensities;

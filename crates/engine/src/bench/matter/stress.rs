@@ -14,7 +14,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use glam::DVec3;
 use palpate_device::{DeviceLimits, DeviceState, HapticDevice};
-use palpate_haptics::safety::SafetySettings;
+use palpate_haptics::force::SafetySettings;
 use palpate_haptics::soft_contact;
 use rayon::prelude::*;
 

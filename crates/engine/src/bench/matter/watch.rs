@@ -9,9 +9,8 @@
 //! Frame: scene [mm], whose origin is the grid's corner.
 
 use glam::{DVec3, IVec3};
-use palpate_haptics::contact::ContactModel;
-use palpate_haptics::exact::Exact;
-use palpate_haptics::safety::ForceLimits;
+use palpate_haptics::contact::{ContactModel, Exact};
+use palpate_haptics::force::ForceLimits;
 use palpate_volume::bits::Bits;
 use palpate_volume::voxel_box::VoxelBox;
 

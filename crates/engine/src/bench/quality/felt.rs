@@ -3,13 +3,10 @@
 use std::sync::Arc;
 
 use glam::DVec3;
-use palpate_haptics::contact::ContactModel;
-use palpate_haptics::exact::Exact;
-use palpate_haptics::proxy::Proxy;
+use palpate_haptics::contact::{ContactModel, Exact, Proxy};
+use palpate_haptics::force::Uniform;
 use palpate_haptics::smooth::Smoothing;
-use palpate_haptics::surface::Uniform;
-use palpate_haptics::thesis_improved::ThesisImproved;
-use palpate_haptics::thesis_original::ThesisOriginal;
+use palpate_haptics::thesis::{ThesisImproved, ThesisOriginal};
 use palpate_haptics::tick::{TickCache, TickInput, TickState, tick};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;

@@ -3,8 +3,8 @@
 //! Frame: the world's grid.
 
 use glam::{DVec3, IVec3, UVec3};
-use palpate_haptics::moving::PoseStep;
-use palpate_haptics::proxy::Proxy;
+use palpate_haptics::admission::PoseStep;
+use palpate_haptics::contact::Proxy;
 use palpate_haptics::scene::{Object, ObjectPose, TouchScene};
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::bits::Bits;

@@ -9,9 +9,9 @@
 //!
 //! Frames: the world's grid and the object's; a scene in mm. Closed, like a tick.
 
-use crate::bodies::{Bodies, Leg, Visits};
-use crate::descent::Faces;
-use crate::proxy::Proxy;
+use crate::contact::Proxy;
+use crate::contact::bodies::{Bodies, Leg, Visits};
+use crate::contact::descent::Faces;
 use crate::scene::{Object, ObjectPose, PoseError, TouchScene, check_rigid, corners};
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use palpate_volume::first_solid::{Outcome, first_solid_bounded};

@@ -12,17 +12,16 @@
 //!   floor the proxy jitters by 0.51 voxels (0.83 with w_max 7.3, 0 with 10, by parity);
 //! - so the proxy can stand in a solid voxel (`Contact::violation`).
 //!
-//! `exact` is the corrected form. Bounds: `thesis_path.rs`.
+//! `exact` is the corrected form. Bounds: `path.rs`.
 //! Objects count where they cover the middle of a voxel of the world.
 //!
 //! Frame: grid, in voxels. Source: R. Vlasov, thesis (2016), listing of 4.8.
 
-use crate::border_voxels::border_voxels;
-use crate::contact::{Contact, ContactModel, ForceInput};
-use crate::proxy::Proxy;
+use crate::contact::{Contact, ContactModel, ForceInput, Proxy};
 use crate::scene::TouchScene;
-use crate::thesis_force::force_improved;
-use crate::thesis_path::{Listing, ThesisLimits, ThesisPath, middle};
+use crate::thesis::border_voxels::border_voxels;
+use crate::thesis::force::force_improved;
+use crate::thesis::path::{Listing, ThesisLimits, ThesisPath, middle};
 use glam::{DVec3, IVec3};
 use palpate_volume::occupancy::Occupancy;
 

@@ -4,8 +4,8 @@
 //! (`docs/decisions/ball.md`); the limits keep what a tick can need of them under 300 µs. They
 //! are met in free flight only: a hand that slides needs a few bricks every 40 ticks.
 
-use crate::ball_shape::BallShape;
-use crate::exact::ExactLimits;
+use crate::ball::shape::BallShape;
+use crate::contact::ExactLimits;
 use glam::IVec3;
 use palpate_volume::brick_grid::BRICK;
 

@@ -18,7 +18,7 @@
 //! Ogino, "Intermediate representation for stiff virtual objects", VRAIS 1995, for planes
 //! that a slow loop hands to a fast one.
 
-use crate::coupling::Coupling;
+use crate::force::coupling::Coupling;
 use glam::DVec3;
 
 /// A contact as the device's thread can follow it.

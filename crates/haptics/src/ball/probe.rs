@@ -5,9 +5,9 @@
 //! so that nothing is allocated when voxels or the radius change. Frame: grid.
 
 use crate::admission::{Admission, admit_scene};
+use crate::ball::closing::Closing;
 use crate::ball::{Ball, BallError, BallShape, Dilated};
-use crate::ball_closing::Closing;
-use crate::proxy::Proxy;
+use crate::contact::Proxy;
 use crate::scene::{MAX_OBJECTS, Object, TouchScene};
 use arrayvec::ArrayVec;
 use glam::{DVec3, IVec3};

@@ -12,12 +12,11 @@
 //!
 //! Frame: grid. Source: R. Vlasov, thesis (2016), 4.2, 4.3, 4.8.
 
-use crate::border_voxels::BORDER_VISITS;
-use crate::contact::{Contact, SlidePath};
-use crate::middle_voxels::MiddleVoxels;
-use crate::proxy::Proxy;
-use crate::ray_samples::{ENTRY_VISITS, sample_ray};
+use crate::contact::{Contact, Proxy, SlidePath};
 use crate::scene::{Solid, TouchScene};
+use crate::thesis::border_voxels::BORDER_VISITS;
+use crate::thesis::ray_samples::{ENTRY_VISITS, sample_ray};
+use crate::thesis::voxelised_scene::VoxelisedScene;
 use glam::{DVec3, IVec3};
 use palpate_volume::occupancy::Occupancy;
 
@@ -38,7 +37,7 @@ pub(crate) trait Listing {
         if scene.objects.is_empty() {
             return self.run(scene.occupancy, device_in_grid, proxy);
         }
-        let voxels = MiddleVoxels(*scene);
+        let voxels = VoxelisedScene(*scene);
         let contact = voxels.owned(self.run(&voxels, device_in_grid, proxy));
         Contact {
             violation: scene.solid_at(proxy.point()).is_some(),

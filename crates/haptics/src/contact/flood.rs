@@ -3,7 +3,7 @@
 //! Memory: a window is layers along z of words of rows along x (`bit_rows.rs`). A whole layer
 //! grows in a few operations, and only layers that something new came into grow at all.
 
-use crate::bit_rows::Rows;
+use crate::contact::bit_rows::Rows;
 
 /// Most growths of a layer, for each layer. Paths that wind more are cut short: what is reached
 /// is then a part of what could be, and still legal.

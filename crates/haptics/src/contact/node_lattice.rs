@@ -7,7 +7,7 @@
 //!
 //! Frame: the world's grid; memory as in a brick: one word per z, bit y·8 + x.
 
-use crate::bodies::{Bodies, Visits};
+use crate::contact::bodies::{Bodies, Visits};
 use glam::{DVec3, IVec3};
 use palpate_volume::occupancy::Occupancy;
 

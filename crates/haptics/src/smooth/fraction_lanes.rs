@@ -5,7 +5,7 @@
 //!
 //! Frame: grid. Values and limits as stored.
 
-use super::shares::{Limits, Stored};
+use super::occupancy_fractions::{Limits, Stored};
 use crate::wide::widest;
 use glam::IVec3;
 
@@ -89,7 +89,7 @@ widest! {
     fn changes_of(limits: &Limits, lanes: &Lanes) -> Lane = Limits::changes_plainly
 }
 
-/// By how much a voxel counts for more or less than its bit; see `share` in `shares.rs`.
+/// By how much a voxel counts for more or less than its bit; see `share` in `occupancy_fractions.rs`.
 #[inline(always)]
 fn change(here: f32, columns: [[f32; 2]; 3], solid: f32) -> f32 {
     let is_solid = solid > 0.5;
@@ -143,7 +143,7 @@ fn smaller(a: f32, b: f32) -> f32 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::shares::Around;
+    use super::super::occupancy_fractions::Around;
     use super::*;
     use glam::UVec3;
     use palpate_volume::intensities::Intensities;

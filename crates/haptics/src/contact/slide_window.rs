@@ -5,7 +5,7 @@
 //! toward it, and never further than [`BEHIND`] voxels past the voxels between proxy and
 //! device.
 
-use crate::voxel_distance::squared_along;
+use crate::contact::voxel_distance::squared_along;
 use glam::{DVec3, IVec3};
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::occupancy::Occupancy;

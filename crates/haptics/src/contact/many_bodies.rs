@@ -7,12 +7,12 @@
 //!
 //! Frame: the world's grid, lengths in mm. `docs/decisions/objects.md` has the measurements.
 
-use crate::bodies::{Bodies, Visits};
 use crate::contact::Contact;
-use crate::descent::{Descent, descend};
-use crate::exact::ExactLimits;
-use crate::proxy::Proxy;
-use crate::slide_many::{LEAST_GAIN, Slide};
+use crate::contact::bodies::{Bodies, Visits};
+use crate::contact::descent::{Descent, descend};
+use crate::contact::exact::ExactLimits;
+use crate::contact::proxy::Proxy;
+use crate::contact::slide_many::{LEAST_GAIN, Slide};
 use glam::DVec3;
 use palpate_volume::occupancy::Occupancy;
 

@@ -9,7 +9,7 @@
 //! Frame: grid. Memory: as in `bit_brick.rs`; the source is the bricks around, BLOCKS along
 //! each axis with the dilated one in the middle, kept as layers of rows per column of bricks.
 
-use crate::ball_shape::BallShape;
+use crate::ball::shape::BallShape;
 use glam::IVec3;
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::brick_grid::BRICK;

@@ -9,7 +9,7 @@
 //! Source: Zilles & Salisbury, "A constraint-based god-object method for haptic display",
 //! IROS 1995.
 
-use crate::voxel_distance::nearest_point;
+use crate::contact::voxel_distance::nearest_point;
 use glam::{DVec3, IVec3};
 use palpate_volume::walk::{COORDINATE_LIMIT, voxel_of};
 use serde::{Deserialize, Serialize};

@@ -2,18 +2,18 @@
 //!
 //! First the voxels of each body that was met, as in `slide.rs`: the window of that body's own
 //! lattice, so that the stairs of one body are climbed as if it were alone. Then, between the
-//! stairs of two bodies, by feeling along their faces (`creep.rs`). A way is taken only if each
+//! stairs of two bodies, by feeling along their faces (`corner_search.rs`). A way is taken only if each
 //! of its legs was walked free in every body, and if, after a descent from its end, the device
 //! is nearer than before by more than rounding.
 //!
 //! Frame: the world's grid, lengths in mm.
 
-use crate::bodies::{Bodies, Visits};
-use crate::creep::creep;
-use crate::descent::{Descent, descend};
-use crate::node_lattice::{NODES, NodeLattice, Way, clear};
-use crate::slide_window::{LayerDistances, SlideWindow};
-use crate::voxel_distance::nearest_point;
+use crate::contact::bodies::{Bodies, Visits};
+use crate::contact::corner_search::creep;
+use crate::contact::descent::{Descent, descend};
+use crate::contact::node_lattice::{NODES, NodeLattice, Way, clear};
+use crate::contact::slide_window::{LayerDistances, SlideWindow};
+use crate::contact::voxel_distance::nearest_point;
 use glam::{DVec3, IVec3};
 use palpate_volume::occupancy::Occupancy;
 

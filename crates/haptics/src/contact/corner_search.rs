@@ -9,8 +9,8 @@
 //!
 //! Frame: the world's grid, lengths in mm.
 
-use crate::bodies::{Bodies, Leg, Visits};
-use crate::descent::{Faces, before};
+use crate::contact::bodies::{Bodies, Leg, Visits};
+use crate::contact::descent::{Faces, before};
 use glam::{DVec3, IVec3};
 use palpate_volume::occupancy::Occupancy;
 

@@ -3,7 +3,7 @@
 //! Of the voxels that block a cell it is the one whose centre is nearest to that of the cell
 //! [mm], the first along z, y, x of several. Frame: grid.
 
-use crate::ball_shape::BallShape;
+use crate::ball::shape::BallShape;
 use glam::IVec3;
 use palpate_volume::brick_grid::BRICK;
 use palpate_volume::occupancy::Occupancy;

@@ -16,8 +16,8 @@
 //!
 //! Units: N/mm, mm; coefficients have none. Frame: that of the body a voxel belongs to.
 
-use crate::coupling::MAX_STIFFNESS;
-use crate::friction::{Friction, FrictionError};
+use crate::force::coupling::MAX_STIFFNESS;
+use crate::force::friction::{Friction, FrictionError};
 use crate::scene::{MAX_OBJECTS, Solid, TouchScene};
 use glam::{DVec3, IVec3};
 use palpate_volume::occupancy::Occupancy;

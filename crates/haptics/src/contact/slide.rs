@@ -8,8 +8,8 @@
 //!
 //! Frame: grid. Source: thesis 4.8 and its errata; see `exact.rs`.
 
-use crate::flood::reached;
-use crate::slide_window::{LayerDistances, SlideWindow};
+use crate::contact::flood::reached;
+use crate::contact::slide_window::{LayerDistances, SlideWindow};
 use glam::{DVec3, IVec3};
 use palpate_volume::occupancy::Occupancy;
 

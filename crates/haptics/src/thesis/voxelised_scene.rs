@@ -11,9 +11,9 @@ use palpate_volume::occupancy::Occupancy;
 
 /// The scene, voxel by voxel of the world.
 #[derive(Debug)]
-pub struct MiddleVoxels<'a, O>(pub TouchScene<'a, O>);
+pub struct VoxelisedScene<'a, O>(pub TouchScene<'a, O>);
 
-impl<O: Occupancy> MiddleVoxels<'_, O> {
+impl<O: Occupancy> VoxelisedScene<'_, O> {
     /// What makes a voxel of the world solid.
     pub fn owner(&self, voxel: IVec3) -> Option<Solid> {
         if self.0.occupancy.is_solid(voxel) {
@@ -38,7 +38,7 @@ impl<O: Occupancy> MiddleVoxels<'_, O> {
     }
 }
 
-impl<O: Occupancy> Occupancy for MiddleVoxels<'_, O> {
+impl<O: Occupancy> Occupancy for VoxelisedScene<'_, O> {
     fn is_solid(&self, voxel: IVec3) -> bool {
         self.owner(voxel).is_some()
     }

@@ -12,17 +12,16 @@
 //!
 //! The text of step 3b says d2 − p2 instead; the listing is followed. The point p3 of 4.4,
 //! whose direction is unclear, is left out: it adds candidates, which helps against sticking
-//! and not against any of these. Bounds: `thesis_path.rs`.
+//! and not against any of these. Bounds: `path.rs`.
 //! Objects count where they cover the middle of a voxel of the world.
 //!
 //! Frame: grid, in voxels. Source: R. Vlasov, thesis (2016), listing of 4.3.
 
-use crate::border_voxels::border_voxels;
-use crate::contact::{Contact, ContactModel, ForceInput};
-use crate::proxy::Proxy;
+use crate::contact::{Contact, ContactModel, ForceInput, Proxy};
 use crate::scene::TouchScene;
-use crate::thesis_force::force_original;
-use crate::thesis_path::{Listing, ThesisLimits, ThesisPath, middle};
+use crate::thesis::border_voxels::border_voxels;
+use crate::thesis::force::force_original;
+use crate::thesis::path::{Listing, ThesisLimits, ThesisPath, middle};
 use glam::{DVec3, IVec3};
 use palpate_volume::occupancy::Occupancy;
 

@@ -7,8 +7,8 @@
 //!
 //! Frame: grid. Source: Serra, "Image Analysis and Mathematical Morphology" (1982), ch. II.
 
-use crate::ball_cache::BallCache;
-use crate::ball_shape::BallShape;
+use crate::ball::cache::BallCache;
+use crate::ball::shape::BallShape;
 use crate::wide::widest;
 use glam::{DVec3, IVec3};
 use palpate_volume::bit_brick::BitBrick;

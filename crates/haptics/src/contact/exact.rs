@@ -10,13 +10,12 @@
 //! traversal, legal diagonal steps, a strictly falling distance);
 //! `docs/decisions/sliding.md` has the measurements.
 
-use crate::bodies::Bodies;
-use crate::contact::{Contact, ContactModel};
-use crate::many_bodies;
-use crate::proxy::Proxy;
+use crate::contact::bodies::Bodies;
+use crate::contact::proxy::Proxy;
+use crate::contact::slide::{SLIDE_VISITS, slide};
+use crate::contact::voxel_distance::squared_distance;
+use crate::contact::{Contact, ContactModel, many_bodies};
 use crate::scene::{Solid, TouchScene};
-use crate::slide::{SLIDE_VISITS, slide};
-use crate::voxel_distance::squared_distance;
 use crate::wide::widest;
 use glam::{DVec3, IVec3};
 use palpate_volume::first_solid::{Outcome, first_solid_bounded};

@@ -2,9 +2,9 @@
 //!
 //! Frame: grid; distances in mm. Not part of a tick: it reads up to (2 r + 1)³ voxels.
 
-use crate::proxy::Proxy;
+use crate::contact::Proxy;
+use crate::contact::voxel_distance::squared_distance;
 use crate::scene::TouchScene;
-use crate::voxel_distance::squared_distance;
 use glam::{DVec3, IVec3};
 use palpate_volume::grid::Grid;
 use palpate_volume::occupancy::Occupancy;

@@ -9,7 +9,7 @@
 //! god-object method for haptic display", IROS 1995, with exact walks in place of their
 //! constraint surfaces.
 
-use crate::bodies::{Bodies, Leg, LegHit, Visits};
+use crate::contact::bodies::{Bodies, Leg, LegHit, Visits};
 use crate::scene::Solid;
 use glam::DVec3;
 use palpate_volume::occupancy::Occupancy;

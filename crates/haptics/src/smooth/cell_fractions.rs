@@ -7,10 +7,10 @@
 //!
 //! Frame: grid; cells by their number.
 
+use super::binomial_filter::{Changes, unit_of};
 use super::cache::Source;
 use super::cell_shape::{CELLS, CellShape};
 use super::surface_rows::{CellsOfRow, SurfaceRow, find_surface};
-use super::tents::{Changes, unit_of};
 use super::window::Window;
 use glam::IVec3;
 use palpate_volume::occupancy::Occupancy;
