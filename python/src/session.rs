@@ -12,7 +12,7 @@ use palpate_engine::scene::{Properties, ThresholdRange};
 use palpate_engine::session::Session;
 use palpate_engine::session_config::SessionConfig;
 use palpate_engine::settings::Settings;
-use palpate_tools::journal_entry::ScanHash;
+use palpate_tools::journal::ScanHash;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::segment::Segment;
 use pyo3::prelude::*;

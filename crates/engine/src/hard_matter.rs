@@ -17,8 +17,8 @@ use palpate_volume::bits::Bits;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::first_solid::Traversal;
 use palpate_volume::grid::Grid;
-use palpate_volume::matter::SegmentSet;
 use palpate_volume::occupancy::Occupancy;
+use palpate_volume::segment_set::SegmentSet;
 
 use crate::touchable::{Body, Part, Touchable, unmoved};
 

@@ -14,7 +14,7 @@ use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;
 use palpate_volume::edit::SegmentId;
-use palpate_volume::shares::{ShareBrick, Shares};
+use palpate_volume::occupancy_fractions::{ShareBrick, Shares};
 
 use crate::scan_values::ScanValues;
 use crate::touchable::Part;

@@ -15,7 +15,7 @@ use palpate_haptics::contact::Proxy;
 use palpate_haptics::scene::{MAX_OBJECTS, ObjectPose};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
-use palpate_volume::matter::SegmentSet;
+use palpate_volume::segment_set::SegmentSet;
 use palpate_volume::voxel_box::VoxelBox;
 use serde::{Deserialize, Serialize};
 

@@ -19,7 +19,7 @@ use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
-use palpate_volume::shares::{ShareBrick, Shares};
+use palpate_volume::occupancy_fractions::{ShareBrick, Shares};
 use palpate_volume::voxel_box::VoxelBox;
 
 use crate::body::BodyVoxels;

@@ -19,7 +19,8 @@ use palpate_engine::session_config::{Reference, SessionConfig};
 use palpate_engine::tape::Tape;
 use palpate_engine::tape_columns::TapeColumns;
 use palpate_haptics::needle::events::EventKind::{self, Punctured, Stopped, Withdrawn};
-use palpate_tools::tool::{ToolError, ToolKind, ToolSettings};
+use palpate_tools::factory::{ToolKind, ToolSettings};
+use palpate_tools::tool::ToolError;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::tissue::Tissue;
 

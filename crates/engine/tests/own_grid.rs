@@ -19,11 +19,11 @@ use palpate_engine::session_config::{Reference, SessionConfig};
 use palpate_engine::settings::Settings;
 use palpate_engine::tape::Tape;
 use palpate_engine::tape_columns::{TapeColumns, TapeError};
-use palpate_tools::tool::{ToolKind, ToolSettings};
+use palpate_tools::factory::{ToolKind, ToolSettings};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
-use palpate_volume::matter::SegmentSet;
 use palpate_volume::segment::Segment;
+use palpate_volume::segment_set::SegmentSet;
 use palpate_volume::voxels::VoxelsError;
 
 const DIMENSIONS: UVec3 = UVec3::splat(40);

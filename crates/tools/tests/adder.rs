@@ -3,7 +3,8 @@
 mod support;
 
 use glam::{DVec3, UVec3};
-use palpate_tools::tool::{Tool, ToolInput, ToolKind, ToolSettings};
+use palpate_tools::factory::{ToolKind, ToolSettings};
+use palpate_tools::tool::{Tool, ToolInput};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
 use palpate_volume::voxels::Voxels;

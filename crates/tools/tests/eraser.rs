@@ -3,8 +3,9 @@
 mod support;
 
 use glam::{DVec3, UVec3};
+use palpate_tools::factory::{ToolKind, ToolSettings};
 use palpate_tools::stroke::Stroke;
-use palpate_tools::tool::{MAX_WAY, Tool, ToolError, ToolKind, ToolSettings};
+use palpate_tools::tool::{MAX_WAY, Tool, ToolError};
 use palpate_volume::edit::{EditKind, SegmentId};
 use palpate_volume::grid::Grid;
 use palpate_volume::voxels::VoxelsError;

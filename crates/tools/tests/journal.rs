@@ -5,10 +5,9 @@ mod support;
 use std::fs;
 
 use glam::{DAffine3, DVec3, UVec3};
-use palpate_tools::journal_entry::{Action, Entry, Facts, ScanHash};
-use palpate_tools::journal_error::JournalError;
-use palpate_tools::journal_file::JournalFile;
-use palpate_tools::journal_reader::{JournalReader, recover};
+use palpate_tools::journal::{
+    Action, Entry, Facts, JournalError, JournalFile, JournalReader, ScanHash, recover,
+};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::segment::Segment;
 use palpate_volume::voxels::Voxels;

@@ -5,10 +5,7 @@ mod support;
 use std::fs;
 
 use glam::UVec3;
-use palpate_tools::journal_entry::Facts;
-use palpate_tools::journal_error::JournalError;
-use palpate_tools::journal_file::JournalFile;
-use palpate_tools::journal_reader::recover;
+use palpate_tools::journal::{Facts, JournalError, JournalFile, recover};
 use palpate_volume::edit::SegmentId;
 use support::journal::{HASH, recovered, start, states, written};
 use support::place::Place;

@@ -12,7 +12,7 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use glam::UVec3;
-use palpate_tools::journal_file::{JournalFile, Storage};
+use palpate_tools::journal::{JournalFile, Storage};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::voxel_box::VoxelBox;
 use support::Random;

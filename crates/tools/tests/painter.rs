@@ -3,9 +3,10 @@
 mod support;
 
 use glam::{DVec3, IVec3, UVec3};
+use palpate_tools::factory::{ToolKind, ToolSettings};
 use palpate_tools::painter::PaintSettings;
 use palpate_tools::stroke::Stroke;
-use palpate_tools::tool::{Tool, ToolError, ToolInput, ToolKind, ToolSettings};
+use palpate_tools::tool::{Tool, ToolError, ToolInput};
 use palpate_volume::edit::{EditKind, SegmentId};
 use palpate_volume::grid::Grid;
 use palpate_volume::voxels::Voxels;

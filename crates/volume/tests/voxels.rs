@@ -8,9 +8,10 @@ use glam::{DMat3, DVec3, IVec3, UVec3};
 use palpate_volume::edit::{Edit, EditKind, SegmentId};
 use palpate_volume::grid::Grid;
 use palpate_volume::intensities::Intensities;
-use palpate_volume::matter::{Matter, SegmentSet};
 use palpate_volume::segment::Segment;
+use palpate_volume::segment_set::SegmentSet;
 use palpate_volume::voxel_box::VoxelBox;
+use palpate_volume::voxel_state::Matter;
 use palpate_volume::voxels::{Voxels, VoxelsError};
 use support::{Random, box_where};
 

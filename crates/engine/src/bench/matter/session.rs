@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 
 use glam::DVec3;
 use palpate_deform::material::{MaterialLaw, preset};
-use palpate_deform::model_options::ModelOptions;
+use palpate_deform::registry::ModelOptions;
 use palpate_haptics::contact::Exact;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;

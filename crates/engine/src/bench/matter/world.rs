@@ -5,8 +5,8 @@
 
 use glam::{DMat3, DVec3, IVec3, UVec3};
 use palpate_deform::material::preset;
-use palpate_deform::model_options::ModelOptions;
-use palpate_tools::tool::{ToolKind, ToolSettings};
+use palpate_deform::registry::ModelOptions;
+use palpate_tools::factory::{ToolKind, ToolSettings};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
 use palpate_volume::intensities::Intensities;

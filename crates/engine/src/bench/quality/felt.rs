@@ -10,8 +10,8 @@ use palpate_haptics::thesis::{ThesisImproved, ThesisOriginal};
 use palpate_haptics::tick::{TickCache, TickInput, TickState, tick};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
+use palpate_volume::occupancy_fractions::Shares;
 use palpate_volume::relax::{self, relaxed_shares};
-use palpate_volume::shares::Shares;
 
 use super::body::Body;
 use super::solid::{Solid, THRESHOLD};

@@ -10,7 +10,7 @@ use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;
 use palpate_volume::grid::Grid;
-use palpate_volume::shares::ShareBrick;
+use palpate_volume::occupancy_fractions::ShareBrick;
 use palpate_volume::voxel_box::VoxelBox;
 use rtrb::{Consumer, RingBuffer};
 

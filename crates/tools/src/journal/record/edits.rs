@@ -13,7 +13,7 @@ use palpate_volume::voxels::Voxels;
 
 use super::Wrong;
 use super::bytes::{Reader, number_of, push_bits, push_count, values_as_bytes, words_as_bytes};
-use crate::journal_entry::{Action, Delta, Entry};
+use crate::journal::entry::{Action, Delta, Entry};
 
 pub(super) fn edit_bytes(action: Action, delta: &Delta, scan: &Intensities) -> Vec<u8> {
     let unedited = Overlay::empty(scan.dimensions());

@@ -9,7 +9,7 @@ use palpate_volume::voxel_box::VoxelBox;
 use super::state::Origin;
 use crate::material::{Solid, Treatment};
 use crate::model::ModelInput;
-use crate::rest_matter::{matter_of, solid_of};
+use crate::voxel_ledger::{matter_of, solid_of};
 
 /// Share of the voxels around a place that must be solid for a particle to stand there.
 const SOLID_SHARE: f64 = 0.5;

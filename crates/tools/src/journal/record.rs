@@ -30,7 +30,7 @@ use palpate_volume::intensities::Intensities;
 use palpate_volume::segment::Segment;
 use palpate_volume::voxels::Voxels;
 
-use crate::journal_entry::{Action, Entry, Facts, Written};
+use crate::journal::entry::{Action, Entry, Facts, Written};
 
 mod bytes;
 mod edits;

@@ -11,14 +11,15 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use glam::{DVec3, IVec3};
 use palpate_volume::edit::Edit;
-use palpate_volume::matter::{Matter, SegmentSet};
+use palpate_volume::segment_set::SegmentSet;
 use palpate_volume::voxel_box::VoxelBox;
+use palpate_volume::voxel_state::Matter;
 use palpate_volume::voxels::Voxels;
 
 use super::global_field::GlobalField;
 use crate::material::Treatment;
 use crate::model::{Budget, Effort, ModelInput};
-use crate::rest_matter::{Ledger, Wanted, matter_of, solid_of};
+use crate::voxel_ledger::{Ledger, Wanted, matter_of, solid_of};
 
 /// Voxels along each edge of a tile.
 const TILE: i32 = 16;

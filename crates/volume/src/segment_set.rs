@@ -1,17 +1,8 @@
-//! What a voxel is made of, as matter edits see it: its intensity and its segments.
+//! A set of segments, as one bit for each number.
 
 use serde::{Deserialize, Serialize};
 
 use crate::edit::SegmentId;
-
-/// The state of one voxel.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Matter {
-    /// Stored intensity, the overlay's where there is one.
-    pub stored: i16,
-    /// Segments in which the voxel is solid.
-    pub segments: SegmentSet,
-}
 
 /// A set of segments, one bit for each number.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

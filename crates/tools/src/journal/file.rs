@@ -30,10 +30,10 @@ use palpate_volume::intensities::Intensities;
 use palpate_volume::segment::Segment;
 use palpate_volume::voxels::Voxels;
 
-use crate::journal_entry::{Action, Delta, Facts, ScanHash, Written, start_of};
-use crate::journal_error::JournalError;
-use crate::journal_reader::Recovery;
-use crate::journal_record::{Record, encode};
+use crate::journal::entry::{Action, Delta, Facts, ScanHash, Written, start_of};
+use crate::journal::error::JournalError;
+use crate::journal::reader::Recovery;
+use crate::journal::record::{Record, encode};
 
 /// The format that is written. Version 1 is read too: it knows neither moves nor what is known of
 /// segments beside their voxels.

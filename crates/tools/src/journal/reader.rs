@@ -9,10 +9,12 @@ use std::path::{Path, PathBuf};
 
 use palpate_volume::voxels::Voxels;
 
-use crate::journal_entry::{Action, Entry, ScanHash};
-use crate::journal_error::JournalError;
-use crate::journal_file::{HEAD_BYTES, MAGIC, OLDEST_VERSION, VERSION, checksum_after, head, lock};
-use crate::journal_record::{Counted, Record, counted, decode};
+use crate::journal::entry::{Action, Entry, ScanHash};
+use crate::journal::error::JournalError;
+use crate::journal::file::{
+    HEAD_BYTES, MAGIC, OLDEST_VERSION, VERSION, checksum_after, head, lock,
+};
+use crate::journal::record::{Counted, Record, counted, decode};
 
 /// What was found in a journal.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -8,8 +8,9 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use glam::{DVec3, IVec3};
 use palpate_volume::edit::Edit;
-use palpate_volume::matter::{Matter, SegmentSet};
+use palpate_volume::segment_set::SegmentSet;
 use palpate_volume::voxel_box::VoxelBox;
+use palpate_volume::voxel_state::Matter;
 use palpate_volume::voxels::Voxels;
 
 use crate::material::{Materials, Region, SegmentMatter, Solid, Treatment};

@@ -1,10 +1,10 @@
 //! Whether voxels are as a model left them, so that it need not look at all of them again.
 
 use glam::IVec3;
-use palpate_volume::matter::Matter;
+use palpate_volume::voxel_state::Matter;
 use palpate_volume::voxels::Voxels;
 
-use crate::rest_matter::{Ledger, matter_of};
+use crate::voxel_ledger::{Ledger, matter_of};
 
 /// The voxels as they were after an answer.
 #[derive(Clone, Copy, Debug)]

@@ -7,7 +7,7 @@ use palpate_volume::grid::Grid;
 use palpate_volume::intensity_brick::IntensityBrick;
 
 use super::Wrong;
-use crate::journal_entry::Action;
+use crate::journal::entry::Action;
 
 /// Voxels of a segment with a grid of its own, at most: no file can ask for more memory.
 const MOST_OWN_VOXELS: u64 = 1 << 33;
