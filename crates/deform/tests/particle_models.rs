@@ -1,9 +1,7 @@
 //! The thesis' local models as models: pressing, giving back, edits of others.
 
-mod liver;
-
+use crate::liver::{H, TOP, advance, ball, force, models, picture, scan};
 use glam::{DVec3, IVec3};
-use liver::{H, TOP, advance, ball, force, models, picture, scan};
 use palpate_deform::model::{Budget, DeformationModel, ModelInput};
 use palpate_deform::particles::{LocalModel, LocalSettings};
 use palpate_deform::registry::model_from_name;

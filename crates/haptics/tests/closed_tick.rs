@@ -1,10 +1,9 @@
 //! The servo tick is closed: a counting allocator sees nothing, whatever is touched.
 
-mod support;
-
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
+use crate::support::{Press, Random, SPACINGS, grid, noise, rub};
 use glam::{DAffine3, DMat3, DVec3, UVec3};
 use palpate_haptics::admission::{
     Admission, PoseStep, admit, admit_scene, nearest_free, step_pose,
@@ -20,7 +19,6 @@ use palpate_haptics::thesis::{ThesisImproved, ThesisOriginal};
 use palpate_haptics::tick::{TickCache, TickState};
 use palpate_volume::segment::Segment;
 use palpate_volume::voxel_box::VoxelBox;
-use support::{Press, Random, SPACINGS, grid, noise, rub};
 
 thread_local! {
     /// Calls of the allocator by this thread.

@@ -1,14 +1,12 @@
 //! Friction, surfaces and the contact model `exact`, composed as a tick composes them.
 
-mod support;
-
+use crate::support::{Body, Random, SPACINGS, grid, noise};
 use glam::{DVec3, IVec3, UVec3};
 use palpate_haptics::contact::{ContactModel, Exact, Proxy};
 use palpate_haptics::force::{Friction, FrictionState, Holders, Surface, SurfaceBlend, Surfaces};
 use palpate_haptics::scene::{Solid, TouchScene};
 use palpate_volume::grid::Grid;
 use palpate_volume::occupancy::Occupancy;
-use support::{Body, Random, SPACINGS, grid, noise};
 
 /// Bone where x < 32, and a softer, rougher tissue beyond.
 struct Halves;

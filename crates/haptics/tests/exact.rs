@@ -1,7 +1,6 @@
 //! What must hold for the contact model `exact` on every set of voxels.
 
-mod support;
-
+use crate::support::{Body, Components, Random, SPACINGS, grid, noise};
 use glam::{DMat3, DVec3, IVec3, UVec3};
 use palpate_haptics::admission::nearest_free;
 use palpate_haptics::contact::{Contact, ContactModel, Exact, ExactLimits, Proxy};
@@ -9,7 +8,6 @@ use palpate_haptics::scene::TouchScene;
 use palpate_volume::grid::Grid;
 use palpate_volume::occupancy::Occupancy;
 use palpate_volume::segment::Segment;
-use support::{Body, Components, Random, SPACINGS, grid, noise};
 
 const MODEL: Exact = Exact {
     limits: ExactLimits {

@@ -2,14 +2,13 @@
 
 #[path = "../examples/simple_model.rs"]
 mod simple_model;
-mod support;
 
+use crate::support::{Body, Components, Random, SPACINGS, grid, noise};
 use glam::{DVec3, IVec3, UVec3};
 use palpate_haptics::contact::{ContactModel, Proxy};
 use palpate_haptics::scene::TouchScene;
 use palpate_volume::occupancy::Occupancy;
 use simple_model::HardStop;
-use support::{Body, Components, Random, SPACINGS, grid, noise};
 
 #[test]
 fn the_example_of_a_contact_model_runs() {

@@ -1,7 +1,8 @@
 //! What must hold for `exact` among several bodies, each with its own grid and pose.
 
-mod support;
-
+use crate::support::{
+    Body, Components, Random, SPACINGS, grid, nearest_outside, noise, open_normals, rotation,
+};
 use glam::{DAffine3, DMat3, DVec3, IVec3, UVec3};
 use palpate_haptics::contact::{Contact, ContactModel, Exact, ExactLimits, Proxy};
 use palpate_haptics::scene::{Object, ObjectPose, PoseError, TouchScene};
@@ -10,9 +11,6 @@ use palpate_volume::grid::Grid;
 use palpate_volume::occupancy::Occupancy;
 use palpate_volume::segment::Segment;
 use palpate_volume::voxel_box::VoxelBox;
-use support::{
-    Body, Components, Random, SPACINGS, grid, nearest_outside, noise, open_normals, rotation,
-};
 
 /// Any body: tests mix them in one scene.
 type AnyBody<'a> = &'a dyn Occupancy;

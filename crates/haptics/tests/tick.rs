@@ -1,7 +1,6 @@
 //! One tick, from scene to force.
 
-mod support;
-
+use crate::support::{Body, Press, Random, noise, press, press_smooth};
 use glam::{DMat3, DVec3, IVec3, UVec3};
 use palpate_haptics::admission::nearest_free;
 use palpate_haptics::contact::{ContactModel, Exact};
@@ -10,7 +9,6 @@ use palpate_haptics::scene::TouchScene;
 use palpate_haptics::tick::{TickCache, TickOutput, TickState};
 use palpate_volume::grid::Grid;
 use palpate_volume::occupancy::Occupancy;
-use support::{Body, Press, Random, noise, press, press_smooth};
 
 const SIZE: u32 = 32;
 

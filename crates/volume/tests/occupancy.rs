@@ -1,14 +1,12 @@
 //! Unions of segments.
 
-mod support;
-
 use std::sync::Arc;
 
+use crate::support::Random;
 use glam::UVec3;
 use palpate_volume::occupancy::Occupancy;
 use palpate_volume::segment::Segment;
 use palpate_volume::voxel_box::VoxelBox;
-use support::Random;
 
 const DIMENSIONS: UVec3 = UVec3::new(12, 10, 9);
 

@@ -1,6 +1,4 @@
 //! A soft block in a small scan, a model and its tool, as tests of voxels share them.
-#![allow(dead_code, reason = "each test file uses its part")]
-
 use std::sync::Arc;
 
 use glam::{DMat3, DQuat, DVec3, IVec3};

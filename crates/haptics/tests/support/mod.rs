@@ -1,6 +1,6 @@
 //! Bodies to touch, random points, and an independent count of what is connected.
 
-#![allow(dead_code, reason = "each test binary uses its own part")]
+#![allow(dead_code, reason = "examples share it, each its own part")]
 
 use glam::{DMat3, DVec3, IVec3, UVec3};
 use palpate_haptics::ball::{Ball, BallShape, ProbeSolid};
