@@ -34,7 +34,6 @@ mod walls;
 mod write_back;
 
 pub use global_model::{GlobalModel, GlobalSettings};
-pub use lanes::Registers;
 pub use local_model::{LocalModel, LocalSettings, Motion};
 pub use neighbours::NeighbourList;
 pub use pair_force::{PairOptions, PairSums, Workers, pair_forces};

@@ -13,9 +13,10 @@ pub mod ball;
 pub mod contact;
 pub mod force;
 pub mod needle;
+#[cfg(test)]
+mod noise;
 pub mod scene;
 pub mod smooth;
 pub mod soft_contact;
 pub mod thesis;
 pub mod tick;
-mod wide;

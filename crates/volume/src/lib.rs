@@ -23,6 +23,7 @@ pub mod phantom;
 pub mod relax;
 pub mod segment;
 pub mod segment_set;
+pub mod simd_dispatch;
 pub mod statistics;
 pub mod threshold;
 pub mod tissue;

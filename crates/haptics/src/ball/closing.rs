@@ -9,12 +9,12 @@
 
 use crate::ball::cache::BallCache;
 use crate::ball::shape::BallShape;
-use crate::wide::widest;
 use glam::{DVec3, IVec3};
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::block::block_of_bricks;
 use palpate_volume::brick_grid::BRICK;
 use palpate_volume::occupancy::Occupancy;
+use palpate_volume::simd_dispatch;
 use palpate_volume::voxel_box::VoxelBox;
 use std::ops::Range;
 
@@ -116,9 +116,9 @@ fn closed_brick(inner: &impl Occupancy, edges: IVec3, corner: IVec3) -> BitBrick
     }))
 }
 
-widest! {
+simd_dispatch! {
     /// Makes those voxels solid that no free box holds.
-    fn close(rows: &mut Rows, edges: IVec3) = close_plainly
+    fn close(rows: &mut Rows, edges: IVec3) = [avx2] close_plainly
 }
 
 #[inline(always)]

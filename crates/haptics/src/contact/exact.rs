@@ -16,10 +16,10 @@ use crate::contact::slide::{SLIDE_VISITS, slide};
 use crate::contact::voxel_distance::squared_distance;
 use crate::contact::{Contact, ContactModel, many_bodies};
 use crate::scene::{Solid, TouchScene};
-use crate::wide::widest;
 use glam::{DVec3, IVec3};
 use palpate_volume::first_solid::{Outcome, first_solid_bounded};
 use palpate_volume::occupancy::Occupancy;
+use palpate_volume::simd_dispatch;
 
 /// How much work one tick may do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -78,14 +78,14 @@ impl ContactModel for Exact {
     }
 }
 
-widest! {
+simd_dispatch! {
     /// With the world alone.
     fn advance_in_world[O: Occupancy](
         limits: &ExactLimits,
         scene: &TouchScene<'_, O>,
         device_in_grid: DVec3,
         proxy: &mut Proxy,
-    ) -> Contact = ExactLimits::advance_plainly
+    ) -> Contact = [avx2] ExactLimits::advance_plainly
 }
 
 impl ExactLimits {
@@ -164,7 +164,7 @@ fn free(contact: Contact) -> Contact {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::wide::Noise;
+    use crate::noise::Noise;
     use glam::{DMat3, UVec3};
     use palpate_volume::grid::Grid;
 

@@ -6,8 +6,8 @@
 //! Frame: grid. Values and limits as stored.
 
 use super::occupancy_fractions::{Limits, Stored};
-use crate::wide::widest;
 use glam::IVec3;
+use palpate_volume::simd_dispatch;
 
 /// Voxels side by side.
 const LANES: usize = 8;
@@ -84,9 +84,9 @@ impl Limits {
     }
 }
 
-widest! {
+simd_dispatch! {
     /// By how much voxels count for more or less than their bits.
-    fn changes_of(limits: &Limits, lanes: &Lanes) -> Lane = Limits::changes_plainly
+    fn changes_of(limits: &Limits, lanes: &Lanes) -> Lane = [avx2] Limits::changes_plainly
 }
 
 /// By how much a voxel counts for more or less than its bit; see `share` in `occupancy_fractions.rs`.
