@@ -1,4 +1,4 @@
-"""Driving a drill into bone without a device; its law is told in ``docs/algorithms/tools.md``."""
+"""Driving a drill into bone without a device; its law is told in ``docs/understand/tools.md``."""
 
 from __future__ import annotations
 

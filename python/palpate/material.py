@@ -1,6 +1,6 @@
 """What segments are made of: constants of isotropic matter, in SI.
 
-Models of deformation read them; docs/algorithms/deformation.md says what each does with them.
+Models of deformation read them; docs/understand/deformation.md says what each does with them.
 """
 
 from __future__ import annotations

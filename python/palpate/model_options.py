@@ -1,6 +1,6 @@
 """Models by which matter gives way: their names, what each offers to choose, what is chosen.
 
-docs/algorithms/deformation.md says what the options do.
+docs/understand/deformation.md says what the options do.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Needles: what tissues are to them, and driving one into a scan without a device.
 
-The law is told in ``docs/algorithms/needle.md``. Points are in the patient [mm].
+The law is told in ``docs/understand/needle.md``. Points are in the patient [mm].
 """
 
 from __future__ import annotations

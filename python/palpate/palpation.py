@@ -1,6 +1,6 @@
 """Pressing soft matter place by place without a device, as a finger palpates.
 
-Models and materials are told in ``docs/algorithms/deformation.md``.
+Models and materials are told in ``docs/understand/deformation.md``.
 """
 
 from __future__ import annotations

@@ -15,7 +15,7 @@ AIR = -1000.0
 """What a scan in HU reads where the drill has taken matter away."""
 
 CORTICAL_ENERGY = 1300.0
-"""Work of the drill per volume of cortical bone [mJ/mm³] (docs/algorithms/tools.md)."""
+"""Work of the drill per volume of cortical bone [mJ/mm³] (docs/understand/tools.md)."""
 
 
 class SessionTools(SessionPart):
