@@ -1,8 +1,8 @@
 /**
  * Downloads voxels and prepares them for the picture, off the page's thread.
  */
-import { ArrivingScan, StandIn, type Planes } from "../core/arriving_scan";
-import { labelledBricks } from "../core/bricks";
+import { ArrivingScan, StandIn, type Planes } from "../core/scan/loading_scan";
+import { labelledBricks } from "../core/scan/bricks";
 import type { LabelsRequest, ValuesRequest, VolumeAnswer, VolumeRequest } from "./volume_messages";
 
 /** Between two looks at how quickly a scan arrives [ms]. */

@@ -1,10 +1,10 @@
 /**
  * Runs in the browser: a scan that is drawn coarsely, then as far as it has arrived, then whole.
  */
-import { brickRanges, coveringRanges } from "../../src/core/bricks";
-import { PlanesBetween } from "../../src/core/planes_between";
-import { firstQuality } from "../../src/core/quality";
-import type { ShownSlice } from "../../src/gl/slices";
+import { brickRanges, coveringRanges } from "../../src/core/scan/bricks";
+import { PlanesBetween } from "../../src/core/scan/plane_interpolation";
+import { firstQuality } from "../../src/core/view/quality";
+import type { ShownSlice } from "../../src/gl/picture/slices";
 import { edge, fieldOf, lookOf, outlineOf, viewOf, voxels, type MarchTest } from "./scenes_page";
 import { finished, pictureOf, pixelsOf } from "./screen_page";
 

@@ -1,19 +1,19 @@
 /**
  * Small scans of the tests, and how they are looked at.
  */
-import type { Letter } from "../../src/core/anatomy";
-import { defaultAppearance, transferFunctionOf } from "../../src/core/appearance";
-import { brickRanges, type BrickRanges } from "../../src/core/bricks";
-import { extentOf, inProjection, lookFrom, type Camera, type Extent } from "../../src/core/camera";
-import type { Plane } from "../../src/core/clip";
-import { firstLighting, type Lighting, type Look } from "../../src/core/look";
-import { shadedOptics, type Optics } from "../../src/core/optics";
-import type { ScanVolume } from "../../src/core/scan_volume";
-import { mostRanges } from "../../src/core/shown_segments";
-import type { TransferFunction } from "../../src/core/transfer_function";
-import { distance, type Vec3 } from "../../src/core/vector";
-import type { FieldFormat } from "../../src/gl/field_texture";
-import { scanOf, volumeOf } from "../core/volumes";
+import type { Letter } from "../../src/core/geometry/anatomy";
+import { defaultAppearance, transferFunctionOf } from "../../src/core/appearance/soft_tissue_and_bone";
+import { brickRanges, type BrickRanges } from "../../src/core/scan/bricks";
+import { extentOf, inProjection, lookFrom, type Camera, type Extent } from "../../src/core/geometry/camera";
+import type { Plane } from "../../src/core/view/clip";
+import { firstLighting, type Lighting, type Look } from "../../src/core/appearance/appearance";
+import { shadedOptics, type Optics } from "../../src/core/appearance/optics";
+import type { ScanVolume } from "../../src/core/scan/scan_volume";
+import { mostRanges } from "../../src/core/segments/shown_segments";
+import type { TransferFunction } from "../../src/core/appearance/transfer_function";
+import { distance, type Vec3 } from "../../src/core/geometry/vector";
+import type { FieldFormat } from "../../src/gl/textures/field_texture";
+import { scanOf, volumeOf } from "../support/volumes";
 import { marble } from "./marble";
 
 export interface MarchTest {

@@ -2,20 +2,20 @@
  * Runs in the browser: the picture as the page has it, on a canvas of its own.
  */
 import * as THREE from "three";
-import { orbit } from "../../src/core/camera";
-import { decodeDisplaced, type Displaced } from "../../src/core/displaced";
-import { PathTrail } from "../../src/core/path_trail";
+import { orbit } from "../../src/core/geometry/camera";
+import { decodeDisplaced, type Displaced } from "../../src/core/scan/displacements";
+import { PathTrail } from "../../src/core/touch/path_trail";
 import type { Segment } from "../../src/core/protocol";
-import { firstQuality, type Quality } from "../../src/core/quality";
-import { firstStereo, type Stereo } from "../../src/core/stereo";
-import { decodeSurface } from "../../src/core/surface_patches";
-import { addScaled, type Vec3 } from "../../src/core/vector";
-import { forEachCell, type Box } from "../../src/core/voxel_change";
-import { gpuSupport } from "../../src/gl/gpu_support";
-import type { MarkerState } from "../../src/gl/markers";
-import { Picture } from "../../src/gl/picture";
-import { ballSurface } from "../core/ball_surface";
-import { segment } from "../core/volumes";
+import { firstQuality, type Quality } from "../../src/core/view/quality";
+import { firstStereo, type Stereo } from "../../src/core/view/stereo";
+import { decodeSurface } from "../../src/core/surfaces/surface_patches";
+import { addScaled, type Vec3 } from "../../src/core/geometry/vector";
+import { forEachCell, type Box } from "../../src/core/scan/voxel_change";
+import { gpuSupport } from "../../src/gl/base/gpu_support";
+import type { MarkerState } from "../../src/gl/markers/markers";
+import { Picture } from "../../src/gl/picture/picture";
+import { ballSurface } from "../support/ball_surface";
+import { segment } from "../support/volumes";
 import { bricksOf, edge, fieldOf, lookOf, outlineOf, viewOf, type MarchTest } from "./scenes_page";
 
 /** Markers of a test, over those of a probe at rest in the middle. */
