@@ -3,7 +3,7 @@
  *
  * Values are in the units of the scan (HU for CT). Colours are linear RGB, 0..1.
  * Extinction is per mm, so the picture does not depend on the ray's step.
- * This module is pure; the upload is in `gl/lookup_textures.ts`.
+ * This module is pure; the upload is in `gl/textures/lookup_textures.ts`.
  *
  * Source: Engel et al., "Real-Time Volume Graphics" (2006), ch. 4.
  */

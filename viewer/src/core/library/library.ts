@@ -71,6 +71,13 @@ export interface Autosave {
   readonly when: string;
 }
 
+/** What the engine is busy with, and how far it is. */
+export interface Work {
+  readonly what: string;
+  /** 0..1; null where it is not known. */
+  readonly share: number | null;
+}
+
 /** A line of what the engine tells while it works. */
 export type JobLine =
   | { readonly kind: "progress"; readonly what: string; readonly share: number | null }

@@ -64,7 +64,7 @@ function lookOfSecond({ transferFunction, density, edgeGradient, isoValue, tissu
   return { ...shown, transferFunction: { ...transferFunction, points }, edgeGradient, ranges: [], optics: { ...shown.optics, isoValue, tissueFrom, window } };
 }
 
-/** Whether a point of the scene shows the second scan and nothing of the first, as `shaders/second_ray.glsl` says. */
+/** Whether a point of the scene shows the second scan and nothing of the first, as `shaders/second/second_ray.glsl` says. */
 function isSecondsTurn({ frame }: ScanVolume, { volume, place, look }: DrawnSecond, shown: Look, point: Vec3): boolean {
   if (look.viewFusion === "blend" || isGrey(shown.optics.blend)) {
     return false;

@@ -1,7 +1,7 @@
 /**
  * What an edit changes in the voxels that the page holds: a box of values, of labels, or both.
  *
- * A box counts stored values (every `step`-th voxel, core/scan_volume.ts), half open; arrays
+ * A box counts stored values (every `step`-th voxel, core/scan/scan_volume.ts), half open; arrays
  * run x fastest. What arrives is checked before anything of it is taken.
  */
 import { brickEdge, rangeOfBrick, type BrickRanges } from "./bricks";

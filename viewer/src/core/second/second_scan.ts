@@ -13,7 +13,7 @@ import type { WindowLevel } from "../appearance/window_level";
 export const fusions = ["blend", "checkerboard", "flicker"] as const;
 export type Fusion = (typeof fusions)[number];
 
-/** Colours of the second scan in slices, from black to white. In the order of `shaders/second_grey.glsl`. */
+/** Colours of the second scan in slices, from black to white. In the order of `shaders/second/second_grey.glsl`. */
 export const tints = ["warm", "cool", "grey"] as const;
 export type Tint = (typeof tints)[number];
 

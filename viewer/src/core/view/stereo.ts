@@ -7,6 +7,7 @@
  * Source: Bourke, "Calculating stereo pairs" (1999).
  */
 import type { Camera, Viewport } from "../geometry/camera";
+import type { Eye } from "./gizmo";
 import type { Rect } from "./picture_layout";
 
 /** One picture for one eye; two mixed by colours; two beside or above one another. */
@@ -44,6 +45,14 @@ export interface EyePlace {
   readonly aside: number;
   /** Where its picture goes [CSS pixels from the pane's upper left corner]. */
   readonly rect: Rect;
+}
+
+/** What lies over an eye's picture stands in pixels of what it sees, which may be squeezed into its part of the pane. */
+export interface ShownEye extends Eye {
+  /** Where its picture is [CSS pixels from the pane's upper left corner]. */
+  readonly rect: Rect;
+  /** Pixels of what it sees per CSS pixel, to the right and down. */
+  readonly stretch: readonly [number, number];
 }
 
 /** The pictures that fill a pane, in the order of the eyes they are for. */

@@ -31,7 +31,7 @@ interface Work {
 
 export class LightVolume {
   private readonly blank = white();
-  /** What shaders look light up with (`shaders/light_volume.glsl`). */
+  /** What shaders look light up with (`shaders/light/light_volume.glsl`). */
   readonly uniforms = {
     lightTexture: { value: this.blank },
     /** Of occlusion and of shadow that is seen. */

@@ -1,6 +1,6 @@
 /**
  * The ray caster's program on the GPU, in its variants. To make one takes seconds where the CPU draws, so a
- * light one is made first, which shows the same scan more roughly (`shaders/first.glsl`); the whole one follows
+ * light one is made first, which shows the same scan more roughly (`shaders/march/first.glsl`); the whole one follows
  * when there is a picture.
  */
 import * as THREE from "three";

@@ -1,5 +1,5 @@
 /**
- * What the shaders of the ray caster are told: in sync with `shaders/march.frag` and what it is joined from.
+ * What the shaders of the ray caster are told: in sync with `shaders/march/march.frag` and what it is joined from.
  */
 import * as THREE from "three";
 import { transformPoint } from "../../core/geometry/affine";
@@ -92,7 +92,7 @@ export function standAt(u: MarchUniforms, { frame, dimensions, step }: ScanVolum
   u.sampleStep.value.setScalar(step);
   u.slope.value = frame.rescale.slope;
   u.surfaceLead.value = smallestSpacing(frame) * step;
-  // texel centres stand at half numbers: see core/scan_volume.ts
+  // texel centres stand at half numbers: see core/scan/scan_volume.ts
   const first = 0.5 - 0.5 / step;
   u.textureScale.value.set(...inverted(scale(dimensions, step)));
   u.textureOffset.value.set(...scale(inverted(dimensions), first));

@@ -1,5 +1,5 @@
 /**
- * Draws the scan: holds what `shaders/march.frag` needs and keeps it in step with the scan,
+ * Draws the scan: holds what `shaders/march/march.frag` needs and keeps it in step with the scan,
  * its look and the camera. Frame: the grid's axes, lengths in mm.
  */
 import type * as THREE from "three";
@@ -415,7 +415,7 @@ export class RayMarcher {
   }
 }
 
-/** How a range is drawn, as `shaders/segments.glsl` has it. */
+/** How a range is drawn, as `shaders/scan/segments.glsl` has it. */
 function drawnAs({ visible, tinted, surface }: ShownRange): number {
   if (visible) {
     return tinted === true ? 1 : 2;

@@ -36,7 +36,7 @@ export interface SliceLook extends WindowLevel {
   readonly outline: number;
 }
 
-/** In sync with `shaders/slice.frag`. */
+/** In sync with `shaders/picture/slice.frag`. */
 const mostSamples = 96;
 /** Of an outline [CSS pixels]. */
 const outlineWidth = 1.25;

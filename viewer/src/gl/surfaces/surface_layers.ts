@@ -1,7 +1,7 @@
 /**
  * Where surfaces are drawn before the ray caster reads them: one picture of what is opaque,
  * and one for each layer of what is translucent, near to far; each with its depth, all as
- * fine as the level that is drawn. Keep the number in sync with `shaders/surfaces.glsl`.
+ * fine as the level that is drawn. Keep the number in sync with `shaders/surfaces/surfaces.glsl`.
  */
 import * as THREE from "three";
 import { PictureTarget } from "../picture/picture_target";

@@ -1,5 +1,5 @@
 /**
- * Where matter stands beside its voxels, on the GPU. Keep in sync with `shaders/displaced.glsl`.
+ * Where matter stands beside its voxels, on the GPU. Keep in sync with `shaders/scan/displacements.glsl`.
  */
 import * as THREE from "three";
 import type { Displaced } from "../../core/scan/displacements";

@@ -4,7 +4,7 @@
  *
  * R16 where the GPU has it; else RG8, the same bytes as two texels of 8 bits, which the
  * shader joins; R32F (twice the memory) where it is asked for. Keep the formats in sync with
- * `shaders/field.glsl`.
+ * `shaders/scan/field.glsl`.
  */
 import * as THREE from "three";
 import type { ScanVolume } from "../../core/scan/scan_volume";

@@ -176,7 +176,7 @@ export class SecondTexture {
     u.secondScale.value.set(1 / (high - low), -low / (high - low));
     const [x, y, z] = volume.dimensions;
     u.secondBrickScale.value.set(x / brickEdge, y / brickEdge, z / brickEdge);
-    // texel centres stand at half numbers: see core/scan_volume.ts
+    // texel centres stand at half numbers: see core/scan/scan_volume.ts
     const { step } = volume;
     const [across, down, deep] = volume.frame.dimensions;
     const first = 0.5 - 0.5 / step;

@@ -3,21 +3,13 @@
  * each, and where one goes that is dragged. Places are CSS pixels from a pane's upper left corner.
  */
 import { alongView, project, rayThrough } from "../../core/geometry/camera";
-import { placesInView, placesOnSlice, type MarkPlace } from "../../core/marks/mark_lines";
-import type { Rect } from "../../core/view/picture_layout";
+import { placesInView, placesOnSlice } from "../../core/marks/mark_lines";
+import type { Pane } from "../../core/view/pane";
+import type { ShownEye } from "../../core/view/stereo";
 import { placeOnSlice, pointOnSlice } from "../../core/slices/slice_plane";
-import { add, addScaled, type Vec3 } from "../../core/geometry/vector";
+import { add, addScaled } from "../../core/geometry/vector";
 import type { ShownSlice } from "../../gl/picture/slices";
-import type { PaneName } from "../features/picking/readout.svelte";
 import type { Stage } from "./stage.svelte";
-import type { ShownEye } from "../features/view/stereo_control.svelte";
-
-export interface Pane {
-  readonly name: PaneName;
-  readonly rect: Rect;
-  readonly placesOf: (points: readonly Vec3[]) => readonly (MarkPlace | null)[];
-  readonly dragTo: (point: Vec3, x: number, y: number) => Vec3;
-}
 
 /** What an eye sees of the 3-D view: a dragged point goes to what is seen there, else stays as far away as it was. */
 export function viewPane(stage: Stage, { camera, viewport, rect, stretch }: ShownEye): Pane {

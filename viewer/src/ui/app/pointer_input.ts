@@ -14,6 +14,7 @@ import type { HandControl } from "../features/touch/hand_control.svelte";
 import type { Reading } from "../features/picking/readout.svelte";
 import type { Session } from "../state/session.svelte";
 import type { Stage } from "./stage.svelte";
+import { clickReach, wheelPixels } from "../widgets/mouse";
 import type { ToolHand } from "../features/tools/tool_hand.svelte";
 
 type Drag = "orbit" | "pan" | "hand" | "tool" | "cut" | "look";
@@ -28,9 +29,6 @@ const depthSpeed = 0.05;
 const standOff = 3;
 /** A click that is to grow a region means what lies this far behind what is seen [mm]. */
 const growDepth = 3;
-
-/** A press that moved by less is a click [CSS pixels]. */
-export const clickReach = 4;
 
 export class PointerInput {
   private drag: Drag | null = null;
@@ -203,12 +201,4 @@ export class PointerInput {
     this.stage.readOut.name(this.readingOf(picked));
     this.hand.place(addScaled(picked.point, camera.back, standOff));
   }
-}
-
-/** Pixels of a wheel event, which may count lines or pages. */
-export function wheelPixels(event: WheelEvent): number {
-  // with Shift held some browsers turn the wheel into a sideways one
-  const delta = event.deltaY === 0 ? event.deltaX : event.deltaY;
-  const unit = event.deltaMode === WheelEvent.DOM_DELTA_LINE ? 33 : event.deltaMode === WheelEvent.DOM_DELTA_PAGE ? 400 : 1;
-  return Math.max(-400, Math.min(400, delta * unit));
 }

@@ -13,7 +13,7 @@ import type { Shown } from "../../gl/picture/refiner";
 import type { ShownSlice } from "../../gl/picture/slices";
 import type { HandControl } from "../features/touch/hand_control.svelte";
 import type { Hearing } from "../features/touch/contact_audio.svelte";
-import type { ShownTouch } from "../features/scenario/player.svelte";
+import type { ShownTouch } from "../../core/touch/shown_touch";
 import type { Session } from "../state/session.svelte";
 import type { EditTimes } from "../features/scan/shown_edits.svelte";
 import type { Stage } from "./stage.svelte";

@@ -1,4 +1,4 @@
-// A layer of the coarse cells in which light is worked out (gl/light_volume.ts).
+// A layer of the coarse cells in which light is worked out (gl/march/light_volume.ts).
 
 // along the scan's axes, and the number of the layer
 uniform vec3 cells;

@@ -1,5 +1,5 @@
 // The light that reaches a place through what is drawn around it: share of the sky (x) and of the lamp
-// (y). Worked out coarsely by `gl/light_volume.ts`; nothing of it is left where it is not used.
+// (y). Worked out coarsely by `gl/march/light_volume.ts`; nothing of it is left where it is not used.
 
 #ifdef LIGHT_VOLUME
 uniform sampler3D lightTexture;

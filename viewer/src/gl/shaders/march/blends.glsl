@@ -1,4 +1,4 @@
-// The ways in which values along a ray become one colour. Keep in sync with core/optics.ts.
+// The ways in which values along a ray become one colour. Keep in sync with core/appearance/optics.ts.
 #define SHADED 0
 #define COMPOSITE 1
 #define ABSORPTION 2

@@ -1,4 +1,4 @@
-// What is cut away: all that lies before any of some planes (core/clip.ts).
+// What is cut away: all that lies before any of some planes (core/view/clip.ts).
 
 #define CLIP_PLANES 12
 

@@ -1,4 +1,4 @@
-// Tissue and solid segments as they are seen first, until the program that shows all of it is made (gl/march_program.ts):
+// Tissue and solid segments as they are seen first, until the program that shows all of it is made (gl/march/march_program.ts):
 // the same models and the same light with less refinement, and without shade. Opacity is told by the values of
 // samples, and a solid segment begins where the value between two samples becomes its own.
 

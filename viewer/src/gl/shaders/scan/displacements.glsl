@@ -1,7 +1,7 @@
 // Where matter stands beside the voxels that show it. The scan is pulled back through it:
 // what is seen at a place is what the scan holds where that place's matter is at rest.
 // DISPLACED is defined where a model of deformation is at work; else nothing of this is left.
-// Keep in sync with `gl/displaced_texture.ts`.
+// Keep in sync with `gl/textures/displacement_texture.ts`.
 
 uniform vec3 spacing;
 

@@ -1,6 +1,6 @@
 // The scan as a continuous field, with its matter where it stands (displaced.glsl). Values are biased stored values, 0..65535
-// (core/stored_values.ts); positions are grid coordinates of the whole scan.
-// The same on the CPU: core/field.ts.
+// (core/scan/stored_values.ts); positions are grid coordinates of the whole scan.
+// The same on the CPU: core/scan/field.ts.
 
 uniform sampler3D fieldTexture;
 // voxels of the whole scan

@@ -2,7 +2,7 @@
 // Threshold segments test the interpolated value, the others a texture of their ids. Where a
 // threshold segment was edited the ids decide too, but only beside voxels whose id is not what
 // their value says: so an edit brings steps of voxels where it was, and nowhere else.
-// Keep RANGES in sync with `gl/ray_marcher.ts`.
+// Keep RANGES in sync with `gl/march/ray_marcher.ts`.
 
 #define RANGES 32
 

@@ -1,4 +1,4 @@
-// A second scan that is shown with the first (core/second_scan.ts). Values are biased stored values of it,
+// A second scan that is shown with the first (core/second/second_scan.ts). Values are biased stored values of it,
 // looked up through one matrix. Nothing of this is left where there is none.
 
 #ifdef SECOND

@@ -2,7 +2,7 @@
 // have one value each.
 
 #ifdef SECOND
-// number of one of `tints` (core/second_scan.ts)
+// number of one of `tints` (core/second/second_scan.ts)
 uniform int secondTint;
 uniform float secondOpacity;
 

@@ -4,7 +4,7 @@
 uniform sampler3D secondBricks;
 // place in its texture -> its bricks
 uniform vec3 secondBrickScale;
-// number of one of `fusions` (core/second_scan.ts), in which the view shows both
+// number of one of `fusions` (core/second/second_scan.ts), in which the view shows both
 uniform int secondViewFusion;
 
 // Cells of a checkerboard run along the first scan's axes, from its corner.

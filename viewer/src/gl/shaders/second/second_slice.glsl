@@ -3,7 +3,7 @@
 #ifdef SECOND
 // share of the window at a biased value: x per value, y at 0
 uniform vec2 secondGrey;
-// number of one of `fusions` (core/second_scan.ts)
+// number of one of `fusions` (core/second/second_scan.ts)
 uniform int secondFusion;
 
 // `place`: in the slice [mm].

@@ -1,16 +1,10 @@
 /** Opens scans: looks for them, takes those that are dropped, and has the engine show one. */
 import { layoutText, wholeVoxel, type Bare, type LaidOut, type ToldLayout } from "../../../core/library/headerless";
 import { capitalised, formatBytes, formatCount } from "../../../core/base/format";
-import { isSingle, refusalOf, type About, type Autosave, type FoundLabels, type GivenFile, type JobLine, type ListedScan, type RecentScan } from "../../../core/library/library";
+import { isSingle, refusalOf, type About, type Autosave, type FoundLabels, type GivenFile, type JobLine, type ListedScan, type RecentScan, type Work } from "../../../core/library/library";
 import type { Projections, ReconstructionGrid, ReconstructionRequest } from "../../../core/library/reconstruction";
 import type { Vec3 } from "../../../core/geometry/vector";
 import { askAbout, askGrid, askLayout, bring, forgetRecent, work } from "../../../live/library_requests";
-
-export interface Work {
-  readonly what: string;
-  /** 0..1; null where it is not known. */
-  readonly share: number | null;
-}
 
 export interface Found {
   readonly find: number;

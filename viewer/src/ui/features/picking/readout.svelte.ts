@@ -2,11 +2,8 @@
  * What a click in the picture has found: what it is, where it stands, and the scan's value there.
  */
 import { formatPoint, formatValue } from "../../../core/base/format";
-import type { SliceName } from "../../../core/slices/slice_plane";
+import type { PaneName } from "../../../core/view/pane";
 import type { Vec3 } from "../../../core/geometry/vector";
-
-/** A part of the picture: the 3-D view or a slice. */
-export type PaneName = "view" | SliceName;
 
 export interface Reading {
   /** Where the click was. */

@@ -9,7 +9,7 @@ import { previewStep, subsamplingStep } from "../../../core/scan/subsampling";
 import type { Picture } from "../../../gl/picture/picture";
 import { downloadVolume, type Meanwhile } from "../../../live/volume_download";
 import type { ShownParts } from "../../../live/volume_messages";
-import type { Work } from "../library/library.svelte";
+import type { Work } from "../../../core/library/library";
 import type { HeldScan } from "./shown_edits.svelte";
 
 /** Most values of a scan that are taken to the GPU: 1 GiB in 16 bit. */

@@ -3,16 +3,10 @@
  * Touch takes over again as soon as the hand moves.
  */
 import { endOf, holderOf, momentAt, parseRun, RunError, type Moment, type ScenarioRun } from "../../../core/scenario/scenario_run";
-import type { State } from "../../../core/protocol";
 import { addScaled } from "../../../core/geometry/vector";
 import { apiAddress } from "../../../live/connection";
+import type { ShownTouch } from "../../../core/touch/shown_touch";
 import type { Session } from "../../state/session.svelte";
-
-/** What of touch the picture and the slices show. */
-export type ShownTouch = Pick<
-  State,
-  "time" | "proxy" | "device" | "probe_radius" | "contact" | "contact_point" | "normal" | "force"
->;
 
 /** How fast a run is played, as a share of its own time. */
 export const speeds: readonly number[] = [0.25, 1, 4, 16];

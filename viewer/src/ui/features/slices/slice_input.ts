@@ -11,7 +11,7 @@ import type { Rect } from "../../../core/view/picture_layout";
 import { pointOnSlice, type SliceName, type SlicePlane } from "../../../core/slices/slice_plane";
 import { addScaled, type Vec3 } from "../../../core/geometry/vector";
 import type { HandControl } from "../touch/hand_control.svelte";
-import { clickReach, wheelPixels } from "../../app/pointer_input";
+import { clickReach, wheelPixels } from "../../widgets/mouse";
 import type { OutlineControl } from "../segments/outline_control.svelte";
 import type { SliceControl } from "./slice_control.svelte";
 import type { Stage } from "../../app/stage.svelte";

@@ -1,6 +1,6 @@
 /**
  * The browser's gamepads (W3C Gamepad): the one in use, and its motors, whatever the browser
- * calls them. Everything else about gamepads is pure and stands in `core/gamepad.ts`.
+ * calls them. Everything else about gamepads is pure and stands in `core/touch/gamepad.ts`.
  */
 import type { Pad, Rumble } from "../../../core/touch/gamepad";
 

@@ -9,11 +9,16 @@ import type { HandControl } from "./hand_control.svelte";
 import { recall, remember } from "../../state/remembered";
 import type { Session } from "../../state/session.svelte";
 import type { Stage } from "../../app/stage.svelte";
-import type { ToolHand } from "../tools/tool_hand.svelte";
 
 /** Pace of the motors, and how long they run without another word [ms]. */
 const rumblePace = 50;
 const rumbleRest = 120;
+
+/** The tool in the hand. */
+interface PressedTool {
+  readonly press: () => void;
+  readonly release: () => void;
+}
 
 export class GamepadInput {
   /** Name of the gamepad in use; null without one. */
@@ -36,7 +41,7 @@ export class GamepadInput {
     private readonly session: Session,
     private readonly stage: Stage,
     private readonly hand: HandControl,
-    private readonly tool: ToolHand,
+    private readonly tool: PressedTool,
   ) {}
 
   /** Listens until the returned function is called. */

@@ -9,7 +9,7 @@ import { toolColours } from "../../../core/tools/tools";
 import type { Vec3 } from "../../../core/geometry/vector";
 import type { Shown, ToolBall } from "../../../gl/markers/markers";
 import type { Picture } from "../../../gl/picture/picture";
-import type { Player, ShownTouch } from "../scenario/player.svelte";
+import type { ShownTouch } from "../../../core/touch/shown_touch";
 import { recall, remember } from "../../state/remembered";
 import type { Session } from "../../state/session.svelte";
 
@@ -17,6 +17,13 @@ import type { Session } from "../../state/session.svelte";
 const trailSeconds = 4;
 const trailPoints = 400;
 const trailSpacing = 0.1;
+
+/** A recorded run that may be played in place of what is felt now. */
+interface Played {
+  /** Whether its tool is shown, and not the probe. */
+  readonly showing: boolean;
+  readonly shown: ShownTouch | null;
+}
 
 export class TouchMarks {
   /** What is drawn beside probe, device and force. */
@@ -28,7 +35,7 @@ export class TouchMarks {
   /** @param software whether the CPU draws: a long line is dear to draw again and again then. */
   constructor(
     private readonly session: Session,
-    private readonly player: Player,
+    private readonly player: Played,
     software: boolean,
   ) {
     this.shown = recall("shown", { ...this.shown, path: !software });

@@ -2,18 +2,9 @@
  * Stereo as a person has chosen it, and what each eye sees of the 3-D view; remembered.
  */
 import type { Camera, Viewport } from "../../../core/geometry/camera";
-import type { Eye } from "../../../core/view/gizmo";
 import type { Rect } from "../../../core/view/picture_layout";
-import { eyeCamera, eyesOf, firstStereo, pointedEye, saneStereo, stereoModes, viewportOf, type EyePlace, type Stereo } from "../../../core/view/stereo";
+import { eyeCamera, eyesOf, firstStereo, pointedEye, saneStereo, stereoModes, viewportOf, type EyePlace, type ShownEye, type Stereo } from "../../../core/view/stereo";
 import { recall, remember } from "../../state/remembered";
-
-/** What lies over an eye's picture stands in pixels of what it sees, which may be squeezed into its part of the pane. */
-export interface ShownEye extends Eye {
-  /** Where its picture is [CSS pixels from the pane's upper left corner]. */
-  readonly rect: Rect;
-  /** Pixels of what it sees per CSS pixel, to the right and down. */
-  readonly stretch: readonly [number, number];
-}
 
 export class StereoControl {
   choice = $state.raw<Stereo>(saneStereo(recall("stereo", firstStereo)));
