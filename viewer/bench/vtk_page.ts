@@ -19,14 +19,14 @@ import type { BenchScene } from "../src/ui/app/bench_hooks";
 
 export type VtkMode = "composite" | "shaded" | "mip";
 
-export interface VtkDoor {
+export interface VtkHooks {
   readonly open: (scene: BenchScene) => void;
   readonly draw: (mode: VtkMode, wish: TimedWish) => TimedPicture;
 }
 
 declare global {
   interface Window {
-    vtkDoor?: VtkDoor;
+    vtkDoor?: VtkHooks;
   }
 }
 

@@ -1,5 +1,5 @@
 /**
- * Matter that stands beside its voxels, in a real browser: a ball of a scan of 48³ voxels, seen from
+ * Displaced tissue, in a real browser: a ball of a scan of 48³ voxels, seen from
  * before on 96² pixels, and surfaces of triangles.
  */
 import { afterAll, beforeAll, expect, test } from "vitest";

@@ -3,7 +3,7 @@
  */
 import * as THREE from "three";
 import { orbit } from "../../src/core/geometry/camera";
-import { decodeDisplaced, type Displaced } from "../../src/core/scan/displacements";
+import { decodeDisplacements, type Displacements } from "../../src/core/scan/displacements";
 import { PathTrail } from "../../src/core/touch/path_trail";
 import type { Segment } from "../../src/core/protocol";
 import { firstQuality, type Quality } from "../../src/core/view/quality";
@@ -43,7 +43,7 @@ export interface ScreenTest {
   readonly jitter?: boolean;
   /** Surfaces of balls, as segments look them. */
   readonly surfaces?: readonly SurfaceTest[];
-  /** Matter stands beside its voxels; "none" where a model is at work and nothing has moved. */
+  /** Tissue is displaced from its voxels; "none" where a model is at work and nothing has moved. */
   readonly displaced?: DisplacedTest | "none";
   readonly stereo?: Stereo;
   /** Points of each mark. */
@@ -61,14 +61,14 @@ export interface DisplacedTest {
   readonly moved: Vec3;
 }
 
-function displacedBy({ origin, step, size, moved }: DisplacedTest): Displaced {
+function displacedBy({ origin, step, size, moved }: DisplacedTest): Displacements {
   const halves = moved.map((millimetres) => THREE.DataUtils.toHalfFloat(millimetres));
   const texels = new Uint16Array(4 * size[0] * size[1] * size[2]);
   const inside: Box = { low: [1, 1, 1], high: [size[0] - 1, size[1] - 1, size[2] - 1] };
   forEachCell(inside, size, (i) => {
     texels.set(halves, 4 * i);
   });
-  const decoded = decodeDisplaced({ origin: [...origin], step: [...step], size: [...size], moved: new Uint8Array(texels.buffer) });
+  const decoded = decodeDisplacements({ origin: [...origin], step: [...step], size: [...size], moved: new Uint8Array(texels.buffer) });
   if (decoded === null) {
     throw new Error("no displacements");
   }

@@ -4,7 +4,7 @@
  * A table of running sums over equal bins of the biased value answers for any range of
  * values whether something in it is drawn.
  */
-import type { Look } from "./appearance";
+import type { Appearance } from "./appearance";
 import { drawsSolids, seenInGrey, usesTransferFunction } from "./optics";
 import { sample, type TransferFunction } from "./transfer_function";
 import { biasedOf, largest, physical, type Rescale } from "../scan/stored_values";
@@ -15,7 +15,7 @@ export interface Drawn {
 }
 
 /** What a look draws; with the bodies that can stand for surfaces, so that these may come and go with each picture. */
-export function drawnBy(look: Look, rescale: Rescale): Drawn {
+export function drawnBy(look: Appearance, rescale: Rescale): Drawn {
   const { optics, ranges, transferFunction } = look;
   const solids = drawsSolids(optics.blend) ? ranges.filter(({ body = 0, tinted, visible }) => body > 0 || (visible && tinted !== true)) : [];
   if (usesTransferFunction(optics.blend)) {

@@ -14,7 +14,7 @@ export interface Anchors {
   readonly bone: number;
 }
 
-export interface Appearance {
+export interface SoftTissueAndBone {
   /** Value in the middle between soft tissue and bone. */
   readonly level: number;
   /** Span from soft tissue to bone. */
@@ -25,7 +25,7 @@ export interface Appearance {
   readonly bone: number;
 }
 
-export function defaultAppearance({ softTissue, bone }: Anchors): Appearance {
+export function defaultSoftTissueAndBone({ softTissue, bone }: Anchors): SoftTissueAndBone {
   return { level: (softTissue + bone) / 2, window: bone - softTissue, softTissue: 0.28, bone: 1 };
 }
 
@@ -63,7 +63,7 @@ function softStrength(slider: number): number {
 }
 
 /** The transfer function of an appearance, in values of the scan. */
-export function transferFunctionOf(appearance: Appearance): TransferFunction {
+export function transferFunctionOf(appearance: SoftTissueAndBone): TransferFunction {
   const soft = softStrength(appearance.softTissue);
   const window = Math.max(appearance.window, 1e-6);
   const points = stops.map((stop): ControlPoint => ({

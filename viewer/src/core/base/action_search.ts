@@ -2,7 +2,7 @@
  * Which actions a few typed letters mean.
  */
 
-export interface Findable {
+export interface Searchable {
   readonly group: string;
   readonly name: string;
 }
@@ -11,7 +11,7 @@ export interface Findable {
  * Actions of which every typed word is found in the name or the group, the best first: names that begin
  * with what was typed, then those with words that begin so, then the rest; else in their own order.
  */
-export function findActions<T extends Findable>(actions: readonly T[], typed: string): readonly T[] {
+export function searchActions<T extends Searchable>(actions: readonly T[], typed: string): readonly T[] {
   const words = typed.toLowerCase().split(/\s+/).filter((word) => word !== "");
   const text = words.join(" ");
   return actions

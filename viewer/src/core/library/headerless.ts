@@ -23,7 +23,7 @@ export interface RawLayout {
 export type ToldVoxel = readonly [number | null, number | null, number | null];
 
 /** What was found where scans were looked for. */
-export interface Bare {
+export interface HeaderlessFiles {
   readonly find: number;
   readonly name: string;
   readonly files: number;
@@ -67,12 +67,12 @@ export interface KeptLayouts {
 const mostKept = 12;
 
 /** What files of one scanner have in common: bytes of a file, or pixels of a picture. */
-function kindOf({ files, bytes, size }: Bare): string {
+function kindOf({ files, bytes, size }: HeaderlessFiles): string {
   return size === null ? `${String(bytes / files)} bytes` : `${String(size[0])} x ${String(size[1])} pixels`;
 }
 
 /** What is likely of files: what was told of such files before, else what the engine says. */
-export function likelyOf(bare: Bare, { layouts }: KeptLayouts): ToldLayout {
+export function likelyOf(bare: HeaderlessFiles, { layouts }: KeptLayouts): ToldLayout {
   const kept = layouts.find(({ of }) => of === kindOf(bare));
   return kept === undefined || (kept.layout === null) !== (bare.layout === null)
     ? { layout: bare.layout, voxel: bare.voxel }
@@ -80,7 +80,7 @@ export function likelyOf(bare: Bare, { layouts }: KeptLayouts): ToldLayout {
 }
 
 /** What is kept once a layout was told. */
-export function withLayout({ layouts }: KeptLayouts, bare: Bare, told: ToldLayout): KeptLayouts {
+export function withLayout({ layouts }: KeptLayouts, bare: HeaderlessFiles, told: ToldLayout): KeptLayouts {
   const of = kindOf(bare);
   return { layouts: [{ ...told, of }, ...layouts.filter((each) => each.of !== of)].slice(0, mostKept) };
 }

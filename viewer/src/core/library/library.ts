@@ -1,7 +1,7 @@
 /**
  * What page and engine say about scans that can be opened: lists, progress, files that are dropped.
  */
-import type { Bare } from "./headerless";
+import type { HeaderlessFiles } from "./headerless";
 import type { Projections } from "./reconstruction";
 import type { Vec3 } from "../geometry/vector";
 
@@ -83,7 +83,7 @@ export type JobLine =
   | { readonly kind: "progress"; readonly what: string; readonly share: number | null }
   | { readonly kind: "found"; readonly find: number; readonly scans: readonly ListedScan[] }
   | ({ readonly kind: "projections" } & Projections)
-  | ({ readonly kind: "bare" } & Bare)
+  | ({ readonly kind: "bare" } & HeaderlessFiles)
   | ({ readonly kind: "labels" } & FoundLabels)
   | ({ readonly kind: "autosave" } & Autosave)
   | { readonly kind: "picture"; readonly choice: number; readonly png: string }

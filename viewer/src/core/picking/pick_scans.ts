@@ -5,7 +5,7 @@
 import { transformPoint, transformVector, type Affine } from "../geometry/affine";
 import type { Ray } from "../geometry/camera";
 import { keptSpan } from "../view/clip";
-import type { Look } from "../appearance/appearance";
+import type { Appearance } from "../appearance/appearance";
 import { isGrey } from "../appearance/optics";
 import { nothingElse, pickSurface, type AlsoDrawn, type Picked } from "./pick_surface";
 import type { ScanVolume } from "../scan/scan_volume";
@@ -24,7 +24,7 @@ export interface PickedOfTwo extends Picked {
 }
 
 /** First visible point along a ray of the first scan's scene; its value is that of the scan that it belongs to. */
-export function pickScans(volume: ScanVolume, look: Look, ray: Ray, also: AlsoDrawn, second: DrawnSecond | null): PickedOfTwo | null {
+export function pickScans(volume: ScanVolume, look: Appearance, ray: Ray, also: AlsoDrawn, second: DrawnSecond | null): PickedOfTwo | null {
   if (second?.look.inView !== true) {
     return of("first", pickSurface(volume, look, ray, also));
   }
@@ -43,7 +43,7 @@ function of(scan: PickedOfTwo["scan"], picked: Picked | null): PickedOfTwo | nul
   return picked && { ...picked, scan };
 }
 
-function pickSecond({ volume, place, look }: DrawnSecond, shown: Look, ray: Ray, { clip }: AlsoDrawn, hasTurn: (t: number) => boolean): PickedOfTwo | null {
+function pickSecond({ volume, place, look }: DrawnSecond, shown: Appearance, ray: Ray, { clip }: AlsoDrawn, hasTurn: (t: number) => boolean): PickedOfTwo | null {
   const own = { origin: transformPoint(place, ray.origin), direction: transformVector(place, ray.direction) };
   const kept = keptSpan(clip, ray);
   const takesTurns = look.viewFusion !== "blend" && !isGrey(shown.optics.blend);
@@ -57,7 +57,7 @@ function pickSecond({ volume, place, look }: DrawnSecond, shown: Look, ray: Ray,
 }
 
 /** How the second scan looks beside the first. */
-function lookOfSecond({ transferFunction, density, edgeGradient, isoValue, tissueFrom, windows }: SecondLook, shown: Look): Look {
+function lookOfSecond({ transferFunction, density, edgeGradient, isoValue, tissueFrom, windows }: SecondLook, shown: Appearance): Appearance {
   const { blend } = shown.optics;
   const window = isGrey(blend) ? windows[blend] : windows.mip;
   const points = transferFunction.points.map((point) => ({ ...point, extinction: density * point.extinction }));
@@ -65,7 +65,7 @@ function lookOfSecond({ transferFunction, density, edgeGradient, isoValue, tissu
 }
 
 /** Whether a point of the scene shows the second scan and nothing of the first, as `shaders/second/second_ray.glsl` says. */
-function isSecondsTurn({ frame }: ScanVolume, { volume, place, look }: DrawnSecond, shown: Look, point: Vec3): boolean {
+function isSecondsTurn({ frame }: ScanVolume, { volume, place, look }: DrawnSecond, shown: Appearance, point: Vec3): boolean {
   if (look.viewFusion === "blend" || isGrey(shown.optics.blend)) {
     return false;
   }

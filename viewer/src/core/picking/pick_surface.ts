@@ -8,7 +8,7 @@ import { transformPoint, transformVector } from "../geometry/affine";
 import type { Ray } from "../geometry/camera";
 import { keptSpan, type Plane } from "../view/clip";
 import { biasedAt, gradientMagnitude } from "../scan/field";
-import { edgeFactor, type Look } from "../appearance/appearance";
+import { edgeFactor, type Appearance } from "../appearance/appearance";
 import { greyOf } from "../appearance/optics";
 import { smallestSpacing, type ScanVolume } from "../scan/scan_volume";
 import type { Crossing } from "./pick_patches";
@@ -44,7 +44,7 @@ export const nothingElse: AlsoDrawn = { crossings: [], labelAt: () => null, clip
 const surfaceOpacity = 0.5;
 
 /** First visible point along a ray, or null where the ray sees through everything. */
-export function pickSurface(volume: ScanVolume, look: Look, ray: Ray, also: AlsoDrawn = nothingElse): Picked | null {
+export function pickSurface(volume: ScanVolume, look: Appearance, ray: Ray, also: AlsoDrawn = nothingElse): Picked | null {
   const { frame } = volume;
   const origin = transformPoint(frame.gridFromScene, ray.origin);
   const direction = transformVector(frame.gridFromScene, ray.direction);
@@ -108,7 +108,7 @@ export function pickSurface(volume: ScanVolume, look: Look, ray: Ray, also: Also
 /** Where a ray of a MIP has its value, in the grid; null where nothing of it is seen. */
 function largestOnRay(
   volume: ScanVolume,
-  look: Look,
+  look: Appearance,
   also: AlsoDrawn,
   ray: { readonly origin: Vec3; readonly direction: Vec3; readonly enter: number; readonly leave: number; readonly step: number },
 ): number | null {
@@ -129,12 +129,12 @@ function largestOnRay(
 }
 
 /** The segment that a point belongs to, in the order of the shader: visible ranges, labels, hidden ones. */
-function segmentAt(look: Look, also: AlsoDrawn, grid: Vec3, biased: number): ReturnType<AlsoDrawn["labelAt"]> {
+function segmentAt(look: Appearance, also: AlsoDrawn, grid: Vec3, biased: number): ReturnType<AlsoDrawn["labelAt"]> {
   const range = rangeHolding(look.ranges, biased) ?? null;
   return range?.visible === true ? range : (also.labelAt(grid) ?? range);
 }
 
-function extinctionAt(volume: ScanVolume, look: Look, grid: Vec3, biased: number): number {
+function extinctionAt(volume: ScanVolume, look: Appearance, grid: Vec3, biased: number): number {
   const value = physical(biased, volume.frame.rescale);
   const { extinction } = sample(look.transferFunction.points, value);
   return extinction > 0 ? extinction * edgeFactor(gradientMagnitude(volume, grid), look.edgeGradient, look.lighting.edges) : 0;

@@ -2,7 +2,7 @@
  * A scan as it arrives, plane by plane, and what stands in for the planes that are still on their way.
  */
 import { coveringRanges, noRanges, widenRanges, type BrickRanges } from "./bricks";
-import { PlanesBetween, type CoarseScan } from "./plane_interpolation";
+import { PlaneInterpolation, type CoarseScan } from "./plane_interpolation";
 import { biasInPlace } from "./stored_values";
 import type { Vec3 } from "../geometry/vector";
 
@@ -26,7 +26,7 @@ export interface Arrival {
 }
 
 /** Makes whole planes of the bytes of a scan, in the order in which they come. */
-export class ArrivingScan {
+export class LoadingScan {
   /** Ranges of what has arrived. */
   readonly bricks: BrickRanges;
   /** Planes that were handed on. */
@@ -73,7 +73,7 @@ export class ArrivingScan {
 
 /** Makes what stands in for planes on their way from a coarse scan: the last ones first, until it meets what has arrived. */
 export class StandIn {
-  private readonly between: PlanesBetween;
+  private readonly between: PlaneInterpolation;
   private readonly bricks: BrickRanges;
   /** Planes from here on were made. */
   private made: number;
@@ -91,7 +91,7 @@ export class StandIn {
     step: number,
     private readonly parts: number,
   ) {
-    this.between = new PlanesBetween(coarse, dimensions, step);
+    this.between = new PlaneInterpolation(coarse, dimensions, step);
     this.bricks = noRanges(dimensions);
     this.made = dimensions[2];
   }

@@ -20,7 +20,7 @@ interface Between {
   readonly weights: readonly [number, number, number, number];
 }
 
-export class PlanesBetween {
+export class PlaneInterpolation {
   private readonly columns: readonly Between[];
   private readonly rows: readonly Between[];
   private readonly depths: readonly Between[];

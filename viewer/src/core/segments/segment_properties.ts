@@ -1,5 +1,5 @@
 /** What is asked of the engine where segments shall look otherwise. */
-import { same } from "../base/deep_equal";
+import { deepEqual } from "../base/deep_equal";
 import type { Segment, SegmentProperties, ShownAs } from "../protocol";
 
 /** What a person changes of how a segment looks and is touched. */
@@ -48,7 +48,7 @@ export function commonWay(segments: readonly Segment[]): ShownAs | null {
 
 /** What changes where all of them get a part of a look. */
 export function changedForAll(segments: readonly Segment[], part: Partial<SegmentLook>): LookParts {
-  const differs = (segment: Segment): boolean => keysOf(part).some((key) => !same(segment[key], part[key]));
+  const differs = (segment: Segment): boolean => keysOf(part).some((key) => !deepEqual(segment[key], part[key]));
   return Object.fromEntries(segments.filter(differs).map(({ id }) => [id, part]));
 }
 
@@ -67,7 +67,7 @@ export function presentParts(segments: readonly Segment[], parts: LookParts): Lo
 /** Of these parts those in whose place still stands what was `left` there. */
 export function partsInPlace(segments: readonly Segment[], parts: LookParts, left: LookParts): LookParts {
   return mapped(segments, left, (segment, part) =>
-    picked(parts[segment.id] ?? {}, keysOf(part).filter((key) => same(segment[key], part[key]))),
+    picked(parts[segment.id] ?? {}, keysOf(part).filter((key) => deepEqual(segment[key], part[key]))),
   );
 }
 

@@ -1,5 +1,5 @@
 /**
- * What can be chosen of a model by which matter gives way, as the page offers it: what is usual, what
+ * What can be chosen of a deformation model, as the page offers it: what is usual, what
  * a slider stands for, and how it is written.
  */
 import { oddEdge } from "./tissue";
@@ -20,7 +20,7 @@ export const usualOptions: ModelOptions = {
 /** What sliders offer of a force that fades: shares from 0, which is not at all; times [s]. */
 export const offeredFading = { share: { max: 0.9, step: 0.05 }, time: { min: 0.1, max: 10, step: 0.1 } } as const;
 
-/** What a slider offers of matter that stays as it is pressed: strains from 0, where none does. */
+/** What a slider offers of tissue that stays as it is pressed: strains from 0, where none does. */
 export const offeredYielding = { max: 0.2, step: 0.01 } as const;
 
 /** Of a force that begins to fade [s]. */

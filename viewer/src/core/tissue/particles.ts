@@ -5,7 +5,7 @@
 import type { MatterParts as Sent } from "../protocol";
 import type { Vec3 } from "../geometry/vector";
 
-export interface MatterParts {
+export interface ModelParticles {
   /** Lower corner and edges of the box that they lie in, in the scene [mm]. */
   readonly origin: Vec3;
   readonly size: Vec3;
@@ -22,7 +22,7 @@ const numbers = 3;
 const placeBytes = 2 * numbers;
 
 /** Reads parts; null where their bytes do not fit together. */
-export function decodeParts({ origin, size, apart, places, strains }: Sent): MatterParts | null {
+export function decodeParticles({ origin, size, apart, places, strains }: Sent): ModelParticles | null {
   const count = strains.length;
   if (places.length !== count * placeBytes || !size.every((edge) => edge >= 0)) {
     return null;

@@ -7,12 +7,12 @@ import { described, writtenConstants } from "./tissue_constants";
 import type { Boxes, Constants, DeformationModel, ForceSource, MaterialPreset, SegmentMaterial } from "../protocol";
 
 /** What the slider offers. */
-export const offeredMatter = { young: { min: 500, max: 1e8 } } as const;
+export const offeredTissue = { young: { min: 500, max: 1e8 } } as const;
 
 /** The model that is taken where a segment is made soft and none was chosen. */
 export const usualModel = "lattice";
 
-/** What can be felt of matter that gives way. */
+/** What can be felt of soft tissue. */
 export const forceSources: readonly { readonly value: ForceSource; readonly name: string; readonly title: string }[] = [
   { value: "matter", name: "The model's", title: "The contact force of the model through the spring to the hand (thesis 5.16); usual" },
   {

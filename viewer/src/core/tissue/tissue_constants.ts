@@ -1,5 +1,5 @@
 /**
- * Constants of matter as a person reads and types them: names, units, what is allowed, and why
+ * Constants of tissue as a person reads and types them: names, units, what is allowed, and why
  * something else is refused.
  */
 import type { Constants } from "../protocol";
@@ -75,7 +75,7 @@ export const writtenConstants: readonly WrittenConstant[] = [
 ];
 
 /** What a segment begins with that was rigid and gets constants of a person's own: as soft as muscle. */
-export const ownMatter: Constants = { young: 12_000, poisson: 0.45, density: 1050, breaking_strain: null, friction: 0.2 };
+export const customTissue: Constants = { young: 12_000, poisson: 0.45, density: 1050, breaking_strain: null, friction: 0.2 };
 
 /** The number of a constant in its unit, as text; "" where it has none. */
 export function written({ key, scale }: WrittenConstant, constants: Constants): string {

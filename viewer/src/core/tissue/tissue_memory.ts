@@ -1,5 +1,5 @@
 /**
- * What a person has chosen of matter that gives way, for the next visit: kept for each scan, in the
+ * What a person has chosen of soft tissue, for the next visit: kept for each scan, in the
  * browser. Segments are known by their names.
  */
 import { treatments } from "./tissue_regions";
@@ -7,7 +7,7 @@ import { recalledOptions, usualOptions } from "./model_options";
 import type { Constants, DeformationModel, ForceSource, MaterialPreset, MatterRegion, MatterState, ModelOptions, Segment, Treatment } from "../protocol";
 
 /** What was chosen for one scan. */
-export interface MatterMemory {
+export interface TissueMemory {
   readonly version: number;
   readonly model: string | null;
   /** Of the model, where they are not as usual. */
@@ -33,15 +33,15 @@ export interface RememberedRegion {
 /** Form of what is kept; another number means that nothing kept before is read. */
 const memoryVersion = 1;
 
-export const nothingRemembered: MatterMemory = { version: memoryVersion, model: null, options: usualOptions, forceSource: "matter", materials: [], regions: [] };
+export const nothingRemembered: TissueMemory = { version: memoryVersion, model: null, options: usualOptions, forceSource: "matter", materials: [], regions: [] };
 
 type NamedSegment = Pick<Segment, "id" | "name" | "material" | "regions">;
 
 /** What to keep of segments and the model. */
-export function rememberedMatter(
+export function rememberedTissue(
   segments: readonly NamedSegment[],
   { model, options, force_source }: Pick<MatterState, "model" | "options" | "force_source">,
-): MatterMemory {
+): TissueMemory {
   const materials = segments.flatMap(({ name, material }): RememberedMaterial[] =>
     material === null ? [] : [{ segment: name, preset: material.preset, constants: material.preset === null ? material.low : null }],
   );
@@ -59,7 +59,7 @@ function rememberedRegions({ name, regions }: NamedSegment, segments: readonly N
 }
 
 /** Regions of a segment as they were kept, by the segments that there are now. */
-export function recalledRegions(name: string, { regions }: MatterMemory, segments: readonly NamedSegment[]): MatterRegion[] {
+export function recalledRegions(name: string, { regions }: TissueMemory, segments: readonly NamedSegment[]): MatterRegion[] {
   return regions.flatMap(({ segment, treatment, sharedWith }): MatterRegion[] => {
     const other = segments.find((each) => each.name === sharedWith);
     const gone = sharedWith !== null && other === undefined;
@@ -68,7 +68,7 @@ export function recalledRegions(name: string, { regions }: MatterMemory, segment
 }
 
 /** Reads what was kept; anything may have been written there. What is not offered is left out. */
-export function recalledMatter(memory: unknown, presets: readonly MaterialPreset[], models: readonly DeformationModel[]): MatterMemory {
+export function recalledTissue(memory: unknown, presets: readonly MaterialPreset[], models: readonly DeformationModel[]): TissueMemory {
   const { version, model, options, forceSource, materials, regions } = asMap(memory);
   if (version !== memoryVersion || !Array.isArray(materials)) {
     return nothingRemembered;

@@ -65,7 +65,7 @@ const mostOfTrial = 2;
 /** Most strips that a level is cut into, for each step per voxel edge. */
 const mostStrips = 32;
 
-export class Pace {
+export class DrawBudget {
   private readonly moving: CostModel;
   private readonly resting: CostModel;
   private chosen: Detail = "all";

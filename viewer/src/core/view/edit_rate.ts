@@ -6,8 +6,8 @@
  */
 
 /** What can be chosen; "auto" goes by the time that the page needs. */
-export const editPaces = ["auto", 1, 2, 4] as const;
-export type EditPaceChoice = (typeof editPaces)[number];
+export const editRates = ["auto", 1, 2, 4] as const;
+export type EditRateChoice = (typeof editRates)[number];
 export type Every = 1 | 2 | 4;
 
 /** A frame of the engine's picture [ms]. */
@@ -21,7 +21,7 @@ const longest = 1000;
 /** One slow frame alone must not tell of a slow machine: none counts for more [ms]. */
 const mostCounted = 5 * frame;
 
-export class EditPace {
+export class EditRate {
   /** From a frame with an edit in it to the next frame [ms]. */
   private needed = frame;
   private current: Every = 1;

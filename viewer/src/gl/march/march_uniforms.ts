@@ -9,7 +9,7 @@ import { mostPlanes } from "../../core/view/clip";
 import { smallestSpacing, type ScanFrame, type ScanVolume } from "../../core/scan/scan_volume";
 import { mostRanges } from "../../core/segments/shown_segments";
 import { dot, scale, type Vec3 } from "../../core/geometry/vector";
-import type { DisplacedTexture } from "../textures/displacement_texture";
+import type { DisplacementTexture } from "../textures/displacement_texture";
 import { keyLight } from "./key_light";
 
 const vector = (v: Vec3 = [0, 0, 0]): THREE.Vector3 => new THREE.Vector3(...v);
@@ -72,7 +72,7 @@ export function marchUniforms() {
   };
 }
 
-export type MarchUniforms = ReturnType<typeof marchUniforms> & DisplacedTexture["uniforms"];
+export type MarchUniforms = ReturnType<typeof marchUniforms> & DisplacementTexture["uniforms"];
 export type FieldUniform =
   | "fieldTexture"
   | "dimensions"
@@ -83,7 +83,7 @@ export type FieldUniform =
   | "slope"
   | "labelTexture"
   | "material"
-  | keyof DisplacedTexture["uniforms"];
+  | keyof DisplacementTexture["uniforms"];
 
 /** Where the values of a scan stand in its grid, all or every `step`-th. */
 export function standAt(u: MarchUniforms, { frame, dimensions, step }: ScanVolume): void {

@@ -7,9 +7,9 @@ import { column } from "../../core/geometry/affine";
 import { brickEdge, type BrickRanges } from "../../core/scan/bricks";
 import { depthOf, nearAndFar, type Camera, type Extent } from "../../core/geometry/camera";
 import type { Plane } from "../../core/view/clip";
-import type { Displaced } from "../../core/scan/displacements";
+import type { Displacements } from "../../core/scan/displacements";
 import { drawnBy } from "../../core/appearance/drawn_values";
-import { opacityKey, type Look } from "../../core/appearance/appearance";
+import { opacityKey, type Appearance } from "../../core/appearance/appearance";
 import { cornersOf } from "../../core/geometry/object_pose";
 import { blends, drawsSolids, greyOf, isLit, type Blend, type Optics } from "../../core/appearance/optics";
 import type { Segment } from "../../core/protocol";
@@ -20,7 +20,7 @@ import { biasedOf, largest, physical, type Rescale } from "../../core/scan/store
 import { domainOf, sample, type TransferFunction } from "../../core/appearance/transfer_function";
 import { add, addScaled, dot, multiply, type Vec3 } from "../../core/geometry/vector";
 import type { Box } from "../../core/scan/voxel_change";
-import { DisplacedTexture } from "../textures/displacement_texture";
+import { DisplacementTexture } from "../textures/displacement_texture";
 import { EmptySpace } from "./empty_space";
 import type { FieldFormat, FieldTexture } from "../textures/field_texture";
 import { transferTextures } from "../textures/lookup_textures";
@@ -57,7 +57,7 @@ const formatDefines: Readonly<Record<FieldFormat, string>> = { rg8: "FIELD_RG8",
 export type Shift = readonly [number, number, number];
 
 export class RayMarcher {
-  private readonly displacements = new DisplacedTexture();
+  private readonly displacements = new DisplacementTexture();
   private readonly uniforms = { ...marchUniforms(), ...this.displacements.uniforms };
   /** The light that comes through what is drawn. */
   readonly light: LightVolume;
@@ -76,7 +76,7 @@ export class RayMarcher {
   private format = "FIELD_RG8";
   /** Translucent layers of surfaces; -1 where there are no surfaces at all. */
   private layers = -1;
-  /** Whether matter may stand beside its voxels. */
+  /** Whether tissue may be displaced from its voxels. */
   private gives = false;
   private withSecond = false;
   /** Of the look on which the light was worked out. */
@@ -139,7 +139,7 @@ export class RayMarcher {
   }
 
   /** Shows the scan in another way. */
-  setLook(look: Look): void {
+  setLook(look: Appearance): void {
     if (this.frame === null) {
       return;
     }
@@ -238,8 +238,8 @@ export class RayMarcher {
     }
   }
 
-  /** Where matter stands beside its voxels; null where all stands in them. */
-  setDisplaced(displaced: Displaced | null): void {
+  /** Displacements of tissue from its voxels; null where there are none. */
+  setDisplaced(displaced: Displacements | null): void {
     this.displacements.set(displaced);
     this.light.changed();
   }

@@ -8,11 +8,11 @@
  */
 import * as THREE from "three";
 import { srgbFromHex } from "../../core/appearance/colour";
-import type { MatterParts } from "../../core/tissue/particles";
+import type { ModelParticles } from "../../core/tissue/particles";
 import type { PathTrail } from "../../core/touch/path_trail";
 import { addScaled, distance, length, normalize, subtract, type Vec3 } from "../../core/geometry/vector";
 import { ForceGauge } from "./force_gauge";
-import { MatterDots } from "./particle_dots";
+import { ParticleDots } from "./particle_dots";
 import { PathRibbon } from "./path_ribbon";
 import { shaders } from "../shaders/shaders";
 
@@ -42,7 +42,7 @@ export interface MarkerState {
   readonly normal: Vec3;
   readonly trail: PathTrail;
   /** Nodes or particles of the model of deformation; null where they are not shown. */
-  readonly parts: MatterParts | null;
+  readonly parts: ModelParticles | null;
   readonly show: Shown;
   /** The ball of the tool in the hand: radius [mm], colour sRGB 0..1; null without one. */
   readonly tool: ToolBall | null;
@@ -171,7 +171,7 @@ export class Markers {
   private readonly normalHead = new Marker(cone(), 1);
   private readonly gauge = new ForceGauge(amber);
   private readonly path = new PathRibbon(accent);
-  private readonly parts = new MatterDots();
+  private readonly parts = new ParticleDots();
 
   private shown: MarkerState | null = null;
   private tip: Vec3 = [0, 0, 0];

@@ -1,7 +1,7 @@
 /** The nodes or particles of a model of deformation, coloured by strain: a disc each. */
 import * as THREE from "three";
 import { srgbFromHex } from "../../core/appearance/colour";
-import type { MatterParts } from "../../core/tissue/particles";
+import type { ModelParticles } from "../../core/tissue/particles";
 import type { Vec3 } from "../../core/geometry/vector";
 import { GhostedQuads, square } from "./ghosted_quads";
 import { shaders } from "../shaders/shaders";
@@ -10,7 +10,7 @@ import { shaders } from "../shaders/shaders";
 const discRadius = 0.28;
 const strength = { plain: 0.95, behind: 0.6 } as const;
 
-export class MatterDots {
+export class ParticleDots {
   private readonly uniforms = {
     boxOrigin: { value: new THREE.Vector3() },
     boxSize: { value: new THREE.Vector3() },
@@ -21,7 +21,7 @@ export class MatterDots {
   };
   private readonly quads = new GhostedQuads(square, shaders.parts, this.uniforms, strength);
   readonly group = this.quads.group;
-  private shown: MatterParts | null = null;
+  private shown: ModelParticles | null = null;
   private room = 0;
 
   constructor() {
@@ -29,7 +29,7 @@ export class MatterDots {
   }
 
   /** Shows other parts; none with null. */
-  update(parts: MatterParts | null): void {
+  update(parts: ModelParticles | null): void {
     if (parts === this.shown) {
       return;
     }
@@ -62,7 +62,7 @@ export class MatterDots {
     this.quads.dispose();
   }
 
-  private fill({ places, strains, count }: MatterParts): void {
+  private fill({ places, strains, count }: ModelParticles): void {
     const { geometry } = this.quads;
     if (count > this.room) {
       // other buffers: what the GPU holds of those before goes with them

@@ -3,7 +3,7 @@
  */
 import * as THREE from "three";
 import { linearFromHex } from "../../core/appearance/colour";
-import { Enlarger, type ScreenPane } from "./upscaler";
+import { Upscaler, type ScreenPane } from "./upscaler";
 import { FullscreenPass } from "../base/fullscreen_pass";
 import type { PictureTarget } from "./picture_target";
 import { shaders } from "../shaders/shaders";
@@ -39,7 +39,7 @@ export class Compositor {
     backgroundEdge: { value: new THREE.Vector3(...rim) },
   };
   private readonly pass = new FullscreenPass(shaders.composite, this.uniforms);
-  private readonly enlarger = new Enlarger();
+  private readonly enlarger = new Upscaler();
 
   /** Whether highlights are bent instead of clipped; grey by window and level is shown as it is. */
   set bendsHighlights(on: boolean) {

@@ -6,8 +6,8 @@ import * as THREE from "three";
 import type { BrickRanges } from "../../core/scan/bricks";
 import type { Camera, Extent } from "../../core/geometry/camera";
 import type { Plane } from "../../core/view/clip";
-import type { Displaced } from "../../core/scan/displacements";
-import type { Look } from "../../core/appearance/appearance";
+import type { Displacements } from "../../core/scan/displacements";
+import type { Appearance } from "../../core/appearance/appearance";
 import { isGrey } from "../../core/appearance/optics";
 import type { Rect } from "../../core/view/picture_layout";
 import { firstQuality, restingPictures, type QualityChoice } from "../../core/view/quality";
@@ -180,7 +180,7 @@ export class Picture {
     }
   }
 
-  setLook(look: Look): void {
+  setLook(look: Appearance): void {
     this.marcher.setLook(look);
     this.compositor.bendsHighlights = !isGrey(look.optics.blend);
     this.refiner.restart();
@@ -238,7 +238,7 @@ export class Picture {
     this.refiner.restart();
   }
 
-  /** Whether a model of deformation is at work: only then matter can stand beside its voxels. */
+  /** Whether a model of deformation is at work: only then tissue can be displaced. */
   setGives(gives: boolean): void {
     if (gives !== this.gives) {
       this.gives = gives;
@@ -248,8 +248,8 @@ export class Picture {
     }
   }
 
-  /** Where matter stands beside its voxels; null where all stands in them. */
-  setDisplaced(displaced: Displaced | null): void {
+  /** Displacements of tissue from its voxels; null where there are none. */
+  setDisplaced(displaced: Displacements | null): void {
     this.marcher.setDisplaced(displaced);
     this.slices.changed();
     this.refiner.restart();

@@ -8,7 +8,7 @@
  */
 import type * as THREE from "three";
 import { halton } from "../../core/view/halton";
-import { levelsAfter, Pace, type Detail } from "../../core/view/draw_budget";
+import { levelsAfter, DrawBudget, type Detail } from "../../core/view/draw_budget";
 import type { RestingPicture } from "../../core/view/quality";
 import type { FieldFormat } from "../textures/field_texture";
 import type { GpuClock } from "../base/gpu_clock";
@@ -60,7 +60,7 @@ export class Refiner {
   /** A picture for each eye. */
   private readonly pictures: PictureTarget[];
   private working: PictureTarget;
-  private readonly pace: Pace;
+  private readonly pace: DrawBudget;
   private resting: RestingPicture = { stepsPerVoxel: 1, passes: 1 };
   private stale = true;
   private drawnAt = 0;
@@ -104,7 +104,7 @@ export class Refiner {
   ) {
     this.pictures = [new PictureTarget(options.halfFloat)];
     this.working = new PictureTarget(options.halfFloat);
-    this.pace = new Pace(0, options.software ? firstCosts.software : firstCosts.gpu);
+    this.pace = new DrawBudget(0, options.software ? firstCosts.software : firstCosts.gpu);
   }
 
   /** The picture of an eye; of the first one where there are no more. */

@@ -13,7 +13,7 @@ export interface ScreenPane {
   readonly size: readonly [number, number];
 }
 
-export class Enlarger {
+export class Upscaler {
   /** The picture as it would stand on the screen, as small as it is. */
   readonly small = new THREE.WebGLRenderTarget(1, 1, { generateMipmaps: false, depthBuffer: false });
   private readonly uniforms = {

@@ -1,11 +1,11 @@
 /**
- * Where matter stands beside its voxels, on the GPU. Keep in sync with `shaders/scan/displacements.glsl`.
+ * Displacements of tissue, on the GPU. Keep in sync with `shaders/scan/displacements.glsl`.
  */
 import * as THREE from "three";
-import type { Displaced } from "../../core/scan/displacements";
+import type { Displacements } from "../../core/scan/displacements";
 import type { Vec3 } from "../../core/geometry/vector";
 
-export class DisplacedTexture {
+export class DisplacementTexture {
   readonly uniforms = {
     displacedTexture: { value: null as THREE.Data3DTexture | null },
     displacedScale: { value: new THREE.Vector3() },
@@ -17,8 +17,8 @@ export class DisplacedTexture {
     this.set(null);
   }
 
-  /** Takes other displacements; null where all matter stands in its voxels. */
-  set(displaced: Displaced | null): void {
+  /** Takes other displacements; null where no tissue is displaced. */
+  set(displaced: Displacements | null): void {
     const { size, moved } = displaced ?? { size: [1, 1, 1] as const, moved: new Uint16Array(4) };
     this.fill(size, moved);
     const { displacedScale, displacedOffset } = this.uniforms;

@@ -40,7 +40,7 @@ export interface Action {
 }
 
 /** What actions work on. */
-export interface Doors {
+export interface ActionTargets {
   readonly session: Session;
   readonly stage: Stage;
   readonly hand: HandControl;
@@ -68,11 +68,11 @@ export interface Doors {
 /** Turn of what the probe holds by one press [rad]. */
 const turnStep = (2 * Math.PI) / 180;
 
-export function actionsOf(doors: Doors): readonly Action[] {
-  return [look, picture, slices, touch, tools, marks, work].flatMap((group) => group(doors));
+export function actionsOf(targets: ActionTargets): readonly Action[] {
+  return [look, picture, slices, touch, tools, marks, work].flatMap((group) => group(targets));
 }
 
-function look({ session, stage }: Doors): readonly Action[] {
+function look({ session, stage }: ActionTargets): readonly Action[] {
   const group = "Look";
   const known = session.scan?.orientation_known ?? true;
   return [
@@ -114,7 +114,7 @@ function look({ session, stage }: Doors): readonly Action[] {
 }
 
 /** How the picture is made, cut and kept. */
-function picture({ stage, page }: Doors): readonly Action[] {
+function picture({ stage, page }: ActionTargets): readonly Action[] {
   const group = "Look";
   const { clips, images, looks } = stage;
   const drawable = (): boolean => stage.view.camera !== null && images.job === null;
@@ -144,11 +144,11 @@ function picture({ stage, page }: Doors): readonly Action[] {
     },
     { group, name: "Clip nothing", keys: [], ready: () => clips.cutting.length > 0, run: () => { clips.reset(); } },
     { group, name: "Save a picture of the view", keys: [], ready: () => drawable() && images.fits(images.choice.magnification), run: () => void images.saveImage() },
-    { group, name: "Record a turntable of the view", keys: [], ready: () => drawable() && images.filming, run: () => void images.saveFilm() },
+    { group, name: "Record a turntable of the view", keys: [], ready: () => drawable() && images.canAnimate, run: () => void images.saveAnimation() },
   ];
 }
 
-function slices({ session, stage }: Doors): readonly Action[] {
+function slices({ session, stage }: ActionTargets): readonly Action[] {
   const group = "Slices";
   const known = session.scan?.orientation_known ?? true;
   return [
@@ -173,7 +173,7 @@ function slices({ session, stage }: Doors): readonly Action[] {
   ];
 }
 
-function touch({ session, stage, hand, page }: Doors): readonly Action[] {
+function touch({ session, stage, hand, page }: ActionTargets): readonly Action[] {
   const group = "Touch";
   const ready = (): boolean => session.settings !== null;
   const change = (part: (settings: NonNullable<Session["settings"]>) => Parameters<Session["changeSettings"]>[0]) => (): void => {
@@ -214,7 +214,7 @@ function touch({ session, stage, hand, page }: Doors): readonly Action[] {
   ];
 }
 
-function tools({ stage, tool }: Doors): readonly Action[] {
+function tools({ stage, tool }: ActionTargets): readonly Action[] {
   const group = "Tools";
   return [
     ...toolChoices.map(({ kind, name, key, does }) => ({
@@ -247,7 +247,7 @@ function tools({ stage, tool }: Doors): readonly Action[] {
   ];
 }
 
-function marks({ session, stage }: Doors): readonly Action[] {
+function marks({ session, stage }: ActionTargets): readonly Action[] {
   const group = "Marks";
   const put = (point: Vec3 | undefined | null): void => {
     if (point !== undefined && point !== null) {
@@ -264,7 +264,7 @@ function marks({ session, stage }: Doors): readonly Action[] {
   ];
 }
 
-function work({ session, undo, exporter, theme, page }: Doors): readonly Action[] {
+function work({ session, undo, exporter, theme, page }: ActionTargets): readonly Action[] {
   const group = "Work";
   return [
     { group, name: "Undo", keys: ["Ctrl+Z"], run: () => { undo.undo(); } },

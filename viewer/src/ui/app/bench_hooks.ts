@@ -28,7 +28,7 @@ export interface BenchScene {
   readonly field: number;
 }
 
-export interface BenchDoor {
+export interface BenchHooks {
   /** When the picture of all of the scan stood on the screen [ms since the page was opened], or null. */
   readonly wholePicture: number | null;
   /** Pictures and strips that the GPU has drawn to the end. */
@@ -41,7 +41,7 @@ export interface BenchDoor {
   readonly scene: () => BenchScene | null;
 }
 
-export function benchDoor(stage: Stage): BenchDoor {
+export function benchHooks(stage: Stage): BenchHooks {
   return {
     get wholePicture() {
       return stage.loader.wholePicture;

@@ -4,7 +4,7 @@
 import { transformPoint } from "../../core/geometry/affine";
 import { pixelSizeAt, project, rayThrough, type Ray } from "../../core/geometry/camera";
 import { valueInVoxel } from "../../core/scan/field";
-import type { Look } from "../../core/appearance/appearance";
+import type { Appearance } from "../../core/appearance/appearance";
 import { unmoved } from "../../core/geometry/object_pose";
 import { surfaceCrossings } from "../../core/picking/pick_patches";
 import { pickScans, type PickedOfTwo } from "../../core/picking/pick_scans";
@@ -12,7 +12,7 @@ import type { Segment } from "../../core/protocol";
 import { drawnAsSurface, drawnFromVoxels } from "../../core/segments/shown_segments";
 import { dot, subtract, type Vec3 } from "../../core/geometry/vector";
 import type { ClipControl } from "../features/view/clip_control.svelte";
-import type { LookControl } from "../features/appearance/appearance_control.svelte";
+import type { AppearanceControl } from "../features/appearance/appearance_control.svelte";
 import type { ScanLoader } from "../features/scan/scan_loader.svelte";
 import type { SecondControl } from "../features/second/second_control.svelte";
 import type { Session } from "../state/session.svelte";
@@ -23,8 +23,8 @@ import type { ViewControl } from "../features/view/view_control.svelte";
 /** What is drawn. */
 interface Drawn {
   readonly loader: ScanLoader;
-  readonly look: Look | null;
-  readonly looks: LookControl;
+  readonly look: Appearance | null;
+  readonly looks: AppearanceControl;
   readonly segments: readonly Segment[];
   readonly edits: ShownEdits;
   readonly clips: ClipControl;

@@ -25,7 +25,7 @@ interface Views {
   readonly second: SecondControl;
 }
 
-export class HandedViews {
+export class PictureSync {
   private quality: QualityChoice | null = null;
   private clip: readonly Plane[] | null = null;
   private marks: readonly (readonly Vec3[])[] | null = null;

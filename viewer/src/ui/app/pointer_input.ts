@@ -159,18 +159,18 @@ export class PointerInput {
       return;
     }
     this.pressed = null;
-    const { growing, marks, readOut } = this.stage;
+    const { growing, marks, readout } = this.stage;
     const { camera } = this.stage.view;
     const picked = this.stage.picker.at(event.offsetX, event.offsetY);
     this.marked = marks.placing !== null;
     if (picked === null) {
-      readOut.close();
+      readout.close();
     } else if (this.marked) {
       marks.put(picked.point);
     } else if (growing.armed && camera !== null) {
       growing.from(addScaled(picked.point, camera.back, -growDepth));
     } else {
-      readOut.show(this.readingOf(picked));
+      readout.show(this.readingOf(picked));
     }
   }
 
@@ -194,11 +194,11 @@ export class PointerInput {
     const picked = this.stage.picker.at(event.offsetX, event.offsetY);
     const { camera } = this.stage.view;
     if (picked === null || camera === null) {
-      this.stage.readOut.close();
+      this.stage.readout.close();
       this.session.notify("info", "Nothing is drawn there: double-click on the scan to bring the probe to it.");
       return;
     }
-    this.stage.readOut.name(this.readingOf(picked));
+    this.stage.readout.name(this.readingOf(picked));
     this.hand.place(addScaled(picked.point, camera.back, standOff));
   }
 }

@@ -6,14 +6,14 @@ import { transformPoint } from "../../core/geometry/affine";
 import type { BrickRanges } from "../../core/scan/bricks";
 import { extentOf, type Camera } from "../../core/geometry/camera";
 import { contentHull } from "../../core/scan/content_hull";
-import type { Look } from "../../core/appearance/appearance";
+import type { Appearance } from "../../core/appearance/appearance";
 import type { Panes } from "../../core/view/picture_layout";
 import type { Fusion } from "../../core/second/second_scan";
 import type { Scan, Segment } from "../../core/protocol";
 import { frameOf, type ScanVolume } from "../../core/scan/scan_volume";
 import { drawnKey, LastRanges, rangesInside, showable, shownRanges } from "../../core/segments/shown_segments";
 import { biasedRange } from "../../core/scan/stored_values";
-import { Unchanged } from "../../core/base/keep_equal";
+import { KeepEqual } from "../../core/base/keep_equal";
 import type { GpuSupport } from "../../gl/base/gpu_support";
 import { Picture } from "../../gl/picture/picture";
 import type { SnapshotWish } from "../../gl/picture/snapshot";
@@ -22,31 +22,31 @@ import { BrushControl } from "../features/segments/brush_control.svelte";
 import { drawOn } from "./canvas_loop";
 import { ClipControl } from "../features/view/clip_control.svelte";
 import { CutControl } from "../features/segments/cut_control.svelte";
-import { EditPaceControl } from "../features/scan/edit_rate_control.svelte";
+import { EditRateControl } from "../features/scan/edit_rate_control.svelte";
 import { EngineSteps } from "../state/engine_steps.svelte";
 import { FrameRate } from "./frame_rate.svelte";
 import { GrowControl } from "../features/segments/grow_control.svelte";
-import { HandedViews } from "./picture_sync";
+import { PictureSync } from "./picture_sync";
 import { ImageControl } from "../features/view/image_control.svelte";
-import { LookControl } from "../features/appearance/appearance_control.svelte";
+import { AppearanceControl } from "../features/appearance/appearance_control.svelte";
 import { MarkControl } from "../features/marks/mark_control.svelte";
-import { MarkSight } from "../features/marks/mark_visibility.svelte";
+import { MarkVisibility } from "../features/marks/mark_visibility.svelte";
 import { ObjectControl } from "../features/segments/object_control.svelte";
 import { PageSteps } from "../state/page_steps.svelte";
 import { Picker } from "./picker";
 import type { ShownTouch } from "../../core/touch/shown_touch";
 import { Player } from "../features/scenario/player.svelte";
 import { QualityControl } from "../features/view/quality_control.svelte";
-import { ReadOut } from "../features/picking/readout.svelte";
+import { Readout } from "../features/picking/readout.svelte";
 import { RegistrationControl } from "../features/second/registration_control.svelte";
 import { mostValues, ScanLoader } from "../features/scan/scan_loader.svelte";
 import { SecondControl } from "../features/second/second_control.svelte";
-import { SegmentLooks } from "../features/segments/segment_appearance";
+import { SegmentAppearance } from "../features/segments/segment_appearance";
 import type { Session } from "../state/session.svelte";
 import { needsLabels, ShownEdits, type HeldScan } from "../features/scan/shown_edits.svelte";
 import { SliceControl } from "../features/slices/slice_control.svelte";
 import { StereoControl } from "../features/view/stereo_control.svelte";
-import { TouchMarks } from "../features/touch/touch_markers.svelte";
+import { TouchMarkers } from "../features/touch/touch_markers.svelte";
 import { ViewControl } from "../features/view/view_control.svelte";
 
 /** How a large scan is shown while it arrives: where the CPU draws, that takes of the time in which the whole one could be there. */
@@ -64,19 +64,19 @@ export class Stage {
   /** How fine it is drawn. */
   readonly quality: QualityControl;
   /** How the scan is shown. */
-  readonly looks: LookControl;
+  readonly looks: AppearanceControl;
   /** How segments look. */
-  readonly segmentLooks: SegmentLooks;
+  readonly segmentAppearance: SegmentAppearance;
   /** What of the 3-D view is cut away. */
   readonly clips: ClipControl;
   /** Range of a segment while its slider is dragged, before the engine is asked. */
   preview = $state.raw<{ readonly id: number; readonly range: readonly [number, number] } | null>(null);
   /** What of touch is drawn. */
-  readonly touch: TouchMarks;
+  readonly touch: TouchMarkers;
   /** Edits of the voxels, and the surfaces of segments. */
   readonly edits: ShownEdits;
   /** How often the picture follows them. */
-  readonly editPace: EditPaceControl;
+  readonly editRate: EditRateControl;
   /** Segments that are moved. */
   readonly objects: ObjectControl;
   /** Plays scenarios: their tool stands in the picture then, and not the probe. */
@@ -88,7 +88,7 @@ export class Stage {
   /** The brush in slices. */
   readonly brush: BrushControl;
   /** What was clicked last: what it is, where, and how much. */
-  readonly readOut = new ReadOut();
+  readonly readout = new Readout();
   /** A second scan that is shown with the first. */
   readonly second: SecondControl;
   /** How it is brought to the first. */
@@ -100,7 +100,7 @@ export class Stage {
   /** Points, distances and angles that a person has set. */
   readonly marks: MarkControl;
   /** Which of them something stands before. */
-  readonly sight: MarkSight;
+  readonly sight: MarkVisibility;
   /** What is where in the picture. */
   readonly picker: Picker;
   /** Pictures and films of it as files. */
@@ -112,10 +112,10 @@ export class Stage {
   private picture: Picture | null = null;
   private canvas: HTMLCanvasElement | null = null;
   private drawnCamera: Camera | null = null;
-  private readonly handed: HandedViews;
+  private readonly handed: PictureSync;
   private readonly lastRanges = new LastRanges();
-  private readonly sameSegments = new Unchanged<readonly Segment[]>();
-  private readonly sameLook = new Unchanged<Look>();
+  private readonly sameSegments = new KeepEqual<readonly Segment[]>();
+  private readonly sameLook = new KeepEqual<Appearance>();
   /** The view of a coarse picture, unless a person turns it. */
   private previewCamera: Camera | null = null;
 
@@ -129,8 +129,8 @@ export class Stage {
     this.engineSteps = new EngineSteps(session, this.steps);
     this.slices = new SliceControl(this.steps, () => this.view.camera);
     this.stereo = new StereoControl(() => this.view.camera, () => this.slices.panes.view);
-    this.looks = new LookControl(this.steps);
-    this.segmentLooks = new SegmentLooks(session, this.steps);
+    this.looks = new AppearanceControl(this.steps);
+    this.segmentAppearance = new SegmentAppearance(session, this.steps);
     this.quality = new QualityControl(support.software);
     this.loader = new ScanLoader({
       token,
@@ -146,16 +146,16 @@ export class Stage {
       },
     });
     this.objects = new ObjectControl(session);
-    this.editPace = new EditPaceControl(session);
+    this.editRate = new EditRateControl(session);
     this.cutting = new CutControl(session);
     this.growing = new GrowControl(session);
     this.brush = new BrushControl(session);
     this.clips = new ClipControl(this.steps);
     this.marks = new MarkControl(this.steps);
     this.player = new Player(session);
-    this.touch = new TouchMarks(session, this.player, support.software);
+    this.touch = new TouchMarkers(session, this.player, support.software);
     this.picker = new Picker(this, session);
-    this.sight = new MarkSight(this.marks, this.picker.hides.bind(this.picker));
+    this.sight = new MarkVisibility(this.marks, this.picker.hides.bind(this.picker));
     this.second = new SecondControl({
       steps: this.steps,
       token,
@@ -174,7 +174,7 @@ export class Stage {
       this.registration.take(told);
     });
     this.images = new ImageControl(this, session);
-    this.handed = new HandedViews(this, support.software);
+    this.handed = new PictureSync(this, support.software);
     this.edits = new ShownEdits({
       complain: (text) => {
         session.notify("error", text);
@@ -255,7 +255,7 @@ export class Stage {
     this.slices.open(scan);
     this.brush.open(scan);
     this.marks.open(scan);
-    this.readOut.close();
+    this.readout.close();
     this.previewCamera = null;
     await this.loader.open(scan);
   }
@@ -305,7 +305,7 @@ export class Stage {
   }
 
   /** The look that the page's controls ask for; null before there is a scan. */
-  readonly look = $derived.by((): Look | null => {
+  readonly look = $derived.by((): Appearance | null => {
     const { scan } = this.session;
     const { parts } = this.looks;
     if (scan === null || parts === null) {
@@ -317,7 +317,7 @@ export class Stage {
   });
 
   /** Hands the look to the picture. */
-  applyLook(look: Look | null): void {
+  applyLook(look: Appearance | null): void {
     if (look !== null && this.loader.held !== null) {
       this.picture?.setLook(look);
     }
@@ -447,7 +447,7 @@ export class Stage {
     const { picture } = this;
     const { camera, content } = this.view;
     this.takeEdits();
-    this.editPace.begin(now, this.edits.lastEdit);
+    this.editRate.begin(now, this.edits.lastEdit);
     if (picture === null) {
       return;
     }

@@ -7,18 +7,18 @@ import type { Mark } from "../../core/marks/measure";
 import type { Picked } from "../../core/picking/pick_surface";
 import { decodeToPage, type Registration, type Scan, type SecondScan, type Settings, type State } from "../../core/protocol";
 import type { Vec3 } from "../../core/geometry/vector";
-import { benchDoor, type BenchDoor } from "./bench_hooks";
+import { benchHooks, type BenchHooks } from "./bench_hooks";
 import type { GpuSupport } from "../../gl/base/gpu_support";
 import type { Shown } from "../../gl/picture/refiner";
 import type { ShownSlice } from "../../gl/picture/slices";
 import type { HandControl } from "../features/touch/hand_control.svelte";
-import type { Hearing } from "../features/touch/contact_audio.svelte";
+import type { ContactAudio } from "../features/touch/contact_audio.svelte";
 import type { ShownTouch } from "../../core/touch/shown_touch";
 import type { Session } from "../state/session.svelte";
 import type { EditTimes } from "../features/scan/shown_edits.svelte";
 import type { Stage } from "./stage.svelte";
 
-export interface TestDoor {
+export interface TestHooks {
   /** When the first picture stood on the screen [ms since the page was opened], or null; it may be coarse. */
   readonly firstPicture: number | null;
   /** Planes that are drawn with their own values: of the coarse scan at first, then of the arriving one. */
@@ -69,7 +69,7 @@ export interface TestDoor {
   readonly pixelSizeAt: (point: Vec3) => number;
   /** Of the picture [CSS pixels]. */
   readonly middle: readonly [number, number];
-  /** Nodes along the box in which matter stands beside its voxels; null where all stands in them. */
+  /** Nodes along the box in which tissue is displaced; null where none is. */
   readonly displaced: Vec3 | null;
   /** Nodes or particles of the model that are shown. */
   readonly parts: number;
@@ -82,7 +82,7 @@ export interface TestDoor {
   readonly pick: (x: number, y: number) => Picked | null;
   /** What the browser's graphics can do. */
   readonly support: GpuSupport;
-  readonly bench: BenchDoor;
+  readonly bench: BenchHooks;
   /** The second scan, as the engine has told; null where there is none. */
   readonly second: SecondScan | null;
   /** How far its registration is; null before the engine has told. */
@@ -93,11 +93,11 @@ export interface TestDoor {
 
 declare global {
   interface Window {
-    palpate?: TestDoor;
+    palpate?: TestHooks;
   }
 }
 
-export function openTestDoor(session: Session, stage: Stage, hand: HandControl, hearing: Hearing): void {
+export function installTestHooks(session: Session, stage: Stage, hand: HandControl, audio: ContactAudio): void {
   window.palpate = {
     get firstPicture() {
       return stage.loader.firstPicture;
@@ -123,7 +123,7 @@ export function openTestDoor(session: Session, stage: Stage, hand: HandControl, 
     },
     allDone: () => allDone(session),
     get sound() {
-      return { running: hearing.running, level: hearing.level };
+      return { running: audio.running, level: audio.level };
     },
     get played() {
       return stage.player.shown;
@@ -176,7 +176,7 @@ export function openTestDoor(session: Session, stage: Stage, hand: HandControl, 
     setView: (direction) => { stage.view.lookFrom(direction); },
     pick: (x, y) => stage.picker.at(x, y),
     support: stage.support,
-    bench: benchDoor(stage),
+    bench: benchHooks(stage),
     get second() {
       return stage.second.told;
     },

@@ -4,13 +4,13 @@
  */
 const name = "palpate.passed";
 
-export interface Passed {
+export interface Handover {
   /** All that the engine has told of the scan, as text. */
   readonly scan: string;
   readonly view: Readonly<Record<string, unknown>>;
 }
 
-export function pass(passed: Passed): void {
+export function handOver(passed: Handover): void {
   try {
     sessionStorage.setItem(name, JSON.stringify(passed));
   } catch {
@@ -19,12 +19,12 @@ export function pass(passed: Passed): void {
 }
 
 /** Takes what was left, once. */
-export function takePassed(): Passed | null {
+export function takeHandover(): Handover | null {
   try {
     const text = sessionStorage.getItem(name);
     sessionStorage.removeItem(name);
-    const passed = text === null ? null : (JSON.parse(text) as Partial<Passed> | null);
-    return typeof passed?.scan === "string" && typeof passed.view === "object" ? (passed as Passed) : null;
+    const passed = text === null ? null : (JSON.parse(text) as Partial<Handover> | null);
+    return typeof passed?.scan === "string" && typeof passed.view === "object" ? (passed as Handover) : null;
   } catch {
     return null;
   }

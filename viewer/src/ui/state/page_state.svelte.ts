@@ -2,7 +2,7 @@
  * A part of what the page shows that a person changes: each change is a step of undo, a whole drag too, and what
  * holds is kept, also after undo and redo.
  */
-import { same } from "../../core/base/deep_equal";
+import { deepEqual } from "../../core/base/deep_equal";
 import type { PageSteps, StepOwner } from "./page_steps.svelte";
 
 export class PageState<T> implements StepOwner<T> {
@@ -30,7 +30,7 @@ export class PageState<T> implements StepOwner<T> {
   /** Has another value hold: one step under this name, or a part of one `inGesture`. */
   change(name: string, value: T, inGesture = false): void {
     const before = this.held;
-    if (!same(before, value)) {
+    if (!deepEqual(before, value)) {
       this.hold(value);
       this.steps.add(this, { name, before, after: value }, inGesture);
     }

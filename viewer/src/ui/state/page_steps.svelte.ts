@@ -3,7 +3,7 @@
  * what is, and its owner puts one in place of the other. Steps of the engine are not among them, but each
  * of these knows how many came before it: so both are taken back in one order.
  */
-import { same } from "../../core/base/deep_equal";
+import { deepEqual } from "../../core/base/deep_equal";
 
 /** Holds what steps change. */
 export interface StepOwner<T> {
@@ -63,7 +63,7 @@ export class PageSteps {
     const joins = inGesture && this.goesOn && last?.owner === owner && last.name === change.name && last.at === this.engineSteps();
     const step = { ...change, before: joins ? last.before : change.before, owner, at: this.engineSteps() };
     const rest = joins ? this.past.slice(0, -1) : this.past;
-    this.past = same(step.before, step.after) ? rest : [...rest, step].slice(-mostSteps);
+    this.past = deepEqual(step.before, step.after) ? rest : [...rest, step].slice(-mostSteps);
     this.future = [];
     this.goesOn = inGesture;
   }

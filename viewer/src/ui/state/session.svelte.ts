@@ -2,7 +2,7 @@
  * What the page knows of the engine: scan, segments, settings, and what is now.
  */
 import { ForceHistory } from "../../core/touch/force_history";
-import { decodeParts, type MatterParts } from "../../core/tissue/particles";
+import { decodeParticles, type ModelParticles } from "../../core/tissue/particles";
 import { newThreshold } from "../../core/segments/new_threshold";
 import { recalled, remembered, sameSettings } from "../../core/touch/touch_settings";
 import {
@@ -58,7 +58,7 @@ export class Session {
   defaults = $state.raw<Settings | null>(null);
   device = $state.raw("");
   deviceLimits = $state.raw<DeviceLimits | null>(null);
-  /** Materials with a name, and models by which matter gives way. */
+  /** Materials with a name, and deformation models. */
   presets = $state.raw<readonly MaterialPreset[]>([]);
   models = $state.raw<readonly DeformationModel[]>([]);
   version = $state.raw("");
@@ -85,7 +85,7 @@ export class Session {
   /** What is now, as it arrived; for the picture. */
   latest: State | null = null;
   /** Nodes or particles of the model of deformation, where they are shown; for the picture. */
-  parts: MatterParts | null = null;
+  parts: ModelParticles | null = null;
   /** How often an engine has greeted this page: each time it must be told the view again. */
   greetings = 0;
   readonly history = new ForceHistory(plottedSeconds, plottedSamples);
@@ -301,7 +301,7 @@ export class Session {
         this.settle();
         break;
       case "matter_parts":
-        this.parts = decodeParts(message);
+        this.parts = decodeParticles(message);
         break;
       case "gap":
         this.gap = message;

@@ -1,7 +1,7 @@
 import { expect, test } from "vitest";
 import { DrawnValues, drawnBy } from "../../../src/core/appearance/drawn_values";
 import { valueAbove } from "../../../src/core/scan/histogram";
-import { firstLighting, type Look } from "../../../src/core/appearance/appearance";
+import { firstLighting, type Appearance } from "../../../src/core/appearance/appearance";
 import { firstChoice, greyOf, opticsOf, shadedOptics, type Optics } from "../../../src/core/appearance/optics";
 import { pickSurface } from "../../../src/core/picking/pick_surface";
 import { scanOf, volumeOf } from "../../support/volumes";
@@ -10,7 +10,7 @@ const anchors = { softTissue: 40, bone: 250 };
 const rescale = { slope: 1, intercept: 0 };
 const clear = { value: 0, colour: [1, 1, 1], extinction: 0 } as const;
 
-function lookOf(optics: Partial<Optics>): Look {
+function lookOf(optics: Partial<Optics>): Appearance {
   const transferFunction = { points: [clear, { ...clear, value: 100 }] };
   return { transferFunction, ranges: [], edgeGradient: 40, lighting: firstLighting, optics: { ...shadedOptics, ...optics } };
 }

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { defaultAppearance, transferFunctionOf } from "../../../src/core/appearance/soft_tissue_and_bone";
+import { defaultSoftTissueAndBone, transferFunctionOf } from "../../../src/core/appearance/soft_tissue_and_bone";
 import { bakeTransferFunction, domainOf, sample } from "../../../src/core/appearance/transfer_function";
 
 const ramp = {
@@ -31,7 +31,7 @@ test("what describes no function is refused", () => {
 const anchors = { softTissue: 40, bone: 250 };
 
 test("air is clear, bone is opaque, and soft tissue lies between", () => {
-  const { points } = transferFunctionOf(defaultAppearance(anchors));
+  const { points } = transferFunctionOf(defaultSoftTissueAndBone(anchors));
   expect(sample(points, -1000).extinction).toBe(0);
   expect(sample(points, 40).extinction).toBeGreaterThan(0.01);
   expect(sample(points, 40).extinction).toBeLessThan(0.2);
@@ -40,7 +40,7 @@ test("air is clear, bone is opaque, and soft tissue lies between", () => {
 
 test("the soft-tissue control only ever makes tissue more opaque, from nothing on", () => {
   const at = (softTissue: number): number =>
-    sample(transferFunctionOf({ ...defaultAppearance(anchors), softTissue }).points, 40).extinction;
+    sample(transferFunctionOf({ ...defaultSoftTissueAndBone(anchors), softTissue }).points, 40).extinction;
   const steps = [0, 0.2, 0.4, 0.6, 0.8, 1].map(at);
   expect(steps[0]).toBe(0);
   expect([...steps].sort((a, b) => a - b)).toEqual(steps);

@@ -1,6 +1,6 @@
 /** Keys as the browser tells them, and actions that are found by typing. */
 import { expect, test } from "vitest";
-import { findActions } from "../../../src/core/base/action_search";
+import { searchActions } from "../../../src/core/base/action_search";
 import { shortcutsOf, shownShortcut } from "../../../src/core/base/shortcuts";
 
 const press = (key: string, held: Partial<Record<"ctrlKey" | "metaKey" | "shiftKey", boolean>> = {}) =>
@@ -30,7 +30,7 @@ const actions = [
   { group: "Touch", name: "Show the contact normal" },
   { group: "Look", name: "Preset CT-Bone" },
 ];
-const found = (typed: string) => findActions(actions, typed).map(({ name }) => name);
+const found = (typed: string) => searchActions(actions, typed).map(({ name }) => name);
 
 test("all actions stand in their order where nothing is typed", () => {
   expect(found("  ")).toEqual(actions.map(({ name }) => name));
@@ -45,5 +45,5 @@ test("every word must be found, in the name or the group", () => {
 
 test("names that begin with it come before words that do, and those before the rest", () => {
   const named = ["A distant show", "Shown", "Overshow"].map((name) => ({ group: "", name }));
-  expect(findActions(named, "show").map(({ name }) => name)).toEqual(["Shown", "A distant show", "Overshow"]);
+  expect(searchActions(named, "show").map(({ name }) => name)).toEqual(["Shown", "A distant show", "Overshow"]);
 });

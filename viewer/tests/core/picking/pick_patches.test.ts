@@ -4,7 +4,7 @@ import { firstLighting } from "../../../src/core/appearance/appearance";
 import { shadedOptics } from "../../../src/core/appearance/optics";
 import { surfaceCrossings, throughTriangle, type DrawnSurface } from "../../../src/core/picking/pick_patches";
 import { pickSurface } from "../../../src/core/picking/pick_surface";
-import { defaultAppearance, transferFunctionOf } from "../../../src/core/appearance/soft_tissue_and_bone";
+import { defaultSoftTissueAndBone, transferFunctionOf } from "../../../src/core/appearance/soft_tissue_and_bone";
 import { shownRanges } from "../../../src/core/segments/shown_segments";
 import { decodeSurface } from "../../../src/core/surfaces/surface_patches";
 import { addScaled, distance, normalize, type Vec3 } from "../../../src/core/geometry/vector";
@@ -55,7 +55,7 @@ test("a triangle is met from both sides, and not beside it, behind the eye, or a
 const scan = scanOf([48, 48, 24], [1, 1, 2], [10, -30, 500]);
 const volume = volumeOf(scan, ([, y]) => (y > 30 ? 1000 : -1000));
 const look = {
-  transferFunction: transferFunctionOf(defaultAppearance({ softTissue: 40, bone: 250 })),
+  transferFunction: transferFunctionOf(defaultSoftTissueAndBone({ softTissue: 40, bone: 250 })),
   ranges: shownRanges([segment], scan),
   edgeGradient: 40,
   lighting: firstLighting,

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { firstLighting, type Look } from "../../../src/core/appearance/appearance";
+import { firstLighting, type Appearance } from "../../../src/core/appearance/appearance";
 import { shadedOptics } from "../../../src/core/appearance/optics";
 import { pickScans, type DrawnSecond } from "../../../src/core/picking/pick_scans";
 import { nothingElse } from "../../../src/core/picking/pick_surface";
@@ -20,7 +20,7 @@ const bone: TransferFunction = {
     { value: 900, colour: [1, 1, 1], extinction: 5 },
   ],
 };
-const look: Look = { transferFunction: bone, ranges: [], edgeGradient: 40, lighting: { ...firstLighting, edges: 0 }, optics: shadedOptics };
+const look: Appearance = { transferFunction: bone, ranges: [], edgeGradient: 40, lighting: { ...firstLighting, edges: 0 }, optics: shadedOptics };
 const grey = { window: 400, level: 40 };
 const beside: SecondLook = {
   inView: true,
@@ -42,7 +42,7 @@ const beside: SecondLook = {
 /** Laid 10 mm towards +y: its bone begins at y = 14 of the first. */
 const place = [1, 0, 0, 0, 0, 1, 0, -10, 0, 0, 1, 0];
 
-function pick(part: Partial<SecondLook>, at: Vec3 = [15, -50, 15], optics: Partial<Look["optics"]> = {}): readonly [string, number, number] | null {
+function pick(part: Partial<SecondLook>, at: Vec3 = [15, -50, 15], optics: Partial<Appearance["optics"]> = {}): readonly [string, number, number] | null {
   const drawn: DrawnSecond = { volume: second, place, look: { ...beside, ...part } };
   const picked = pickScans(first, { ...look, optics: { ...look.optics, ...optics } }, { origin: at, direction: [0, 1, 0] }, nothingElse, drawn);
   return picked && [picked.scan, picked.point[1], picked.value];

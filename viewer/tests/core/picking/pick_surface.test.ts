@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
-import { defaultAppearance, transferFunctionOf } from "../../../src/core/appearance/soft_tissue_and_bone";
-import { firstLighting, type Look } from "../../../src/core/appearance/appearance";
+import { defaultSoftTissueAndBone, transferFunctionOf } from "../../../src/core/appearance/soft_tissue_and_bone";
+import { firstLighting, type Appearance } from "../../../src/core/appearance/appearance";
 import { shadedOptics } from "../../../src/core/appearance/optics";
 import { pickSurface } from "../../../src/core/picking/pick_surface";
 import { shownRanges } from "../../../src/core/segments/shown_segments";
@@ -17,9 +17,9 @@ const volume = volumeOf(scan, ([x, y, z]) => {
   return Math.min(1000, Math.max(-1000, -1000 * (distance(point, centre) - radius)));
 });
 
-function look(visible: boolean): Look {
+function look(visible: boolean): Appearance {
   return {
-    transferFunction: transferFunctionOf({ ...defaultAppearance({ softTissue: 40, bone: 250 }), softTissue: 0 }),
+    transferFunction: transferFunctionOf({ ...defaultSoftTissueAndBone({ softTissue: 40, bone: 250 }), softTissue: 0 }),
     ranges: shownRanges([{ ...segment, visible }], scan),
     edgeGradient: 40,
     lighting: firstLighting,

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { ArrivingScan, StandIn, type Planes } from "../../../src/core/scan/loading_scan";
+import { LoadingScan, StandIn, type Planes } from "../../../src/core/scan/loading_scan";
 import { brickRanges } from "../../../src/core/scan/bricks";
 import { bias } from "../../../src/core/scan/stored_values";
 import type { Vec3 } from "../../../src/core/geometry/vector";
@@ -33,7 +33,7 @@ function coarse(value: number): ConstructorParameters<typeof StandIn>[0] {
 
 test("bytes that come in pieces become whole planes once, with their values and the ranges of their bricks", () => {
   const sent = stored();
-  const scan = new ArrivingScan(dimensions);
+  const scan = new LoadingScan(dimensions);
   const values = new Uint16Array(sent.length);
   const firsts: number[] = [];
   for (const piece of pieces(new Uint8Array(sent.buffer))) {
@@ -60,7 +60,7 @@ test("what stands in for planes on their way is made from the last one on until 
 });
 
 test("a part is shown once no plane is missing, then where enough has arrived since, and never the whole", () => {
-  const scan = new ArrivingScan(dimensions);
+  const scan = new LoadingScan(dimensions);
   const standIn = new StandIn(coarse(700), dimensions, 1, 2);
   const bytes = new Uint8Array(stored().buffer);
   scan.take(bytes.subarray(0, 2 * plane * 4));
@@ -80,7 +80,7 @@ test("a part is shown once no plane is missing, then where enough has arrived si
 
 test("a part is shown again where enough has arrived since the last one", () => {
   const standIn = new StandIn(coarse(700), dimensions, 1, 4);
-  const { bricks } = new ArrivingScan(dimensions);
+  const { bricks } = new LoadingScan(dimensions);
   while (standIn.make(0) !== null);
   const parts = Array.from({ length: 12 }, (_, arrived) => standIn.next({ arrived, bricks })?.arrived);
   expect(parts.filter((arrived) => arrived !== undefined)).toEqual([0, 3, 6, 9]);

@@ -1,12 +1,12 @@
 import { expect, test } from "vitest";
-import { PlanesBetween } from "../../../src/core/scan/plane_interpolation";
+import { PlaneInterpolation } from "../../../src/core/scan/plane_interpolation";
 import type { Vec3 } from "../../../src/core/geometry/vector";
 import { Random } from "../../support/random";
 
 const dimensions: Vec3 = [20, 14, 17];
 
 /** Every third value of a scan, as its place tells. */
-function coarseOf(valueAt: (place: Vec3) => number): ConstructorParameters<typeof PlanesBetween>[0] {
+function coarseOf(valueAt: (place: Vec3) => number): ConstructorParameters<typeof PlaneInterpolation>[0] {
   const [width, height, depth] = [7, 5, 6];
   const values = Uint16Array.from({ length: width * height * depth }, (_, i) =>
     valueAt([3 * (i % width), 3 * (Math.floor(i / width) % height), 3 * Math.floor(i / (width * height))]),
@@ -19,7 +19,7 @@ const at = (values: Uint16Array, [x, y, z]: Vec3): number => values[x + dimensio
 test("where a coarse scan has a value, planes made of it have the same", () => {
   const random = new Random(31);
   const coarse = coarseOf(() => random.whole(0, 65535));
-  const values = new PlanesBetween(coarse, dimensions, 1).make(0, dimensions[2]);
+  const values = new PlaneInterpolation(coarse, dimensions, 1).make(0, dimensions[2]);
   let i = 0;
   for (let z = 0; z < 17; z += 3) {
     for (let y = 0; y < 14; y += 3) {
@@ -32,7 +32,7 @@ test("where a coarse scan has a value, planes made of it have the same", () => {
 
 test("between them they follow a straight slope without facets, in any order of planes", () => {
   const slope = ([x, y, z]: Vec3): number => 20000 + 300 * x - 200 * y + 500 * z;
-  const between = new PlanesBetween(coarseOf(slope), dimensions, 1);
+  const between = new PlaneInterpolation(coarseOf(slope), dimensions, 1);
   // the last planes are asked for first
   const behind = between.make(8, 14);
   const before = between.make(3, 8);
@@ -47,7 +47,7 @@ test("between them they follow a straight slope without facets, in any order of 
 });
 
 test("beside a steep edge they stay within what a stored value can be", () => {
-  const values = new PlanesBetween(coarseOf(([x]) => (x < 9 ? 0 : 65535)), dimensions, 1).make(0, 1);
+  const values = new PlaneInterpolation(coarseOf(([x]) => (x < 9 ? 0 : 65535)), dimensions, 1).make(0, 1);
   // a cubic runs a few percent beyond both sides: it would come back as the other extreme
   const row = Array.from({ length: 20 }, (_, x) => at(values, [x, 0, 0]));
   expect(row).toEqual([...row].sort((a, b) => a - b));
@@ -55,7 +55,7 @@ test("beside a steep edge they stay within what a stored value can be", () => {
 
 test("a scan that is itself held at a step has its planes made as finely", () => {
   const coarse = coarseOf(([, , z]) => 1000 * z);
-  const values = new PlanesBetween(coarse, [10, 7, 9], 2).make(0, 9);
+  const values = new PlaneInterpolation(coarse, [10, 7, 9], 2).make(0, 9);
   // plane 3 is that of voxel 6, which the coarse scan has
   expect(values[3 * 70]).toBe(6000);
   expect(values[4 * 70]).toBe(8000);

@@ -1,10 +1,10 @@
 import { expect, test } from "vitest";
 import { linearFromSrgb } from "../../../src/core/appearance/colour";
 import { drawnBy } from "../../../src/core/appearance/drawn_values";
-import { firstLighting, type Look } from "../../../src/core/appearance/appearance";
+import { firstLighting, type Appearance } from "../../../src/core/appearance/appearance";
 import { shadedOptics } from "../../../src/core/appearance/optics";
 import type { Segment } from "../../../src/core/protocol";
-import { Unchanged } from "../../../src/core/base/keep_equal";
+import { KeepEqual } from "../../../src/core/base/keep_equal";
 import {
   bodyOpacity,
   drawnAsSurface,
@@ -33,7 +33,7 @@ test.each([
 });
 
 test("what the picture is handed stays the same where an edit only changed numbers of voxels", () => {
-  const same = new Unchanged<readonly Segment[]>();
+  const same = new KeepEqual<readonly Segment[]>();
   const told = (part: Partial<Segment>): readonly Segment[] => {
     const segments = [{ ...segment, ...part }];
     return same.of(segments, drawnKey(segments));
@@ -101,7 +101,7 @@ test("what is told of a range inside of the volume has the body that stands for 
 });
 
 test("bricks of what a body can stand for are never empty, so that it can come and go with each picture", () => {
-  const look: Look = {
+  const look: Appearance = {
     transferFunction: { points: [{ value: 0, colour: [1, 1, 1], extinction: 0 }] },
     ranges: shownRanges([{ ...segment, range: [500, 600], shown_as: "surface" }], rescale),
     edgeGradient: 40,

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { decodeDisplaced } from "../../../src/core/scan/displacements";
+import { decodeDisplacements } from "../../../src/core/scan/displacements";
 import {
   AnswerRate,
   constantsOf,
@@ -11,7 +11,7 @@ import {
   presetTitle,
   suggestedPreset,
 } from "../../../src/core/tissue/tissue";
-import { decodeParts } from "../../../src/core/tissue/particles";
+import { decodeParticles } from "../../../src/core/tissue/particles";
 import type { Constants, DeformationModel, Displaced, MaterialPreset, MatterParts } from "../../../src/core/protocol";
 
 const fades = { shares: { least: 0.01, most: 0.95 }, times: { least: 0.01, most: 1000 } };
@@ -75,15 +75,15 @@ test("answers are counted over the last second, and begin anew with another sess
 test("displacements whose bytes do not fit are refused, and none is none", () => {
   const moved = new Uint8Array(new Uint16Array([0x3c00, 0, 0, 0, 0, 0, 0, 0]).buffer);
   const sent: Displaced = { origin: [0, 0, 0], step: [1, 1, 2], size: [2, 1, 1], moved };
-  expect([...(decodeDisplaced(sent)?.moved ?? [])]).toEqual([0x3c00, 0, 0, 0, 0, 0, 0, 0]);
-  expect(decodeDisplaced({ ...sent, size: [0, 0, 0], moved: new Uint8Array(0) })).toBeNull();
-  expect(() => decodeDisplaced({ ...sent, moved: new Uint8Array(15) })).toThrow("15 bytes of displacements for 2 x 1 x 1 nodes, 8 each");
-  expect(() => decodeDisplaced({ ...sent, step: [1, 0, 1] })).toThrow("1, 0, 1 voxels apart");
+  expect([...(decodeDisplacements(sent)?.moved ?? [])]).toEqual([0x3c00, 0, 0, 0, 0, 0, 0, 0]);
+  expect(decodeDisplacements({ ...sent, size: [0, 0, 0], moved: new Uint8Array(0) })).toBeNull();
+  expect(() => decodeDisplacements({ ...sent, moved: new Uint8Array(15) })).toThrow("15 bytes of displacements for 2 x 1 x 1 nodes, 8 each");
+  expect(() => decodeDisplacements({ ...sent, step: [1, 0, 1] })).toThrow("1, 0, 1 voxels apart");
 });
 
 test("parts are read where each has a place", () => {
   const bytes = { places: new Uint8Array(12), strains: Uint8Array.from([127, 129]) };
   const parts: MatterParts = { type: "matter_parts", origin: [0, 0, 0], size: [1, 1, 1], apart: 1, ...bytes };
-  expect([...(decodeParts(parts)?.strains ?? [])]).toEqual([127, -127]);
-  expect(decodeParts({ ...parts, places: new Uint8Array(11) })).toBeNull();
+  expect([...(decodeParticles(parts)?.strains ?? [])]).toEqual([127, -127]);
+  expect(decodeParticles({ ...parts, places: new Uint8Array(11) })).toBeNull();
 });

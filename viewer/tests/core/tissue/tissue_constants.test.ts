@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { described, ownMatter, typed, writtenConstants, written } from "../../../src/core/tissue/tissue_constants";
+import { described, customTissue, typed, writtenConstants, written } from "../../../src/core/tissue/tissue_constants";
 import type { Constants } from "../../../src/core/protocol";
 
 const liver: Constants = { young: 5500, poisson: 0.45, density: 1060, breaking_strain: 0.34, friction: 0.2 };
@@ -15,9 +15,9 @@ test("each constant is written in its unit, and read back as it was", () => {
   const fields = writtenConstants.map((each) => written(each, liver));
   expect(fields).toEqual(["5.5", "0.45", "1.06", "34", "20"]);
   expect(writtenConstants.map((each) => described(each, bone))).toEqual(["18\u2009600\u2009000 kPa", "0.3", "1.9 g/cm³", "never", "30 %"]);
-  for (const constants of [liver, bone, ownMatter]) {
+  for (const constants of [liver, bone, customTissue]) {
     for (const each of writtenConstants) {
-      expect(typed(each, written(each, constants), ownMatter)).toEqual({ constants: { ...ownMatter, [each.key]: constants[each.key] } });
+      expect(typed(each, written(each, constants), customTissue)).toEqual({ constants: { ...customTissue, [each.key]: constants[each.key] } });
     }
   }
 });

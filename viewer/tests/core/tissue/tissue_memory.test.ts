@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { nothingRemembered, recalledMatter, recalledRegions, rememberedMatter } from "../../../src/core/tissue/tissue_memory";
+import { nothingRemembered, recalledTissue, recalledRegions, rememberedTissue } from "../../../src/core/tissue/tissue_memory";
 import { usualOptions } from "../../../src/core/tissue/model_options";
 import type { Constants, DeformationModel, MaterialPreset, MatterRegion, Segment } from "../../../src/core/protocol";
 
@@ -21,8 +21,8 @@ test("what was chosen comes back, by the names of segments", () => {
     { id: 2, name: "lump", material: { preset: null, low: own, high: own }, regions: [] },
     { id: 3, name: "bone", material: null, regions: [] },
   ];
-  const kept: unknown = JSON.parse(JSON.stringify(rememberedMatter(segments, { model: "lattice", options, force_source: "voxels" })));
-  expect(recalledMatter(kept, presets, models)).toEqual({
+  const kept: unknown = JSON.parse(JSON.stringify(rememberedTissue(segments, { model: "lattice", options, force_source: "voxels" })));
+  expect(recalledTissue(kept, presets, models)).toEqual({
     version: 1,
     model: "lattice",
     options,
@@ -42,17 +42,17 @@ test.each([
   { version: 2, model: "lattice", edge: null, materials: [] },
   { version: 1, materials: "liver" },
 ])("of a memory like %o nothing is recalled", (memory) => {
-  expect(recalledMatter(memory, presets, models)).toEqual(nothingRemembered);
+  expect(recalledTissue(memory, presets, models)).toEqual(nothingRemembered);
 });
 
 test("of a memory only what is offered and can be is recalled", () => {
   const constants = { ...soft, poisson: 0.6 };
   const materials = [{ segment: "a", preset: "cheese" }, { segment: "b", constants }, 3, { segment: "c", preset: "liver" }];
-  expect(recalledMatter({ version: 1, model: "jelly", options: usualOptions, materials }, presets, models)).toEqual({
+  expect(recalledTissue({ version: 1, model: "jelly", options: usualOptions, materials }, presets, models)).toEqual({
     ...nothingRemembered,
     materials: [{ segment: "c", preset: "liver", constants: null }],
   });
-  const recalled = (model: string, options: unknown): unknown => recalledMatter({ version: 1, model, options, materials }, presets, models).options;
+  const recalled = (model: string, options: unknown): unknown => recalledTissue({ version: 1, model, options, materials }, presets, models).options;
   expect(recalled("lattice", { edge: 20, binding: 0.5, walls: true, prony: { share: 2, time: 1 }, yield_strain: 0.9 })).toEqual(usualOptions);
   expect(recalled("lattice", { edge: 11, prony: null })).toEqual({ ...usualOptions, edge: 11 });
   expect(recalled("global-lj", { edge: 11, binding: 0.5, prony: { share: 0.5, time: 1 }, yield_strain: 0.1 })).toEqual({ ...usualOptions, binding: 0.5 });
@@ -67,8 +67,8 @@ test("regions come back where the segments are that mark them, in their order", 
     { treatment: "empty", shared_with: 9, box: null },
   ];
   const named = (id: number, name: string, its: readonly MatterRegion[] = []): Pick<Segment, "id" | "name" | "material" | "regions"> => ({ id, name, material: null, regions: its });
-  const kept: unknown = JSON.parse(JSON.stringify(rememberedMatter([named(1, "liver", regions), named(3, "lesion")], { model: null, options: usualOptions, force_source: "matter" })));
-  const memory = recalledMatter(kept, presets, models);
+  const kept: unknown = JSON.parse(JSON.stringify(rememberedTissue([named(1, "liver", regions), named(3, "lesion")], { model: null, options: usualOptions, force_source: "matter" })));
+  const memory = recalledTissue(kept, presets, models);
   expect(memory.regions).toHaveLength(2);
   // under other numbers at the next visit
   const now = [named(5, "lesion"), named(6, "liver")];
@@ -79,5 +79,5 @@ test("regions come back where the segments are that mark them, in their order", 
   expect(recalledRegions("liver", memory, now.slice(1))).toHaveLength(1);
   expect(recalledRegions("lesion", memory, now)).toEqual([]);
   const damaged = { version: 1, materials: [], regions: [{ segment: "liver", treatment: "soft", sharedWith: null }, 3, { segment: 2 }] };
-  expect(recalledMatter(damaged, presets, models).regions).toEqual([]);
+  expect(recalledTissue(damaged, presets, models).regions).toEqual([]);
 });

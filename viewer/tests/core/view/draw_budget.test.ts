@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { levelsAfter, movingPictures, Pace } from "../../../src/core/view/draw_budget";
+import { levelsAfter, movingPictures, DrawBudget } from "../../../src/core/view/draw_budget";
 import { firstQuality } from "../../../src/core/view/quality";
 
 const { frameBudget } = firstQuality(false);
@@ -9,8 +9,8 @@ const coarsest = usual.at(-1);
 const guess = { waits: 1, samples: 1e-3, triangles: 1e-4 };
 
 /** A renderer with a fixed latency and a cost per sample [ms], whose pictures moved and rested by turns. */
-function learned(latency: number, perSample: number, budget = frameBudget): Pace {
-  const pace = new Pace(budget, guess);
+function learned(latency: number, perSample: number, budget = frameBudget): DrawBudget {
+  const pace = new DrawBudget(budget, guess);
   for (let i = 0; i < 60; ++i) {
     const samples = i % 3 === 0 ? 2000 : 50000;
     pace.learnMoving({ waits: 1, samples, triangles: 0 }, latency + samples * perSample);
@@ -21,7 +21,7 @@ function learned(latency: number, perSample: number, budget = frameBudget): Pace
 }
 
 /** Time of a frame while the view moves [ms], of `samples` at their finest. */
-function frameTime(pace: Pace, latency: number, perSample: number, samples: number): number {
+function frameTime(pace: DrawBudget, latency: number, perSample: number, samples: number): number {
   const { divisor, step } = pace.picture(samples);
   return latency + (samples * step * perSample) / divisor ** 2;
 }
@@ -62,7 +62,7 @@ test("steps are coarser only once a quarter of the resolution is too slow, and b
 });
 
 test("large pictures that were quicker than small ones do not make samples free", () => {
-  const pace = new Pace(frameBudget, { ...guess, samples: 5e-3 });
+  const pace = new DrawBudget(frameBudget, { ...guess, samples: 5e-3 });
   // a skull that turns, and the same view of air
   for (let i = 0; i < 10; ++i) {
     pace.learnMoving({ waits: 1, samples: 4400, triangles: 0 }, 57);
@@ -99,7 +99,7 @@ test("a picture is no coarser where that would save next to nothing", () => {
 });
 
 /** Draws so many pictures, of `samples` at their finest, with what they really cost [ms]. */
-function turnedFor(pace: Pace, pictures: number, samples: number, latency: number, perSample: number): number[] {
+function turnedFor(pace: DrawBudget, pictures: number, samples: number, latency: number, perSample: number): number[] {
   return Array.from({ length: pictures }, () => {
     const { divisor, step } = pace.picture(samples);
     const taken = (samples * step) / divisor ** 2;
@@ -112,7 +112,7 @@ test.each([
   ["all of their time to samples", { waits: 0, samples: 0.04 }],
   ["all of their time to waits", { waits: 22, samples: 0 }],
 ])("pictures of one size are found out that laid %s", (_, believed) => {
-  const pace = new Pace(frameBudget, guess);
+  const pace = new DrawBudget(frameBudget, guess);
   const [latency, perSample] = [14, 0.011];
   for (let i = 0; i < 60; ++i) {
     pace.learnMoving({ waits: 1, samples: 540, triangles: 0 }, believed.waits + believed.samples * 540);
@@ -152,8 +152,8 @@ test("every picture ends at full resolution", () => {
 });
 
 /** Has drawn pictures that move, with all triangles and with few by turns, and strips at rest without any. */
-function learnedTriangles(perTriangle: number): Pace {
-  const pace = new Pace(frameBudget, { waits: 1, samples: 1e-4, triangles: 1e-5 });
+function learnedTriangles(perTriangle: number): DrawBudget {
+  const pace = new DrawBudget(frameBudget, { waits: 1, samples: 1e-4, triangles: 1e-5 });
   for (let i = 0; i < 300; ++i) {
     const [samples, triangles] = [i % 3 === 0 ? 10_000 : 40_000, [600_000, 0, 80_000, 0][i % 4] ?? 0];
     pace.learnMoving({ waits: 1, samples, triangles }, 2 + 1e-4 * samples + perTriangle * triangles);
@@ -193,7 +193,7 @@ test("triangles leave samples the rest of a frame, and take nothing from them wh
 });
 
 test("first pictures that were slow, with programs to be made, leave nothing behind", () => {
-  const pace = new Pace(frameBudget, { waits: 3, samples: 1e-2, triangles: 2e-4 });
+  const pace = new DrawBudget(frameBudget, { waits: 3, samples: 1e-2, triangles: 2e-4 });
   pace.learnMoving({ waits: 1, samples: 5300, triangles: 0 }, 145);
   pace.learnMoving({ waits: 1, samples: 1800, triangles: 590_000 }, 490);
   const [samples, triangles] = [300_000, 106_000];

@@ -1,7 +1,7 @@
 import { expect, test } from "vitest";
-import { EditPace } from "../../../src/core/view/edit_rate";
+import { EditRate } from "../../../src/core/view/edit_rate";
 
-function after(milliseconds: number, pace = new EditPace()): EditPace {
+function after(milliseconds: number, pace = new EditRate()): EditRate {
   for (let i = 0; i < 40; ++i) {
     pace.learn(milliseconds);
   }

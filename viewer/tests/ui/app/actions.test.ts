@@ -1,6 +1,6 @@
 /** The table of actions: no key means two things, and the keyboard does what the table says. */
 import { afterEach, expect, test, vi } from "vitest";
-import { actionsOf, type Doors } from "../../../src/ui/app/actions";
+import { actionsOf, type ActionTargets } from "../../../src/ui/app/actions";
 import type { HandControl } from "../../../src/ui/features/touch/hand_control.svelte";
 import { KeyboardInput } from "../../../src/ui/app/keyboard_input";
 import type { Session } from "../../../src/ui/state/session.svelte";
@@ -10,8 +10,8 @@ afterEach(() => {
   vi.unstubAllGlobals();
 });
 
-// what actions do is the doors' matter: the table only names them
-const actions = actionsOf({ session: {}, stage: {}, hand: {}, tool: {}, undo: {}, exporter: {}, theme: {}, page: {} } as unknown as Doors);
+// what actions do is their targets' business: the table only names them
+const actions = actionsOf({ session: {}, stage: {}, hand: {}, tool: {}, undo: {}, exporter: {}, theme: {}, page: {} } as unknown as ActionTargets);
 
 test("no two actions have the same name or key", () => {
   const names = actions.map(({ group, name }) => `${group} ${name}`);

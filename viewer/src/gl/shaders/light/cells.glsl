@@ -12,7 +12,7 @@ vec3 cellPlace() {
   return vec3(gl_FragCoord.xy, layer + 0.5) / cells;
 }
 
-// How far from here nothing is drawn [bricks]; 0 in a brick that holds something, and where matter stands
+// How far from here nothing is drawn [bricks]; 0 in a brick that holds something, and where tissue stands
 // beside its voxels: bricks tell nothing of that.
 float emptyBricks(vec3 grid) {
 #ifdef DISPLACED

@@ -36,7 +36,7 @@ struct Ray {
   vec2 other;
   vec3 otherFace;
 #endif
-  // where it is among matter that stands beside its voxels [mm]
+  // where it is in displaced tissue [mm]
   vec2 displaced;
   // share of a step before the first sample
   float start;
@@ -75,7 +75,7 @@ vec2 throughBox(vec3 low, vec3 high, vec3 origin, vec3 direction, out vec3 face)
   return vec2(max(enter, 0.0), min(min(far.x, far.y), far.z));
 }
 
-// Where the ray is among matter that stands beside its voxels.
+// Where the ray is in displaced tissue.
 vec2 throughDisplaced(vec3 origin, vec3 direction) {
   vec3 face;
   vec2 span = vec2(farAway);

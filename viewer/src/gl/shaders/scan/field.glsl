@@ -1,4 +1,4 @@
-// The scan as a continuous field, with its matter where it stands (displaced.glsl). Values are biased stored values, 0..65535
+// The scan as a continuous field, with its tissue where it stands (displacements.glsl). Values are biased stored values, 0..65535
 // (core/scan/stored_values.ts); positions are grid coordinates of the whole scan.
 // The same on the CPU: core/scan/field.ts.
 

@@ -13,7 +13,7 @@ uniform mat3 posedFromSurface;
 uniform mat3 gridAxesFromSurface;
 
 #ifdef DISPLACED
-// 1 where its segment stands where the scan has it, so that a model may have moved its matter
+// 1 where its segment stands where the scan has it, so that a model may have displaced its tissue
 uniform float gives;
 #endif
 
@@ -23,7 +23,7 @@ out vec3 grid;
 out vec3 gridNormal;
 
 #ifdef DISPLACED
-// How a normal turns with the matter around it: by the inverse transpose of the displacements'
+// How a normal turns with the tissue around it: by the inverse transpose of the displacements'
 // gradient, from differences over a voxel.
 vec3 turned(vec3 gridNormal) {
   mat3 gradient = mat3(1.0);
@@ -32,7 +32,7 @@ vec3 turned(vec3 gridNormal) {
     reach[axis] = 0.5;
     gradient[axis] += (displacementAt(grid + reach) - displacementAt(grid - reach)) / spacing[axis];
   }
-  // matter that is folded has no side
+  // tissue that is folded has no side
   return determinant(gradient) > 0.1 ? transpose(inverse(gradient)) * gridNormal : gridNormal;
 }
 #endif

@@ -2,11 +2,11 @@
  * How the scan is shown in the 3-D view: what a person has chosen of it, remembered for each scan. Every change is a
  * step of undo, a whole drag too.
  */
-import { defaultAppearance, transferFunctionOf, type Anchors, type Appearance } from "../../../core/appearance/soft_tissue_and_bone";
+import { defaultSoftTissueAndBone, transferFunctionOf, type Anchors, type SoftTissueAndBone } from "../../../core/appearance/soft_tissue_and_bone";
 import { curveOfFunction, isCurve, placedCurve, transferFunctionOfCurve, type Curve } from "../../../core/appearance/curve";
 import { curveOfPreset, presets } from "../../../core/appearance/curve_presets";
 import { valueAbove } from "../../../core/scan/histogram";
-import { firstLighting, type Lighting, type Look } from "../../../core/appearance/appearance";
+import { firstLighting, type Lighting, type Appearance } from "../../../core/appearance/appearance";
 import { blends, firstChoice, isGrey, opticsOf, usesTransferFunction, type OpticsChoice } from "../../../core/appearance/optics";
 import type { Scan } from "../../../core/protocol";
 import type { InsideMode, InsideModes } from "../../../core/segments/shown_segments";
@@ -46,7 +46,7 @@ const ownMark = " *";
 
 /** All that is chosen, each part under the name that it is remembered by. */
 interface ChosenLook {
-  readonly appearance: Appearance;
+  readonly appearance: SoftTissueAndBone;
   readonly optics: OpticsChoice;
   readonly curve: CurveChoice;
   readonly lighting: Lighting;
@@ -62,7 +62,7 @@ const opticsNames: Readonly<Record<keyof OpticsChoice, string>> = {
   isoValue: "iso-value",
 };
 
-export class LookControl {
+export class AppearanceControl {
   private readonly state: PageState<ChosenLook | null>;
   private anchors = $state.raw<Anchors>({ softTissue: 0, bone: 1 });
   private brightest = 1;
@@ -74,7 +74,7 @@ export class LookControl {
   }
 
   // derived, so that a change of one part is none of the others
-  readonly appearance = $derived.by((): Appearance | null => this.state.now?.appearance ?? null);
+  readonly appearance = $derived.by((): SoftTissueAndBone | null => this.state.now?.appearance ?? null);
   readonly choice = $derived.by((): OpticsChoice | null => this.state.now?.optics ?? null);
   /** The transfer function by points. */
   readonly curveChoice = $derived.by((): CurveChoice => this.state.now?.curve ?? firstCurve);
@@ -93,7 +93,7 @@ export class LookControl {
     const first = firstChoice(this.anchors, this.brightest);
     const optics = recall(`optics.${scan.name}`, first);
     this.state.open({
-      appearance: recall(`appearance.${scan.name}`, defaultAppearance(this.anchors)),
+      appearance: recall(`appearance.${scan.name}`, defaultSoftTissueAndBone(this.anchors)),
       optics: blends.includes(optics.blend) ? optics : first,
       curve: sane ? curve : firstCurve,
       lighting: recall(`lighting.${scan.name}`, firstLighting),
@@ -114,7 +114,7 @@ export class LookControl {
   });
 
   /** All of the look but the segments; null before there is a scan. */
-  readonly parts = $derived.by((): Omit<Look, "ranges"> | null => {
+  readonly parts = $derived.by((): Omit<Appearance, "ranges"> | null => {
     const { appearance, choice, anchors } = this;
     return appearance === null || choice === null
       ? null
@@ -133,7 +133,7 @@ export class LookControl {
   });
 
   /** Sliders of tissue, or a drag in the picture. */
-  change(part: Partial<Appearance>): void {
+  change(part: Partial<SoftTissueAndBone>): void {
     if (this.appearance !== null) {
       this.set("tissue", { appearance: { ...this.appearance, ...part } }, true);
     }
@@ -203,7 +203,7 @@ export class LookControl {
   /** Back to what fits the scan; the mode stays. */
   reset(): void {
     this.set("reset of the look", {
-      appearance: defaultAppearance(this.anchors),
+      appearance: defaultSoftTissueAndBone(this.anchors),
       optics: { ...firstChoice(this.anchors, this.brightest), blend: this.choice?.blend ?? "shaded" },
       curve: firstCurve,
       lighting: firstLighting,

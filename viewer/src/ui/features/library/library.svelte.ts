@@ -1,5 +1,5 @@
 /** Opens scans: looks for them, takes those that are dropped, and has the engine show one. */
-import { layoutText, wholeVoxel, type Bare, type LaidOut, type ToldLayout } from "../../../core/library/headerless";
+import { layoutText, wholeVoxel, type HeaderlessFiles, type LaidOut, type ToldLayout } from "../../../core/library/headerless";
 import { capitalised, formatBytes, formatCount } from "../../../core/base/format";
 import { isSingle, refusalOf, type About, type Autosave, type FoundLabels, type GivenFile, type JobLine, type ListedScan, type RecentScan, type Work } from "../../../core/library/library";
 import type { Projections, ReconstructionGrid, ReconstructionRequest } from "../../../core/library/reconstruction";
@@ -33,7 +33,7 @@ export class Library {
   /** Found in the place of scans: a scan can be made of them. */
   projections = $state.raw<Projections | null>(null);
   /** Found in the place of scans: files whose layout is to be told. */
-  bare = $state.raw<Bare | null>(null);
+  bare = $state.raw<HeaderlessFiles | null>(null);
   /** Found in the place of scans: segments. */
   labels = $state.raw<FoundLabels | null>(null);
   /** What is given next are projections, whatever it looks like. */
@@ -204,7 +204,7 @@ export class Library {
   }
 
   /** Opens files by the layout that a person tells. */
-  async openBare(find: number, raw: string | null, voxel_size: Vec3): Promise<void> {
+  async openHeaderless(find: number, raw: string | null, voxel_size: Vec3): Promise<void> {
     await this.attempt((signal) => this.exchange({ find, raw, voxel_size }, signal));
   }
 

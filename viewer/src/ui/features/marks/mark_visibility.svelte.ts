@@ -5,7 +5,7 @@
 import type { Vec3 } from "../../../core/geometry/vector";
 import type { MarkControl } from "./mark_control.svelte";
 
-export class MarkSight {
+export class MarkVisibility {
   /** Marks of which no point is seen. */
   hidden = $state.raw<readonly number[]>([]);
   private rested = false;

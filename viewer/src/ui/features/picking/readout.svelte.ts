@@ -21,7 +21,7 @@ export interface Reading {
 /** How long a name alone stands [ms]. */
 const namedTime = 4000;
 
-export class ReadOut {
+export class Readout {
   shown = $state.raw<Reading | null>(null);
   /** Only its name is shown, for a while. */
   brief = $state.raw(false);

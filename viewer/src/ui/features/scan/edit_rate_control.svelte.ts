@@ -1,27 +1,27 @@
 /**
  * How often the picture follows edits: as a person chose, or by the time that the page needs.
  */
-import { EditPace, editPaces, type EditPaceChoice, type Every } from "../../../core/view/edit_rate";
+import { EditRate, editRates, type EditRateChoice, type Every } from "../../../core/view/edit_rate";
 import { recall, remember } from "../../state/remembered";
 import type { Session } from "../../state/session.svelte";
 
-export class EditPaceControl {
-  choice = $state.raw<EditPaceChoice>("auto");
+export class EditRateControl {
+  choice = $state.raw<EditRateChoice>("auto");
   /** Every how many frames of the picture it follows now. */
   every = $state.raw<Every>(1);
 
-  private readonly pace = new EditPace();
+  private readonly pace = new EditRate();
   private lastEdit = 0;
   private editedAt: number | null = null;
   /** To which engine the pace was told. */
   private told = { every: 1, greeting: 0 };
 
   constructor(private readonly session: Session) {
-    const { choice } = recall<{ choice: EditPaceChoice }>("editPace", { choice: "auto" });
-    this.choice = editPaces.includes(choice) ? choice : "auto";
+    const { choice } = recall<{ choice: EditRateChoice }>("editPace", { choice: "auto" });
+    this.choice = editRates.includes(choice) ? choice : "auto";
   }
 
-  choose(choice: EditPaceChoice): void {
+  choose(choice: EditRateChoice): void {
     this.choice = choice;
     remember("editPace", { choice });
   }

@@ -6,7 +6,7 @@ import type { Scan } from "../../../core/protocol";
 import { isPoint } from "../../../core/geometry/vector";
 import { apiAddress } from "../../../live/connection";
 import { fetchFile } from "../../state/download";
-import { pass, takePassed } from "../../state/page_handover";
+import { handOver, takeHandover } from "../../state/page_handover";
 import { bring, keptOf, recall, remember } from "../../state/remembered";
 import type { Session } from "../../state/session.svelte";
 import type { Stage } from "../../app/stage.svelte";
@@ -17,7 +17,7 @@ export class SceneKeeper {
   withScan = $state.raw(recall("scene", { withScan: false }).withScan);
 
   /** What the page before this one had shown when its engine ended; null where there was none. */
-  private passed = takePassed();
+  private passed = takeHandover();
   /** The view of the opened scene, on its way from the beginning on: a page takes it once. */
   private asked: Promise<Response> | null;
 
@@ -58,7 +58,7 @@ export class SceneKeeper {
   passOn(): void {
     const { scan } = this.session;
     if (scan !== null) {
-      pass({ scan: JSON.stringify(scan), view: this.viewOf(scan) });
+      handOver({ scan: JSON.stringify(scan), view: this.viewOf(scan) });
     }
   }
 

@@ -3,7 +3,7 @@
  * is taken at once, between two frames; an edit that is not whole is not taken at all.
  */
 import type { Changed, Segment } from "../../../core/protocol";
-import { decodeDisplaced, type Displaced } from "../../../core/scan/displacements";
+import { decodeDisplacements, type Displacements } from "../../../core/scan/displacements";
 import type { ScanVolume } from "../../../core/scan/scan_volume";
 import type { BrickRanges } from "../../../core/scan/bricks";
 import { decodeSurface, SurfacePatches, type Patch, type SurfaceChange, type SurfaceSize } from "../../../core/surfaces/surface_patches";
@@ -37,8 +37,8 @@ interface Edit {
   /** In the order in which they hold. */
   readonly voxels: readonly VoxelChange[];
   readonly surfaces: readonly SurfaceChange[];
-  /** Where matter stands beside its voxels then; undefined where that is as before. */
-  readonly displaced: Displaced | null | undefined;
+  /** Displacements of tissue then; undefined where that is as before. */
+  readonly displaced: Displacements | null | undefined;
 }
 
 /** The scan as the page holds it; edits change it in place. */
@@ -69,8 +69,8 @@ export class ShownEdits {
   /** The first labels are on their way: until they are here no segment can be shown by them. */
   awaitsLabels = $state(false);
 
-  /** Where matter stands beside its voxels; null where all stands in them. */
-  displaced: Displaced | null = null;
+  /** Displacements of tissue from its voxels; null where there are none. */
+  displaced: Displacements | null = null;
 
   private waiting: Waiting[] = [];
   private labels: LabelVolume | null = null;
@@ -186,7 +186,7 @@ export class ShownEdits {
       edit = {
         voxels: voxels.filter((change) => change !== null),
         surfaces: changed.surfaces.map(decodeSurface),
-        displaced: changed.displaced === null ? undefined : decodeDisplaced(changed.displaced),
+        displaced: changed.displaced === null ? undefined : decodeDisplacements(changed.displaced),
       };
     } catch (error) {
       this.outside.complain(`Edit ${String(changed.edit)} cannot be shown: ${messageOf(error)}.`);

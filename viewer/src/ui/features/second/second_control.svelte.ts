@@ -11,7 +11,7 @@ import type { Scan, SecondScan } from "../../../core/protocol";
 import { frameOf } from "../../../core/scan/scan_volume";
 import { fusions, placeOf, tints, type Fusion, type SecondLook, type Tint } from "../../../core/second/second_scan";
 import { subsamplingStep } from "../../../core/scan/subsampling";
-import { Unchanged } from "../../../core/base/keep_equal";
+import { KeepEqual } from "../../../core/base/keep_equal";
 import type { Vec3 } from "../../../core/geometry/vector";
 import { firstWindow, type WindowLevel } from "../../../core/appearance/window_level";
 import type { ShownSecond } from "../../../gl/textures/second_texture";
@@ -93,7 +93,7 @@ export class SecondControl {
   private held = $state.raw<DownloadedScan | null>(null);
   private turn = $state.raw<SecondLook["turn"]>("second");
   private timer: ReturnType<typeof setInterval> | null = null;
-  private readonly sameFunction = new Unchanged<SecondLook["transferFunction"]>();
+  private readonly sameFunction = new KeepEqual<SecondLook["transferFunction"]>();
 
   constructor(private readonly outside: Outside) {
     this.state = new PageState<SecondChoice | null>(null, outside.steps, this.keep.bind(this));

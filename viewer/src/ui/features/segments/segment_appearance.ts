@@ -19,7 +19,7 @@ import type { Session } from "../../state/session.svelte";
 /** What of a look has a slider. */
 const degrees: readonly (keyof SegmentLook)[] = ["opacity", "smoothing", "ambient", "specular"];
 
-export class SegmentLooks implements StepOwner<LookParts> {
+export class SegmentAppearance implements StepOwner<LookParts> {
   /** What was asked for and is not answered yet: the next change must not take it back. */
   private asked: Readonly<Record<number, Partial<SegmentLook>>> = {};
   private unanswered = 0;

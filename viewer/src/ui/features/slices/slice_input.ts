@@ -80,7 +80,7 @@ export class SliceInput {
     on("dblclick", (event) => {
       const point = this.pointAt(event);
       if (this.outline?.close() !== true && point !== null && !this.marked && !this.brushes) {
-        this.stage.readOut.close();
+        this.stage.readout.close();
         this.hand.place(point);
       }
     });
@@ -185,7 +185,7 @@ export class SliceInput {
       return;
     }
     this.pressed = null;
-    const { growing, marks, readOut, registration } = this.stage;
+    const { growing, marks, readout, registration } = this.stage;
     this.marked = this.marking;
     if (registration.placing !== null) {
       registration.put(point);
@@ -197,7 +197,7 @@ export class SliceInput {
       this.outline.click(this.name, point, this.plane?.toward ?? [0, 0, 1]);
     } else {
       const name = this.stage.picker.segmentAt(point)?.name ?? null;
-      readOut.show({ pane: this.name, point, value: this.stage.picker.valueAt(point), name, scan: "first" });
+      readout.show({ pane: this.name, point, value: this.stage.picker.valueAt(point), name, scan: "first" });
     }
   }
 

@@ -1,8 +1,8 @@
 /**
- * Matter that gives way: what a person asks of materials and models, and what outlives a visit.
+ * Soft tissue: what a person asks of materials and models, and what outlives a visit.
  */
 import { AnswerRate, usualModel } from "../../../core/tissue/tissue";
-import { recalledMatter, recalledRegions, rememberedMatter, type MatterMemory, type RememberedMaterial } from "../../../core/tissue/tissue_memory";
+import { recalledTissue, recalledRegions, rememberedTissue, type TissueMemory, type RememberedMaterial } from "../../../core/tissue/tissue_memory";
 import { usualOptions } from "../../../core/tissue/model_options";
 import type { Constants, ForceSource, FromPage, MatterRegion, ModelOptions, Segment, State } from "../../../core/protocol";
 import type { PageSteps, StepOwner } from "../../state/page_steps.svelte";
@@ -10,7 +10,7 @@ import { recall, remember } from "../../state/remembered";
 import type { Session } from "../../state/session.svelte";
 
 /** What the engine's own undo does not know is a step of the page's: how it is asked for, and how for what was before. */
-export class MatterControl implements StepOwner<FromPage> {
+export class TissueControl implements StepOwner<FromPage> {
   /** Whether the model's nodes or particles are shown. */
   partsShown = $state(false);
   /** Answers of the model [Hz]. */
@@ -36,7 +36,7 @@ export class MatterControl implements StepOwner<FromPage> {
   make(segment: Segment, preset: string | null, constants: Constants | null): void {
     const isSoft = preset !== null || constants !== null;
     if (isSoft && this.session.latest?.matter.model === null) {
-      // one step of undo is enough: a model without soft matter changes nothing
+      // one step of undo is enough: a model without soft tissue changes nothing
       this.session.send({ type: "set_deformation", model: usualModel, options: usualOptions, undoable: false });
     }
     this.session.send({ type: "set_material", id: segment.id, preset, constants, undoable: true });
@@ -49,13 +49,13 @@ export class MatterControl implements StepOwner<FromPage> {
     this.ask("regions of matter", { type: "set_regions", id: segment.id, regions }, { type: "set_regions", id: segment.id, regions: before });
   }
 
-  /** The model by which matter gives way, null for none, and what of it is not as usual. */
+  /** The deformation model, null for none, and what of it is not as usual. */
   choose(model: string | null, options: ModelOptions = usualOptions): void {
     this.session.send({ type: "set_deformation", model, options, undoable: true });
     this.keepFromNowOn();
   }
 
-  /** What a tool feels of matter that gives way. */
+  /** What a tool feels of soft tissue. */
   feel(source: ForceSource): void {
     const before = this.session.latest?.matter.force_source ?? source;
     if (before !== source) {
@@ -63,7 +63,7 @@ export class MatterControl implements StepOwner<FromPage> {
     }
   }
 
-  /** All matter is hard again. */
+  /** All tissue is rigid again. */
   reset(): void {
     for (const segment of this.session.segments) {
       if (segment.material !== null) {
@@ -134,8 +134,8 @@ export class MatterControl implements StepOwner<FromPage> {
     this.held ??= "";
   }
 
-  private holds({ matter }: State): { memory: MatterMemory; text: string } {
-    const memory = rememberedMatter(this.session.segments, matter);
+  private holds({ matter }: State): { memory: TissueMemory; text: string } {
+    const memory = rememberedTissue(this.session.segments, matter);
     return { memory, text: JSON.stringify(memory) };
   }
 
@@ -146,7 +146,7 @@ export class MatterControl implements StepOwner<FromPage> {
       return;
     }
     const { presets, models } = session;
-    const memory = recalledMatter(recall(this.memory, {}), presets, models);
+    const memory = recalledTissue(recall(this.memory, {}), presets, models);
     const { model, options, forceSource, materials } = memory;
     const kept = session.segments.map((segment) => ({ id: segment.id, material: materials.find((each) => each.segment === segment.name) }));
     const known = kept.filter((each): each is { id: number; material: RememberedMaterial } => each.material !== undefined);

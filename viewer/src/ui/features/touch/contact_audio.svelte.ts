@@ -9,7 +9,7 @@ import { SoundPlayer } from "./sound_player";
 
 const usual = { on: false, volume: 0.5 };
 
-export class Hearing {
+export class ContactAudio {
   on = $state(usual.on);
   volume = $state(usual.volume);
   /** It is on, but the browser waits for a click or a key before anything is heard. */

@@ -25,7 +25,7 @@ interface Played {
   readonly shown: ShownTouch | null;
 }
 
-export class TouchMarks {
+export class TouchMarkers {
   /** What is drawn beside probe, device and force. */
   shown = $state.raw<Shown>({ contactPoint: true, normal: true, ball: true, path: true });
 

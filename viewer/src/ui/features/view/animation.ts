@@ -9,11 +9,11 @@ const types = ["video/webm;codecs=vp9", "video/webm;codecs=vp8", "video/webm"] a
 const bitsPerPixel = 0.25;
 
 /** What this browser records; null where it makes no WebM. */
-export function filmType(): string | null {
+export function animationType(): string | null {
   return typeof MediaRecorder === "undefined" ? null : (types.find((type) => MediaRecorder.isTypeSupported(type)) ?? null);
 }
 
-export class Film {
+export class AnimationRecorder {
   private readonly context: CanvasRenderingContext2D;
   private readonly stream: MediaStream;
   private readonly recorder: MediaRecorder;
@@ -24,7 +24,7 @@ export class Film {
     { width, height }: Viewport,
     private readonly framesPerSecond: number,
   ) {
-    const type = filmType();
+    const type = animationType();
     const canvas = document.createElement("canvas");
     Object.assign(canvas, { width, height });
     const context = canvas.getContext("2d");

@@ -5,7 +5,7 @@ import type { Camera, Viewport } from "../../../core/geometry/camera";
 import { evenSize, fitsIntoCanvas, imageSize } from "../../../core/view/image_size";
 import { turntable } from "../../../core/view/turntable";
 import { keep } from "../../state/download";
-import { Film, filmType } from "./animation";
+import { AnimationRecorder, animationType } from "./animation";
 import { recall, remember } from "../../state/remembered";
 import type { Session } from "../../state/session.svelte";
 import type { Stage } from "../../app/stage.svelte";
@@ -29,7 +29,7 @@ export class ImageControl {
   readonly size = $derived.by((): Viewport => this.sizeOf(this.choice.magnification));
 
   /** Whether this browser makes films. */
-  readonly filming = filmType() !== null;
+  readonly canAnimate = animationType() !== null;
 
   sizeOf(magnification: number): Viewport {
     const { slices, stereo } = this.stage;
@@ -68,13 +68,13 @@ export class ImageControl {
   }
 
   /** Saves a film of the view turning about the body's long axis, as large as on the page. */
-  async saveFilm(): Promise<void> {
+  async saveAnimation(): Promise<void> {
     const { seconds, turns } = this.choice;
     const pace = framesPerSecond[this.stage.software ? "software" : "gpu"];
     const size = evenSize(this.sizeOf(1));
     const stereo = this.stage.stereo.choice;
     await this.work("Filming", async (start, signal) => {
-      const film = new Film(size, pace);
+      const film = new AnimationRecorder(size, pace);
       try {
         const context = contextOf(size);
         const cameras = turntable(start, { seconds, turns, framesPerSecond: pace });

@@ -1,7 +1,7 @@
 /** How the scan is shown: every gesture is one step of undo, and what is remembered follows. */
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import type { Scan } from "../../../../src/core/protocol";
-import { anatomy, LookControl } from "../../../../src/ui/features/appearance/appearance_control.svelte";
+import { anatomy, AppearanceControl } from "../../../../src/ui/features/appearance/appearance_control.svelte";
 import { PageSteps } from "../../../../src/ui/state/page_steps.svelte";
 import { SliceControl } from "../../../../src/ui/features/slices/slice_control.svelte";
 import { scanOf } from "../../../support/volumes";
@@ -23,7 +23,7 @@ afterEach(() => {
 
 function opened() {
   const steps = new PageSteps(() => 0);
-  const looks = new LookControl(steps);
+  const looks = new AppearanceControl(steps);
   const slices = new SliceControl(steps, () => null);
   looks.open(scan);
   slices.open(scan);

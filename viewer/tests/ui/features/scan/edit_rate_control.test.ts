@@ -1,16 +1,16 @@
 import { expect, test } from "vitest";
 import type { FromPage } from "../../../../src/core/protocol";
-import { EditPaceControl } from "../../../../src/ui/features/scan/edit_rate_control.svelte";
+import { EditRateControl } from "../../../../src/ui/features/scan/edit_rate_control.svelte";
 import type { Session } from "../../../../src/ui/state/session.svelte";
 
-function setUp(): { control: EditPaceControl; sent: FromPage[]; engine: { greetings: number } } {
+function setUp(): { control: EditRateControl; sent: FromPage[]; engine: { greetings: number } } {
   const sent: FromPage[] = [];
   const engine = { greetings: 1, send: (message: FromPage) => sent.push(message) };
-  return { control: new EditPaceControl(engine as unknown as Session), sent, engine };
+  return { control: new EditRateControl(engine as unknown as Session), sent, engine };
 }
 
 /** Frames that are so far apart, each with an edit. */
-function frames(control: EditPaceControl, apart: number, first = 0): void {
+function frames(control: EditRateControl, apart: number, first = 0): void {
   for (let i = 1; i <= 30; ++i) {
     control.begin((first + i) * apart, first + i);
   }

@@ -2,14 +2,14 @@
 import { beforeEach, expect, test } from "vitest";
 import type { FromPage, Segment, SegmentProperties } from "../../../../src/core/protocol";
 import { PageSteps } from "../../../../src/ui/state/page_steps.svelte";
-import { SegmentLooks } from "../../../../src/ui/features/segments/segment_appearance";
+import { SegmentAppearance } from "../../../../src/ui/features/segments/segment_appearance";
 import type { Session } from "../../../../src/ui/state/session.svelte";
 
 let segments: Segment[] = [];
 let sent: FromPage[] = [];
 let waiters: (() => void)[] = [];
 let steps = new PageSteps(() => 0);
-let looks = {} as SegmentLooks;
+let looks = {} as SegmentAppearance;
 
 const one = (id: number): Segment => segments.find((segment) => segment.id === id) ?? ({ name: "gone" } as Segment);
 const seen = (): readonly boolean[] => segments.map(({ visible }) => visible);
@@ -27,7 +27,7 @@ beforeEach(() => {
     send: (message: FromPage) => sent.push(message),
     whenTold: (told: () => void) => waiters.push(told),
   } as unknown as Session;
-  looks = new SegmentLooks(session, steps);
+  looks = new SegmentAppearance(session, steps);
 });
 
 /** The engine does what it was asked for, and tells of it. */

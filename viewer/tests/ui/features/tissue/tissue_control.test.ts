@@ -1,9 +1,9 @@
 import { afterEach, expect, test, vi } from "vitest";
-import type { MatterMemory } from "../../../../src/core/tissue/tissue_memory";
-import type { MatterParts } from "../../../../src/core/tissue/particles";
+import type { TissueMemory } from "../../../../src/core/tissue/tissue_memory";
+import type { ModelParticles } from "../../../../src/core/tissue/particles";
 import { usualOptions } from "../../../../src/core/tissue/model_options";
 import type { ForceSource, FromPage, MatterRegion, State } from "../../../../src/core/protocol";
-import { MatterControl } from "../../../../src/ui/features/tissue/tissue_control.svelte";
+import { TissueControl } from "../../../../src/ui/features/tissue/tissue_control.svelte";
 import { PageSteps } from "../../../../src/ui/state/page_steps.svelte";
 import type { Session } from "../../../../src/ui/state/session.svelte";
 
@@ -24,10 +24,10 @@ class Visit {
   readonly presets = [{ name: "liver" }];
   readonly models = [{ name: "lattice", boxes: null, binding: null, walls: false, fades, yields, layers: null, calibration: false, motion: false }];
   latest: State | null = null;
-  parts: MatterParts | null = null;
+  parts: ModelParticles | null = null;
   source: ForceSource = "matter";
   readonly steps = new PageSteps(() => 7);
-  readonly control: MatterControl;
+  readonly control: TissueControl;
   private listener: (state: State) => void = () => undefined;
   private told: (() => void)[] = [];
 
@@ -36,7 +36,7 @@ class Visit {
       getItem: (key: string) => storage.get(key) ?? null,
       setItem: (key: string, value: string) => storage.set(key, value),
     });
-    this.control = new MatterControl(this as unknown as Session, this.steps);
+    this.control = new TissueControl(this as unknown as Session, this.steps);
   }
 
   onState(listener: (state: State) => void): void {
@@ -66,9 +66,9 @@ class Visit {
   }
 
   /** What the next visit will find. */
-  get kept(): Partial<MatterMemory> | null {
+  get kept(): Partial<TissueMemory> | null {
     const [text] = this.storage.values();
-    return text === undefined ? null : (JSON.parse(text) as MatterMemory);
+    return text === undefined ? null : (JSON.parse(text) as TissueMemory);
   }
 }
 
@@ -163,7 +163,7 @@ test("what is felt is a step of the page's undo, kept, and told to the next engi
 
 test("parts that arrive after they were hidden do not stay", () => {
   const visit = new Visit(new Map());
-  const parts = { count: 3 } as MatterParts;
+  const parts = { count: 3 } as ModelParticles;
   visit.control.showParts(true);
   visit.holds(liver, "lattice", { time: 1, answers: 0 });
   visit.parts = parts;
