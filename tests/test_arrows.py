@@ -100,24 +100,65 @@ def test_a_module_that_imports_the_binding_itself_is_found() -> None:
     assert "`palpate._core` is banned" in checked.stdout
 
 
-@pytest.mark.parametrize(
-    ("file", "line"),
-    [
-        ("core/new.ts", 'import * as three from "three"; export const it = three;'),
-        ("core/new.ts", 'import { it } from "../gl/picture"; export const that = it;'),
-        ("gl/new.ts", 'import { it } from "../ui/session.svelte"; export const that = it;'),
-    ],
-)
-def test_a_viewer_module_that_imports_upward_is_found(file: str, line: str) -> None:
+def eslint(file: str, line: str) -> subprocess.CompletedProcess[str]:
+    """Lints one line as if it stood in a file of the viewer's sources."""
     node = shutil.which("node")
     assert node is not None
-    checked = subprocess.run(
-        [node, "node_modules/eslint/bin/eslint.js", "--stdin", "--stdin-filename", f"src/{file}"],
+    program = "node_modules/eslint/bin/eslint.js"
+    text = f'<script lang="ts">\n{line}\n</script>\n' if file.endswith(".svelte") else f"{line}\n"
+    return subprocess.run(
+        [node, program, "--stdin", "--stdin-filename", f"src/{file}"],
         check=False,
         cwd=ROOT / "viewer",
-        input=f"{line}\n",
+        input=text,
         capture_output=True,
         text=True,
     )
+
+
+@pytest.mark.parametrize(
+    ("file", "target"),
+    [
+        pytest.param("core/view/new.ts", "../../gl/picture/picture", id="core to gl"),
+        pytest.param("gl/picture/new.ts", "../../ui/state/session.svelte", id="gl to ui"),
+        pytest.param("live/new.ts", "../gl/picture/picture", id="live to gl"),
+        pytest.param("ui/state/new.ts", "../widgets/settled", id="state to widget"),
+        pytest.param("ui/theme/new.ts", "../widgets/settled", id="theme to widget"),
+        pytest.param(
+            "ui/widgets/New.svelte", "../features/marks/mark_control.svelte", id="widget to feature"
+        ),
+        pytest.param("ui/widgets/New.svelte", "../app/actions", id="widget to app"),
+        pytest.param(
+            "ui/features/marks/new.ts", "../slices/slice_control.svelte", id="feature to feature"
+        ),
+        pytest.param(
+            "ui/features/marks/New.svelte",
+            "../slices/slice_control.svelte",
+            id="feature to feature in svelte",
+        ),
+        pytest.param("ui/features/marks/new.ts", "../../app/stage.svelte", id="feature to app"),
+        pytest.param("ui/new/new.ts", "../state/remembered", id="a folder that is no room"),
+    ],
+)
+def test_a_viewer_module_that_imports_upward_is_found(file: str, target: str) -> None:
+    checked = eslint(file, f'import {{ it }} from "{target}"; export const that = it;')
+    assert checked.returncode == 1, checked.stdout + checked.stderr
+    assert "palpate/arrows" in checked.stdout
+
+
+@pytest.mark.parametrize(
+    ("file", "target"),
+    [
+        ("ui/features/marks/new.ts", "../../state/session.svelte"),
+        ("ui/app/new.ts", "../features/marks/mark_control.svelte"),
+    ],
+)
+def test_a_viewer_module_may_import_downward(file: str, target: str) -> None:
+    checked = eslint(file, f'import {{ it }} from "{target}"; export const that = it;')
+    assert checked.returncode == 0, checked.stdout + checked.stderr
+
+
+def test_the_viewers_core_imports_no_library_of_graphics() -> None:
+    checked = eslint("core/view/new.ts", 'import * as three from "three"; export const it = three;')
     assert checked.returncode == 1, checked.stdout + checked.stderr
     assert "no-restricted-imports" in checked.stdout
