@@ -84,7 +84,7 @@ def test_a_python_module_that_imports_a_higher_layer_is_found(tmp_path: Path) ->
         text=True,
     )
     assert checked.returncode == 1, checked.stdout + checked.stderr
-    assert "palpate.volume -> palpate.cli" in checked.stdout
+    assert "palpate.volumes.volume -> palpate.cli" in checked.stdout
 
 
 def test_a_module_that_imports_the_binding_itself_is_found() -> None:

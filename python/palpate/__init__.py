@@ -15,7 +15,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from palpate.errors import (
+    from palpate.base.errors import (
         DicomWebError,
         EmptySegmentError,
         MeshFormatError,
@@ -25,24 +25,24 @@ if TYPE_CHECKING:
         SeriesChoiceError,
         VolumeFormatError,
     )
-    from palpate.export import export_scene
-    from palpate.gap import Gap
-    from palpate.io import read
-    from palpate.io_dicomweb import fetch_series, remote_series
-    from palpate.io_dicomweb_address import WebAddress
-    from palpate.labels import Label, Labels, read_labels
-    from palpate.painted_cut import PaintedCut
-    from palpate.phantom_scan import Phantom, phantom
-    from palpate.recording import Recording, Replay
-    from palpate.registration import Registration, register
-    from palpate.registration_options import RegistrationError, SearchOptions
-    from palpate.scene import Scene
-    from palpate.scripted_path import ScriptedPath
-    from palpate.segment import Segment
-    from palpate.session import Session, SessionOptions
-    from palpate.surface import Surface
-    from palpate.touch_settings import TouchSettings
-    from palpate.volume import Volume
+    from palpate.export.export import export_scene
+    from palpate.io.dicomweb.address import WebAddress
+    from palpate.io.dicomweb.series import fetch_series, remote_series
+    from palpate.io.reading import read
+    from palpate.labels.labels import Label, Labels, read_labels
+    from palpate.registration.options import RegistrationError, SearchOptions
+    from palpate.registration.registration import Registration, register
+    from palpate.session.gap import Gap
+    from palpate.session.painted_cut import PaintedCut
+    from palpate.session.recording import Recording, Replay
+    from palpate.session.scripted_path import ScriptedPath
+    from palpate.session.session import Session, SessionOptions
+    from palpate.session.touch_settings import TouchSettings
+    from palpate.volumes.phantom import Phantom, phantom
+    from palpate.volumes.scene import Scene
+    from palpate.volumes.segment import Segment
+    from palpate.volumes.surface import Surface
+    from palpate.volumes.volume import Volume
 
 __all__ = [
     "DicomWebError",
@@ -82,40 +82,40 @@ __all__ = [
 ]
 
 _HOMES = {
-    "DicomWebError": "errors",
-    "EmptySegmentError": "errors",
-    "MeshFormatError": "errors",
-    "OptionError": "errors",
-    "PalpateError": "errors",
-    "RecordingFormatError": "errors",
-    "SeriesChoiceError": "errors",
-    "VolumeFormatError": "errors",
-    "export_scene": "export",
-    "Gap": "gap",
-    "read": "io",
-    "fetch_series": "io_dicomweb",
-    "remote_series": "io_dicomweb",
-    "WebAddress": "io_dicomweb_address",
-    "Label": "labels",
-    "Labels": "labels",
-    "read_labels": "labels",
-    "PaintedCut": "painted_cut",
-    "Phantom": "phantom_scan",
-    "phantom": "phantom_scan",
-    "Scene": "scene",
-    "ScriptedPath": "scripted_path",
-    "Registration": "registration",
-    "register": "registration",
-    "RegistrationError": "registration_options",
-    "SearchOptions": "registration_options",
-    "Segment": "segment",
-    "Recording": "recording",
-    "Replay": "recording",
-    "Session": "session",
-    "SessionOptions": "session",
-    "Surface": "surface",
-    "TouchSettings": "touch_settings",
-    "Volume": "volume",
+    "DicomWebError": "base.errors",
+    "EmptySegmentError": "base.errors",
+    "MeshFormatError": "base.errors",
+    "OptionError": "base.errors",
+    "PalpateError": "base.errors",
+    "RecordingFormatError": "base.errors",
+    "SeriesChoiceError": "base.errors",
+    "VolumeFormatError": "base.errors",
+    "export_scene": "export.export",
+    "Gap": "session.gap",
+    "read": "io.reading",
+    "fetch_series": "io.dicomweb.series",
+    "remote_series": "io.dicomweb.series",
+    "WebAddress": "io.dicomweb.address",
+    "Label": "labels.labels",
+    "Labels": "labels.labels",
+    "read_labels": "labels.labels",
+    "PaintedCut": "session.painted_cut",
+    "Phantom": "volumes.phantom",
+    "phantom": "volumes.phantom",
+    "Scene": "volumes.scene",
+    "ScriptedPath": "session.scripted_path",
+    "Registration": "registration.registration",
+    "register": "registration.registration",
+    "RegistrationError": "registration.options",
+    "SearchOptions": "registration.options",
+    "Segment": "volumes.segment",
+    "Recording": "session.recording",
+    "Replay": "session.recording",
+    "Session": "session.session",
+    "SessionOptions": "session.session",
+    "Surface": "volumes.surface",
+    "TouchSettings": "session.touch_settings",
+    "Volume": "volumes.volume",
 }
 """Module of each public name: imported when first asked for, so that the package starts fast."""
 

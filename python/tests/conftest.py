@@ -18,15 +18,15 @@ import numpy as np
 import pytest
 import SimpleITK
 from numpy.typing import NDArray
-from palpate.journal import Journal
-from palpate.scene import Scene
-from palpate.server import bind, make_app, make_server
-from palpate.server_live import Live
-from palpate.server_open_scan import OpenScan
-from palpate.server_security import Access
-from palpate.server_workbench import Workbench
-from palpate.session import Session
-from palpate.volume import Volume, VolumeTraits
+from palpate.saved.journal import Journal
+from palpate.server.app import bind, make_app, make_server
+from palpate.server.live import Live
+from palpate.server.open_scan import OpenScan
+from palpate.server.security import Access
+from palpate.server.workbench import Workbench
+from palpate.session.session import Session
+from palpate.volumes.scene import Scene
+from palpate.volumes.volume import Volume, VolumeTraits
 from pydicom.dataset import FileDataset, FileMetaDataset
 from pydicom.uid import CTImageStorage, ExplicitVRLittleEndian, generate_uid
 from websockets.sync.client import ClientConnection, connect

@@ -9,10 +9,10 @@ from typing import Any
 import msgspec
 import pytest
 from palpate import protocol
-from palpate.anatomical_colour import colour_of_name
-from palpate.scene import PALETTE, Scene
-from palpate.server_segments import ShownSegments
-from palpate.session import Session, SessionOptions
+from palpate.server.segments import ShownSegments
+from palpate.session.session import Session, SessionOptions
+from palpate.volumes.anatomical_colour import colour_of_name
+from palpate.volumes.scene import PALETTE, Scene
 
 VERSIONS = count(1)
 GREEN = (0.1, 0.9, 0.2)

@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from palpate.cli import run
-from palpate.io import read
-from palpate.labels import read_labels
+from palpate.cli.commands import run
+from palpate.io.reading import read
+from palpate.labels.labels import read_labels
 
 PROGRAM = """#!{python}
 # stands for the program: the same arguments, the same folder of masks, and no weights

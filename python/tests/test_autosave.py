@@ -8,15 +8,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 import SimpleITK
-from palpate.autosave import autosave_of, note_scene
-from palpate.cli_open import saved_scene
-from palpate.errors import SceneFormatError
-from palpate.io import read
-from palpate.journal import Journal
-from palpate.progress import silent
-from palpate.scene import Scene
-from palpate.scene_file import save_scene
-from palpate.session import Session, SessionOptions
+from palpate.base.errors import SceneFormatError
+from palpate.base.progress import silent
+from palpate.cli.open_run import saved_scene
+from palpate.io.reading import read
+from palpate.saved.autosave import autosave_of, note_scene
+from palpate.saved.journal import Journal
+from palpate.saved.scene_file import save_scene
+from palpate.session.session import Session, SessionOptions
+from palpate.volumes.scene import Scene
 
 from .conftest import LibraryClient
 

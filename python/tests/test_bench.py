@@ -144,7 +144,7 @@ def test_a_body_in_a_larger_scan_is_compared(
 def test_a_data_set_that_is_not_there_is_told(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    from palpate.cli import run
+    from palpate.cli.commands import run
 
     monkeypatch.setenv("PALPATE_DATA", str(tmp_path))
     path = tmp_path / "b.json"
@@ -239,7 +239,7 @@ def test_what_is_not_allowed_is_refused(ball_scene: Scene) -> None:
 def test_the_command_measures_a_scan_and_writes_its_file(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    from palpate.cli import run
+    from palpate.cli.commands import run
 
     made = palpate.phantom((100, 70, 135)).volume
     path = tmp_path / "scan.nrrd"
@@ -312,7 +312,7 @@ def test_a_case_or_touch_that_does_not_exist_is_refused() -> None:
 def test_the_quality_command_writes_its_file(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    from palpate.cli import run
+    from palpate.cli.commands import run
 
     path = tmp_path / "q.json"
     assert run(["bench", "touch-quality", "--touch", "thesis-improved", "--json", str(path)]) == 0
@@ -355,7 +355,7 @@ def test_the_same_violation_is_found_on_any_threads(ball_scene: Scene) -> None:
 def test_a_violation_is_told_and_replayed(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    from palpate.cli import run
+    from palpate.cli.commands import run
 
     case, rows = tmp_path / "case.json", tmp_path / "rows.json"
     options = ["--model", "thesis-improved", "--case", str(case), "--json", str(rows)]
@@ -377,7 +377,7 @@ def test_a_violation_is_told_and_replayed(
 
 
 def test_what_is_no_stress_is_refused(tmp_path: Path, ball_scene: Scene) -> None:
-    from palpate.cli import run
+    from palpate.cli.commands import run
 
     bone = next(iter(ball_scene)).segment
     with pytest.raises(OptionError, match="allowed: 1 or more"):
@@ -437,7 +437,7 @@ def test_runs_that_are_not_allowed_are_refused(device: str, rate: int, seconds: 
 
 
 def test_the_command_of_passivity_writes_its_file(tmp_path: Path) -> None:
-    from palpate.cli import run
+    from palpate.cli.commands import run
 
     file = tmp_path / "p.json"
     options = ["--seconds", "3", "--device", "Touch", "--json", str(file)]

@@ -6,10 +6,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from palpate.base.errors import OptionError
 from palpate.bench.edit import figures_of, rows_of
 from palpate.bench.goals import EDIT_DRAWN, EDIT_PRESSED, EDIT_SUSPENDED, GOALS
 from palpate.bench.page import chromium
-from palpate.errors import OptionError
 
 TIMES = [{"way": 4.0 + i, "wait": 10.0 * (i % 2), "work": 1.0} for i in range(21)]
 """Ways of 4 to 24 ms, every other edit after a wait of 10 ms."""

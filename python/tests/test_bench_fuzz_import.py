@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from palpate.base.errors import OptionError
 from palpate.bench.fuzz_import import Limits, Sample, damaged, measure, sample_of, samples_in, tried
-from palpate.cli import run
-from palpate.errors import OptionError
+from palpate.cli.commands import run
 
 CASES = 15
 

@@ -9,11 +9,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from palpate import OptionError, phantom
-from palpate.bench import deform, matter_stress
+from palpate.bench import deform
+from palpate.bench import soft_tissue_stress as matter_stress
 from palpate.bench.free_session import Pace, figures
 from palpate.bench.free_session import measure as measure_session
 from palpate.bench.goals import GOALS
-from palpate.bench.goals_matter import (
+from palpate.bench.goals.soft_tissue import (
     CRYSTALS,
     LATTICE_CASES,
     MODELS,
@@ -30,8 +31,8 @@ from palpate.bench.goals_matter import (
 from palpate.bench.lammps_pairs import LammpsCrystal
 from palpate.bench.linear_fem import LinearFem
 from palpate.bench.report import row_of
-from palpate.cli import run
-from palpate.model_options import deformation_models
+from palpate.cli.commands import run
+from palpate.session.model_options import deformation_models
 
 
 def table(bench: str) -> dict[tuple[str, str], float | None]:

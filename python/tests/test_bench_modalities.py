@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from palpate import SearchOptions
-from palpate.bench.goals_registration import METRICS
+from palpate.bench.goals.registration import METRICS
 from palpate.bench.modalities import Pair, apart_from, coarser, head_of, like_mr
-from palpate.registration_options import Kind
-from palpate.volume import Volume
+from palpate.registration.options import Kind
+from palpate.volumes.volume import Volume
 
 pytestmark = pytest.mark.data
 

@@ -9,7 +9,7 @@ import palpate
 import pytest
 from palpate.bench.goals import GOALS
 from palpate.bench.opening import rows_of, write_series
-from palpate.volume import Volume
+from palpate.volumes.volume import Volume
 
 
 def test_the_series_is_the_scan_with_more_slices(tmp_path: Path) -> None:

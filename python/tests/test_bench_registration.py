@@ -10,7 +10,7 @@ import pytest
 from palpate import OptionError, Volume
 from palpate.bench import registration
 from palpate.bench.goals import GOALS
-from palpate.bench.goals_registration import (
+from palpate.bench.goals.registration import (
     ELASTIX_CASE,
     LUNG_ROWS,
     METRICS,
@@ -19,8 +19,8 @@ from palpate.bench.goals_registration import (
     modality_case,
     registered_case,
 )
-from palpate.cli import run
-from palpate.registration_options import KINDS
+from palpate.cli.commands import run
+from palpate.registration.options import KINDS
 
 
 def test_the_goal_is_ten_percent_beside_elastix() -> None:

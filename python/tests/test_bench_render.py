@@ -7,8 +7,9 @@ import re
 from pathlib import Path
 
 import pytest
+from palpate.base.errors import OptionError
 from palpate.bench.goals import GOALS
-from palpate.bench.goals_render import (
+from palpate.bench.goals.render import (
     EDIT_CASE,
     MODES,
     OPENED_CASE,
@@ -19,7 +20,6 @@ from palpate.bench.goals_render import (
     picture_case,
 )
 from palpate.bench.render import SURFACES, measure, rows_of
-from palpate.errors import OptionError
 
 
 def test_every_mode_and_size_has_its_rows_and_goals_are_those_of_the_issue() -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from palpate.bench.goals import GOALS
 from palpate.bench.segmenting import drawn_out, rows_of, surface_seconds
-from palpate.volume import Volume
+from palpate.volumes.volume import Volume
 
 
 def test_a_scan_is_drawn_out_over_the_same_length() -> None:

@@ -63,7 +63,7 @@ def test_the_servo_has_its_goal_at_1_khz_where_it_had_priority() -> None:
 def test_the_servo_command_measures_every_rate_and_load(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    from palpate.cli import run
+    from palpate.cli.commands import run
 
     path = tmp_path / "servo.json"
     assert run(["bench", "servo", "--seconds", "0.3", "--json", str(path)]) == 0

@@ -12,7 +12,7 @@ from palpate.bench.flying_edges import FlyingEdges
 from palpate.bench.goals import DRILLED, GOALS, SPHERES, SURFACES, sphere_case
 from palpate.bench.haptics_data import MissingDataError
 from palpate.bench.report import row_of
-from palpate.cli import run
+from palpate.cli.commands import run
 
 
 def test_every_goal_of_surfaces_stands_in_the_table() -> None:

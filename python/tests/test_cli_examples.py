@@ -14,12 +14,12 @@ import numpy as np
 import pytest
 import SimpleITK
 from numpy.typing import NDArray
-from palpate.cli import app, run
-from palpate.cli_recipe import EXAMPLES as RECIPE
-from palpate.io import read
-from palpate.scene import Scene
-from palpate.scene_file import save_scene
-from palpate.session import Session, SessionOptions
+from palpate.cli.commands import app, run
+from palpate.cli.recipe import EXAMPLES as RECIPE
+from palpate.io.reading import read
+from palpate.saved.scene_file import save_scene
+from palpate.session.session import Session, SessionOptions
+from palpate.volumes.scene import Scene
 from pydicom.dataset import FileDataset
 from pydicom.uid import generate_uid
 from typer.main import get_command

@@ -15,10 +15,10 @@ import numpy as np
 import palpate
 import pytest
 import SimpleITK
-from palpate.cli import run
-from palpate.errors import OptionError
-from palpate.scene_file import open_scene
-from palpate.session import Session, SessionOptions
+from palpate.base.errors import OptionError
+from palpate.cli.commands import run
+from palpate.saved.scene_file import open_scene
+from palpate.session.session import Session, SessionOptions
 
 
 @pytest.fixture

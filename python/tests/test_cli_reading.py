@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from palpate.cli import app, run
-from palpate.cli_reading import Reading
+from palpate.cli.commands import app, run
+from palpate.cli.reading_options import Reading
 from typer.main import get_command
 
 COMMANDS = ("open", "info", "record", "export", "import", "segment", "surface export")

@@ -14,7 +14,7 @@ from urllib.parse import urlsplit
 import msgspec
 import numpy as np
 import pytest
-from palpate.recording import Recording
+from palpate.session.recording import Recording
 
 from .conftest import PATIENCE, page_at
 

@@ -10,7 +10,7 @@ import numpy as np
 import palpate
 import pytest
 import SimpleITK
-from palpate.cli import run
+from palpate.cli.commands import run
 
 SPACING = (3.0, 2.5, 3.0)
 SHIFT = (4, 3, -2)

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 import SimpleITK
-from palpate.cli import run
-from palpate.io import read
-from palpate.labels import read_labels
-from palpate.segment_request import SegmentRequest
-from palpate.volume import Volume, VolumeTraits
+from palpate.cli.commands import run
+from palpate.io.reading import read
+from palpate.labels.labels import read_labels
+from palpate.segmentation.request import SegmentRequest
+from palpate.volumes.volume import Volume, VolumeTraits
 
 SPACING = (1.0, 1.5, 2.0)
 

@@ -7,8 +7,8 @@ import sys
 import time
 
 import pytest
-from palpate import console
-from palpate.console import Display, fail, quiet_libraries, warn
+from palpate.base import console
+from palpate.base.console import Display, fail, quiet_libraries, warn
 
 
 def test_a_failure_is_one_printable_line(capsys: pytest.CaptureFixture[str]) -> None:

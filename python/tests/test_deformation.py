@@ -7,16 +7,16 @@ from typing import Any
 import numpy as np
 import pytest
 from palpate import protocol
-from palpate.errors import OptionError
-from palpate.material import LinearMaterial, Material, Region, material_presets
-from palpate.model_options import ModelOptions, Prony, deformation_models, offered_models
-from palpate.recording import Recording
-from palpate.scene import Scene
-from palpate.scripted_path import ScriptedPath
-from palpate.server_matter import asked_material, material_of
-from palpate.session import Session, SessionOptions
-from palpate.touch_settings import TouchSettings
-from palpate.volume import Volume, VolumeTraits
+from palpate.base.errors import OptionError
+from palpate.server.soft_tissue import asked_material, material_of
+from palpate.session.model_options import ModelOptions, Prony, deformation_models, offered_models
+from palpate.session.recording import Recording
+from palpate.session.scripted_path import ScriptedPath
+from palpate.session.session import Session, SessionOptions
+from palpate.session.touch_settings import TouchSettings
+from palpate.volumes.material import LinearMaterial, Material, Region, material_presets
+from palpate.volumes.scene import Scene
+from palpate.volumes.volume import Volume, VolumeTraits
 
 TOP = 24.0
 """Upper end of the soft block [mm]."""

@@ -15,16 +15,16 @@ import palpate
 import pytest
 import SimpleITK
 from numpy.typing import NDArray
-from palpate.cli import run
-from palpate.errors import OptionError
-from palpate.export import KINDS, export_scene, kind_of
-from palpate.io import read
-from palpate.scene import Scene
-from palpate.scene_file import save_scene
-from palpate.session import Session, SessionOptions
-from palpate.terminology import BY_NAME, Code, Terminology, terminology_of_name
-from palpate.volume import Volume
-from palpate.whole_file import whole_file, whole_folder
+from palpate.base.errors import OptionError
+from palpate.base.whole_file import whole_file, whole_folder
+from palpate.cli.commands import run
+from palpate.export.export import KINDS, export_scene, kind_of
+from palpate.io.reading import read
+from palpate.saved.scene_file import save_scene
+from palpate.session.session import Session, SessionOptions
+from palpate.volumes.scene import Scene
+from palpate.volumes.terminology import BY_NAME, Code, Terminology, terminology_of_name
+from palpate.volumes.volume import Volume
 from pydicom.sr._concepts_dict import concepts
 
 SHAPE = (5, 6, 7)
@@ -242,7 +242,7 @@ def test_every_kind_has_a_name_that_asks_for_it() -> None:
 
 NARROW = """
 import resource, sys
-from palpate.cli import run
+from palpate.cli.commands import run
 resource.setrlimit(resource.RLIMIT_FSIZE, (2000, 2000))
 sys.exit(run(sys.argv[1:]))
 """

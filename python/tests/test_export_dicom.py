@@ -12,15 +12,15 @@ import numpy as np
 import palpate
 import pytest
 from numpy.typing import NDArray
-from palpate.cli import run
-from palpate.deidentify import StillIdentifiedError
-from palpate.errors import OptionError
-from palpate.export import Kind, export_scene
-from palpate.export_dicom_contours import outlines
-from palpate.io import read
-from palpate.polygon_fill import fill_polygons
-from palpate.scene import Scene
-from palpate.terminology import Code, Terminology, terminology_of_name
+from palpate.base.errors import OptionError
+from palpate.cli.commands import run
+from palpate.export.deidentify import StillIdentifiedError
+from palpate.export.dicom_contours import outlines
+from palpate.export.export import Kind, export_scene
+from palpate.io.reading import read
+from palpate.volumes.polygon_fill import fill_polygons
+from palpate.volumes.scene import Scene
+from palpate.volumes.terminology import Code, Terminology, terminology_of_name
 from pydicom import dcmread
 from pydicom.dataset import Dataset, FileDataset
 from pydicom.uid import generate_uid

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from palpate.histogram import BONE_HU, SOFT_TISSUE_HU, Histogram, anchors
+from palpate.volumes.histogram import BONE_HU, SOFT_TISSUE_HU, Histogram, anchors
 
 
 def body(scale: float, shift: float, *, padding: bool = False) -> Histogram:

@@ -10,7 +10,7 @@ import numpy as np
 import palpate
 import pytest
 import SimpleITK
-from palpate.errors import OptionError, PalpateError, VolumeFormatError
+from palpate.base.errors import OptionError, PalpateError, VolumeFormatError
 
 FORMATS = ["scan.nii", "scan.nii.gz", "scan.mha", "scan.mhd", "scan.nrrd", "scan.nhdr"]
 

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import palpate
 import pytest
-from palpate import io_archive
-from palpate.errors import VolumeFormatError
-from palpate.io_browse import browsed
+from palpate.base.errors import VolumeFormatError
+from palpate.io import archive as io_archive
+from palpate.io.browse import browsed
 
 
 def archive_of(folder: Path, *, under: str = "STUDY/") -> Path:

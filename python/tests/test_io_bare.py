@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 import SimpleITK
 from numpy.typing import NDArray
-from palpate.errors import VolumeFormatError
-from palpate.io_bare import bare_pictures, bare_raw, laid_out
-from palpate.io_raw import RawLayout
+from palpate.base.errors import VolumeFormatError
+from palpate.io.headerless import bare_pictures, bare_raw, laid_out
+from palpate.io.raw_voxels import RawLayout
 
 
 def head(shape: tuple[int, int, int], kind: str) -> NDArray[Any]:

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import palpate
 import pytest
-from palpate.errors import PalpateError, SeriesChoiceError, VolumeFormatError
-from palpate.io import list_series
+from palpate.base.errors import PalpateError, SeriesChoiceError, VolumeFormatError
+from palpate.io.reading import list_series
 
 UPRIGHT = [(-10.0, -20.0, 30.0 + 2.5 * k) for k in range(4)]
 

@@ -9,10 +9,10 @@ import palpate
 import pytest
 import SimpleITK
 from numpy.typing import NDArray
-from palpate.errors import VolumeFormatError
-from palpate.io_dicom_geometry import Stack, grid_of
-from palpate.io_dicom_resample import resample
-from palpate.progress import silent
+from palpate.base.errors import VolumeFormatError
+from palpate.base.progress import silent
+from palpate.io.dicom.geometry import Stack, grid_of
+from palpate.io.dicom.resample import resample
 
 Points = NDArray[np.float64]
 
@@ -88,7 +88,7 @@ def test_slices_turned_against_each_other_are_no_stack(write_series: Any) -> Non
 def test_a_grid_that_grows_too_large_is_refused_before_pixels_are_read(
     write_series: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("palpate.io_dicom.read_slices", None)
+    monkeypatch.setattr("palpate.io.dicom.reading.read_slices", None)
     positions = [(0.0, 0.0, 4.0 * k) for k in range(6)]
     folder = write_series(positions=positions, orientation=TILTED)
     with pytest.raises(VolumeFormatError, match="4 x 16 x 6 = 384 voxels; allowed: at most 383"):

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 import palpate
 import pytest
-from palpate.cli import run
-from palpate.errors import SeriesChoiceError, VolumeFormatError
-from palpate.io import list_series
-from palpate.io_browse import browsed
+from palpate.base.errors import SeriesChoiceError, VolumeFormatError
+from palpate.cli.commands import run
+from palpate.io.browse import browsed
+from palpate.io.reading import list_series
 from pydicom import dcmread
 from pydicom.dataset import Dataset, FileDataset
 from pydicom.sequence import Sequence

@@ -9,9 +9,9 @@ import numpy as np
 import palpate
 import pytest
 import SimpleITK
-from palpate.errors import VolumeFormatError
-from palpate.io_dicom_header import read_header
-from palpate.io_dicom_pixels import stored_pixels
+from palpate.base.errors import VolumeFormatError
+from palpate.io.dicom.header import read_header
+from palpate.io.dicom.pixels import stored_pixels
 from pydicom import dcmread
 
 SLICES = [100 * k + np.arange(12).reshape(3, 4) for k in range(4)]

@@ -15,13 +15,13 @@ import numpy as np
 import palpate
 import pytest
 from orthanc import Orthanc, orthanc
-from palpate import io_dicomweb
-from palpate.cli import run
-from palpate.errors import DicomWebError, OptionError, SeriesChoiceError
-from palpate.io_browse import previews
-from palpate.io_browse_web import browsed_web
-from palpate.io_dicomweb import choose_remote, fetch_series, remote_series
-from palpate.io_dicomweb_address import WebAddress
+from palpate.base.errors import DicomWebError, OptionError, SeriesChoiceError
+from palpate.cli.commands import run
+from palpate.io.browse import previews
+from palpate.io.browse_web import browsed_web
+from palpate.io.dicomweb import series as io_dicomweb
+from palpate.io.dicomweb.address import WebAddress
+from palpate.io.dicomweb.series import choose_remote, fetch_series, remote_series
 from pydicom import dcmread
 
 # --- addresses --------------------------------------------------------------------------

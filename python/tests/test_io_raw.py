@@ -10,7 +10,7 @@ import palpate
 import pytest
 import SimpleITK
 from numpy.typing import NDArray
-from palpate.errors import OptionError, PalpateError, VolumeFormatError
+from palpate.base.errors import OptionError, PalpateError, VolumeFormatError
 
 SIZE = (0.5, 0.75, 2.0)
 

@@ -10,7 +10,7 @@ import numpy as np
 import palpate
 import pytest
 import SimpleITK
-from palpate.errors import VolumeFormatError
+from palpate.base.errors import VolumeFormatError
 from pydicom import dcmread
 
 pytestmark = pytest.mark.data

@@ -16,13 +16,13 @@ import msgspec
 import numpy as np
 import pytest
 import SimpleITK
-from palpate.io import read
-from palpate.journal import Journal
-from palpate.scan_hash import scan_hash
-from palpate.scene import Scene
-from palpate.second_scan import SecondScan
-from palpate.session import Session, SessionOptions
-from palpate.volume import Volume
+from palpate.io.reading import read
+from palpate.saved.journal import Journal
+from palpate.session.session import Session, SessionOptions
+from palpate.volumes.scan_hash import scan_hash
+from palpate.volumes.scene import Scene
+from palpate.volumes.second_scan import SecondScan
+from palpate.volumes.volume import Volume
 
 from .conftest import make_ball, running, write_page
 
@@ -174,8 +174,8 @@ from pathlib import Path
 import numpy as np
 sys.path.insert(0, sys.argv[2])
 from conftest import make_ball
-from palpate.journal import Journal
-from palpate.session import Session, SessionOptions
+from palpate.saved.journal import Journal
+from palpate.session.session import Session, SessionOptions
 
 session = Session(make_ball(), options=SessionOptions(real_time=False, start=(20.0, 20.0, 34.0)))
 Journal(session, folder=Path(sys.argv[1])).start()

@@ -12,13 +12,13 @@ import palpate
 import pytest
 import SimpleITK
 from numpy.typing import NDArray
-from palpate.anatomical_colour import colour_of_name
-from palpate.cli_open import add_labels
-from palpate.errors import OptionError, PalpateError, VolumeFormatError
-from palpate.labels_dicom import colour_of_lab
-from palpate.progress import silent
-from palpate.scene import Scene
-from palpate.volume import Volume
+from palpate.base.errors import OptionError, PalpateError, VolumeFormatError
+from palpate.base.progress import silent
+from palpate.cli.open_run import add_labels
+from palpate.labels.dicom_seg import colour_of_lab
+from palpate.volumes.anatomical_colour import colour_of_name
+from palpate.volumes.scene import Scene
+from palpate.volumes.volume import Volume
 from pydicom import dcmread
 from pydicom.dataset import Dataset, FileDataset, FileMetaDataset
 from pydicom.uid import UID, ExplicitVRLittleEndian, RTStructureSetStorage

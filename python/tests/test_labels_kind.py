@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import SimpleITK
 from numpy.typing import NDArray
-from palpate.labels_kind import labels_told
+from palpate.labels.kind import labels_told
 
 
 def organs() -> NDArray[np.uint8]:

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from palpate import OptionError, Volume
-from palpate.cli import run
-from palpate.errors import EmptySegmentError, MeshFormatError
-from palpate.mesh_io import (
+from palpate.base.errors import EmptySegmentError, MeshFormatError
+from palpate.cli.commands import run
+from palpate.volumes.mesh_read import (
     closed,
     grid_around,
     hole_count,
@@ -21,8 +21,8 @@ from palpate.mesh_io import (
     segment_of_mesh,
     suitable_spacing,
 )
-from palpate.mesh_write import SUFFIXES, write_mesh
-from palpate.surface import Mesh, Surface
+from palpate.volumes.mesh_write import SUFFIXES, write_mesh
+from palpate.volumes.surface import Mesh, Surface
 
 
 def ball(radius: float = 7.0) -> Volume:
@@ -76,7 +76,7 @@ def test_the_surface_of_a_ball_encloses_its_voxels_again() -> None:
 
 
 def read_back(mesh: Mesh) -> Any:
-    from palpate.mesh_io import MeshFile
+    from palpate.volumes.mesh_read import MeshFile
 
     return MeshFile(mesh, "ball.stl", hole_count(mesh.triangles))
 
@@ -254,7 +254,7 @@ def test_a_failed_export_leaves_no_partial_file(
 def test_the_command_exports_a_surface_and_makes_voxels_of_it(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    from palpate.simpleitk import simpleitk
+    from palpate.base.simpleitk import simpleitk
 
     volume = ball()
     sitk = simpleitk()

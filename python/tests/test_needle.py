@@ -7,14 +7,14 @@ from typing import get_args
 import numpy as np
 import pytest
 from palpate import protocol
-from palpate.drive import Drive
-from palpate.errors import OptionError
-from palpate.needle import TISSUES, Tissue, drive_needle
-from palpate.scenario_lines import line_through
-from palpate.scenario_run import ScenarioRun
-from palpate.scene import Scene
-from palpate.session import Session, SessionOptions
-from palpate.volume import Volume
+from palpate.base.errors import OptionError
+from palpate.scenarios.drive import Drive
+from palpate.scenarios.lines import line_through
+from palpate.scenarios.run import ScenarioRun
+from palpate.session.needle import TISSUES, Tissue, drive_needle
+from palpate.session.session import Session, SessionOptions
+from palpate.volumes.scene import Scene
+from palpate.volumes.volume import Volume
 
 SHAPE = (24, 60, 24)
 """Layers across y: air, skin, liver, bone."""

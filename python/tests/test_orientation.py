@@ -6,8 +6,8 @@ from itertools import permutations, product
 
 import numpy as np
 import pytest
-from palpate.errors import OptionError
-from palpate.orientation import direction_of, letters_of
+from palpate.base.errors import OptionError
+from palpate.volumes.orientation import direction_of, letters_of
 
 ALL = ["".join(pick) for axes in permutations(("LR", "PA", "SI")) for pick in product(*axes)]
 

@@ -10,16 +10,16 @@ import pytest
 import SimpleITK
 from contourpy import contour_generator
 from numpy.typing import NDArray
-from palpate.errors import OptionError
-from palpate.io import read
-from palpate.level_tracing import traced_level
-from palpate.live_wire import live_wire
-from palpate.painted_stroke import PaintedStroke
-from palpate.polygon_fill import fill_polygons
-from palpate.scan_slice import ScanSlice
-from palpate.scene import Scene
-from palpate.session import Session, SessionOptions
-from palpate.volume import Volume
+from palpate.base.errors import OptionError
+from palpate.io.reading import read
+from palpate.segmentation.level_tracing import traced_level
+from palpate.segmentation.live_wire import live_wire
+from palpate.session.painted_stroke import PaintedStroke
+from palpate.session.session import Session, SessionOptions
+from palpate.volumes.polygon_fill import fill_polygons
+from palpate.volumes.scan_slice import ScanSlice
+from palpate.volumes.scene import Scene
+from palpate.volumes.volume import Volume
 
 SPACING = (0.8, 0.8, 2.0)
 """x, y, z [mm]."""

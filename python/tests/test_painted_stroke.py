@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from palpate.brush import Brush, boxes_of, covered
-from palpate.errors import OptionError
-from palpate.painted_stroke import PaintedStroke
-from palpate.scene import Scene
-from palpate.session import Session, SessionOptions
-from palpate.volume import Volume
+from palpate.base.errors import OptionError
+from palpate.segmentation.brush import Brush, boxes_of, covered
+from palpate.session.painted_stroke import PaintedStroke
+from palpate.session.session import Session, SessionOptions
+from palpate.volumes.scene import Scene
+from palpate.volumes.volume import Volume
 
 SPACING = (1.0, 1.5, 2.0)
 """x, y, z [mm]: no axis stands for another."""

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import pytest
-from palpate.protocol_typescript import OUTPUT, generate
+from palpate.protocol.typescript import OUTPUT, generate
 
 
 def test_the_checked_in_file_is_the_generated_one() -> None:
     assert OUTPUT.read_text(encoding="utf-8") == generate(), (
-        "run `python -m palpate.protocol_typescript`"
+        "run `python -m palpate.protocol.typescript`"
     )
 
 

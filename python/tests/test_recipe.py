@@ -12,11 +12,11 @@ import numpy as np
 import pytest
 import SimpleITK
 import trimesh
-from palpate.cli import run
-from palpate.errors import OptionError
-from palpate.io import read
-from palpate.labels import read_labels
-from palpate.recipe import read_recipe
+from palpate.base.errors import OptionError
+from palpate.cli.commands import run
+from palpate.io.reading import read
+from palpate.labels.labels import read_labels
+from palpate.recipes.recipe import read_recipe
 from projected_phantom import SIZE, projected, scanner_of, truth
 
 SPACING = (1.0, 1.5, 2.0)

@@ -11,12 +11,17 @@ import numpy as np
 import palpate
 import pytest
 import SimpleITK
-from palpate.cli import run
-from palpate.errors import OptionError, VolumeFormatError
-from palpate.projections import are_projections, integrals_of, read_projections, stack_at
-from palpate.reconstruction import reconstruct
-from palpate.reconstruction_request import ReconstructionRequest, grid_of, suggested
-from palpate.scanner import Beam, Scanner, fitted_grid
+from palpate.base.errors import OptionError, VolumeFormatError
+from palpate.cli.commands import run
+from palpate.reconstruction.projections import (
+    are_projections,
+    integrals_of,
+    read_projections,
+    stack_at,
+)
+from palpate.reconstruction.reconstruction import reconstruct
+from palpate.reconstruction.request import ReconstructionRequest, grid_of, suggested
+from palpate.reconstruction.scanner import Beam, Scanner, fitted_grid
 from projected_phantom import SHAPE, SIZE, VOXEL, flat, projected, scanner_of, truth
 
 needs_rtk = pytest.mark.skipif(
@@ -75,7 +80,7 @@ def test_parallel_beams_are_as_the_library_has_them(monkeypatch: pytest.MonkeyPa
     scanner = scanner_of("parallel")
     images = projected(scanner)
     by_rtk = reconstruct(images, scanner, size=SIZE, voxel=VOXEL)
-    monkeypatch.setattr("palpate.reconstruction._has_rtk", lambda: False)
+    monkeypatch.setattr("palpate.reconstruction.reconstruction._has_rtk", lambda: False)
     own = reconstruct(images, scanner, size=SIZE, voxel=VOXEL)
     inner = flat(truth()) & (truth() > -900.0)
     assert float(np.abs(by_rtk.array - own.array)[inner].mean()) < 10.0

@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from palpate.errors import OptionError, RecordingFormatError
-from palpate.recording import Recording
-from palpate.scene import Scene
-from palpate.scripted_path import ScriptedPath
-from palpate.session import Session, SessionOptions
-from palpate.touch_settings import TouchSettings
+from palpate.base.errors import OptionError, RecordingFormatError
+from palpate.session.recording import Recording
+from palpate.session.scripted_path import ScriptedPath
+from palpate.session.session import Session, SessionOptions
+from palpate.session.touch_settings import TouchSettings
+from palpate.volumes.scene import Scene
 
 OFFLINE = SessionOptions(real_time=False)
 

@@ -11,12 +11,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from palpate.errors import OptionError, RecordingFormatError
-from palpate.recording import Recording
-from palpate.recording_file import SINCE_4, VERSION, read_file
-from palpate.scene import Scene
-from palpate.scripted_path import ScriptedPath
-from palpate.session import Session, SessionOptions
+from palpate.base.errors import OptionError, RecordingFormatError
+from palpate.session.recording import Recording
+from palpate.session.recording_file import SINCE_4, VERSION, read_file
+from palpate.session.scripted_path import ScriptedPath
+from palpate.session.session import Session, SessionOptions
+from palpate.volumes.scene import Scene
 
 
 @pytest.fixture
@@ -214,7 +214,7 @@ def test_pickles_are_never_opened(changed: Callable[[Change], Path]) -> None:
 def test_an_archive_that_unpacks_to_too_much_is_refused(
     saved: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("palpate.recording_file.MOST_BYTES", 10_000)
+    monkeypatch.setattr("palpate.session.recording_file.MOST_BYTES", 10_000)
     with pytest.raises(RecordingFormatError, match="unpacks to"):
         Recording.load(saved)
 

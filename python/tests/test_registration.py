@@ -10,11 +10,11 @@ import pytest
 import SimpleITK
 from numpy.typing import NDArray
 from palpate import OptionError, RegistrationError, SearchOptions, Volume, register
-from palpate.registration import metric_for
-from palpate.registration_compared import Compared, Measured
-from palpate.registration_options import Kind, Metric, Pairs
-from palpate.registration_search import Search
-from palpate.volume import VolumeTraits
+from palpate.registration.image_pair import Compared, Measured
+from palpate.registration.options import Kind, Metric, Pairs
+from palpate.registration.registration import metric_for
+from palpate.registration.search import Search
+from palpate.volumes.volume import VolumeTraits
 
 Points = NDArray[np.float64]
 

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 import SimpleITK
 from numpy.typing import NDArray
-from palpate.registration_knots import Knots
-from palpate.registration_options import Metric
-from palpate.registration_samples import Alike, Sampled
+from palpate.registration.control_points import Knots
+from palpate.registration.options import Metric
+from palpate.registration.samples import Alike, Sampled
 
 Array = NDArray[np.float64]
 

@@ -9,16 +9,16 @@ from typing import Any
 
 import numpy as np
 import pytest
-from palpate.cli import run
-from palpate.errors import OptionError
-from palpate.io import read
-from palpate.merged_voxels import merged
-from palpate.palpation import palpate_line
-from palpate.press_lines import SIDES, PressLine, line_over
-from palpate.scenario import Body, body_of_scan, run_palpation
-from palpate.scenario_lines import line_into
-from palpate.scenario_run import UNITS, Press, ScenarioEvent, ScenarioRun, read_run, write_run
-from palpate.volume import Volume
+from palpate.base.errors import OptionError
+from palpate.cli.commands import run
+from palpate.io.reading import read
+from palpate.scenarios.lines import line_into
+from palpate.scenarios.palpation import palpate_line
+from palpate.scenarios.press_lines import SIDES, PressLine, line_over
+from palpate.scenarios.run import UNITS, Press, ScenarioEvent, ScenarioRun, read_run, write_run
+from palpate.scenarios.scenarios import Body, body_of_scan, run_palpation
+from palpate.volumes.downsample import merged
+from palpate.volumes.volume import Volume
 
 
 def told(name: str, tmp_path: Path, *options: str | Path) -> ScenarioRun:

@@ -12,16 +12,16 @@ from typing import Any
 import numpy as np
 import pytest
 import SimpleITK
-from palpate import scene_file
-from palpate.errors import SceneFormatError
-from palpate.io import read
-from palpate.material import LinearMaterial, Material, Region
-from palpate.model_options import ModelOptions, Prony
-from palpate.scene import Scene
-from palpate.scene_file import open_scene, save_scene
-from palpate.second_scan import SecondScan
-from palpate.session import Session, SessionOptions
-from palpate.volume import Volume
+from palpate.base.errors import SceneFormatError
+from palpate.io.reading import read
+from palpate.saved import scene_file
+from palpate.saved.scene_file import open_scene, save_scene
+from palpate.session.model_options import ModelOptions, Prony
+from palpate.session.session import Session, SessionOptions
+from palpate.volumes.material import LinearMaterial, Material, Region
+from palpate.volumes.scene import Scene
+from palpate.volumes.second_scan import SecondScan
+from palpate.volumes.volume import Volume
 
 STANDING = SessionOptions(real_time=False)
 REGIONS = [Region("rigid", shared_with=2), Region("empty", box=((1, 2, 3), (4, 5, 6)))]

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from palpate.errors import OptionError
-from palpate.scripted_file import read_path
+from palpate.base.errors import OptionError
+from palpate.session.scripted_file import read_path
 
 ROWS = [[0.0, 1.0, 2.0, 3.0], [0.5, -1.5, 2.0, 3e1]]
 

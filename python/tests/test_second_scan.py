@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 import SimpleITK
-from palpate.errors import OptionError, VolumeFormatError
-from palpate.second_scan import SecondScan, placed, read_transform
-from palpate.volume import Volume
+from palpate.base.errors import OptionError, VolumeFormatError
+from palpate.volumes.second_scan import SecondScan, placed, read_transform
+from palpate.volumes.volume import Volume
 
 from .test_server import voxels
 

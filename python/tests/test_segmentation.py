@@ -9,11 +9,17 @@ import numpy as np
 import pytest
 import SimpleITK
 from numpy.typing import NDArray
-from palpate import mask_shape
-from palpate.errors import EmptySegmentError, OptionError
-from palpate.io import read
-from palpate.segmentation import Growing, changed_shape, grown, otsu, smoothed_together
-from palpate.volume import Volume, VolumeTraits
+from palpate.base.errors import EmptySegmentError, OptionError
+from palpate.io.reading import read
+from palpate.segmentation import mask_shape
+from palpate.segmentation.operations import (
+    Growing,
+    changed_shape,
+    grown,
+    otsu,
+    smoothed_together,
+)
+from palpate.volumes.volume import Volume, VolumeTraits
 
 Mask = NDArray[np.bool_]
 

@@ -9,8 +9,8 @@ import msgspec
 import numpy as np
 import pytest
 from palpate import protocol
-from palpate.errors import OptionError
-from palpate.server import bind
+from palpate.base.errors import OptionError
+from palpate.server.app import bind
 
 from .conftest import PATIENCE
 

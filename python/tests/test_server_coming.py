@@ -9,13 +9,13 @@ from typing import Any
 
 import httpx
 import pytest
-from palpate.errors import OptionError
-from palpate.progress import Progress, silent
-from palpate.server_coming import Coming
-from palpate.server_job import CancelledWorkError
-from palpate.server_open_scan import OpenScan
-from palpate.server_security import Access
-from palpate.server_workbench import Workbench
+from palpate.base.errors import OptionError
+from palpate.base.progress import Progress, silent
+from palpate.server.job import CancelledWorkError
+from palpate.server.loading_scan import Coming
+from palpate.server.open_scan import OpenScan
+from palpate.server.security import Access
+from palpate.server.workbench import Workbench
 
 from .conftest import PATIENCE, make_ball, serving, write_page
 

@@ -13,8 +13,8 @@ import palpate
 import pytest
 import SimpleITK
 from orthanc import orthanc
-from palpate import server_upload
-from palpate.recent import recent_scans
+from palpate.saved.recent import recent_scans
+from palpate.server import upload as server_upload
 
 from .conftest import PATIENCE, LibraryClient
 

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 import SimpleITK
-from palpate.reconstruction import reconstruct
-from palpate.scanner import Scanner
+from palpate.reconstruction.reconstruction import reconstruct
+from palpate.reconstruction.scanner import Scanner
 from projected_phantom import SIZE, VOXEL, flat, projected, scanner_of, truth
 
 from .conftest import LibraryClient

@@ -7,11 +7,11 @@ from typing import Any
 
 import httpx
 import pytest
-from palpate.errors import OptionError
-from palpate.recording import Recording
-from palpate.scene import Scene
-from palpate.server_recording import Recorder
-from palpate.session import Session, SessionOptions
+from palpate.base.errors import OptionError
+from palpate.server.recording import Recorder
+from palpate.session.recording import Recording
+from palpate.session.session import Session, SessionOptions
+from palpate.volumes.scene import Scene
 
 from .conftest import PATIENCE
 

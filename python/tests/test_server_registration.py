@@ -11,10 +11,11 @@ import numpy as np
 import pytest
 import SimpleITK
 from numpy.typing import NDArray
-from palpate import SearchOptions, server_registration
-from palpate.scene import Scene
-from palpate.second_scan import SecondScan
-from palpate.volume import Volume
+from palpate import SearchOptions
+from palpate.server import registration as server_registration
+from palpate.volumes.scene import Scene
+from palpate.volumes.second_scan import SecondScan
+from palpate.volumes.volume import Volume
 
 from .conftest import PATIENCE, RunningServer, running, write_page
 

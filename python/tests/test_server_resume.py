@@ -9,7 +9,7 @@ from pathlib import Path
 
 import httpx
 import pytest
-from palpate.server_resume import kept_key, kept_port, note_port
+from palpate.server.resume import kept_key, kept_port, note_port
 
 from .conftest import PATIENCE, RunningServer
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import httpx
 import pytest
-from palpate.server_security import Access
+from palpate.server.security import Access
 from websockets.exceptions import InvalidStatus
 
 from .conftest import PATIENCE

@@ -8,13 +8,15 @@ from typing import Any
 
 import numpy as np
 import pytest
-from palpate import protocol, segmentation, server_segment_work
-from palpate.mask_shape import margin
-from palpate.scene import Scene
-from palpate.segment import Segment
-from palpate.server_segment_work import SegmentWork
-from palpate.server_segments import ShownSegments
-from palpate.session import Session, SessionOptions
+from palpate import protocol
+from palpate.segmentation import operations as segmentation
+from palpate.segmentation.mask_shape import margin
+from palpate.server import segment_work as server_segment_work
+from palpate.server.segment_work import SegmentWork
+from palpate.server.segments import ShownSegments
+from palpate.session.session import Session, SessionOptions
+from palpate.volumes.scene import Scene
+from palpate.volumes.segment import Segment
 
 from .conftest import PATIENCE
 

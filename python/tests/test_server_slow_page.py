@@ -8,10 +8,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from palpate import protocol, server_live, server_outbox
-from palpate.server_outbox import Box, Outbox
-from palpate.server_picture import ToldPicture, labels_anew, voxel_slabs
-from palpate.session import Session
+from palpate import protocol
+from palpate.server import live as server_live
+from palpate.server import outbox as server_outbox
+from palpate.server.outbox import Box, Outbox
+from palpate.server.picture import ToldPicture, labels_anew, voxel_slabs
+from palpate.session.session import Session
 
 from .conftest import PATIENCE, Page, RunningServer, make_ball, running, write_page
 
@@ -107,7 +109,7 @@ def show_surface(page: Page) -> None:
 def server(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Any:
     monkeypatch.setattr(server_outbox, "MOST_BYTES", MOST_BYTES)
     monkeypatch.setattr(server_live, "Outbox", Watched)
-    monkeypatch.setattr("palpate.server.PAGE_PATIENCE", None)
+    monkeypatch.setattr("palpate.server.app.PAGE_PATIENCE", None)
     Watched.all = []
     with running(make_ball(), write_page(tmp_path / "page")) as started:
         yield started
@@ -147,7 +149,7 @@ def test_a_page_that_does_not_read_while_edits_run_is_right_in_the_end_and_slows
 
 
 def test_a_box_is_told_in_slabs_of_whole_slices(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("palpate.server_picture.MOST_VOXELS", 100)
+    monkeypatch.setattr("palpate.server.picture.MOST_VOXELS", 100)
     array = np.arange(10 * 11 * 12, dtype="<i2").reshape(10, 11, 12)
     box = Box((1, 2, 3), (7, 9, 10))
     slabs = list(voxel_slabs(box, array))

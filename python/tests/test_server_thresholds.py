@@ -6,7 +6,7 @@ import asyncio
 from threading import Event
 
 from palpate.protocol import Threshold
-from palpate.server_thresholds import ThresholdJobs
+from palpate.server.thresholds import ThresholdJobs
 
 
 def asked(number: int | None, low: float) -> Threshold:

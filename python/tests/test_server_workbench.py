@@ -10,15 +10,15 @@ from pathlib import Path
 import httpx
 import numpy as np
 import pytest
-from palpate.errors import OptionError
-from palpate.journal import Journal
-from palpate.scene import Scene
-from palpate.server_live import EXCHANGED
-from palpate.server_open_scan import OpenScan
-from palpate.server_security import Access
-from palpate.server_workbench import Workbench
-from palpate.session import Session, SessionOptions
-from palpate.volume import Volume, VolumeTraits
+from palpate.base.errors import OptionError
+from palpate.saved.journal import Journal
+from palpate.server.live import EXCHANGED
+from palpate.server.open_scan import OpenScan
+from palpate.server.security import Access
+from palpate.server.workbench import Workbench
+from palpate.session.session import Session, SessionOptions
+from palpate.volumes.scene import Scene
+from palpate.volumes.volume import Volume, VolumeTraits
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from .conftest import PATIENCE, Page, make_ball, page_at, serving, write_page

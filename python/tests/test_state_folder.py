@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from palpate.state_folder import keep, kept, state_folder
+from palpate.base.state_folder import keep, kept, state_folder
 
 
 def test_the_folder_is_the_users_unless_said_otherwise(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 from numpy.typing import NDArray
-from palpate.errors import VolumeFormatError
-from palpate.stored import STEPS, Scale, Stored, to_stored
+from palpate.base.errors import VolumeFormatError
+from palpate.volumes.stored_values import STEPS, Scale, Stored, to_stored
 
 SHAPE = (2, 3, 4)
 

@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from palpate.errors import OptionError
-from palpate.recording import Recording
-from palpate.scene import Scene
-from palpate.session import Session, SessionOptions
-from palpate.volume import Volume
+from palpate.base.errors import OptionError
+from palpate.session.recording import Recording
+from palpate.session.session import Session, SessionOptions
+from palpate.volumes.scene import Scene
+from palpate.volumes.volume import Volume
 
 ABOVE = SessionOptions(real_time=False, start=(20.0, 20.0, 34.0))
 """The probe 6 mm above the ball's top, and time that stands still until it is told to pass."""

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from palpate import OptionError
-from palpate.bench.goals_matter import truth_case
+from palpate.bench.goals.soft_tissue import truth_case
 from palpate.bench.plots import plot_truth_cube
 from palpate.bench.truth_cube import Cube, beads_of, errors_of, lattice_displacements, measure
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from palpate import EmptySegmentError, OptionError, Scene, Volume, VolumeFormatError
-from palpate.volume import VolumeTraits
+from palpate.volumes.volume import VolumeTraits
 
 
 @pytest.fixture

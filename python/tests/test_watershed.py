@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 import SimpleITK
 from numpy.typing import NDArray
-from palpate.cli import run
-from palpate.errors import OptionError
-from palpate.io import read
-from palpate.labels import read_labels
-from palpate.painted_slices import between_slices
-from palpate.segmentation import changed_shape, grown_from_seeds
-from palpate.volume import Volume
+from palpate.base.errors import OptionError
+from palpate.cli.commands import run
+from palpate.io.reading import read
+from palpate.labels.labels import read_labels
+from palpate.segmentation.operations import changed_shape, grown_from_seeds
+from palpate.segmentation.slice_interpolation import between_slices
+from palpate.volumes.volume import Volume
 
 SPACING = (1.0, 1.5, 2.0)
 """x, y, z [mm]: no axis stands for another."""

@@ -1,0 +1,1 @@
+"""Export: segments and scans as files that other programs read."""

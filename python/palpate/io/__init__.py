@@ -1,0 +1,1 @@
+"""Reading of medical volumes into patient space."""

@@ -1,0 +1,1 @@
+"""Reconstruction: scans from projections, by filtered back-projection."""

@@ -1,0 +1,1 @@
+"""Registration: where the points of one scan lie in another."""

@@ -1,0 +1,1 @@
+"""Segmentation: segments made from scans and from other segments."""
