@@ -17,8 +17,7 @@ from palpate.saved.journal import Journal
 from palpate.saved.scene_file import save_scene
 from palpate.session.session import Session, SessionOptions
 from palpate.volumes.scene import Scene
-
-from .conftest import LibraryClient
+from running_server import LibraryClient
 
 
 def cut(content: bytes) -> bytes:

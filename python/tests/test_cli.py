@@ -16,8 +16,7 @@ from typing import Any
 import httpx
 import numpy as np
 import pytest
-
-from .conftest import PATIENCE
+from running_server import PATIENCE
 
 COMMAND = [sys.executable, "-m", "palpate"]
 

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 import SimpleITK
+from made_scans import series_writer
 from numpy.typing import NDArray
 from palpate.cli.commands import app, run
 from palpate.cli.recipe import EXAMPLES as RECIPE
@@ -23,8 +24,6 @@ from palpate.volumes.scene import Scene
 from pydicom.dataset import FileDataset
 from pydicom.uid import generate_uid
 from typer.main import get_command
-
-from .conftest import series_writer
 
 ROOT = Path(__file__).parents[2]
 SPACING = 2.5

@@ -15,8 +15,7 @@ import msgspec
 import numpy as np
 import pytest
 from palpate.session.recording import Recording
-
-from .conftest import PATIENCE, page_at
+from running_server import PATIENCE, page_at
 
 COMMAND = [sys.executable, "-m", "palpate"]
 

@@ -12,10 +12,12 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
+import made_scans
 import msgspec
 import numpy as np
 import pytest
 import SimpleITK
+from made_scans import make_ball
 from palpate.io.reading import read
 from palpate.saved.journal import Journal
 from palpate.session.session import Session, SessionOptions
@@ -23,8 +25,7 @@ from palpate.volumes.scan_hash import scan_hash
 from palpate.volumes.scene import Scene
 from palpate.volumes.second_scan import SecondScan
 from palpate.volumes.volume import Volume
-
-from .conftest import make_ball, running, write_page
+from running_server import running, write_page
 
 STILL = SessionOptions(real_time=False)
 
@@ -173,7 +174,7 @@ import os, sys
 from pathlib import Path
 import numpy as np
 sys.path.insert(0, sys.argv[2])
-from conftest import make_ball
+from made_scans import make_ball
 from palpate.saved.journal import Journal
 from palpate.session.session import Session, SessionOptions
 
@@ -199,7 +200,7 @@ def recovered(folder: Path) -> np.ndarray:
 
 def test_a_stroke_comes_back_after_the_process_was_killed_in_its_middle(tmp_path: Path) -> None:
     process = subprocess.Popen(
-        [sys.executable, "-c", CRASH, tmp_path, Path(__file__).parent],
+        [sys.executable, "-c", CRASH, tmp_path, Path(made_scans.__file__).parent],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         text=True,

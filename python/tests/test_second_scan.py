@@ -11,8 +11,7 @@ import SimpleITK
 from palpate.base.errors import OptionError, VolumeFormatError
 from palpate.volumes.second_scan import SecondScan, placed, read_transform
 from palpate.volumes.volume import Volume
-
-from .test_server import voxels
+from running_server import voxels
 
 
 def slopes(*, spacing: float = 2.0, origin: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Volume:

@@ -11,8 +11,7 @@ import pytest
 from palpate import protocol
 from palpate.base.errors import OptionError
 from palpate.server.app import bind
-
-from .conftest import PATIENCE
+from running_server import PATIENCE, voxels
 
 SURFACE_LOOK = {
     "shown_as": "volume",
@@ -24,14 +23,6 @@ SURFACE_LOOK = {
     "specular": 1.0,
 }
 """How a surface looks as long as nobody says otherwise."""
-
-
-def voxels(server: Any, route: str, kind: str) -> np.ndarray:
-    answer = server.get(route)
-    assert answer.status_code == 200
-    width, height, depth = map(int, answer.headers["x-palpate-dimensions"].split())
-    return np.frombuffer(answer.content, kind).reshape(depth, height, width)
-
 
 # --- http -------------------------------------------------------------------------------
 

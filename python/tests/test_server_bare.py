@@ -10,8 +10,7 @@ import palpate
 import pytest
 import SimpleITK
 from numpy.typing import NDArray
-
-from .conftest import LibraryClient
+from running_server import LibraryClient
 
 
 def picture_of(png: str, path: Path) -> NDArray[np.uint8]:

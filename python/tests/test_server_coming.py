@@ -9,6 +9,7 @@ from typing import Any
 
 import httpx
 import pytest
+from made_scans import make_ball
 from palpate.base.errors import OptionError
 from palpate.base.progress import Progress, silent
 from palpate.server.job import CancelledWorkError
@@ -16,8 +17,7 @@ from palpate.server.loading_scan import Coming
 from palpate.server.open_scan import OpenScan
 from palpate.server.security import Access
 from palpate.server.workbench import Workbench
-
-from .conftest import PATIENCE, make_ball, serving, write_page
+from running_server import PATIENCE, serving, write_page
 
 
 def ask(access: Access, path: str, method: str = "GET") -> httpx.Response:

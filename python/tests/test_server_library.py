@@ -15,8 +15,7 @@ import SimpleITK
 from orthanc import orthanc
 from palpate.saved.recent import recent_scans
 from palpate.server import upload as server_upload
-
-from .conftest import PATIENCE, LibraryClient
+from running_server import PATIENCE, LibraryClient
 
 
 @pytest.fixture

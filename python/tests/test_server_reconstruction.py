@@ -13,8 +13,7 @@ import SimpleITK
 from palpate.reconstruction.reconstruction import reconstruct
 from palpate.reconstruction.scanner import Scanner
 from projected_phantom import SIZE, VOXEL, flat, projected, scanner_of, truth
-
-from .conftest import LibraryClient
+from running_server import LibraryClient
 
 needs_rtk = pytest.mark.skipif(
     find_spec("itk") is None, reason="RTK is not installed: pip install 'palpate[reconstruct]'"

@@ -12,8 +12,7 @@ from palpate.server.recording import Recorder
 from palpate.session.recording import Recording
 from palpate.session.session import Session, SessionOptions
 from palpate.volumes.scene import Scene
-
-from .conftest import PATIENCE
+from running_server import PATIENCE
 
 OFFLINE = SessionOptions(real_time=False)
 

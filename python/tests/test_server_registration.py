@@ -16,8 +16,7 @@ from palpate.server import registration as server_registration
 from palpate.volumes.scene import Scene
 from palpate.volumes.second_scan import SecondScan
 from palpate.volumes.volume import Volume
-
-from .conftest import PATIENCE, RunningServer, running, write_page
+from running_server import PATIENCE, RunningServer, running, write_page
 
 SHAPE = (24, 26, 30)
 SPACING = (2.5, 2.5, 3.0)

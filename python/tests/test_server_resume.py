@@ -10,8 +10,7 @@ from pathlib import Path
 import httpx
 import pytest
 from palpate.server.resume import kept_key, kept_port, note_port
-
-from .conftest import PATIENCE, RunningServer
+from running_server import PATIENCE, RunningServer
 
 KNOWN = "0" * 64
 

@@ -8,9 +8,8 @@ from typing import Any
 import httpx
 import pytest
 from palpate.server.security import Access
+from running_server import PATIENCE
 from websockets.exceptions import InvalidStatus
-
-from .conftest import PATIENCE
 
 ROUTES = ["/", "/assets/page.js", "/api/volume", "/api/labels", "/api/live", "/nothing"]
 ANSWERS = {"/": 200, "/assets/page.js": 200, "/api/volume": 200, "/api/labels": 200}

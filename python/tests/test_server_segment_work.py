@@ -17,8 +17,7 @@ from palpate.server.segments import ShownSegments
 from palpate.session.session import Session, SessionOptions
 from palpate.volumes.scene import Scene
 from palpate.volumes.segment import Segment
-
-from .conftest import PATIENCE
+from running_server import PATIENCE
 
 GROW = {"type": "grow_segment", "spread": 2.5, "passage": 4.0, "most_ml": 100.0}
 SHAPE = {"type": "change_shape", "id": 1, "other": None}

@@ -8,14 +8,14 @@ from typing import Any
 
 import numpy as np
 import pytest
+from made_scans import make_ball
 from palpate import protocol
 from palpate.server import live as server_live
 from palpate.server import outbox as server_outbox
 from palpate.server.outbox import Box, Outbox
 from palpate.server.picture import ToldPicture, labels_anew, voxel_slabs
 from palpate.session.session import Session
-
-from .conftest import PATIENCE, Page, RunningServer, make_ball, running, write_page
+from running_server import PATIENCE, Page, RunningServer, running, write_page
 
 MOST_BYTES = 100_000
 """What may wait for a page here: the changes of a few edits."""

@@ -10,6 +10,7 @@ from pathlib import Path
 import httpx
 import numpy as np
 import pytest
+from made_scans import make_ball
 from palpate.base.errors import OptionError
 from palpate.saved.journal import Journal
 from palpate.server.live import EXCHANGED
@@ -19,9 +20,8 @@ from palpate.server.workbench import Workbench
 from palpate.session.session import Session, SessionOptions
 from palpate.volumes.scene import Scene
 from palpate.volumes.volume import Volume, VolumeTraits
+from running_server import PATIENCE, Page, page_at, serving, write_page
 from websockets.exceptions import ConnectionClosed, InvalidStatus
-
-from .conftest import PATIENCE, Page, make_ball, page_at, serving, write_page
 
 ABOVE = SessionOptions(real_time=False, start=(20.0, 20.0, 34.0))
 """The probe 6 mm above the ball's top, and time that stands still until it is told to pass."""
