@@ -25,7 +25,7 @@ from pydicom.dataset import FileDataset
 from pydicom.uid import generate_uid
 from typer.main import get_command
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 SPACING = 2.5
 SHAPE = (28, 30, 32)
 ORIGIN = (-123.0, 240.5, 1135.0)
