@@ -14,7 +14,7 @@ from uuid import uuid4
 
 from palpate.base.errors import OptionError
 
-__all__ = ["whole_file", "whole_folder"]
+__all__ = ["check_target", "whole_file", "whole_folder"]
 
 
 @contextmanager
@@ -61,3 +61,15 @@ def whole_folder(path: Path) -> Iterator[Path]:
 
 def _beside(path: Path) -> Path:
     return path.with_name(f".{uuid4().hex[:8]}-{path.name}")
+
+
+def check_target(path: Path, suffixes: tuple[str, ...]) -> None:
+    """Refuses a file that could not be written, before anything is computed.
+
+    Raises:
+        OptionError: Its name ends with nothing known, or its folder is not there.
+    """
+    if not path.name.lower().endswith(suffixes):
+        raise OptionError(f"{path.name!r} given; allowed: a name with {', '.join(suffixes)}")
+    if not path.parent.is_dir():
+        raise OptionError(f"folder {str(path.parent)!r} given; allowed: one that exists")

@@ -76,9 +76,11 @@ def export(
 ) -> None:
     """Writes what was asked for and says what it is."""
     from palpate.base.errors import OptionError
+    from palpate.base.typed_numbers import parse_threshold
     from palpate.cli.export_run import check_target, saved_scene, tell_export
-    from palpate.cli.open_run import is_scene, parse_threshold, wanted_scene
+    from palpate.cli.scenes import wanted_scene
     from palpate.export.export import export_scene
+    from palpate.saved.opening import is_scene
 
     bounds = parse_threshold(threshold)
     saved = is_scene(path)

@@ -10,17 +10,11 @@ from palpate.base.console import warn
 from palpate.base.errors import OptionError
 from palpate.base.progress import Progress
 from palpate.export.export import KINDS, Kind, check_export, kind_of
+from palpate.saved.edited_scene import edited_scene
 from palpate.saved.scene_file import open_scene
-from palpate.server.changes import messages_of
-from palpate.server.picture import ToldPicture
-from palpate.server.segments import ShownSegments
-from palpate.session.session import Session, SessionOptions
 from palpate.volumes.scene import Scene
 
 __all__ = ["check_target", "saved_scene", "tell_export"]
-
-SETTLED = 0.05
-"""Seconds of a session's own time in which its picture follows what was brought back."""
 
 
 def check_target(out: Path, kind: str | None, *, has_segments: bool, keep_identity: bool) -> Kind:
@@ -43,17 +37,7 @@ def saved_scene(path: Path, progress: Progress) -> Scene:
         SceneFormatError: It cannot be opened.
     """
     saved = open_scene(path, progress=progress)
-    options = SessionOptions(real_time=False)
-    with Session(Scene(saved.volume), options=options) as session:
-        saved.restore(session)
-        shown = ShownSegments(session)
-        shown.restore(saved.looks)
-        session.run(SETTLED)
-        picture = ToldPicture(saved.volume.array)
-        for change in session.picture_changes():
-            for message in messages_of(change):
-                picture.take(message)
-        scene, told = shown.scene(picture.values)
+    scene, told = edited_scene(saved)
     for note in (*saved.volume.warnings, *told):
         warn(note)
     return scene

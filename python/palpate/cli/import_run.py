@@ -11,8 +11,8 @@ from typing import Any, Literal
 from palpate.base.errors import OptionError, PalpateError, SeriesChoiceError, VolumeFormatError
 from palpate.base.progress import Progress
 from palpate.base.whole_file import whole_folder
-from palpate.cli.open_run import scene_of, wanted_scene
 from palpate.cli.reading_options import Reading
+from palpate.cli.scenes import scene_of, wanted_scene
 from palpate.export.export import export_scene
 from palpate.export.image import IMAGE_SUFFIXES
 from palpate.io.browse import Choice, browsed, choices_among
@@ -20,7 +20,7 @@ from palpate.io.dicomweb.address import WebAddress
 from palpate.io.dicomweb.series import RemoteSeries, fetch_series
 from palpate.io.reading import list_series
 from palpate.saved.scene_file import ENDING, save_scene
-from palpate.server.segments import ShownSegments
+from palpate.session.appearance import kept_looks, looks_of
 from palpate.session.session import Session, SessionOptions
 from palpate.volumes.scene import Scene
 from palpate.volumes.volume import Volume
@@ -186,7 +186,8 @@ def beside_of(out: Path) -> Path:
 def _write_scene(scene: Scene, out: Path) -> None:
     # it stands alone: what it was read from may be a download, or a disc that goes back
     with Session(scene, options=SessionOptions(real_time=False)) as session:
-        save_scene(out, session, looks=ShownSegments(session).kept(), copy=True)
+        looks = kept_looks(session, looks_of(session).__getitem__)
+        save_scene(out, session, looks=looks, copy=True)
 
 
 def _written(path: Path, holds: str) -> dict[str, Any]:

@@ -61,18 +61,11 @@ def open_scan(  # noqa: PLR0913  # one per option of the command line
 ) -> None:
     """Show a scan, or a scene that was saved, and feel it."""
     from palpate.base.errors import OptionError
-    from palpate.cli.open_run import (
-        add_second,
-        check_start,
-        choose_on_page,
-        is_scene,
-        parse_threshold,
-        saved_scene,
-        scene_of,
-        show,
-    )
+    from palpate.base.typed_numbers import parse_threshold
+    from palpate.cli.open_run import check_start, choose_on_page, show
+    from palpate.cli.scenes import add_second, saved_scene, scene_of
     from palpate.cli.surface_run import add_mesh
-    from palpate.saved.opening import Opening
+    from palpate.saved.opening import Opening, is_scene
     from palpate.server.app import bind_again
     from palpate.server.resume import note_port
 
@@ -118,7 +111,8 @@ def open_scan(  # noqa: PLR0913  # one per option of the command line
 
 def demo(*, port: Port = 0, browser: Browser = True, rate: Rate = 1000) -> None:
     """Show the built-in phantom and feel it."""
-    from palpate.cli.open_run import check_start, scene_of, show
+    from palpate.cli.open_run import check_start, show
+    from palpate.cli.scenes import scene_of
     from palpate.saved.opening import Opening
     from palpate.server.app import bind
     from palpate.volumes.phantom import phantom

@@ -10,42 +10,29 @@ from collections.abc import Callable
 from pathlib import Path
 from threading import Thread
 
-import numpy as np
 import typer
 
 from palpate.base.console import Display, warn
-from palpate.base.errors import OptionError, SceneFormatError
+from palpate.base.errors import OptionError
 from palpate.base.progress import Progress
-from palpate.io.reading import read
-from palpate.labels.labels import read_labels
-from palpate.saved.autosave import note_scene, with_autosave
-from palpate.saved.opening import Opening, is_scene, offer_bone
+from palpate.saved.autosave import note_scene
+from palpate.saved.opening import Opening
 from palpate.saved.recent import note_recent
-from palpate.saved.scene_file import open_scene
 from palpate.server.app import PAGE, serve
 from palpate.server.loading_scan import Coming
 from palpate.server.open_scan import OpenScan
 from palpate.server.resume import kept_key
 from palpate.server.security import Access
 from palpate.server.workbench import Workbench
-from palpate.volumes.scene import Scene
-from palpate.volumes.second_scan import placed, read_transform
-from palpate.volumes.volume import Volume
 
 __all__ = [
-    "add_second",
     "check_page",
     "check_rate",
     "check_start",
     "choose_on_page",
-    "is_scene",
-    "parse_threshold",
-    "saved_scene",
-    "scene_of",
     "serve_page",
     "show",
     "show_workbench",
-    "wanted_scene",
 ]
 
 RATES = (1000, 4000)
@@ -53,103 +40,6 @@ RATES = (1000, 4000)
 
 PAGE_SECONDS = 10.0
 """How long a browser that was started is waited for, to say on the page what failed [s]."""
-
-Bounds = tuple[float, float | None]
-
-
-def parse_threshold(given: str | None) -> Bounds | None:
-    """Returns the bounds that LOW or LOW,HIGH stands for; None where none is given.
-
-    Raises:
-        OptionError: It is neither.
-    """
-    if given is None:
-        return None
-    try:
-        numbers = [float(part) for part in given.split(",")]
-    except ValueError:
-        numbers = []
-    if len(numbers) not in (1, 2) or not np.isfinite(numbers).all():
-        raise OptionError(
-            f"threshold {given!r} given; allowed: LOW or LOW,HIGH, such as 250 or 250,1500"
-        )
-    return numbers[0], numbers[1] if len(numbers) == 2 else None
-
-
-def wanted_scene(
-    volume: Volume,
-    *,
-    bounds: Bounds | None,
-    label_map: Path | None,
-    resample: bool = False,
-    progress: Progress,
-) -> Scene:
-    """Returns a scan with the segments asked for, and no others.
-
-    Raises:
-        EmptySegmentError: The threshold asked for selects nothing.
-        VolumeFormatError: The label map cannot be read.
-        OptionError: The label map does not fit the scan.
-    """
-    scene = Scene(volume)
-    if bounds is not None:
-        scene.add(volume.threshold(*bounds, name="threshold"))
-    if label_map is not None:
-        add_labels(scene, label_map, resample=resample, progress=progress)
-    return scene
-
-
-def scene_of(
-    volume: Volume,
-    *,
-    bounds: Bounds | None,
-    label_map: Path | None,
-    resample: bool = False,
-    progress: Progress,
-) -> Scene:
-    """Returns a scene with the segments asked for, or with the one offered as bone.
-
-    Raises:
-        EmptySegmentError: The threshold asked for selects nothing.
-        VolumeFormatError: The label map cannot be read.
-        OptionError: The label map does not fit the scan.
-    """
-    scene = wanted_scene(
-        volume, bounds=bounds, label_map=label_map, resample=resample, progress=progress
-    )
-    if bounds is None and label_map is None and (told := offer_bone(scene)) is not None:
-        warn(told)
-    return scene
-
-
-def add_labels(scene: Scene, path: Path, *, resample: bool, progress: Progress) -> None:
-    """Adds the segments of a file or folder, and says what was changed or left out."""
-    found = read_labels(path, scene.volume, resample=resample, progress=progress)
-    for label in found.labels:
-        # smooth bodies are read at a glance; until its surface is made, one is drawn from voxels
-        scene.add(label.segment, colour=label.colour, shown_as="surface")
-    for warning in found.warnings:
-        warn(f"{path.name}: {warning}")
-
-
-def add_second(
-    scene: Scene, path: Path | None, transform: Path | None, *, progress: Progress
-) -> None:
-    """Shows a second scan with the first, where a transform says that it lies.
-
-    Raises:
-        OptionError: There is a transform and no scan, or it cannot be used.
-        VolumeFormatError: The scan or the transform cannot be read.
-    """
-    if path is None:
-        if transform is not None:
-            raise OptionError(f"--transform {transform} given; allowed: together with --with")
-        return
-    volume = read(path, progress=progress)
-    for warning in volume.warnings:
-        warn(f"{path.name}: {warning}")
-    known = None if transform is None else read_transform(transform)
-    scene.second = placed(scene.volume, volume, known)
 
 
 def check_start(rate: int) -> None:
@@ -256,19 +146,6 @@ def show_workbench(workbench: Workbench, listener: socket.socket, *, browser: bo
         serve_page(workbench, listener, browser=browser)
     finally:
         workbench.end()
-
-
-def saved_scene(path: Path, progress: Progress) -> Opening:
-    """Returns a scene that was saved.
-
-    Raises:
-        SceneFormatError: It cannot be opened; its last autosave is named then.
-    """
-    try:
-        saved = open_scene(path, progress=progress)
-        return Opening(saved.scene(), saved, saved.told)
-    except SceneFormatError as error:
-        raise with_autosave(error, path) from None
 
 
 def serve_page(

@@ -9,14 +9,14 @@ from functools import wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar, get_type_hints
 
-from palpate.base.errors import OptionError
+from palpate.base.typed_numbers import parse_voxel_size
 from palpate.cli.options import Fill, MaxVoxels, Orientation, Raw, Series, Unit, VoxelSize
 
 if TYPE_CHECKING:
     from palpate.base.progress import Progress
     from palpate.volumes.volume import Volume
 
-__all__ = ["Reading", "parse_voxel_size", "with_reading"]
+__all__ = ["Reading", "with_reading"]
 
 Result = TypeVar("Result")
 
@@ -94,20 +94,3 @@ def with_reading(command: Callable[..., Result]) -> Callable[..., Result]:
         ]
     )
     return run
-
-
-def parse_voxel_size(given: str | None) -> tuple[float, float, float] | None:
-    """Returns the lengths that X,Y,Z stands for [mm]; None where none are given.
-
-    Raises:
-        OptionError: They are no three numbers.
-    """
-    if given is None:
-        return None
-    try:
-        x, y, z = (float(part) for part in given.split(","))
-    except ValueError:
-        raise OptionError(
-            f"voxel size {given!r} given; allowed: X,Y,Z [mm], such as 0.5,0.5,1.25"
-        ) from None
-    return x, y, z

@@ -64,7 +64,7 @@ def reconstruct(  # noqa: PLR0913  # one per option of the command line
     ] = 0.0,
 ) -> None:
     """Make a scan out of projections."""
-    from palpate.cli.surface_run import check_target
+    from palpate.base.whole_file import check_target
     from palpate.export.image import IMAGE_SUFFIXES, write_scan
     from palpate.reconstruction.reconstruction import WATER
     from palpate.reconstruction.request import ReconstructionRequest, reconstruct_file

@@ -172,7 +172,7 @@ def _is_number(word: str) -> bool:
 
 def _check_targets(*targets: tuple[Path | None, tuple[str, ...]]) -> None:
     from palpate.base.errors import OptionError
-    from palpate.cli.surface_run import check_target
+    from palpate.base.whole_file import check_target
 
     if all(path is None for path, _ in targets):
         raise OptionError(

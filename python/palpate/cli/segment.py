@@ -122,7 +122,7 @@ def segment(  # noqa: PLR0913  # one per option of the command line
     name: Annotated[str | None, typer.Option(help="What to call the segment.")] = None,
 ) -> None:
     """Make a segment of a scan and write it."""
-    from palpate.cli.surface_run import check_target
+    from palpate.base.whole_file import check_target
     from palpate.export.export import export_scene
     from palpate.export.image import IMAGE_SUFFIXES
     from palpate.segmentation.request import SegmentRequest

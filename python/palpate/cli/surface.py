@@ -36,10 +36,14 @@ def surface_export(
     segments: Segments = None,
 ) -> None:
     """Write the surface of a segment to a file, in the patient (LPS)."""
-    from palpate.cli.open_run import parse_threshold, scene_of
-    from palpate.cli.surface_run import check_target, choose_segment, export_surface
+    from palpate.base.typed_numbers import parse_threshold
+    from palpate.base.whole_file import check_target
+    from palpate.cli.scenes import scene_of
+    from palpate.cli.surface_run import export_surface
+    from palpate.volumes.mesh_write import SUFFIXES
+    from palpate.volumes.scene import choose_segment
 
-    check_target(file)
+    check_target(file, SUFFIXES)
     bounds = parse_threshold(threshold)
     with quiet_libraries(), Display() as display:
         volume = reading.read(path, display)
@@ -64,7 +68,8 @@ def surface_voxels(
 ) -> None:
     """Make a label map of what a mesh encloses."""
     from palpate.base.errors import OptionError
-    from palpate.cli.surface_run import MASK_SUFFIXES, check_target, mesh_file, write_voxels
+    from palpate.base.whole_file import check_target
+    from palpate.cli.surface_run import MASK_SUFFIXES, mesh_file, write_voxels
     from palpate.io.reading import read
 
     check_target(file, MASK_SUFFIXES)

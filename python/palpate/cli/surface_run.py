@@ -21,7 +21,7 @@ from palpate.volumes.mesh_read import (
     segment_of_mesh,
     suitable_spacing,
 )
-from palpate.volumes.mesh_write import SUFFIXES, write_mesh
+from palpate.volumes.mesh_write import write_mesh
 from palpate.volumes.scene import Scene
 from palpate.volumes.segment import Segment
 from palpate.volumes.surface import Source, Surface
@@ -30,41 +30,12 @@ from palpate.volumes.volume import Volume
 __all__ = [
     "MASK_SUFFIXES",
     "add_mesh",
-    "check_target",
-    "choose_segment",
     "export_surface",
     "mesh_file",
     "write_voxels",
 ]
 
 MASK_SUFFIXES = (".nrrd", ".nii", ".nii.gz", ".mha")
-
-
-def check_target(path: Path, suffixes: tuple[str, ...] = SUFFIXES) -> None:
-    """Refuses a file that could not be written, before anything is computed.
-
-    Raises:
-        OptionError: Its name ends with nothing known, or its folder is not there.
-    """
-    if not path.name.lower().endswith(suffixes):
-        raise OptionError(f"{path.name!r} given; allowed: a name with {', '.join(suffixes)}")
-    if not path.parent.is_dir():
-        raise OptionError(f"folder {str(path.parent)!r} given; allowed: one that exists")
-
-
-def choose_segment(scene: Scene, name: str | None) -> Segment:
-    """Returns the segment of a name; the only one where none is named.
-
-    Raises:
-        OptionError: There is none, or it is not clear which one.
-    """
-    segments = {one.name: one.segment for one in scene}
-    if name is None and len(segments) == 1:
-        return next(iter(segments.values()))
-    if name is None or name not in segments:
-        given = "no segment" if name is None else f"segment {name!r}"
-        raise OptionError(f"{given} given; allowed: {', '.join(segments) or 'none in this scan'}")
-    return segments[name]
 
 
 def export_surface(

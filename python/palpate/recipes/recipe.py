@@ -18,8 +18,8 @@ import msgspec
 import yaml
 
 from palpate.base.errors import OptionError, PalpateError
-from palpate.cli.reading_options import parse_voxel_size
-from palpate.cli.surface_run import check_target
+from palpate.base.typed_numbers import parse_voxel_size
+from palpate.base.whole_file import check_target
 from palpate.export.export import check_export, kind_of
 from palpate.export.image import IMAGE_SUFFIXES
 from palpate.recipes.steps import (
@@ -33,6 +33,7 @@ from palpate.reconstruction.projections import stack_at
 from palpate.reconstruction.reconstruction import missing_library
 from palpate.reconstruction.request import grid_of
 from palpate.segmentation.request import SegmentRequest
+from palpate.volumes.mesh_write import SUFFIXES
 
 __all__ = ["Recipe", "read_recipe"]
 
@@ -157,7 +158,7 @@ def _check(recipe: Recipe, source: Source) -> None:
     names = _names(recipe)
     for number, surface in enumerate(recipe.surface):
         with source.at(f"$.surface[{number}].out"):
-            check_target(surface.out)
+            check_target(surface.out, SUFFIXES)
         with source.at(f"$.surface[{number}].segment"):
             _check_name(surface.segment, names)
     for number, export in enumerate(recipe.export):

@@ -6,8 +6,7 @@ from pathlib import Path
 
 from palpate.base.errors import OptionError
 from palpate.base.progress import Progress, silent
-from palpate.cli.reading_options import parse_voxel_size
-from palpate.cli.surface_run import choose_segment
+from palpate.base.typed_numbers import parse_voxel_size
 from palpate.export.export import export_scene
 from palpate.export.image import write_scan
 from palpate.io.reading import read
@@ -18,7 +17,7 @@ from palpate.reconstruction.request import reconstruct_file
 from palpate.registration.registration import register
 from palpate.registration.report import report_of, sentence_of, write_checkerboard
 from palpate.volumes.mesh_write import write_mesh
-from palpate.volumes.scene import Scene
+from palpate.volumes.scene import Scene, choose_segment
 from palpate.volumes.surface import Surface
 from palpate.volumes.volume import Volume
 

@@ -17,11 +17,12 @@ from palpate.base.errors import EmptySegmentError, OptionError
 from palpate.scenarios.drilling import drive_drill
 from palpate.scenarios.drive import Drive
 from palpate.scenarios.lines import before_body, line_into, line_through
+from palpate.scenarios.needle import drive_needle
 from palpate.scenarios.palpation import palpate_line
 from palpate.scenarios.press_lines import line_over
 from palpate.scenarios.run import ScenarioRun
 from palpate.segmentation.mask_shape import keep_largest, margin, opened
-from palpate.session.needle import TISSUES, Tissue, drive_needle
+from palpate.session.needle import TISSUES, Tissue
 from palpate.volumes.downsample import merged
 from palpate.volumes.phantom import phantom
 from palpate.volumes.scene import Scene

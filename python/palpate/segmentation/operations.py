@@ -6,12 +6,12 @@ Lengths [mm], volumes [ml].
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import Literal
 
 import numpy as np
 
 from palpate.base.errors import OptionError
 from palpate.base.progress import Progress, silent
-from palpate.protocol import ShapeKind
 from palpate.segmentation import mask_shape
 from palpate.segmentation.joint_smoothing import smooth_together
 from palpate.segmentation.mask_shape import Mask
@@ -31,6 +31,26 @@ __all__ = [
     "otsu",
     "smoothed_together",
 ]
+
+ShapeKind = Literal[
+    "keep-largest",
+    "drop-small",
+    "fill-holes",
+    "between-slices",
+    "grow",
+    "shrink",
+    "smooth",
+    "median",
+    "joint",
+    "open",
+    "close",
+    "hollow-inside",
+    "hollow-outside",
+    "unite",
+    "subtract",
+    "intersect",
+]
+"""How the shape of a segment is changed."""
 
 LOGIC: dict[str, Callable[[Mask, Mask], Mask]] = {
     "unite": np.logical_or,

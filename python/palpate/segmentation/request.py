@@ -5,7 +5,6 @@ What is asked for is checked before anything is read.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -14,7 +13,7 @@ import numpy as np
 
 from palpate.base.errors import OptionError
 from palpate.base.progress import Progress, silent
-from palpate.cli.open_run import parse_threshold
+from palpate.base.typed_numbers import parse_point, parse_threshold
 from palpate.segmentation.operations import (
     Growing,
     ShapeKind,
@@ -28,7 +27,7 @@ from palpate.segmentation.threshold_presets import PRESETS, preset_range
 from palpate.volumes.segment import Segment
 from palpate.volumes.volume import Volume
 
-__all__ = ["Made", "SegmentRequest", "parse_point"]
+__all__ = ["Made", "SegmentRequest"]
 
 Made = tuple[list[Segment], tuple[str, ...]]
 """Segments, and what a person should know of them."""
@@ -210,18 +209,3 @@ class SegmentRequest(
         for kind, length in lengths:
             if length is not None:
                 yield kind, abs(length) if kind in SIGNED else length
-
-
-def parse_point(given: str) -> tuple[float, float, float]:
-    """Returns the point that X,Y,Z stands for [mm].
-
-    Raises:
-        OptionError: It is none.
-    """
-    try:
-        x, y, z = (float(part) for part in given.split(","))
-    except ValueError:
-        x = y = z = math.nan
-    if not all(map(math.isfinite, (x, y, z))):
-        raise OptionError(f"point {given!r} given; allowed: X,Y,Z [mm], such as 12.5,-40,310")
-    return x, y, z

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from palpate import protocol
 from palpate.server.changes import messages_of
 from palpate.server.outbox import Box
+from palpate.session.edited_values import EditedValues
 
 __all__ = ["ToldPicture", "labels_anew", "voxel_slabs"]
 
@@ -26,13 +27,16 @@ class ToldPicture:
 
     def __init__(self, values: NDArray[np.int16]) -> None:
         """Begins with the values of the scan, which stay as they are."""
-        self.values = values
-        """Shape [z, y, x]; a copy once an edit has changed some."""
-        self._copied = False
+        self._edited = EditedValues(values)
         self._surfaces: set[int] = set()
         self._displaced = False
         self.edit = 0
         """The newest edit."""
+
+    @property
+    def values(self) -> NDArray[np.int16]:
+        """Shape [z, y, x]; a copy once an edit has changed some."""
+        return self._edited.values
 
     def take(self, changed: protocol.Changed) -> None:
         """Follows a change that pages are told."""
@@ -41,7 +45,7 @@ class ToldPicture:
         self._displaced |= changed.displaced is not None
         for box in changed.voxels:
             if box.stored is not None:
-                self._write(box)
+                self._edited.write(box.low, box.high, box.stored)
 
     def surfaces_anew(self, whole: dict[str, Any], *, edit: int) -> Iterator[protocol.Changed]:
         """Yields all surfaces of ``Session.whole_surfaces``, and where matter stands beside voxels.
@@ -63,14 +67,6 @@ class ToldPicture:
         for low, high, packed in voxel_slabs(box, self.values.astype("<i2", copy=False)):
             slab = protocol.ChangedVoxels(low, high, stored=packed, labels=None)
             yield protocol.Changed(edit=edit, applied=None, voxels=[slab], surfaces=[])
-
-    def _write(self, box: protocol.ChangedVoxels) -> None:
-        if not self._copied:
-            self.values, self._copied = self.values.copy(), True
-        (x, y, z), (to_x, to_y, to_z) = box.low, box.high
-        shape = (to_z - z, to_y - y, to_x - x)
-        stored = np.frombuffer(box.stored or b"", "<i2").reshape(shape)
-        self.values[z:to_z, y:to_y, x:to_x] = stored
 
 
 def labels_anew(box: Box, labels: NDArray[np.uint8], *, edit: int) -> Iterator[protocol.Changed]:

@@ -6,60 +6,32 @@ Names and colours are kept when a segment is removed, since undo may bring it ba
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from threading import Lock
 from typing import Any, NamedTuple
 
-import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
 from palpate import protocol
-from palpate.base.errors import OptionError
 from palpate.server.soft_tissue import material_of, regions_of
 from palpate.server.voxel_data import labels_of
+from palpate.session.appearance import (
+    UNMOVED,
+    Look,
+    colour_of_number,
+    kept_looks,
+    look_of_number,
+    looks_of,
+    restored_looks,
+    scene_with_looks,
+)
 from palpate.session.session import Session
 from palpate.volumes.anatomical_colour import colour_of_name, first_colour
-from palpate.volumes.scene import PALETTE, Scene
+from palpate.volumes.scene import Scene
 from palpate.volumes.segment import Segment
 
 __all__ = ["ShownSegments"]
-
-
-DEFAULT_SMOOTHING = 3
-"""Degree that takes the steps of voxels away and keeps what is larger than a few of them."""
-
-
-_UNMOVED = [float(row == column) for row in range(4) for column in range(4)]
-"""A pose where the scan has it."""
-
-
-@dataclass(frozen=True)
-class Look:
-    """How a segment is shown; from opacity to the wireframe it is about its surface."""
-
-    name: str
-    colour: tuple[float, float, float]
-    visible: bool = True
-    shown_as: protocol.ShownAs = "volume"
-    opacity: float = 1.0
-    smoothing: int = DEFAULT_SMOOTHING
-    surface_from: protocol.SurfaceSource = "intensities"
-    wireframe: bool = False
-    ambient: float = 1.0
-    specular: float = 1.0
-    chosen: bool = True
-    """Whether the colour is that of a person or a file, and not told by name or number."""
-
-
-@dataclass(frozen=True)
-class KeptLook:
-    """A segment's look as a journal keeps it."""
-
-    id: protocol.SegmentId
-    touchable: bool
-    look: Look
-    locked: bool = False
 
 
 class ShownSegments:
@@ -69,16 +41,7 @@ class ShownSegments:
         """Takes the looks from the session's scene; ``keep`` is given them when they change."""
         self._session = session
         self._keep = keep
-        self._looks = {
-            segment_id: Look(
-                shown.name,
-                shown.colour,
-                shown.visible,
-                shown.shown_as,
-                chosen=shown.colour not in (*PALETTE, colour_of_name(shown.name)),
-            )
-            for segment_id, shown in zip(session.ids, session.scene, strict=True)
-        }
+        self._looks = looks_of(session)
         self._lock = Lock()
         self._seen: tuple[int, ...] | None = None
         self._notices: list[str] = []
@@ -171,19 +134,7 @@ class ShownSegments:
         Raises:
             OptionError: Segments came or went meanwhile.
         """
-        scene, told = self._session.scene_now(values), []
-        states = self._session.segments()
-        if len(states) != len(scene):
-            raise OptionError("segments came or went meanwhile; allowed: once more")
-        for one, state in zip(scene, states, strict=True):
-            look = self._look_of(state["id"])
-            if look.name != one.name:
-                # a segment that was renamed is something else, or was never told what it is
-                one.segment.terminology = None
-            one.name, one.colour = look.name, look.colour
-            if state["pose"] not in (None, _UNMOVED):
-                told.append(f"{look.name} was moved: it is written where the scan has it")
-        return scene, told
+        return scene_with_looks(self._session, values, self._look_of)
 
     def keep(self) -> None:
         """Hands the looks over to be kept, with which segments can be touched and changed."""
@@ -192,16 +143,7 @@ class ShownSegments:
 
     def kept(self) -> bytes:
         """Returns the looks, with which segments can be touched and changed, for ``restore``."""
-        kept = [
-            KeptLook(
-                id=state["id"],
-                touchable=state["touchable"],
-                look=self._look_of(state["id"]),
-                locked=state["locked"],
-            )
-            for state in self._session.segments()
-        ]
-        return msgspec.json.encode(kept)
+        return kept_looks(self._session, self._look_of)
 
     def restore(self, kept: bytes) -> None:
         """Takes looks that were kept.
@@ -209,18 +151,13 @@ class ShownSegments:
         Raises:
             OptionError: The bytes are none.
         """
-        try:
-            looks = msgspec.json.decode(kept, type=list[KeptLook])
-        except msgspec.DecodeError as error:
-            raise OptionError(f"names and colours cannot be read: {error}") from None
+        looks = restored_looks(self._session, kept)
         there = {state["id"] for state in self._session.segments()}
-        for each in looks:
-            if each.id in there:
-                self._session.set_touchable(each.id, touchable=each.touchable)
-                self._session.set_locked(each.id, locked=each.locked)
-                self._set_look(each.id, each.look)
+        for segment_id, look in looks.items():
+            if segment_id in there:
+                self._set_look(segment_id, look)
             else:
-                self._remember(each.id, each.look)
+                self._remember(segment_id, look)
 
     def cut(self, segment_id: int, cut: Callable[[], int]) -> None:
         """Parts a segment; the part whose number ``cut`` returns looks alike, in a new colour.
@@ -231,7 +168,7 @@ class ShownSegments:
         part = cut()
         look = self._look_of(segment_id)
         name = f"{look.name[:80]}, part {part}"
-        self._set_look(part, replace(look, name=name, colour=_colour_of(part), chosen=False))
+        self._set_look(part, replace(look, name=name, colour=colour_of_number(part), chosen=False))
         self.keep()
 
     def take_notices(self) -> list[str]:
@@ -244,7 +181,7 @@ class ShownSegments:
         """Shows a segment that stands elsewhere as a surface: voxels stay where the scan is."""
         segment_id, pose, has_own_grid = state["id"], state["pose"], state["grid"] is not None
         look = self._look_of(segment_id)
-        stands_there = (pose is None or pose == _UNMOVED) and not has_own_grid
+        stands_there = (pose is None or pose == UNMOVED) and not has_own_grid
         if stands_there or look.shown_as == "surface":
             return
         look = replace(look, shown_as="surface")
@@ -291,8 +228,7 @@ class ShownSegments:
 
     def _look_of(self, segment_id: int) -> Look:
         # a program beside the page may have added it
-        other = Look(f"segment {segment_id}", _colour_of(segment_id), chosen=False)
-        return self._looks.get(segment_id, other)
+        return self._looks.get(segment_id, look_of_number(segment_id))
 
     def _colour_after(
         self, segment_id: int, *, name: str, colour: tuple[float, float, float]
@@ -312,7 +248,7 @@ class ShownSegments:
 
     def _own_colour(self, segment_id: int, name: str) -> tuple[float, float, float]:
         others = [look.name for other, look in self._looks.items() if other != segment_id]
-        return first_colour(name, others, otherwise=_colour_of(segment_id))
+        return first_colour(name, others, otherwise=colour_of_number(segment_id))
 
     def _make_message(self, voxels_version: int) -> protocol.Segments:
         states = self._session.segments()
@@ -378,7 +314,3 @@ def _surface_of(look: Look) -> MadeSurface | None:
     if not look.visible or look.shown_as == "volume":
         return None
     return MadeSurface(look.smoothing, look.surface_from)
-
-
-def _colour_of(segment_id: int) -> tuple[float, float, float]:
-    return PALETTE[(segment_id - 1) % len(PALETTE)]

@@ -12,7 +12,15 @@ from palpate.volumes.second_scan import SecondScan
 from palpate.volumes.segment import Segment
 from palpate.volumes.volume import Volume
 
-__all__ = ["MOST_SEGMENTS", "PALETTE", "Scene", "SceneSegment"]
+__all__ = [
+    "MOST_SEGMENTS",
+    "PALETTE",
+    "Colour",
+    "Scene",
+    "SceneSegment",
+    "ShownAs",
+    "choose_segment",
+]
 
 Colour = tuple[float, float, float]
 
@@ -107,3 +115,18 @@ class Scene:
         added = SceneSegment(segment, segment.name, chosen, visible, touchable, shown_as)
         self._segments.append(added)
         return added
+
+
+def choose_segment(scene: Scene, name: str | None) -> Segment:
+    """Returns the segment of a name; the only one where none is named.
+
+    Raises:
+        OptionError: There is none, or it is not clear which one.
+    """
+    segments = {one.name: one.segment for one in scene}
+    if name is None and len(segments) == 1:
+        return next(iter(segments.values()))
+    if name is None or name not in segments:
+        given = "no segment" if name is None else f"segment {name!r}"
+        raise OptionError(f"{given} given; allowed: {', '.join(segments) or 'none in this scan'}")
+    return segments[name]

@@ -14,7 +14,7 @@ import SimpleITK
 from numpy.typing import NDArray
 from palpate.base.errors import OptionError, PalpateError, VolumeFormatError
 from palpate.base.progress import silent
-from palpate.cli.open_run import add_labels
+from palpate.cli.scenes import add_labels
 from palpate.labels.dicom_seg import colour_of_lab
 from palpate.volumes.anatomical_colour import colour_of_name
 from palpate.volumes.scene import Scene

@@ -10,7 +10,7 @@ import pytest
 import SimpleITK
 from palpate.base.errors import SceneFormatError
 from palpate.base.progress import silent
-from palpate.cli.open_run import saved_scene
+from palpate.cli.scenes import saved_scene
 from palpate.io.reading import read
 from palpate.saved.autosave import autosave_of, note_scene
 from palpate.saved.journal import Journal

@@ -10,8 +10,9 @@ from palpate import protocol
 from palpate.base.errors import OptionError
 from palpate.scenarios.drive import Drive
 from palpate.scenarios.lines import line_through
+from palpate.scenarios.needle import drive_needle
 from palpate.scenarios.run import ScenarioRun
-from palpate.session.needle import TISSUES, Tissue, drive_needle
+from palpate.session.needle import TISSUES, Tissue
 from palpate.session.session import Session, SessionOptions
 from palpate.volumes.scene import Scene
 from palpate.volumes.volume import Volume
