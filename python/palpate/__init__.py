@@ -11,8 +11,10 @@ Lengths mm, times s, forces N, stiffness N/mm; points (x, y, z) in LPS, arrays [
 
 from __future__ import annotations
 
-from importlib import import_module
 from typing import TYPE_CHECKING
+
+from palpate._aliases import alias_modules
+from palpate.base.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
     from palpate.base.errors import (
@@ -38,10 +40,19 @@ if TYPE_CHECKING:
     from palpate.session.scripted_path import ScriptedPath
     from palpate.session.session import Session, SessionOptions
     from palpate.session.touch_settings import TouchSettings
+    from palpate.volumes.material import Material, material_presets
+    from palpate.volumes.mesh_read import (
+        MeshFile,
+        object_of_mesh,
+        read_mesh,
+        segment_of_mesh,
+        suitable_spacing,
+    )
+    from palpate.volumes.mesh_write import write_mesh
     from palpate.volumes.phantom import Phantom, phantom
     from palpate.volumes.scene import Scene
     from palpate.volumes.segment import Segment
-    from palpate.volumes.surface import Surface
+    from palpate.volumes.surface import Mesh, Surface
     from palpate.volumes.volume import Volume
 
 __all__ = [
@@ -50,6 +61,9 @@ __all__ = [
     "Gap",
     "Label",
     "Labels",
+    "Material",
+    "Mesh",
+    "MeshFile",
     "MeshFormatError",
     "OptionError",
     "PaintedCut",
@@ -74,54 +88,66 @@ __all__ = [
     "WebAddress",
     "export_scene",
     "fetch_series",
+    "material_presets",
+    "object_of_mesh",
     "phantom",
     "read",
     "read_labels",
+    "read_mesh",
     "register",
     "remote_series",
+    "segment_of_mesh",
+    "suitable_spacing",
+    "write_mesh",
 ]
 
-_HOMES = {
-    "DicomWebError": "base.errors",
-    "EmptySegmentError": "base.errors",
-    "MeshFormatError": "base.errors",
-    "OptionError": "base.errors",
-    "PalpateError": "base.errors",
-    "RecordingFormatError": "base.errors",
-    "SeriesChoiceError": "base.errors",
-    "VolumeFormatError": "base.errors",
-    "export_scene": "export.export",
-    "Gap": "session.gap",
-    "read": "io.reading",
-    "fetch_series": "io.dicomweb.series",
-    "remote_series": "io.dicomweb.series",
-    "WebAddress": "io.dicomweb.address",
-    "Label": "labels.labels",
-    "Labels": "labels.labels",
-    "read_labels": "labels.labels",
-    "PaintedCut": "session.painted_cut",
-    "Phantom": "volumes.phantom",
-    "phantom": "volumes.phantom",
-    "Scene": "volumes.scene",
-    "ScriptedPath": "session.scripted_path",
-    "Registration": "registration.registration",
-    "register": "registration.registration",
-    "RegistrationError": "registration.options",
-    "SearchOptions": "registration.options",
-    "Segment": "volumes.segment",
-    "Recording": "session.recording",
-    "Replay": "session.recording",
-    "Session": "session.session",
-    "SessionOptions": "session.session",
-    "Surface": "volumes.surface",
-    "TouchSettings": "session.touch_settings",
-    "Volume": "volumes.volume",
-}
-"""Module of each public name: imported when first asked for, so that the package starts fast."""
+__getattr__ = lazy_exports(
+    __name__,
+    {
+        "DicomWebError": "base.errors",
+        "EmptySegmentError": "base.errors",
+        "Gap": "session.gap",
+        "Label": "labels.labels",
+        "Labels": "labels.labels",
+        "Material": "volumes.material",
+        "Mesh": "volumes.surface",
+        "MeshFile": "volumes.mesh_read",
+        "MeshFormatError": "base.errors",
+        "OptionError": "base.errors",
+        "PaintedCut": "session.painted_cut",
+        "PalpateError": "base.errors",
+        "Phantom": "volumes.phantom",
+        "Recording": "session.recording",
+        "RecordingFormatError": "base.errors",
+        "Registration": "registration.registration",
+        "RegistrationError": "registration.options",
+        "Replay": "session.recording",
+        "Scene": "volumes.scene",
+        "ScriptedPath": "session.scripted_path",
+        "SearchOptions": "registration.options",
+        "Segment": "volumes.segment",
+        "SeriesChoiceError": "base.errors",
+        "Session": "session.session",
+        "SessionOptions": "session.session",
+        "Surface": "volumes.surface",
+        "TouchSettings": "session.touch_settings",
+        "Volume": "volumes.volume",
+        "VolumeFormatError": "base.errors",
+        "WebAddress": "io.dicomweb.address",
+        "export_scene": "export.export",
+        "fetch_series": "io.dicomweb.series",
+        "material_presets": "volumes.material",
+        "object_of_mesh": "volumes.mesh_read",
+        "phantom": "volumes.phantom",
+        "read": "io.reading",
+        "read_labels": "labels.labels",
+        "read_mesh": "volumes.mesh_read",
+        "register": "registration.registration",
+        "remote_series": "io.dicomweb.series",
+        "segment_of_mesh": "volumes.mesh_read",
+        "suitable_spacing": "volumes.mesh_read",
+        "write_mesh": "volumes.mesh_write",
+    },
+)
 
-
-def __getattr__(name: str) -> object:
-    home = _HOMES.get(name)
-    if home is None:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(import_module(f"{__name__}.{home}"), name)
+alias_modules()
