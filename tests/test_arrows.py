@@ -133,6 +133,12 @@ def test_a_python_module_that_imports_a_higher_layer_is_found(
     assert arrow in python_arrows(tmp_path, module, line)
 
 
+def test_a_circle_within_a_python_package_is_found(tmp_path: Path) -> None:
+    line = "from palpate.volumes.scene import Scene"
+    found = python_arrows(tmp_path, "volumes/volume.py", line)
+    assert "No circles within packages BROKEN" in found
+
+
 def test_a_python_package_without_a_layer_is_found(tmp_path: Path) -> None:
     found = python_arrows(tmp_path, "unplaced.py", '"""A module that has no place."""')
     assert "unplaced" in found
