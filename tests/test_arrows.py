@@ -65,31 +65,88 @@ def test_a_crate_without_a_floor_is_found() -> None:
     assert any("palpate-new" in sentence for sentence in wrong_arrows(metadata))
 
 
-def test_a_python_module_that_imports_a_higher_layer_is_found(tmp_path: Path) -> None:
+def python_arrows(folder: Path, module: str, line: str) -> str:
+    """Returns what the linter says of a copy of the package where a module has another import."""
     package = shutil.copytree(
         ROOT / "python" / "palpate",
-        tmp_path / "palpate",
+        folder / "palpate",
         ignore=shutil.ignore_patterns("*.so", "viewer", "__pycache__"),
     )
-    shutil.copy(ROOT / "pyproject.toml", tmp_path)
-    with (package / "volume.py").open("a") as module:
-        module.write("\nfrom palpate import cli\n")
-
+    shutil.copy(ROOT / "pyproject.toml", folder)
+    with (package / module).open("a") as planted:
+        planted.write(f"\n{line}\n")
     checked = subprocess.run(
         [TOOLS / "lint-imports", "--no-cache"],
         check=False,
-        cwd=tmp_path,
-        env=os.environ | {"PYTHONPATH": str(tmp_path)},
+        cwd=folder,
+        env=os.environ | {"PYTHONPATH": str(folder)},
         capture_output=True,
         text=True,
     )
     assert checked.returncode == 1, checked.stdout + checked.stderr
-    assert "palpate.volume -> palpate.cli" in checked.stdout
+    return checked.stdout
+
+
+@pytest.mark.parametrize(
+    ("module", "line", "arrow"),
+    [
+        (
+            "volumes/volume.py",
+            "from palpate.cli import main",
+            "palpate.volumes.volume -> palpate.cli",
+        ),
+        (
+            "segmentation/request.py",
+            "from palpate.cli.scenes import scene_of",
+            "palpate.segmentation.request -> palpate.cli.scenes",
+        ),
+        (
+            "recipes/run.py",
+            "from palpate.cli.surface_run import export_surface",
+            "palpate.recipes.run -> palpate.cli.surface_run",
+        ),
+        (
+            "segmentation/operations.py",
+            "from palpate.protocol import ShapeKind",
+            "palpate.segmentation.operations -> palpate.protocol",
+        ),
+        (
+            "protocol/segments.py",
+            "from palpate.session.session import Session",
+            "palpate.protocol.segments -> palpate.session.session",
+        ),
+        (
+            "cli/export_run.py",
+            "from palpate.server.segments import ShownSegments",
+            "palpate.cli.export_run -> palpate.server.segments",
+        ),
+        (
+            "io/reading.py",
+            "def late() -> None:\n    from palpate.registration import register",
+            "palpate.io.reading -> palpate.registration",
+        ),
+    ],
+)
+def test_a_python_module_that_imports_a_higher_layer_is_found(
+    tmp_path: Path, module: str, line: str, arrow: str
+) -> None:
+    assert arrow in python_arrows(tmp_path, module, line)
+
+
+def test_a_circle_within_a_python_package_is_found(tmp_path: Path) -> None:
+    line = "from palpate.volumes.scene import Scene"
+    found = python_arrows(tmp_path, "volumes/volume.py", line)
+    assert "No circles within packages BROKEN" in found
+
+
+def test_a_python_package_without_a_layer_is_found(tmp_path: Path) -> None:
+    found = python_arrows(tmp_path, "unplaced.py", '"""A module that has no place."""')
+    assert "unplaced" in found
 
 
 def test_a_module_that_imports_the_binding_itself_is_found() -> None:
     checked = subprocess.run(
-        [TOOLS / "ruff", "check", "--stdin-filename", "python/palpate/server.py", "-"],
+        [TOOLS / "ruff", "check", "--stdin-filename", "python/palpate/server/app.py", "-"],
         check=False,
         cwd=ROOT,
         input='"""A module."""\n\nfrom palpate import _core\n\n__all__ = ["_core"]\n',
