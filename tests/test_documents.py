@@ -49,8 +49,9 @@ def unfolded(form: str) -> list[str]:
     return [path for part in inside.split(",") for path in unfolded(before + part + after)]
 
 
+READERS = ("use", "reference", "understand", "extend", "figures")
 INDICES = {
-    "docs": ("*.md", "understand/*.md", "extend/*.md", "figures/*.md"),
+    "docs": ("*.md", *(f"{folder}/*.md" for folder in READERS)),
     "docs/decisions": ("*.md",),
 }
 
@@ -93,8 +94,9 @@ def test_tests_named_in_the_thesis_map_exist() -> None:
             assert re.search(rf"\b(?:fn|def) {test}\b", source), f"no {test} in {file}"
 
 
-def test_the_python_example_of_the_readme_runs(tmp_path: Path) -> None:
-    text = (ROOT / "README.md").read_text(encoding="utf-8")
+@pytest.mark.parametrize("page", ["README.md", "docs/use/python.md"])
+def test_the_python_example_of_a_page_runs(page: str, tmp_path: Path) -> None:
+    text = (ROOT / page).read_text(encoding="utf-8")
     blocks = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
     assert blocks
     for block in blocks:
