@@ -31,6 +31,19 @@ def test_links_lead_somewhere(document: Path) -> None:
 
 
 @pytest.mark.parametrize("document", DOCUMENTS, ids=name)
+def test_links_lead_to_headings_that_exist(document: Path) -> None:
+    links = re.findall(r"\]\(([^):\s]*)#([^)\s]+)\)", document.read_text(encoding="utf-8"))
+    pages = [(document.parent / page if page else document, anchor) for page, anchor in links]
+    assert [anchor for page, anchor in pages if anchor not in anchors(page)] == []
+
+
+def anchors(page: Path) -> set[str]:
+    """Returns the anchors of the headings of a page, as GitHub makes them."""
+    headings = re.findall(r"^#+ (.+)$", page.read_text(encoding="utf-8"), re.MULTILINE)
+    return {re.sub(r"[^\w -]", "", each.lower()).replace(" ", "-") for each in headings}
+
+
+@pytest.mark.parametrize("document", DOCUMENTS, ids=name)
 def test_files_of_the_repository_that_are_named_exist(document: Path) -> None:
     text = document.read_text(encoding="utf-8")
     path = r"[\w./{},*-]+"
@@ -49,8 +62,9 @@ def unfolded(form: str) -> list[str]:
     return [path for part in inside.split(",") for path in unfolded(before + part + after)]
 
 
+READERS = ("use", "reference", "understand", "extend", "figures")
 INDICES = {
-    "docs": ("*.md", "understand/*.md", "extend/*.md", "figures/*.md"),
+    "docs": ("*.md", *(f"{folder}/*.md" for folder in READERS)),
     "docs/decisions": ("*.md",),
 }
 
@@ -93,8 +107,9 @@ def test_tests_named_in_the_thesis_map_exist() -> None:
             assert re.search(rf"\b(?:fn|def) {test}\b", source), f"no {test} in {file}"
 
 
-def test_the_python_example_of_the_readme_runs(tmp_path: Path) -> None:
-    text = (ROOT / "README.md").read_text(encoding="utf-8")
+@pytest.mark.parametrize("page", ["README.md", "docs/use/python.md"])
+def test_the_python_example_of_a_page_runs(page: str, tmp_path: Path) -> None:
+    text = (ROOT / page).read_text(encoding="utf-8")
     blocks = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
     assert blocks
     for block in blocks:
