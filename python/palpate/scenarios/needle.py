@@ -1,4 +1,4 @@
-"""Driving a needle into a scan without a device; its law is told in ``docs/algorithms/needle.md``.
+"""Driving a needle into a scan without a device; its law is told in ``docs/understand/needle.md``.
 
 Points are in the patient [mm].
 """
