@@ -89,7 +89,7 @@ def test_every_thread_is_listed() -> None:
 
 def test_tests_named_for_the_promises_of_touch_exist() -> None:
     text = (ROOT / "docs" / "understand" / "touch.md").read_text(encoding="utf-8")
-    promises = text.partition("## What is promised")[2].partition("## ")[0]
+    promises = text.partition("## Guarantees")[2].partition("## ")[0]
     # names of tests are sentences: three words at least
     named = re.findall(r"`((?:[a-z0-9]+_){2,}[a-z0-9]+)`", promises)
     sources = [file.read_text(encoding="utf-8") for file in ROOT.glob("crates/*/tests/*.rs")]
