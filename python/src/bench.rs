@@ -2,7 +2,7 @@
 
 use std::sync::Mutex;
 
-use palpate_engine::bench::{Embedded, Ground, Report, Timing, TouchBench, Work, compare};
+use palpate_bench::haptics::{Embedded, Ground, Report, Timing, TouchBench, Work, compare};
 use palpate_engine::settings::Smoothing;
 use palpate_volume::phantom::bones;
 use pyo3::prelude::*;

@@ -1,8 +1,6 @@
 //! `_core.passivity_devices` and `_core.bench_passivity`: for `palpate bench passivity`.
 
-use palpate_engine::bench::passivity::{
-    FlatWall, Report, Wall, device_named, device_names, report,
-};
+use palpate_bench::passivity::{FlatWall, Report, Wall, device_named, device_names, report};
 use palpate_engine::scan_values::{ScanValues, Threshold};
 use palpate_engine::scene::ThresholdRange;
 use pyo3::prelude::*;

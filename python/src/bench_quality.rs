@@ -1,6 +1,6 @@
 //! `_core.touch_quality_cases` and `_core.bench_touch_quality`: for `palpate bench touch-quality`.
 
-use palpate_engine::bench::quality::{Figures, Touch, cases, cases_where, measure};
+use palpate_bench::quality::{Figures, Touch, cases, cases_where, measure};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 

@@ -8,7 +8,6 @@
 
 pub mod assembly;
 pub mod bell;
-pub mod bench;
 pub mod body;
 pub mod clock;
 pub mod cut;

@@ -216,12 +216,7 @@ impl TouchOccupancy {
     }
 
     /// Moves an object by one step, if the probe admits it; it may be pushed.
-    pub(crate) fn step_pose(
-        &mut self,
-        place: usize,
-        new: &ObjectPose,
-        probe: &mut Probe<'_>,
-    ) -> PoseStep {
+    pub fn step_pose(&mut self, place: usize, new: &ObjectPose, probe: &mut Probe<'_>) -> PoseStep {
         self.refused_at = None;
         self.touchable
             .step_pose(place, new, probe.grid, probe.proxy)

@@ -5,7 +5,7 @@
     reason = "each test file uses its part of this module"
 )]
 
-pub mod brute_force;
+pub mod air;
 pub mod changes;
 pub mod recorder;
 

@@ -2,12 +2,12 @@
 
 use glam::IVec3;
 use palpate_deform::material::{Region, Treatment};
-use palpate_engine::bench::matter::air::Air;
 use palpate_engine::scene::Properties;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::segment::Segment;
 use palpate_volume::voxel_box::VoxelBox;
 
+use crate::common::air::Air;
 use crate::common::box_segment;
 use crate::soft_block::{SIZE, SOFT, go, lattice_rig};
 
