@@ -5,8 +5,8 @@ use palpate_deform::material::{
 };
 use palpate_deform::model::{MODELS, Registered};
 use palpate_deform::model_options::{Calibration, ModelOptions, Motion, Prony, Range};
-use palpate_engine::deformation::{DeformationNow, ForceSource};
-use palpate_engine::matter_view::ShownParts;
+use palpate_engine::deformable::deformable_view::ShownParts;
+use palpate_engine::deformable::deformation::{DeformationNow, ForceSource};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::voxel_box::VoxelBox;
 use pyo3::prelude::*;

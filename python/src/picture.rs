@@ -4,8 +4,8 @@
 
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use palpate_engine::packed_patch::PackedPatch;
-use palpate_engine::surfaces::{DisplacedNow, PictureChange, SurfaceChange, VoxelChange};
+use palpate_engine::picture::packed_patch::PackedPatch;
+use palpate_engine::picture::surfaces::{DisplacedNow, PictureChange, SurfaceChange, VoxelChange};
 use palpate_surface::PatchId;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::voxel_box::VoxelBox;

@@ -6,10 +6,12 @@ use numpy::{
     Element, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods,
     ToPyArray,
 };
-use palpate_engine::recording::Recording;
-use palpate_engine::replay::{Difference, ReplayEnd, Replayed, replay};
-use palpate_engine::tape::Tape;
-use palpate_engine::tape_columns::{BUILD, BrickColumns, ShareColumns, TapeColumns, ValueColumns};
+use palpate_engine::replay::recording::Recording;
+use palpate_engine::replay::run::{Difference, ReplayEnd, Replayed, replay};
+use palpate_engine::replay::tape::Tape;
+use palpate_engine::replay::tape_columns::{
+    BUILD, BrickColumns, ShareColumns, TapeColumns, ValueColumns,
+};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 

@@ -6,12 +6,12 @@ use std::time::Duration;
 
 use glam::IVec3;
 use numpy::PyReadonlyArray2;
-use palpate_engine::feel::Feel;
-use palpate_engine::kept_surface::{SurfaceMaking, SurfaceSource};
+use palpate_engine::scene::incremental_surface::{SurfaceMaking, SurfaceSource};
 use palpate_engine::scene::{Properties, ThresholdRange};
 use palpate_engine::session::Session;
-use palpate_engine::session_config::SessionConfig;
-use palpate_engine::settings::Settings;
+use palpate_engine::session::config::SessionConfig;
+use palpate_engine::touch::settings::Settings;
+use palpate_engine::touch::touch_feel::Feel;
 use palpate_tools::journal_entry::ScanHash;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::segment::Segment;

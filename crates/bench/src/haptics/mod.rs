@@ -23,12 +23,12 @@ pub use stroke::{DEPTH, STEP, Stroke, stroke};
 use std::hint::black_box;
 
 use glam::DVec3;
-use palpate_engine::feel::Feels;
-use palpate_engine::model::Model;
-use palpate_engine::owners::Owners;
-use palpate_engine::settings::Settings;
-use palpate_engine::touchable::Touchable;
-use palpate_engine::touched_surfaces::TouchedSurfaces;
+use palpate_engine::touch::contact_model::Model;
+use palpate_engine::touch::owners::Owners;
+use palpate_engine::touch::settings::Settings;
+use palpate_engine::touch::touch_feel::Feels;
+use palpate_engine::touch::touchable::Touchable;
+use palpate_engine::touch::touched_surfaces::TouchedSurfaces;
 use palpate_haptics::ball::BallError;
 use palpate_haptics::contact::ContactModel;
 use palpate_haptics::exact::Exact;

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use glam::DVec3;
-use palpate_engine::scan_values::{ScanValues, Threshold};
-use palpate_engine::touchable::{Part, Touchable};
+use palpate_engine::touch::scan_values::{ScanValues, Threshold};
+use palpate_engine::touch::touchable::{Part, Touchable};
 use palpate_haptics::contact::ContactModel;
 use palpate_haptics::exact::Exact;
 use palpate_haptics::proxy::Proxy;

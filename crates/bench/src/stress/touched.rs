@@ -3,12 +3,12 @@
 //! Frame: the world's grid.
 
 use glam::{DVec3, IVec3, UVec3};
-use palpate_engine::body::BodyVoxels;
-use palpate_engine::handover::{BrickChange, Garbage};
-use palpate_engine::known_shares::KnownShares;
-use palpate_engine::probe::Probe;
-use palpate_engine::touch_occupancy::{GARBAGE_PER_CHANGE, TouchOccupancy};
-use palpate_engine::touchable::{Body, Touchable};
+use palpate_engine::servo::channels::{BrickChange, Garbage};
+use palpate_engine::touch::body::BodyVoxels;
+use palpate_engine::touch::occupancy_fractions::KnownShares;
+use palpate_engine::touch::probe::Probe;
+use palpate_engine::touch::touch_occupancy::{GARBAGE_PER_CHANGE, TouchOccupancy};
+use palpate_engine::touch::touchable::{Body, Touchable};
 use palpate_haptics::moving::PoseStep;
 use palpate_haptics::proxy::Proxy;
 use palpate_haptics::scene::{Object, ObjectPose, TouchScene};

@@ -12,8 +12,8 @@ use palpate_volume::segment::Segment;
 use super::drive::{Drive, Sample};
 use super::rig::Rig;
 use crate::error::SessionError;
-use crate::feel::Feel;
 use crate::scene::Properties;
+use crate::touch::touch_feel::Feel;
 
 /// A layer of the body.
 #[derive(Clone, Debug)]

@@ -11,20 +11,20 @@ use palpate_volume::intensities::Intensities;
 use palpate_volume::voxels::Voxels;
 
 use super::drive::Drive;
-use crate::deformation::Deformation;
-use crate::deformation_loop::DeformationLoop;
+use crate::deformable::deformation::Deformation;
+use crate::deformable::deformation_loop::DeformationLoop;
 use crate::error::SessionError;
-use crate::feel::Feels;
-use crate::frame::Notice;
-use crate::handover::{Channels, DeviceSample, TickRecord};
-use crate::mapping::Mapping;
-use crate::mask_shares::MaskShares;
+use crate::picture::frame::Notice;
+use crate::picture::scene_updates::SceneNews;
 use crate::scene::Scene;
-use crate::scene_news::SceneNews;
+use crate::scene::mask_fractions::MaskShares;
+use crate::servo::channels::{Channels, DeviceSample, TickRecord};
+use crate::servo::mapping::Mapping;
+use crate::servo::shared::Shared;
 use crate::servo::{ServoLoop, ServoStart};
-use crate::shared::Shared;
 use crate::simulation::{Simulation, SimulationStatus};
-use crate::touchable::Touchable;
+use crate::touch::touch_feel::Feels;
+use crate::touch::touchable::Touchable;
 
 /// Ticks in a second.
 pub(super) const RATE_HZ: u32 = 1000;

@@ -10,12 +10,12 @@ use palpate_tools::tool::ToolSettings;
 use palpate_volume::edit::SegmentId;
 
 use super::{Session, lock};
-use crate::deformation::{DeformationNow, ForceSource};
+use crate::deformable::deformable_view::ShownParts;
+use crate::deformable::deformation::{DeformationNow, ForceSource};
 use crate::error::SessionError;
-use crate::matter_view::ShownParts;
-use crate::needle::NeedleReport;
 use crate::simulation::Simulation;
 use crate::simulation::recovery::{Kept, Recovered};
+use crate::touch::needle::NeedleReport;
 
 impl Session {
     /// Chooses the tool for the next strokes, or none; a stroke that is on ends.

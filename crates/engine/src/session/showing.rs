@@ -6,12 +6,12 @@ use palpate_volume::edit::SegmentId;
 
 use super::{Session, lock};
 use crate::error::SessionError;
-use crate::frame::{Frame, Rates};
-use crate::kept_surface::SurfaceMaking;
-use crate::recording::Recording;
+use crate::picture::frame::{Frame, Rates};
+use crate::picture::surfaces::PictureChange;
+use crate::replay::recording::Recording;
+use crate::replay::tape::Tape;
+use crate::scene::incremental_surface::SurfaceMaking;
 use crate::simulation::Simulation;
-use crate::surfaces::PictureChange;
-use crate::tape::Tape;
 
 impl Session {
     /// Shows a segment as a surface made in this way, or as none.

@@ -8,12 +8,12 @@ use palpate_volume::edit::SegmentId;
 use palpate_volume::voxels::VoxelsError;
 
 use super::Simulation;
-use crate::deformation::{DeformationNow, ForceSource};
+use crate::deformable::deformation::{DeformationNow, ForceSource};
 use crate::error::SessionError;
-use crate::frame::Notice;
-use crate::handover::{GivingWay, ServoCommand};
+use crate::picture::frame::Notice;
+use crate::picture::scene_updates::SceneNews;
 use crate::scene::{ModelChoice, Step};
-use crate::scene_news::SceneNews;
+use crate::servo::channels::{GivingWay, ServoCommand};
 
 impl Simulation {
     /// Chooses the model by which matter gives way and what it offers to choose, or none; an

@@ -16,10 +16,10 @@ use palpate_volume::voxels::{Voxels, VoxelsError};
 
 use super::Simulation;
 use crate::error::SessionError;
-use crate::feel::Feel;
-use crate::frame::Notice;
-use crate::handover::ServoCommand;
+use crate::picture::frame::Notice;
 use crate::scene::{Properties, Step, TouchChange};
+use crate::servo::channels::ServoCommand;
+use crate::touch::touch_feel::Feel;
 
 /// What came back from a journal.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

@@ -5,8 +5,8 @@ use palpate_volume::edit::SegmentId;
 use palpate_volume::voxels::VoxelsError;
 
 use super::Simulation;
+use crate::deformable::rigid_regions::{Regions, SharedChange, changed_bricks, rigid_mask};
 use crate::error::SessionError;
-use crate::rigid_matter::{Regions, SharedChange, changed_bricks, rigid_mask};
 use crate::scene::{Step, TouchChange};
 
 impl Simulation {
@@ -87,13 +87,13 @@ mod tests {
     use super::*;
     use std::sync::mpsc;
 
-    use crate::deformation::Deformation;
-    use crate::handover::Channels;
-    use crate::mask_shares::MaskShares;
-    use crate::rigid_matter::SharedNews;
+    use crate::deformable::deformation::Deformation;
+    use crate::deformable::rigid_regions::SharedNews;
+    use crate::scene::mask_fractions::MaskShares;
     use crate::scene::{Properties, Scene};
-    use crate::settings::Settings;
+    use crate::servo::channels::Channels;
     use crate::simulation::SimulationStatus;
+    use crate::touch::settings::Settings;
     use glam::{DMat3, DVec3, IVec3, UVec3};
     use oorandom::Rand64;
     use palpate_deform::material::preset;

@@ -10,11 +10,11 @@ use glam::DAffine3;
 
 use super::{Simulation, check_radius};
 use crate::error::SessionError;
-use crate::feel::Feel;
-use crate::handover::ServoCommand;
-use crate::kept_surface::SurfaceMaking;
+use crate::picture::scene_updates::SceneNews;
+use crate::scene::incremental_surface::SurfaceMaking;
 use crate::scene::{Properties, Step, ThresholdRange, TouchChange};
-use crate::scene_news::SceneNews;
+use crate::servo::channels::ServoCommand;
+use crate::touch::touch_feel::Feel;
 
 impl Simulation {
     /// Adds a segment; an undoable one is taken away again by undo.

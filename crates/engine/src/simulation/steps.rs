@@ -6,8 +6,8 @@ use palpate_volume::voxels::VoxelsError;
 
 use super::Simulation;
 use crate::error::SessionError;
+use crate::picture::scene_updates::SceneNews;
 use crate::scene::Step;
-use crate::scene_news::SceneNews;
 
 impl Simulation {
     /// Takes the newest change back; false where there is none.

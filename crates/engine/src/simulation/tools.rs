@@ -8,11 +8,11 @@ use palpate_volume::voxels::VoxelsError;
 
 use super::Simulation;
 use crate::error::SessionError;
-use crate::frame::Notice;
-use crate::handover::ServoCommand;
-use crate::needle::{NeedlePlace, NeedleReport};
+use crate::picture::frame::Notice;
 use crate::scene::Step;
-use crate::tool_stroke::ProbeNow;
+use crate::servo::channels::ServoCommand;
+use crate::simulation::tool_stroke::ProbeNow;
+use crate::touch::needle::{NeedlePlace, NeedleReport};
 
 /// Where a needle that is taken out stands before its entry [mm].
 const BEFORE_ENTRY: f64 = 2.0;

@@ -2,9 +2,9 @@
 
 use glam::{DAffine3, DMat3};
 use palpate_deform::material::{MaterialLaw, SolidSi};
-use palpate_engine::feel::Feel;
-use palpate_engine::handover::HandTarget;
-use palpate_engine::settings::Settings;
+use palpate_engine::servo::channels::HandTarget;
+use palpate_engine::touch::settings::Settings;
+use palpate_engine::touch::touch_feel::Feel;
 use palpate_haptics::smooth::Smoothing;
 use palpate_volume::edit::SegmentId;
 

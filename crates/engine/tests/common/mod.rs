@@ -17,22 +17,22 @@ use glam::{DAffine3, DMat3, DVec3, IVec3, UVec3};
 use palpate_device::scripted::{PathSample, ScriptedDevice};
 use palpate_device::simulated::{SimulatedDevice, SimulatedSettings};
 use palpate_device::{DeviceLimits, DeviceState, HapticDevice};
-use palpate_engine::deformation::Deformation;
-use palpate_engine::deformation_loop::DeformationLoop;
-use palpate_engine::feel::{Feel, Feels};
-use palpate_engine::frame::{Frame, Notice};
-use palpate_engine::handover::{Channels, DeviceSample, HandTarget, TickRecord};
-use palpate_engine::mapping::Mapping;
-use palpate_engine::mask_shares::{MaskShares, ShareLoop};
+use palpate_engine::deformable::deformation::Deformation;
+use palpate_engine::deformable::deformation_loop::DeformationLoop;
+use palpate_engine::picture::frame::{Frame, Notice};
+use palpate_engine::picture::scene_updates::SceneNews;
+use palpate_engine::scene::mask_fractions::{MaskShares, ShareLoop};
 use palpate_engine::scene::{Properties, Scene};
-use palpate_engine::scene_news::SceneNews;
+use palpate_engine::servo::channels::{Channels, DeviceSample, HandTarget, TickRecord};
+use palpate_engine::servo::mapping::Mapping;
+use palpate_engine::servo::shared::Shared;
 use palpate_engine::servo::{ServoLoop, ServoStart};
 use palpate_engine::session::Session;
-use palpate_engine::session_config::{Reference, SessionConfig};
-use palpate_engine::settings::Settings;
-use palpate_engine::shared::Shared;
+use palpate_engine::session::config::{Reference, SessionConfig};
 use palpate_engine::simulation::{Simulation, SimulationStatus};
-use palpate_engine::touchable::Touchable;
+use palpate_engine::touch::settings::Settings;
+use palpate_engine::touch::touch_feel::{Feel, Feels};
+use palpate_engine::touch::touchable::Touchable;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
 use palpate_volume::intensities::Intensities;
@@ -243,7 +243,7 @@ pub struct Rig {
     pub deformation: DeformationLoop,
     pub shares: ShareLoop,
     pub device: triple_buffer::Input<DeviceSample>,
-    pub forces: triple_buffer::Output<palpate_engine::handover::ForceCommand>,
+    pub forces: triple_buffer::Output<palpate_engine::servo::channels::ForceCommand>,
     pub hand: triple_buffer::Input<HandTarget>,
     pub records: rtrb::Consumer<TickRecord>,
     pub status: triple_buffer::Output<SimulationStatus>,
