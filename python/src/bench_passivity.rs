@@ -103,7 +103,7 @@ fn report_dict<'py>(py: Python<'py>, told: &Report) -> PyResult<Bound<'py, PyDic
         ("to_hand", told.to_hand),
         ("of_one_contact", told.of_one_contact),
         ("largest_force", told.largest_force),
-        ("contact_share", told.contact_share),
+        ("contact_share", told.contact_fraction),
         ("damped", told.damped as f64),
         ("violations", told.violations as f64),
         ("largest_stiffness", told.largest_stiffness),

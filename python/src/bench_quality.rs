@@ -12,7 +12,7 @@ pub fn touch_quality_cases(py: Python<'_>) -> Vec<String> {
     py.detach(|| cases().into_iter().map(|case| case.name).collect())
 }
 
-/// Feels one case in one way of touch.
+/// Touches one case in one way of touch.
 #[pyfunction]
 pub fn bench_touch_quality<'py>(
     py: Python<'py>,

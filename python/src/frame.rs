@@ -9,7 +9,7 @@ use palpate_engine::picture::frame::{
 };
 use palpate_engine::simulation::SegmentState;
 use palpate_engine::threads::rate::Rate;
-use palpate_engine::touch::touch_feel::Feel;
+use palpate_engine::touch::touch_feel::TouchFeel;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -101,7 +101,7 @@ fn rows_of(transform: glam::DAffine3) -> Vec<f64> {
         .to_vec()
 }
 
-fn feel_dict(py: Python<'_>, feel: Feel) -> PyResult<Bound<'_, PyDict>> {
+fn feel_dict(py: Python<'_>, feel: TouchFeel) -> PyResult<Bound<'_, PyDict>> {
     dictionary!(py,
         "stiffness": feel.stiffness,
         "friction_static": feel.friction_static,

@@ -6,7 +6,7 @@ use palpate_deform::material::{
 use palpate_deform::model::{MODELS, Registered};
 use palpate_deform::model_options::{Calibration, ModelOptions, Motion, Prony, Range};
 use palpate_engine::deformable::deformable_view::ShownParts;
-use palpate_engine::deformable::deformation::{DeformationNow, ForceSource};
+use palpate_engine::deformable::deformation::{DeformationStatus, ForceSource};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::voxel_box::VoxelBox;
 use pyo3::prelude::*;
@@ -269,7 +269,7 @@ pub fn force_source(name: &str) -> Result<ForceSource, CoreError> {
 /// How the deformation goes.
 pub fn deformation_dict<'py>(
     py: Python<'py>,
-    now: &DeformationNow,
+    now: &DeformationStatus,
 ) -> PyResult<Bound<'py, PyDict>> {
     dictionary!(py,
         "model": now.model,

@@ -6,12 +6,12 @@ use std::time::Duration;
 
 use glam::IVec3;
 use numpy::PyReadonlyArray2;
-use palpate_engine::scene::incremental_surface::{SurfaceMaking, SurfaceSource};
+use palpate_engine::scene::incremental_surface::{SurfaceOptions, SurfaceSource};
 use palpate_engine::scene::{Properties, ThresholdRange};
 use palpate_engine::session::Session;
 use palpate_engine::session::config::SessionConfig;
 use palpate_engine::touch::settings::Settings;
-use palpate_engine::touch::touch_feel::Feel;
+use palpate_engine::touch::touch_feel::TouchFeel;
 use palpate_tools::journal_entry::ScanHash;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::segment::Segment;
@@ -206,7 +206,7 @@ impl PySession {
         friction_static: Option<f64>,
         friction_kinetic: Option<f64>,
     ) -> Result<(), CoreError> {
-        let feel = Feel {
+        let feel = TouchFeel {
             stiffness,
             friction_static,
             friction_kinetic,
@@ -345,7 +345,7 @@ impl PySession {
         } else {
             SurfaceSource::Intensities
         };
-        let making = SurfaceMaking::new(smoothing, step, source);
+        let making = SurfaceOptions::new(smoothing, step, source);
         Ok(py.detach(|| {
             self.session
                 .show_surface(SegmentId(segment_id), Some(making))
@@ -500,7 +500,7 @@ impl PySession {
         path: PathBuf,
         scan_hash: [u8; 32],
     ) -> Result<Option<(usize, u64)>, CoreError> {
-        let kept = py.detach(|| self.session.look_at_journal(path, ScanHash(scan_hash)))?;
+        let kept = py.detach(|| self.session.inspect_journal(path, ScanHash(scan_hash)))?;
         Ok(kept.map(|kept| (kept.steps, kept.ignored_bytes)))
     }
 

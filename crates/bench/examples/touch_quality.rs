@@ -31,10 +31,10 @@ fn main() {
                 f.proxy_lag_max,
                 f.jitter,
                 f.pop_throughs,
-                100.0 * f.solid_share,
+                100.0 * f.solid_fraction,
                 f.stuck,
                 f.force_step,
-                100.0 * f.contact_share,
+                100.0 * f.contact_fraction,
             );
         }
     }

@@ -92,8 +92,8 @@ mod tests {
     #[test]
     fn quantiles_are_values_that_occur() {
         let sorted: Vec<f64> = (1..=1000).map(f64::from).collect();
-        let shares = [0.5, 0.99, 0.999, 1.0];
-        let quantiles = shares.map(|share| quantile(&sorted, share));
+        let fractions = [0.5, 0.99, 0.999, 1.0];
+        let quantiles = fractions.map(|share| quantile(&sorted, share));
         assert_eq!(quantiles, [500.0, 990.0, 999.0, 1000.0]);
         assert_eq!(quantile(&[], 0.5), 0.0);
     }

@@ -29,7 +29,7 @@ const MOST_VISITS: u32 = 20_000;
 
 /// What the doors were told of one segment, as far as undo takes it back.
 #[derive(Clone, PartialEq)]
-struct Told {
+struct Observation {
     solid: Dense,
     pose: Option<DAffine3>,
 }
@@ -41,10 +41,10 @@ struct World {
     rooms: Parts,
     inside_shell: Parts,
     ids: Vec<SegmentId>,
-    told: Vec<Told>,
+    told: Vec<Observation>,
     touchable: [bool; 3],
-    done: Vec<Vec<Told>>,
-    undone: Vec<Vec<Told>>,
+    done: Vec<Vec<Observation>>,
+    undone: Vec<Vec<Observation>>,
 }
 
 /// What is touched between two ticks, and where the probe is.
@@ -72,14 +72,17 @@ struct Seen {
 
 #[test]
 fn whatever_is_changed_by_whatever_door_every_guarantee_holds() {
-    let mut seen = Seen::default();
+    let mut visited = Seen::default();
     for seed in 0..8 {
-        run(seed, &mut seen);
+        run(seed, &mut visited);
     }
     // the test means something
-    assert!(seen.contacts > 10_000, "{seen:?}");
-    assert!(seen.held > 500 && seen.pushed > 100, "{seen:?}");
-    assert!(seen.grown_in_contact > 50 && seen.carried > 20, "{seen:?}");
+    assert!(visited.contacts > 10_000, "{visited:?}");
+    assert!(visited.held > 500 && visited.pushed > 100, "{visited:?}");
+    assert!(
+        visited.grown_in_contact > 50 && visited.carried > 20,
+        "{visited:?}"
+    );
 }
 
 #[test]
@@ -97,10 +100,10 @@ fn the_slow_way_sees_balls_in_voxels_and_what_walls_part() {
     assert!(leaves_free(&closed, cell, 1.0) && !leaves_free(&closed, cell, 1.01));
 
     let ends = [cell, IVec3::new(6, 2, 2)];
-    let is_way = |volume: &Dense, radius| {
-        Finder::default().is_way(volume, ends, 8, |cell| leaves_free(volume, cell, radius))
+    let has_path = |volume: &Dense, radius| {
+        Finder::default().has_path(volume, ends, 8, |cell| leaves_free(volume, cell, radius))
     };
-    assert!(is_way(&open, 0.0) && !is_way(&open, 0.5) && !is_way(&closed, 0.0));
+    assert!(has_path(&open, 0.0) && !has_path(&open, 0.5) && !has_path(&closed, 0.0));
 
     // beside the wall one can go around it
     let closed_box = Dense::from_fn(IVec3::splat(8), |voxel| {
@@ -111,7 +114,7 @@ fn the_slow_way_sees_balls_in_voxels_and_what_walls_part() {
     assert_ne!(side(&closed_box, 2.5), side(&closed_box, -2.5));
 }
 
-fn run(seed: u128, seen: &mut Seen) {
+fn run(seed: u128, visited: &mut Seen) {
     let mut random = Random::new(seed);
     let mut world = World::new(&mut random);
     let mut device = MIDDLE;
@@ -128,7 +131,7 @@ fn run(seed: u128, seen: &mut Seen) {
         let after = world.moment(&record, Some(&before));
         let place = format!("seed {seed}, tick {tick}");
         world.check(&[&before, &after], &record, &place);
-        world.note(&[&before, &after], &record, seen);
+        world.note(&[&before, &after], &record, visited);
         before = after;
     }
     world.comes_to_rest(device, seed);
@@ -145,7 +148,7 @@ impl World {
             let share = random.between(0.02, 0.3);
             Dense::from_fn(BOX, |_| random.share() < share)
         };
-        let told = |solid, pose| Told { solid, pose };
+        let told = |solid, pose| Observation { solid, pose };
         // a body of its own from the start: one that was moved once stays that
         let place = Some(DAffine3::IDENTITY);
         let inside_shell = Parts::beside(&shell);
@@ -196,7 +199,7 @@ impl World {
     fn fill(&mut self, place: usize, region: VoxelBox, solid: bool) {
         let id = self.ids[place];
         self.rig.simulation.fill_box(id, &region, solid).unwrap();
-        self.tell(|told| {
+        self.report(|told| {
             for voxel in region.voxels() {
                 told[place].solid.set(voxel, solid);
             }
@@ -219,7 +222,7 @@ impl World {
             DAffine3::from_mat3_translation(turn, MIDDLE - turn * MIDDLE + random.point(-7.0, 7.0));
         let id = self.ids[SHELL];
         self.rig.simulation.move_segment(id, pose).unwrap();
-        self.tell(|told| told[SHELL].pose = Some(pose));
+        self.report(|told| told[SHELL].pose = Some(pose));
     }
 
     fn undo(&mut self) {
@@ -257,7 +260,7 @@ impl World {
     }
 
     /// Notes a change as a step of undo, where it is one.
-    fn tell(&mut self, change: impl FnOnce(&mut [Told])) {
+    fn report(&mut self, change: impl FnOnce(&mut [Observation])) {
         let before = self.told.clone();
         change(&mut self.told);
         if before != self.told {
@@ -303,7 +306,7 @@ impl World {
 
     /// What is to be solid where nothing waits: the room, and all that is touchable and was not moved.
     fn wanted(&self) -> Dense {
-        let stands = |(told, on): &(&Told, bool)| *on && told.pose.is_none();
+        let stands = |(told, on): &(&Observation, bool)| *on && told.pose.is_none();
         let standing: Vec<_> = self
             .told
             .iter()
@@ -333,7 +336,7 @@ impl World {
         let rooms = [before, after].map(|moment| self.rooms.of(moment.proxy));
         assert_eq!(rooms[0], rooms[1], "{place}: through the wall");
         assert!(
-            is_way(before, after),
+            has_path(before, after),
             "{place}: no way from {} to {}",
             before.proxy,
             after.proxy
@@ -365,13 +368,13 @@ impl World {
         );
     }
 
-    fn note(&mut self, [before, after]: &[&Moment; 2], record: &TickRecord, seen: &mut Seen) {
+    fn note(&mut self, [before, after]: &[&Moment; 2], record: &TickRecord, visited: &mut Seen) {
         let touched = self.rig.status.read().touched;
-        seen.contacts += u32::from(record.contact);
-        seen.held += u32::from(after.waits);
-        seen.pushed += u32::from(overlaps(&after.solid, before.proxy, after.radius));
-        seen.grown_in_contact += u32::from(record.contact && after.radius > before.radius);
-        seen.carried += u32::from(before.shell != after.shell && touched == self.ids[SHELL].0);
+        visited.contacts += u32::from(record.contact);
+        visited.held += u32::from(after.waits);
+        visited.pushed += u32::from(overlaps(&after.solid, before.proxy, after.radius));
+        visited.grown_in_contact += u32::from(record.contact && after.radius > before.radius);
+        visited.carried += u32::from(before.shell != after.shell && touched == self.ids[SHELL].0);
     }
 
     /// With hand, scene and simulation at rest.
@@ -401,11 +404,11 @@ impl World {
 
 /// Whether cells that the ball may be in, before the tick or after it, lead from where the probe was
 /// to where it is: what changes in the tick pushes it through what was free.
-fn is_way(before: &Moment, after: &Moment) -> bool {
+fn has_path(before: &Moment, after: &Moment) -> bool {
     let ends = [before, after].map(|moment| moment.proxy.floor().as_ivec3());
     let radius = before.radius.min(after.radius);
     ends[0] == ends[1]
-        || Finder::default().is_way(&before.solid, ends, EDGE, |cell| {
+        || Finder::default().has_path(&before.solid, ends, EDGE, |cell| {
             leaves_free(&before.solid, cell, radius) || leaves_free(&after.solid, cell, radius)
         })
 }

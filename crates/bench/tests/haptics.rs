@@ -27,7 +27,11 @@ fn a_stroke_presses_and_slides_and_repeats_nothing() {
     let ball = ball();
     let stroke = stroke(&grid(DIMENSIONS), &ball, &Exact::default(), UPDATES, 1).unwrap();
     assert_eq!(stroke.device.len(), UPDATES);
-    assert!(stroke.contact_share >= 0.95, "{}", stroke.contact_share);
+    assert!(
+        stroke.contact_fraction >= 0.95,
+        "{}",
+        stroke.contact_fraction
+    );
     for pair in stroke.device.windows(2) {
         // rounding of coordinates of some ten mm
         assert!((pair[0].distance(pair[1]) - 0.2).abs() < 1e-12);
@@ -89,7 +93,7 @@ fn reports_say_what_was_done() {
             Work::Detection { length } => (0.0..=0.0, length),
             Work::Proxy | Work::Tick { .. } => (0.95..=1.0, 0.2),
         };
-        assert!(share.contains(&report.contact_share), "{report:?}");
+        assert!(share.contains(&report.contact_fraction), "{report:?}");
         assert!((report.mean_step - step).abs() < 1e-9, "{report:?}");
     }
 }
@@ -119,7 +123,7 @@ fn every_model_is_timed_on_the_same_path_under_its_own_name() {
     for report in &reports {
         assert_eq!(report.mean_step, reports[0].mean_step);
         // pressed into a ball, each of them is held up
-        assert!(report.contact_share > 0.9, "{report:?}");
+        assert!(report.contact_fraction > 0.9, "{report:?}");
     }
     // each does work of its own
     assert!(reports[0].mean_visits != reports[2].mean_visits);
@@ -140,7 +144,7 @@ fn balls_press_and_slide_as_a_point_does() {
         let bench = TouchBench::new(&ground(), radius, 5000, 3).unwrap();
         for work in [Work::Proxy, Work::TICK] {
             let report = bench.run(work, Model::Exact).unwrap();
-            assert!(report.contact_share >= 0.95, "{radius}: {report:?}");
+            assert!(report.contact_fraction >= 0.95, "{radius}: {report:?}");
         }
         let shape = BallShape::new(radius, grid.spacing()).unwrap();
         let limits = ball_limits(&shape);
@@ -177,7 +181,7 @@ fn a_body_of_many_segments_is_timed_with_their_owners() {
         bench.run(Work::TICK, Model::Exact).unwrap()
     });
     // the union is the same body
-    assert_eq!(many.contact_share, one.contact_share);
+    assert_eq!(many.contact_fraction, one.contact_fraction);
     assert_eq!(many.mean_visits, one.mean_visits);
 }
 
@@ -208,6 +212,6 @@ fn an_embedded_body_is_the_same_at_the_same_place() {
 
     let found = compare([&small, &large], Work::Proxy, [2000, 50], 3).unwrap();
     assert!(found.small_per_second > 0.0 && found.large_per_second > 0.0);
-    assert!(found.contact_share >= 0.95);
+    assert!(found.contact_fraction >= 0.95);
     assert_eq!([found.small_cold.count, found.large_cold.count], [50, 50]);
 }

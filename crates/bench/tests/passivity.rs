@@ -28,7 +28,7 @@ fn at_all_rates_pressing_tapping_and_sliding_give_the_hand_no_energy() {
             let outcome = rub(&floor.wall(), &case);
             println!("{rates:?} {motion:?} {outcome:?}");
             assert!(
-                outcome.contacts > 1 && outcome.contact_share > 0.1,
+                outcome.contacts > 1 && outcome.contact_fraction > 0.1,
                 "{outcome:?}"
             );
             assert_eq!(outcome.violations, 0);

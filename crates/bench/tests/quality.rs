@@ -2,7 +2,8 @@
 
 use glam::{DVec3, IVec3};
 use palpate_bench::quality::{
-    Body, Case, Feel, Felt, Figures, Solid, Touch, cases, cases_where, measure, measure_hand,
+    Body, Case, FeltForce, Figures, ForceModel, Solid, Touch, cases, cases_where, measure,
+    measure_hand,
 };
 use palpate_volume::voxel_box::VoxelBox;
 
@@ -21,13 +22,13 @@ fn single(body: &str) -> (Case, Body) {
 }
 
 /// A hand that feels the true surface, changed by `fault(update, felt)`.
-fn perfect(body: Body, fault: impl Fn(usize, &mut Felt)) -> impl FnMut(DVec3) -> Felt {
+fn perfect(body: Body, fault: impl Fn(usize, &mut FeltForce)) -> impl FnMut(DVec3) -> FeltForce {
     let (mut update, mut outward) = (0, DVec3::ZERO);
     move |device| {
         let foot = body.foot(device);
         let contact = foot.distance < 0.0;
         let point = if contact { foot.point } else { device };
-        let mut felt = Felt {
+        let mut felt = FeltForce {
             force: point - device,
             proxy: point,
             force_point: point,
@@ -52,9 +53,9 @@ fn across(force: DVec3) -> DVec3 {
 fn measured(
     case: &Case,
     body: &Body,
-    fault: impl Fn(usize, &mut Felt) + Clone + 'static,
+    fault: impl Fn(usize, &mut FeltForce) + Clone + 'static,
 ) -> Figures {
-    measure_hand(case, Touch::Exact, |_, _, _| -> Feel<'_> {
+    measure_hand(case, Touch::Exact, |_, _, _| -> ForceModel<'_> {
         Box::new(perfect(body.clone(), fault.clone()))
     })
 }
@@ -71,7 +72,10 @@ fn a_hand_that_feels_the_true_surface_is_perfect() {
         assert!(figures.force_step < 1e-9, "{name} {figures:?}");
         assert_eq!(figures.jitter, 0.0);
         assert_eq!((figures.pop_throughs, figures.stuck), (0.0, 0.0));
-        assert_eq!((figures.solid_share, figures.contact_share), (0.0, 1.0));
+        assert_eq!(
+            (figures.solid_fraction, figures.contact_fraction),
+            (0.0, 1.0)
+        );
     }
 }
 
@@ -111,13 +115,13 @@ fn each_fault_is_seen_in_its_own_figure() {
     assert!(aside.proxy_lag_max < 1e-9);
 
     let inside = measured(&case, &body, |_, felt| felt.proxy -= felt.force);
-    assert!(inside.solid_share > 0.9 && inside.pop_throughs == 0.0);
+    assert!(inside.solid_fraction > 0.9 && inside.pop_throughs == 0.0);
 
     let lost = measured(&case, &body, |update, felt| {
         felt.contact &= !(500..510).contains(&update) && !(700..703).contains(&update);
     });
     assert_eq!(lost.pop_throughs, 2.0);
-    assert!(lost.contact_share < 1.0);
+    assert!(lost.contact_fraction < 1.0);
 
     let (shell_case, shell) = single("shell of 2");
     let behind = measured(&shell_case, &shell, |update, felt| {
@@ -125,7 +129,7 @@ fn each_fault_is_seen_in_its_own_figure() {
             felt.proxy -= felt.force * 1.5;
         }
     });
-    assert_eq!((behind.pop_throughs, behind.solid_share), (1.0, 0.0));
+    assert_eq!((behind.pop_throughs, behind.solid_fraction), (1.0, 0.0));
 }
 
 #[test]
@@ -226,7 +230,7 @@ fn shells_are_closed_face_to_face() {
 #[test]
 fn partial_volumes_are_the_shares_of_voxels_inside() {
     let (case, body) = single("sphere");
-    let solid = Solid::of_shares(&body, &case.grid);
+    let solid = Solid::of_fractions(&body, &case.grid);
     let values = solid.values.unwrap();
     let volume: f64 = values.values().iter().map(|&v| f64::from(v) / 1000.0).sum();
     // of a ball of 20 mm in voxels of 1 mm³; points of a sixth count each voxel to some percent,
@@ -240,7 +244,7 @@ fn partial_volumes_are_the_shares_of_voxels_inside() {
     }
     // nothing stands inside of a shell
     let (case, shell) = single("shell of 2");
-    let solid = Solid::of_shares(&shell, &case.grid);
+    let solid = Solid::of_fractions(&shell, &case.grid);
     let middle = case.grid.grid_from_patient().transform_point3(shell.centre);
     let middle = middle.floor().as_ivec3();
     assert_eq!(solid.values.unwrap().stored(middle), Some(0));
@@ -287,7 +291,7 @@ fn every_way_of_touch_is_measured_under_its_own_name() {
     // the guarantees of `exact`, and what the thesis' models lack
     for exact in &figures[..5] {
         assert_eq!((exact.jitter, exact.pop_throughs), (0.0, 0.0));
-        assert_eq!((exact.solid_share, exact.stuck), (0.0, 0.0));
+        assert_eq!((exact.solid_fraction, exact.stuck), (0.0, 0.0));
     }
     assert!(figures[7].jitter > 0.0);
     assert_eq!(Touch::named("thesis"), None);
@@ -313,7 +317,11 @@ fn the_force_of_balls_is_as_true_as_the_goals_want() {
                 assert!(felt.direction_95 < most, "{case}");
                 assert!(felt.magnitude_rmse < 0.05, "{case}");
                 assert!(felt.force_lag_max < 1.5, "{case}");
-                assert_eq!((felt.pop_throughs, felt.solid_share), (0.0, 0.0), "{case}");
+                assert_eq!(
+                    (felt.pop_throughs, felt.solid_fraction),
+                    (0.0, 0.0),
+                    "{case}"
+                );
                 assert_eq!((felt.jitter, felt.stuck), (0.0, 0.0), "{case}");
                 // 1e-6 is rounding
                 assert!(felt.force_step <= 0.1 + 1e-6, "{case}");

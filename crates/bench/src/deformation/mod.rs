@@ -2,8 +2,8 @@
 //! `palpate bench stress --deform`.
 
 pub mod lattice;
+mod monitor;
 mod rig;
 pub mod session;
 pub mod stress;
-mod watch;
 mod world;

@@ -11,7 +11,7 @@ use palpate_device::{DeviceLimits, DeviceState};
 use palpate_engine::deformable::deformation::Deformation;
 use palpate_engine::deformable::deformation_loop::DeformationLoop;
 use palpate_engine::error::SessionError;
-use palpate_engine::scene::mask_fractions::MaskShares;
+use palpate_engine::scene::mask_fractions::MaskFractions;
 use palpate_engine::scene::{Properties, Scene};
 use palpate_engine::servo::channels::{Channels, DeviceChannels, DeviceSample, TickRecord};
 use palpate_engine::servo::mapping::Mapping;
@@ -19,7 +19,7 @@ use palpate_engine::servo::shared::Shared;
 use palpate_engine::servo::{ServoLoop, ServoStart};
 use palpate_engine::simulation::{Simulation, SimulationStatus};
 use palpate_engine::touch::settings::Settings;
-use palpate_engine::touch::touch_feel::Feels;
+use palpate_engine::touch::touch_feel::TouchFeels;
 use palpate_engine::touch::touchable::Touchable;
 use palpate_volume::grid::Grid;
 use palpate_volume::intensities::Intensities;
@@ -79,14 +79,14 @@ impl Rig {
             mapping: Mapping::IDENTITY,
             probe,
             settings,
-            feels: Feels::default(),
+            feels: TouchFeels::default(),
         };
         let (deformation, deformation_loop) = Deformation::new(in_step);
         // nobody works them out: touch is by bits
-        let (shares, _) = MaskShares::new();
+        let (fractions, _) = MaskFractions::new();
         let scene = Scene::new(Voxels::new(grid, intensities)?);
         let mut simulation = Simulation::new(
-            (scene, deformation, shares),
+            (scene, deformation, fractions),
             settings,
             LIMITS,
             channels.simulation,

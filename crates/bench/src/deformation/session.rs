@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 use glam::DVec3;
 use palpate_deform::material::{MaterialLaw, preset};
 use palpate_deform::model_options::ModelOptions;
-use palpate_engine::deformable::deformation_loop::Bell;
+use palpate_engine::deformable::deformation_loop::WakeUp;
 use palpate_engine::error::SessionError;
 use palpate_engine::session::live::SIMULATION_HZ;
 use palpate_engine::simulation::Simulation;
@@ -208,12 +208,12 @@ fn running_free(mut rig: Rig, led: &Led, plan: &Plan<'_>) -> Found {
         ..
     } = &mut rig;
     std::thread::scope(|scope| {
-        let (ring, bell) = mpsc::channel();
-        deformation.set_bell(Bell::new(move || {
+        let (notify, wake_up) = mpsc::channel();
+        deformation.set_wake_up(WakeUp::new(move || {
             // after the end nobody hears it
-            let _ = ring.send(());
+            let _ = notify.send(());
         }));
-        scope.spawn(|| run_simulation(simulation, bell, &gauge));
+        scope.spawn(|| run_simulation(simulation, wake_up, &gauge));
         scope.spawn(|| {
             let mut more = true;
             while more && !gauge.over.load(Relaxed) {
@@ -259,14 +259,14 @@ impl Drop for OverAtEnd<'_> {
 }
 
 /// As in a session: a pass 100 times a second, and an answer as soon as it comes.
-fn run_simulation(simulation: &mut Simulation, bell: Receiver<()>, gauge: &Gauge) {
+fn run_simulation(simulation: &mut Simulation, wake_up: Receiver<()>, gauge: &Gauge) {
     let mut pacer = Pacer::new(SIMULATION_HZ, clock::now_ns());
     while !gauge.over.load(Relaxed) {
         let rest = pacer.due_ns().saturating_sub(clock::now_ns());
         if rest == 0 {
             pacer.wait();
             simulation.step();
-        } else if bell.recv_timeout(Duration::from_nanos(rest)).is_ok() {
+        } else if wake_up.recv_timeout(Duration::from_nanos(rest)).is_ok() {
             simulation.answer_came();
         }
         let answers = simulation.deformation().answers;

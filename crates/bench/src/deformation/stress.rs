@@ -21,8 +21,8 @@ use palpate_haptics::safety::SafetySettings;
 use palpate_haptics::soft_contact;
 use rayon::prelude::*;
 
+use super::monitor::{DT, Monitor, Observation};
 use super::rig::{LIMITS, Rig};
-use super::watch::{DT, Told, Watch};
 use super::world::{BARE, BONE, BONE_ID, SKIN_ID, SOFT_ID, TOP, WIDTH, World, drill, needle};
 use crate::random::Random;
 use crate::stress::{Guarantee, Violation, hold};
@@ -114,8 +114,8 @@ pub fn run(model: &str, seed: u64, number: u64, ticks: u64) -> Result<Report, Se
     });
     Ok(Report {
         ticks: run.tick,
-        bits: run.watch.bits,
-        in_bone: run.watch.in_bone,
+        bits: run.monitor.bits,
+        in_bone: run.monitor.in_bone,
         answers: run.rig.simulation.deformation().answers,
         violation,
         ..run.report
@@ -160,7 +160,7 @@ struct Run {
     rig: Rig,
     device: DeviceLoop,
     led: Arc<Mutex<Led>>,
-    watch: Watch,
+    monitor: Monitor,
     random: Random,
     /// Where the hand has the device.
     hand: DVec3,
@@ -187,7 +187,7 @@ impl Run {
         let shared = Arc::clone(&rig.servo.shared);
         let device = Box::new(LedDevice(Arc::clone(&led)));
         Self {
-            watch: Watch::new(world, rig.servo.servo.solid()),
+            monitor: Monitor::new(world, rig.servo.servo.solid()),
             device: DeviceLoop::new(device, channels, shared, DT, SafetySettings::AT_ONCE),
             edit_number: rig.simulation.voxels().edit_number(),
             rig,
@@ -332,7 +332,7 @@ impl Run {
         self.report.settled += 1;
         self.changes_arrived()?;
         if std::mem::take(&mut self.drill) {
-            self.watch.bone_was_drilled(self.rig.servo.servo.solid());
+            self.monitor.bone_was_drilled(self.rig.servo.servo.solid());
         }
         Ok(())
     }
@@ -406,7 +406,7 @@ impl Run {
         }
         let needle = self.has_needle();
         self.report.contacts += u64::from(self.last.contact || needle);
-        self.watch.after_tick(&Told {
+        self.monitor.after_tick(&Observation {
             record: &self.last,
             solid: self.rig.servo.servo.solid(),
             sent: lock(&self.led).sent,

@@ -8,7 +8,7 @@ use palpate_deform::material::preset;
 use palpate_deform::model_options::ModelOptions;
 use palpate_engine::error::SessionError;
 use palpate_engine::touch::settings::Settings;
-use palpate_engine::touch::touch_feel::Feel;
+use palpate_engine::touch::touch_feel::TouchFeel;
 use palpate_tools::tool::{ToolKind, ToolSettings};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
@@ -137,7 +137,7 @@ impl World {
         }
         for id in [SKIN_ID, SOFT_ID, BONE_ID] {
             // only then a force must never pull
-            rig.simulation.set_feel(id, Feel::SLIPPERY)?;
+            rig.simulation.set_feel(id, TouchFeel::SLIPPERY)?;
         }
         rig.simulation
             .set_deformation(Some(model), &ModelOptions::default(), false)?;

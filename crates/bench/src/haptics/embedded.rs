@@ -31,7 +31,7 @@ pub struct Embedded {
     /// In the large one.
     pub large_per_second: f64,
     /// Share of the updates in contact in the large one.
-    pub contact_share: f64,
+    pub contact_fraction: f64,
     /// Single updates of the hard proxy at random places in the small grid, caches cold.
     pub small_cold: Timing,
     /// In the large one.
@@ -55,12 +55,12 @@ pub fn compare(
     // the same path to the bit, whatever the rounding of another grid's frame would make of it
     in_large.stroke = in_small.stroke.clone();
     let mut rates = [const { Vec::new() }; 2];
-    let mut contact_share = 0.0;
+    let mut contact_fraction = 0.0;
     for _ in 0..ROUNDS {
         for (bench, rates) in [&in_small, &in_large].into_iter().zip(&mut rates) {
             let report = bench.run(work, Model::Exact)?;
             rates.push(report.timing.per_second);
-            contact_share = report.contact_share;
+            contact_fraction = report.contact_fraction;
         }
     }
     let [small_per_second, large_per_second] = rates.map(|mut rates| {
@@ -71,7 +71,7 @@ pub fn compare(
     Ok(Embedded {
         small_per_second,
         large_per_second,
-        contact_share,
+        contact_fraction,
         small_cold: cold_starts(&in_small, &touches),
         large_cold: cold_starts(&in_large, &touches),
     })

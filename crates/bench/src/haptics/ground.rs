@@ -64,7 +64,7 @@ impl Ground {
                 bits: bits.clone(),
                 moved: None,
                 threshold: self.thresholds.get(place).cloned().flatten(),
-                shares: None,
+                fractions: None,
                 punctured: false,
                 rigid: None,
             })

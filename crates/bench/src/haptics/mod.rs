@@ -26,7 +26,7 @@ use glam::DVec3;
 use palpate_engine::touch::contact_model::Model;
 use palpate_engine::touch::owners::Owners;
 use palpate_engine::touch::settings::Settings;
-use palpate_engine::touch::touch_feel::Feels;
+use palpate_engine::touch::touch_feel::TouchFeels;
 use palpate_engine::touch::touchable::Touchable;
 use palpate_engine::touch::touched_surfaces::TouchedSurfaces;
 use palpate_haptics::ball::BallError;
@@ -75,7 +75,7 @@ pub struct Report {
     /// Time of single calls, and calls per second without a clock between them.
     pub timing: Timing,
     /// Share of the updates in contact; 0 for detection.
-    pub contact_share: f64,
+    pub contact_fraction: f64,
     /// Voxels read per call, on average; 0 where the model's own detection is timed.
     pub mean_visits: f64,
     /// Length of the device's moves in smallest spacings, on average; of rays in voxels.
@@ -169,7 +169,7 @@ impl TouchBench {
         let visits: u64 = rays.iter().map(|ray| rays::visits(*ray)).sum();
         Report {
             timing,
-            contact_share: 0.0,
+            contact_fraction: 0.0,
             mean_visits: visits as f64 / rays.len().max(1) as f64,
             mean_step: length,
         }
@@ -194,7 +194,7 @@ impl TouchBench {
         });
         Report {
             timing,
-            contact_share: 0.0,
+            contact_fraction: 0.0,
             mean_visits: 0.0,
             mean_step: length,
         }
@@ -231,7 +231,7 @@ impl TouchBench {
             friction_kinetic,
             ..Settings::default()
         };
-        let feels = Feels::default();
+        let feels = TouchFeels::default();
         let owners = Owners::default();
         let surfaces = TouchedSurfaces {
             touchable: &self.touchable,
@@ -291,7 +291,7 @@ impl TouchBench {
             });
         Report {
             timing,
-            contact_share: contacts as f64 / count,
+            contact_fraction: contacts as f64 / count,
             mean_visits: visits as f64 / count,
             mean_step: self.stroke.mean_step() / self.grid.smallest_spacing(),
         }

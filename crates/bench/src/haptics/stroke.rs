@@ -40,7 +40,7 @@ pub struct Stroke {
     /// The probe after each update.
     pub probe: Vec<DVec3>,
     /// Share of the updates in contact.
-    pub contact_share: f64,
+    pub contact_fraction: f64,
 }
 
 impl Stroke {
@@ -70,12 +70,12 @@ pub fn stroke(
             continue;
         };
         let tried = slide_from((grid, solid, model), start, count, &mut random);
-        if tried.contact_share >= CONTACT_SHARE {
+        if tried.contact_fraction >= CONTACT_SHARE {
             return Some(tried);
         }
         if best
             .as_ref()
-            .is_none_or(|best| best.contact_share < tried.contact_share)
+            .is_none_or(|best| best.contact_fraction < tried.contact_fraction)
         {
             best = Some(tried);
         }
@@ -139,7 +139,7 @@ fn slide_from(
         start: start.free,
         device: Vec::with_capacity(count),
         probe: Vec::with_capacity(count),
-        contact_share: 0.0,
+        contact_fraction: 0.0,
     };
     let mut contacts = 0_usize;
     for _ in 0..count {
@@ -156,7 +156,7 @@ fn slide_from(
         contacts += usize::from(output.contact);
         hand.advance(&output, random);
     }
-    stroke.contact_share = contacts as f64 / count.max(1) as f64;
+    stroke.contact_fraction = contacts as f64 / count.max(1) as f64;
     stroke
 }
 

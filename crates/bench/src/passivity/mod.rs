@@ -25,7 +25,7 @@ use palpate_engine::servo::shared::Shared;
 use palpate_engine::servo::{ServoLoop, ServoStart};
 use palpate_engine::touch::scan_values::Threshold;
 use palpate_engine::touch::settings::Settings;
-use palpate_engine::touch::touch_feel::Feels;
+use palpate_engine::touch::touch_feel::TouchFeels;
 use palpate_engine::touch::touchable::{Part, Touchable};
 use palpate_haptics::safety::SafetySettings;
 use palpate_volume::bits::Bits;
@@ -70,7 +70,7 @@ impl<'a> Wall<'a> {
             bits: self.solid.clone(),
             moved: None,
             threshold: self.threshold.cloned(),
-            shares: None,
+            fractions: None,
             punctured: false,
             rigid: None,
         };
@@ -96,7 +96,7 @@ impl<'a> Wall<'a> {
         });
         let slide = Case::of(&SimulatedSettings::default(), 1000, Motion::Slide, 5.0);
         walls
-            .map(|wall| (rub(&wall, &slide).contact_share, wall))
+            .map(|wall| (rub(&wall, &slide).contact_fraction, wall))
             .max_by(|a, b| a.0.total_cmp(&b.0))
             .map(|(_, wall)| wall)
     }
@@ -184,7 +184,7 @@ pub struct Outcome {
     /// Contacts.
     pub contacts: u32,
     /// Share of the time in contact.
-    pub contact_share: f64,
+    pub contact_fraction: f64,
     /// Largest force that acted [N].
     pub largest_force: f64,
     /// Largest change of that force from one tick of the device to the next [N].
@@ -268,7 +268,7 @@ fn loops(
         mapping,
         probe,
         settings: case.settings,
-        feels: Feels::default(),
+        feels: TouchFeels::default(),
     };
     let servo = ServoLoop::new(start, channels.servo, Arc::clone(&shared));
     (device, servo, shared)
@@ -324,7 +324,7 @@ pub struct Report {
     /// Largest force at it [N].
     pub largest_force: f64,
     /// Share of the time in contact, of all motions.
-    pub contact_share: f64,
+    pub contact_fraction: f64,
     /// Ticks in which the passivity controller acted.
     pub damped: u64,
     /// Ticks in which the probe was found in a solid voxel.
@@ -353,9 +353,9 @@ pub fn report(
         to_hand: largest(|outcome| outcome.to_hand),
         of_one_contact: largest(|outcome| outcome.of_one_contact),
         largest_force: largest(|outcome| outcome.largest_force),
-        contact_share: outcomes
+        contact_fraction: outcomes
             .iter()
-            .map(|outcome| outcome.contact_share)
+            .map(|outcome| outcome.contact_fraction)
             .sum::<f64>()
             / outcomes.len() as f64,
         damped: outcomes.iter().map(|outcome| outcome.damped).sum(),

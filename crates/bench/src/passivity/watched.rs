@@ -132,7 +132,7 @@ impl Watcher {
     /// All that was seen.
     pub fn outcome(&self) -> Outcome {
         Outcome {
-            contact_share: self.contact_ticks as f64 / self.ticks.max(1) as f64,
+            contact_fraction: self.contact_ticks as f64 / self.ticks.max(1) as f64,
             ..self.outcome
         }
     }

@@ -26,7 +26,7 @@ pub const STIFFNESS: f64 = 1.0;
 
 /// What came of one update. Frame: scene [mm].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Felt {
+pub struct FeltForce {
     /// Force on the hand [N], before the safety stage.
     pub force: DVec3,
     /// The hard proxy.
@@ -38,7 +38,7 @@ pub struct Felt {
 }
 
 /// One hand on one body: a device point of the scene in, what is felt out.
-pub type Feel<'a> = Box<dyn FnMut(DVec3) -> Felt + 'a>;
+pub type ForceModel<'a> = Box<dyn FnMut(DVec3) -> FeltForce + 'a>;
 
 /// A way of touch by name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -102,21 +102,21 @@ impl Touch {
     #[must_use]
     pub fn solid(self, body: &Body, grid: &Grid) -> Solid {
         match self {
-            Self::Intensities => Solid::of_shares(body, grid),
+            Self::Intensities => Solid::of_fractions(body, grid),
             _ => Solid::of_middles(body, grid),
         }
     }
 
     /// A hand that touches a solid in this way, from a free point of the scene on.
     #[must_use]
-    pub fn start<'a>(self, solid: &Solid, grid: &'a Grid, start: DVec3) -> Feel<'a> {
-        let shares = match self {
-            Self::Exact | Self::Ball(_) => Some(shares_of(solid, grid)),
+    pub fn start<'a>(self, solid: &Solid, grid: &'a Grid, start: DVec3) -> ForceModel<'a> {
+        let fractions = match self {
+            Self::Exact | Self::Ball(_) => Some(fractions_of(solid, grid)),
             _ => None,
         };
         let touched = Touchable::new(
             grid,
-            vec![part_of(solid, shares)],
+            vec![part_of(solid, fractions)],
             self.radius() * grid.smallest_spacing(),
         )
         .expect("a ball of some voxels fits");
@@ -142,8 +142,8 @@ impl Touch {
 }
 
 /// The shares of a mask, as a session works them out.
-fn shares_of(solid: &Solid, grid: &Grid) -> Arc<Shares> {
-    let mut shares = Shares::unknown(grid.dimensions());
+fn fractions_of(solid: &Solid, grid: &Grid) -> Arc<Shares> {
+    let mut fractions = Shares::unknown(grid.dimensions());
     for region in relax::regions(&solid.bits) {
         for mut swap in relaxed_shares(
             &solid.bits,
@@ -151,13 +151,13 @@ fn shares_of(solid: &Solid, grid: &Grid) -> Arc<Shares> {
             &region,
             &Shares::unknown(grid.dimensions()),
         ) {
-            shares.swap(&mut swap);
+            fractions.swap(&mut swap);
         }
     }
-    Arc::new(shares)
+    Arc::new(fractions)
 }
 
-fn part_of(solid: &Solid, shares: Option<Arc<Shares>>) -> Part {
+fn part_of(solid: &Solid, fractions: Option<Arc<Shares>>) -> Part {
     let made_from = |values| Threshold {
         range: (THRESHOLD, f64::INFINITY),
         values: ScanValues::of(values),
@@ -167,7 +167,7 @@ fn part_of(solid: &Solid, shares: Option<Arc<Shares>>) -> Part {
         bits: solid.bits.clone(),
         moved: None,
         threshold: solid.values.as_ref().map(made_from),
-        shares,
+        fractions,
         punctured: false,
         rigid: None,
     }
@@ -180,7 +180,7 @@ fn feel<'a, M: ContactModel + 'a>(
     touched: Touchable,
     grid: &'a Grid,
     start: DVec3,
-) -> Feel<'a> {
+) -> ForceModel<'a> {
     let start = grid.grid_from_patient().transform_point3(start);
     let mut state = TickState::new(Proxy::at(start).expect("a hand starts beside the body"));
     let mut cache = TickCache::default();
@@ -194,7 +194,7 @@ fn feel<'a, M: ContactModel + 'a>(
         };
         let surface = Uniform::smooth(STIFFNESS);
         let output = tick(&scene, &model, &surface, &input, &mut state, &mut cache);
-        Felt {
+        FeltForce {
             force: output.force,
             proxy: output.proxy_in_scene,
             force_point: output.contact_point_in_scene,

@@ -10,7 +10,7 @@ use palpate_volume::voxel_box::VoxelBox;
 
 use super::body::{Body, Foot};
 use super::case::Case;
-use super::felt::{Feel, Felt, STIFFNESS, Touch};
+use super::felt::{FeltForce, ForceModel, STIFFNESS, Touch};
 use super::solid::Solid;
 use crate::timing::quantile;
 
@@ -54,13 +54,13 @@ pub struct Figures {
     /// How often contact was lost inside the body, or the probe came behind the surface.
     pub pop_throughs: f64,
     /// Share of the updates with the proxy in a solid voxel.
-    pub solid_share: f64,
+    pub solid_fraction: f64,
     /// Updates spent stuck.
     pub stuck: f64,
     /// Largest change of force in a tick beyond that of the hand [h].
     pub force_step: f64,
     /// Share of the updates in contact.
-    pub contact_share: f64,
+    pub contact_fraction: f64,
     /// Updates.
     pub updates: f64,
 }
@@ -80,16 +80,16 @@ impl Figures {
             ("proxy_lag_max", self.proxy_lag_max),
             ("jitter", self.jitter),
             ("pop_throughs", self.pop_throughs),
-            ("solid_share", self.solid_share),
+            ("solid_share", self.solid_fraction),
             ("stuck", self.stuck),
             ("force_step", self.force_step),
-            ("contact_share", self.contact_share),
+            ("contact_share", self.contact_fraction),
             ("updates", self.updates),
         ]
     }
 }
 
-/// Feels a case in a way of touch.
+/// Touches a case in a way of touch.
 #[must_use]
 pub fn measure(case: &Case, touch: Touch) -> Figures {
     measure_hand(case, touch, |solid, grid, start| {
@@ -97,12 +97,12 @@ pub fn measure(case: &Case, touch: Touch) -> Figures {
     })
 }
 
-/// Feels a case in which bodies are made for a way of touch; `start` makes a hand for one, from
+/// Touches a case in which bodies are made for a way of touch; `start` makes a hand for one, from
 /// a free point of the scene on.
 pub fn measure_hand(
     case: &Case,
     touch: Touch,
-    start: impl for<'a> Fn(&'a Solid, &'a Grid, DVec3) -> Feel<'a>,
+    start: impl for<'a> Fn(&'a Solid, &'a Grid, DVec3) -> ForceModel<'a>,
 ) -> Figures {
     let mut tally = Tally::default();
     for (body, device) in &case.strokes {
@@ -136,7 +136,7 @@ pub fn measure_hand(
 struct Sample {
     device: DVec3,
     foot: Foot,
-    felt: Felt,
+    felt: FeltForce,
 }
 
 /// All that was counted.
@@ -161,8 +161,8 @@ struct Stroke<'a> {
     radius: f64,
     grid: &'a Grid,
     h: f64,
-    feel: Feel<'a>,
-    last: Option<(DVec3, Felt)>,
+    feel: ForceModel<'a>,
+    last: Option<(DVec3, FeltForce)>,
     popped: bool,
     way: Vec<Sample>,
     tally: &'a mut Tally,
@@ -330,9 +330,9 @@ impl Tally {
             force_lag_max: quantile(&self.force_lags, 1.0),
             proxy_lag_95: quantile(&self.proxy_lags, 0.95),
             proxy_lag_max: quantile(&self.proxy_lags, 1.0),
-            solid_share: share(self.solids, self.updates),
+            solid_fraction: share(self.solids, self.updates),
             stuck: self.stuck as f64,
-            contact_share: share(self.contacts, self.way),
+            contact_fraction: share(self.contacts, self.way),
             updates: self.updates as f64,
             ..self.worst
         }

@@ -20,6 +20,6 @@ mod solid;
 
 pub use body::{Body, Foot, Shape};
 pub use case::{Case, cases, cases_where};
-pub use felt::{Feel, Felt, Touch};
+pub use felt::{FeltForce, ForceModel, Touch};
 pub use figures::{Figures, REST_TICKS, measure, measure_hand};
 pub use solid::Solid;

@@ -44,12 +44,12 @@ impl Solid {
 
     /// Partial volumes, and the voxels of which half or more is inside.
     #[must_use]
-    pub fn of_shares(body: &Body, grid: &Grid) -> Self {
-        let shares = shares(body, grid);
+    pub fn of_fractions(body: &Body, grid: &Grid) -> Self {
+        let fractions = fractions(body, grid);
         let size = grid.dimensions();
         let share = |voxel: IVec3| {
             let inside = voxel.clamp(IVec3::ZERO, size.as_ivec3() - 1).as_uvec3();
-            shares[((inside.z * size.y + inside.y) * size.x + inside.x) as usize]
+            fractions[((inside.z * size.y + inside.y) * size.x + inside.x) as usize]
         };
         let [filled, bits] = voxels(body, grid, |voxel| f64::from(share(voxel)) >= THRESHOLD);
         // inside a shell there is nothing again
@@ -90,7 +90,7 @@ fn voxels(body: &Body, grid: &Grid, is_inside: impl Fn(IVec3) -> bool + Sync) ->
 }
 
 /// The value of each voxel by the share that is inside, x fastest.
-fn shares(body: &Body, grid: &Grid) -> Vec<i16> {
+fn fractions(body: &Body, grid: &Grid) -> Vec<i16> {
     let scene_from_grid = grid.patient_from_grid();
     let half_diagonal = 0.5 * grid.spacing().length();
     let per_edge = (SUBSAMPLES * grid.spacing() / grid.smallest_spacing()).ceil();

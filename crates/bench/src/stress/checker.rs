@@ -7,11 +7,11 @@ use palpate_haptics::proxy::Proxy;
 use palpate_haptics::tick::TickOutput;
 use palpate_volume::voxel_box::VoxelBox;
 
-use super::constants::Terms;
+use super::constants::Constants;
 use super::dense::{Dense, Finder};
 use super::guarantee::{Guarantee, Violation, hold};
-use super::object::Thing;
-use super::paths::{Blocked, EVERYWHERE, WINDOW, is_free, way_past};
+use super::object::Object;
+use super::paths::{Blocked, EVERYWHERE, WINDOW, is_free, path_past};
 
 /// First the near neighbourhood is searched [voxels].
 const NEAR: i32 = 4;
@@ -21,11 +21,11 @@ const PUSH: i32 = 7;
 /// What is solid, and where a probe may go.
 #[derive(Debug)]
 pub struct Checker {
-    terms: Terms,
+    constants: Constants,
     /// What is touched now in the world.
     pub dense: Dense,
     /// The objects.
-    things: Vec<Thing>,
+    objects: Vec<Object>,
     /// Parts of the space that walls which stay as they are leave free.
     parts: Vec<u32>,
     finder: Finder,
@@ -34,10 +34,10 @@ pub struct Checker {
 
 impl Checker {
     /// A checker of a world, of which `constant` is what no edit changes.
-    pub fn new(terms: Terms, dense: Dense, constant: &Dense, things: Vec<Thing>) -> Self {
+    pub fn new(constants: Constants, dense: Dense, constant: &Dense, objects: Vec<Object>) -> Self {
         Self {
-            terms,
-            things,
+            constants,
+            objects,
             parts: constant.parts(),
             blocked: Blocked::default(),
             dense,
@@ -49,22 +49,22 @@ impl Checker {
     /// it along voxels that were free before.
     pub fn before_change(&mut self, from: &Proxy, to: &Proxy) -> Result<(), Violation> {
         self.push(from, to)?;
-        let distance = ((to.point() - from.point()) * self.terms.spacing).length();
-        self.way_past_things(from.point(), distance, [from, to])
+        let distance = ((to.point() - from.point()) * self.constants.spacing).length();
+        self.path_past_objects(from.point(), distance, [from, to])
     }
 
     /// A push among the world's voxels as they are.
     fn push(&mut self, from: &Proxy, to: &Proxy) -> Result<(), Violation> {
         let ends = [from.voxel(), to.voxel()];
-        let Terms {
+        let Constants {
             spacing, radius, ..
-        } = self.terms;
+        } = self.constants;
         let Self { dense, finder, .. } = self;
-        let is_way = from == to
-            || finder.is_way(dense, ends, PUSH, |cell| {
+        let has_path = from == to
+            || finder.has_path(dense, ends, PUSH, |cell| {
                 is_free(dense, cell, spacing, radius)
             });
-        hold(is_way, Guarantee::CrossesNoWall, || {
+        hold(has_path, Guarantee::CrossesNoWall, || {
             format!("pushed from {} to {}", ends[0], ends[1])
         })
     }
@@ -100,16 +100,16 @@ impl Checker {
     ) -> Result<(), Violation> {
         self.where_it_is(to)?;
         self.way(device, from, to)?;
-        let distance = ((from.point() - device) * self.terms.spacing).length();
-        self.way_past_things(device, distance, [from, to])?;
+        let distance = ((from.point() - device) * self.constants.spacing).length();
+        self.path_past_objects(device, distance, [from, to])?;
         self.work(output)
     }
 
     /// Guarantee 1, and that the point is in the voxel that it is said to be in.
     fn where_it_is(&self, proxy: &Proxy) -> Result<(), Violation> {
-        let Terms {
+        let Constants {
             spacing, radius, ..
-        } = self.terms;
+        } = self.constants;
         let point = proxy.point();
         let voxel = point.floor().as_ivec3();
         let body_is_free = !self.dense.is_solid(voxel)
@@ -119,10 +119,10 @@ impl Checker {
             Guarantee::StaysOut,
             || format!("the probe is at {point}, voxel {}", proxy.voxel()),
         )?;
-        for (number, thing) in self.things.iter().enumerate() {
-            let own = thing.to_own(point);
-            let overlaps = thing.dense.is_solid(own.floor().as_ivec3())
-                || radius > 0.0 && thing.dense.is_near(own, own, thing.spacing, radius);
+        for (number, object) in self.objects.iter().enumerate() {
+            let own = object.to_own(point);
+            let overlaps = object.dense.is_solid(own.floor().as_ivec3())
+                || radius > 0.0 && object.dense.is_near(own, own, object.spacing, radius);
             hold(!overlaps, Guarantee::StaysOut, || {
                 format!("the probe is at {point}, in object {number} at {own}")
             })?;
@@ -144,9 +144,9 @@ impl Checker {
             Guarantee::CrossesNoWall,
             told,
         )?;
-        let Terms {
+        let Constants {
             spacing, radius, ..
-        } = self.terms;
+        } = self.constants;
         let distance = |point: DVec3| ((point - device) * spacing).length();
         let farthest = distance(from.point()) + WINDOW * self.widest();
         let Self {
@@ -157,29 +157,31 @@ impl Checker {
         } = self;
         blocked.fit(dense);
         let mut free = |cell| blocked.is_free(dense, cell, spacing, radius);
-        let is_near_way = finder.is_way(dense, ends, NEAR, &mut free);
-        let is_way = is_near_way
-            || finder.is_way(dense, ends, EVERYWHERE, |cell| {
+        let has_near_path = finder.has_path(dense, ends, NEAR, &mut free);
+        let has_path = has_near_path
+            || finder.has_path(dense, ends, EVERYWHERE, |cell| {
                 distance(cell.as_dvec3() + 0.5) <= farthest && free(cell)
             });
-        hold(is_way, Guarantee::CrossesNoWall, told)
+        hold(has_path, Guarantee::CrossesNoWall, told)
     }
 
     /// Guarantee 2 in the grid of each object, for a way that keeps within a distance [mm] of
     /// a point of the world.
-    fn way_past_things(
+    fn path_past_objects(
         &mut self,
         middle: DVec3,
         distance: f64,
         [from, to]: [&Proxy; 2],
     ) -> Result<(), Violation> {
         let reach = distance + WINDOW * self.widest();
-        let radius = self.terms.radius;
-        let Self { things, finder, .. } = self;
-        for (number, thing) in things.iter().enumerate() {
-            let ends = [from, to].map(|proxy| thing.to_own(proxy.point()));
-            let middle = thing.to_own(middle);
-            way_past(thing, ends, (middle, reach), (finder, radius))
+        let radius = self.constants.radius;
+        let Self {
+            objects, finder, ..
+        } = self;
+        for (number, object) in objects.iter().enumerate() {
+            let ends = [from, to].map(|proxy| object.to_own(proxy.point()));
+            let middle = object.to_own(middle);
+            path_past(object, ends, (middle, reach), (finder, radius))
                 .map_err(|violation| violation.of_object(number))?;
         }
         Ok(())
@@ -193,19 +195,19 @@ impl Checker {
         [from, to]: [&Proxy; 2],
     ) -> Result<(), Violation> {
         // past all that stands still, and past the object that moved
-        let old = self.things[number].clone();
-        self.things[number].set_pose(rigid);
-        let new = &self.things[number];
+        let old = self.objects[number].clone();
+        self.objects[number].set_pose(rigid);
+        let new = &self.objects[number];
         let ends = [old.to_own(from.point()), new.to_own(to.point())];
         let reach = ((ends[1] - ends[0]) * new.spacing).length() + WINDOW * self.widest();
-        let radius = self.terms.radius;
-        way_past(new, ends, (ends[0], reach), (&mut self.finder, radius))
+        let radius = self.constants.radius;
+        path_past(new, ends, (ends[0], reach), (&mut self.finder, radius))
             .map_err(|violation| violation.of_object(number))?;
         if from != to {
-            let moved = std::mem::replace(&mut self.things[number], Thing::nowhere());
-            let distance = ((to.point() - from.point()) * self.terms.spacing).length();
-            let past_others = self.way_past_things(from.point(), distance, [from, to]);
-            self.things[number] = moved;
+            let moved = std::mem::replace(&mut self.objects[number], Object::nowhere());
+            let distance = ((to.point() - from.point()) * self.constants.spacing).length();
+            let past_others = self.path_past_objects(from.point(), distance, [from, to]);
+            self.objects[number] = moved;
             past_others?;
             self.push(from, to)?;
         }
@@ -214,14 +216,14 @@ impl Checker {
 
     /// The diagonal of the widest voxel [mm].
     fn widest(&self) -> f64 {
-        let things = self.things.iter().map(|thing| thing.spacing.length());
-        things.fold(self.terms.spacing.length(), f64::max)
+        let objects = self.objects.iter().map(|object| object.spacing.length());
+        objects.fold(self.constants.spacing.length(), f64::max)
     }
 
     /// Guarantee 3.
     fn work(&self, output: &TickOutput) -> Result<(), Violation> {
         hold(
-            output.visits <= self.terms.visit_bound,
+            output.visits <= self.constants.visit_bound,
             Guarantee::BoundedWork,
             || format!("{} voxels visited", output.visits),
         )?;
@@ -233,12 +235,12 @@ impl Checker {
 
 #[cfg(test)]
 mod tests {
-    use super::super::examples::{DEVICE, output, proxy, terms};
+    use super::super::examples::{DEVICE, constants, output, proxy};
     use super::*;
 
     fn checker() -> Checker {
         let wall = Dense::from_fn(IVec3::splat(16), |voxel| voxel.x == 8);
-        Checker::new(terms(), wall.clone(), &wall, Vec::new())
+        Checker::new(constants(), wall.clone(), &wall, Vec::new())
     }
 
     /// What a tick breaks that leads the proxy from one x to another.
@@ -270,10 +272,10 @@ mod tests {
     #[test]
     fn a_ball_that_overlaps_and_a_push_through_a_wall_are_found() {
         let mut checker = checker();
-        checker.terms.radius = 2.0;
+        checker.constants.radius = 2.0;
         assert!(checker.after_changes(&proxy(5.9)).is_ok());
         assert!(checker.after_changes(&proxy(6.1)).is_err());
-        checker.terms.radius = 0.0;
+        checker.constants.radius = 0.0;
         assert!(checker.before_change(&proxy(7.5), &proxy(5.5)).is_ok());
         assert!(checker.before_change(&proxy(7.5), &proxy(9.5)).is_err());
     }

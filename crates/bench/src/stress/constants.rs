@@ -7,7 +7,7 @@ use super::felt::Felt;
 
 /// What is constant in a run.
 #[derive(Clone, Copy, Debug)]
-pub struct Terms {
+pub struct Constants {
     /// Voxel size [mm].
     pub spacing: DVec3,
     /// Columns are the grid's axes in the scene.
@@ -32,7 +32,7 @@ pub struct Terms {
     pub felt: Felt,
 }
 
-impl Terms {
+impl Constants {
     /// A point of the grid in the scene [mm].
     pub fn in_scene(&self, point: DVec3) -> DVec3 {
         self.origin + self.direction * (self.spacing * (point - 0.5))

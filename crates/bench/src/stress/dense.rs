@@ -135,7 +135,7 @@ impl Dense {
 #[derive(Debug, Default)]
 pub struct Finder {
     /// Whether a voxel was seen in the search of this number.
-    seen: Vec<u32>,
+    visited: Vec<u32>,
     search: u32,
     waiting: BinaryHeap<(Reverse<i32>, usize)>,
 }
@@ -143,7 +143,7 @@ pub struct Finder {
 impl Finder {
     /// Whether voxels that are free by the rule lead from one to another within `reach` voxels
     /// of the box around both.
-    pub fn is_way(
+    pub fn has_path(
         &mut self,
         dense: &Dense,
         [from, to]: [IVec3; 2],
@@ -173,10 +173,10 @@ impl Finder {
                 if index == goal {
                     return true;
                 }
-                if self.seen[index] != self.search && free(next) {
+                if self.visited[index] != self.search && free(next) {
                     self.reach(index, (to - next).abs().element_sum());
                 } else {
-                    self.seen[index] = self.search;
+                    self.visited[index] = self.search;
                 }
             }
         }
@@ -185,15 +185,15 @@ impl Finder {
 
     fn begin(&mut self, count: usize) {
         self.search = self.search.wrapping_add(1);
-        if self.seen.len() != count || self.search == 0 {
-            self.seen = vec![0; count];
+        if self.visited.len() != count || self.search == 0 {
+            self.visited = vec![0; count];
             self.search = 1;
         }
         self.waiting.clear();
     }
 
     fn reach(&mut self, index: usize, left: i32) {
-        self.seen[index] = self.search;
+        self.visited[index] = self.search;
         self.waiting.push((Reverse(left), index));
     }
 }
@@ -212,15 +212,15 @@ mod tests {
         let wall = wall();
         let mut finder = Finder::default();
         let ends = [IVec3::new(5, 4, 4), IVec3::new(7, 4, 4)];
-        let mut way = |reach| finder.is_way(&wall, ends, reach, |voxel| !wall.is_solid(voxel));
+        let mut way = |reach| finder.has_path(&wall, ends, reach, |voxel| !wall.is_solid(voxel));
         assert!(!way(3));
         assert!(way(4));
-        assert!(!finder.is_way(&wall, ends, 12, |v| v.x != 6));
+        assert!(!finder.has_path(&wall, ends, 12, |v| v.x != 6));
         // an end that is not free, or outside
         let blocked = [IVec3::new(5, 4, 4), IVec3::new(6, 4, 4)];
-        assert!(!finder.is_way(&wall, blocked, 12, |v| v.x != 6));
+        assert!(!finder.has_path(&wall, blocked, 12, |v| v.x != 6));
         let outside = [IVec3::new(5, 4, 4), IVec3::new(5, 4, 12)];
-        assert!(!finder.is_way(&wall, outside, 12, |_| true));
+        assert!(!finder.has_path(&wall, outside, 12, |_| true));
     }
 
     #[test]
@@ -228,7 +228,7 @@ mod tests {
         let edge = Dense::from_fn(IVec3::new(2, 2, 1), |v| v.x == v.y);
         let mut finder = Finder::default();
         let ends = [IVec3::new(1, 0, 0), IVec3::new(0, 1, 0)];
-        assert!(!finder.is_way(&edge, ends, 2, |voxel| !edge.is_solid(voxel)));
+        assert!(!finder.has_path(&edge, ends, 2, |voxel| !edge.is_solid(voxel)));
         assert_eq!(edge.parts(), [0, 1, 2, 0]);
     }
 

@@ -6,15 +6,15 @@ use palpate_haptics::proxy::Proxy;
 use palpate_haptics::safety::ForceLimits;
 use palpate_haptics::tick::TickOutput;
 
-use super::constants::Terms;
+use super::constants::Constants;
 use super::felt::Felt;
 
 /// Behind the wall.
 pub const DEVICE: DVec3 = DVec3::new(9.5, 4.5, 4.5);
 
 /// Cubes of 1 mm, a point and a smooth force without friction.
-pub fn terms() -> Terms {
-    Terms {
+pub fn constants() -> Constants {
+    Constants {
         spacing: DVec3::ONE,
         direction: DMat3::IDENTITY,
         origin: DVec3::ZERO,
@@ -44,7 +44,7 @@ pub fn output(force: f64) -> TickOutput {
         contact_point_in_scene: DVec3::ZERO,
         normal: DVec3::ZERO,
         force: DVec3::X * force,
-        spring: DVec3::X * force / terms().stiffness,
+        spring: DVec3::X * force / constants().stiffness,
         coupling: Coupling::default(),
         sticks: false,
         held_by: None,

@@ -6,7 +6,7 @@
 use std::sync::Arc;
 
 use glam::IVec3;
-use palpate_engine::touch::occupancy_fractions::KnownShares;
+use palpate_engine::touch::occupancy_fractions::BodyFractions;
 use palpate_engine::touch::scan_values::{ScanValues, Threshold};
 use palpate_engine::touch::touchable::Part;
 use palpate_haptics::smooth::Smoothing;
@@ -65,11 +65,11 @@ impl Felt {
     }
 
     /// What is known of a body with these voxels.
-    pub fn shares(self, bits: &Bits, random: &mut Random) -> Option<KnownShares> {
+    pub fn fractions(self, bits: &Bits, random: &mut Random) -> Option<BodyFractions> {
         let part = match self {
             Self::Stairs | Self::Bits => return None,
             Self::Mask => Part {
-                shares: Some(Arc::new(made_up_shares(bits, random))),
+                fractions: Some(Arc::new(made_up_fractions(bits, random))),
                 ..part(bits)
             },
             Self::Threshold => Part {
@@ -77,7 +77,7 @@ impl Felt {
                 ..part(bits)
             },
         };
-        KnownShares::of(bits.dimensions(), &[&part])
+        BodyFractions::of(bits.dimensions(), &[&part])
     }
 
     /// What is known of bricks after an edit. The values of a scan stay what they are.
@@ -110,23 +110,23 @@ fn part(bits: &Bits) -> Part {
         bits: bits.clone(),
         moved: None,
         threshold: None,
-        shares: None,
+        fractions: None,
         punctured: false,
         rigid: None,
     }
 }
 
-fn made_up_shares(bits: &Bits, random: &mut Random) -> Shares {
-    let mut shares = Shares::unknown(bits.dimensions());
-    for index in 0..shares.bricks().entries().len() as u32 {
-        let corner = shares.bricks().box_of(index).min;
+fn made_up_fractions(bits: &Bits, random: &mut Random) -> Shares {
+    let mut fractions = Shares::unknown(bits.dimensions());
+    for index in 0..fractions.bricks().entries().len() as u32 {
+        let corner = fractions.bricks().box_of(index).min;
         let brick = made_up_brick(|voxel| bits.is_solid(corner + voxel), random);
-        shares.swap(&mut BrickSwap {
+        fractions.swap(&mut BrickSwap {
             index,
             brick: Some(Arc::new(brick)),
         });
     }
-    shares
+    fractions
 }
 
 fn made_up_brick(solid: impl Fn(IVec3) -> bool, random: &mut Random) -> ShareBrick {

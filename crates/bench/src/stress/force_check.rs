@@ -6,7 +6,7 @@ use glam::DVec3;
 use palpate_haptics::proxy::Proxy;
 use palpate_haptics::tick::TickOutput;
 
-use super::constants::Terms;
+use super::constants::Constants;
 use super::guarantee::{Guarantee, Violation, hold};
 
 /// What force over stiffness may change by in a tick beyond the hand's own move [smallest spacings].
@@ -15,7 +15,7 @@ const STEP: f64 = 0.1;
 /// What was felt last, and what was sent.
 #[derive(Clone, Copy, Debug)]
 pub struct ForceCheck {
-    terms: Terms,
+    constants: Constants,
     /// Force over stiffness [mm].
     felt: DVec3,
     /// Where the device was.
@@ -28,9 +28,9 @@ pub struct ForceCheck {
 
 impl ForceCheck {
     /// Nothing was felt, with the device at a place of the world's grid.
-    pub fn new(terms: Terms, device: DVec3) -> Self {
+    pub fn new(constants: Constants, device: DVec3) -> Self {
         Self {
-            terms,
+            constants,
             felt: DVec3::ZERO,
             device,
             sent: DVec3::ZERO,
@@ -46,8 +46,8 @@ impl ForceCheck {
         output: &TickOutput,
     ) -> Result<(), Violation> {
         self.work(output)?;
-        let out = self.terms.direction * ((proxy.point() - device) * self.terms.spacing);
-        if self.terms.frictionless {
+        let out = self.constants.direction * ((proxy.point() - device) * self.constants.spacing);
+        if self.constants.frictionless {
             self.pull(out, output)?;
         }
         self.step(device, out, output)
@@ -67,7 +67,8 @@ impl ForceCheck {
         let along = output.force.dot(out);
         // rounding: of the force itself, and of the spring that made it, whose ends are some 100 mm
         // from the corner of the grid
-        let rounding = 1e-9 * output.force.length() + 1e-12 * self.terms.stiffness * out.length();
+        let rounding =
+            1e-9 * output.force.length() + 1e-12 * self.constants.stiffness * out.length();
         hold(along >= -rounding, Guarantee::NeverPulls, || {
             format!("{} N while the probe is {out} mm away", output.force)
         })
@@ -84,12 +85,12 @@ impl ForceCheck {
     /// none; of friction, which holds the probe back and lets it go; of the damper, which follows
     /// the hand's speed and so leaves the spring to be looked at.
     fn step(&mut self, device: DVec3, out: DVec3, output: &TickOutput) -> Result<(), Violation> {
-        let Terms {
+        let Constants {
             spacing,
             stiffness,
             damping,
             ..
-        } = self.terms;
+        } = self.constants;
         let felt = if damping == 0.0 {
             output.force / stiffness
         } else {
@@ -98,7 +99,7 @@ impl ForceCheck {
         let moved = ((device - self.device) * spacing).length();
         let last = std::mem::replace(&mut self.felt, felt);
         self.device = device;
-        if !(self.terms.felt.is_smooth() && self.terms.frictionless) {
+        if !(self.constants.felt.is_smooth() && self.constants.frictionless) {
             return Ok(());
         }
         // rounding of places some 1000 mm from the origin
@@ -131,7 +132,7 @@ impl ForceCheck {
 
     /// Guarantee 5, of what was wanted and what the safety stage made of it.
     pub fn after_safety(&mut self, wanted: DVec3, sent: DVec3) -> Result<(), Violation> {
-        let Terms { limits, dt, .. } = self.terms;
+        let Constants { limits, dt, .. } = self.constants;
         let last = std::mem::replace(&mut self.sent, sent);
         let told = || format!("wanted {wanted} N, sent {sent} N after {last} N");
         hold(
@@ -183,13 +184,13 @@ fn without_pull(felt: DVec3, out: DVec3) -> DVec3 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::examples::{DEVICE, output, proxy, terms};
+    use super::super::examples::{DEVICE, constants, output, proxy};
     use super::super::felt::Felt;
     use super::*;
 
     /// What the last of some ticks breaks; each has the device's x and the force along x [N].
-    fn broken_by(terms: Terms, ticks: &[(f64, TickOutput)]) -> Option<Guarantee> {
-        let mut check = ForceCheck::new(terms, DEVICE);
+    fn broken_by(constants: Constants, ticks: &[(f64, TickOutput)]) -> Option<Guarantee> {
+        let mut check = ForceCheck::new(constants, DEVICE);
         let mut found = Ok(());
         for (x, output) in ticks {
             found = check.after_tick(DEVICE.with_x(*x), &proxy(7.5), output);
@@ -198,7 +199,7 @@ mod tests {
     }
 
     fn broken(ticks: &[(f64, TickOutput)]) -> Option<Guarantee> {
-        broken_by(terms(), ticks)
+        broken_by(constants(), ticks)
     }
 
     #[test]
@@ -228,9 +229,9 @@ mod tests {
         ];
         assert_eq!(broken(&falls), Some(Guarantee::StepsLittle));
         // beside a damper the spring is looked at
-        let damped = Terms {
+        let damped = Constants {
             damping: 0.01,
-            ..terms()
+            ..constants()
         };
         let spring = TickOutput {
             force: DVec3::X * -5.0,
@@ -239,16 +240,16 @@ mod tests {
         assert_eq!(broken_by(damped, &[(9.5, spring)]), None);
         assert_eq!(broken(&[(9.5, spring)]), Some(Guarantee::StepsLittle));
         // stairs are stairs
-        let stairs = Terms {
+        let stairs = Constants {
             felt: Felt::Stairs,
-            ..terms()
+            ..constants()
         };
         assert_eq!(broken_by(stairs, &[(9.5, output(-4.0))]), None);
     }
 
     #[test]
     fn a_device_without_a_place_has_no_force_and_contact_begins_anew() {
-        let mut check = ForceCheck::new(terms(), DEVICE);
+        let mut check = ForceCheck::new(constants(), DEVICE);
         let [still, moved] = [proxy(7.5), proxy(7.4)];
         assert!(check.after_nonsense([&still, &still], &output(0.0)).is_ok());
         assert!(
@@ -268,7 +269,7 @@ mod tests {
     fn each_promise_of_what_is_sent_is_asked_for() {
         // wanted and sent along x, one after the other; whether the last is safe
         let is_safe = |forces: &[(f64, f64)]| {
-            let mut check = ForceCheck::new(terms(), DEVICE);
+            let mut check = ForceCheck::new(constants(), DEVICE);
             let mut last = Ok(());
             for &(wanted, sent) in forces {
                 last = check.after_safety(DVec3::X * wanted, DVec3::X * sent);

@@ -20,7 +20,7 @@ const MARGIN: i32 = 4;
 
 /// An object as the checker knows it.
 #[derive(Clone, Debug)]
-pub struct Thing {
+pub struct Object {
     /// Its voxels.
     pub dense: Dense,
     /// Their size [mm].
@@ -47,7 +47,7 @@ pub struct Made {
     pub rigid: DAffine3,
 }
 
-impl Thing {
+impl Object {
     /// A shell, a plate or a lump of noise, somewhere in the world of a plan.
     pub fn random(plan: &Plan, world: &Grid, random: &mut Random) -> (Self, Made) {
         let dense = random_voxels(random);
@@ -71,7 +71,7 @@ impl Thing {
             pose,
             rigid,
         };
-        let mut thing = Self {
+        let mut object = Self {
             parts: dense.parts(),
             dense,
             spacing,
@@ -81,8 +81,8 @@ impl Thing {
             ),
             own_from_world: DAffine3::IDENTITY,
         };
-        thing.set_pose(&rigid);
-        (thing, made)
+        object.set_pose(&rigid);
+        (object, made)
     }
 
     /// Nothing at all, in the place of an object that is left out.
@@ -194,9 +194,9 @@ mod tests {
         for number in 0..20 {
             let plan = Plan::new(number, false, &mut random);
             let world = plan.grid();
-            let (thing, made) = Thing::random(&plan, &world, &mut random);
+            let (object, made) = Object::random(&plan, &world, &mut random);
             let point = random.in_box(DVec3::ZERO, DVec3::splat(56.0));
-            let off = thing.to_own(point) - made.pose.to_object(point);
+            let off = object.to_own(point) - made.pose.to_object(point);
             // rounding of places some 1000 mm from the origin
             assert!(off.abs().max_element() < 1e-9, "{off}");
             let held = made
@@ -204,15 +204,15 @@ mod tests {
                 .voxels()
                 .filter(|&v| made.bits.is_solid(v))
                 .count();
-            let all = thing
+            let all = object
                 .dense
                 .bytes()
                 .iter()
                 .filter(|&&byte| byte != 0)
                 .count();
             assert!(held == all && all > 0);
-            assert_eq!(thing.part(IVec3::ZERO), 1);
-            assert_eq!(thing.part(IVec3::splat(-5)), 1);
+            assert_eq!(object.part(IVec3::ZERO), 1);
+            assert_eq!(object.part(IVec3::splat(-5)), 1);
         }
     }
 }

@@ -4,7 +4,7 @@ use glam::{DVec3, IVec3};
 
 use super::dense::{Dense, Finder};
 use super::guarantee::{Guarantee, Violation, hold};
-use super::object::Thing;
+use super::object::Object;
 
 /// How far beyond the ball around the device a way may lead [voxels]: the window of a slide.
 pub const WINDOW: f64 = 8.0;
@@ -13,8 +13,8 @@ pub const EVERYWHERE: i32 = 1000;
 
 /// Guarantee 2 in the grid of one object, between two points of it, for a way that keeps within
 /// `reach` [mm] of its `middle`.
-pub fn way_past(
-    thing: &Thing,
+pub fn path_past(
+    object: &Object,
     ends: [DVec3; 2],
     (middle, reach): (DVec3, f64),
     (finder, radius): (&mut Finder, f64),
@@ -24,18 +24,18 @@ pub fn way_past(
         return Ok(());
     }
     let told = || format!("from {} to {}", ends[0], ends[1]);
-    let [part, other] = ends.map(|voxel| thing.part(voxel));
+    let [part, other] = ends.map(|voxel| object.part(voxel));
     hold(part == other, Guarantee::CrossesNoWall, told)?;
     // near its border a way may lead around outside of it, where nobody looked
     let known = [ends[0], ends[1], middle.floor().as_ivec3()];
-    if !known.iter().all(|&voxel| thing.is_inside(voxel, radius)) {
+    if !known.iter().all(|&voxel| object.is_inside(voxel, radius)) {
         return Ok(());
     }
-    let is_way = finder.is_way(&thing.dense, ends, EVERYWHERE, |cell| {
-        let way = (cell.as_dvec3() + 0.5 - middle) * thing.spacing;
-        way.length() <= reach && is_free(&thing.dense, cell, thing.spacing, radius)
+    let has_path = finder.has_path(&object.dense, ends, EVERYWHERE, |cell| {
+        let way = (cell.as_dvec3() + 0.5 - middle) * object.spacing;
+        way.length() <= reach && is_free(&object.dense, cell, object.spacing, radius)
     });
-    hold(is_way, Guarantee::CrossesNoWall, told)
+    hold(has_path, Guarantee::CrossesNoWall, told)
 }
 
 /// Whether the middle of the probe may be anywhere in a cell.

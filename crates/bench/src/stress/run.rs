@@ -21,13 +21,13 @@ use palpate_volume::voxel_box::VoxelBox;
 use rayon::prelude::*;
 
 use super::checker::Checker;
-use super::constants::Terms;
+use super::constants::Constants;
 use super::dense::Dense;
 use super::felt::Felt;
 use super::force_check::ForceCheck;
 use super::guarantee::{Guarantee, Violation};
 use super::hand::{Hand, anywhere};
-use super::object::{Made, Thing};
+use super::object::{Made, Object};
 use super::plan::{Plan, Terrain};
 use super::report::{Found, Report, Source};
 use super::touched::Touched;
@@ -94,7 +94,7 @@ pub fn run(seed: u64, number: u64, model: Model, bone: Option<Source<'_>>) -> Re
 struct Run<'a, M> {
     plan: &'a Plan,
     grid: &'a Grid,
-    terms: Terms,
+    constants: Constants,
     touched: Touched,
     model: M,
     random: Random,
@@ -122,7 +122,7 @@ impl<'a, M: ContactModel> Run<'a, M> {
         let limits = ForceLimits::default();
         let friction = if random.share() < 0.5 { 0.0 } else { 0.5 };
         let radius = plan.radius * grid.smallest_spacing();
-        let terms = Terms {
+        let constants = Constants {
             spacing: plan.spacing,
             direction: plan.direction,
             origin: plan.origin,
@@ -140,12 +140,12 @@ impl<'a, M: ContactModel> Run<'a, M> {
                 Felt::random(&mut random)
             },
         };
-        let made: Vec<(Thing, Made)> = (0..plan.objects)
-            .map(|_| Thing::random(plan, grid, &mut random))
+        let made: Vec<(Object, Made)> = (0..plan.objects)
+            .map(|_| Object::random(plan, grid, &mut random))
             .collect();
-        let (things, made): (Vec<Thing>, Vec<Made>) = made.into_iter().unzip();
+        let (objects, made): (Vec<Object>, Vec<Made>) = made.into_iter().unzip();
         let touched = Touched::new((world.bits(), plan.spacing), radius, &made, |bits| {
-            terms.felt.shares(bits, &mut random)
+            constants.felt.fractions(bits, &mut random)
         });
         // without edits, all that is solid stays
         let constant = if plan.edits {
@@ -157,21 +157,21 @@ impl<'a, M: ContactModel> Run<'a, M> {
         Self {
             plan,
             grid,
-            terms,
+            constants,
             touched,
             model,
-            checker: Checker::new(terms, world.dense.clone(), &constant, things),
+            checker: Checker::new(constants, world.dense.clone(), &constant, objects),
             wanted: world.dense,
             fixed: world.fixed,
             unsettled: Vec::new(),
             motions: vec![None; made.len()],
             made,
             hand: Hand::new(&mut random),
-            force_check: ForceCheck::new(terms, DVec3::ZERO),
+            force_check: ForceCheck::new(constants, DVec3::ZERO),
             surface: Uniform(Surface {
                 friction_static: friction,
                 friction_kinetic: 0.8 * friction,
-                ..Uniform::smooth(terms.stiffness).0
+                ..Uniform::smooth(constants.stiffness).0
             }),
             cache: TickCache::default(),
             epoch: 0,
@@ -203,7 +203,7 @@ impl<'a, M: ContactModel> Run<'a, M> {
         };
         let mut state = TickState::new(proxy);
         self.last_device = proxy.point();
-        self.force_check = ForceCheck::new(self.terms, proxy.point());
+        self.force_check = ForceCheck::new(self.constants, proxy.point());
         for _ in 0..self.plan.moves {
             if self.plan.edits {
                 self.edit(&mut state.proxy)?;
@@ -249,15 +249,15 @@ impl<'a, M: ContactModel> Run<'a, M> {
     }
 
     fn tick(&mut self, device: DVec3, state: &mut TickState) -> TickOutput {
-        let device_in_scene = self.terms.in_scene(device);
-        let moved = device_in_scene - self.terms.in_scene(self.last_device);
+        let device_in_scene = self.constants.in_scene(device);
+        let moved = device_in_scene - self.constants.in_scene(self.last_device);
         self.last_device = device;
         let scene = self.touched.scene(self.grid);
         let input = TickInput {
             device_in_scene,
             velocity_in_scene: moved / DT,
-            damping: self.terms.damping,
-            smoothing: self.terms.felt.smoothing(),
+            damping: self.constants.damping,
+            smoothing: self.constants.felt.smoothing(),
         };
         self.cache.set_epoch(self.epoch);
         let (model, surface) = (&self.model, &self.surface);
@@ -273,7 +273,7 @@ impl<'a, M: ContactModel> Run<'a, M> {
             output = self.go(device, state)?;
         }
         let proxy = state.proxy;
-        let depth = ((proxy.point() - device) * self.terms.spacing).length();
+        let depth = ((proxy.point() - device) * self.constants.spacing).length();
         let force_rests =
             ((output.spring.length() + depth) / (0.1 * h)).ceil() as usize + FORCE_RESTS;
         let mut still = 0;

@@ -5,7 +5,7 @@
 use glam::{DVec3, IVec3, UVec3};
 use palpate_engine::servo::channels::{BrickChange, Garbage};
 use palpate_engine::touch::body::BodyVoxels;
-use palpate_engine::touch::occupancy_fractions::KnownShares;
+use palpate_engine::touch::occupancy_fractions::BodyFractions;
 use palpate_engine::touch::probe::Probe;
 use palpate_engine::touch::touch_occupancy::{GARBAGE_PER_CHANGE, TouchOccupancy};
 use palpate_engine::touch::touchable::{Body, Touchable};
@@ -43,12 +43,12 @@ impl Touched {
         (bits, spacing): (Bits, DVec3),
         radius: f64,
         objects: &[Made],
-        mut shares: impl FnMut(&Bits) -> Option<KnownShares>,
+        mut fractions: impl FnMut(&Bits) -> Option<BodyFractions>,
     ) -> Self {
         let mut body = |bits: &Bits, spacing: DVec3| {
             let voxels = BodyVoxels {
                 bits: bits.clone(),
-                shares: shares(bits),
+                fractions: fractions(bits),
             };
             Body::new(voxels, radius, spacing).expect("plans make balls that fit")
         };
@@ -99,7 +99,7 @@ impl Touched {
     /// Takes an edit: admits it, if need be after a push of the proxy, or holds it.
     pub fn edit(
         &mut self,
-        (swaps, shares): (Vec<BrickSwap<BitBrick>>, Vec<BrickSwap<ShareBrick>>),
+        (swaps, fractions): (Vec<BrickSwap<BitBrick>>, Vec<BrickSwap<ShareBrick>>),
         grid: &Grid,
         proxy: &mut Proxy,
     ) {
@@ -108,8 +108,8 @@ impl Touched {
             sequence: self.edits,
             swaps,
             parts: Vec::new(),
-            shares,
-            part_shares: Vec::new(),
+            fractions,
+            part_fractions: Vec::new(),
         };
         #[cfg(test)]
         let mut elsewhere = Proxy::nearest_in(IVec3::splat(-100), DVec3::ZERO);

@@ -44,12 +44,12 @@ impl World {
                     inside(voxel) && faces.into_iter().any(|face| !inside(voxel + face))
                 })
             }
-            (Terrain::Noise { share }, _) => Self::of_matter(|_| random.share() < share),
+            (Terrain::Noise { share }, _) => Self::of_material(|_| random.share() < share),
             (Terrain::Bone, Some(bone)) => {
                 let corner = corner_of_bone(bone, random);
-                Self::of_matter(|voxel| bone.is_solid(corner + voxel))
+                Self::of_material(|voxel| bone.is_solid(corner + voxel))
             }
-            (Terrain::Bone, None) => Self::of_matter(|_| false),
+            (Terrain::Bone, None) => Self::of_material(|_| false),
         }
     }
 
@@ -61,7 +61,7 @@ impl World {
         }
     }
 
-    fn of_matter(mut solid: impl FnMut(IVec3) -> bool) -> Self {
+    fn of_material(mut solid: impl FnMut(IVec3) -> bool) -> Self {
         let size = IVec3::splat(SIZE);
         Self {
             dense: Dense::from_fn(size, |voxel| solid(voxel) || is_border(voxel)),

@@ -15,13 +15,13 @@ use crate::scene::Scene;
 /// How regions of segments take part, and the materials of the last job, for the next ones until
 /// something is another.
 #[derive(Debug, Default)]
-pub struct GivingMatter {
+pub struct DeformableSegments {
     regions: BTreeMap<SegmentId, Vec<(Region, Treatment)>>,
     laws: Vec<(SegmentId, Option<MaterialLaw>)>,
     materials: Arc<Materials>,
 }
 
-impl GivingMatter {
+impl DeformableSegments {
     /// How regions of a segment take part; of several that hold a voxel the last counts.
     pub fn set_regions(&mut self, id: SegmentId, regions: Vec<(Region, Treatment)>) {
         self.regions.insert(id, regions);

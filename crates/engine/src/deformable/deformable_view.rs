@@ -98,12 +98,12 @@ fn strains(parts: &ModelParts) -> Vec<f64> {
 
 /// Where the newest parts wait for whoever shows them.
 #[derive(Debug, Default)]
-pub struct MatterView {
+pub struct DeformableView {
     wanted: AtomicBool,
     newest: Mutex<Option<ShownParts>>,
 }
 
-impl MatterView {
+impl DeformableView {
     /// Has parts shown from the next answer on, or no more.
     pub fn want(&self, wanted: bool) {
         self.wanted.store(wanted, Relaxed);
@@ -167,7 +167,7 @@ mod tests {
 
     #[test]
     fn only_the_newest_waits_and_none_once_nobody_looks() {
-        let view = MatterView::default();
+        let view = DeformableView::default();
         view.want(true);
         view.put(ShownParts::of(&row(3, 0.0)));
         view.put(ShownParts::of(&row(4, 0.0)));

@@ -16,10 +16,10 @@ use palpate_volume::edit::Edit;
 use palpate_volume::material::LocalContact;
 use palpate_volume::matter::SegmentSet;
 
-use crate::deformable::deformable_segments::{GivingMatter, soft_segments};
+use crate::deformable::deformable_segments::{DeformableSegments, soft_segments};
 use crate::deformable::deformation_loop::{DeformationJob, DeformationLoop, ModelVoxels};
 use crate::scene::Scene;
-use crate::servo::channels::{GivingWay, ServoStatus};
+use crate::servo::channels::{DeformableContact, ServoStatus};
 
 /// How long the model may take for an answer, so that 30 come in a second.
 const PATIENCE: Duration = Duration::from_millis(25);
@@ -43,7 +43,7 @@ pub enum ForceSource {
 
 /// The deformation as the picture shows it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct DeformationNow {
+pub struct DeformationStatus {
     /// Name of the model; none where nothing gives way.
     pub model: Option<&'static str>,
     /// What of it is not as usual.
@@ -68,7 +68,7 @@ pub struct Outcome {
     /// Voxels that moved.
     pub edit: Option<Edit>,
     /// What the servo is to follow.
-    pub giving_way: Option<GivingWay>,
+    pub deformable_contact: Option<DeformableContact>,
     /// Where matter stands beside its voxels.
     pub displacement: Option<DisplacementField>,
     /// What happened at once.
@@ -87,14 +87,14 @@ pub struct Deformation {
     new_model: Option<Box<dyn DeformationModel>>,
     /// What takes the model's place once that has given back all that it moved.
     next: Option<Option<NamedModel>>,
-    matter: GivingMatter,
+    matter: DeformableSegments,
     /// The edit number that the model knows of; none where it knows nothing.
     known: Option<u64>,
     reset: bool,
     asked: Option<Asked>,
     last_time: f64,
-    now: DeformationNow,
-    gave_way: bool,
+    now: DeformationStatus,
+    was_deformable: bool,
 }
 
 /// The job that is out.
@@ -119,13 +119,13 @@ impl Deformation {
             model: None,
             new_model: None,
             next: None,
-            matter: GivingMatter::default(),
+            matter: DeformableSegments::default(),
             known: None,
             reset: false,
             asked: None,
             last_time: 0.0,
-            now: DeformationNow::default(),
-            gave_way: false,
+            now: DeformationStatus::default(),
+            was_deformable: false,
         };
         (deformation, DeformationLoop::new(job_inbox, answers))
     }
@@ -153,12 +153,12 @@ impl Deformation {
 
     /// How regions of segments take part.
     #[must_use]
-    pub fn matter(&self) -> &GivingMatter {
+    pub fn matter(&self) -> &DeformableSegments {
         &self.matter
     }
 
     /// How regions of segments take part, to be changed: displacements are forgotten.
-    pub fn change_matter(&mut self) -> &mut GivingMatter {
+    pub fn change_segments(&mut self) -> &mut DeformableSegments {
         self.forget_displacements();
         &mut self.matter
     }
@@ -181,9 +181,9 @@ impl Deformation {
 
     /// What the picture shows of it.
     #[must_use]
-    pub fn now(&self) -> DeformationNow {
+    pub fn now(&self) -> DeformationStatus {
         let next = self.next.as_ref();
-        DeformationNow {
+        DeformationStatus {
             model: next.map_or(self.model, |next| next.as_ref().map(|(name, _)| *name)),
             ..self.now
         }
@@ -200,18 +200,18 @@ impl Deformation {
 
     /// Asks again where matter gives way near the tool; what the servo is to follow where nothing
     /// gives way any more.
-    pub fn go_on(&mut self, scene: &Scene, status: &ServoStatus) -> Option<GivingWay> {
+    pub fn go_on(&mut self, scene: &Scene, status: &ServoStatus) -> Option<DeformableContact> {
         self.install_next();
         if self.asked.is_none() {
             self.ask(scene, status);
         }
-        let nothing_gives = self.model.is_none() || self.asked.is_none();
-        if !(nothing_gives && self.gave_way) {
+        let is_rigid = self.model.is_none() || self.asked.is_none();
+        if !(is_rigid && self.was_deformable) {
             return None;
         }
-        self.gave_way = false;
+        self.was_deformable = false;
         self.now.force = DVec3::ZERO;
-        Some(GivingWay::default())
+        Some(DeformableContact::default())
     }
 
     /// Whether it is time for the next question where an answer came early: a model that has
@@ -245,23 +245,23 @@ impl Deformation {
         let slipped = |event: &ModelEvent| matches!(event, ModelEvent::Slipped { .. });
         self.now.slips += u64::from(answer.events.iter().any(slipped));
         self.now.force = contact.map_or(DVec3::ZERO, |contact| contact.force);
-        self.gave_way = true;
+        self.was_deformable = true;
         // built from voxels that are others by now: the model looks again
         let is_current = scene.voxels().edit_number() == asked.edit;
         let edit = answer.edit.filter(|edit| is_current && !edit.is_empty());
         if edit.is_none() && !is_current {
             self.known = None;
         }
-        let giving_way = match self.now.source {
-            ForceSource::Matter => GivingWay {
+        let deformable_contact = match self.now.source {
+            ForceSource::Matter => DeformableContact {
                 segments: asked.segments,
                 contact: Some(contact.unwrap_or_else(|| nothing_at(asked.tool))),
             },
-            ForceSource::Voxels => GivingWay::default(),
+            ForceSource::Voxels => DeformableContact::default(),
         };
         Outcome {
             edit,
-            giving_way: Some(giving_way),
+            deformable_contact: Some(deformable_contact),
             displacement: answer.displacement,
             events: answer.events,
         }

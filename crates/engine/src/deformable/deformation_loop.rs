@@ -12,7 +12,7 @@ use palpate_deform::model::{Budget, DeformationModel, ModelAnswer, ModelInput, T
 use palpate_volume::edit::Edit;
 use palpate_volume::voxels::Voxels;
 
-use crate::deformable::deformable_view::{MatterView, ShownParts};
+use crate::deformable::deformable_view::{DeformableView, ShownParts};
 
 /// What the model is to look at.
 #[derive(Debug)]
@@ -52,24 +52,24 @@ pub struct DeformationLoop {
     /// Of the last answer; the next job tells whether the true voxels took it.
     edit: Option<Edit>,
     /// Where the model's parts are put, where anybody looks.
-    view: Arc<MatterView>,
+    view: Arc<DeformableView>,
     /// For one answer, at most.
     iterations: u32,
-    bell: Bell,
+    wake_up: WakeUp,
 }
 
 /// Rung after each answer, for whoever waits for it.
-pub struct Bell(Box<dyn Fn() + Send>);
+pub struct WakeUp(Box<dyn Fn() + Send>);
 
-impl Bell {
+impl WakeUp {
     /// This is done.
     #[must_use]
-    pub fn new(ring: impl Fn() + Send + 'static) -> Self {
-        Self(Box::new(ring))
+    pub fn new(notify: impl Fn() + Send + 'static) -> Self {
+        Self(Box::new(notify))
     }
 }
 
-impl std::fmt::Debug for Bell {
+impl std::fmt::Debug for WakeUp {
     fn fmt(&self, to: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         to.write_str("Bell")
     }
@@ -91,18 +91,18 @@ impl DeformationLoop {
             edit: None,
             view: Arc::default(),
             iterations: ITERATIONS,
-            bell: Bell::new(|| {}),
+            wake_up: WakeUp::new(|| {}),
         }
     }
 
     /// Rings this bell after each answer from now on.
-    pub fn set_bell(&mut self, bell: Bell) {
-        self.bell = bell;
+    pub fn set_wake_up(&mut self, wake_up: WakeUp) {
+        self.wake_up = wake_up;
     }
 
     /// Where the parts of the model are shown.
     #[must_use]
-    pub fn view(&self) -> Arc<MatterView> {
+    pub fn view(&self) -> Arc<DeformableView> {
         Arc::clone(&self.view)
     }
 
@@ -162,7 +162,7 @@ impl DeformationLoop {
         self.edit.clone_from(&answer.edit);
         // whoever asked may have gone
         let _ = self.answers.send(answer);
-        (self.bell.0)();
+        (self.wake_up.0)();
         if self.view.is_wanted() {
             self.view.put(ShownParts::of(&model.parts()));
         }

@@ -14,7 +14,7 @@ const LEAST: f32 = 0.01;
 ///
 /// Memory: x fastest; node (i, j, k) stands at `origin + step · (i, j, k)`.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Displaced {
+pub struct Displacements {
     /// First node [grid].
     pub origin: DVec3,
     /// Between nodes [voxels].
@@ -25,7 +25,7 @@ pub struct Displaced {
     pub moved: Vec<Vec3>,
 }
 
-impl Displaced {
+impl Displacements {
     /// What the picture draws of a field; none where nothing has moved enough to be seen.
     #[must_use]
     pub fn of(field: &DisplacementField, grid: &Grid) -> Option<Self> {
@@ -124,18 +124,18 @@ mod tests {
 
     #[test]
     fn nodes_and_displacements_are_told_in_the_frame_of_the_grid() {
-        let displaced = Displaced::of(&field(Vec3::new(0.0, 0.6, 0.3)), &grid()).unwrap();
-        assert!(displaced.origin.distance(DVec3::splat(10.5)) < 1e-12);
-        assert_eq!(displaced.step, DVec3::new(2.0, 1.0, 0.5));
-        assert_eq!(displaced.size, UVec3::new(2, 1, 1));
-        assert_eq!(displaced.moved, [Vec3::new(0.6, 0.0, 0.3), Vec3::ZERO]);
+        let displacements = Displacements::of(&field(Vec3::new(0.0, 0.6, 0.3)), &grid()).unwrap();
+        assert!(displacements.origin.distance(DVec3::splat(10.5)) < 1e-12);
+        assert_eq!(displacements.step, DVec3::new(2.0, 1.0, 0.5));
+        assert_eq!(displacements.size, UVec3::new(2, 1, 1));
+        assert_eq!(displacements.moved, [Vec3::new(0.6, 0.0, 0.3), Vec3::ZERO]);
     }
 
     #[test]
     fn what_has_not_moved_enough_is_not_told() {
-        assert!(Displaced::of(&field(Vec3::X * 0.009), &grid()).is_none());
-        assert!(Displaced::of(&field(Vec3::NAN), &grid()).is_none());
-        let one = Displaced::of(&field(Vec3::X), &grid()).unwrap();
+        assert!(Displacements::of(&field(Vec3::X * 0.009), &grid()).is_none());
+        assert!(Displacements::of(&field(Vec3::NAN), &grid()).is_none());
+        let one = Displacements::of(&field(Vec3::X), &grid()).unwrap();
         let mut other = one.clone();
         other.moved[1].x += 0.009;
         assert!(!other.differs(&one, &grid()));
@@ -163,9 +163,9 @@ mod tests {
         for (number, expected) in cases {
             assert_eq!(half(number), expected, "{number}");
         }
-        let displaced = Displaced::of(&field(Vec3::NEG_Y), &grid()).unwrap();
+        let displacements = Displacements::of(&field(Vec3::NEG_Y), &grid()).unwrap();
         // x of the first node, the patient's -y, is its first number
-        assert_eq!(displaced.packed()[..2], 0xbc00_u16.to_le_bytes());
-        assert_eq!(displaced.packed().len(), 16);
+        assert_eq!(displacements.packed()[..2], 0xbc00_u16.to_le_bytes());
+        assert_eq!(displacements.packed().len(), 16);
     }
 }

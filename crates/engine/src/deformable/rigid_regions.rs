@@ -31,9 +31,9 @@ pub enum SharedChange {
 
 /// What steps have changed of segments that regions are shared with, since it was last looked at.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct SharedNews(BTreeMap<SegmentId, SharedChange>);
+pub struct SharedRegionChanges(BTreeMap<SegmentId, SharedChange>);
 
-impl SharedNews {
+impl SharedRegionChanges {
     /// Takes note of a step that was performed, told by its inverse.
     pub fn note(&mut self, inverse: &Step, is_shared: impl Fn(SegmentId) -> bool + Copy) {
         match inverse {

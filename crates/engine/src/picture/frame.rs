@@ -5,10 +5,10 @@
 use glam::{DAffine3, DVec3};
 pub use palpate_haptics::safety::ForceOff;
 
-use crate::deformable::deformation::DeformationNow;
-use crate::simulation::tool_stroke::ToolNow;
+use crate::deformable::deformation::DeformationStatus;
+use crate::simulation::tool_stroke::ToolStatus;
 use crate::threads::rate::Rate;
-use crate::touch::needle::NeedleNow;
+use crate::touch::needle::NeedleDisplay;
 
 /// How much a notice matters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -178,11 +178,11 @@ pub struct Frame {
     /// Rises with each change of voxels that no [`crate::picture::surfaces::PictureChange`] tells.
     pub voxels_version: u64,
     /// The tool in the hand, and what it has done.
-    pub tool: ToolNow,
+    pub tool: ToolStatus,
     /// The needle, where it is that.
-    pub needle: NeedleNow,
+    pub needle: NeedleDisplay,
     /// Matter that gives way.
-    pub matter: DeformationNow,
+    pub matter: DeformationStatus,
     /// Bytes that undo and redo hold on to.
     pub undo_bytes: usize,
     /// How many they may.

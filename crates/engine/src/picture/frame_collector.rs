@@ -42,7 +42,7 @@ pub struct RateReaders {
 
 /// What the picture reads.
 #[derive(Debug)]
-pub struct PictureSources {
+pub struct FrameSources {
     /// From the servo.
     pub records: Consumer<TickRecord>,
     /// From the simulation.
@@ -58,7 +58,7 @@ pub struct PictureSources {
 /// The state of the picture thread.
 #[derive(Debug)]
 pub struct Picture {
-    sources: PictureSources,
+    sources: FrameSources,
     /// Every so many ticks one goes to the plot.
     thinning: u64,
     /// Whether device and servo have real-time priority.
@@ -76,7 +76,7 @@ pub struct Picture {
 impl Picture {
     /// A picture of a servo at `rate_hz`, whose probe begins at `start` [mm].
     #[must_use]
-    pub fn new(sources: PictureSources, rate_hz: u32, start: DVec3) -> Self {
+    pub fn new(sources: FrameSources, rate_hz: u32, start: DVec3) -> Self {
         Self {
             sources,
             thinning: u64::from(rate_hz.div_ceil(SAMPLES_PER_SECOND)),

@@ -12,8 +12,8 @@ use palpate_volume::edit::{Edit, SegmentId};
 use palpate_volume::voxel_box::VoxelBox;
 use palpate_volume::voxels::Voxels;
 
-use crate::deformable::displacements::Displaced;
-use crate::scene::incremental_surface::{SegmentVoxels, SurfaceMaking};
+use crate::deformable::displacements::Displacements;
+use crate::scene::incremental_surface::{SegmentVoxels, SurfaceOptions};
 use crate::scene::{Scene, Step};
 
 /// Larger boxes are asked for anew instead of being sent.
@@ -21,22 +21,22 @@ const MOST_VOXELS: u64 = 1 << 24;
 
 /// Something that is other than before.
 #[derive(Debug)]
-pub enum SceneNews {
+pub enum SceneUpdate {
     /// A segment has other voxels, all of them; none where it is gone.
     Segment(SegmentId, Option<SegmentVoxels>),
     /// Some bricks are other ones.
-    Edit(EditNews),
+    Edit(EditUpdate),
     /// A segment is to be shown as a surface made in this way, or not as a surface any more.
-    Show(SegmentId, Option<(SurfaceMaking, SegmentVoxels)>),
+    Show(SegmentId, Option<(SurfaceOptions, SegmentVoxels)>),
     /// Matter stands beside its voxels; none where all stands in them again.
-    Displaced(Option<Arc<Displaced>>),
+    Displacements(Option<Arc<Displacements>>),
     /// What is to be seen at once.
     Together(Vec<Self>),
 }
 
 /// An edit as the picture follows it.
 #[derive(Debug)]
-pub struct EditNews {
+pub struct EditUpdate {
     /// Its number.
     pub edit: u64,
     /// When it was applied.
@@ -52,20 +52,20 @@ pub struct EditNews {
     pub labels: Option<Vec<u8>>,
 }
 
-impl SceneNews {
+impl SceneUpdate {
     /// What a step changed, told from its inverse; nothing where no voxel is another one.
     #[must_use]
     pub fn of(inverse: &Step, scene: &Scene, labelled: &[SegmentId]) -> Vec<Self> {
         let voxels = scene.voxels();
         match inverse {
-            Step::Edit { edit, .. } => vec![Self::Edit(EditNews::of(edit, voxels, labelled))],
+            Step::Edit { edit, .. } => vec![Self::Edit(EditUpdate::of(edit, voxels, labelled))],
             Step::Replace { id, .. } | Step::Insert { id, .. } | Step::Remove { id } => {
                 vec![Self::Segment(*id, scene.voxels_of(*id))]
             }
             Step::Move { .. } | Step::Material { .. } | Step::Model(_) => Vec::new(),
             Step::Several(inverses) => {
-                let news = |inverse| Self::of(inverse, scene, labelled);
-                inverses.iter().rev().flat_map(news).collect()
+                let updates = |inverse| Self::of(inverse, scene, labelled);
+                inverses.iter().rev().flat_map(updates).collect()
             }
         }
     }
@@ -76,13 +76,13 @@ impl SceneNews {
         match self {
             Self::Segment(..) => true,
             Self::Edit(edit) => edit.dirty.voxel_count() > MOST_VOXELS,
-            Self::Show(..) | Self::Displaced(_) => false,
+            Self::Show(..) | Self::Displacements(_) => false,
             Self::Together(several) => several.iter().any(Self::needs_labels),
         }
     }
 }
 
-impl EditNews {
+impl EditUpdate {
     fn of(inverse: &Edit, voxels: &Voxels, labelled: &[SegmentId]) -> Self {
         let dirty = inverse.dirty;
         let changed = inverse.segments.first();

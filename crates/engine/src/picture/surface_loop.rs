@@ -8,10 +8,10 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use crate::picture::scene_updates::SceneNews;
+use crate::picture::scene_updates::SceneUpdate;
 use crate::picture::surfaces::Surfaces;
 use crate::session::live::PICTURE_HZ;
-use crate::threads::change_signal::Bell;
+use crate::threads::change_signal::ChangeSignal;
 
 /// Surfaces follow at least every so many-th frame.
 pub const SLOWEST_PACE: u32 = 4;
@@ -50,11 +50,11 @@ impl SurfacePace {
 /// News on one side, surfaces on the other.
 #[derive(Debug)]
 pub struct SurfaceLoop {
-    inbox: Receiver<SceneNews>,
+    inbox: Receiver<SceneUpdate>,
     surfaces: Arc<Mutex<Surfaces>>,
     pace: SurfacePace,
     /// Rung once surfaces follow.
-    bell: Arc<Bell>,
+    signal: Arc<ChangeSignal>,
     /// Frames since the start.
     frame: u32,
     followed: Option<Instant>,
@@ -64,15 +64,15 @@ impl SurfaceLoop {
     /// Surfaces that follow these news, at a pace, and ring a bell once they do.
     #[must_use]
     pub fn new(
-        inbox: Receiver<SceneNews>,
+        inbox: Receiver<SceneUpdate>,
         surfaces: Arc<Mutex<Surfaces>>,
-        (pace, bell): (SurfacePace, Arc<Bell>),
+        (pace, signal): (SurfacePace, Arc<ChangeSignal>),
     ) -> Self {
         Self {
             inbox,
             surfaces,
             pace,
-            bell,
+            signal,
             frame: 0,
             followed: None,
         }
@@ -82,19 +82,19 @@ impl SurfaceLoop {
     pub fn step(&mut self) {
         self.frame = self.frame.wrapping_add(1);
         if self.frame.is_multiple_of(self.pace.every())
-            && let Ok(news) = self.inbox.try_recv()
+            && let Ok(updates) = self.inbox.try_recv()
         {
-            self.follow(news);
+            self.follow(updates);
         }
     }
 
     /// Waits for news, at most so long, and follows them; false once none will come any more.
     pub fn wait(&mut self, patience: Duration) -> bool {
         match self.inbox.recv_timeout(patience) {
-            Ok(news) => {
+            Ok(updates) => {
                 let since = self.followed.map_or(Duration::MAX, |at| at.elapsed());
                 std::thread::sleep(self.pace.rest().saturating_sub(since));
-                self.follow(news);
+                self.follow(updates);
                 self.followed = Some(Instant::now());
             }
             Err(RecvTimeoutError::Timeout) => {}
@@ -103,15 +103,15 @@ impl SurfaceLoop {
         true
     }
 
-    fn follow(&self, first: SceneNews) {
+    fn follow(&self, first: SceneUpdate) {
         // what a panic left behind is still a surface
         let mut surfaces = self.surfaces.lock().unwrap_or_else(PoisonError::into_inner);
         surfaces.take(first);
-        while let Ok(news) = self.inbox.try_recv() {
-            surfaces.take(news);
+        while let Ok(updates) = self.inbox.try_recv() {
+            surfaces.take(updates);
         }
         surfaces.follow();
         drop(surfaces);
-        self.bell.ring();
+        self.signal.notify();
     }
 }

@@ -17,10 +17,10 @@ use palpate_volume::edit::SegmentId;
 use palpate_volume::intensities::Intensities;
 use palpate_volume::voxel_box::VoxelBox;
 
-use crate::deformable::displacements::Displaced;
+use crate::deformable::displacements::Displacements;
 use crate::picture::packed_patch::{Lattice, PackedPatch};
-use crate::picture::scene_updates::{EditNews, SceneNews};
-use crate::scene::incremental_surface::{KeptSurface, SegmentVoxels, SurfaceMaking};
+use crate::picture::scene_updates::{EditUpdate, SceneUpdate};
+use crate::scene::incremental_surface::{IncrementalSurface, SegmentVoxels, SurfaceOptions};
 
 /// What changed in the surface of a segment.
 #[derive(Clone, Debug, Default)]
@@ -45,11 +45,11 @@ pub struct PictureChange {
     /// Surfaces, by segment.
     pub surfaces: BTreeMap<SegmentId, SurfaceChange>,
     /// Where matter stands beside its voxels by now; none where that is as before.
-    pub displaced: Option<DisplacedNow>,
+    pub displacements: Option<ShownDisplacements>,
 }
 
 /// Where matter stands beside its voxels; none where all stands in them.
-pub type DisplacedNow = Option<Arc<Displaced>>;
+pub type ShownDisplacements = Option<Arc<Displacements>>;
 
 /// New voxels of a box.
 #[derive(Clone, Debug)]
@@ -65,7 +65,7 @@ pub struct VoxelChange {
 /// A segment that is shown as a surface.
 #[derive(Debug)]
 struct Shown {
-    kept: KeptSurface,
+    kept: IncrementalSurface,
     lattice: Lattice,
     packed: BTreeMap<PatchId, Arc<PackedPatch>>,
     change: SurfaceChange,
@@ -76,7 +76,7 @@ struct Shown {
 pub struct Surfaces {
     scan: Intensities,
     shown: BTreeMap<SegmentId, Shown>,
-    displaced: DisplacedNow,
+    displacements: ShownDisplacements,
     next: PictureChange,
     /// Whether anybody ever asked: else nothing is kept.
     watched: bool,
@@ -90,7 +90,7 @@ impl Surfaces {
         Self {
             scan,
             shown: BTreeMap::new(),
-            displaced: None,
+            displacements: None,
             next: PictureChange::default(),
             watched: false,
             changes: VecDeque::new(),
@@ -98,19 +98,21 @@ impl Surfaces {
     }
 
     /// Takes news; [`Self::follow`] makes what they change.
-    pub fn take(&mut self, news: SceneNews) {
-        match news {
-            SceneNews::Edit(edit) => self.take_edit(edit),
-            SceneNews::Segment(id, Some(voxels)) => self.take_segment(id, voxels),
+    pub fn take(&mut self, updates: SceneUpdate) {
+        match updates {
+            SceneUpdate::Edit(edit) => self.take_edit(edit),
+            SceneUpdate::Segment(id, Some(voxels)) => self.take_segment(id, voxels),
             // undo may bring it back, and it is still to be shown as a surface then
-            SceneNews::Segment(id, None) => self.empty(id),
-            SceneNews::Show(id, None) => self.hide(id),
-            SceneNews::Show(id, Some((making, voxels))) => self.show(id, making, voxels),
-            SceneNews::Displaced(now) => {
-                self.displaced.clone_from(&now);
-                self.next.displaced = Some(now);
+            SceneUpdate::Segment(id, None) => self.empty(id),
+            SceneUpdate::Show(id, None) => self.hide(id),
+            SceneUpdate::Show(id, Some((options, voxels))) => self.show(id, options, voxels),
+            SceneUpdate::Displacements(now) => {
+                self.displacements.clone_from(&now);
+                self.next.displacements = Some(now);
             }
-            SceneNews::Together(several) => several.into_iter().for_each(|news| self.take(news)),
+            SceneUpdate::Together(several) => {
+                several.into_iter().for_each(|updates| self.take(updates))
+            }
         }
     }
 
@@ -152,27 +154,27 @@ impl Surfaces {
         });
         PictureChange {
             surfaces: surfaces.collect(),
-            displaced: Some(self.displaced.clone()),
+            displacements: Some(self.displacements.clone()),
             ..PictureChange::default()
         }
     }
 
     /// The surface that is kept of a segment that is shown, where it is made in this way.
     #[must_use]
-    pub fn kept(&self, id: SegmentId, making: &SurfaceMaking) -> Option<&KeptSurface> {
+    pub fn kept(&self, id: SegmentId, options: &SurfaceOptions) -> Option<&IncrementalSurface> {
         let kept = self.shown.get(&id).map(|shown| &shown.kept);
-        kept.filter(|kept| kept.making() == making)
+        kept.filter(|kept| kept.options() == options)
     }
 
-    fn take_edit(&mut self, news: EditNews) {
-        let EditNews {
+    fn take_edit(&mut self, updates: EditUpdate) {
+        let EditUpdate {
             edit,
             applied,
             dirty,
             segments,
             stored,
             labels,
-        } = news;
+        } = updates;
         for (id, mut swaps) in segments {
             let Some(shown) = self.shown.get_mut(&id) else {
                 continue;
@@ -209,18 +211,18 @@ impl Surfaces {
             shown.kept.replace(voxels);
         } else {
             // another segment under the same number
-            let making = *shown.kept.making();
-            self.show(id, making, voxels);
+            let options = *shown.kept.options();
+            self.show(id, options, voxels);
         }
     }
 
-    fn show(&mut self, id: SegmentId, making: SurfaceMaking, voxels: SegmentVoxels) {
+    fn show(&mut self, id: SegmentId, options: SurfaceOptions, voxels: SegmentVoxels) {
         let spacing = voxels.grid.spacing();
-        let Ok(kept) = KeptSurface::new(making, voxels) else {
+        let Ok(kept) = IncrementalSurface::new(options, voxels) else {
             // the simulation has refused such settings
             return;
         };
-        let edge = f64::from((PATCH_CELLS + 2) * i32::from(making.settings.step));
+        let edge = f64::from((PATCH_CELLS + 2) * i32::from(options.settings.step));
         let longest = edge * spacing.length();
         let shown = Shown {
             lattice: Lattice::new(kept.surface().origin(), longest),
@@ -270,7 +272,7 @@ impl Shown {
 
 impl PictureChange {
     fn is_empty(&self) -> bool {
-        self.voxels.is_empty() && self.surfaces.is_empty() && self.displaced.is_none()
+        self.voxels.is_empty() && self.surfaces.is_empty() && self.displacements.is_none()
     }
 }
 

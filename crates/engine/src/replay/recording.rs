@@ -8,7 +8,7 @@ use glam::{DQuat, DVec3};
 
 use crate::servo::channels::{HandTarget, TickRecord};
 use crate::servo::servo_state::TickInputs;
-use crate::simulation::tool_stroke::ToolNow;
+use crate::simulation::tool_stroke::ToolStatus;
 
 /// Longest recording, in ticks: an hour at 1 kHz, some 1 GB.
 pub const MAX_TICKS: usize = 3_600_000;
@@ -166,7 +166,7 @@ impl Recording {
     }
 
     /// Notes what the tool had done by the last tick.
-    pub fn note_tool(&mut self, tool: &ToolNow) {
+    pub fn note_tool(&mut self, tool: &ToolStatus) {
         let load = if tool.on { tool.report.load } else { 0.0 };
         let noted = [
             (&mut self.tool_volume, tool.report.volume),

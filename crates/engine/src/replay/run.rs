@@ -15,13 +15,13 @@ use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
 
 use crate::replay::recording::Recording;
-use crate::replay::tape::{Tape, TapeCommand, TapeEntry, put, put_shares, rooted};
+use crate::replay::tape::{Tape, TapeCommand, TapeEntry, put, put_fractions, rooted};
 use crate::servo::channels::{BrickChange, Channels, ServoCommand, SimulationChannels, TickRecord};
 use crate::servo::shared::Shared;
 use crate::servo::{MAX_COMMANDS_PER_TICK, ServoLoop};
 use crate::touch::scan_values::ScanValues;
 use crate::touch::touchable::{Part, Touchable, unmoved};
-use crate::touch::union_fractions::SharedBits;
+use crate::touch::union_fractions::FractionalBits;
 
 /// Why a recording cannot be replayed at all.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -34,7 +34,7 @@ pub enum ReplayError {
     },
     /// No servo obeys like this.
     #[error(
-        "tick {tick} has obeyed {command} commands after {before}; allowed: none to \
+        "tick {tick} has executed {command} commands after {before}; allowed: none to \
          {MAX_COMMANDS_PER_TICK} more"
     )]
     Commands {
@@ -230,7 +230,7 @@ impl<'a> Player<'a> {
             self.latest = rooted(&self.latest, parts, self.values);
         }
         put(&mut self.latest, &entry.swaps);
-        put_shares(&mut self.latest, &entry.shares);
+        put_fractions(&mut self.latest, &entry.fractions);
         Ok(match entry.command {
             TapeCommand::Root { sequence, .. } => ServoCommand::Root {
                 sequence,
@@ -240,10 +240,10 @@ impl<'a> Player<'a> {
             TapeCommand::Bricks { sequence } => ServoCommand::Bricks(BrickChange::new(
                 sequence,
                 &unmoved(&self.latest)
-                    .map(SharedBits::from)
+                    .map(FractionalBits::from)
                     .collect::<Vec<_>>(),
                 entry.swaps.clone(),
-                entry.shares.clone(),
+                entry.fractions.clone(),
             )),
             TapeCommand::Place {
                 point,
@@ -259,7 +259,9 @@ impl<'a> Player<'a> {
             TapeCommand::Settings(settings) => ServoCommand::Settings(settings),
             TapeCommand::Pose(id, pose) => ServoCommand::Pose(SegmentId(id), pose),
             TapeCommand::Feel(id, feel) => ServoCommand::Feel(SegmentId(id), feel),
-            TapeCommand::GiveWay(giving_way) => ServoCommand::GiveWay(giving_way),
+            TapeCommand::DeformableContact(deformable_contact) => {
+                ServoCommand::DeformableContact(deformable_contact)
+            }
             TapeCommand::Needle(on, ref tissues) => ServoCommand::Needle(on, tissues.clone()),
             TapeCommand::Mark => ServoCommand::Mark,
         })

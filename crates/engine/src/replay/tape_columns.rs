@@ -21,9 +21,9 @@ use palpate_volume::voxel_box::VoxelBox;
 use serde::{Deserialize, Serialize};
 
 use crate::replay::tape::{
-    PartSwap, Tape, TapeCommand, TapeEntry, TapePart, put, put_shares, rooted,
+    PartSwap, Tape, TapeCommand, TapeEntry, TapePart, put, put_fractions, rooted,
 };
-use crate::servo::channels::{MAX_BRICKS, ShareSwap};
+use crate::servo::channels::{FractionSwap, MAX_BRICKS};
 use crate::servo::servo_state::ServoState;
 use crate::simulation::check_radius;
 use crate::touch::scan_values::ScanValues;
@@ -53,16 +53,16 @@ pub struct TapeColumns {
     /// The scan's values that touch read.
     pub values: ValueColumns,
     /// Where the shares of each command end in `shares`.
-    pub share_ends: Vec<u64>,
+    pub fraction_ends: Vec<u64>,
     /// What became known of shares by all commands.
-    pub shares: ShareColumns,
+    pub fractions: FractionColumns,
     /// What was known of shares at the start.
-    pub known: ShareColumns,
+    pub known: FractionColumns,
 }
 
 /// Bricks of shares by columns.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct ShareColumns {
+pub struct FractionColumns {
     /// Number of the segment.
     pub segment: Vec<u8>,
     /// Place in the directory, x fastest.
@@ -182,9 +182,9 @@ impl From<&Tape> for TapeColumns {
                 }
             }
             let known = part
-                .shares
+                .fractions
                 .iter()
-                .flat_map(|shares| shares.bricks().entries());
+                .flat_map(|fractions| fractions.bricks().entries());
             for (index, brick) in (0..).zip(known) {
                 if brick.is_some() {
                     columns.known.push(part.id, index, brick.as_deref());
@@ -205,10 +205,14 @@ impl From<&Tape> for TapeColumns {
                     .push(*id, swap.index, brick.unwrap_or_default());
             }
             columns.brick_ends.push(columns.bricks.index.len() as u64);
-            for (id, swap) in &entry.shares {
-                columns.shares.push(*id, swap.index, swap.brick.as_deref());
+            for (id, swap) in &entry.fractions {
+                columns
+                    .fractions
+                    .push(*id, swap.index, swap.brick.as_deref());
             }
-            columns.share_ends.push(columns.shares.index.len() as u64);
+            columns
+                .fraction_ends
+                .push(columns.fractions.index.len() as u64);
         }
         columns
     }
@@ -241,7 +245,7 @@ impl TryFrom<&TapeColumns> for Tape {
         let solid = columns.solid.swaps(0..columns.solid.index.len(), &frames)?;
         put(&mut parts, &solid);
         let known = columns.known.swaps(0..columns.known.index.len(), &frames)?;
-        put_shares(&mut parts, &known);
+        put_fractions(&mut parts, &known);
         let entries = columns.entries(&mut frames, &grid)?;
         Ok(Self {
             grid,
@@ -262,7 +266,7 @@ impl TapeColumns {
         }
         let commands = ranges(&self.command_ends, self.commands.len())?;
         let bricks = ranges(&self.brick_ends, self.bricks.index.len())?;
-        let mut shares = self.share_ranges()?.into_iter();
+        let mut fractions = self.fraction_ranges()?.into_iter();
         let mut entries = Vec::with_capacity(commands.len());
         for (number, (bytes, bricks)) in commands.into_iter().zip(bricks).enumerate() {
             let command: TapeCommand =
@@ -270,26 +274,26 @@ impl TapeColumns {
                     let reason = error.to_string();
                     TapeError::Command { number, reason }
                 })?;
-            let shares = shares.next().unwrap_or_default();
-            check(&command, bricks.len().max(shares.len()), grid)?;
+            let fractions = fractions.next().unwrap_or_default();
+            check(&command, bricks.len().max(fractions.len()), grid)?;
             if let TapeCommand::Root { parts, .. } = &command {
                 frames.follow(parts);
             }
             entries.push(TapeEntry {
                 command,
                 swaps: self.bricks.swaps(bricks, frames)?,
-                shares: self.shares.swaps(shares, frames)?,
+                fractions: self.fractions.swaps(fractions, frames)?,
             });
         }
         Ok(entries)
     }
 
     /// The shares of each command; tapes of before there were any have no ends of them.
-    fn share_ranges(&self) -> Result<Vec<Range<usize>>, TapeError> {
-        if self.share_ends.len() != self.command_ends.len() && !self.share_ends.is_empty() {
+    fn fraction_ranges(&self) -> Result<Vec<Range<usize>>, TapeError> {
+        if self.fraction_ends.len() != self.command_ends.len() && !self.fraction_ends.is_empty() {
             return Err(TapeError::Lengths);
         }
-        ranges(&self.share_ends, self.shares.index.len())
+        ranges(&self.fraction_ends, self.fractions.index.len())
     }
 }
 
@@ -319,7 +323,7 @@ impl ValueColumns {
     }
 }
 
-impl ShareColumns {
+impl FractionColumns {
     fn push(&mut self, id: SegmentId, index: u32, brick: Option<&ShareBrick>) {
         self.segment.push(id.0);
         self.index.push(index);
@@ -327,7 +331,7 @@ impl ShareColumns {
     }
 
     /// Some of the bricks, checked against the grids that they stand on.
-    fn swaps(&self, range: Range<usize>, frames: &Frames) -> Result<Vec<ShareSwap>, TapeError> {
+    fn swaps(&self, range: Range<usize>, frames: &Frames) -> Result<Vec<FractionSwap>, TapeError> {
         let count = self.index.len();
         if self.bytes.len() != count || self.segment.len() != count {
             return Err(TapeError::Lengths);
@@ -496,7 +500,7 @@ fn check(command: &TapeCommand, bricks: usize, grid: &Grid) -> Result<(), TapeEr
         | TapeCommand::Turn(_)
         | TapeCommand::Clutch(_)
         // whatever is no spring is not followed
-        | TapeCommand::GiveWay(_)
+        | TapeCommand::DeformableContact(_)
         | TapeCommand::Needle(..)
         | TapeCommand::Mark => 0,
     };

@@ -13,7 +13,7 @@ use super::drive::{Drive, Sample};
 use super::rig::Rig;
 use crate::error::SessionError;
 use crate::scene::Properties;
-use crate::touch::touch_feel::Feel;
+use crate::touch::touch_feel::TouchFeel;
 
 /// A layer of the body.
 #[derive(Clone, Debug)]
@@ -54,7 +54,7 @@ pub fn press(
         let properties = Properties {
             law: layer.law,
             // what holds the ball aside would be taken for what is under it
-            feel: Feel::SLIPPERY,
+            feel: TouchFeel::SLIPPERY,
             ..Properties::of_threshold(true, None)
         };
         let segment = layer.segment.clone();

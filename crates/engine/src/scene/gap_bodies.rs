@@ -12,7 +12,7 @@ use palpate_volume::intensities::Intensities;
 use palpate_volume::segment::Segment;
 
 use crate::scene::gap::GapBody;
-use crate::scene::incremental_surface::{KeptSurface, SegmentVoxels, SurfaceMaking};
+use crate::scene::incremental_surface::{IncrementalSurface, SegmentVoxels, SurfaceOptions};
 
 /// A segment to be measured.
 #[derive(Clone, Debug)]
@@ -24,18 +24,18 @@ pub struct Measured {
     /// Its voxels with the threshold that made them.
     pub voxels: SegmentVoxels,
     /// The surface of it that is drawn, if it is made as [`making`] says.
-    pub drawn: Option<KeptSurface>,
+    pub drawn: Option<IncrementalSurface>,
 }
 
 /// How the surfaces are made: as those that are drawn where nobody chooses otherwise.
 #[must_use]
-pub fn making() -> SurfaceMaking {
-    SurfaceMaking::default()
+pub fn options() -> SurfaceOptions {
+    SurfaceOptions::default()
 }
 
 /// The segments that were measured last.
 #[derive(Debug, Default)]
-pub struct GapBodies(BTreeMap<SegmentId, (KeptSurface, Arc<GapBody>)>);
+pub struct GapBodies(BTreeMap<SegmentId, (IncrementalSurface, Arc<GapBody>)>);
 
 impl GapBodies {
     /// Makes segments of a scan ready; all others are forgotten.
@@ -52,7 +52,7 @@ impl GapBodies {
 
     /// The surface that is kept of a segment.
     #[must_use]
-    pub fn surface(&self, id: SegmentId) -> Option<&KeptSurface> {
+    pub fn surface(&self, id: SegmentId) -> Option<&IncrementalSurface> {
         self.0.get(&id).map(|(surface, _)| surface)
     }
 
@@ -69,7 +69,7 @@ impl GapBodies {
         let known = known.filter(|surface| *surface.grid() == measured.voxels.grid);
         let mut surface = match known {
             Some(surface) => surface,
-            None => KeptSurface::new(making(), measured.voxels.clone())
+            None => IncrementalSurface::new(options(), measured.voxels.clone())
                 .expect("the usual settings make a surface"),
         };
         surface.replace(measured.voxels);

@@ -31,21 +31,21 @@ pub enum SurfaceSource {
 
 /// How the surface of a segment is made.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SurfaceMaking {
+pub struct SurfaceOptions {
     /// Smoothing, step and patches; its limits are those of the segment's threshold.
     pub settings: SurfaceSettings,
     /// What it is made from.
     pub source: SurfaceSource,
 }
 
-impl Default for SurfaceMaking {
+impl Default for SurfaceOptions {
     fn default() -> Self {
         let usual = SurfaceSettings::default();
         Self::new(usual.smoothing, usual.step, SurfaceSource::default())
     }
 }
 
-impl SurfaceMaking {
+impl SurfaceOptions {
     /// With a degree of smoothing and a step [voxels].
     #[must_use]
     pub fn new(smoothing: u8, step: u8, source: SurfaceSource) -> Self {
@@ -79,26 +79,26 @@ pub struct SegmentVoxels {
 
 /// A surface and the voxels that it is to follow. A clone shares bricks and patches.
 #[derive(Clone, Debug)]
-pub struct KeptSurface {
-    making: SurfaceMaking,
+pub struct IncrementalSurface {
+    options: SurfaceOptions,
     voxels: SegmentVoxels,
     surface: SegmentSurface,
     /// The box of voxels that the surface does not follow yet.
     dirty: VoxelBox,
 }
 
-impl KeptSurface {
+impl IncrementalSurface {
     /// Of these voxels; nothing is made before [`Self::follow`].
     ///
     /// # Errors
     /// Where such a surface cannot be made.
-    pub fn new(making: SurfaceMaking, voxels: SegmentVoxels) -> Result<Self, SettingsError> {
+    pub fn new(options: SurfaceOptions, voxels: SegmentVoxels) -> Result<Self, SettingsError> {
         let settings = SurfaceSettings {
-            limits: making.limits(voxels.made_by),
-            ..making.settings
+            limits: options.limits(voxels.made_by),
+            ..options.settings
         };
         Ok(Self {
-            making,
+            options,
             surface: SegmentSurface::new(&voxels.grid, settings)?,
             dirty: voxels.grid.bounds(),
             voxels,
@@ -107,8 +107,8 @@ impl KeptSurface {
 
     /// How it is made.
     #[must_use]
-    pub fn making(&self) -> &SurfaceMaking {
-        &self.making
+    pub fn options(&self) -> &SurfaceOptions {
+        &self.options
     }
 
     /// The surface, as far as it follows.
@@ -140,7 +140,7 @@ impl KeptSurface {
 
     /// Takes other voxels of the same grid in the place of all.
     pub fn replace(&mut self, voxels: SegmentVoxels) {
-        let limits = self.making.limits(voxels.made_by);
+        let limits = self.options.limits(voxels.made_by);
         let dirty = if limits == self.surface.settings().limits {
             self.voxels.bits.difference(&voxels.bits)
         } else {

@@ -24,7 +24,7 @@ use palpate_volume::shares::{ShareBrick, Shares};
 use palpate_volume::voxel_box::VoxelBox;
 
 use crate::scene::{Scene, TouchChange};
-use crate::servo::channels::ShareSwap;
+use crate::servo::channels::FractionSwap;
 
 /// How far from a change shares are worked out again [voxels].
 const REACH: i32 = 8;
@@ -33,7 +33,7 @@ const LONGEST: i32 = 64;
 
 /// A region to be worked out.
 #[derive(Debug)]
-pub struct ShareJob {
+pub struct FractionJob {
     bits: Bits,
     spacing: Vec3,
     region: VoxelBox,
@@ -41,13 +41,13 @@ pub struct ShareJob {
 }
 
 /// What came of it.
-pub type ShareAnswer = Vec<BrickSwap<ShareBrick>>;
+pub type FractionAnswer = Vec<BrickSwap<ShareBrick>>;
 
 /// A mask whose shares are known, as far as they are.
 #[derive(Debug)]
 struct Kept {
     bits: Bits,
-    shares: Arc<Shares>,
+    fractions: Arc<Shares>,
 }
 
 /// The region that is worked on.
@@ -60,23 +60,23 @@ struct Asked {
 
 /// What is known, and the loop's other end.
 #[derive(Debug)]
-pub struct MaskShares {
+pub struct MaskFractions {
     kept: BTreeMap<SegmentId, Kept>,
     /// Regions to be worked out, the next one first.
     queue: VecDeque<(SegmentId, VoxelBox)>,
     asked: Option<Asked>,
-    jobs: Sender<ShareJob>,
-    answers: Receiver<ShareAnswer>,
+    jobs: Sender<FractionJob>,
+    answers: Receiver<FractionAnswer>,
     on: bool,
 }
 
-impl MaskShares {
+impl MaskFractions {
     /// Nothing is known nor worked out until it is switched on; and the loop that does it.
     #[must_use]
-    pub fn new() -> (Self, ShareLoop) {
+    pub fn new() -> (Self, FractionLoop) {
         let (jobs, job_inbox) = mpsc::channel();
         let (answers, answer_inbox) = mpsc::channel();
-        let shares = Self {
+        let fractions = Self {
             kept: BTreeMap::new(),
             queue: VecDeque::new(),
             asked: None,
@@ -84,11 +84,11 @@ impl MaskShares {
             answers: answer_inbox,
             on: false,
         };
-        let share_loop = ShareLoop {
+        let fraction_loop = FractionLoop {
             jobs: job_inbox,
             answers,
         };
-        (shares, share_loop)
+        (fractions, fraction_loop)
     }
 
     /// Works shares out from now on, or not: then masks are touched by their bits alone.
@@ -104,7 +104,7 @@ impl MaskShares {
 
     /// Follows a change of what is touched: forgets shares where voxels changed, and gives what it
     /// forgot.
-    pub fn follow(&mut self, scene: &mut Scene, change: &TouchChange) -> Vec<ShareSwap> {
+    pub fn follow(&mut self, scene: &mut Scene, change: &TouchChange) -> Vec<FractionSwap> {
         if !self.on {
             return Vec::new();
         }
@@ -133,7 +133,7 @@ impl MaskShares {
         let segment = scene.voxels().segment(id).filter(|_| scene.is_mask(id));
         let Some(bits) = segment.map(Segment::occupancy) else {
             self.forget(id);
-            scene.know_shares(id, None);
+            scene.set_fractions(id, None);
             return Vec::new();
         };
         let Some(kept) = self.kept.get_mut(&id).filter(|kept| kept.fits(bits)) else {
@@ -148,16 +148,16 @@ impl MaskShares {
             return Vec::new();
         }
         // nobody else has them now, so that they need not be copied
-        scene.know_shares(id, None);
+        scene.set_fractions(id, None);
         let forgotten = kept.forget(&changed);
-        scene.know_shares(id, Some(Arc::clone(&kept.shares)));
+        scene.set_fractions(id, Some(Arc::clone(&kept.fractions)));
         self.want_again(id, &changed);
         forgotten
     }
 
     /// Takes what was worked out, if anything was, and has the next region worked out; gives what
     /// is known now.
-    pub fn advance(&mut self, scene: &mut Scene) -> Vec<ShareSwap> {
+    pub fn advance(&mut self, scene: &mut Scene) -> Vec<FractionSwap> {
         let known = self.take(scene);
         if self.asked.is_none() {
             self.ask(scene);
@@ -167,11 +167,11 @@ impl MaskShares {
 
     fn begin(&mut self, id: SegmentId, bits: Bits, scene: &mut Scene) {
         self.forget(id);
-        let shares = Arc::new(Shares::unknown(bits.dimensions()));
+        let fractions = Arc::new(Shares::unknown(bits.dimensions()));
         self.queue
             .extend(regions(&bits).into_iter().map(|region| (id, region)));
-        scene.know_shares(id, Some(Arc::clone(&shares)));
-        self.kept.insert(id, Kept { bits, shares });
+        scene.set_fractions(id, Some(Arc::clone(&fractions)));
+        self.kept.insert(id, Kept { bits, fractions });
     }
 
     fn forget(&mut self, id: SegmentId) {
@@ -205,7 +205,7 @@ impl MaskShares {
         }
     }
 
-    fn take(&mut self, scene: &mut Scene) -> Vec<ShareSwap> {
+    fn take(&mut self, scene: &mut Scene) -> Vec<FractionSwap> {
         let Ok(mut answer) = self.answers.try_recv() else {
             return Vec::new();
         };
@@ -219,17 +219,17 @@ impl MaskShares {
             return Vec::new();
         }
         for swap in &mut answer {
-            let all = kept.shares.bricks().box_of(swap.index);
+            let all = kept.fractions.bricks().box_of(swap.index);
             for changed in &asked.changed {
                 forget_in(swap, &all.intersect(&changed.dilate(1)));
             }
         }
-        scene.know_shares(asked.id, None);
-        let shares = Arc::make_mut(&mut kept.shares);
+        scene.set_fractions(asked.id, None);
+        let fractions = Arc::make_mut(&mut kept.fractions);
         for swap in &answer {
-            shares.swap(&mut swap.clone());
+            fractions.swap(&mut swap.clone());
         }
-        scene.know_shares(asked.id, Some(Arc::clone(&kept.shares)));
+        scene.set_fractions(asked.id, Some(Arc::clone(&kept.fractions)));
         answer.into_iter().map(|swap| (asked.id, swap)).collect()
     }
 
@@ -240,11 +240,11 @@ impl MaskShares {
         let Some(kept) = self.kept.get(&id) else {
             return;
         };
-        let job = ShareJob {
+        let job = FractionJob {
             bits: kept.bits.clone(),
             spacing: scene.voxels().grid_of(id).spacing().as_vec3(),
             region,
-            known: Arc::clone(&kept.shares),
+            known: Arc::clone(&kept.fractions),
         };
         if self.jobs.send(job).is_ok() {
             let changed = Vec::new();
@@ -293,19 +293,22 @@ impl Kept {
         let mut forgotten: BTreeMap<u32, BrickSwap<ShareBrick>> = BTreeMap::new();
         for changed in changed {
             let near = changed.dilate(1);
-            for index in self.shares.bricks().indices_in(&near) {
-                let Some(brick) = self.shares.bricks().get(index) else {
+            for index in self.fractions.bricks().indices_in(&near) {
+                let Some(brick) = self.fractions.bricks().get(index) else {
                     continue;
                 };
                 let brick = Some(Arc::clone(brick));
                 let swap = forgotten.entry(index).or_insert(BrickSwap { index, brick });
-                forget_in(swap, &self.shares.bricks().box_of(index).intersect(&near));
+                forget_in(
+                    swap,
+                    &self.fractions.bricks().box_of(index).intersect(&near),
+                );
             }
         }
         if !forgotten.is_empty() {
-            let shares = Arc::make_mut(&mut self.shares);
+            let fractions = Arc::make_mut(&mut self.fractions);
             for swap in forgotten.values() {
-                shares.swap(&mut swap.clone());
+                fractions.swap(&mut swap.clone());
             }
         }
         forgotten.into_values().collect()
@@ -327,12 +330,12 @@ fn forget_in(swap: &mut BrickSwap<ShareBrick>, voxels: &VoxelBox) {
 
 /// Jobs on one side, answers on the other.
 #[derive(Debug)]
-pub struct ShareLoop {
-    jobs: Receiver<ShareJob>,
-    answers: Sender<ShareAnswer>,
+pub struct FractionLoop {
+    jobs: Receiver<FractionJob>,
+    answers: Sender<FractionAnswer>,
 }
 
-impl ShareLoop {
+impl FractionLoop {
     /// Does what is asked for, if anything is.
     pub fn step(&self) {
         if let Ok(job) = self.jobs.try_recv() {
@@ -351,7 +354,7 @@ impl ShareLoop {
         true
     }
 
-    fn answer(&self, job: &ShareJob) {
+    fn answer(&self, job: &FractionJob) {
         let answer = relaxed_shares(&job.bits, job.spacing, &job.region, &job.known);
         // whoever asked may have gone
         let _ = self.answers.send(answer);

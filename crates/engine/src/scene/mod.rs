@@ -8,9 +8,9 @@ use std::sync::Arc;
 
 use crate::scene::incremental_surface::SegmentVoxels;
 use crate::touch::scan_values::{ScanValues, Threshold};
-use crate::touch::touch_feel::{Feel, Feels};
+use crate::touch::touch_feel::{TouchFeel, TouchFeels};
 use crate::touch::touchable::{MovedPart, Part};
-use crate::touch::union_fractions::SharedBits;
+use crate::touch::union_fractions::FractionalBits;
 use glam::DAffine3;
 use palpate_deform::material::MaterialLaw;
 use palpate_volume::bit_brick::BitBrick;
@@ -48,7 +48,7 @@ pub struct Properties {
     /// values there.
     pub made_by: Option<ThresholdRange>,
     /// How its surface feels, as a person has set it.
-    pub feel: Feel,
+    pub feel: TouchFeel,
     /// Where it was moved [mm, from the scan to the scene]; none where the scan has it.
     pub pose: Option<DAffine3>,
     /// What it is made of; none where it does not give way.
@@ -71,8 +71,8 @@ impl Properties {
 
     /// How its surface feels, with the friction of what it is made of.
     #[must_use]
-    pub fn felt(&self) -> Feel {
-        self.feel.of_matter(self.law.as_ref())
+    pub fn felt(&self) -> TouchFeel {
+        self.feel.of_material(self.law.as_ref())
     }
 }
 
@@ -92,7 +92,7 @@ pub struct Scene {
     /// Where segments that give way are hard.
     rigid: BTreeMap<SegmentId, Bits>,
     /// What was worked out of the shares of masks.
-    shares: BTreeMap<SegmentId, Arc<Shares>>,
+    fractions: BTreeMap<SegmentId, Arc<Shares>>,
     /// By which model matter gives way.
     model: Option<ModelChoice>,
 }
@@ -114,7 +114,7 @@ impl Scene {
             held: None,
             punctured: SegmentSet::EMPTY,
             rigid: BTreeMap::new(),
-            shares: BTreeMap::new(),
+            fractions: BTreeMap::new(),
             model: None,
         }
     }
@@ -126,7 +126,7 @@ impl Scene {
     }
 
     /// Takes the choice of a model from elsewhere.
-    pub fn know_model(&mut self, model: Option<ModelChoice>) {
+    pub fn set_known_model(&mut self, model: Option<ModelChoice>) {
         self.model = model;
     }
 
@@ -205,8 +205,8 @@ impl Scene {
 
     /// How each segment feels, by its number.
     #[must_use]
-    pub fn feels(&self) -> Feels {
-        let mut feels = Feels::default();
+    pub fn feels(&self) -> TouchFeels {
+        let mut feels = TouchFeels::default();
         for (id, properties) in &self.properties {
             feels.set(*id, properties.felt());
         }
@@ -217,7 +217,7 @@ impl Scene {
     ///
     /// # Errors
     /// Where there is no such segment.
-    pub fn set_feel(&mut self, id: SegmentId, feel: Feel) -> Result<(), VoxelsError> {
+    pub fn set_feel(&mut self, id: SegmentId, feel: TouchFeel) -> Result<(), VoxelsError> {
         let properties = self
             .properties
             .get_mut(&id)
@@ -250,7 +250,7 @@ impl Scene {
     }
 
     /// A segment that gives way is hard where this mask is, or nowhere; whether that is new.
-    pub fn know_rigid(&mut self, id: SegmentId, rigid: Option<Bits>) -> bool {
+    pub fn set_rigid(&mut self, id: SegmentId, rigid: Option<Bits>) -> bool {
         let is_same = match (self.rigid.get(&id), &rigid) {
             (Some(known), Some(rigid)) => known.difference(rigid).is_empty(),
             (known, rigid) => known.is_none() && rigid.is_none(),
@@ -285,17 +285,17 @@ impl Scene {
     }
 
     /// Takes what was worked out of the shares of a mask, or forgets it.
-    pub fn know_shares(&mut self, id: SegmentId, shares: Option<Arc<Shares>>) {
-        match shares {
-            Some(shares) => self.shares.insert(id, shares),
-            None => self.shares.remove(&id),
+    pub fn set_fractions(&mut self, id: SegmentId, fractions: Option<Arc<Shares>>) {
+        match fractions {
+            Some(fractions) => self.fractions.insert(id, fractions),
+            None => self.fractions.remove(&id),
         };
     }
 
     /// What was worked out of the shares of a segment; none of one that a threshold made.
     #[must_use]
-    pub fn shares_of(&self, id: SegmentId) -> Option<&Arc<Shares>> {
-        self.shares.get(&id).filter(|_| self.is_mask(id))
+    pub fn fractions_of(&self, id: SegmentId) -> Option<&Arc<Shares>> {
+        self.fractions.get(&id).filter(|_| self.is_mask(id))
     }
 
     /// Whether touch knows of a segment no more than its bits: no threshold on the scan made it.
@@ -306,12 +306,12 @@ impl Scene {
 
     /// Voxels and shares of all obstacles that are where the scan has them.
     #[must_use]
-    pub fn standing(&self) -> Vec<SharedBits<'_>> {
+    pub fn standing(&self) -> Vec<FractionalBits<'_>> {
         self.obstacles()
             .filter(|(id, _, _)| self.stands(*id))
-            .map(|(id, segment, _)| SharedBits {
+            .map(|(id, segment, _)| FractionalBits {
                 bits: segment.occupancy(),
-                shares: self.shares_of(id).map(|shares| &**shares),
+                fractions: self.fractions_of(id).map(|fractions| &**fractions),
             })
             .collect()
     }
@@ -340,7 +340,7 @@ impl Scene {
                         range,
                         values: self.values.clone(),
                     }),
-                shares: self.shares_of(id).cloned(),
+                fractions: self.fractions_of(id).cloned(),
                 punctured: properties.pose.is_none() && self.punctured.contains(id),
                 rigid: self.rigid.get(&id).cloned(),
             })

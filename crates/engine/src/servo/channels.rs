@@ -25,10 +25,10 @@ use crate::servo::servo_state::{ServoState, TickInputs};
 use crate::touch::moved_poses::CurrentPoses;
 use crate::touch::needle::NeedleStatus;
 use crate::touch::settings::Settings;
-use crate::touch::touch_feel::Feel;
+use crate::touch::touch_feel::TouchFeel;
 use crate::touch::touch_occupancy::GARBAGE_PER_CHANGE;
 use crate::touch::touchable::{Touchable, union_brick};
-use crate::touch::union_fractions::{SharedBits, union_share_brick};
+use crate::touch::union_fractions::{FractionalBits, union_fraction_brick};
 
 /// Commands that may wait for the servo.
 const INBOX: usize = 4096;
@@ -106,9 +106,9 @@ pub enum ServoCommand {
     /// Where a moved segment is to go, a rigid motion [mm].
     Pose(SegmentId, DAffine3),
     /// How the surface of a segment feels from now on.
-    Feel(SegmentId, Feel),
+    Feel(SegmentId, TouchFeel),
     /// What gives way from now on, and how it pushes.
-    GiveWay(GivingWay),
+    DeformableContact(DeformableContact),
     /// Takes a needle in the hand that can puncture these segments, or out of it.
     Needle(bool, Box<Tissues>),
     /// Asks for the servo's state at the end of this tick, from where it can be replayed.
@@ -117,7 +117,7 @@ pub enum ServoCommand {
 
 /// The newest answer of a deformation model.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct GivingWay {
+pub struct DeformableContact {
     /// Segments that give way.
     pub segments: SegmentSet,
     /// How they push the tool; none where nothing is known of it.
@@ -143,13 +143,13 @@ pub struct BrickChange {
     /// Of the segments that it changes, at most [`MAX_BRICKS`].
     pub parts: Vec<(SegmentId, BrickSwap<BitBrick>)>,
     /// What is known of the shares of the union: at most [`MAX_SHARES`], by rising index.
-    pub shares: Vec<BrickSwap<ShareBrick>>,
+    pub fractions: Vec<BrickSwap<ShareBrick>>,
     /// The same of the segments, at most [`MAX_BRICKS`], for whoever records.
-    pub part_shares: Vec<ShareSwap>,
+    pub part_fractions: Vec<FractionSwap>,
 }
 
 /// What is known of the shares in a brick of a segment.
-pub type ShareSwap = (SegmentId, BrickSwap<ShareBrick>);
+pub type FractionSwap = (SegmentId, BrickSwap<ShareBrick>);
 
 impl BrickChange {
     /// Bricks of segments that hold them by now; what becomes of the union follows from all
@@ -157,9 +157,9 @@ impl BrickChange {
     #[must_use]
     pub fn new(
         sequence: u64,
-        unmoved: &[SharedBits<'_>],
+        unmoved: &[FractionalBits<'_>],
         changed: Vec<(SegmentId, BrickSwap<BitBrick>)>,
-        part_shares: Vec<ShareSwap>,
+        part_fractions: Vec<FractionSwap>,
     ) -> Self {
         let mut bricks: Vec<u32> = changed.iter().map(|(_, swap)| swap.index).collect();
         bricks.sort_unstable();
@@ -174,18 +174,18 @@ impl BrickChange {
             sequence,
             swaps,
             parts: changed,
-            shares: Self::union_shares(unmoved, bricks, &part_shares),
-            part_shares,
+            fractions: Self::union_fractions(unmoved, bricks, &part_fractions),
+            part_fractions,
         }
     }
 
     /// What becomes of the shares of the union where bits or shares of segments change.
-    fn union_shares(
-        unmoved: &[SharedBits<'_>],
+    fn union_fractions(
+        unmoved: &[FractionalBits<'_>],
         mut bricks: Vec<u32>,
-        changed: &[ShareSwap],
+        changed: &[FractionSwap],
     ) -> Vec<BrickSwap<ShareBrick>> {
-        if unmoved.iter().all(|part| part.shares.is_none()) {
+        if unmoved.iter().all(|part| part.fractions.is_none()) {
             return Vec::new();
         }
         if let [first, _, ..] = unmoved {
@@ -200,7 +200,7 @@ impl BrickChange {
         bricks.dedup();
         let swap = |index| BrickSwap {
             index,
-            brick: union_share_brick(unmoved, index),
+            brick: union_fraction_brick(unmoved, index),
         };
         bricks.into_iter().map(swap).collect()
     }
@@ -224,7 +224,7 @@ pub enum Garbage {
 /// Bricks of one edit, at most; larger edits go as a root.
 pub const MAX_BRICKS: usize = 256;
 /// Bricks of shares that come with them, at most.
-pub const MAX_SHARES: usize = 2 * MAX_BRICKS;
+pub const MAX_FRACTIONS: usize = 2 * MAX_BRICKS;
 /// Edits that are held back, at most; beyond, a root has to bring them all.
 pub const MAX_HELD: usize = 8;
 

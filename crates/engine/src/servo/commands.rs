@@ -20,7 +20,7 @@ const PLACE_REACH: i32 = 3;
 
 impl ServoLoop {
     /// Obeys the simulation, in its order, as far as one tick allows.
-    pub(super) fn obey(&mut self, inputs: &TickInputs) {
+    pub(super) fn execute_commands(&mut self, inputs: &TickInputs) {
         for _ in 0..MAX_COMMANDS_PER_TICK {
             match self.ends.inbox.peek() {
                 Ok(ServoCommand::Root { .. } | ServoCommand::Bricks(_)) => {
@@ -31,8 +31,8 @@ impl ServoLoop {
                 // its tissues are given back
                 Ok(ServoCommand::Needle(..)) if !self.occupancy.has_room() => return,
                 // what comes after a mark is obeyed after the state is told
-                Ok(ServoCommand::Mark) => return self.obey_next(inputs),
-                Ok(_) => self.obey_next(inputs),
+                Ok(ServoCommand::Mark) => return self.execute_next(inputs),
+                Ok(_) => self.execute_next(inputs),
                 Err(_) => return,
             }
         }
@@ -75,7 +75,7 @@ impl ServoLoop {
     }
 
     /// Obeys a command that changes no occupancy.
-    fn obey_next(&mut self, inputs: &TickInputs) {
+    fn execute_next(&mut self, inputs: &TickInputs) {
         let device = inputs.position_in_device;
         match self.pop() {
             Some(ServoCommand::Place {
@@ -109,11 +109,11 @@ impl ServoLoop {
                     self.state.poses.lead(id, target, grid, bounds);
                 }
             }
-            Some(ServoCommand::GiveWay(giving_way)) => {
-                self.state.giving_way = giving_way;
+            Some(ServoCommand::DeformableContact(deformable_contact)) => {
+                self.state.deformable_contact = deformable_contact;
                 self.state
                     .soft
-                    .take(giving_way.contact.as_ref(), inputs.time);
+                    .take(deformable_contact.contact.as_ref(), inputs.time);
             }
             Some(ServoCommand::Needle(on, tissues)) => {
                 self.state.needle.hold(on, &tissues);

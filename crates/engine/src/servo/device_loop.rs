@@ -92,7 +92,7 @@ impl DeviceLoop {
             self.device.set_hand(Some(command.hand_in_device));
         }
         self.position = state.position;
-        self.tell();
+        self.report();
     }
 
     /// Sends zero force. A driver that fails even at that is left alone: there is nothing
@@ -164,7 +164,7 @@ impl DeviceLoop {
     }
 
     /// Tells the counters and the state of the force.
-    fn tell(&self) {
+    fn report(&self) {
         let counted = self.safety.counters();
         let counters = &self.shared.counters;
         for (counter, count) in [

@@ -19,8 +19,8 @@ use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
 
 use crate::servo::channels::{
-    DeviceSample, ForceCommand, GivingWay, HandTarget, ServoChannels, ServoCommand, ServoStatus,
-    Snapshot, TickRecord,
+    DeformableContact, DeviceSample, ForceCommand, HandTarget, ServoChannels, ServoCommand,
+    ServoStatus, Snapshot, TickRecord,
 };
 use crate::servo::device_loop::WATCHDOG_SECS;
 use crate::servo::guarantee_watch::keeps_guarantees;
@@ -32,9 +32,9 @@ use crate::touch::moved_poses::{CurrentPoses, MovedPoses};
 use crate::touch::needle::{NeedleStatus, sharp};
 use crate::touch::owners::Owners;
 use crate::touch::probe::Probe;
-use crate::touch::rigid_obstacles::HardMatter;
+use crate::touch::rigid_obstacles::RigidObstacles;
 use crate::touch::settings::{Settings, Smoothing};
-use crate::touch::touch_feel::Feels;
+use crate::touch::touch_feel::TouchFeels;
 use crate::touch::touch_occupancy::TouchOccupancy;
 use crate::touch::touchable::Touchable;
 use crate::touch::touched_surfaces::TouchedSurfaces;
@@ -64,7 +64,7 @@ pub struct ServoStart {
     /// Settings that the device bears.
     pub settings: Settings,
     /// How each segment feels, by its number.
-    pub feels: Feels,
+    pub feels: TouchFeels,
 }
 
 /// The state of the servo thread.
@@ -77,7 +77,7 @@ pub struct ServoLoop {
     /// Kept beside the state like the cache: it changes no result.
     owners: Owners,
     /// The same of what matter that gives way leads no tool into.
-    hard: HardMatter,
+    hard: RigidObstacles,
     /// Whether the state is asked for at the end of this tick.
     marked: bool,
     /// Whether a moved segment stands elsewhere than was told.
@@ -121,7 +121,7 @@ impl ServoLoop {
             radius: start.touchable.radius,
             poses: MovedPoses::default(),
             touched: 0,
-            giving_way: GivingWay::default(),
+            deformable_contact: DeformableContact::default(),
             soft: SoftContact::default(),
             needle: Needle::default(),
             hand: start.probe,
@@ -158,7 +158,7 @@ impl ServoLoop {
         state.poses.follow_root(&mut touchable, &grid);
         // who starts a session or reads a tape has checked that it fits
         let _ = touchable.set_radius(state.radius);
-        let hard = HardMatter::new(&touchable);
+        let hard = RigidObstacles::new(&touchable);
         let mut occupancy = TouchOccupancy::new(touchable, garbage);
         occupancy.want_radius(state.settings.probe_radius);
         Self {
@@ -196,7 +196,7 @@ impl ServoLoop {
     #[must_use]
     pub fn share(&self, voxel: IVec3) -> Option<f32> {
         let world = self.occupancy.touchable().world.inner();
-        let known = world.shares.as_ref()?;
+        let known = world.fractions.as_ref()?;
         known.share(voxel, world.bits.is_solid(voxel))
     }
 
@@ -233,7 +233,7 @@ impl ServoLoop {
         if inputs.has_room {
             self.retry_held_changes();
         }
-        self.obey(inputs);
+        self.execute_commands(inputs);
         self.hold_clutch(inputs);
         self.move_segments();
 
@@ -353,7 +353,7 @@ impl ServoLoop {
         output
     }
 
-    /// Feels matter that gives way as it answers, instead of its voxels, and what is hard beside or
+    /// Touches matter that gives way as it answers, instead of its voxels, and what is hard beside or
     /// under it as ever.
     fn give_way(&mut self, time: f64, input: &TickInput, output: &mut TickOutput) {
         if !self.state.soft.is_awaited() {
@@ -363,7 +363,7 @@ impl ServoLoop {
         let settings = self.state.feels.of(touched).over(&self.state.settings);
         // in a dent the proxy may be under the smooth surface alone, held by no voxel yet: whose
         // that is nobody knows
-        let is_hard = touched.0 != 0 && !self.state.giving_way.segments.contains(touched);
+        let is_hard = touched.0 != 0 && !self.state.deformable_contact.segments.contains(touched);
         let input = SoftInput {
             device: input.device_in_scene,
             velocity: input.velocity_in_scene,
@@ -381,7 +381,7 @@ impl ServoLoop {
         };
         let matter = self.occupancy.touchable();
         let world = (matter, self.occupancy.version(), &self.grid);
-        let soft = self.state.giving_way.segments;
+        let soft = self.state.deformable_contact.segments;
         let (proxy, feels) = (&self.state.touch.proxy, &self.state.feels);
         let mut visits = 0;
         let stop = |tool| {
@@ -421,7 +421,7 @@ impl ServoLoop {
         })
     }
 
-    /// Feels the needle instead of the hard contact.
+    /// Touches the needle instead of the hard contact.
     fn follow_needle(&mut self, input: &NeedleInput, output: &mut TickOutput) {
         let holder = output.held_by.map(|_| self.state.touched);
         let world = (&self.grid, self.occupancy.touchable());

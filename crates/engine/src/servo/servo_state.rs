@@ -12,11 +12,11 @@ use palpate_haptics::soft_contact::SoftContact;
 use palpate_haptics::tick::TickState;
 use serde::{Deserialize, Serialize};
 
-use crate::servo::channels::{DeviceSample, GivingWay, HandTarget};
+use crate::servo::channels::{DeformableContact, DeviceSample, HandTarget};
 use crate::servo::mapping::Mapping;
 use crate::touch::moved_poses::MovedPoses;
 use crate::touch::settings::Settings;
-use crate::touch::touch_feel::Feels;
+use crate::touch::touch_feel::TouchFeels;
 
 /// All that changes from tick to tick, besides what is solid.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -28,7 +28,7 @@ pub struct ServoState {
     /// Settings that the device bears.
     pub settings: Settings,
     /// How each segment feels.
-    pub feels: Feels,
+    pub feels: TouchFeels,
     /// Radius of the probe that was admitted [mm]; the settings have the one that is wanted.
     pub radius: f64,
     /// Where moved segments stand and go.
@@ -36,8 +36,8 @@ pub struct ServoState {
     /// The segment that is touched; 0 where there is none.
     pub touched: u8,
     /// What gives way.
-    #[serde(default)]
-    pub giving_way: GivingWay,
+    #[serde(default, rename = "giving_way")]
+    pub deformable_contact: DeformableContact,
     /// How its force is followed.
     #[serde(default)]
     pub soft: SoftContact,

@@ -13,15 +13,15 @@ use palpate_volume::segment::Segment;
 use palpate_volume::voxels::{Voxels, VoxelsError};
 use triple_buffer::{Input, triple_buffer};
 
-use crate::deformable::deformable_view::MatterView;
+use crate::deformable::deformable_view::DeformableView;
 use crate::deformable::deformation::Deformation;
 use crate::error::SessionError;
 use crate::picture::frame::Notice;
-use crate::picture::frame_collector::{Picture, PictureSources, RateReaders};
+use crate::picture::frame_collector::{FrameSources, Picture, RateReaders};
 use crate::picture::surface_loop::{SurfaceLoop, SurfacePace};
 use crate::picture::surfaces::Surfaces;
 use crate::replay::tape::TapeRecorder;
-use crate::scene::mask_fractions::MaskShares;
+use crate::scene::mask_fractions::MaskFractions;
 use crate::scene::{Properties, Scene, Step};
 use crate::servo::channels::{Channels, HandTarget, SimulationChannels};
 use crate::servo::device_loop::DeviceLoop;
@@ -32,7 +32,7 @@ use crate::session::config::{Reference, SessionConfig};
 use crate::session::live::{Loops, PICTURE_HZ, SIMULATION_HZ};
 use crate::simulation::touch_sender::touchable_of;
 use crate::simulation::{PictureEnds, Simulation, SimulationStatus};
-use crate::threads::change_signal::Bell;
+use crate::threads::change_signal::ChangeSignal;
 use crate::threads::rate::RateMeter;
 use crate::touch::placement::{REACH, free_point, in_front_of};
 use crate::touch::settings::Settings;
@@ -48,9 +48,9 @@ pub struct Assembly {
     /// How often they follow the voxels.
     pub pace: SurfacePace,
     /// Rung whenever they have followed.
-    pub bell: Arc<Bell>,
+    pub signal: Arc<ChangeSignal>,
     /// The parts of the deformation model.
-    pub matter_view: Arc<MatterView>,
+    pub deformable_view: Arc<DeformableView>,
     /// Where the hand pulls to.
     pub hand: Input<HandTarget>,
     /// What all threads see.
@@ -83,7 +83,7 @@ pub fn assemble(config: SessionConfig) -> Result<Assembly, SessionError> {
     let shared = Arc::new(Shared::default());
     let channels = Channels::new(probe);
     let (notices, notice_inbox) = mpsc::channel();
-    let (news, news_inbox) = mpsc::channel();
+    let (updates, update_inbox) = mpsc::channel();
     let (status, status_out) = triple_buffer(&SimulationStatus::default());
     let (meters, rates) = meters(device_rate_hz, rate_hz);
 
@@ -92,23 +92,23 @@ pub fn assemble(config: SessionConfig) -> Result<Assembly, SessionError> {
     let device = DeviceLoop::new(device, channels.device, Arc::clone(&shared), dt, safety);
     let start = servo_start(&scene, reference, probe, settings);
     let servo = ServoLoop::new(start, channels.servo, Arc::clone(&shared));
-    let (pace, bell) = (SurfacePace::default(), Arc::new(Bell::default()));
+    let (pace, signal) = (SurfacePace::default(), Arc::new(ChangeSignal::default()));
     let surfaces = Surfaces::new(scene.voxels().intensities().clone());
     let surfaces = Arc::new(Mutex::new(surfaces));
-    let ends = (status, notices.clone(), news);
+    let ends = (status, notices.clone(), updates);
     let (deformation, deformation_loop) = Deformation::new(!config.real_time);
-    let matter_view = deformation_loop.view();
-    let (mut shares, share_loop) = MaskShares::new();
-    shares.switch(config.mask_shares);
+    let deformable_view = deformation_loop.view();
+    let (mut fractions, fraction_loop) = MaskFractions::new();
+    fractions.switch(config.mask_fractions);
     let simulation = first_simulation(
-        (scene, deformation, shares),
+        (scene, deformation, fractions),
         (settings, limits),
         channels.simulation,
         ends,
         (reference, probe),
     )?;
     let tape = simulation.tape();
-    let sources = PictureSources {
+    let sources = FrameSources {
         records: channels.records,
         status: status_out,
         notices: notice_inbox,
@@ -117,8 +117,8 @@ pub fn assemble(config: SessionConfig) -> Result<Assembly, SessionError> {
     };
     let picture = Arc::new(Mutex::new(Picture::new(sources, rate_hz, probe)));
 
-    tell_of_start(&notices, config.start, probe);
-    tell_of_limits(&notices, &settings, &config.settings);
+    report_start(&notices, config.start, probe);
+    report_limits(&notices, &settings, &config.settings);
     let [device_meter, servo_meter, simulation_meter, picture_meter] = meters;
     Ok(Assembly {
         loops: Loops {
@@ -127,18 +127,18 @@ pub fn assemble(config: SessionConfig) -> Result<Assembly, SessionError> {
             simulation: (simulation, simulation_meter),
             picture: (Arc::clone(&picture), picture_meter),
             surfaces: SurfaceLoop::new(
-                news_inbox,
+                update_inbox,
                 Arc::clone(&surfaces),
-                (pace.clone(), Arc::clone(&bell)),
+                (pace.clone(), Arc::clone(&signal)),
             ),
             deformation: deformation_loop,
-            shares: share_loop,
+            fractions: fraction_loop,
         },
         picture,
         surfaces,
         pace,
-        bell,
-        matter_view,
+        signal,
+        deformable_view,
         hand: channels.hand,
         shared,
         notices,
@@ -165,7 +165,7 @@ fn servo_start(
 
 /// A simulation that brings the device to the probe, where the device is not in the scene.
 fn first_simulation(
-    parts: (Scene, Deformation, MaskShares),
+    parts: (Scene, Deformation, MaskFractions),
     (settings, limits): (Settings, DeviceLimits),
     channels: SimulationChannels,
     ends: PictureEnds,
@@ -190,7 +190,7 @@ fn first_point(scene: &Scene, start: Option<DVec3>, radius: f64) -> Result<DVec3
     })
 }
 
-fn tell_of_start(notices: &Sender<Notice>, start: Option<DVec3>, probe: DVec3) {
+fn report_start(notices: &Sender<Notice>, start: Option<DVec3>, probe: DVec3) {
     if let Some(wanted) = start
         && wanted != probe
     {
@@ -203,7 +203,7 @@ fn tell_of_start(notices: &Sender<Notice>, start: Option<DVec3>, probe: DVec3) {
     }
 }
 
-fn tell_of_limits(notices: &Sender<Notice>, settings: &Settings, wanted: &Settings) {
+fn report_limits(notices: &Sender<Notice>, settings: &Settings, wanted: &Settings) {
     if let Some(notice) = settings.notice_of_limits(wanted) {
         // the picture lives as long as the session
         let _ = notices.send(notice);

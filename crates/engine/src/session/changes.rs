@@ -11,7 +11,7 @@ use palpate_volume::edit::SegmentId;
 
 use super::{Session, lock};
 use crate::deformable::deformable_view::ShownParts;
-use crate::deformable::deformation::{DeformationNow, ForceSource};
+use crate::deformable::deformation::{DeformationStatus, ForceSource};
 use crate::error::SessionError;
 use crate::simulation::Simulation;
 use crate::simulation::recovery::{Kept, Recovered};
@@ -105,19 +105,19 @@ impl Session {
     ///
     /// # Errors
     /// Where the session has ended.
-    pub fn deformation(&self) -> Result<DeformationNow, SessionError> {
+    pub fn deformation(&self) -> Result<DeformationStatus, SessionError> {
         self.ask(|simulation| simulation.deformation())
     }
 
     /// Has the nodes or particles of the model shown, or no more.
     pub fn show_model_parts(&self, on: bool) {
-        self.matter_view.want(on);
+        self.deformable_view.want(on);
     }
 
     /// The parts of the model, where they are shown and were not given before.
     #[must_use]
     pub fn model_parts(&self) -> Option<ShownParts> {
-        self.matter_view.take()
+        self.deformable_view.take()
     }
 
     /// What a journal of this scan holds; none where there is no such file.
@@ -125,7 +125,7 @@ impl Session {
     /// # Errors
     /// Where the file is no journal of this scan, another session writes it, or the session has
     /// ended.
-    pub fn look_at_journal(
+    pub fn inspect_journal(
         &self,
         path: PathBuf,
         hash: ScanHash,

@@ -50,7 +50,7 @@ pub struct SessionConfig {
     pub real_time: bool,
     /// Whether masks are felt by shares that are worked out from their bits, so that flat slopes
     /// have no terraces.
-    pub mask_shares: bool,
+    pub mask_fractions: bool,
 }
 
 impl SessionConfig {
@@ -69,7 +69,7 @@ impl SessionConfig {
             device_rate_hz: None,
             safety: None,
             real_time: true,
-            mask_shares: true,
+            mask_fractions: true,
         }
     }
 }

@@ -11,11 +11,11 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-use crate::deformable::deformation_loop::{Bell, DeformationLoop};
+use crate::deformable::deformation_loop::{DeformationLoop, WakeUp};
 use crate::error::SessionError;
 use crate::picture::frame_collector::Picture;
 use crate::picture::surface_loop::SurfaceLoop;
-use crate::scene::mask_fractions::ShareLoop;
+use crate::scene::mask_fractions::FractionLoop;
 use crate::servo::ServoLoop;
 use crate::servo::device_loop::DeviceLoop;
 use crate::servo::shared::Shared;
@@ -59,7 +59,7 @@ pub struct Loops {
     /// The deformation.
     pub deformation: DeformationLoop,
     /// The shares of masks.
-    pub shares: ShareLoop,
+    pub fractions: FractionLoop,
 }
 
 /// How fast the two real-time loops run.
@@ -122,7 +122,7 @@ impl Live {
             picture,
             mut surfaces,
             mut deformation,
-            shares,
+            fractions,
         } = loops;
 
         let [for_device, for_servo, for_simulation, for_picture] =
@@ -137,7 +137,7 @@ impl Live {
         let shared = Arc::clone(&live.shared);
         live.spawn("surface", move || run_surfaces(&mut surfaces, &shared))?;
         // an answer does not wait for the next pass; after the end nobody hears it
-        deformation.set_bell(Bell::new(move || {
+        deformation.set_wake_up(WakeUp::new(move || {
             let _ = answers.send(Box::new(Simulation::answer_came));
         }));
         let shared = Arc::clone(&live.shared);
@@ -146,7 +146,7 @@ impl Live {
         })?;
         let shared = Arc::clone(&live.shared);
         live.spawn("shares", move || {
-            while !shared.stopping() && shares.wait(PATIENCE) {}
+            while !shared.stopping() && fractions.wait(PATIENCE) {}
         })?;
 
         let granted = outcome_of_both(&results);

@@ -11,7 +11,7 @@ use palpate_device::DeviceLimits;
 use palpate_volume::grid::Grid;
 use palpate_volume::voxels::Voxels;
 
-use crate::deformable::deformable_view::MatterView;
+use crate::deformable::deformable_view::DeformableView;
 use crate::error::SessionError;
 use crate::picture::frame::Notice;
 use crate::picture::frame_collector::Picture;
@@ -27,7 +27,7 @@ use crate::session::config::{SessionConfig, check, check_point};
 use crate::session::live::{Live, Paces};
 use crate::session::offline::Offline;
 use crate::simulation::Simulation;
-use crate::threads::change_signal::Bell;
+use crate::threads::change_signal::ChangeSignal;
 use crate::threads::clock;
 use crate::touch::settings::Settings;
 
@@ -57,8 +57,8 @@ pub struct Session {
     picture: Arc<Mutex<Picture>>,
     surfaces: Arc<Mutex<Surfaces>>,
     pace: SurfacePace,
-    bell: Arc<Bell>,
-    matter_view: Arc<MatterView>,
+    signal: Arc<ChangeSignal>,
+    deformable_view: Arc<DeformableView>,
     hand: Mutex<(triple_buffer::Input<HandTarget>, u64)>,
     shared: Arc<Shared>,
     notices: Sender<Notice>,
@@ -89,8 +89,8 @@ impl Session {
             picture,
             surfaces,
             pace,
-            bell,
-            matter_view,
+            signal,
+            deformable_view,
             hand,
             shared,
             notices,
@@ -100,7 +100,7 @@ impl Session {
         let run = if real_time {
             let (live, granted) = Live::start(loops, Arc::clone(&shared), paces)?;
             lock(&picture).real_time = granted.is_ok();
-            tell_of_priority(&notices, &granted);
+            report_priority(&notices, &granted);
             Run::Live(live)
         } else {
             let offline = Offline::new(loops, Arc::clone(&shared), paces);
@@ -111,8 +111,8 @@ impl Session {
             picture,
             surfaces,
             pace,
-            bell,
-            matter_view,
+            signal,
+            deformable_view,
             hand: Mutex::new((hand, 0)),
             shared,
             notices,
@@ -208,7 +208,7 @@ impl Session {
         match &self.run {
             Run::Live(live) => {
                 for thread in live.stop() {
-                    self.tell(Notice::error(format!(
+                    self.report(Notice::error(format!(
                         "The {thread} thread does not end and is left behind; switch the device \
                          off if it pushes."
                     )));
@@ -302,7 +302,7 @@ impl Session {
         lock(&self.picture)
     }
 
-    fn tell(&self, notice: Notice) {
+    fn report(&self, notice: Notice) {
         // the picture lives as long as the session
         let _ = self.notices.send(notice);
     }
@@ -314,7 +314,7 @@ impl Drop for Session {
     }
 }
 
-fn tell_of_priority(notices: &Sender<Notice>, granted: &Result<(), String>) {
+fn report_priority(notices: &Sender<Notice>, granted: &Result<(), String>) {
     if let Err(reason) = granted {
         // the picture lives as long as the session
         let _ = notices.send(Notice::warning(format!(

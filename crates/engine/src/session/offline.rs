@@ -79,7 +79,7 @@ impl Offline {
             picture,
             surfaces,
             deformation,
-            shares,
+            fractions,
             ..
         } = &mut self.loops;
         servo.1.count(start);
@@ -92,7 +92,7 @@ impl Offline {
             simulation.1.count(start);
             simulation.0.step();
             deformation.step();
-            shares.step();
+            fractions.step();
         }
         if self
             .tick

@@ -9,7 +9,7 @@ use super::Session;
 use crate::error::SessionError;
 use crate::scene::{Properties, ThresholdRange};
 use crate::simulation::{SegmentState, Simulation, checked_box};
-use crate::touch::touch_feel::Feel;
+use crate::touch::touch_feel::TouchFeel;
 
 /// Edits of more voxels than this are built outside the simulation thread.
 const SMALL_EDIT: u64 = 1 << 20;
@@ -90,7 +90,7 @@ impl Session {
     ///
     /// # Errors
     /// Where a value is out of range, there is no such segment, or the session has ended.
-    pub fn set_feel(&self, id: SegmentId, feel: Feel) -> Result<(), SessionError> {
+    pub fn set_feel(&self, id: SegmentId, feel: TouchFeel) -> Result<(), SessionError> {
         self.ask(move |simulation| simulation.set_feel(id, feel))?
     }
 

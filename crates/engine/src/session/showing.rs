@@ -10,7 +10,7 @@ use crate::picture::frame::{Frame, Rates};
 use crate::picture::surfaces::PictureChange;
 use crate::replay::recording::Recording;
 use crate::replay::tape::Tape;
-use crate::scene::incremental_surface::SurfaceMaking;
+use crate::scene::incremental_surface::SurfaceOptions;
 use crate::simulation::Simulation;
 
 impl Session {
@@ -21,9 +21,9 @@ impl Session {
     pub fn show_surface(
         &self,
         id: SegmentId,
-        making: Option<SurfaceMaking>,
+        options: Option<SurfaceOptions>,
     ) -> Result<(), SessionError> {
-        self.ask(move |simulation| simulation.show_surface(id, making))?
+        self.ask(move |simulation| simulation.show_surface(id, options))?
     }
 
     /// Has voxels and surfaces that are shown follow edits every so many-th frame of the picture,
@@ -44,7 +44,7 @@ impl Session {
     /// how often they have.
     #[must_use]
     pub fn wait_for_changes(&self, heard: u64, patience: Duration) -> u64 {
-        self.bell.wait(heard, patience)
+        self.signal.wait(heard, patience)
     }
 
     /// What changed in voxels and surfaces since the call before, oldest first; never waits.

@@ -18,25 +18,25 @@ use palpate_volume::segment::Segment;
 use palpate_volume::voxel_box::VoxelBox;
 use palpate_volume::voxels::{Voxels, VoxelsError};
 
-use crate::deformable::deformation::{Deformation, DeformationNow};
-use crate::deformable::displacements::Displaced;
-use crate::deformable::rigid_regions::SharedNews;
+use crate::deformable::deformation::{Deformation, DeformationStatus};
+use crate::deformable::displacements::Displacements;
+use crate::deformable::rigid_regions::SharedRegionChanges;
 use crate::error::SessionError;
 use crate::picture::frame::Notice;
-use crate::picture::scene_updates::SceneNews;
+use crate::picture::scene_updates::SceneUpdate;
 use crate::replay::tape::TapeRecorder;
 use crate::scene::incremental_surface::SegmentVoxels;
-use crate::scene::mask_fractions::MaskShares;
+use crate::scene::mask_fractions::MaskFractions;
 use crate::scene::{Scene, Step, ThresholdRange, TouchChange};
 use crate::servo::channels::{ServoCommand, SimulationChannels};
 use crate::simulation::grip::Grip;
-use crate::simulation::tool_stroke::{ToolNow, ToolStroke};
+use crate::simulation::tool_stroke::{ToolStatus, ToolStroke};
 use crate::simulation::touch_sender::{TouchSender, touchable_of};
 use crate::touch::moved_poses::CurrentPoses;
-use crate::touch::needle::{NeedleNow, NeedleWatch};
+use crate::touch::needle::{NeedleDisplay, NeedleWatch};
 use crate::touch::placement::{REACH, free_point};
 use crate::touch::settings::Settings;
-use crate::touch::touch_feel::Feel;
+use crate::touch::touch_feel::TouchFeel;
 
 mod deformation;
 mod displacements;
@@ -83,11 +83,11 @@ pub struct SimulationStatus {
     /// Rises with each change of voxels that the picture is not told box by box.
     pub voxels_version: u64,
     /// The tool in the hand.
-    pub tool: ToolNow,
+    pub tool: ToolStatus,
     /// The needle, where it is that.
-    pub needle: NeedleNow,
+    pub needle: NeedleDisplay,
     /// Matter that gives way.
-    pub matter: DeformationNow,
+    pub matter: DeformationStatus,
     /// Bytes that undo and redo hold on to.
     pub undo_bytes: usize,
     /// How many they may.
@@ -116,7 +116,7 @@ pub struct SegmentState {
     /// The threshold that made it, whatever edits did since.
     pub made_by: Option<ThresholdRange>,
     /// How its surface feels, as a person has set it; friction that is not set is that of `law`.
-    pub feel: Feel,
+    pub feel: TouchFeel,
     /// What it is made of; none where it is hard.
     pub law: Option<MaterialLaw>,
     /// Where it was moved [mm, from the scan to the scene]; none where the scan has it.
@@ -129,7 +129,7 @@ pub struct SegmentState {
 pub type PictureEnds = (
     triple_buffer::Input<SimulationStatus>,
     Sender<Notice>,
-    Sender<SceneNews>,
+    Sender<SceneUpdate>,
 );
 
 /// The state of the simulation thread.
@@ -145,16 +145,16 @@ pub struct Simulation {
     clutched: bool,
     deformation: Deformation,
     /// What was changed of segments that regions are shared with.
-    shared_news: SharedNews,
+    shared_changes: SharedRegionChanges,
     /// As the picture was told it last.
-    displaced: Option<Arc<Displaced>>,
+    displacements: Option<Arc<Displacements>>,
     /// Works out the shares of masks.
-    shares: MaskShares,
+    fractions: MaskFractions,
     file: Option<JournalFile>,
     touch: TouchSender,
     status: triple_buffer::Input<SimulationStatus>,
     notices: Sender<Notice>,
-    news: Sender<SceneNews>,
+    updates: Sender<SceneUpdate>,
     /// Segments that the picture shows by their labels.
     labelled: Vec<SegmentId>,
     settings: Settings,
@@ -171,11 +171,11 @@ impl Simulation {
     /// A simulation of this scene, whose device bears `limits`.
     #[must_use]
     pub fn new(
-        (scene, deformation, shares): (Scene, Deformation, MaskShares),
+        (scene, deformation, fractions): (Scene, Deformation, MaskFractions),
         settings: Settings,
         limits: DeviceLimits,
         channels: SimulationChannels,
-        (status, notices, news): PictureEnds,
+        (status, notices, updates): PictureEnds,
     ) -> Self {
         let mut simulation = Self {
             scene,
@@ -186,14 +186,14 @@ impl Simulation {
             dragged: None,
             clutched: false,
             deformation,
-            shared_news: SharedNews::default(),
-            displaced: None,
-            shares,
+            shared_changes: SharedRegionChanges::default(),
+            displacements: None,
+            fractions,
             file: None,
             touch: TouchSender::new(channels, settings.probe_radius),
             status,
             notices,
-            news,
+            updates,
             labelled: Vec::new(),
             settings: settings.within(&limits),
             limits,
@@ -207,7 +207,7 @@ impl Simulation {
         // nobody was told of any yet
         let masks = simulation.scene.obstacles().map(|(id, _, _)| id);
         let all = TouchChange::All(masks.collect());
-        let _ = simulation.shares.follow(&mut simulation.scene, &all);
+        let _ = simulation.fractions.follow(&mut simulation.scene, &all);
         simulation
     }
 
@@ -262,39 +262,39 @@ impl Simulation {
         self.advance_tool();
         self.advance_needle();
         self.advance_deformation();
-        self.advance_shares();
-        self.tell_of_held_changes();
-        self.tell_of_refused_places();
-        self.tell_of_full_tape();
-        self.tell_of_journal();
+        self.advance_fractions();
+        self.report_held_changes();
+        self.report_refused_places();
+        self.report_full_tape();
+        self.report_journal();
         self.publish();
     }
 
     /// Takes shares that were worked out, once touch follows what they were worked out from.
-    fn advance_shares(&mut self) {
+    fn advance_fractions(&mut self) {
         if self.touch.follows_all() {
-            let shares = self.shares.advance(&mut self.scene);
-            if !shares.is_empty() {
-                self.touch.send_shares(&self.scene, &shares);
+            let fractions = self.fractions.advance(&mut self.scene);
+            if !fractions.is_empty() {
+                self.touch.send_fractions(&self.scene, &fractions);
             }
         }
     }
 
     /// Has touch follow a change of the scene.
     fn send_change(&mut self, change: &TouchChange) {
-        let shares = self.shares.follow(&mut self.scene, change);
-        self.touch.send_change(&self.scene, change, shares);
+        let fractions = self.fractions.follow(&mut self.scene, change);
+        self.touch.send_change(&self.scene, change, fractions);
     }
 
     /// Has shares of masks worked out from now on, or not.
-    pub fn switch_mask_shares(&mut self, on: bool) {
-        self.shares.switch(on);
+    pub fn switch_mask_fractions(&mut self, on: bool) {
+        self.fractions.switch(on);
     }
 
     /// Regions of masks whose shares are still to be worked out; 0 where all are known.
     #[must_use]
-    pub fn unknown_shares(&self) -> usize {
-        self.shares.left()
+    pub fn unknown_fractions(&self) -> usize {
+        self.fractions.left()
     }
 
     /// What is told to the servo, where it is recorded.
@@ -308,7 +308,7 @@ impl Simulation {
     pub fn begin_tape(&mut self) {
         self.touch.begin_tape(&self.scene);
         if self.touch.is_held() {
-            self.tell(Notice::info(
+            self.report(Notice::info(
                 "A change waits for the probe to move out: the recording can be replayed from \
                  then on only.",
             ));
@@ -338,7 +338,7 @@ impl Simulation {
         let moved = free.distance(point);
         // a voxel's length is what clicking on a surface misses by
         if moved > grid.spacing().length() {
-            self.tell(Notice::info(format!(
+            self.report(Notice::info(format!(
                 "The point is inside a touchable segment: the probe was placed in the nearest \
                  free voxel, {moved:.1} mm away."
             )));
@@ -375,7 +375,7 @@ impl Simulation {
         self.check_radius_everywhere(settings.probe_radius)?;
         self.settings = settings.within(&self.limits);
         if let Some(notice) = self.settings.notice_of_limits(&settings) {
-            self.tell(notice);
+            self.report(notice);
         }
         self.touch.set_radius(self.settings.probe_radius);
         self.touch.send(ServoCommand::Settings(self.settings));

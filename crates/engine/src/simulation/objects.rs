@@ -117,7 +117,7 @@ impl Simulation {
         };
         self.change(Step::Several(vec![replaced, inserted]))?;
         // the new one feels alike
-        self.tell_feel(new_id);
+        self.publish_feel(new_id);
         Ok(new_id)
     }
 

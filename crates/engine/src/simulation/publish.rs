@@ -2,14 +2,14 @@
 
 use super::{Simulation, SimulationStatus};
 use crate::picture::frame::Notice;
-use crate::picture::scene_updates::SceneNews;
+use crate::picture::scene_updates::SceneUpdate;
 use crate::replay::tape::MAX_TAPE_BYTES;
 
 impl Simulation {
-    pub(super) fn tell_of_held_changes(&mut self) {
+    pub(super) fn report_held_changes(&mut self) {
         let held = self.touch.is_held();
         if held && !self.was_held {
-            self.tell(Notice::warning(
+            self.report(Notice::warning(
                 "A change waits: what it makes solid surrounds the probe. Move the probe out, or \
                  undo the change.",
             ));
@@ -18,7 +18,7 @@ impl Simulation {
 
         let stopped = self.touch.is_stopped();
         if stopped && !self.was_stopped {
-            self.tell(Notice::warning(
+            self.report(Notice::warning(
                 "A segment stops on its way: it would pinch the probe. It goes on once the probe \
                  is out.",
             ));
@@ -26,20 +26,20 @@ impl Simulation {
         self.was_stopped = stopped;
     }
 
-    pub(super) fn tell_of_refused_places(&mut self) {
+    pub(super) fn report_refused_places(&mut self) {
         let refused = self.touch.status().refused_places;
         if refused > self.refused_places {
-            self.tell(Notice::warning(
+            self.report(Notice::warning(
                 "The probe stays where it is: there is no free voxel near the point.",
             ));
         }
         self.refused_places = refused;
     }
 
-    pub(super) fn tell_of_full_tape(&mut self) {
+    pub(super) fn report_full_tape(&mut self) {
         let full = self.touch.is_tape_full();
         if full && !self.was_full {
-            self.tell(Notice::warning(format!(
+            self.report(Notice::warning(format!(
                 "The recording has no room for more changes (limit: {} MB): what comes after \
                  this one cannot be replayed.",
                 MAX_TAPE_BYTES >> 20
@@ -73,12 +73,12 @@ impl Simulation {
         self.status.write(status);
     }
 
-    pub(super) fn tell_picture(&self, news: SceneNews) {
+    pub(super) fn publish_update(&self, updates: SceneUpdate) {
         // without a picture nobody draws any more
-        let _ = self.news.send(news);
+        let _ = self.updates.send(updates);
     }
 
-    pub(super) fn tell(&self, notice: Notice) {
+    pub(super) fn report(&self, notice: Notice) {
         // without a picture nobody reads notices any more
         let _ = self.notices.send(notice);
     }

@@ -29,7 +29,7 @@ impl Simulation {
                 return Err(VoxelsError::UnknownSegment(id.0).into());
             }
         }
-        self.deformation.change_matter().set_regions(id, regions);
+        self.deformation.change_segments().set_regions(id, regions);
         self.follow_regions(&[id]);
         self.segments_version += 1;
         self.publish();
@@ -41,7 +41,7 @@ impl Simulation {
         for id in ids {
             let regions = self.deformation.matter().regions(*id);
             let rigid = rigid_mask(self.voxels(), regions);
-            if self.scene.know_rigid(*id, rigid) {
+            if self.scene.set_rigid(*id, rigid) {
                 self.send_change(&TouchChange::All(vec![*id]));
             }
         }
@@ -49,10 +49,10 @@ impl Simulation {
 
     /// The same after a change of voxels or segments, with which shared regions go.
     pub(super) fn follow_shared_regions(&mut self) {
-        let news = std::mem::take(&mut self.shared_news);
+        let updates = std::mem::take(&mut self.shared_changes);
         let (mut anew, mut parts) = (Vec::new(), Vec::new());
         for (id, regions) in self.deformation.matter().with_regions() {
-            match (self.scene.rigid(id), news.within(regions)) {
+            match (self.scene.rigid(id), updates.within(regions)) {
                 // one that was removed and came back is known no more
                 (None, _) | (_, SharedChange::All) => anew.push(id),
                 (Some(mask), SharedChange::Bricks(bricks)) => {
@@ -72,7 +72,7 @@ impl Simulation {
     /// it changed.
     pub(super) fn note_shared(&mut self, inverse: &Step) {
         let matter = self.deformation.matter();
-        self.shared_news.note(inverse, |id| matter.is_shared(id));
+        self.shared_changes.note(inverse, |id| matter.is_shared(id));
     }
 
     /// How regions of a segment take part.
@@ -88,8 +88,8 @@ mod tests {
     use std::sync::mpsc;
 
     use crate::deformable::deformation::Deformation;
-    use crate::deformable::rigid_regions::SharedNews;
-    use crate::scene::mask_fractions::MaskShares;
+    use crate::deformable::rigid_regions::SharedRegionChanges;
+    use crate::scene::mask_fractions::MaskFractions;
     use crate::scene::{Properties, Scene};
     use crate::servo::channels::Channels;
     use crate::simulation::SimulationStatus;
@@ -140,7 +140,7 @@ mod tests {
         let scene = Scene::new(Voxels::new(grid, scan).unwrap());
         let (status, _) = triple_buffer::triple_buffer(&SimulationStatus::default());
         let mut simulation = Simulation::new(
-            (scene, Deformation::new(true).0, MaskShares::new().0),
+            (scene, Deformation::new(true).0, MaskFractions::new().0),
             Settings::default(),
             LIMITS,
             Channels::new(DVec3::new(20.0, 20.0, 30.0)).simulation,
@@ -231,11 +231,11 @@ mod tests {
         let voxel = VoxelBox::of_voxel(IVec3::new(20, 20, 20));
         let bricks = |simulation: &Simulation, id| {
             let edit = simulation.voxels().label_edit(id, &voxel, |_, was| !was);
-            let mut news = SharedNews::default();
-            news.note(&Step::of_edit(edit.unwrap()), |id| {
+            let mut updates = SharedRegionChanges::default();
+            updates.note(&Step::of_edit(edit.unwrap()), |id| {
                 simulation.deformation.matter().is_shared(id)
             });
-            match news.within(simulation.regions(SOFT_ID)) {
+            match updates.within(simulation.regions(SOFT_ID)) {
                 SharedChange::Bricks(bricks) => bricks.len(),
                 SharedChange::All => panic!("of one voxel"),
             }
@@ -244,6 +244,6 @@ mod tests {
         assert_eq!(bricks(&simulation, SOFT_ID), 0);
         // nothing is left of what was looked at
         paint(&mut simulation, BONE_ID, &voxel, true);
-        assert_eq!(simulation.shared_news, SharedNews::default());
+        assert_eq!(simulation.shared_changes, SharedRegionChanges::default());
     }
 }

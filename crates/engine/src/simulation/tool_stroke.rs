@@ -20,7 +20,7 @@ use crate::servo::channels::ServoStatus;
 
 /// The probe as the servo last told of it.
 #[derive(Clone, Copy, Debug)]
-pub struct ProbeNow {
+pub struct ProbeStatus {
     /// Where it is [mm].
     pub point: DVec3,
     /// When [s].
@@ -33,7 +33,7 @@ pub struct ProbeNow {
     pub force: f64,
 }
 
-impl ProbeNow {
+impl ProbeStatus {
     /// What the servo says.
     #[must_use]
     pub fn of(status: &ServoStatus) -> Self {
@@ -63,7 +63,7 @@ struct Pressed {
 
 /// The tool in the hand as the picture shows it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct ToolNow {
+pub struct ToolStatus {
     /// Which one; none where the hand is empty.
     pub kind: Option<ToolKind>,
     /// Radius of its ball [mm]; 0 where the hand is empty.
@@ -158,7 +158,7 @@ impl ToolStroke {
     pub fn advance(
         &mut self,
         scene: &Scene,
-        probe: &ProbeNow,
+        probe: &ProbeStatus,
     ) -> Result<Option<Edit>, VoxelsError> {
         let Some(pressed) = &mut self.pressed else {
             return Ok(None);
@@ -234,8 +234,8 @@ impl ToolStroke {
 
     /// What the picture shows of it.
     #[must_use]
-    pub fn now(&self) -> ToolNow {
-        ToolNow {
+    pub fn now(&self) -> ToolStatus {
+        ToolStatus {
             kind: self.settings.as_ref().map(|settings| settings.kind),
             radius: self
                 .settings

@@ -13,7 +13,7 @@ use palpate_volume::edit::SegmentId;
 use crate::replay::tape::TapeRecorder;
 use crate::scene::{Scene, TouchChange};
 use crate::servo::channels::{
-    BrickChange, Garbage, MAX_BRICKS, MAX_SHARES, ServoCommand, ServoStatus, ShareSwap,
+    BrickChange, FractionSwap, Garbage, MAX_BRICKS, MAX_FRACTIONS, ServoCommand, ServoStatus,
     SimulationChannels,
 };
 use crate::touch::moved_poses::CurrentPoses;
@@ -151,13 +151,18 @@ impl TouchSender {
     }
 
     /// Sends a change of the scene, with the shares that changed by it.
-    pub fn send_change(&mut self, scene: &Scene, change: &TouchChange, shares: Vec<ShareSwap>) {
+    pub fn send_change(
+        &mut self,
+        scene: &Scene,
+        change: &TouchChange,
+        fractions: Vec<FractionSwap>,
+    ) {
         match change {
             TouchChange::Nothing => {}
             TouchChange::Bricks(bricks, segments)
-                if bricks.len() <= MAX_BRICKS && shares.len() <= MAX_BRICKS =>
+                if bricks.len() <= MAX_BRICKS && fractions.len() <= MAX_BRICKS =>
             {
-                self.send_bricks(scene, bricks, segments.clone(), shares);
+                self.send_bricks(scene, bricks, segments.clone(), fractions);
             }
             TouchChange::Bricks(_, segments) => self.send_root(scene, segments.clone()),
             TouchChange::All(segments) => self.send_root(scene, segments.clone()),
@@ -174,7 +179,7 @@ impl TouchSender {
         self.commands += 1;
         self.lock_tape().note(&command);
         if let ServoCommand::Root { touchable, .. } = &mut command {
-            touchable.forget_shares_of_parts();
+            touchable.forget_fractions_of_parts();
         }
         self.backlog.push_back(command);
         self.flush();
@@ -227,7 +232,7 @@ impl TouchSender {
         scene: &Scene,
         bricks: &[u32],
         segments: Vec<SegmentId>,
-        shares: Vec<ShareSwap>,
+        fractions: Vec<FractionSwap>,
     ) {
         let changed = || scene.obstacles().filter(|(id, _, _)| segments.contains(id));
         let moved = changed().any(|(_, _, properties)| properties.pose.is_some());
@@ -242,8 +247,8 @@ impl TouchSender {
             })
         });
         let swaps = swaps.collect();
-        let change = BrickChange::new(self.sequence + 1, &scene.standing(), swaps, shares);
-        if change.shares.len() > MAX_SHARES {
+        let change = BrickChange::new(self.sequence + 1, &scene.standing(), swaps, fractions);
+        if change.fractions.len() > MAX_FRACTIONS {
             return self.send_root(scene, segments);
         }
         self.begin(segments);
@@ -259,14 +264,15 @@ impl TouchSender {
 
     /// Sends shares that were worked out, which change no bit: those of bodies of their own come
     /// with a new root.
-    pub fn send_shares(&mut self, scene: &Scene, shares: &[ShareSwap]) {
-        if shares.iter().any(|(id, _)| !scene.stands(*id)) {
+    pub fn send_fractions(&mut self, scene: &Scene, fractions: &[FractionSwap]) {
+        if fractions.iter().any(|(id, _)| !scene.stands(*id)) {
             return self.send_root(scene, Vec::new());
         }
-        for shares in shares.chunks(MAX_BRICKS) {
+        for fractions in fractions.chunks(MAX_BRICKS) {
             // no change that anybody waits for
             let sequence = self.sequence;
-            let change = BrickChange::new(sequence, &scene.standing(), Vec::new(), shares.to_vec());
+            let change =
+                BrickChange::new(sequence, &scene.standing(), Vec::new(), fractions.to_vec());
             self.send(ServoCommand::Bricks(change));
         }
     }

@@ -5,29 +5,29 @@ use std::time::Duration;
 
 /// Rung by one thread, heard by others; nobody waits for those who do not listen.
 #[derive(Debug, Default)]
-pub struct Bell {
-    rung: Mutex<u64>,
+pub struct ChangeSignal {
+    count: Mutex<u64>,
     wake: Condvar,
 }
 
-impl Bell {
+impl ChangeSignal {
     /// Wakes all who wait.
-    pub fn ring(&self) {
+    pub fn notify(&self) {
         // a number is whole, whoever panicked while he held it
-        *self.rung.lock().unwrap_or_else(PoisonError::into_inner) += 1;
+        *self.count.lock().unwrap_or_else(PoisonError::into_inner) += 1;
         self.wake.notify_all();
     }
 
     /// Waits until it has been rung more than `heard` times, at most so long; gives how often it
     /// has been.
     #[must_use]
-    pub fn wait(&self, heard: u64, patience: Duration) -> u64 {
-        let rung = self.rung.lock().unwrap_or_else(PoisonError::into_inner);
-        let (rung, _) = self
+    pub fn wait(&self, known: u64, patience: Duration) -> u64 {
+        let count = self.count.lock().unwrap_or_else(PoisonError::into_inner);
+        let (count, _) = self
             .wake
-            .wait_timeout_while(rung, patience, |rung| *rung == heard)
+            .wait_timeout_while(count, patience, |count| *count == known)
             .unwrap_or_else(PoisonError::into_inner);
-        *rung
+        *count
     }
 }
 
@@ -37,15 +37,15 @@ mod tests {
 
     #[test]
     fn whoever_waits_is_woken_and_what_was_missed_is_heard_at_once() {
-        let bell = Bell::default();
-        assert_eq!(bell.wait(0, Duration::ZERO), 0);
-        bell.ring();
-        bell.ring();
+        let signal = ChangeSignal::default();
+        assert_eq!(signal.wait(0, Duration::ZERO), 0);
+        signal.notify();
+        signal.notify();
         // an hour, were it not rung already
-        assert_eq!(bell.wait(0, Duration::from_secs(3600)), 2);
+        assert_eq!(signal.wait(0, Duration::from_secs(3600)), 2);
         std::thread::scope(|threads| {
-            threads.spawn(|| bell.ring());
-            assert_eq!(bell.wait(2, Duration::from_secs(3600)), 3);
+            threads.spawn(|| signal.notify());
+            assert_eq!(signal.wait(2, Duration::from_secs(3600)), 3);
         });
     }
 }

@@ -8,7 +8,7 @@ use palpate_volume::bits::Bits;
 use palpate_volume::first_solid::Traversal;
 use palpate_volume::occupancy::Occupancy;
 
-use crate::touch::occupancy_fractions::KnownShares;
+use crate::touch::occupancy_fractions::BodyFractions;
 
 /// Voxels, and what is known of their shares.
 #[derive(Debug)]
@@ -16,13 +16,16 @@ pub struct BodyVoxels {
     /// The voxels.
     pub bits: Bits,
     /// How much of those at the surface is solid; none where only the bits are known.
-    pub shares: Option<KnownShares>,
+    pub fractions: Option<BodyFractions>,
 }
 
 impl From<Bits> for BodyVoxels {
     /// Voxels of which only the bits are known.
     fn from(bits: Bits) -> Self {
-        Self { bits, shares: None }
+        Self {
+            bits,
+            fractions: None,
+        }
     }
 }
 
@@ -44,18 +47,18 @@ impl Occupancy for BodyVoxels {
 
     #[inline]
     fn knows_shares(&self) -> bool {
-        self.shares.is_some()
+        self.fractions.is_some()
     }
 
     #[inline]
     fn share(&self, voxel: IVec3, solid: bool) -> Option<f32> {
-        self.shares.as_ref()?.share(voxel, solid)
+        self.fractions.as_ref()?.share(voxel, solid)
     }
 
     #[inline]
     fn share_changes(&self, voxels: &[(IVec3, bool)], changes: &mut [f32]) {
-        match &self.shares {
-            Some(shares) => shares.share_changes(voxels, changes),
+        match &self.fractions {
+            Some(fractions) => fractions.share_changes(voxels, changes),
             None => changes.fill(0.0),
         }
     }

@@ -112,7 +112,7 @@ impl NeedleStatus {
 
 /// The needle as the picture shows it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct NeedleNow {
+pub struct NeedleDisplay {
     /// Where it is in; none where it is out.
     pub place: Option<NeedlePlace>,
     /// What holds it [N].
@@ -177,8 +177,8 @@ impl NeedleWatch {
 
     /// What the picture shows of it.
     #[must_use]
-    pub fn now(&self) -> NeedleNow {
-        NeedleNow {
+    pub fn now(&self) -> NeedleDisplay {
+        NeedleDisplay {
             place: self.report.place,
             forces: self.report.forces,
             events: self.known,

@@ -18,7 +18,7 @@ use palpate_volume::shares::{ShareBrick, Shares};
 
 use crate::touch::scan_values::ScanValues;
 use crate::touch::touchable::Part;
-use crate::touch::union_fractions::{SharedBits, union_of_shares};
+use crate::touch::union_fractions::{FractionalBits, union_of_fractions};
 
 /// Most segments of thresholds in one body whose shares are known; further ones are taken for
 /// masks, so that work stays bounded.
@@ -26,7 +26,7 @@ const MAX_OWNERS: usize = 8;
 
 /// Shares of the voxels of one body.
 #[derive(Clone, Debug)]
-pub struct KnownShares {
+pub struct BodyFractions {
     made: Option<Made>,
     /// Those of all masks together; none where the body has no masks.
     worked_out: Option<Shares>,
@@ -41,7 +41,7 @@ struct Made {
     owners: Vec<(SegmentId, Bits)>,
 }
 
-impl KnownShares {
+impl BodyFractions {
     /// Of a body that is made of these parts of one scan, or of one part on a grid of its own.
     #[must_use]
     pub fn of(dimensions: UVec3, parts: &[&Part]) -> Option<Self> {
@@ -49,8 +49,11 @@ impl KnownShares {
         let known = Self {
             made: Made::of(parts),
             worked_out: has_masks.then(|| {
-                let parts: Vec<_> = parts.iter().map(|part| SharedBits::from(*part)).collect();
-                union_of_shares(dimensions, &parts)
+                let parts: Vec<_> = parts
+                    .iter()
+                    .map(|part| FractionalBits::from(*part))
+                    .collect();
+                union_of_fractions(dimensions, &parts)
             }),
         };
         (known.made.is_some() || known.worked_out.is_some()).then_some(known)
@@ -65,9 +68,9 @@ impl KnownShares {
     }
 
     /// Exchanges a brick of what was worked out.
-    pub fn swap_shares(&mut self, swap: &mut BrickSwap<ShareBrick>) {
-        if let Some(shares) = &mut self.worked_out {
-            shares.swap(swap);
+    pub fn swap_fractions(&mut self, swap: &mut BrickSwap<ShareBrick>) {
+        if let Some(fractions) = &mut self.worked_out {
+            fractions.swap(swap);
         }
     }
 
@@ -104,7 +107,7 @@ impl KnownShares {
                 .is_none_or(|made| !made.has(voxel, solid))
             {
                 let known = self.worked_out.as_ref();
-                let share = known.and_then(|shares| shares.share(voxel, solid));
+                let share = known.and_then(|fractions| fractions.share(voxel, solid));
                 *change = share.map_or(0.0, |share| share - f32::from(u8::from(solid)));
             }
         }
@@ -168,7 +171,7 @@ mod tests {
                 range,
                 values: ScanValues::of(&scan),
             }),
-            shares: None,
+            fractions: None,
             punctured: false,
             rigid: None,
         };
@@ -179,15 +182,15 @@ mod tests {
             ..made.clone()
         };
         for parts in [vec![&made], vec![&made, &mask]] {
-            let shares = KnownShares::of(size, &parts).expect("a threshold made one");
+            let fractions = BodyFractions::of(size, &parts).expect("a threshold made one");
             let solid = |voxel: IVec3| parts.iter().any(|part| part.bits.is_solid(voxel));
             let voxels = VoxelBox::of_dimensions(size).voxels();
             let voxels: Vec<_> = voxels.map(|voxel| (voxel, solid(voxel))).collect();
             let mut changes = vec![f32::NAN; voxels.len()];
-            shares.share_changes(&voxels, &mut changes);
+            fractions.share_changes(&voxels, &mut changes);
             let one_by_one = voxels.iter().map(|(voxel, solid)| {
                 let bit = f32::from(u8::from(*solid));
-                shares
+                fractions
                     .share(*voxel, *solid)
                     .map_or(0.0, |share| share - bit)
             });

@@ -37,12 +37,12 @@ pub struct HardStop {
 /// The cells that hard voxels block for a ball, as far as they were asked for; they change no
 /// result.
 #[derive(Debug)]
-pub struct HardMatter {
+pub struct RigidObstacles {
     ball: Ball,
     known: Option<(u64, SegmentSet)>,
 }
 
-impl HardMatter {
+impl RigidObstacles {
     /// Of a probe that is told with each question.
     #[must_use]
     pub fn new(touchable: &Touchable) -> Self {

@@ -13,7 +13,7 @@ const SLIDING_SHARE: f64 = 0.8;
 
 /// What a segment has of its own; none is as the settings say.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Feel {
+pub struct TouchFeel {
     /// Of the spring between probe and device [N/mm].
     pub stiffness: Option<f64>,
     /// Coulomb coefficient of a probe that sticks.
@@ -22,7 +22,7 @@ pub struct Feel {
     pub friction_kinetic: Option<f64>,
 }
 
-impl Feel {
+impl TouchFeel {
     /// Without friction, whatever the segment is made of.
     pub const SLIPPERY: Self = Self {
         stiffness: None,
@@ -46,7 +46,7 @@ impl Feel {
 
     /// With the friction of what the segment is made of, where it has none of its own.
     #[must_use]
-    pub fn of_matter(self, law: Option<&MaterialLaw>) -> Self {
+    pub fn of_material(self, law: Option<&MaterialLaw>) -> Self {
         let has_own = self.friction_static.or(self.friction_kinetic).is_some();
         let Some(law) = law.filter(|_| !has_own) else {
             return self;
@@ -79,41 +79,41 @@ impl Feel {
 
 /// How each segment feels.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(from = "Vec<(u8, Feel)>", into = "Vec<(u8, Feel)>")]
-pub struct Feels([Feel; 256]);
+#[serde(from = "Vec<(u8, TouchFeel)>", into = "Vec<(u8, TouchFeel)>")]
+pub struct TouchFeels([TouchFeel; 256]);
 
-impl Default for Feels {
+impl Default for TouchFeels {
     /// All as the settings say.
     fn default() -> Self {
-        Self([Feel::default(); 256])
+        Self([TouchFeel::default(); 256])
     }
 }
 
-impl Feels {
+impl TouchFeels {
     /// How a segment feels.
     #[must_use]
-    pub fn of(&self, id: SegmentId) -> Feel {
+    pub fn of(&self, id: SegmentId) -> TouchFeel {
         self.0[usize::from(id.0)]
     }
 
     /// A segment feels like this from now on.
-    pub fn set(&mut self, id: SegmentId, feel: Feel) {
+    pub fn set(&mut self, id: SegmentId, feel: TouchFeel) {
         self.0[usize::from(id.0)] = feel;
     }
 }
 
 /// Those that have something of their own.
-impl From<Feels> for Vec<(u8, Feel)> {
-    fn from(feels: Feels) -> Self {
+impl From<TouchFeels> for Vec<(u8, TouchFeel)> {
+    fn from(feels: TouchFeels) -> Self {
         let numbered = (0..=u8::MAX).zip(feels.0);
         numbered
-            .filter(|(_, feel)| *feel != Feel::default())
+            .filter(|(_, feel)| *feel != TouchFeel::default())
             .collect()
     }
 }
 
-impl From<Vec<(u8, Feel)>> for Feels {
-    fn from(own: Vec<(u8, Feel)>) -> Self {
+impl From<Vec<(u8, TouchFeel)>> for TouchFeels {
+    fn from(own: Vec<(u8, TouchFeel)>) -> Self {
         let mut feels = Self::default();
         for (id, feel) in own {
             feels.set(SegmentId(id), feel);
@@ -129,11 +129,11 @@ mod tests {
     #[test]
     fn a_segment_without_a_feel_of_its_own_feels_as_the_settings_say() {
         let settings = Settings::default();
-        assert_eq!(Feel::default().over(&settings), settings);
-        let hard = Feel {
+        assert_eq!(TouchFeel::default().over(&settings), settings);
+        let hard = TouchFeel {
             stiffness: Some(4.0),
             friction_static: Some(0.1),
-            ..Feel::default()
+            ..TouchFeel::default()
         };
         let rough = Settings {
             friction_static: 0.5,
@@ -149,40 +149,40 @@ mod tests {
     fn matter_gives_its_friction_where_the_segment_has_none_of_its_own() {
         let bone = palpate_deform::material::preset("cortical-bone");
         let bone = bone.unwrap().law().unwrap();
-        let stiff = Feel {
+        let stiff = TouchFeel {
             stiffness: Some(4.0),
-            ..Feel::default()
+            ..TouchFeel::default()
         };
-        assert_eq!(stiff.of_matter(None), stiff);
-        let felt = stiff.of_matter(Some(&bone));
+        assert_eq!(stiff.of_material(None), stiff);
+        let felt = stiff.of_material(Some(&bone));
         assert_eq!(felt.stiffness, Some(4.0));
         assert_eq!(felt.friction_static, Some(0.3));
         assert_eq!(felt.friction_kinetic, Some(0.8 * 0.3));
         for own in [
-            Feel {
+            TouchFeel {
                 friction_static: Some(0.0),
                 ..stiff
             },
-            Feel {
+            TouchFeel {
                 friction_kinetic: Some(0.1),
                 ..stiff
             },
         ] {
-            assert_eq!(own.of_matter(Some(&bone)), own);
+            assert_eq!(own.of_material(Some(&bone)), own);
         }
     }
 
     #[test]
     fn a_feel_out_of_range_is_refused_by_name() {
-        let stiff = Feel {
+        let stiff = TouchFeel {
             stiffness: Some(f64::NAN),
-            ..Feel::default()
+            ..TouchFeel::default()
         };
         assert_eq!(stiff.check().unwrap_err().name, "stiffness [N/mm]");
-        let inverted = Feel {
+        let inverted = TouchFeel {
             friction_static: Some(0.1),
             friction_kinetic: Some(0.2),
-            ..Feel::default()
+            ..TouchFeel::default()
         };
         assert_eq!(inverted.check().unwrap_err().name, "kinetic friction");
     }

@@ -21,7 +21,7 @@ use palpate_volume::grid::Grid;
 use palpate_volume::voxel_box::VoxelBox;
 use rtrb::Producer;
 
-use crate::servo::channels::{BrickChange, Garbage, MAX_BRICKS, MAX_HELD, MAX_SHARES};
+use crate::servo::channels::{BrickChange, Garbage, MAX_BRICKS, MAX_FRACTIONS, MAX_HELD};
 use crate::touch::moved_poses::MovedPoses;
 use crate::touch::patched::{Patched, place_of};
 use crate::touch::probe::Probe;
@@ -29,7 +29,8 @@ use crate::touch::touchable::{Body, Touchable};
 
 /// Garbage that one change can make: what every held change has in common with it, in the union,
 /// in the parts and in shares, and itself.
-pub const GARBAGE_PER_CHANGE: usize = (2 * MAX_BRICKS + MAX_SHARES) * (MAX_HELD + 1) + MAX_HELD + 3;
+pub const GARBAGE_PER_CHANGE: usize =
+    (2 * MAX_BRICKS + MAX_FRACTIONS) * (MAX_HELD + 1) + MAX_HELD + 3;
 
 /// A root that is not admitted yet.
 #[derive(Debug)]
@@ -365,9 +366,9 @@ impl TouchOccupancy {
             held.touchable.swap_part(*id, &mut newer);
             dispose(&mut self.garbage, Garbage::Brick(newer));
         }
-        for swap in &change.shares {
+        for swap in &change.fractions {
             let mut newer = swap.clone();
-            held.touchable.swap_shares(&mut newer);
+            held.touchable.swap_fractions(&mut newer);
             dispose(&mut self.garbage, Garbage::Shares(newer));
         }
     }
@@ -392,10 +393,10 @@ impl TouchOccupancy {
                     dispose(&mut self.garbage, Garbage::Brick(newer));
                 }
             }
-            for swap in &change.shares {
-                if let Some(place) = place_of(&held.shares, swap.index) {
+            for swap in &change.fractions {
+                if let Some(place) = place_of(&held.fractions, swap.index) {
                     let mut newer = swap.clone();
-                    std::mem::swap(&mut held.shares[place], &mut newer);
+                    std::mem::swap(&mut held.fractions[place], &mut newer);
                     dispose(&mut self.garbage, Garbage::Shares(newer));
                 }
             }
@@ -426,8 +427,8 @@ impl TouchOccupancy {
         for (id, swap) in &mut change.parts {
             self.touchable.swap_part(*id, swap);
         }
-        for swap in &mut change.shares {
-            self.touchable.swap_shares(swap);
+        for swap in &mut change.fractions {
+            self.touchable.swap_fractions(swap);
         }
         self.dispose(Garbage::Bricks(change));
     }

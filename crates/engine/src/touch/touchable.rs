@@ -27,7 +27,7 @@ use palpate_volume::shares::{ShareBrick, Shares};
 use palpate_volume::voxel_box::VoxelBox;
 
 use crate::touch::body::BodyVoxels;
-use crate::touch::occupancy_fractions::KnownShares;
+use crate::touch::occupancy_fractions::BodyFractions;
 use crate::touch::scan_values::Threshold;
 
 /// Voxels of one body as the probe meets them.
@@ -46,7 +46,7 @@ pub struct Part {
     /// elsewhere.
     pub threshold: Option<Threshold>,
     /// How much of its voxels at the surface is solid, as far as that was worked out from them.
-    pub shares: Option<Arc<Shares>>,
+    pub fractions: Option<Arc<Shares>>,
     /// Whether a needle is in it: then it is no obstacle, unless it was moved.
     pub punctured: bool,
     /// Where it is hard although it gives way; none where it gives way everywhere.
@@ -97,7 +97,7 @@ impl Touchable {
     pub fn new(grid: &Grid, parts: Vec<Part>, radius: f64) -> Result<Self, BallError> {
         let world = BodyVoxels {
             bits: union_of(grid.dimensions(), &unmoved_bits(&parts)),
-            shares: KnownShares::of(grid.dimensions(), &unmoved(&parts).collect::<Vec<_>>()),
+            fractions: BodyFractions::of(grid.dimensions(), &unmoved(&parts).collect::<Vec<_>>()),
         };
         let world = Body::new(world, radius, grid.spacing())?;
         let object = |part: &Part, moved: MovedPart| {
@@ -105,7 +105,7 @@ impl Touchable {
             let own = moved.grid(grid);
             let voxels = BodyVoxels {
                 bits: part.bits.clone(),
-                shares: KnownShares::of(part.bits.dimensions(), &[part]),
+                fractions: BodyFractions::of(part.bits.dimensions(), &[part]),
             };
             let body = Body::new(voxels, radius, own.spacing())?;
             let reach = body.shape().reach();
@@ -247,18 +247,18 @@ impl Touchable {
 
     /// Forgets the shares of parts: bodies have their own, and whoever works them out would have to
     /// copy them as long as somebody else has them.
-    pub fn forget_shares_of_parts(&mut self) {
+    pub fn forget_fractions_of_parts(&mut self) {
         for part in &mut self.parts {
-            part.shares = None;
+            part.fractions = None;
         }
     }
 
     /// Exchanges a brick of what is known of the shares of the union.
-    pub fn swap_shares(&mut self, swap: &mut BrickSwap<ShareBrick>) {
+    pub fn swap_fractions(&mut self, swap: &mut BrickSwap<ShareBrick>) {
         // what a ball can be in follows from bits alone
         self.world.change(&VoxelBox::EMPTY, |voxels| {
-            if let Some(shares) = &mut voxels.shares {
-                shares.swap_shares(swap);
+            if let Some(fractions) = &mut voxels.fractions {
+                fractions.swap_fractions(swap);
             }
         });
     }
@@ -270,9 +270,9 @@ impl Touchable {
         };
         let changed = self.world.inner().bits.bricks().box_of(swap.index);
         self.world.change(&changed, |voxels| {
-            if let Some(shares) = &mut voxels.shares {
+            if let Some(fractions) = &mut voxels.fractions {
                 // the old brick is in the part still, so that this frees nothing
-                shares.swap_part(id, &mut swap.clone());
+                fractions.swap_part(id, &mut swap.clone());
             }
         });
         self.parts[place].bits.swap(swap);

@@ -6,7 +6,7 @@ use palpate_volume::edit::SegmentId;
 
 use crate::touch::owners::Owners;
 use crate::touch::settings::Settings;
-use crate::touch::touch_feel::Feels;
+use crate::touch::touch_feel::TouchFeels;
 use crate::touch::touchable::Touchable;
 
 /// Segments and how they feel.
@@ -19,7 +19,7 @@ pub struct TouchedSurfaces<'a> {
     /// What holds where a segment has no feel of its own.
     pub settings: &'a Settings,
     /// What segments have of their own; none where it does not count.
-    pub feels: Option<&'a Feels>,
+    pub feels: Option<&'a TouchFeels>,
 }
 
 impl TouchedSurfaces<'_> {

@@ -17,38 +17,41 @@ use crate::touch::touchable::Part;
 
 /// Voxels of a segment, and what is known of their shares.
 #[derive(Clone, Copy, Debug)]
-pub struct SharedBits<'a> {
+pub struct FractionalBits<'a> {
     /// The voxels.
     pub bits: &'a Bits,
     /// Their shares; none of a segment that a threshold made.
-    pub shares: Option<&'a Shares>,
+    pub fractions: Option<&'a Shares>,
 }
 
-impl<'a> From<&'a Part> for SharedBits<'a> {
+impl<'a> From<&'a Part> for FractionalBits<'a> {
     fn from(part: &'a Part) -> Self {
-        let shares = part.shares.as_deref().filter(|_| part.threshold.is_none());
+        let fractions = part
+            .fractions
+            .as_deref()
+            .filter(|_| part.threshold.is_none());
         Self {
             bits: &part.bits,
-            shares,
+            fractions,
         }
     }
 }
 
 /// The shares of segments of one grid together.
 #[must_use]
-pub fn union_of_shares(dimensions: UVec3, parts: &[SharedBits<'_>]) -> Shares {
+pub fn union_of_fractions(dimensions: UVec3, parts: &[FractionalBits<'_>]) -> Shares {
     if let [
-        SharedBits {
-            shares: Some(shares),
+        FractionalBits {
+            fractions: Some(fractions),
             ..
         },
     ] = parts
     {
-        return (*shares).clone();
+        return (*fractions).clone();
     }
     let mut union = Shares::unknown(dimensions);
     for index in 0..union.bricks().len() as u32 {
-        if let Some(brick) = union_share_brick(parts, index) {
+        if let Some(brick) = union_fraction_brick(parts, index) {
             let brick = Some(brick);
             union.swap(&mut BrickSwap { index, brick });
         }
@@ -58,8 +61,8 @@ pub fn union_of_shares(dimensions: UVec3, parts: &[SharedBits<'_>]) -> Shares {
 
 /// One brick of the union.
 #[must_use]
-pub fn union_share_brick(parts: &[SharedBits<'_>], index: u32) -> Option<Arc<ShareBrick>> {
-    let brick = |part: &SharedBits<'_>| part.shares?.bricks().get(index).cloned();
+pub fn union_fraction_brick(parts: &[FractionalBits<'_>], index: u32) -> Option<Arc<ShareBrick>> {
+    let brick = |part: &FractionalBits<'_>| part.fractions?.bricks().get(index).cloned();
     if let [part] = parts {
         return brick(part);
     }
@@ -93,8 +96,9 @@ pub fn union_share_brick(parts: &[SharedBits<'_>], index: u32) -> Option<Arc<Sha
 }
 
 /// The byte of a voxel of the union.
-fn union_byte(parts: &[&SharedBits<'_>], voxel: IVec3) -> u8 {
-    let byte = |part: &SharedBits<'_>| part.shares.map_or(0, |shares| shares.byte(voxel));
+fn union_byte(parts: &[&FractionalBits<'_>], voxel: IVec3) -> u8 {
+    let byte =
+        |part: &FractionalBits<'_>| part.fractions.map_or(0, |fractions| fractions.byte(voxel));
     let known = parts.iter().map(|part| byte(part)).max().unwrap_or(0);
     if known == 0 {
         return 0;
@@ -110,7 +114,7 @@ fn union_byte(parts: &[&SharedBits<'_>], voxel: IVec3) -> u8 {
     for owner in owners {
         let own = byte(owner);
         let goes_on = |beside: IVec3| {
-            let other = |part: &&&SharedBits<'_>| part.bits.is_solid(beside);
+            let other = |part: &&&FractionalBits<'_>| part.bits.is_solid(beside);
             !owner.bits.is_solid(beside) && parts.iter().any(|part| other(&part))
         };
         let beside = [IVec3::X, IVec3::Y, IVec3::Z].into_iter();

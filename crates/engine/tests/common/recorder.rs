@@ -24,7 +24,7 @@ impl Recorder {
     pub fn new(seed: u128) -> Self {
         let start = DVec3::splat(-5.0);
         let mut rig = Rig::of_scan(waves(DIMENSIONS), start);
-        rig.simulation.switch_mask_shares(true);
+        rig.simulation.switch_mask_fractions(true);
         let ids = [3, 8].map(|one_in| {
             let segment = sponge(DIMENSIONS, one_in, one_in);
             rig.simulation
@@ -50,7 +50,7 @@ impl Recorder {
                 self.rig.simulation.step();
                 // shares of masks come now and then
                 if self.random.below(40) == 0 {
-                    self.rig.shares.step();
+                    self.rig.fractions.step();
                 }
             }
             self.tick();

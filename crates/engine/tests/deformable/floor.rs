@@ -8,8 +8,8 @@ use palpate_deform::model::{
 };
 use palpate_deform::model_options::ModelOptions;
 use palpate_engine::deformable::deformation::ForceSource;
-use palpate_engine::picture::scene_updates::SceneNews;
-use palpate_engine::picture::surfaces::DisplacedNow;
+use palpate_engine::picture::scene_updates::SceneUpdate;
+use palpate_engine::picture::surfaces::ShownDisplacements;
 use palpate_engine::servo::channels::TickRecord;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::material::LocalContact;
@@ -253,15 +253,15 @@ fn nothing_stands_beside_its_voxels_once_the_model_is_gone() {
 }
 
 /// What the picture was told last of where matter stands beside its voxels.
-fn last_told(rig: &Rig) -> Option<DisplacedNow> {
-    fn displaced(news: SceneNews) -> Vec<DisplacedNow> {
-        match news {
-            SceneNews::Displaced(now) => vec![now],
-            SceneNews::Together(several) => several.into_iter().flat_map(displaced).collect(),
+fn last_told(rig: &Rig) -> Option<ShownDisplacements> {
+    fn displacements(updates: SceneUpdate) -> Vec<ShownDisplacements> {
+        match updates {
+            SceneUpdate::Displacements(now) => vec![now],
+            SceneUpdate::Together(several) => several.into_iter().flat_map(displacements).collect(),
             _ => Vec::new(),
         }
     }
-    rig.news.try_iter().flat_map(displaced).last()
+    rig.updates.try_iter().flat_map(displacements).last()
 }
 
 #[test]

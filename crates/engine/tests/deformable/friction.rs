@@ -3,7 +3,7 @@
 use glam::{DVec3, IVec3, UVec3};
 use palpate_deform::material::{MaterialLaw, SolidSi};
 use palpate_engine::servo::channels::TickRecord;
-use palpate_engine::touch::touch_feel::Feel;
+use palpate_engine::touch::touch_feel::TouchFeel;
 
 use super::soft_block::{SIZE, SOFT, TOP, go, lattice_rig};
 use crate::common::{OBSTACLE, Rig, box_segment};
@@ -23,8 +23,8 @@ fn rough(friction: f64) -> Option<MaterialLaw> {
     MaterialLaw::constant(gel).ok()
 }
 
-fn own(friction_static: f64, friction_kinetic: f64) -> Feel {
-    Feel {
+fn own(friction_static: f64, friction_kinetic: f64) -> TouchFeel {
+    TouchFeel {
         stiffness: None,
         friction_static: Some(friction_static),
         friction_kinetic: Some(friction_kinetic),
@@ -66,7 +66,7 @@ fn hard_matter_holds_a_probe_back_by_its_friction_unless_the_segment_has_its_own
     // a person's own counts more, and leaves the material's behind it
     rig.simulation.set_feel(SOFT, own(0.2, 0.1)).unwrap();
     close(slide(&mut rig, &mut device, 3.0), 0.1);
-    rig.simulation.set_feel(SOFT, Feel::default()).unwrap();
+    rig.simulation.set_feel(SOFT, TouchFeel::default()).unwrap();
     close(slide(&mut rig, &mut device, 3.0), SLIDES * 0.5);
     // what no probe is held back by more
     rig.simulation.set_material(SOFT, rough(9.0), true).unwrap();
@@ -87,7 +87,7 @@ fn hard_matter_holds_a_probe_back_by_its_friction_unless_the_segment_has_its_own
 
 #[test]
 fn matter_that_gives_way_holds_a_tool_back_by_its_friction() {
-    let felt = |friction: f64, feel: Feel| {
+    let felt = |friction: f64, feel: TouchFeel| {
         let mut rig = lattice_rig();
         let law = rough(friction);
         rig.simulation.set_material(SOFT, law, false).unwrap();
@@ -100,10 +100,10 @@ fn matter_that_gives_way_holds_a_tool_back_by_its_friction() {
         ratio
     };
     // matter heaps up before the tool a little
-    let smooth = felt(0.0, Feel::default());
+    let smooth = felt(0.0, TouchFeel::default());
     assert!(smooth.abs() < 0.06, "{smooth}");
     for friction in [0.2, 0.4] {
-        let rough = felt(friction, Feel::default());
+        let rough = felt(friction, TouchFeel::default());
         assert!((rough - smooth - SLIDES * friction).abs() < 0.05, "{rough}");
     }
     let slippery = felt(0.4, own(0.0, 0.0));

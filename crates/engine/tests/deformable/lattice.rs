@@ -5,7 +5,7 @@ use std::sync::mpsc;
 use glam::DVec3;
 use palpate_deform::material::preset;
 use palpate_deform::model_options::ModelOptions;
-use palpate_engine::deformable::deformation_loop::Bell;
+use palpate_engine::deformable::deformation_loop::WakeUp;
 use palpate_engine::touch::settings::Settings;
 
 use super::soft_block::{SOFT, TOP, go, lattice_rig, soft_voxels};
@@ -74,12 +74,12 @@ fn a_model_that_is_changed_or_left_behind_gives_back_what_it_moved() {
 #[test]
 fn an_answer_that_rings_is_followed_by_the_next_question_at_once() {
     let mut rig = lattice_rig();
-    let (ring, bell) = mpsc::channel();
-    rig.deformation.set_bell(Bell::new(move || {
-        ring.send(()).unwrap();
+    let (notify, wake_up) = mpsc::channel();
+    rig.deformation.set_wake_up(WakeUp::new(move || {
+        notify.send(()).unwrap();
     }));
     go(&mut rig, 30.0, 19.0, 900);
-    let rung = bell.try_iter().count() as u64;
+    let rung = wake_up.try_iter().count() as u64;
     let before = rig.simulation.deformation().answers;
     assert!(rung >= before && rung > 20, "{rung} rang, {before} came");
     let mut rings = 0;
@@ -89,7 +89,7 @@ fn an_answer_that_rings_is_followed_by_the_next_question_at_once() {
         }
         rig.simulation.answer_came();
         rig.deformation.step();
-        rings += bell.try_iter().count();
+        rings += wake_up.try_iter().count();
     }
     assert_eq!(rings, 20);
     assert!(rig.simulation.deformation().report.moved_voxels > 0);
@@ -99,10 +99,10 @@ fn an_answer_that_rings_is_followed_by_the_next_question_at_once() {
     rig.simulation.answer_came();
     let answers = rig.simulation.deformation().answers;
     rig.deformation.step();
-    assert!(bell.try_recv().is_err());
+    assert!(wake_up.try_recv().is_err());
     rig.simulation.step();
     rig.deformation.step();
-    assert!(bell.try_recv().is_ok());
+    assert!(wake_up.try_recv().is_ok());
     assert_eq!(rig.simulation.deformation().answers, answers);
 }
 

@@ -8,7 +8,7 @@ use glam::{DVec3, IVec3, UVec3};
 use palpate_engine::picture::packed_patch::PackedPatch;
 use palpate_engine::picture::surfaces::PictureChange;
 use palpate_engine::scene::Properties;
-use palpate_engine::scene::incremental_surface::{SurfaceMaking, SurfaceSource};
+use palpate_engine::scene::incremental_surface::{SurfaceOptions, SurfaceSource};
 use palpate_engine::session::Session;
 use palpate_engine::session::config::{Reference, SessionConfig};
 use palpate_surface::PatchId;
@@ -49,7 +49,7 @@ fn told(session: &Session) -> Vec<PictureChange> {
 fn shown(session: &Session, patches: &mut Patches) {
     assert!(session.picture_changes().is_empty());
     session
-        .show_surface(ID, Some(SurfaceMaking::default()))
+        .show_surface(ID, Some(SurfaceOptions::default()))
         .unwrap();
     follow(patches, &told(session));
     assert!(!patches.is_empty());
@@ -141,7 +141,7 @@ fn an_edit_tells_the_labels_of_its_box_and_a_bulk_change_asks_for_all_anew() {
 fn nothing_is_kept_for_a_picture_that_nobody_looks_at() {
     let session = session();
     session
-        .show_surface(ID, Some(SurfaceMaking::default()))
+        .show_surface(ID, Some(SurfaceOptions::default()))
         .unwrap();
     session.run(0.05).unwrap();
     // the first call begins to watch
@@ -152,7 +152,7 @@ fn nothing_is_kept_for_a_picture_that_nobody_looks_at() {
 #[test]
 fn settings_that_make_no_surface_and_segments_that_are_none_are_refused() {
     let session = session();
-    let coarse = SurfaceMaking::new(3, 3, SurfaceSource::default());
+    let coarse = SurfaceOptions::new(3, 3, SurfaceSource::default());
     let refused = session.show_surface(ID, Some(coarse)).unwrap_err();
     assert!(
         refused.to_string().contains("allowed: 1, 2 or 4"),
@@ -195,8 +195,8 @@ fn positions(session: &Session) -> BTreeMap<PatchId, Arc<PackedPatch>> {
 
 /// The surface as it is made from nothing.
 fn afresh(session: &Session, source: SurfaceSource) -> Patches {
-    let making = SurfaceMaking::new(2, 1, source);
-    session.show_surface(ID, Some(making)).unwrap();
+    let options = SurfaceOptions::new(2, 1, source);
+    session.show_surface(ID, Some(options)).unwrap();
     session.run(0.05).unwrap();
     positions(session)
 }

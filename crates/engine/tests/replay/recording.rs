@@ -6,7 +6,7 @@ use std::sync::mpsc::{self, Sender};
 
 use glam::DVec3;
 use palpate_engine::picture::frame::{Notice, NoticeLevel};
-use palpate_engine::picture::frame_collector::{Picture, PictureSources, RateReaders};
+use palpate_engine::picture::frame_collector::{FrameSources, Picture, RateReaders};
 use palpate_engine::servo::channels::TickRecord;
 use palpate_engine::servo::shared::Shared;
 use palpate_engine::simulation::SimulationStatus;
@@ -31,7 +31,7 @@ impl Bare {
         let (notices, notices_out) = mpsc::channel();
         let shared = Arc::new(Shared::default());
         let reader = || RateMeter::new(1000).1;
-        let sources = PictureSources {
+        let sources = FrameSources {
             records: records_out,
             status: status_out,
             notices: notices_out,

@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, DQuat, DVec3, UVec3};
 use palpate_engine::scene::gap::{Gap, GapBody};
-use palpate_engine::scene::gap_bodies::{GapBodies, Measured, making};
-use palpate_engine::scene::incremental_surface::{KeptSurface, SegmentVoxels};
+use palpate_engine::scene::gap_bodies::{GapBodies, Measured, options};
+use palpate_engine::scene::incremental_surface::{IncrementalSurface, SegmentVoxels};
 use palpate_surface::{Patch, PatchId};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
@@ -161,7 +161,7 @@ fn block(edited: bool) -> Segment {
     })
 }
 
-fn patches_of(surface: &KeptSurface) -> BTreeMap<PatchId, Arc<Patch>> {
+fn patches_of(surface: &IncrementalSurface) -> BTreeMap<PatchId, Arc<Patch>> {
     let patches = surface.surface().patches();
     patches.map(|(id, patch)| (id, Arc::clone(patch))).collect()
 }
@@ -206,7 +206,7 @@ fn the_surface_of_a_measured_segment_is_kept_and_follows_edits_by_their_boxes() 
 fn a_surface_that_is_drawn_is_measured_as_it_is() {
     let (grid, scan) = (grid(), scan());
     let mut one = measured(1, &block(true));
-    let mut drawn = KeptSurface::new(making(), one.voxels.clone()).unwrap();
+    let mut drawn = IncrementalSurface::new(options(), one.voxels.clone()).unwrap();
     drawn.follow(&scan);
     let patches = patches_of(&drawn);
     one.drawn = Some(drawn);

@@ -19,7 +19,7 @@ fn slope() -> Segment {
 
 fn rig_on(segments: &[Segment]) -> (Rig, Vec<SegmentId>) {
     let mut rig = Rig::new(DIMENSIONS, START);
-    rig.simulation.switch_mask_shares(true);
+    rig.simulation.switch_mask_fractions(true);
     let add = |segment: &Segment| {
         let added = rig.simulation.add_segment(segment.clone(), OBSTACLE, false);
         added.unwrap()
@@ -31,7 +31,7 @@ fn rig_on(segments: &[Segment]) -> (Rig, Vec<SegmentId>) {
 /// A pass of each loop, and ticks in which the servo follows.
 fn pass(rig: &mut Rig) {
     rig.simulation.step();
-    rig.shares.step();
+    rig.fractions.step();
     for _ in 0..4 {
         rig.tick_at(START);
     }
@@ -41,7 +41,7 @@ fn pass(rig: &mut Rig) {
 fn settle(rig: &mut Rig) {
     for _ in 0..100 {
         pass(rig);
-        if rig.simulation.unknown_shares() == 0 {
+        if rig.simulation.unknown_fractions() == 0 {
             return pass(rig);
         }
     }
@@ -88,12 +88,12 @@ fn shares_of_a_mask_come_and_an_edit_takes_those_of_its_voxels_away_at_once() {
     assert_eq!(all, at_the_surface(&rig));
     // where the slope is, and not where bits say
     let column = |rig: &Rig, x: i32| {
-        let shares = (0..32).map(|z| {
+        let fractions = (0..32).map(|z| {
             let voxel = IVec3::new(x, 18, z);
             let bit = f32::from(u8::from(rig.servo.solid().is_solid(voxel)));
             rig.servo.share(voxel).unwrap_or(bit)
         });
-        shares.sum::<f32>()
+        fractions.sum::<f32>()
     };
     for x in 8..32 {
         let height = 14.0 + 0.09 * (x as f32 + 0.5) + 0.02 * 18.5;

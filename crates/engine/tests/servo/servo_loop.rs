@@ -10,7 +10,7 @@ use palpate_engine::servo::mapping::Mapping;
 use palpate_engine::servo::shared::Shared;
 use palpate_engine::servo::{ServoLoop, ServoStart};
 use palpate_engine::touch::settings::Settings;
-use palpate_engine::touch::touch_feel::Feels;
+use palpate_engine::touch::touch_feel::TouchFeels;
 use palpate_engine::touch::touchable::Touchable;
 
 const DIMENSIONS: UVec3 = UVec3::splat(40);
@@ -127,7 +127,7 @@ fn the_needle_is_told_of_while_it_is_felt_and_once_when_it_is_not_any_more() {
         mapping: Mapping::IDENTITY,
         probe: DVec3::splat(20.0),
         settings: Settings::default(),
-        feels: Feels::default(),
+        feels: TouchFeels::default(),
     };
     let mut servo = ServoLoop::new(start, servo, Arc::new(Shared::default()));
     let (mut needle, mut inbox) = (simulation.needle, simulation.inbox);

@@ -9,7 +9,7 @@ use crate::common::*;
 use glam::{DAffine3, DMat3, DVec3, IVec3, UVec3};
 use palpate_engine::scene::cut::Plane;
 use palpate_engine::simulation::SegmentState;
-use palpate_engine::touch::touch_feel::Feel;
+use palpate_engine::touch::touch_feel::TouchFeel;
 use palpate_tools::journal_entry::ScanHash;
 use palpate_tools::tool::{ToolKind, ToolSettings};
 use palpate_volume::edit::SegmentId;
@@ -202,7 +202,7 @@ fn states(rig: &Rig) -> Vec<String> {
 fn poses_feel_and_what_can_be_touched_come_back_with_their_steps() {
     let place = Place::new("objects");
     let mut rig = rig_with_journal(&place);
-    let feel = Feel {
+    let feel = TouchFeel {
         stiffness: Some(0.4),
         friction_static: Some(0.3),
         friction_kinetic: Some(0.2),

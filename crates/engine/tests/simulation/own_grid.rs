@@ -8,7 +8,7 @@ use palpate_engine::replay::recording::Recording;
 use palpate_engine::replay::run::{ReplayEnd, replay};
 use palpate_engine::replay::tape::Tape;
 use palpate_engine::replay::tape_columns::{TapeColumns, TapeError};
-use palpate_engine::scene::incremental_surface::SurfaceMaking;
+use palpate_engine::scene::incremental_surface::SurfaceOptions;
 use palpate_engine::session::Session;
 use palpate_engine::session::config::{Reference, SessionConfig};
 use palpate_engine::touch::settings::Settings;
@@ -144,7 +144,7 @@ fn its_surface_is_made_of_its_own_voxels() {
     config.real_time = false;
     let session = started(config);
     let id = SegmentId(1);
-    let settings = SurfaceMaking::default();
+    let settings = SurfaceOptions::default();
     session.show_surface(id, Some(settings)).unwrap();
     session.run(0.1).unwrap();
     let low_and_high = |session: &Session| {

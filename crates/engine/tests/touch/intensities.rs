@@ -77,7 +77,7 @@ fn session(segment: Segment, made_by: Option<(f64, f64)>, smoothing: Smoothing) 
         segments: vec![(segment, Properties::of_threshold(true, made_by))],
         intensities: scan(),
         settings,
-        mask_shares: true,
+        mask_fractions: true,
         ..config
     })
 }

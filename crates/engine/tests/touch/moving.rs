@@ -10,7 +10,7 @@ use palpate_engine::servo::mapping::Mapping;
 use palpate_engine::servo::shared::Shared;
 use palpate_engine::servo::{ServoLoop, ServoStart};
 use palpate_engine::touch::settings::Settings;
-use palpate_engine::touch::touch_feel::{Feel, Feels};
+use palpate_engine::touch::touch_feel::{TouchFeel, TouchFeels};
 use palpate_engine::touch::touchable::{MovedPart, Part, Touchable};
 use palpate_haptics::smooth::Smoothing;
 use palpate_volume::edit::SegmentId;
@@ -57,7 +57,7 @@ fn poses_are_told_where_they_change_and_at_no_other_tick() {
             pose: shifted(DVec3::X),
         }),
         threshold: None,
-        shares: None,
+        fractions: None,
         punctured: false,
         rigid: None,
     };
@@ -70,7 +70,7 @@ fn poses_are_told_where_they_change_and_at_no_other_tick() {
         mapping: Mapping::IDENTITY,
         probe: START,
         settings: Settings::default(),
-        feels: Feels::default(),
+        feels: TouchFeels::default(),
     };
     let mut servo = ServoLoop::new(start, servo, Arc::new(Shared::default()));
     let (mut poses, mut inbox) = (simulation.poses, simulation.inbox);
@@ -206,9 +206,9 @@ fn a_segment_with_a_stiffness_of_its_own_is_felt_so() {
     let mut rig = Rig::new(DIMENSIONS, START);
     let floor = box_segment(DIMENSIONS, IVec3::ZERO, IVec3::new(48, 48, 20));
     let id = rig.simulation.add_segment(floor, OBSTACLE, true).unwrap();
-    let soft = Feel {
+    let soft = TouchFeel {
         stiffness: Some(0.25),
-        ..Feel::default()
+        ..TouchFeel::default()
     };
     rig.simulation.set_feel(id, soft).unwrap();
     let device = DVec3::new(24.5, 24.5, 18.0);

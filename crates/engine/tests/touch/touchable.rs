@@ -23,7 +23,7 @@ fn part(id: u8, low: i32, high: i32, moved: Option<DVec3>) -> Part {
             pose: DAffine3::from_translation(by),
         }),
         threshold: None,
-        shares: None,
+        fractions: None,
         punctured: false,
         rigid: None,
     }

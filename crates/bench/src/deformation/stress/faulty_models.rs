@@ -24,7 +24,7 @@ fn worked(bone: Option<&str>, regions: Vec<(Region, Treatment)>) -> (u64, Result
     rig.simulation.set_regions(BONE_ID, regions).unwrap();
     let mut run = Run::new(&world, rig, random);
     let ends = run.work(TICKS);
-    (run.watch.in_bone, ends)
+    (run.monitor.in_bone, ends)
 }
 
 #[test]

@@ -68,8 +68,8 @@ impl<M: ContactModel> Run<'_, M> {
             let swaps = swaps_of(self.touched.bits(), &changed, |voxel| {
                 self.wanted.is_solid(voxel)
             });
-            let shares = self.terms.felt.after(&swaps, &mut self.random);
-            self.touched.edit((swaps, shares), self.grid, proxy);
+            let fractions = self.constants.felt.after(&swaps, &mut self.random);
+            self.touched.edit((swaps, fractions), self.grid, proxy);
             self.unsettled.push(changed);
             self.report.edits += 1;
             self.follow(&from, proxy)?;

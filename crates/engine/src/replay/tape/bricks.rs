@@ -11,7 +11,7 @@ use palpate_volume::voxel_box::VoxelBox;
 
 use super::{PartSwap, TapePart};
 use crate::replay::mask_runs::mask_of;
-use crate::servo::channels::ShareSwap;
+use crate::servo::channels::FractionSwap;
 use crate::touch::scan_values::{ScanValues, Threshold};
 use crate::touch::touchable::{MovedPart, Part};
 
@@ -25,13 +25,13 @@ pub fn put(parts: &mut [Part], swaps: &[PartSwap]) {
 }
 
 /// Puts what is known of shares in the place of what was.
-pub fn put_shares(parts: &mut [Part], swaps: &[ShareSwap]) {
+pub fn put_fractions(parts: &mut [Part], swaps: &[FractionSwap]) {
     for (id, swap) in swaps {
         if let Ok(place) = place_of(parts, *id) {
             let part = &mut parts[place];
             let unknown = || Arc::new(Shares::unknown(part.bits.dimensions()));
-            let shares = part.shares.get_or_insert_with(unknown);
-            Arc::make_mut(shares).swap(&mut swap.clone());
+            let fractions = part.fractions.get_or_insert_with(unknown);
+            Arc::make_mut(fractions).swap(&mut swap.clone());
         }
     }
 }
@@ -49,9 +49,9 @@ pub fn rooted(old: &[Part], new: &[TapePart], values: &ScanValues) -> Vec<Part> 
         };
         let known = place_of(old, id)
             .ok()
-            .and_then(|place| old[place].shares.clone());
+            .and_then(|place| old[place].fractions.clone());
         let is_mask = part.threshold.is_none();
-        let shares = known.filter(|known| is_mask && known.dimensions() == dimensions);
+        let fractions = known.filter(|known| is_mask && known.dimensions() == dimensions);
         let moved = part.moved.map(|(min, max, pose)| MovedPart {
             own_grid: part.own_grid,
             bounds: VoxelBox::new(min, max),
@@ -65,7 +65,7 @@ pub fn rooted(old: &[Part], new: &[TapePart], values: &ScanValues) -> Vec<Part> 
                 range,
                 values: values.clone(),
             }),
-            shares,
+            fractions,
             punctured: part.punctured,
             rigid: mask_of(&part.rigid, dimensions),
         }
@@ -93,19 +93,19 @@ pub(super) fn changed_bricks(old: &[Part], new: &Part) -> Vec<PartSwap> {
 }
 
 /// The same of shares.
-pub(super) fn changed_shares(old: &[Part], new: &Part) -> Vec<ShareSwap> {
+pub(super) fn changed_fractions(old: &[Part], new: &Part) -> Vec<FractionSwap> {
     let old = place_of(old, new.id).ok().map(|place| &old[place]);
-    let old = old.and_then(|old| old.shares.as_ref());
+    let old = old.and_then(|old| old.fractions.as_ref());
     let old = old.filter(|old| old.dimensions() == new.bits.dimensions());
-    let Some(shares) = &new.shares else {
+    let Some(fractions) = &new.fractions else {
         return Vec::new();
     };
-    if old.is_some_and(|old| Arc::ptr_eq(old, shares)) {
+    if old.is_some_and(|old| Arc::ptr_eq(old, fractions)) {
         return Vec::new();
     }
-    let before = |index| old.and_then(|shares| shares.bricks().get(index));
+    let before = |index| old.and_then(|fractions| fractions.bricks().get(index));
     (0..)
-        .zip(shares.bricks().entries())
+        .zip(fractions.bricks().entries())
         .filter(|(index, brick)| !is_same(before(*index), brick.as_ref()))
         .map(|(index, brick)| {
             let brick = brick.clone();

@@ -15,17 +15,17 @@ use serde::{Deserialize, Serialize};
 
 use crate::replay::mask_runs::{MaskRun, runs_of};
 use crate::scene::ThresholdRange;
-use crate::servo::channels::{GivingWay, ShareSwap};
+use crate::servo::channels::{DeformableContact, FractionSwap};
 use crate::servo::servo_state::ServoState;
 use crate::touch::scan_values::ScanValues;
 use crate::touch::settings::Settings;
-use crate::touch::touch_feel::Feel;
+use crate::touch::touch_feel::TouchFeel;
 use crate::touch::touchable::{MovedPart, Part};
 
 mod bricks;
 mod recorder;
 
-pub use bricks::{put, put_shares, rooted};
+pub use bricks::{put, put_fractions, rooted};
 pub use recorder::{MAX_TAPE_BYTES, TapeRecorder};
 
 /// A command, without its bricks.
@@ -61,9 +61,10 @@ pub enum TapeCommand {
     /// A moved segment was to go there.
     Pose(u8, DAffine3),
     /// How the surface of a segment felt from then on.
-    Feel(u8, Feel),
+    Feel(u8, TouchFeel),
     /// What gave way from then on.
-    GiveWay(GivingWay),
+    #[serde(rename = "GiveWay")]
+    DeformableContact(DeformableContact),
     /// A needle was taken in the hand, or out of it.
     Needle(bool, Box<Tissues>),
     /// A recording began anew.
@@ -117,7 +118,7 @@ pub struct TapeEntry {
     /// Bricks of a change, by rising segment and index, each once.
     pub swaps: Vec<PartSwap>,
     /// What became known of shares, in the same order.
-    pub shares: Vec<ShareSwap>,
+    pub fractions: Vec<FractionSwap>,
 }
 
 /// The state that a recording began with, and every command since.

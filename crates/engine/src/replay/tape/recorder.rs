@@ -5,9 +5,9 @@ use palpate_volume::grid::Grid;
 use palpate_volume::shares::ShareBrick;
 use rtrb::Consumer;
 
-use super::bricks::{changed_bricks, changed_shares, put, put_shares};
+use super::bricks::{changed_bricks, changed_fractions, put, put_fractions};
 use super::{PartSwap, Tape, TapeCommand, TapeEntry, TapePart};
-use crate::servo::channels::{ServoCommand, ShareSwap, Snapshot};
+use crate::servo::channels::{FractionSwap, ServoCommand, Snapshot};
 use crate::servo::servo_state::ServoState;
 use crate::touch::scan_values::ScanValues;
 use crate::touch::touchable::Part;
@@ -17,7 +17,7 @@ pub const MAX_TAPE_BYTES: usize = 1 << 29;
 
 /// A swap with a brick of its own, whose counters fill a cache line.
 const SWAP_BYTES: usize = size_of::<PartSwap>() + 2 * size_of::<BitBrick>();
-const SHARE_BYTES: usize = size_of::<ShareSwap>() + size_of::<ShareBrick>();
+const SHARE_BYTES: usize = size_of::<FractionSwap>() + size_of::<ShareBrick>();
 
 /// Keeps a tape; shared by the simulation, which sends, and whoever wants the recording.
 #[derive(Debug)]
@@ -155,7 +155,7 @@ impl Writer {
         let entry = self.entry(command);
         self.bytes += size_of::<TapeEntry>()
             + entry.swaps.len() * SWAP_BYTES
-            + entry.shares.len() * SHARE_BYTES;
+            + entry.fractions.len() * SHARE_BYTES;
         if self.bytes > max_bytes {
             self.is_full = true;
         } else {
@@ -164,7 +164,7 @@ impl Writer {
     }
 
     fn entry(&mut self, command: &ServoCommand) -> TapeEntry {
-        let (mut swaps, mut shares) = (Vec::new(), Vec::new());
+        let (mut swaps, mut fractions) = (Vec::new(), Vec::new());
         let command = match command {
             ServoCommand::Root {
                 sequence,
@@ -172,7 +172,7 @@ impl Writer {
             } => {
                 for part in &touchable.parts {
                     swaps.extend(changed_bricks(&self.latest, part));
-                    shares.extend(changed_shares(&self.latest, part));
+                    fractions.extend(changed_fractions(&self.latest, part));
                 }
                 self.latest.clone_from(&touchable.parts);
                 TapeCommand::Root {
@@ -182,9 +182,9 @@ impl Writer {
             }
             ServoCommand::Bricks(change) => {
                 swaps.clone_from(&change.parts);
-                shares.clone_from(&change.part_shares);
+                fractions.clone_from(&change.part_fractions);
                 put(&mut self.latest, &swaps);
-                put_shares(&mut self.latest, &shares);
+                put_fractions(&mut self.latest, &fractions);
                 TapeCommand::Bricks {
                     sequence: change.sequence,
                 }
@@ -203,14 +203,16 @@ impl Writer {
             ServoCommand::Settings(settings) => TapeCommand::Settings(*settings),
             ServoCommand::Pose(id, pose) => TapeCommand::Pose(id.0, *pose),
             ServoCommand::Feel(id, feel) => TapeCommand::Feel(id.0, *feel),
-            ServoCommand::GiveWay(giving_way) => TapeCommand::GiveWay(*giving_way),
+            ServoCommand::DeformableContact(deformable_contact) => {
+                TapeCommand::DeformableContact(*deformable_contact)
+            }
             ServoCommand::Needle(on, tissues) => TapeCommand::Needle(*on, tissues.clone()),
             ServoCommand::Mark => TapeCommand::Mark,
         };
         TapeEntry {
             command,
             swaps,
-            shares,
+            fractions,
         }
     }
 }

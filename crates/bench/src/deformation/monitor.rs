@@ -35,7 +35,7 @@ const PUSH: f64 = 0.25;
 
 /// What a tick did.
 #[derive(Clone, Copy, Debug)]
-pub struct Told<'a> {
+pub struct Observation<'a> {
     /// As the servo records it.
     pub record: &'a TickRecord,
     /// What is solid for the probe now.
@@ -53,7 +53,7 @@ pub struct Told<'a> {
 
 /// The checker.
 #[derive(Debug)]
-pub struct Watch {
+pub struct Monitor {
     spacing: DVec3,
     radius: f64,
     visit_bound: u32,
@@ -71,7 +71,7 @@ pub struct Watch {
     pub in_bone: u64,
 }
 
-impl Watch {
+impl Monitor {
     /// Of a world whose probe stands free.
     pub fn new(world: &World, solid: &Bits) -> Self {
         let touchable = Touchable::new(&world.grid(), Vec::new(), world.radius);
@@ -95,7 +95,7 @@ impl Watch {
     }
 
     /// After a tick.
-    pub fn after_tick(&mut self, told: &Told<'_>) -> Result<(), Violation> {
+    pub fn after_tick(&mut self, told: &Observation<'_>) -> Result<(), Violation> {
         let record = told.record;
         self.way(record, told.solid)?;
         self.look(told)?;
@@ -135,15 +135,15 @@ impl Watch {
         let is_free = |voxel| !dense.is_solid(voxel) || !solid.is_solid(voxel - RIM);
         // what is farther outside stands in the rim
         let kept = ends.map(|voxel| (voxel + RIM).clamp(IVec3::ZERO, dense.size() - 1));
-        let is_way =
-            ends[0] == ends[1] || is_free(kept[0]) && finder.is_way(dense, kept, REACH, is_free);
-        hold(is_way, Guarantee::CrossesNoWall, || {
+        let has_path =
+            ends[0] == ends[1] || is_free(kept[0]) && finder.has_path(dense, kept, REACH, is_free);
+        hold(has_path, Guarantee::CrossesNoWall, || {
             format!("from {} to {}", ends[0], ends[1])
         })
     }
 
     /// Keeps what is solid around the probe; bone that was there stays (guarantee 9).
-    fn look(&mut self, told: &Told<'_>) -> Result<(), Violation> {
+    fn look(&mut self, told: &Observation<'_>) -> Result<(), Violation> {
         let middle = self.voxel(told.record.proxy);
         for voxel in VoxelBox::new(middle - REACH, middle + REACH + 1).voxels() {
             let now = told.solid.is_solid(voxel);
@@ -163,7 +163,7 @@ impl Watch {
     }
 
     /// Guarantee 9, of the force before the safety stage.
-    fn bone_pushes(&mut self, told: &Told<'_>) -> Result<(), Violation> {
+    fn bone_pushes(&mut self, told: &Observation<'_>) -> Result<(), Violation> {
         let inside = self.voxel(told.record.device);
         let mut near = VoxelBox::new(inside - 1, inside + 2).voxels();
         let is_deep = near.all(|voxel| self.bone.is_solid(voxel));
@@ -194,7 +194,7 @@ impl Watch {
     }
 
     /// Guarantees 3, 6 and 8, of the force before the safety stage; 8 is none of friction's.
-    fn force(&self, told: &Told<'_>) -> Result<(), Violation> {
+    fn force(&self, told: &Observation<'_>) -> Result<(), Violation> {
         let record = told.record;
         let felt = record.contact || told.needle;
         hold(
@@ -250,7 +250,7 @@ mod tests {
         let world = World::new(0, &mut Random::of_stream(7, 0));
         let segment = Segment::from_fn(world.dimensions(), solid);
         let solid = segment.occupancy();
-        let mut watch = Watch::new(&world, solid);
+        let mut monitor = Monitor::new(&world, solid);
         let broken = voxels.iter().find_map(|voxel| {
             let place = (IVec3::from_array(*voxel).as_dvec3() + 0.5) * world.spacing;
             let record = TickRecord {
@@ -259,7 +259,7 @@ mod tests {
                 proxy: place,
                 ..TickRecord::default()
             };
-            let told = Told {
+            let told = Observation {
                 record: &record,
                 solid,
                 sent: DVec3::ZERO,
@@ -267,7 +267,7 @@ mod tests {
                 gripped: false,
                 drill: false,
             };
-            watch.after_tick(&told).err()
+            monitor.after_tick(&told).err()
         });
         broken.map(|violation| violation.guarantee)
     }
