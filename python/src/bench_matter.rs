@@ -1,4 +1,4 @@
-//! Matter that gives way, measured: for `palpate bench deform`, `session`, `truth-cube` and
+//! Soft tissue, measured: for `palpate bench deform`, `session`, `truth-cube` and
 //! `stress --deform`.
 
 use glam::UVec3;

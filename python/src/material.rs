@@ -154,7 +154,7 @@ pub fn parts_dict<'py>(py: Python<'py>, parts: &ShownParts) -> PyResult<Bound<'p
     )
 }
 
-/// The models by which matter gives way, with what each offers to choose.
+/// The models of soft tissue, with what each offers to choose.
 #[pyfunction]
 pub fn deformation_models(py: Python<'_>) -> PyResult<Vec<Bound<'_, PyDict>>> {
     MODELS.iter().map(|model| offered(py, model)).collect()
@@ -255,7 +255,7 @@ fn name_of<T: PartialEq>(known: &[(&'static str, T)], value: T) -> Option<&'stat
     found.map(|(name, _)| *name)
 }
 
-/// What a tool can feel of matter that gives way, by name.
+/// What a tool can feel of soft tissue, by name.
 const FORCE_SOURCES: [(&str, ForceSource); 2] = [
     ("matter", ForceSource::Matter),
     ("voxels", ForceSource::Voxels),

@@ -229,7 +229,7 @@ fn stored<'py>(py: Python<'py>, bricks: &[[i16; 512]]) -> Bound<'py, numpy::PyAr
     PyArray2::from_owned_array(py, array)
 }
 
-/// Bricks of shares, shape [count, 512].
+/// Bricks of occupancy fractions, shape [count, 512].
 fn bytes<'py>(py: Python<'py>, bricks: &[[u8; 512]]) -> Bound<'py, numpy::PyArray2<u8>> {
     let flat = bricks.as_flattened().to_vec();
     let shape = (bricks.len(), 512);

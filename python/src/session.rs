@@ -413,7 +413,7 @@ impl PySession {
         Ok(py.detach(|| self.session.set_tool(settings))?)
     }
 
-    /// Chooses the model by which matter gives way by its name; none makes all matter hard.
+    /// Chooses the model of soft tissue by its name; none makes all matter hard.
     fn set_deformation(
         &self,
         py: Python<'_>,
@@ -457,7 +457,7 @@ impl PySession {
         Ok(py.detach(|| self.session.set_regions(SegmentId(segment_id), regions))?)
     }
 
-    /// Chooses what a tool feels of matter that gives way, by name.
+    /// Chooses what a tool feels of soft tissue, by name.
     fn set_force_source(&self, py: Python<'_>, source: &str) -> Result<(), CoreError> {
         let source = force_source(source)?;
         Ok(py.detach(|| self.session.set_force_source(source))?)

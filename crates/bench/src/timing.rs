@@ -79,7 +79,7 @@ fn reading_of_the_clock() -> f64 {
     quantile(&times, 0.5)
 }
 
-/// The smallest value that is not below this share of sorted ones; 0 where there are none.
+/// The smallest value that is not below this fraction of sorted ones; 0 where there are none.
 pub(super) fn quantile(sorted: &[f64], share: f64) -> f64 {
     let place = (share * sorted.len() as f64).ceil() as usize;
     sorted.get(place.saturating_sub(1)).copied().unwrap_or(0.0)

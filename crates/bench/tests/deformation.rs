@@ -1,4 +1,4 @@
-//! Work in matter that gives way breaks no promise, and the benchmarks of it count what happens.
+//! Work in soft tissue breaks no promise, and the benchmarks of it count what happens.
 
 use glam::{DMat3, DVec3, UVec3};
 use palpate_bench::deformation::lattice::{FRAMES, Layers, frames};
@@ -27,7 +27,7 @@ fn work_in_matter_that_gives_way_breaks_no_promise() {
     assert!(report.settled >= 1, "{report:?}");
 }
 
-/// There the hand rests 18 mm from a probe over which matter has closed: the spring goes over to
+/// There the hand rests 18 mm from a probe over which tissue has closed: the spring goes over to
 /// what is hard for as long as that takes.
 #[test]
 fn a_hand_far_from_a_caught_probe_comes_to_rest() {
@@ -36,7 +36,8 @@ fn a_hand_far_from_a_caught_probe_comes_to_rest() {
     assert!(report.rests >= 1, "{report:?}");
 }
 
-/// There a drill that gripped has let go of a probe in closed matter: what friction held comes back.
+/// There a drill that gripped has let go of a probe in closed tissue: what friction held comes
+/// back.
 #[test]
 fn what_a_drill_has_gripped_is_let_go() {
     let report = run("lattice", 5, 17, 8_400).unwrap();
@@ -44,7 +45,7 @@ fn what_a_drill_has_gripped_is_let_go() {
     assert!(report.drilled >= 1, "{report:?}");
 }
 
-/// There a needle is still in beside a probe in closed matter: once its tissue has relaxed, nothing
+/// There a needle is still in beside a probe in closed tissue: once its tissue has relaxed, nothing
 /// changes by a bit.
 #[test]
 fn a_hand_at_rest_with_a_needle_that_is_caught_comes_to_rest() {

@@ -1,7 +1,7 @@
 //! How fast and how near the bonded lattice comes to rest under a ball, what a node costs, and
 //! how well its border stands for the body behind it: for `palpate bench deform`.
 //!
-//! A box of nodes 1 mm apart, half of it matter, under a ball of 2 mm that presses 1 mm deep and
+//! A box of nodes 1 mm apart, half of it tissue, under a ball of 2 mm that presses 1 mm deep and
 //! then slides, a quarter of a node a frame. Goals (design, section 8): 30 frames a second on one
 //! core with the force within 1 % of that at a residual of 1e-6, also soft tissue over bone.
 
@@ -22,7 +22,7 @@ const RADIUS: f64 = 2.0;
 /// Residual of the force that counts as exact, and iterations for it at most.
 const EXACT: f64 = 1e-6;
 const EXACT_ITERATIONS: u32 = 6000;
-/// Young's modulus of the soft matter [Pa].
+/// Young's modulus of the soft tissue [Pa].
 const YOUNG: f64 = 1e4;
 /// Iterations between two rests when the cost is measured.
 const COST_ITERATIONS: u32 = 30;
@@ -32,9 +32,9 @@ const COST_ITERATIONS: u32 = 30;
 pub struct Layers {
     /// Poisson's ratio of all of it.
     pub poisson: f64,
-    /// Nodes of soft matter over the stiff; more than the box has for one material.
+    /// Nodes of soft tissue over the stiff; more than the box has for one material.
     pub soft: i32,
-    /// Young's modulus of the stiff matter over that of the soft.
+    /// Young's modulus of the stiff tissue over that of the soft.
     pub ratio: f64,
 }
 
@@ -49,8 +49,8 @@ pub struct Frames {
     pub worst_exact: f64,
 }
 
-/// Presses a box of `count`³ nodes and slides over it, each frame until its nodes are as far at rest
-/// as in a session, with so many iterations at most.
+/// Presses a box of `count`³ nodes and slides over it, each frame until its nodes are as far at
+/// rest as in a session, with so many iterations at most.
 ///
 /// # Errors
 /// Where the layers are none.
@@ -145,7 +145,7 @@ impl Layers {
     }
 }
 
-/// Half a box of matter under a plane through its middle.
+/// Half a box of tissue under a plane through its middle.
 fn half_space(count: u32, layers: Layers) -> Result<Lattice, MaterialError> {
     let soft = solid(layers.poisson, 1.0)?;
     let stiff = solid(layers.poisson, layers.ratio)?;

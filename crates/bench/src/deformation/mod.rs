@@ -1,4 +1,4 @@
-//! Matter that gives way, measured: for `palpate bench deform`, `palpate bench session` and
+//! Soft tissue, measured: for `palpate bench deform`, `palpate bench session` and
 //! `palpate bench stress --deform`.
 
 pub mod lattice;

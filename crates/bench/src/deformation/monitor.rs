@@ -1,4 +1,4 @@
-//! Whether a session whose matter gives way keeps the promises of touch, tick by tick.
+//! Whether a session with soft tissue keeps the promises of touch, tick by tick.
 //!
 //! What is solid is asked of the servo, voxel by voxel, and kept as bytes around the probe, so
 //! that a way can be looked for through what was free before the tick or is free after it.
@@ -26,7 +26,8 @@ use crate::stress::{Dense, Finder, Guarantee, Violation, hold};
 pub const DT: f64 = 1e-3;
 /// How far around the probe voxels are kept [voxels]: a change pushes it by 7 at most.
 const REACH: i32 = 8;
-/// Voxels around the world that are kept too: outside all is free, and a way may lead through there.
+/// Voxels around the world that are kept too: outside all is free, and a way may lead through
+/// there.
 const RIM: i32 = 1;
 /// What the force may grow by beside the hand's own way [smallest spacings].
 const STEP: f64 = 0.1;
@@ -81,7 +82,7 @@ impl Monitor {
             spacing: world.spacing,
             radius: world.radius,
             // a tick touches three times at most: before and after it slides, and where what is
-            // hard stops what soft matter leads
+            // hard stops what soft tissue leads
             visit_bound: 3 * Exact { limits }.visit_bound(),
             stiffness: Settings::default().stiffness,
             dense: Dense::from_fn(size + 2 * RIM, |voxel| solid.is_solid(voxel - RIM)),

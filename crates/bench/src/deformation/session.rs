@@ -1,7 +1,7 @@
 //! How often the servo comes around when it does not wait, and how often a model of deformation
 //! answers beside it: the thesis' tables 5.1 to 5.4.
 //!
-//! The device is led over the surface, pressing, while the segment gives way. The servo ticks
+//! The device is led over the surface, pressing, while the segment deforms. The servo ticks
 //! without a pause in the thread that calls, the simulation 100 times a second and the model as
 //! fast as it can in threads of their own, as in a session. In step, all three take turns on one
 //! thread, and the clock is that of the ticks: then the same ticks give the same counts.
@@ -56,14 +56,14 @@ pub enum SessionBenchError {
     Session(#[from] SessionError),
 }
 
-/// What is touched, and with which model it gives way.
+/// What is touched, and with which model it deforms.
 #[derive(Debug)]
 pub struct Plan<'a> {
     /// Where the scan stands, and its values.
     pub scan: (Grid, Intensities),
     /// What is touched.
     pub segment: &'a Segment,
-    /// Name of the model; none for matter that is hard.
+    /// Name of the model; none for rigid segments.
     pub model: Option<&'a str>,
     /// Samples of one second.
     pub samples: u32,

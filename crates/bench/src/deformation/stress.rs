@@ -1,4 +1,4 @@
-//! Pressing, drilling and needle work in matter that gives way, with the guarantees of touch
+//! Pressing, drilling and needle work in soft tissue, with the guarantees of touch
 //! checked at every tick: for `palpate bench stress --deform`.
 //!
 //! Device, servo, simulation and model take turns on one thread: a thousand ticks, a hundred
@@ -38,8 +38,8 @@ const MARGIN: f64 = 6.0;
 /// Ticks at rest after which nothing may change, beside those in which the spring's end goes over
 /// from an answer that has become too old, and ticks for which it is looked at.
 const REST: u32 = 1000;
-/// Ticks within which the tissue around a needle that is in has relaxed besides: by a time constant of
-/// up to 2.9 s with the coupling's give, from a millimetre to what counts as none.
+/// Ticks within which the tissue around a needle that is in has relaxed besides: by a time constant
+/// of up to 2.9 s with the coupling's give, from a millimetre to what counts as none.
 const RELAXED: u32 = 30_000;
 const STILL: u32 = 8;
 /// Passes within which touch follows everything, with the probe out of the way.
@@ -280,7 +280,7 @@ impl Run {
         let place = self.place();
         self.come_down(place, 3.0)?;
         self.frozen = true;
-        // long where matter has closed over the probe and the hand has gone on
+        // long where tissue has closed over the probe and the hand has gone on
         let spacing = self.rig.simulation.voxels().grid().spacing().min_element();
         let way = self.last.proxy.distance(self.hand) / spacing;
         let relaxing = if self.has_needle() { RELAXED } else { 0 };
@@ -315,7 +315,7 @@ impl Run {
         self.go(self.hand - DVec3::Z * depth, SPEED)
     }
 
-    /// Out of all matter; then touch must have followed every change, unless matter has closed over
+    /// Out of all tissue; then touch must have followed every change, unless tissue has closed over
     /// the probe, which keeps what cannot be admitted pending.
     fn come_out(&mut self) -> Result<(), Violation> {
         self.go(self.hand.with_z(TOP + 3.0), FAST)?;

@@ -93,7 +93,7 @@ impl World {
         }
     }
 
-    /// Whether a voxel is of the bone, which never gives way.
+    /// Whether a voxel is of the bone, which is always rigid.
     pub fn is_bone(&self, voxel: IVec3) -> bool {
         self.segment_at(voxel) == Some(BONE_ID)
     }
@@ -112,7 +112,7 @@ impl World {
         Intensities::new(self.dimensions(), values, 1.0, 0.0).expect("one value for each voxel")
     }
 
-    /// A session in it whose matter gives way by a model, the probe above the middle.
+    /// A session in it whose soft tissue follows a model, the probe above the middle.
     pub fn rig(&self, model: &str) -> Result<Rig, SessionError> {
         let dimensions = self.dimensions();
         let grid = self.grid();

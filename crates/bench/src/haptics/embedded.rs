@@ -30,7 +30,7 @@ pub struct Embedded {
     pub small_per_second: f64,
     /// In the large one.
     pub large_per_second: f64,
-    /// Share of the updates in contact in the large one.
+    /// Fraction of the updates in contact in the large one.
     pub contact_fraction: f64,
     /// Single updates of the hard proxy at random places in the small grid, caches cold.
     pub small_cold: Timing,

@@ -74,7 +74,7 @@ impl Work {
 pub struct Report {
     /// Time of single calls, and calls per second without a clock between them.
     pub timing: Timing,
-    /// Share of the updates in contact; 0 for detection.
+    /// Fraction of the updates in contact; 0 for detection.
     pub contact_fraction: f64,
     /// Voxels read per call, on average; 0 where the model's own detection is timed.
     pub mean_visits: f64,

@@ -23,7 +23,7 @@ pub const STEP: f64 = 0.2;
 /// its middle lies behind where it may be.
 pub const DEPTH: f64 = 1.5;
 
-/// Share of the updates that must be in contact.
+/// Fraction of the updates that must be in contact.
 const CONTACT_SHARE: f64 = 0.95;
 /// Starts tried for it.
 const TRIES: usize = 16;
@@ -39,7 +39,7 @@ pub struct Stroke {
     pub device: Vec<DVec3>,
     /// The probe after each update.
     pub probe: Vec<DVec3>,
-    /// Share of the updates in contact.
+    /// Fraction of the updates in contact.
     pub contact_fraction: f64,
 }
 

@@ -183,7 +183,7 @@ pub struct Outcome {
     pub of_one_contact: f64,
     /// Contacts.
     pub contacts: u32,
-    /// Share of the time in contact.
+    /// Fraction of the time in contact.
     pub contact_fraction: f64,
     /// Largest force that acted [N].
     pub largest_force: f64,
@@ -323,7 +323,7 @@ pub struct Report {
     pub of_one_contact: f64,
     /// Largest force at it [N].
     pub largest_force: f64,
-    /// Share of the time in contact, of all motions.
+    /// Fraction of the time in contact, of all motions.
     pub contact_fraction: f64,
     /// Ticks in which the passivity controller acted.
     pub damped: u64,

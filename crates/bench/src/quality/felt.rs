@@ -141,7 +141,7 @@ impl Touch {
     }
 }
 
-/// The shares of a mask, as a session works them out.
+/// The occupancy fractions of a mask, as a session works them out.
 fn fractions_of(solid: &Solid, grid: &Grid) -> Arc<Shares> {
     let mut fractions = Shares::unknown(grid.dimensions());
     for region in relax::regions(&solid.bits) {

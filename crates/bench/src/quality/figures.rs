@@ -37,7 +37,7 @@ pub struct Figures {
     pub direction_mean: f64,
     /// 95 of 100 angles [degrees].
     pub direction_95: f64,
-    /// Root mean square of the magnitude's error, as a share of the true magnitude.
+    /// Root mean square of the magnitude's error, as a fraction of the true magnitude.
     pub magnitude_rmse: f64,
     /// Root mean square of the magnitude's error about its mean [h], in the worst stroke.
     pub ripple: f64,
@@ -53,13 +53,13 @@ pub struct Figures {
     pub jitter: f64,
     /// How often contact was lost inside the body, or the probe came behind the surface.
     pub pop_throughs: f64,
-    /// Share of the updates with the proxy in a solid voxel.
+    /// Fraction of the updates with the proxy in a solid voxel.
     pub solid_fraction: f64,
     /// Updates spent stuck.
     pub stuck: f64,
     /// Largest change of force in a tick beyond that of the hand [h].
     pub force_step: f64,
-    /// Share of the updates in contact.
+    /// Fraction of the updates in contact.
     pub contact_fraction: f64,
     /// Updates.
     pub updates: f64,

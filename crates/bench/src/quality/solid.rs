@@ -1,4 +1,4 @@
-//! A body as voxels: solid where its middle is inside, or as a scanner sees it, by the share of
+//! A body as voxels: solid where its middle is inside, or as a scanner sees it, by the fraction of
 //! each voxel that is inside, from which a threshold at one half makes what is solid.
 //!
 //! Frame: grid of the case.
@@ -15,8 +15,8 @@ use super::body::Body;
 const FULL: f64 = 1000.0;
 /// Values from here on are solid.
 pub const THRESHOLD: f64 = 0.5 * FULL;
-/// Points along the shortest edge of a voxel by which its share is counted; along the others as
-/// near to each other. So a share is wrong by a twelfth of that edge at most.
+/// Points along the shortest edge of a voxel by which its fraction is counted; along the others as
+/// near to each other. So a fraction is wrong by a twelfth of that edge at most.
 const SUBSAMPLES: f64 = 6.0;
 
 /// A body as voxels.
@@ -89,7 +89,7 @@ fn voxels(body: &Body, grid: &Grid, is_inside: impl Fn(IVec3) -> bool + Sync) ->
     [inside, shell].map(|segment| segment.occupancy().clone())
 }
 
-/// The value of each voxel by the share that is inside, x fastest.
+/// The value of each voxel by the fraction that is inside, x fastest.
 fn fractions(body: &Body, grid: &Grid) -> Vec<i16> {
     let scene_from_grid = grid.patient_from_grid();
     let half_diagonal = 0.5 * grid.spacing().length();

@@ -1,5 +1,5 @@
-//! Where the force of a run comes from: the voxels' stairs, their blur, or shares of voxels at the
-//! surface, which are made up: whatever is known of them, a guarantee is a guarantee.
+//! Where the force of a run comes from: the voxels' stairs, their blur, or occupancy fractions of
+//! voxels at the surface, which are made up: whatever is known of them, a guarantee is a guarantee.
 //!
 //! Frame: the grid of a body.
 
@@ -20,7 +20,7 @@ use palpate_volume::voxel_box::VoxelBox;
 
 use crate::random::Random;
 
-/// Share of the voxels of masks of which nothing is known.
+/// Fraction of the voxels of masks of which nothing is known.
 const UNKNOWN: f64 = 0.1;
 /// The value from which on made-up scans are solid, and how far they go from it.
 const LEVEL: f64 = 300.0;
@@ -33,9 +33,9 @@ pub enum Felt {
     Stairs,
     /// The blurred voxels.
     Bits,
-    /// The same with shares that were worked out, as masks have them.
+    /// The same with fractions that were worked out, as masks have them.
     Mask,
-    /// The same with shares by values of a scan, as thresholds have them.
+    /// The same with fractions by values of a scan, as thresholds have them.
     Threshold,
 }
 

@@ -19,7 +19,7 @@ pub enum Guarantee {
     ChangesArrive = 7,
     /// The smooth force changes by little more than the hand's own move.
     StepsLittle = 8,
-    /// What does not give way stays and pushes back, whatever a model of deformation says.
+    /// What is rigid stays and pushes back, whatever a model of deformation says.
     HardHolds = 9,
 }
 

@@ -24,7 +24,7 @@ pub enum Terrain {
     },
     /// Each voxel solid by chance.
     Noise {
-        /// Share of solid voxels.
+        /// Fraction of solid voxels.
         share: f64,
     },
     /// A part of the bone that was given.

@@ -35,7 +35,7 @@ pub struct Touched {
 
 impl Touched {
     /// A world with its voxel size [mm] and objects for a probe of this radius [mm], and what is
-    /// known of their shares.
+    /// known of their occupancy fractions.
     ///
     /// # Panics
     /// Where the radius is too large for one of them; plans make none such.

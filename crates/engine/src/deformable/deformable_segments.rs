@@ -1,4 +1,4 @@
-//! What gives way: which segments, of what, which of their regions, and where that is.
+//! Deformable segments: which, of what, which of their regions, and where that is.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -80,7 +80,7 @@ impl DeformableSegments {
     }
 }
 
-/// Segments that give way within `reach` [mm] of a place.
+/// Deformable segments within `reach` [mm] of a place.
 #[must_use]
 pub fn soft_segments(scene: &Scene, place: DVec3, reach: f64) -> SegmentSet {
     let grid = scene.voxels().grid();
@@ -110,7 +110,7 @@ fn matter_in(scene: &Scene) -> impl Iterator<Item = (SegmentId, &Segment, Option
         })
 }
 
-/// Of matter that does not give way, of which only that it is stiff counts.
+/// The law of what is rigid to a model: only that it is stiff counts.
 fn hard() -> MaterialLaw {
     let bone = palpate_deform::material::preset("cortical-bone").and_then(|preset| preset.law());
     bone.expect("a preset of the list")

@@ -1,7 +1,7 @@
-//! Matter that gives way, as the simulation sees it: which model, which materials, the job that
+//! Soft tissue, as the simulation sees it: which model, which materials, the job that
 //! is out and what came back.
 //!
-//! Frame: scene, which is the patient's; segments that were moved do not give way.
+//! Frame: scene, which is the patient's; segments that were moved are rigid.
 
 use std::sync::mpsc::{self, Receiver, Sender};
 use std::time::Duration;
@@ -25,13 +25,13 @@ use crate::servo::channels::{DeformableContact, ServoStatus};
 const PATIENCE: Duration = Duration::from_millis(25);
 /// Between two questions where the first is answered between two passes of the simulation [s].
 const SOONEST: f64 = 0.008;
-/// Matter farther from the tool than this is not asked [mm].
+/// Tissue farther from the tool than this is not asked [mm].
 const REACH: f64 = 30.0;
 
 /// A model and the name that it goes by.
 pub type NamedModel = (&'static str, Box<dyn DeformationModel>);
 
-/// What a tool feels of matter that gives way.
+/// What a tool feels of soft tissue.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ForceSource {
     /// The model's own contact force.
@@ -44,13 +44,13 @@ pub enum ForceSource {
 /// The deformation as the picture shows it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DeformationStatus {
-    /// Name of the model; none where nothing gives way.
+    /// Name of the model; none where nothing is deformable.
     pub model: Option<&'static str>,
     /// What of it is not as usual.
     pub options: ModelOptions,
     /// What the tool feels.
     pub source: ForceSource,
-    /// Force of the matter on the tool [N], felt or not.
+    /// Force of the tissue on the tool [N], felt or not.
     pub force: DVec3,
     /// Answers so far.
     pub answers: u64,
@@ -58,7 +58,7 @@ pub struct DeformationStatus {
     pub slips: u64,
     /// How the last one went.
     pub report: ModelReport,
-    /// Whether the next one is late: until it comes, matter is as hard as its voxels.
+    /// Whether the next one is late: until it comes, tissue is as hard as its voxels.
     pub late: bool,
 }
 
@@ -69,7 +69,7 @@ pub struct Outcome {
     pub edit: Option<Edit>,
     /// What the servo is to follow.
     pub deformable_contact: Option<DeformableContact>,
-    /// Where matter stands beside its voxels.
+    /// Where tissue stands beside its voxels.
     pub displacement: Option<DisplacementField>,
     /// What happened at once.
     pub events: Vec<ModelEvent>,
@@ -130,7 +130,7 @@ impl Deformation {
         (deformation, DeformationLoop::new(job_inbox, answers))
     }
 
-    /// Puts a model in the place of the one before, or none: then all matter is hard. What the
+    /// Puts a model in the place of the one before, or none: then all is rigid. What the
     /// one before has moved it gives back first.
     pub fn set_model(&mut self, model: Option<NamedModel>) {
         self.next = Some(model);
@@ -168,7 +168,7 @@ impl Deformation {
         self.now.source = source;
     }
 
-    /// Displacements are forgotten: matter is another one.
+    /// Displacements are forgotten: the tissue is another one.
     pub fn forget_displacements(&mut self) {
         self.reset = true;
     }
@@ -189,8 +189,8 @@ impl Deformation {
         }
     }
 
-    /// Takes an answer, if one has come. Its edit is to be applied, and told of by [`Self::followed`],
-    /// before the next question.
+    /// Takes an answer, if one has come. Its edit is to be applied, and told of by
+    /// [`Self::followed`], before the next question.
     pub fn take(&mut self, scene: &Scene, status: &ServoStatus) -> Outcome {
         let outcome = self.take_answer(scene);
         self.matter.follow(scene);
@@ -198,7 +198,7 @@ impl Deformation {
         outcome
     }
 
-    /// Asks again where matter gives way near the tool; what the servo is to follow where nothing
+    /// Asks again where soft tissue is near the tool; what the servo is to follow where nothing
     /// gives way any more.
     pub fn go_on(&mut self, scene: &Scene, status: &ServoStatus) -> Option<DeformableContact> {
         self.install_next();
@@ -267,7 +267,7 @@ impl Deformation {
         }
     }
 
-    /// Where matter meets the tool. What stands on its voxels alone would press nothing: as the
+    /// Where tissue meets the tool. What stands on its voxels alone would press nothing: as the
     /// thesis' probe pushes what is near it, it then reaches by a voxel to where the hand presses.
     fn tool(&self, status: &ServoStatus, voxel: f64) -> DVec3 {
         match self.now.source {

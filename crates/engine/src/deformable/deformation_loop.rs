@@ -34,7 +34,7 @@ pub struct DeformationJob {
     pub voxels: ModelVoxels,
     /// What it is made of.
     pub materials: Arc<Materials>,
-    /// Where the tool is; none where matter is to come back.
+    /// Where the tool is; none where tissue is to come back.
     pub tool: Option<ToolState>,
     /// Since the last job [s].
     pub dt: f64,
@@ -95,7 +95,7 @@ impl DeformationLoop {
         }
     }
 
-    /// Rings this bell after each answer from now on.
+    /// Calls this after each answer from now on.
     pub fn set_wake_up(&mut self, wake_up: WakeUp) {
         self.wake_up = wake_up;
     }

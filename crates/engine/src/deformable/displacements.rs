@@ -1,4 +1,4 @@
-//! Displacements as the picture draws them: where matter stands beside the voxels that show it.
+//! Displacements as the picture draws them: where tissue stands beside the voxels that show it.
 //!
 //! The picture pulls the scan back through them and moves the vertices of surfaces by them.
 //! Frame: grid of the scan; displacements in mm along its axes.
@@ -21,7 +21,7 @@ pub struct Displacements {
     pub step: DVec3,
     /// Nodes along each axis.
     pub size: UVec3,
-    /// How far matter stands from the voxels that show it [mm].
+    /// How far tissue stands from the voxels that show it [mm].
     pub moved: Vec<Vec3>,
 }
 

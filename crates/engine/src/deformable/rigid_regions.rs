@@ -1,4 +1,4 @@
-//! What of a segment that gives way does not: the voxels that its regions make rigid, for the servo.
+//! What of a deformable segment is rigid: the voxels that its regions make rigid, for the servo.
 //!
 //! A mask holds whatever its segment has there now or later, so that it is worked out anew only
 //! where the regions, or a segment that one of them is shared with, are others: brick by brick

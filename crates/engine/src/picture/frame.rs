@@ -83,7 +83,7 @@ pub struct Safety {
     pub slewed: u64,
     /// Forces that were not finite and became zero.
     pub not_finite: u64,
-    /// Ticks in which the force was still rising to its full share.
+    /// Ticks in which the force was still rising to its full size.
     pub ramped: u64,
     /// Ticks that waited for a small force to begin with.
     pub waited: u64,
@@ -109,7 +109,7 @@ pub enum ForceState {
     On,
     /// Forces wait for a small one to begin with.
     Waiting,
-    /// Forces rise to their full share.
+    /// Forces rise to their full size.
     Ramping,
     /// Forces are eased to what the device bears for long.
     Easing,
@@ -181,7 +181,7 @@ pub struct Frame {
     pub tool: ToolStatus,
     /// The needle, where it is that.
     pub needle: NeedleDisplay,
-    /// Matter that gives way.
+    /// Soft tissue.
     pub matter: DeformationStatus,
     /// Bytes that undo and redo hold on to.
     pub undo_bytes: usize,

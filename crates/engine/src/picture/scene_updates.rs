@@ -28,7 +28,7 @@ pub enum SceneUpdate {
     Edit(EditUpdate),
     /// A segment is to be shown as a surface made in this way, or not as a surface any more.
     Show(SegmentId, Option<(SurfaceOptions, SegmentVoxels)>),
-    /// Matter stands beside its voxels; none where all stands in them again.
+    /// Tissue stands beside its voxels; none where all stands in them again.
     Displacements(Option<Arc<Displacements>>),
     /// What is to be seen at once.
     Together(Vec<Self>),

@@ -1,7 +1,7 @@
 //! The loop that makes surfaces follow the voxels, at its own pace.
 //!
-//! It follows news as they come, or on slow machines every k-th frame of the picture (thesis 5.2.2):
-//! what comes in between is followed in one go.
+//! It follows updates as they come, or on slow machines every k-th frame of the picture (thesis
+//! 5.2.2): what comes in between is followed in one go.
 
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
@@ -47,7 +47,7 @@ impl SurfacePace {
     }
 }
 
-/// News on one side, surfaces on the other.
+/// Updates on one side, surfaces on the other.
 #[derive(Debug)]
 pub struct SurfaceLoop {
     inbox: Receiver<SceneUpdate>,
@@ -61,7 +61,7 @@ pub struct SurfaceLoop {
 }
 
 impl SurfaceLoop {
-    /// Surfaces that follow these news, at a pace, and ring a bell once they do.
+    /// Surfaces that follow these updates, at a pace, and signal once they do.
     #[must_use]
     pub fn new(
         inbox: Receiver<SceneUpdate>,
@@ -78,7 +78,7 @@ impl SurfaceLoop {
         }
     }
 
-    /// Follows all news that have come, where it is the frame for it.
+    /// Follows all updates that have come, where it is the frame for it.
     pub fn step(&mut self) {
         self.frame = self.frame.wrapping_add(1);
         if self.frame.is_multiple_of(self.pace.every())
@@ -88,7 +88,7 @@ impl SurfaceLoop {
         }
     }
 
-    /// Waits for news, at most so long, and follows them; false once none will come any more.
+    /// Waits for updates, at most so long, and follows them; false once none will come any more.
     pub fn wait(&mut self, patience: Duration) -> bool {
         match self.inbox.recv_timeout(patience) {
             Ok(updates) => {

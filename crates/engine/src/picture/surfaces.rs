@@ -1,8 +1,8 @@
 //! The surfaces of the segments that are shown as such, and what changed in the picture since it
 //! was last asked for.
 //!
-//! News come from the simulation in order. What an edit changes in voxels and in surfaces goes
-//! out together, so that the page shows both in one frame. All news that wait are taken at once:
+//! Updates come from the simulation in order. What an edit changes in voxels and in surfaces goes
+//! out together, so that the page shows both in one frame. All updates that wait are taken at once:
 //! on a slow machine surfaces follow several edits in one go (thesis 5.2.2).
 //! Frame: patient, LPS mm.
 
@@ -44,11 +44,11 @@ pub struct PictureChange {
     pub voxels: Vec<VoxelChange>,
     /// Surfaces, by segment.
     pub surfaces: BTreeMap<SegmentId, SurfaceChange>,
-    /// Where matter stands beside its voxels by now; none where that is as before.
+    /// Where tissue stands beside its voxels by now; none where that is as before.
     pub displacements: Option<ShownDisplacements>,
 }
 
-/// Where matter stands beside its voxels; none where all stands in them.
+/// Where tissue stands beside its voxels; none where all stands in them.
 pub type ShownDisplacements = Option<Arc<Displacements>>;
 
 /// New voxels of a box.
@@ -97,7 +97,7 @@ impl Surfaces {
         }
     }
 
-    /// Takes news; [`Self::follow`] makes what they change.
+    /// Takes an update; [`Self::follow`] makes what it changes.
     pub fn take(&mut self, updates: SceneUpdate) {
         match updates {
             SceneUpdate::Edit(edit) => self.take_edit(edit),
@@ -116,7 +116,7 @@ impl Surfaces {
         }
     }
 
-    /// Makes the surfaces follow all news that were taken.
+    /// Makes the surfaces follow all updates that were taken.
     pub fn follow(&mut self) {
         for (&id, shown) in &mut self.shown {
             shown.follow(&self.scan);

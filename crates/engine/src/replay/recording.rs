@@ -38,9 +38,9 @@ pub struct Recording {
     pub tool_volume: Vec<f64>,
     /// Time that it was at work [s].
     pub tool_time: Vec<f64>,
-    /// Its power on matter; 0 where it is not pressed [N·mm/s].
+    /// Its power on what it removes; 0 where it is not pressed [N·mm/s].
     pub tool_load: Vec<f64>,
-    /// Number of the last command obeyed, in the tick or before it.
+    /// Number of the last command executed, in the tick or before it.
     pub command: Vec<u64>,
     /// Number of the device's reading.
     pub reading: Vec<u64>,

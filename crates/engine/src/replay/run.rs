@@ -32,7 +32,7 @@ pub enum ReplayError {
         /// The tick wanted.
         tick: u64,
     },
-    /// No servo obeys like this.
+    /// No servo executes commands like this.
     #[error(
         "tick {tick} has executed {command} commands after {before}; allowed: none to \
          {MAX_COMMANDS_PER_TICK} more"
@@ -40,9 +40,9 @@ pub enum ReplayError {
     Commands {
         /// The tick.
         tick: u64,
-        /// Commands obeyed by then.
+        /// Commands executed by then.
         command: u64,
-        /// Commands obeyed by the tick before.
+        /// Commands executed by the tick before.
         before: u64,
     },
     /// No such probe fits these voxels.
@@ -178,7 +178,7 @@ struct Player<'a> {
     entries: std::slice::Iter<'a, TapeEntry>,
     /// Commands sent.
     sent: u64,
-    /// What the servo will touch once it has obeyed them.
+    /// What the servo will touch once it has executed them.
     latest: Vec<Part>,
     grid: Grid,
     values: &'a ScanValues,
@@ -202,7 +202,7 @@ impl<'a> Player<'a> {
         })
     }
 
-    /// Sends the commands that a tick obeyed; false where the tape ends before them.
+    /// Sends the commands that a tick executed; false where the tape ends before them.
     fn send_up_to(&mut self, tick: u64, command: u64) -> Result<bool, ReplayError> {
         let wanted = command.checked_sub(self.sent);
         if wanted.is_none_or(|wanted| wanted > MAX_COMMANDS_PER_TICK as u64) {

@@ -1,8 +1,9 @@
 //! A tape as columns of plain numbers, as files hold it.
 //!
-//! State and commands are MessagePack with named fields, numbers to the bit; bricks are a place
-//! in the directory and eight words each, no solid voxel where there is no brick; values of the
-//! scan are a place and 512 numbers each. What comes from a file is checked before anything is made of it.
+//! State and commands are MessagePack with named fields, numbers to the bit; bricks are a place in
+//! the directory and eight words each, no solid voxel where there is no brick; values of the scan
+//! are a place and 512 numbers each. What comes from a file is checked before anything is made of
+//! it.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -52,15 +53,15 @@ pub struct TapeColumns {
     pub solid: BrickColumns,
     /// The scan's values that touch read.
     pub values: ValueColumns,
-    /// Where the shares of each command end in `shares`.
+    /// Where the occupancy fractions of each command end in `fractions`.
     pub fraction_ends: Vec<u64>,
-    /// What became known of shares by all commands.
+    /// What became known of occupancy fractions by all commands.
     pub fractions: FractionColumns,
-    /// What was known of shares at the start.
+    /// What was known of occupancy fractions at the start.
     pub known: FractionColumns,
 }
 
-/// Bricks of shares by columns.
+/// Bricks of occupancy fractions by columns.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FractionColumns {
     /// Number of the segment.
@@ -288,7 +289,8 @@ impl TapeColumns {
         Ok(entries)
     }
 
-    /// The shares of each command; tapes of before there were any have no ends of them.
+    /// The occupancy fractions of each command; tapes of before there were any have no ends of
+    /// them.
     fn fraction_ranges(&self) -> Result<Vec<Range<usize>>, TapeError> {
         if self.fraction_ends.len() != self.command_ends.len() && !self.fraction_ends.is_empty() {
             return Err(TapeError::Lengths);

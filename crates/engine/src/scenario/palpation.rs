@@ -1,6 +1,6 @@
-//! A ball that presses matter that gives way, place by place, as a finger palpates.
+//! A ball that presses soft tissue, place by place, as a finger palpates.
 //!
-//! Every press begins from matter at rest. Design, section 6; issue of deformation, scenarios.
+//! Every press begins from tissue at rest. Design, section 6; issue of deformation, scenarios.
 
 use palpate_deform::material::MaterialLaw;
 use palpate_deform::model_options::ModelOptions;
@@ -27,7 +27,7 @@ pub struct PressedLayer {
 /// What one press felt.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Press {
-    /// Every tick; the tool is the ball in the matter.
+    /// Every tick; the tool is the ball in the tissue.
     pub samples: Vec<Sample>,
     /// Answers of the model.
     pub answers: u64,

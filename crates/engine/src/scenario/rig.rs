@@ -82,7 +82,7 @@ impl Rig {
             workspace_radius: LONGEST,
         };
         let (deformation, deformation_loop) = Deformation::new(true);
-        // layers have no flat slopes whose shares would matter
+        // layers have no flat slopes whose occupancy fractions would matter
         let (fractions, _) = MaskFractions::new();
         let scene = Scene::new(Voxels::new(*grid, intensities)?);
         Ok(Self {

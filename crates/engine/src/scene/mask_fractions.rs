@@ -1,10 +1,10 @@
-//! Shares of masks, worked out in the background: which are known, which are to be, and the loop
-//! that does it, region by region.
+//! Occupancy fractions of masks, worked out in the background: which are known, which are to be,
+//! and the loop that does it, region by region.
 //!
-//! A change of voxels forgets the shares of all voxels that it changed and of those beside them, in
-//! the same command that changes the bits; what is around it is worked out again. Until then its
-//! voxels count as their bits say. What was worked out is told only when touch follows all changes,
-//! and without what has changed since.
+//! A change of voxels forgets the occupancy fractions of all voxels that it changed and of those
+//! beside them, in the same command that changes the bits; what is around it is worked out again.
+//! Until then its voxels count as their bits say. What was worked out is told only when touch
+//! follows all changes, and without what has changed since.
 //!
 //! Frame: the grid of each segment.
 
@@ -26,7 +26,7 @@ use palpate_volume::voxel_box::VoxelBox;
 use crate::scene::{Scene, TouchChange};
 use crate::servo::channels::FractionSwap;
 
-/// How far from a change shares are worked out again [voxels].
+/// How far from a change fractions are worked out again [voxels].
 const REACH: i32 = 8;
 /// Longest side of a region [voxels].
 const LONGEST: i32 = 64;
@@ -43,7 +43,7 @@ pub struct FractionJob {
 /// What came of it.
 pub type FractionAnswer = Vec<BrickSwap<ShareBrick>>;
 
-/// A mask whose shares are known, as far as they are.
+/// A mask whose occupancy fractions are known, as far as they are.
 #[derive(Debug)]
 struct Kept {
     bits: Bits,
@@ -91,7 +91,7 @@ impl MaskFractions {
         (fractions, fraction_loop)
     }
 
-    /// Works shares out from now on, or not: then masks are touched by their bits alone.
+    /// Works fractions out from now on, or not: then masks are touched by their bits alone.
     pub fn switch(&mut self, on: bool) {
         self.on = on;
     }
@@ -102,8 +102,8 @@ impl MaskFractions {
         self.queue.len() + usize::from(self.asked.is_some())
     }
 
-    /// Follows a change of what is touched: forgets shares where voxels changed, and gives what it
-    /// forgot.
+    /// Follows a change of what is touched: forgets fractions where voxels changed, and gives what
+    /// it forgot.
     pub fn follow(&mut self, scene: &mut Scene, change: &TouchChange) -> Vec<FractionSwap> {
         if !self.on {
             return Vec::new();
@@ -137,7 +137,7 @@ impl MaskFractions {
             return Vec::new();
         };
         let Some(kept) = self.kept.get_mut(&id).filter(|kept| kept.fits(bits)) else {
-            // what nobody touches needs no shares
+            // what nobody touches needs no fractions
             if scene.is_obstacle(id) {
                 self.begin(id, bits.clone(), scene);
             }
@@ -288,7 +288,7 @@ impl Kept {
         (!difference.is_empty()).then_some(changed)
     }
 
-    /// Forgets the shares of the voxels of some boxes and of those beside them.
+    /// Forgets the occupancy fractions of the voxels of some boxes and of those beside them.
     fn forget(&mut self, changed: &[VoxelBox]) -> Vec<BrickSwap<ShareBrick>> {
         let mut forgotten: BTreeMap<u32, BrickSwap<ShareBrick>> = BTreeMap::new();
         for changed in changed {
@@ -318,7 +318,7 @@ impl Kept {
 /// A change of all there is.
 const EVERYTHING: VoxelBox = VoxelBox::new(IVec3::MIN, IVec3::MAX);
 
-/// Forgets the shares of some voxels of a brick.
+/// Forgets the occupancy fractions of some voxels of a brick.
 fn forget_in(swap: &mut BrickSwap<ShareBrick>, voxels: &VoxelBox) {
     if let Some(brick) = &mut swap.brick
         && !voxels.is_empty()

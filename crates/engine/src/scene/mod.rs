@@ -51,7 +51,7 @@ pub struct Properties {
     pub feel: TouchFeel,
     /// Where it was moved [mm, from the scan to the scene]; none where the scan has it.
     pub pose: Option<DAffine3>,
-    /// What it is made of; none where it does not give way.
+    /// What it is made of; none where it is rigid.
     pub law: Option<MaterialLaw>,
     /// Whether its voxels stay as they are, but for undo and redo.
     pub locked: bool,
@@ -89,11 +89,11 @@ pub struct Scene {
     held: Option<SegmentId>,
     /// Segments that a needle is in.
     punctured: SegmentSet,
-    /// Where segments that give way are hard.
+    /// Where deformable segments are hard.
     rigid: BTreeMap<SegmentId, Bits>,
-    /// What was worked out of the shares of masks.
+    /// What was worked out of the occupancy fractions of masks.
     fractions: BTreeMap<SegmentId, Arc<Shares>>,
-    /// By which model matter gives way.
+    /// The model of soft tissue.
     model: Option<ModelChoice>,
 }
 
@@ -119,7 +119,7 @@ impl Scene {
         }
     }
 
-    /// By which model matter gives way; none where it does not.
+    /// The model of soft tissue; none where all is rigid.
     #[must_use]
     pub fn model(&self) -> Option<ModelChoice> {
         self.model
@@ -249,7 +249,7 @@ impl Scene {
         obstacles.filter(changes).collect()
     }
 
-    /// A segment that gives way is hard where this mask is, or nowhere; whether that is new.
+    /// A deformable segment is hard where this mask is, or nowhere; whether that is new.
     pub fn set_rigid(&mut self, id: SegmentId, rigid: Option<Bits>) -> bool {
         let is_same = match (self.rigid.get(&id), &rigid) {
             (Some(known), Some(rigid)) => known.difference(rigid).is_empty(),
@@ -262,7 +262,7 @@ impl Scene {
         !is_same
     }
 
-    /// Puts bricks of where a segment that gives way is hard in the place of those that were there.
+    /// Puts bricks of where a deformable segment is hard in the place of those that were there.
     pub fn change_rigid(&mut self, id: SegmentId, mut swaps: Vec<BrickSwap<BitBrick>>) {
         if let Some(rigid) = self.rigid.get_mut(&id) {
             for swap in &mut swaps {
@@ -271,7 +271,7 @@ impl Scene {
         }
     }
 
-    /// Where a segment that gives way is hard; none where it is so nowhere.
+    /// Where a deformable segment is hard; none where it is so nowhere.
     #[must_use]
     pub fn rigid(&self, id: SegmentId) -> Option<&Bits> {
         self.rigid.get(&id)
@@ -284,7 +284,7 @@ impl Scene {
         self.properties_of(id).pose.is_none() && !self.punctured.contains(id)
     }
 
-    /// Takes what was worked out of the shares of a mask, or forgets it.
+    /// Takes what was worked out of the occupancy fractions of a mask, or forgets it.
     pub fn set_fractions(&mut self, id: SegmentId, fractions: Option<Arc<Shares>>) {
         match fractions {
             Some(fractions) => self.fractions.insert(id, fractions),
@@ -292,7 +292,8 @@ impl Scene {
         };
     }
 
-    /// What was worked out of the shares of a segment; none of one that a threshold made.
+    /// What was worked out of the occupancy fractions of a segment; none of one that a threshold
+    /// made.
     #[must_use]
     pub fn fractions_of(&self, id: SegmentId) -> Option<&Arc<Shares>> {
         self.fractions.get(&id).filter(|_| self.is_mask(id))
@@ -304,7 +305,7 @@ impl Scene {
         self.properties_of(id).made_by.is_none() || self.has_own_grid(id)
     }
 
-    /// Voxels and shares of all obstacles that are where the scan has them.
+    /// Voxels and occupancy fractions of all obstacles that are where the scan has them.
     #[must_use]
     pub fn standing(&self) -> Vec<FractionalBits<'_>> {
         self.obstacles()

@@ -76,7 +76,7 @@ pub struct HandTarget {
     pub number: u64,
 }
 
-/// Simulation → servo, obeyed in order.
+/// Simulation → servo, executed in order.
 #[derive(Debug)]
 pub enum ServoCommand {
     /// Replaces all that can be touched.
@@ -107,7 +107,7 @@ pub enum ServoCommand {
     Pose(SegmentId, DAffine3),
     /// How the surface of a segment feels from now on.
     Feel(SegmentId, TouchFeel),
-    /// What gives way from now on, and how it pushes.
+    /// What is deformable from now on, and how it pushes.
     DeformableContact(DeformableContact),
     /// Takes a needle in the hand that can puncture these segments, or out of it.
     Needle(bool, Box<Tissues>),
@@ -118,7 +118,7 @@ pub enum ServoCommand {
 /// The newest answer of a deformation model.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct DeformableContact {
-    /// Segments that give way.
+    /// Deformable segments.
     pub segments: SegmentSet,
     /// How they push the tool; none where nothing is known of it.
     pub contact: Option<LocalContact>,
@@ -142,7 +142,8 @@ pub struct BrickChange {
     pub swaps: Vec<BrickSwap<BitBrick>>,
     /// Of the segments that it changes, at most [`MAX_BRICKS`].
     pub parts: Vec<(SegmentId, BrickSwap<BitBrick>)>,
-    /// What is known of the shares of the union: at most [`MAX_SHARES`], by rising index.
+    /// What is known of the occupancy fractions of the union: at most [`MAX_FRACTIONS`], by rising
+    /// index.
     pub fractions: Vec<BrickSwap<ShareBrick>>,
     /// The same of the segments, at most [`MAX_BRICKS`], for whoever records.
     pub part_fractions: Vec<FractionSwap>,
@@ -179,7 +180,8 @@ impl BrickChange {
         }
     }
 
-    /// What becomes of the shares of the union where bits or shares of segments change.
+    /// What becomes of the occupancy fractions of the union where bits or occupancy fractions of
+    /// segments change.
     fn union_fractions(
         unmoved: &[FractionalBits<'_>],
         mut bricks: Vec<u32>,
@@ -217,13 +219,13 @@ pub enum Garbage {
     Tissues(Box<Tissues>),
     /// A brick that was never touched.
     Brick(BrickSwap<BitBrick>),
-    /// The same of shares.
+    /// The same of occupancy fractions.
     Shares(BrickSwap<ShareBrick>),
 }
 
 /// Bricks of one edit, at most; larger edits go as a root.
 pub const MAX_BRICKS: usize = 256;
-/// Bricks of shares that come with them, at most.
+/// Bricks of occupancy fractions that come with them, at most.
 pub const MAX_FRACTIONS: usize = 2 * MAX_BRICKS;
 /// Edits that are held back, at most; beyond, a root has to bring them all.
 pub const MAX_HELD: usize = 8;
@@ -249,7 +251,7 @@ pub struct ServoStatus {
     pub device: DVec3,
     /// Where the probe is.
     pub proxy: DVec3,
-    /// The tool as matter meets it, where that gives way.
+    /// The tool as soft tissue meets it.
     pub tool: DVec3,
     /// Whether an obstacle holds the probe back.
     pub contact: bool,
@@ -267,7 +269,7 @@ pub struct ServoStatus {
     pub orientation: DQuat,
     /// The middle of the device's workspace in the scene [mm].
     pub origin: DVec3,
-    /// Commands obeyed by then.
+    /// Commands executed by then.
     pub command: u64,
 }
 
@@ -300,7 +302,7 @@ pub struct TickRecord {
     pub visits: u32,
     /// What the tick was given.
     pub inputs: TickInputs,
-    /// Number of the last command that was obeyed, in this tick or before it.
+    /// Number of the last command that was executed, in this tick or before it.
     pub command: u64,
 }
 

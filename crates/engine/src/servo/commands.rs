@@ -1,4 +1,4 @@
-//! The servo obeys the simulation: commands and changes of what is solid, in their order, as far as
+//! Commands of the simulation and changes of what is solid, in their order, as far as
 //! one tick allows.
 
 use glam::DVec3;
@@ -11,7 +11,7 @@ use crate::servo::channels::{Garbage, ServoCommand};
 use crate::servo::servo_state::TickInputs;
 use crate::touch::probe::Probe;
 
-/// Commands obeyed per tick, at most, and one change of the occupancy.
+/// Commands executed per tick, at most, and one change of the occupancy.
 pub const MAX_COMMANDS_PER_TICK: usize = 16;
 
 /// How far around a placement's point a free voxel is searched [voxels]. The simulation has
@@ -19,7 +19,7 @@ pub const MAX_COMMANDS_PER_TICK: usize = 16;
 const PLACE_REACH: i32 = 3;
 
 impl ServoLoop {
-    /// Obeys the simulation, in its order, as far as one tick allows.
+    /// Executes the commands of the simulation, in their order, as far as one tick allows.
     pub(super) fn execute_commands(&mut self, inputs: &TickInputs) {
         for _ in 0..MAX_COMMANDS_PER_TICK {
             match self.ends.inbox.peek() {
@@ -30,7 +30,7 @@ impl ServoLoop {
                 Ok(ServoCommand::Place { .. }) if !inputs.is_read() => return,
                 // its tissues are given back
                 Ok(ServoCommand::Needle(..)) if !self.occupancy.has_room() => return,
-                // what comes after a mark is obeyed after the state is told
+                // what comes after a mark is executed after the state is told
                 Ok(ServoCommand::Mark) => return self.execute_next(inputs),
                 Ok(_) => self.execute_next(inputs),
                 Err(_) => return,
@@ -74,7 +74,7 @@ impl ServoLoop {
         }
     }
 
-    /// Obeys a command that changes no occupancy.
+    /// Executes a command that changes no occupancy.
     fn execute_next(&mut self, inputs: &TickInputs) {
         let device = inputs.position_in_device;
         match self.pop() {

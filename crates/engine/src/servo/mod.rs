@@ -76,7 +76,7 @@ pub struct ServoLoop {
     cache: TickCache,
     /// Kept beside the state like the cache: it changes no result.
     owners: Owners,
-    /// The same of what matter that gives way leads no tool into.
+    /// The same of what soft tissue leads no tool into.
     hard: RigidObstacles,
     /// Whether the state is asked for at the end of this tick.
     marked: bool,
@@ -353,7 +353,7 @@ impl ServoLoop {
         output
     }
 
-    /// Touches matter that gives way as it answers, instead of its voxels, and what is hard beside or
+    /// Touches soft tissue as it answers, instead of its voxels, and what is hard beside or
     /// under it as ever.
     fn give_way(&mut self, time: f64, input: &TickInput, output: &mut TickOutput) {
         if !self.state.soft.is_awaited() {

@@ -1,5 +1,5 @@
-//! What the servo tells at the end of a tick: the force to the device, its status to the simulation,
-//! the tick to the picture.
+//! What the servo tells at the end of a tick: the force to the device, its status to the
+//! simulation, the tick to the picture.
 
 use std::sync::atomic::Ordering::Relaxed;
 
@@ -25,8 +25,8 @@ impl ServoLoop {
         });
     }
 
-    /// Where matter meets the tool: at the near end of the spring, or where the device is while
-    /// matter that gives way does not push yet.
+    /// Where tissue meets the tool: at the near end of the spring, or where the device is while
+    /// soft tissue does not push yet.
     fn tool(&self, inputs: &TickInputs, output: &TickOutput) -> DVec3 {
         if self.state.soft.is_felt() {
             self.device_in_scene(inputs) + output.spring

@@ -35,7 +35,7 @@ pub struct ServoState {
     pub poses: MovedPoses,
     /// The segment that is touched; 0 where there is none.
     pub touched: u8,
-    /// What gives way.
+    /// What is deformable.
     #[serde(default, rename = "giving_way")]
     pub deformable_contact: DeformableContact,
     /// How its force is followed.
@@ -55,7 +55,7 @@ pub struct ServoState {
     pub received: u64,
     /// Placements refused.
     pub refused_places: u64,
-    /// Commands obeyed since the start: they are numbered from 1, in their order.
+    /// Commands executed since the start: they are numbered from 1, in their order.
     pub command: u64,
     /// Number of the tick to come, from 0.
     pub tick: u64,

@@ -16,7 +16,7 @@ pub struct Counters {
     pub slewed: AtomicU64,
     /// Forces that were not finite and became zero.
     pub not_finite: AtomicU64,
-    /// Ticks in which the force was still rising to its full share.
+    /// Ticks in which the force was still rising to its full size.
     pub ramped: AtomicU64,
     /// Ticks that waited for a small force to begin with.
     pub waited: AtomicU64,

@@ -1,4 +1,4 @@
-//! Tools in the hand of a session, matter that gives way, and the journal that keeps changes on
+//! Tools in the hand of a session, soft tissue, and the journal that keeps changes on
 //! disk.
 
 use std::path::PathBuf;
@@ -51,7 +51,7 @@ impl Session {
         self.ask(|simulation| simulation.needle_report())
     }
 
-    /// Chooses the model by which matter gives way under the probe and what it offers to choose,
+    /// Chooses the model of soft tissue under the probe and what it offers to choose,
     /// or none; an undoable choice is taken back by undo.
     ///
     /// # Errors
@@ -93,7 +93,7 @@ impl Session {
         self.ask(move |simulation| simulation.set_regions(id, regions))?
     }
 
-    /// Chooses what a tool feels of matter that gives way.
+    /// Chooses what a tool feels of soft tissue.
     ///
     /// # Errors
     /// Where the session has ended.

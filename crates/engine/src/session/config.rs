@@ -48,8 +48,8 @@ pub struct SessionConfig {
     pub safety: Option<SafetySettings>,
     /// Whether threads run in real time; else the owner steps the session.
     pub real_time: bool,
-    /// Whether masks are felt by shares that are worked out from their bits, so that flat slopes
-    /// have no terraces.
+    /// Whether masks are felt by occupancy fractions that are worked out from their bits, so that
+    /// flat slopes have no terraces.
     pub mask_fractions: bool,
 }
 

@@ -33,9 +33,11 @@ pub const PICTURE_HZ: u32 = 60;
 /// From the start of the threads to their first tick [ns].
 const HEAD_START_NS: u64 = 20_000_000;
 /// How often the device's thread is looked after, a millisecond apart, until it ends; a driver that
-/// hangs is left behind. Looks are counted and not time: on a machine that stood still, nothing hangs.
+/// hangs is left behind. Looks are counted and not time: on a machine that stood still, nothing
+/// hangs.
 const STOP_LOOKS: u32 = 800;
-/// The same for the other threads, which may finish a surface, or wait for the disk to keep a journal.
+/// The same for the other threads, which may finish a surface, or wait for the disk to keep a
+/// journal.
 const STOP_LOOKS_AT_OURS: u32 = 30_000;
 /// Longest wait for the outcome of the priorities, which threads tell first of all. A machine that
 /// is late with its threads has not refused anything.
@@ -58,7 +60,7 @@ pub struct Loops {
     pub surfaces: SurfaceLoop,
     /// The deformation.
     pub deformation: DeformationLoop,
-    /// The shares of masks.
+    /// The occupancy fractions of masks.
     pub fractions: FractionLoop,
 }
 

@@ -78,7 +78,7 @@ impl Session {
     }
 
     /// Locks the voxels of a segment, or lets them be changed: locked, no tool, threshold, shape or
-    /// matter that gives way changes them, and it is not removed.
+    /// soft tissue changes them, and it is not removed.
     ///
     /// # Errors
     /// Where there is no such segment or the session has ended.

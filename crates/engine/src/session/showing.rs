@@ -99,7 +99,7 @@ impl Session {
     /// where a change waited for the probe all the time, and in the first tick.
     #[must_use]
     pub fn finish_recording(&self) -> Option<(Recording, Option<Tape>)> {
-        // ticks first, so that the tape has all that they obeyed
+        // ticks first, so that the tape has all that they executed
         let recording = self.lock_picture().stop_recording();
         let tape = lock(&self.tape).finish();
         recording.map(|recording| (recording, tape))

@@ -1,4 +1,4 @@
-//! Matter that gives way under the probe.
+//! Soft tissue under the probe.
 
 use palpate_deform::material::MaterialLaw;
 use palpate_deform::model::{DeformationModel, DisplacementField, ModelEvent, model_from_name};
@@ -16,7 +16,7 @@ use crate::scene::{ModelChoice, Step};
 use crate::servo::channels::{DeformableContact, ServoCommand};
 
 impl Simulation {
-    /// Chooses the model by which matter gives way and what it offers to choose, or none; an
+    /// Chooses the model of soft tissue and what it offers to choose, or none; an
     /// undoable choice is taken back by undo.
     ///
     /// # Errors
@@ -38,7 +38,7 @@ impl Simulation {
         self.change_segments(Step::Model(choice), undoable && is_other)
     }
 
-    /// Has matter give way by this model, under this name, or not at all. This is not undone.
+    /// Has soft tissue follow this model, under this name, or not at all. This is not undone.
     pub fn set_deformation_model(
         &mut self,
         model: Option<(&'static str, Box<dyn DeformationModel>)>,
@@ -53,8 +53,9 @@ impl Simulation {
         self.publish();
     }
 
-    /// Tells what a segment is made of; without a material it is hard. Its friction is felt where the
-    /// segment has none of its own. This changes no voxel; an undoable change is taken back by undo.
+    /// Tells what a segment is made of; without a material it is hard. Its friction is felt where
+    /// the segment has none of its own. This changes no voxel; an undoable change is taken back by
+    /// undo.
     ///
     /// # Errors
     /// Where there is no such segment.
@@ -71,7 +72,7 @@ impl Simulation {
         self.change_segments(Step::Material { id, law }, undoable && is_other)
     }
 
-    /// Performs a step of matter. What is dented meanwhile is no part of it, and goes on.
+    /// Performs a step of deformation. What is dented meanwhile is no part of it, and goes on.
     fn change_segments(&mut self, step: Step, undoable: bool) -> Result<(), SessionError> {
         let inverse = self.perform(step, Action::Do)?;
         if undoable {
@@ -82,7 +83,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// Has the model follow a step of matter, told by its inverse.
+    /// Has the model follow a step of deformation, told by its inverse.
     pub(super) fn follow_deformable_segments(&mut self, inverse: &Step) {
         match inverse {
             Step::Material { id, .. } => {
@@ -117,7 +118,7 @@ impl Simulation {
         }
     }
 
-    /// Chooses what a tool feels of matter that gives way. This is not undone.
+    /// Chooses what a tool feels of soft tissue. This is not undone.
     pub fn set_force_source(&mut self, source: ForceSource) {
         self.deformation.set_force_source(source);
         self.publish();
@@ -133,8 +134,8 @@ impl Simulation {
         self.publish();
     }
 
-    /// In a pass: takes the model's answer, if one has come. Where voxels follow it, the next pass asks
-    /// again; else this one does.
+    /// In a pass: takes the model's answer, if one has come. Where voxels follow it, the next pass
+    /// asks again; else this one does.
     pub(super) fn advance_deformation(&mut self) {
         if !self.take_answer() {
             self.ask_on();
@@ -142,7 +143,7 @@ impl Simulation {
     }
 
     fn ask_on(&mut self) {
-        // a needle has a law of its own, and moves no matter
+        // a needle has a law of its own, and moves no tissue
         if self.touch.needle().on {
             return;
         }
@@ -186,7 +187,7 @@ impl Simulation {
         has_edit
     }
 
-    /// Has touch follow what gives way, and tells the picture, with what it is to see at once.
+    /// Has touch follow what is deformable, and tells the picture, with what it is to see at once.
     fn give_way(
         &mut self,
         deformable_contact: DeformableContact,

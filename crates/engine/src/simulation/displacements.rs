@@ -1,4 +1,4 @@
-//! Where matter stands beside its voxels, told to the picture.
+//! Where tissue stands beside its voxels, told to the picture.
 
 use std::sync::Arc;
 

@@ -86,7 +86,7 @@ pub struct SimulationStatus {
     pub tool: ToolStatus,
     /// The needle, where it is that.
     pub needle: NeedleDisplay,
-    /// Matter that gives way.
+    /// Soft tissue.
     pub matter: DeformationStatus,
     /// Bytes that undo and redo hold on to.
     pub undo_bytes: usize,
@@ -148,7 +148,7 @@ pub struct Simulation {
     shared_changes: SharedRegionChanges,
     /// As the picture was told it last.
     displacements: Option<Arc<Displacements>>,
-    /// Works out the shares of masks.
+    /// Works out the occupancy fractions of masks.
     fractions: MaskFractions,
     file: Option<JournalFile>,
     touch: TouchSender,
@@ -270,7 +270,7 @@ impl Simulation {
         self.publish();
     }
 
-    /// Takes shares that were worked out, once touch follows what they were worked out from.
+    /// Takes fractions that were worked out, once touch follows what they were worked out from.
     fn advance_fractions(&mut self) {
         if self.touch.follows_all() {
             let fractions = self.fractions.advance(&mut self.scene);
@@ -286,12 +286,13 @@ impl Simulation {
         self.touch.send_change(&self.scene, change, fractions);
     }
 
-    /// Has shares of masks worked out from now on, or not.
+    /// Has occupancy fractions of masks worked out from now on, or not.
     pub fn switch_mask_fractions(&mut self, on: bool) {
         self.fractions.switch(on);
     }
 
-    /// Regions of masks whose shares are still to be worked out; 0 where all are known.
+    /// Regions of masks whose occupancy fractions are still to be worked out; 0 where all are
+    /// known.
     #[must_use]
     pub fn unknown_fractions(&self) -> usize {
         self.fractions.left()

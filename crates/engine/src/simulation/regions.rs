@@ -1,4 +1,4 @@
-//! Regions of segments that give way: which of them do not, and how touch follows these.
+//! Regions of deformable segments: which of them are rigid, and how touch follows these.
 
 use palpate_deform::material::{Region, Treatment};
 use palpate_volume::edit::SegmentId;
@@ -11,7 +11,7 @@ use crate::scene::{Step, TouchChange};
 
 impl Simulation {
     /// Tells how regions of a segment with a material take part: of several that hold a voxel the
-    /// last counts, and what is in none gives way. This changes no voxel and is not undone.
+    /// last counts, and what is in none is deformable. This changes no voxel and is not undone.
     ///
     /// # Errors
     /// Where there is no such segment, or none that a region is shared with.
@@ -68,8 +68,8 @@ impl Simulation {
         }
     }
 
-    /// Takes note of a step that was performed, told by its inverse: regions may be shared with what
-    /// it changed.
+    /// Takes note of a step that was performed, told by its inverse: regions may be shared with
+    /// what it changed.
     pub(super) fn note_shared(&mut self, inverse: &Step) {
         let matter = self.deformation.matter();
         self.shared_changes.note(inverse, |id| matter.is_shared(id));

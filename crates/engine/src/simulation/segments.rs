@@ -105,15 +105,15 @@ impl Simulation {
         Ok(())
     }
 
-    /// Locks the voxels of a segment, or lets them be changed; a stroke that is on ends. Undo and redo
-    /// still reach what was done before. This changes no voxel and is not undone.
+    /// Locks the voxels of a segment, or lets them be changed; a stroke that is on ends. Undo and
+    /// redo still reach what was done before. This changes no voxel and is not undone.
     ///
     /// # Errors
     /// Where there is no such segment.
     pub fn set_locked(&mut self, id: SegmentId, locked: bool) -> Result<(), SessionError> {
         if self.scene.set_locked(id, locked)? {
             self.end_stroke();
-            // what is locked does not give way
+            // what is locked is rigid
             self.deformation.forget_displacements();
             self.segments_version += 1;
             self.publish();

@@ -150,7 +150,7 @@ impl TouchSender {
         self.radius = radius;
     }
 
-    /// Sends a change of the scene, with the shares that changed by it.
+    /// Sends a change of the scene, with the fractions that changed by it.
     pub fn send_change(
         &mut self,
         scene: &Scene,
@@ -255,14 +255,14 @@ impl TouchSender {
         self.send(ServoCommand::Bricks(change));
     }
 
-    /// Whether the servo touches what the simulation has: then shares can be told that were worked
-    /// out from it.
+    /// Whether the servo touches what the simulation has: then fractions can be told that were
+    /// worked out from it.
     #[must_use]
     pub fn follows_all(&self) -> bool {
         self.outstanding.is_empty()
     }
 
-    /// Sends shares that were worked out, which change no bit: those of bodies of their own come
+    /// Sends fractions that were worked out, which change no bit: those of bodies of their own come
     /// with a new root.
     pub fn send_fractions(&mut self, scene: &Scene, fractions: &[FractionSwap]) {
         if fractions.iter().any(|(id, _)| !scene.stands(*id)) {

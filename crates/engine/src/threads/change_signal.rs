@@ -1,4 +1,4 @@
-//! A bell that wakes who waits for something new.
+//! A signal that wakes who waits for something new.
 
 use std::sync::{Condvar, Mutex, PoisonError};
 use std::time::Duration;
@@ -18,7 +18,7 @@ impl ChangeSignal {
         self.wake.notify_all();
     }
 
-    /// Waits until it has been rung more than `heard` times, at most so long; gives how often it
+    /// Waits until it has been given more than `heard` times, at most so long; gives how often it
     /// has been.
     #[must_use]
     pub fn wait(&self, known: u64, patience: Duration) -> u64 {
@@ -41,7 +41,7 @@ mod tests {
         assert_eq!(signal.wait(0, Duration::ZERO), 0);
         signal.notify();
         signal.notify();
-        // an hour, were it not rung already
+        // an hour, were it not given already
         assert_eq!(signal.wait(0, Duration::from_secs(3600)), 2);
         std::thread::scope(|threads| {
             threads.spawn(|| signal.notify());

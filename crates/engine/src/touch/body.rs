@@ -10,7 +10,7 @@ use palpate_volume::occupancy::Occupancy;
 
 use crate::touch::occupancy_fractions::BodyFractions;
 
-/// Voxels, and what is known of their shares.
+/// Voxels, and what is known of their occupancy fractions.
 #[derive(Debug)]
 pub struct BodyVoxels {
     /// The voxels.

@@ -1,5 +1,5 @@
-//! A needle as the servo knows it: what its voxels mean to the law of `palpate_haptics::needle`, and
-//! what the simulation is told.
+//! A needle as the servo knows it: what its voxels mean to the law of `palpate_haptics::needle`,
+//! and what the simulation is told.
 //!
 //! Only segments that stand where the scan has them can be punctured; one that was moved is hard.
 //! Frame: scene [mm] and grid; N, s.
@@ -142,7 +142,7 @@ pub struct NeedleReport {
 pub struct NeedleWatch {
     report: NeedleReport,
     known: u64,
-    /// What the servo says before it has obeyed so many commands does not count.
+    /// What the servo says before it has executed so many commands does not count.
     from_command: u64,
 }
 

@@ -1,5 +1,6 @@
-//! What a body knows of the shares of its voxels: of those that thresholds made, from the scan's
-//! values, which say where between voxels they end; of masks, what was worked out from their bits.
+//! What a body knows of the occupancy fractions of its voxels: of those that thresholds made, from
+//! the scan's values, which say where between voxels they end; of masks, what was worked out from
+//! their bits.
 //!
 //! A voxel counts by the values where a segment that a threshold made has it, or for a free one,
 //! where such a segment has a voxel beside it. Where a mask covers such a voxel too, the values
@@ -20,11 +21,11 @@ use crate::touch::scan_values::ScanValues;
 use crate::touch::touchable::Part;
 use crate::touch::union_fractions::{FractionalBits, union_of_fractions};
 
-/// Most segments of thresholds in one body whose shares are known; further ones are taken for
-/// masks, so that work stays bounded.
+/// Most segments of thresholds in one body whose occupancy fractions are known; further ones are
+/// taken for masks, so that work stays bounded.
 const MAX_OWNERS: usize = 8;
 
-/// Shares of the voxels of one body.
+/// Occupancy fractions of the voxels of one body.
 #[derive(Clone, Debug)]
 pub struct BodyFractions {
     made: Option<Made>,
@@ -74,7 +75,7 @@ impl BodyFractions {
         }
     }
 
-    /// The share of a voxel that is solid; see `Occupancy::share`.
+    /// The occupancy fraction of a voxel; see `Occupancy::share`.
     #[inline]
     #[must_use]
     pub fn share(&self, voxel: IVec3, solid: bool) -> Option<f32> {

@@ -1,9 +1,10 @@
-//! What does not give way, by itself: where it stops a tool that a model of deformation leads.
+//! Rigid obstacles, by themselves: where they stop a tool that a model of deformation leads.
 //!
-//! The proxy stands free of everything. From there the tool goes on to where soft matter would have
-//! it, through the voxels of that matter, by the contact model of touch among all others:
-//! segments without a material, those that were moved, voxels that belong to such a one
-//! too, and what regions make rigid of those that give way. So a model that is wrong, late or at its limits brings no tool into bone.
+//! The proxy stands free of everything. From there the tool goes on to where soft tissue would have
+//! it, through the voxels of that matter, by the contact model of touch among all others: segments
+//! without a material, those that were moved, voxels that belong to such a one too, and what
+//! regions make rigid of the deformable ones. So a model that is wrong, late or at its limits
+//! brings no tool into bone.
 //!
 //! Nothing here allocates after it was made; frame: scene [mm].
 
@@ -53,8 +54,8 @@ impl RigidObstacles {
     }
 
     /// What stops a tool on its way from the free proxy, with all that does not belong to `soft`
-    /// alone, or is rigid in it; none where nothing does. `version` changes with whatever is touched; `visits` counts
-    /// voxels that were read.
+    /// alone, or is rigid in it; none where nothing does. `version` changes with whatever is
+    /// touched; `visits` counts voxels that were read.
     pub fn stop(
         &mut self,
         (touchable, version, grid): (&Touchable, u64, &Grid),
@@ -120,7 +121,7 @@ impl RigidObstacles {
     }
 }
 
-/// The voxels of all segments that stand in the scan and do not give way.
+/// The voxels of all segments that stand in the scan and are rigid.
 #[derive(Clone, Copy, Debug)]
 struct HardVoxels<'a> {
     parts: &'a [Part],

@@ -1,6 +1,6 @@
 //! The scan's values as touch reads them, where a threshold made a segment.
 //!
-//! They are the scan's own: what matter edits put over them is not read, since a voxel whose bit
+//! They are the scan's own: what voxel edits put over them is not read, since a voxel whose bit
 //! and value disagree counts as its bit says anyway. So they never change, and only pointers to
 //! them are handed on. While a recording runs, the bricks that are read are marked, so that it can
 //! keep just those; a replay has no others.
@@ -117,7 +117,7 @@ impl ScanValues {
         self.rescale
     }
 
-    /// The share of a voxel that is solid; see `Occupancy::share`.
+    /// The occupancy fraction of a voxel; see `Occupancy::share`.
     #[inline]
     #[must_use]
     pub fn share(&self, limits: &Limits, voxel: IVec3, solid: bool) -> Option<f32> {

@@ -7,8 +7,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::touch::settings::{Settings, SettingsError};
 
-/// A probe that slides over matter is held back by this share of what holds one that sticks. Tables of
-/// textbooks have 0.8 for rubber on concrete and 0.77 for steel on steel; for tissue none is known.
+/// A probe that slides over a surface is held back by this fraction of what holds one that sticks.
+/// Tables of textbooks have 0.8 for rubber on concrete and 0.77 for steel on steel; for tissue none
+/// is known.
 const SLIDING_SHARE: f64 = 0.8;
 
 /// What a segment has of its own; none is as the settings say.

@@ -2,9 +2,9 @@
 //!
 //! A change is admitted only where the probe stays free, or can be pushed to a free voxel along
 //! free voxels. Else it is held, as a whole, and tried again, one change per tick, until it is
-//! admitted or newer changes of the same bricks have taken its place. So the probe can leave through what is
-//! to be solid. Nothing here allocates or frees: bricks change places, and what is replaced goes
-//! to the garbage ring. Source: design, section 5.
+//! admitted or newer changes of the same bricks have taken its place. So the probe can leave
+//! through what is to be solid. Nothing here allocates or frees: bricks change places, and what is
+//! replaced goes to the garbage ring. Source: design, section 5.
 
 use arrayvec::ArrayVec;
 use glam::{DAffine3, IVec3};
@@ -28,7 +28,7 @@ use crate::touch::probe::Probe;
 use crate::touch::touchable::{Body, Touchable};
 
 /// Garbage that one change can make: what every held change has in common with it, in the union,
-/// in the parts and in shares, and itself.
+/// in the parts and in fractions, and itself.
 pub const GARBAGE_PER_CHANGE: usize =
     (2 * MAX_BRICKS + MAX_FRACTIONS) * (MAX_HELD + 1) + MAX_HELD + 3;
 

@@ -49,7 +49,7 @@ pub struct Part {
     pub fractions: Option<Arc<Shares>>,
     /// Whether a needle is in it: then it is no obstacle, unless it was moved.
     pub punctured: bool,
-    /// Where it is hard although it gives way; none where it gives way everywhere.
+    /// Where it is rigid although it is deformable; none where it is deformable everywhere.
     pub rigid: Option<Bits>,
 }
 
@@ -245,15 +245,15 @@ impl Touchable {
         self.world.change(&changed, |voxels| voxels.bits.swap(swap));
     }
 
-    /// Forgets the shares of parts: bodies have their own, and whoever works them out would have to
-    /// copy them as long as somebody else has them.
+    /// Forgets the occupancy fractions of parts: bodies have their own, and whoever works them out
+    /// would have to copy them as long as somebody else has them.
     pub fn forget_fractions_of_parts(&mut self) {
         for part in &mut self.parts {
             part.fractions = None;
         }
     }
 
-    /// Exchanges a brick of what is known of the shares of the union.
+    /// Exchanges a brick of what is known of the occupancy fractions of the union.
     pub fn swap_fractions(&mut self, swap: &mut BrickSwap<ShareBrick>) {
         // what a ball can be in follows from bits alone
         self.world.change(&VoxelBox::EMPTY, |voxels| {

@@ -1,4 +1,5 @@
-//! The shares of several segments as those of one body, as `touchable.rs` joins their bits.
+//! The occupancy fractions of several segments as those of one body, as `touchable.rs` joins their
+//! bits.
 //!
 //! A solid voxel counts what is known of it in every segment that has it, the most that any of
 //! them says; where one knows nothing of it, or another segment goes on beside it, it is no surface
@@ -15,12 +16,12 @@ use palpate_volume::shares::{ShareBrick, Shares, share_of};
 
 use crate::touch::touchable::Part;
 
-/// Voxels of a segment, and what is known of their shares.
+/// Voxels of a segment, and what is known of their occupancy fractions.
 #[derive(Clone, Copy, Debug)]
 pub struct FractionalBits<'a> {
     /// The voxels.
     pub bits: &'a Bits,
-    /// Their shares; none of a segment that a threshold made.
+    /// Their occupancy fractions; none of a segment that a threshold made.
     pub fractions: Option<&'a Shares>,
 }
 
@@ -37,7 +38,7 @@ impl<'a> From<&'a Part> for FractionalBits<'a> {
     }
 }
 
-/// The shares of segments of one grid together.
+/// The occupancy fractions of segments of one grid together.
 #[must_use]
 pub fn union_of_fractions(dimensions: UVec3, parts: &[FractionalBits<'_>]) -> Shares {
     if let [

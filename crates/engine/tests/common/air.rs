@@ -1,4 +1,4 @@
-//! A model that lies: to it all matter is air, and what is hard must push back all the same.
+//! A model that lies: to it all tissue is air, and what is hard must push back all the same.
 
 use glam::{DMat3, DVec3};
 use palpate_deform::model::{DeformationModel, ModelAnswer, ModelInput, ToolContact, ToolState};

@@ -48,7 +48,7 @@ impl Recorder {
             change_something(&mut self.rig, &self.ids, &mut self.random);
             if tick % pass == 0 {
                 self.rig.simulation.step();
-                // shares of masks come now and then
+                // occupancy fractions of masks come now and then
                 if self.random.below(40) == 0 {
                     self.rig.fractions.step();
                 }

@@ -142,7 +142,7 @@ fn the_voxels_alone_can_be_felt_until_matter_has_moved_them() {
     assert_eq!(rest.force, DVec3::ZERO);
     assert!(soft_voxels(&rig) < all);
     assert_eq!(rig.violations(), 0);
-    // the matter itself is felt as soon as it is chosen
+    // the tissue itself is felt as soon as it is chosen
     rig.simulation.set_force_source(ForceSource::Matter);
     let soft = go(&mut rig, 17.0, 17.0, 1000);
     let expected = 3.0 * STIFFNESS / (1.0 + STIFFNESS);
@@ -252,7 +252,7 @@ fn nothing_stands_beside_its_voxels_once_the_model_is_gone() {
     assert_eq!(last_told(&rig), Some(None));
 }
 
-/// What the picture was told last of where matter stands beside its voxels.
+/// What the picture was told last of where tissue stands beside its voxels.
 fn last_told(rig: &Rig) -> Option<ShownDisplacements> {
     fn displacements(updates: SceneUpdate) -> Vec<ShownDisplacements> {
         match updates {

@@ -8,7 +8,7 @@ use palpate_engine::touch::touch_feel::TouchFeel;
 use super::soft_block::{SIZE, SOFT, TOP, go, lattice_rig};
 use crate::common::{OBSTACLE, Rig, box_segment};
 
-/// A probe that slides is held back by this share of what holds one that sticks.
+/// A probe that slides is held back by this fraction of what holds one that sticks.
 const SLIDES: f64 = 0.8;
 
 /// As soft as the block, with a friction.
@@ -99,7 +99,7 @@ fn matter_that_gives_way_holds_a_tool_back_by_its_friction() {
         assert!(SIZE.x as f64 > device.x + 5.0);
         ratio
     };
-    // matter heaps up before the tool a little
+    // tissue heaps up before the tool a little
     let smooth = felt(0.0, TouchFeel::default());
     assert!(smooth.abs() < 0.06, "{smooth}");
     for friction in [0.2, 0.4] {

@@ -1,4 +1,4 @@
-//! Matter that gives way under the probe.
+//! Soft tissue under the probe.
 
 mod floor;
 mod friction;

@@ -1,4 +1,4 @@
-//! Regions of a segment that do not give way, or are as if they were not there.
+//! Regions of a segment that are rigid, or are as if they were not there.
 
 use glam::IVec3;
 use palpate_deform::material::{Region, Treatment};

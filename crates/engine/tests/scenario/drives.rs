@@ -1,4 +1,4 @@
-//! A drill in a block and a ball on soft matter, driven without a device.
+//! A drill in a block and a ball on soft tissue, driven without a device.
 
 use crate::common::*;
 use glam::{DVec3, IVec3, UVec3};
@@ -173,7 +173,7 @@ fn what_is_no_drive_is_refused() {
     assert!(refused.unwrap_err().to_string().contains("lattice"));
 }
 
-/// Soft matter of a thickness [mm] over bone, pressed until the drive is 4 mm in the bone.
+/// Soft tissue of a thickness [mm] over bone, pressed until the drive is 4 mm in the bone.
 fn pressed_into(model: &str, material: &str, thick: i32, radius: f64, overlap: bool) -> Press {
     let law = preset(material).unwrap().law().unwrap();
     let bone_top = TOP as i32 - thick;

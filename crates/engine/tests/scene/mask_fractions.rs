@@ -1,4 +1,5 @@
-//! Shares of masks come in the background, and the servo has none that its voxels have outlived.
+//! Occupancy fractions of masks come in the background, and the servo has none that its voxels have
+//! outlived.
 
 use crate::common::*;
 use glam::{DAffine3, DVec3, IVec3, UVec3};
@@ -57,7 +58,7 @@ fn is_surface(rig: &Rig, voxel: IVec3) -> bool {
         .any(|beside| whole.contains(beside) && solid(beside) != solid(voxel))
 }
 
-/// Counts the voxels whose share is known; each must be at the surface of what the servo has.
+/// Counts the voxels whose fraction is known; each must be at the surface of what the servo has.
 fn known(rig: &Rig) -> usize {
     let whole = VoxelBox::of_dimensions(DIMENSIONS);
     let known = whole

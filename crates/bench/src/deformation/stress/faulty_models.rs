@@ -9,7 +9,7 @@ use air::Air;
 #[path = "../../../../engine/tests/common/air.rs"]
 mod air;
 
-/// So many ticks: a press into the bone under soft matter is among them.
+/// So many ticks: a press into the bone under soft tissue is among them.
 const TICKS: u64 = 12_000;
 
 /// Work in a world with that model, whose bone has a material, with regions, or none and is hard.
@@ -42,7 +42,7 @@ fn what_a_region_makes_rigid_pushes_back_too() {
     assert!(in_bone > 100, "{in_bone} ticks in bone");
 }
 
-/// The fault that is planted: the session takes the bone for soft matter, the watch does not.
+/// The fault that is planted: the session takes the bone for soft tissue, the watch does not.
 #[test]
 fn bone_that_does_not_push_back_is_found() {
     let violation = worked(Some("liver"), Vec::new()).1.unwrap_err();

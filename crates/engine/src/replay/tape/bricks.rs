@@ -1,4 +1,5 @@
-//! Segments as commands have them: with the bricks that were put, and those that a new root changes.
+//! Segments as commands have them: with the bricks that were put, and those that a new root
+//! changes.
 
 use std::sync::Arc;
 
@@ -24,7 +25,7 @@ pub fn put(parts: &mut [Part], swaps: &[PartSwap]) {
     }
 }
 
-/// Puts what is known of shares in the place of what was.
+/// Puts what is known of occupancy fractions in the place of what was.
 pub fn put_fractions(parts: &mut [Part], swaps: &[FractionSwap]) {
     for (id, swap) in swaps {
         if let Ok(place) = place_of(parts, *id) {
@@ -92,7 +93,7 @@ pub(super) fn changed_bricks(old: &[Part], new: &Part) -> Vec<PartSwap> {
         .collect()
 }
 
-/// The same of shares.
+/// The same of occupancy fractions.
 pub(super) fn changed_fractions(old: &[Part], new: &Part) -> Vec<FractionSwap> {
     let old = place_of(old, new.id).ok().map(|place| &old[place]);
     let old = old.and_then(|old| old.fractions.as_ref());

@@ -1,9 +1,9 @@
 //! What the servo was told while a recording ran, and the state that it began with.
 //!
-//! Together with the inputs of each tick ([`crate::replay::recording`]) this is all that a replay needs.
-//! The sender notes each command as it sends it; the servo says with each tick how many commands
-//! it had obeyed by then. What a new root changes is kept brick by brick, so that a threshold
-//! that is dragged for minutes costs what it changes and not what the scan holds.
+//! Together with the inputs of each tick ([`crate::replay::recording`]) this is all that a replay
+//! needs. The sender notes each command as it sends it; the servo says with each tick how many
+//! commands it had executed by then. What a new root changes is kept brick by brick, so that a
+//! threshold that is dragged for minutes costs what it changes and not what the scan holds.
 
 use glam::{DAffine3, DMat3, DVec3, IVec3};
 use palpate_haptics::needle::tissues::Tissues;
@@ -62,7 +62,7 @@ pub enum TapeCommand {
     Pose(u8, DAffine3),
     /// How the surface of a segment felt from then on.
     Feel(u8, TouchFeel),
-    /// What gave way from then on.
+    /// What was deformable from then on.
     #[serde(rename = "GiveWay")]
     DeformableContact(DeformableContact),
     /// A needle was taken in the hand, or out of it.
@@ -87,7 +87,7 @@ pub struct TapePart {
     /// The grid of its voxels, where it is not the scan's; only of moved ones.
     #[serde(default)]
     pub own_grid: Option<Grid>,
-    /// Where it is hard although it gives way.
+    /// Where it is rigid although it is deformable.
     #[serde(default)]
     pub rigid: Vec<MaskRun>,
 }
@@ -117,7 +117,7 @@ pub struct TapeEntry {
     pub command: TapeCommand,
     /// Bricks of a change, by rising segment and index, each once.
     pub swaps: Vec<PartSwap>,
-    /// What became known of shares, in the same order.
+    /// What became known of occupancy fractions, in the same order.
     pub fractions: Vec<FractionSwap>,
 }
 

@@ -48,7 +48,7 @@ struct Writer {
     first: Vec<Part>,
     /// The servo's state at the mark, once it has told it.
     state: Option<ServoState>,
-    /// What the servo will touch once it has obeyed all that was noted.
+    /// What the servo will touch once it has executed all that was noted.
     latest: Vec<Part>,
     entries: Vec<TapeEntry>,
     bytes: usize,
