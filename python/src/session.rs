@@ -12,7 +12,7 @@ use palpate_engine::session::Session;
 use palpate_engine::session::config::SessionConfig;
 use palpate_engine::touch::settings::Settings;
 use palpate_engine::touch::touch_feel::TouchFeel;
-use palpate_tools::journal_entry::ScanHash;
+use palpate_tools::journal::ScanHash;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::segment::Segment;
 use pyo3::prelude::*;

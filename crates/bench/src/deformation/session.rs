@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 
 use glam::DVec3;
 use palpate_deform::material::{MaterialLaw, preset};
-use palpate_deform::model_options::ModelOptions;
+use palpate_deform::registry::ModelOptions;
 use palpate_engine::deformable::deformation_loop::WakeUp;
 use palpate_engine::error::SessionError;
 use palpate_engine::session::live::SIMULATION_HZ;
@@ -21,7 +21,7 @@ use palpate_engine::threads::clock;
 use palpate_engine::threads::pacing::Pacer;
 use palpate_engine::touch::settings::Settings;
 use palpate_engine::touch::touchable::Touchable;
-use palpate_haptics::exact::Exact;
+use palpate_haptics::contact::Exact;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
 use palpate_volume::intensities::Intensities;

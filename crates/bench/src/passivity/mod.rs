@@ -27,7 +27,7 @@ use palpate_engine::touch::scan_values::Threshold;
 use palpate_engine::touch::settings::Settings;
 use palpate_engine::touch::touch_feel::TouchFeels;
 use palpate_engine::touch::touchable::{Part, Touchable};
-use palpate_haptics::safety::SafetySettings;
+use palpate_haptics::force::SafetySettings;
 use palpate_volume::bits::Bits;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;

@@ -15,7 +15,7 @@ use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::intensities::Intensities;
-use palpate_volume::shares::{ShareBrick, Shares, byte_of};
+use palpate_volume::occupancy_fractions::{ShareBrick, Shares, byte_of};
 use palpate_volume::voxel_box::VoxelBox;
 
 use crate::random::Random;

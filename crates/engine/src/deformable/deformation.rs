@@ -10,11 +10,11 @@ use glam::{DMat3, DQuat, DVec3};
 use palpate_deform::model::{
     DeformationModel, DisplacementField, ModelAnswer, ModelEvent, ModelReport, ToolShape, ToolState,
 };
-use palpate_deform::model_options::ModelOptions;
+use palpate_deform::registry::ModelOptions;
 use palpate_haptics::soft_contact::STALE_SECS;
 use palpate_volume::edit::Edit;
 use palpate_volume::material::LocalContact;
-use palpate_volume::matter::SegmentSet;
+use palpate_volume::segment_set::SegmentSet;
 
 use crate::deformable::deformable_segments::{DeformableSegments, soft_segments};
 use crate::deformable::deformation_loop::{DeformationJob, DeformationLoop, ModelVoxels};

@@ -3,7 +3,7 @@
 //! Points in scene mm (LPS), forces in N in scene axes, times in s since the start.
 
 use glam::{DAffine3, DVec3};
-pub use palpate_haptics::safety::ForceOff;
+pub use palpate_haptics::force::ForceOff;
 
 use crate::deformable::deformation::DeformationStatus;
 use crate::simulation::tool_stroke::ToolStatus;

@@ -9,7 +9,7 @@ use std::sync::atomic::Ordering;
 use std::sync::mpsc::Receiver;
 
 use glam::DVec3;
-use palpate_haptics::safety::ForceOff;
+use palpate_haptics::force::ForceOff;
 use rtrb::Consumer;
 use triple_buffer::Output;
 

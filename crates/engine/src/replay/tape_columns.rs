@@ -17,7 +17,7 @@ use palpate_volume::brick_grid::{BRICK, BrickSwap};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
 use palpate_volume::intensity_brick::IntensityBrick;
-use palpate_volume::shares::ShareBrick;
+use palpate_volume::occupancy_fractions::ShareBrick;
 use palpate_volume::voxel_box::VoxelBox;
 use serde::{Deserialize, Serialize};
 

@@ -2,7 +2,7 @@
 
 use glam::DAffine3;
 use palpate_deform::material::MaterialLaw;
-use palpate_deform::model_options::ModelOptions;
+use palpate_deform::registry::ModelOptions;
 use palpate_tools::stroke::bytes_of;
 use palpate_volume::edit::{Edit, SegmentId};
 use palpate_volume::segment::Segment;

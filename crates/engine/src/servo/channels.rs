@@ -8,15 +8,15 @@
 
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use palpate_device::DeviceState;
-use palpate_haptics::local_force::LocalForce;
+use palpate_haptics::force::LocalForce;
 use palpate_haptics::needle::tissues::Tissues;
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::material::LocalContact;
-use palpate_volume::matter::SegmentSet;
-use palpate_volume::shares::ShareBrick;
+use palpate_volume::occupancy_fractions::ShareBrick;
+use palpate_volume::segment_set::SegmentSet;
 use rtrb::{Consumer, Producer, RingBuffer};
 use serde::{Deserialize, Serialize};
 use triple_buffer::{Input, Output, triple_buffer};

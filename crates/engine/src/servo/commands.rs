@@ -2,7 +2,7 @@
 //! one tick allows.
 
 use glam::DVec3;
-use palpate_haptics::placement::nearest_free_in;
+use palpate_haptics::admission::nearest_free_in;
 use palpate_haptics::soft_contact::SoftContact;
 use palpate_haptics::tick::TickState;
 

@@ -11,8 +11,7 @@ use std::sync::atomic::Ordering::Relaxed;
 
 use glam::DVec3;
 use palpate_device::{DeviceLimits, DeviceState, HapticDevice};
-use palpate_haptics::passivity::Passivity;
-use palpate_haptics::safety::{ForceLimits, ForceOff, Safety, SafetySettings};
+use palpate_haptics::force::{ForceLimits, ForceOff, Passivity, Safety, SafetySettings};
 
 use crate::picture::frame::ForceState;
 use crate::servo::channels::{DeviceChannels, DeviceSample, ForceCommand};

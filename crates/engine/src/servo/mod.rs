@@ -8,10 +8,9 @@ use std::sync::atomic::Ordering::Relaxed;
 
 use glam::{DAffine3, DVec3, IVec3};
 use palpate_haptics::contact::ContactModel as _;
-use palpate_haptics::coupling::Coupling;
-use palpate_haptics::friction::Friction;
+use palpate_haptics::contact::Proxy;
+use palpate_haptics::force::{Coupling, Friction};
 use palpate_haptics::needle::{Needle, NeedleInput};
-use palpate_haptics::proxy::Proxy;
 use palpate_haptics::soft_contact::{SoftContact, SoftInput, Stop};
 use palpate_haptics::tick::{TickCache, TickInput, TickOutput, TickState, tick};
 use palpate_volume::bits::Bits;

@@ -4,7 +4,7 @@
 use std::sync::atomic::Ordering::Relaxed;
 
 use glam::DVec3;
-use palpate_haptics::local_force::LocalForce;
+use palpate_haptics::force::LocalForce;
 use palpate_haptics::tick::TickOutput;
 
 use super::ServoLoop;

@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-use palpate_haptics::safety::ForceOff;
+use palpate_haptics::force::ForceOff;
 
 use crate::picture::frame::ForceState;
 

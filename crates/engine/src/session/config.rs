@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use palpate_device::HapticDevice;
-use palpate_haptics::safety::SafetySettings;
+use palpate_haptics::force::SafetySettings;
 use palpate_volume::grid::Grid;
 use palpate_volume::intensities::Intensities;
 use palpate_volume::segment::Segment;

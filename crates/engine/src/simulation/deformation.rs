@@ -1,9 +1,9 @@
 //! Soft tissue under the probe.
 
 use palpate_deform::material::MaterialLaw;
-use palpate_deform::model::{DeformationModel, DisplacementField, ModelEvent, model_from_name};
-use palpate_deform::model_options::ModelOptions;
-use palpate_tools::journal_entry::Action;
+use palpate_deform::model::{DeformationModel, DisplacementField, ModelEvent};
+use palpate_deform::registry::{ModelOptions, model_from_name};
+use palpate_tools::journal::Action;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::voxels::VoxelsError;
 

@@ -10,7 +10,7 @@ use glam::{DAffine3, DMat3, DVec3, IVec3};
 use palpate_deform::material::MaterialLaw;
 use palpate_device::DeviceLimits;
 use palpate_haptics::ball::{BallError, BallShape};
-use palpate_tools::journal_file::JournalFile;
+use palpate_tools::journal::JournalFile;
 use palpate_tools::undo::UndoJournal;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;

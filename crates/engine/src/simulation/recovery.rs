@@ -7,9 +7,9 @@ use std::path::Path;
 
 use glam::DAffine3;
 use palpate_haptics::scene::{MAX_OBJECTS, ObjectPose};
-use palpate_tools::journal_entry::{Action, Entry, Facts, ScanHash};
-use palpate_tools::journal_file::JournalFile;
-use palpate_tools::journal_reader::{JournalReader, Recovery};
+use palpate_tools::journal::{
+    Action, Entry, Facts, JournalFile, JournalReader, Recovery, ScanHash,
+};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::segment::Segment;
 use palpate_volume::voxels::{Voxels, VoxelsError};

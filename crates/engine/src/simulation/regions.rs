@@ -97,7 +97,7 @@ mod tests {
     use glam::{DMat3, DVec3, IVec3, UVec3};
     use oorandom::Rand64;
     use palpate_deform::material::preset;
-    use palpate_deform::model_options::ModelOptions;
+    use palpate_deform::registry::ModelOptions;
     use palpate_device::DeviceLimits;
     use palpate_volume::grid::Grid;
     use palpate_volume::intensities::Intensities;

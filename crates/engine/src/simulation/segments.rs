@@ -1,7 +1,7 @@
 //! Segments of the simulation: added, changed, removed, and how they are touched and shown.
 
 use palpate_haptics::scene::ObjectPose;
-use palpate_tools::journal_entry::Action;
+use palpate_tools::journal::Action;
 use palpate_volume::edit::{Edit, SegmentId};
 use palpate_volume::segment::Segment;
 use palpate_volume::voxel_box::VoxelBox;

@@ -8,8 +8,9 @@ use std::collections::BTreeMap;
 
 use glam::{DAffine3, DVec3};
 use palpate_haptics::needle::tissues::Tissues;
+use palpate_tools::factory::{ToolKind, ToolSettings};
 use palpate_tools::stroke::Stroke;
-use palpate_tools::tool::{Tool, ToolInput, ToolKind, ToolReport, ToolSettings};
+use palpate_tools::tool::{Tool, ToolInput, ToolReport};
 use palpate_volume::edit::{Edit, SegmentId};
 use palpate_volume::segment::Segment;
 use palpate_volume::voxels::VoxelsError;

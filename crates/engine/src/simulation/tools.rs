@@ -1,9 +1,10 @@
 //! Tools in the hand of the simulation, and how much undo holds.
 
-use palpate_tools::journal_entry::Action;
-use palpate_tools::tool::{ToolReport, ToolSettings};
+use palpate_tools::factory::ToolSettings;
+use palpate_tools::journal::Action;
+use palpate_tools::tool::ToolReport;
 use palpate_volume::edit::SegmentId;
-use palpate_volume::matter::SegmentSet;
+use palpate_volume::segment_set::SegmentSet;
 use palpate_volume::voxels::VoxelsError;
 
 use super::Simulation;

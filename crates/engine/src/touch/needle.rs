@@ -9,7 +9,7 @@ use palpate_haptics::needle::events::{Events, NeedleEvent};
 use palpate_haptics::needle::tissues::{Layered, Matter, Met, Tissues};
 use palpate_haptics::needle::{Needle, NeedleForces};
 use palpate_volume::edit::SegmentId;
-use palpate_volume::matter::SegmentSet;
+use palpate_volume::segment_set::SegmentSet;
 
 use crate::touch::contact_model::Model;
 use crate::touch::settings::Settings;

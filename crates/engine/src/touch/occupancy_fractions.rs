@@ -10,12 +10,12 @@
 //! Frame: grid. Nothing here allocates after it was made.
 
 use glam::{IVec3, UVec3};
-use palpate_haptics::smooth::shares::Limits;
+use palpate_haptics::smooth::occupancy_fractions::Limits;
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;
 use palpate_volume::edit::SegmentId;
-use palpate_volume::shares::{ShareBrick, Shares};
+use palpate_volume::occupancy_fractions::{ShareBrick, Shares};
 
 use crate::touch::scan_values::ScanValues;
 use crate::touch::touchable::Part;

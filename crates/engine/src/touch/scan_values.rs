@@ -11,7 +11,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
 
 use glam::{IVec3, UVec3};
-use palpate_haptics::smooth::shares::{Around, Limits, Stored};
+use palpate_haptics::smooth::occupancy_fractions::{Around, Limits, Stored};
 use palpate_volume::brick_grid::{BRICK, BrickGrid, BrickSwap};
 use palpate_volume::intensities::Intensities;
 use palpate_volume::intensity_brick::IntensityBrick;

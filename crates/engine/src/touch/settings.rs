@@ -1,8 +1,7 @@
 //! What a person can set about touch.
 
 use palpate_device::DeviceLimits;
-use palpate_haptics::coupling::Coupling;
-use palpate_haptics::safety::ForceLimits;
+use palpate_haptics::force::{Coupling, ForceLimits};
 pub use palpate_haptics::smooth::Smoothing;
 use serde::{Deserialize, Serialize};
 

@@ -8,11 +8,9 @@
 
 use arrayvec::ArrayVec;
 use glam::{DAffine3, IVec3};
-use palpate_haptics::admission::Admission;
-use palpate_haptics::ball::Ball;
-use palpate_haptics::ball_probe::{MAX_BODIES, ProbeView, admit_radius};
-use palpate_haptics::moving::PoseStep;
-use palpate_haptics::proxy::Proxy;
+use palpate_haptics::admission::{Admission, PoseStep};
+use palpate_haptics::ball::{Ball, MAX_BODIES, ProbeView, admit_radius};
+use palpate_haptics::contact::Proxy;
 use palpate_haptics::scene::{MAX_OBJECTS, ObjectPose, TouchScene};
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::brick_grid::BrickSwap;

@@ -10,20 +10,16 @@
 use std::sync::Arc;
 
 use glam::{DAffine3, IVec3, UVec3};
-use palpate_haptics::ball::BallError;
-use palpate_haptics::ball_limits::ball_limits;
-use palpate_haptics::ball_probe::ProbeSolid;
-use palpate_haptics::ball_shape::BallShape;
-use palpate_haptics::exact::ExactLimits;
-use palpate_haptics::moving::{self, PoseStep};
-use palpate_haptics::proxy::Proxy;
+use palpate_haptics::admission::{self, PoseStep};
+use palpate_haptics::ball::{BallError, BallShape, ProbeSolid, ball_limits};
+use palpate_haptics::contact::{ExactLimits, Proxy};
 use palpate_haptics::scene::{Object, ObjectPose, Solid, TouchScene};
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
-use palpate_volume::shares::{ShareBrick, Shares};
+use palpate_volume::occupancy_fractions::{ShareBrick, Shares};
 use palpate_volume::voxel_box::VoxelBox;
 
 use crate::touch::body::BodyVoxels;
@@ -189,7 +185,7 @@ impl Touchable {
         grid: &Grid,
         proxy: &mut Proxy,
     ) -> PoseStep {
-        let step = moving::step_pose(&self.scene(grid), place, new, proxy);
+        let step = admission::step_pose(&self.scene(grid), place, new, proxy);
         if step != PoseStep::Held
             && let Some(object) = self.objects.get_mut(place)
         {

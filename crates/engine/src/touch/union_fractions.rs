@@ -12,7 +12,7 @@ use std::sync::Arc;
 use glam::{IVec3, UVec3};
 use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::{BRICK, BrickSwap};
-use palpate_volume::shares::{ShareBrick, Shares, share_of};
+use palpate_volume::occupancy_fractions::{ShareBrick, Shares, share_of};
 
 use crate::touch::touchable::Part;
 

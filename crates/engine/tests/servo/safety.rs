@@ -14,8 +14,7 @@ use palpate_engine::servo::device_loop::{DeviceLoop, WATCHDOG_SECS};
 use palpate_engine::servo::shared::Shared;
 use palpate_engine::session::Session;
 use palpate_engine::session::config::{Reference, SessionConfig};
-use palpate_haptics::local_force::LocalForce;
-use palpate_haptics::safety::{ForceOff, SafetySettings};
+use palpate_haptics::force::{ForceOff, LocalForce, SafetySettings};
 
 const DIMENSIONS: UVec3 = UVec3::splat(40);
 

@@ -12,11 +12,11 @@ use palpate_engine::scene::incremental_surface::SurfaceOptions;
 use palpate_engine::session::Session;
 use palpate_engine::session::config::{Reference, SessionConfig};
 use palpate_engine::touch::settings::Settings;
-use palpate_tools::tool::{ToolKind, ToolSettings};
+use palpate_tools::factory::{ToolKind, ToolSettings};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
-use palpate_volume::matter::SegmentSet;
 use palpate_volume::segment::Segment;
+use palpate_volume::segment_set::SegmentSet;
 use palpate_volume::voxels::VoxelsError;
 
 const DIMENSIONS: UVec3 = UVec3::splat(40);

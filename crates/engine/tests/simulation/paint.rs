@@ -7,8 +7,8 @@ use palpate_engine::error::SessionError;
 use palpate_engine::replay::run::replay;
 use palpate_engine::servo::channels::TickRecord;
 use palpate_engine::session::config::{Reference, SessionConfig};
+use palpate_tools::factory::{ToolKind, ToolSettings};
 use palpate_tools::painter::PaintSettings;
-use palpate_tools::tool::{ToolKind, ToolSettings};
 use palpate_volume::edit::SegmentId;
 
 const DIMENSIONS: UVec3 = UVec3::splat(40);

@@ -6,7 +6,7 @@ use palpate_device::DeviceState;
 use palpate_engine::error::SessionError;
 use palpate_engine::scene::Properties;
 use palpate_engine::servo::channels::{DeviceSample, TickRecord};
-use palpate_tools::tool::{ToolKind, ToolSettings};
+use palpate_tools::factory::{ToolKind, ToolSettings};
 use palpate_volume::edit::SegmentId;
 use palpate_volume::voxel_box::VoxelBox;
 use palpate_volume::voxels::VoxelsError;

@@ -7,7 +7,7 @@ use palpate_volume::bits::Bits;
 use palpate_volume::brick_grid::BrickSwap;
 use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
-use palpate_volume::shares::Shares;
+use palpate_volume::occupancy_fractions::Shares;
 use palpate_volume::voxel_box::VoxelBox;
 
 use super::{PartSwap, TapePart};

@@ -2,7 +2,7 @@
 
 use palpate_volume::bit_brick::BitBrick;
 use palpate_volume::grid::Grid;
-use palpate_volume::shares::ShareBrick;
+use palpate_volume::occupancy_fractions::ShareBrick;
 use rtrb::Consumer;
 
 use super::bricks::{changed_bricks, changed_fractions, put, put_fractions};
