@@ -3,8 +3,8 @@
 //! Frame: the world's grid.
 
 use glam::{DVec3, IVec3, UVec3};
-use palpate_engine::servo::channels::{BrickChange, Garbage};
 use palpate_engine::touch::body::BodyVoxels;
+use palpate_engine::touch::occupancy_change::{BrickChange, Garbage};
 use palpate_engine::touch::occupancy_fractions::BodyFractions;
 use palpate_engine::touch::probe::Probe;
 use palpate_engine::touch::touch_occupancy::{GARBAGE_PER_CHANGE, TouchOccupancy};

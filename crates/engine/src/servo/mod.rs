@@ -18,13 +18,13 @@ use palpate_volume::edit::SegmentId;
 use palpate_volume::grid::Grid;
 
 use crate::servo::channels::{
-    DeformableContact, DeviceSample, ForceCommand, HandTarget, ServoChannels, ServoCommand,
-    ServoStatus, Snapshot, TickRecord,
+    ForceCommand, ServoChannels, ServoCommand, ServoStatus, Snapshot, TickRecord,
 };
 use crate::servo::device_loop::WATCHDOG_SECS;
 use crate::servo::guarantee_watch::keeps_guarantees;
+use crate::servo::inputs::{DeformableContact, DeviceSample, HandTarget, TickInputs};
 use crate::servo::mapping::Mapping;
-use crate::servo::servo_state::{ServoState, TickInputs};
+use crate::servo::servo_state::ServoState;
 use crate::servo::shared::Shared;
 use crate::touch::contact_model::LimitedModel;
 use crate::touch::moved_poses::{CurrentPoses, MovedPoses};
@@ -41,7 +41,9 @@ use crate::touch::touched_surfaces::TouchedSurfaces;
 pub mod channels;
 mod commands;
 pub mod device_loop;
+pub mod force_state;
 pub mod guarantee_watch;
+pub mod inputs;
 pub mod mapping;
 mod publish;
 pub mod servo_state;

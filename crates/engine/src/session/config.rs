@@ -9,8 +9,7 @@ use palpate_volume::segment::Segment;
 
 use crate::error::SessionError;
 use crate::scene::Properties;
-use crate::simulation::check_radius;
-use crate::touch::settings::Settings;
+use crate::touch::settings::{Settings, check_radius};
 
 /// Farthest point that a session takes [mm].
 const POINT_LIMIT: f64 = 1e6;

@@ -10,10 +10,11 @@ use palpate_volume::voxels::VoxelsError;
 use super::Simulation;
 use crate::deformable::deformation::{DeformationStatus, ForceSource};
 use crate::error::SessionError;
-use crate::picture::frame::Notice;
+use crate::notice::Notice;
 use crate::picture::scene_updates::SceneUpdate;
 use crate::scene::{ModelChoice, Step};
-use crate::servo::channels::{DeformableContact, ServoCommand};
+use crate::servo::channels::ServoCommand;
+use crate::servo::inputs::DeformableContact;
 
 impl Simulation {
     /// Chooses the model of soft tissue and what it offers to choose, or none; an

@@ -8,12 +8,14 @@ use palpate_volume::voxel_box::VoxelBox;
 
 use glam::DAffine3;
 
-use super::{Simulation, check_radius};
+use super::Simulation;
 use crate::error::SessionError;
 use crate::picture::scene_updates::SceneUpdate;
 use crate::scene::incremental_surface::SurfaceOptions;
-use crate::scene::{Properties, Step, ThresholdRange, TouchChange};
+use crate::scene::{Properties, Step, TouchChange};
 use crate::servo::channels::ServoCommand;
+use crate::touch::scan_values::ThresholdRange;
+use crate::touch::settings::check_radius;
 use crate::touch::touch_feel::TouchFeel;
 
 impl Simulation {

@@ -9,7 +9,7 @@ use palpate_volume::voxels::VoxelsError;
 
 use super::Simulation;
 use crate::error::SessionError;
-use crate::picture::frame::Notice;
+use crate::notice::Notice;
 use crate::scene::Step;
 use crate::servo::channels::ServoCommand;
 use crate::simulation::tool_stroke::ProbeStatus;

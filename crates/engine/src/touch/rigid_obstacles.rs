@@ -21,7 +21,8 @@ use palpate_volume::grid::Grid;
 use palpate_volume::occupancy::Occupancy;
 use palpate_volume::segment_set::SegmentSet;
 
-use crate::touch::touchable::{Body, Part, Touchable, unmoved};
+use crate::touch::part::Part;
+use crate::touch::touchable::{Body, Touchable, unmoved};
 
 /// Where a tool was stopped.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -19,8 +19,8 @@ use palpate_volume::grid::Grid;
 use palpate_volume::voxel_box::VoxelBox;
 use rtrb::Producer;
 
-use crate::servo::channels::{BrickChange, Garbage, MAX_BRICKS, MAX_FRACTIONS, MAX_HELD};
 use crate::touch::moved_poses::MovedPoses;
+use crate::touch::occupancy_change::{BrickChange, Garbage, MAX_BRICKS, MAX_FRACTIONS, MAX_HELD};
 use crate::touch::patched::{Patched, place_of};
 use crate::touch::probe::Probe;
 use crate::touch::touchable::{Body, Touchable};

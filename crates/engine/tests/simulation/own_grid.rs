@@ -271,8 +271,7 @@ fn the_eraser_works_in_its_grid_and_the_drill_leaves_it() {
     ticks(&mut rig, 100, DVec3::new(20.0, 20.0, 30.0));
     ticks(&mut rig, 200, point);
     rig.simulation.stroke(false).unwrap();
-    let told =
-        |notice: palpate_engine::picture::frame::Notice| notice.text.contains("on another grid");
+    let told = |notice: palpate_engine::notice::Notice| notice.text.contains("on another grid");
     assert!(rig.notices.try_iter().any(told));
     let erased = before - rig.simulation.voxels().segment(plate).unwrap().count();
     let report = rig.simulation.tool_report();
