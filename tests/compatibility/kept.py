@@ -14,21 +14,22 @@ import numpy as np
 import SimpleITK
 from numpy.typing import NDArray
 from palpate import Scene, Session, SessionOptions, Volume, read, read_labels
-from palpate.autosave import autosave_of, note_scene
-from palpate.cli import run as command
-from palpate.drive import Drive
-from palpate.journal import Journal, journal_place
-from palpate.material import LinearMaterial, Material, Region
-from palpate.mesh_io import read_mesh
-from palpate.model_options import ModelOptions, Prony
-from palpate.needle import TISSUES, drive_needle
-from palpate.recent import note_recent, recent_scans
-from palpate.scan_hash import scan_hash
-from palpate.scenario_run import read_run, write_run
-from palpate.scene_file import SavedScene, open_scene, save_scene
-from palpate.second_scan import SecondScan
-from palpate.server_resume import kept_port, note_port
-from palpate.server_segments import ShownSegments
+from palpate.cli.commands import run as command
+from palpate.saved.autosave import autosave_of, note_scene
+from palpate.saved.journal import Journal, journal_place
+from palpate.saved.recent import note_recent, recent_scans
+from palpate.saved.scene_file import SavedScene, open_scene, save_scene
+from palpate.scenarios.drive import Drive
+from palpate.scenarios.needle import drive_needle
+from palpate.scenarios.run import read_run, write_run
+from palpate.server.resume import kept_port, note_port
+from palpate.server.segments import ShownSegments
+from palpate.session.model_options import ModelOptions, Prony
+from palpate.session.needle import TISSUES
+from palpate.volumes.material import LinearMaterial, Material, Region
+from palpate.volumes.mesh_read import read_mesh
+from palpate.volumes.scan_hash import scan_hash
+from palpate.volumes.second_scan import SecondScan
 
 from .sessions import Place, bone, plate, pose_of, scan, second_values, soft
 

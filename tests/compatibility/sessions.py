@@ -24,10 +24,10 @@ from palpate import (
     TouchSettings,
     Volume,
 )
-from palpate.material import Material, Region
-from palpate.model_options import ModelOptions, Prony
-from palpate.needle import TISSUES
-from palpate.volume import VolumeTraits
+from palpate.session.model_options import ModelOptions, Prony
+from palpate.session.needle import TISSUES
+from palpate.volumes.material import Material, Region
+from palpate.volumes.volume import VolumeTraits
 
 __all__ = ["PARTICLES", "SESSIONS", "scan", "scan_values", "second_values"]
 
